@@ -1,0 +1,1 @@
+"""The comparison of theory and simulation: the only package that knows both."""
