@@ -70,7 +70,8 @@ def run_ours(n: int, threads: int, method: Method) -> float:
     processor = min(one.cpu_seconds for one in costs)
     print(
         f"{n:6d} {cost.iterations:6d} {cost.fft_pairs:7.1f} {cost.wall_seconds:8.3f} {1e3 * pair:9.2f} "
-        f"{cost.wall_seconds / (cost.fft_pairs * pair):6.2f} {processor / (cost.fft_pairs * pair_processor):6.2f} "
+        f"{cost.wall_seconds / (cost.fft_pairs * pair):6.2f} "
+        f"{processor / (cost.fft_pairs * pair_processor):6.2f} "
         f"{cost.peak_bytes / (8 * n * n):7.2f} {grown / (8 * n * n):7.2f} "
         f"{residuals.complementarity:9.1e} {residuals.penetration:9.1e}",
         flush=True,
