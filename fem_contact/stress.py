@@ -329,7 +329,7 @@ def elastic_energy(result: ContactResult) -> float:
 
 
 def loading_work(results: Sequence[ContactResult]) -> Array:
-    """Work per nominal area [J/m^2] done by the load along a path, from its first state to each of the others.
+    """Work per nominal area [J/m^2] done by the load along a path, from its first state to the others.
 
     The work is the integral of p0 over the approach, -offset. Between two states p0 is taken to be
     exponential in the approach, as it nearly is, which makes the logarithmic mean of both loads the mean
