@@ -1,4 +1,4 @@
-"""Elastic responses of periodic solids: surface displacement from surface pressure, one compliance per wavevector."""
+"""Elastic responses of periodic solids: surface displacement from pressure, one compliance per wavevector."""
 
 from __future__ import annotations
 
