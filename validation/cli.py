@@ -185,3 +185,7 @@ def main() -> None:
 
 def _say(message: Exception | str) -> None:
     typer.echo(f"fem-contact: {message}", err=True)
+
+
+if __name__ == "__main__":
+    main()

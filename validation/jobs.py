@@ -96,7 +96,7 @@ def jobs_of(scene: Scene) -> tuple[Job, ...]:
     jobs: list[Job] = []
     bem, fem = scene.methods.bem, scene.methods.fem
     if bem is not None:
-        settings = (("tolerance", bem.tolerance),)
+        settings: tuple[tuple[str, float], ...] = (("tolerance", bem.tolerance),)
         steps = [k / bem.shifts for k in range(bem.shifts)]
         for grid, shift in itertools.product(sorted(bem.grids), itertools.product(steps, steps)):
             jobs.append(Job(method="bem", grid=grid, shift=shift, settings=settings, **common))
@@ -132,11 +132,11 @@ class Solved:
 def execute(job: Job) -> Solved:
     """Do one solve. Does not touch the disk."""
     solid = Solid(**job.solid.model_dump())
+    settings: dict[str, Any] = dict(job.settings)
     field = job.height_field()
     pressure = nominal_pressure(
         job.load, job.solid, reference_field(job.surface, realisation=job.realisation)
     )
-    settings = dict(job.settings)
     if job.method == "bem":
         from fem_contact import bem
         from fem_contact.response import HalfSpace

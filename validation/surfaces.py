@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import hashlib
 import math
 from collections.abc import Callable
@@ -27,10 +26,12 @@ def spectrum_of(surface: SelfAffineSurface) -> SelfAffine:
 
     build: Callable[..., SelfAffine]
     if surface.rms_gradient is not None:
-        build = functools.partial(SelfAffine.from_rms_gradient, surface.rms_gradient)
+        build, size = SelfAffine.from_rms_gradient, surface.rms_gradient
     else:
-        build = functools.partial(SelfAffine.from_rms_height, surface.rms_height)
+        assert surface.rms_height is not None
+        build, size = SelfAffine.from_rms_height, surface.rms_height
     return build(
+        size,
         hurst=surface.hurst,
         q_long=2 * math.pi / surface.lambda_long,
         q_short=2 * math.pi / surface.lambda_short,
