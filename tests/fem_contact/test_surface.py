@@ -1,6 +1,8 @@
 """Height fields and random surfaces against sums of waves written out by hand."""
 
+import copy
 import dataclasses
+import pickle
 
 import numpy as np
 import pytest
@@ -485,3 +487,15 @@ def test_a_height_field_cannot_be_changed():
     original[0, 0] = 99.0
     assert surface.heights[0, 0] == 0.0
     assert surface.spacing == (0.5, 1 / 3)
+
+
+@pytest.mark.parametrize("copied", [lambda value: pickle.loads(pickle.dumps(value)), copy.deepcopy])
+def test_a_copied_height_field_is_the_same_surface_and_read_only(copied):
+    original = surface_on((16, 17))
+    assert original.rms_gradient > 0
+    arrived = copied(original)
+    np.testing.assert_array_equal(arrived.heights, original.heights)
+    assert arrived.lengths == original.lengths
+    assert arrived.rms_gradient == original.rms_gradient
+    assert not arrived.heights.flags.writeable
+    assert arrived != original
