@@ -6,74 +6,21 @@ discrete response is the continuum's, C(q), at every wavevector of the grid.
 
 from __future__ import annotations
 
-import os
 import time
 
 import numpy as np
-import scipy.fft
 from numpy.typing import NDArray
 
-from fem_contact.complementarity import Solution, polonsky_keer
+from fem_contact.complementarity import Solution, solve_nested
 from fem_contact.contact import ContactResult, Cost, Status, measure_residuals
 from fem_contact.errors import InvalidInput
+from fem_contact.fourier import FourierOperator
 from fem_contact.response import Response
 from fem_contact.surface import HeightField
 
 __all__ = ["FourierOperator", "solve"]
 
 Array = NDArray[np.float64]
-
-
-class FourierOperator:
-    """The response of a solid on one grid, and its inverse, by real FFTs.
-
-    Parameters
-    ----------
-    response : Response
-    shape : tuple of int
-        Grid points (nx, ny).
-    lengths : tuple of float
-        Periods (Lx, Ly) [m].
-    threads : int, optional
-        Threads of each transform; all available processors if not given.
-    """
-
-    pairs = 1.0
-
-    def __init__(
-        self,
-        response: Response,
-        shape: tuple[int, int],
-        lengths: tuple[float, float],
-        *,
-        threads: int | None = None,
-    ) -> None:
-        qx = 2 * np.pi * scipy.fft.fftfreq(shape[0], lengths[0] / shape[0])
-        qy = 2 * np.pi * scipy.fft.rfftfreq(shape[1], lengths[1] / shape[1])
-        self.compliance = np.array(response.compliance(qx[:, None], qy[None, :]), dtype=float)
-        positive = self.compliance.ravel()[1:]
-        if not (np.all(np.isfinite(self.compliance)) and np.all(positive > 0) and self.compliance[0, 0] >= 0):
-            raise InvalidInput("the compliance is not positive and finite at every wavevector but q = 0")
-        self.shape = shape
-        self.threads = available_processors() if threads is None else threads
-
-    def apply(self, force: Array, out: Array) -> None:
-        """Write the displacement [m] under the pressure ``force`` [Pa] into ``out``."""
-        spectrum = scipy.fft.rfft2(force, workers=self.threads)
-        spectrum *= self.compliance
-        out[...] = scipy.fft.irfft2(spectrum, s=self.shape, workers=self.threads, overwrite_x=True)
-
-    def precondition(self, residual: Array, out: Array) -> None:
-        """Write the full-contact pressure [Pa] under a displacement [m], without its mean, into ``out``."""
-        spectrum = scipy.fft.rfft2(residual, workers=self.threads)
-        spectrum[0, 0] = 0
-        spectrum.ravel()[1:] /= self.compliance.ravel()[1:]
-        out[...] = scipy.fft.irfft2(spectrum, s=self.shape, workers=self.threads, overwrite_x=True)
-
-
-def available_processors() -> int:
-    """Processors this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def solve(
@@ -121,17 +68,18 @@ def solve(
     start = _checked_start(start, surface)
     operator = FourierOperator(response, surface.shape, surface.lengths, threads=threads)
     modulus = response.contact_modulus
-    scale = surface.rms_height
     solution = _full_contact(operator, surface.heights, mean_pressure)
     if solution is None:
-        solution = polonsky_keer(
+        solution = solve_nested(
             operator,
             surface.heights,
+            coarse=lambda shape: FourierOperator(response, shape, surface.lengths, threads=operator.threads),
+            start=start,
             mean_force=mean_pressure,
-            length_scale=scale,
+            length_scale=surface.rms_height,
             tolerance=tolerance,
             max_iterations=max_iterations,
-            start=start,
+            threads=operator.threads,
         )
     gap = solution.displacement - surface.heights + solution.offset
     residuals = measure_residuals(
@@ -190,7 +138,7 @@ def _checked_start(start: Array | None, surface: HeightField) -> Array | None:
 
 
 def _full_contact(operator: FourierOperator, heights: Array, mean_pressure: float) -> Solution | None:
-    """Return the exact answer, p-hat = h-hat / C(q), where all points touch; None where that needs tension."""
+    """Exact answer p-hat = h-hat / C(q) where all points touch; None where that needs tension."""
     force, displacement = np.empty(heights.shape), np.empty(heights.shape)
     operator.precondition(heights, force)
     force += mean_pressure - np.mean(force)
