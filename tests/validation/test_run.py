@@ -214,6 +214,13 @@ def test_an_effect_no_method_handles_is_refused_before_computing(write_scene, tm
     assert not (tmp_path / "results").exists()
 
 
+def test_an_incompressible_solid_is_refused_for_elements_that_lock(write_scene, tmp_path, monkeypatch):
+    monkeypatch.setattr(run_module, "execute", lambda job: pytest.fail("computed"))
+    path = write_scene(("poisson = 0.3", "poisson = 0.5"))
+    with pytest.raises(UsageError, match=r"solid\.poisson = 0\.5: method 'fem' locks above 0\.49"):
+        run_scene(load_scene(str(path)), tmp_path / "results")
+
+
 def test_a_failed_solve_names_itself_and_keeps_the_others(write_scene, tmp_path):
     path = write_scene(("shifts = 2", "shifts = 1\ntolerance = 1e-300"), fem=False)
     with pytest.raises(RunFailed, match="BEM 12x12"):
