@@ -148,7 +148,7 @@ def push_transposed(lo, hi, fine, occupied, coarse, decay):
 
 @njit(**_OPTIONS)
 def pull_transposed(fine, counts, coarse):
-    """Transpose of `pull` in place: occupied cells take up the coarser level and are divided by their count."""
+    """Transpose of `pull` in place: occupied cells take the coarser level, divided by their count."""
     for i in range(fine.shape[0]):
         for j in range(fine.shape[1]):
             if counts[i, j] > 0:
