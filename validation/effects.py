@@ -37,7 +37,7 @@ _FEM_BYTES_PER_UNKNOWN = 4700
 
 
 def check_effects(scene: Scene) -> None:
-    """Refuse a scene with an effect one of its methods lacks, or a solid it cannot discretise.
+    """Refuse a scene that lists an effect one of its methods lacks, or a solid it cannot discretise.
 
     Raises
     ------
@@ -46,8 +46,8 @@ def check_effects(scene: Scene) -> None:
     """
     if scene.methods.fem is not None and scene.solid.poisson > 0.49:
         raise UsageError(
-    """Refuse a scene with an effect one of its methods lacks, or a solid it cannot discretise.
-            "alone; leave [methods.fem] out or lower it"
+            f"solid.poisson = {scene.solid.poisson!r}: method 'fem' locks above 0.49 with elements of "
+            "displacement alone; leave [methods.fem] out or lower it"
         )
     wanted = [name for name in ("bem", "fem", "theory") if getattr(scene.methods, name) is not None]
     for k, effect in enumerate(scene.effects):
