@@ -109,6 +109,14 @@ class Scale:
 
     def wavevector(self, variance: ArrayLike) -> Array:
         """Q [1/m] at which V(q) equals `variance` [Pa^2]; q_min below the first, q_short above the last."""
-        value = np.clip(np.asarray(variance, dtype=float), self._first, self._top)
+        asked = np.asarray(variance, dtype=float)
+        value = np.clip(asked, self._first, self._top)
         q = self.q_min * (1 + np.exp(self._inverse(np.log(value / self._top))))
-        return np.where(np.asarray(variance) < self._first, self.q_min, np.minimum(q, self.q_short))
+        for _ in range(2):
+            # The table is good to 1e-5; Newton makes the inverse as smooth as the spectrum, which moving
+            # walls need.
+            half = self.modulus(q) / 2
+            rate = 2 * np.pi * q * q * q * self.spectrum(q) * half * half
+            step = np.where(rate > 0, (self.variance(q) - value) / np.where(rate > 0, rate, 1.0), 0.0)
+            q = np.clip(q - step, self.q_min + (q - self.q_min) / 2, self.q_min + (q - self.q_min) * 2)
+        return np.where(asked < self._first, self.q_min, np.minimum(q, self.q_short))[()]
