@@ -32,7 +32,6 @@ __all__ = [
     "crossover_length",
     "detachment_stress",
     "opening_work",
-    "pull_off_stress",
     "solve_adhesion",
 ]
 
@@ -254,6 +253,7 @@ def solve_adhesion(
     pressure: float,
     interface: Interface,
     yield_stress: float | Callable[[Array], Array] | None = None,
+    start: AdhesiveContact | None = None,
     tolerance: float = 1e-6,
     rounds: int = 150,
 ) -> AdhesiveContact:
@@ -273,6 +273,9 @@ def solve_adhesion(
     yield_stress : float or callable, optional
         Hardness [Pa], constant or as a function of q that does not decrease (Persson 2006, Sec. 9). Yielded
         contact adheres; only elastic contact stores energy.
+    start : AdhesiveContact, optional
+        A state to continue from, such as that at a smaller tension. Without load the bodies are otherwise
+        taken to have been pressed together first.
     tolerance : float
         Change of area and of gamma_eff / Delta gamma at which the iteration stops.
     rounds : int
@@ -302,7 +305,8 @@ def solve_adhesion(
         yield_stress=yield_stress,
         reference=reference,
     )
-    start = None if case.pressure > 0 else _approach(case, tolerance, rounds)
+    if start is None and case.pressure <= 0:
+        start = _approach(replace(case, pressure=0.0), tolerance, rounds)
     coarse: AdhesiveContact | None = None
     for spacing in _SPACINGS:
         start = start if coarse is None else coarse
@@ -482,24 +486,3 @@ def _empty(case: _Case, nodes: _Nodes, count: int) -> AdhesiveContact:
         rounds=count,
         status=AdhesionStatus.NO_CONTACT,
     )
-
-
-def pull_off_stress(scale: Scale, *, interface: Interface, tolerance: float = 1e-3) -> float:
-    """Largest nominal tension [Pa], as a positive number, at which contact still exists; 0 without adhesion.
-
-    Found by bisection between no load and the detachment stress of the macroscopic interface, to `tolerance`
-    relative to the latter.
-    """
-    free = solve_adhesion(scale, pressure=0.0, interface=interface)
-    if free.status is AdhesionStatus.NO_CONTACT:
-        return 0.0
-    low, high = 0.0, float(free.tensile_limit[0])
-    span = high
-    while high - low > tolerance * span:
-        middle = 0.5 * (low + high)
-        held = solve_adhesion(scale, pressure=-middle, interface=interface)
-        if held.status is AdhesionStatus.NO_CONTACT:
-            high = middle
-        else:
-            low = middle
-    return low

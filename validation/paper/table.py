@@ -13,6 +13,7 @@ from persson.adhesion import Interface, crossover_length, solve_adhesion
 from persson.asperities import ring_asperities
 from persson.capillary import maximum_height
 from persson.hardness import constant_hardness
+from persson.limits import critical_roughness
 from persson.separation import macroasperity_magnification
 from persson.spectrum import area_factor
 from persson.spheres import DoubleHertz, derjaguin_pull_off, jkr_pull_off
@@ -78,12 +79,7 @@ def _rim_macroscopic() -> float:
 
 def _rim_critical() -> float:
     interface = Interface(work_of_adhesion=s.RIM_WORK)
-    low, high = 0.1, 1.0
-    while high - low > 0.01:
-        middle = (low + high) / 2
-        result = solve_adhesion(s.scale_of(s.rim(middle), s.RIM_MODULUS), pressure=0.0, interface=interface)
-        low, high = (middle, high) if result.checked().real_area > 0 else (low, middle)
-    return (low + high) / 2
+    return critical_roughness(s.rim(), contact_modulus=s.RIM_MODULUS, interface=interface, tolerance=0.02)
 
 
 def _kappa(asymptote: float) -> float:
@@ -115,22 +111,11 @@ def _pyrex_rms() -> Readings:
         yield Reading(convention=convention, value=s.pyrex(q_min=q_min).moments().rms_height * 1e9)
 
 
-def pyrex_sticks(ratio: float, *, surfaces: int, energy: EnergyName) -> bool:
-    """Whether Pyrex of h = ratio h_0 adheres without load."""
-    scale = s.scale_of(s.pyrex(ratio, surfaces=surfaces), s.PYREX_MODULUS)
-    interface = Interface(work_of_adhesion=s.PYREX_WORK, energy=energy)
-    return bool(solve_adhesion(scale, pressure=0.0, interface=interface).checked().real_area > 0)
-
-
 def _critical_ratio(surfaces: int, energy: EnergyName) -> float:
-    low, high = 0.25, 4.0
-    while high / low > 1.005:
-        middle = math.sqrt(low * high)
-        if pyrex_sticks(middle, surfaces=surfaces, energy=energy):
-            low = middle
-        else:
-            high = middle
-    return math.sqrt(low * high)
+    interface = Interface(work_of_adhesion=s.PYREX_WORK, energy=energy)
+    return critical_roughness(
+        s.pyrex(surfaces=surfaces), contact_modulus=s.PYREX_MODULUS, interface=interface, tolerance=0.004
+    )
 
 
 def _pyrex_critical() -> Readings:
