@@ -21,6 +21,14 @@ Array = NDArray[np.float64]
 #: Corners of a hexahedron in VTK's order.
 _CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
 
+#: Nodes of a triquadratic hexahedron in VTK's order: corners, edges, faces, centre; in half cells.
+_NODES27 = (
+    *((0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)),
+    *((1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (1, 0, 2), (2, 1, 2), (1, 2, 2), (0, 1, 2)),
+    *((0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1)),
+    *((0, 1, 1), (2, 1, 1), (1, 0, 1), (1, 2, 1), (1, 1, 0), (1, 1, 2), (1, 1, 1)),
+)
+
 
 def write_block(path: Path, solution: BlockSolution, *, deformation: float = 1.0) -> None:
     """Write the deformed block with its stress for ParaView and the like (``.vtu`` or ``.xdmf``).
@@ -55,9 +63,12 @@ def write_block(path: Path, solution: BlockSolution, *, deformation: float = 1.0
         on_top[:, :, -1] = _unfolded(values)
         point_data[name] = on_top.ravel()
     stress = solution.stress()
+    kind, corners = (
+        ("hexahedron", _CORNERS) if solution.mesh.element.order == 1 else ("hexahedron27", _NODES27)
+    )
     mesh = meshio.Mesh(
         points=(_nodes(solution) + deformation * displacement).reshape(-1, 3),
-        cells=[("hexahedron", _cells(displacement.shape[:3]))],
+        cells=[(kind, _cells(displacement.shape[:3], corners, step=solution.mesh.element.order))],
         point_data=point_data,
         cell_data={"stress": [stress.tensor.reshape(-1, 6)], "von_mises": [stress.von_mises.ravel()]},
     )
@@ -80,8 +91,10 @@ def _nodes(solution: BlockSolution) -> Array:
     return np.stack(grid, axis=-1)
 
 
-def _cells(nodes: tuple[int, ...]) -> NDArray[np.int64]:
+def _cells(
+    nodes: tuple[int, ...], corners: tuple[tuple[int, int, int], ...], *, step: int
+) -> NDArray[np.int64]:
     number = np.arange(int(np.prod(nodes))).reshape(nodes)
     nx, ny, nz = (n - 1 for n in nodes)
-    corners = [number[i : i + nx, j : j + ny, k : k + nz].ravel() for i, j, k in _CORNERS]
-    return np.stack(corners, axis=1)
+    columns = [number[i : i + nx : step, j : j + ny : step, k : k + nz : step].ravel() for i, j, k in corners]
+    return np.stack(columns, axis=1)

@@ -1,14 +1,20 @@
 """The finite-element block: an elastic slab of hexahedra, pressed by a rigid rough surface."""
 
-from fem_contact.block.mesh import BlockMesh, graded_layers, plan_mesh
+from fem_contact.block.elements import ELEMENTS, Element
+from fem_contact.block.mesh import BlockMesh, MeshOptions, graded_layers, plan_mesh
+from fem_contact.block.reduced import BlockResponse
 from fem_contact.block.solution import BlockSolution, CellStress
 from fem_contact.block.solver import Estimate, estimate, solve
 
 __all__ = [
+    "ELEMENTS",
     "BlockMesh",
+    "BlockResponse",
     "BlockSolution",
     "CellStress",
+    "Element",
     "Estimate",
+    "MeshOptions",
     "estimate",
     "graded_layers",
     "plan_mesh",

@@ -1,8 +1,8 @@
 """Primal-dual active set on the surface nodes of the assembled block.
 
 On the set, u_z follows the rigid profile; the profile's height above the undeformed surface is one more
-unknown, tied to the nodes of the set, whose equation is the balance of the load. Lengths are in dx and
-stresses in Young's modulus throughout.
+unknown, tied to the nodes of the set, whose equation is the balance of the load. Lengths are in cell widths
+and stresses in Young's modulus throughout.
 """
 
 from __future__ import annotations
@@ -11,12 +11,12 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.linear import LinearSolution, conjugate_gradients, multigrid, rigid_modes
+from fem_contact.block.linear import LinearSolution, conjugate_gradients, factorised, multigrid, rigid_modes
 from fem_contact.contact import Status
 
 if TYPE_CHECKING:
@@ -60,14 +60,14 @@ class ActiveSetSolution:
     Attributes
     ----------
     displacement : (nx, ny, nz, 3) array
-        u over dx above the clamped plane.
+        u over the cell width above the clamped plane.
     force : (nx, ny) array
-        Downward nodal force on the contact nodes over E dx^2; 0 elsewhere.
+        Downward nodal force on the contact nodes over E times the cell width squared; 0 elsewhere.
     gap : (nx, ny) array
-        g over dx.
+        g over the cell width.
     in_contact : (nx, ny) array of bool
     offset : float
-        Offset over dx.
+        Offset over the cell width.
     """
 
     displacement: Array
@@ -92,18 +92,28 @@ class Block:
         Stiffness above the clamped plane, over E.
     mesh : BlockMesh
     heights : (nx, ny) array
-        Profile over dx, positive into the block.
+        Profile over the cell width, positive into the block.
+    direct : bool
+        Precondition by a factorisation, which takes multigrid's place where that crawls and the block is
+        small.
     """
 
     matrix: sp.bsr_array
     mesh: BlockMesh
     heights: Array
+    direct: bool = False
+
+    @property
+    def levels(self) -> int:
+        """Planes of nodes above the clamped one."""
+        return self.mesh.planes.size - 1
 
     @cached_property
     def modes(self) -> Array:
         """Rigid-body modes at the free nodes."""
         (nx, ny), z = self.mesh.shape, self.mesh.planes[1:]
-        grid = np.meshgrid(np.arange(nx), np.arange(ny) * self.mesh.aspect, z, indexing="ij")
+        order = self.mesh.element.order
+        grid = np.meshgrid(np.arange(nx) / order, np.arange(ny) * self.mesh.aspect / order, z, indexing="ij")
         return rigid_modes(np.stack(grid, axis=-1).reshape(-1, 3))
 
     @cached_property
@@ -113,7 +123,7 @@ class Block:
 
     def vertical(self, nodes: Mask) -> NDArray[np.int64]:
         """Numbers of the vertical unknowns at surface nodes."""
-        return 3 * (np.flatnonzero(nodes) * self.mesh.nz + self.mesh.nz - 1) + 2
+        return 3 * (np.flatnonzero(nodes) * self.levels + self.levels - 1) + 2
 
     def force_scale(self, state: _State, *, load: float | None) -> float:
         """Smallest norm that the contact forces of one set can have, for the linear tolerance to refer to.
@@ -128,7 +138,7 @@ class Block:
     def surface(self, field: Array) -> Array:
         """Vertical component at the surface of a field over all unknowns, (nx, ny)."""
         nx, ny = self.mesh.shape
-        return field.reshape(nx, ny, self.mesh.nz, 3)[:, :, -1, 2]
+        return field.reshape(nx, ny, self.levels, 3)[:, :, -1, 2]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -198,8 +208,8 @@ class _SetProblem:
         kept = matrix.data[own].diagonal(axis1=1, axis2=2) * per_node[rows[own]]
         data[own] += kept[:, :, None] * np.eye(3)
         self.matrix = sp.bsr_array((data, matrix.indices, matrix.indptr), shape=matrix.shape)
-        self.hierarchy = multigrid(self.matrix, block.modes * ~fixed[:, None])
-        self.cycle = self.hierarchy.aspreconditioner(cycle="V")
+        modes = block.modes * ~fixed[:, None]
+        self.preconditioner = factorised(self.matrix) if block.direct else multigrid(self.matrix, modes)
         unit = np.zeros(matrix.shape[0])
         unit[self.tied] = 1
         image = matrix @ unit
@@ -211,7 +221,7 @@ class _SetProblem:
         self.schur = self.diagonal - float(self.coupling @ self.answer)
 
     def _cycle(self, residual: Array) -> Array:
-        result: Array = self.cycle @ residual
+        result = self.preconditioner.apply(residual)
         result[self.tied] = 0
         return result
 
@@ -266,13 +276,8 @@ class _SetProblem:
 
     @property
     def nbytes(self) -> int:
-        """Memory of the reduced matrix and the hierarchy."""
-        return int(self.matrix.data.nbytes + sum(_level_bytes(level) for level in self.hierarchy.levels))
-
-
-def _level_bytes(level: Any) -> int:
-    parts = [getattr(level, name) for name in ("A", "P", "R") if hasattr(level, name)]
-    return int(sum(part.data.nbytes + part.indices.nbytes + part.indptr.nbytes for part in parts))
+        """Memory of the reduced matrix and its preconditioner."""
+        return int(self.matrix.data.nbytes) + self.preconditioner.nbytes
 
 
 def solve_contact(
@@ -291,16 +296,16 @@ def solve_contact(
     ----------
     block : Block
     load : float or None
-        Total downward force over E dx^2; None where `offset` is prescribed.
+        Total downward force over E times the cell width squared; None where `offset` is prescribed.
     offset : float
-        Prescribed offset over dx, or its first guess.
+        Prescribed offset over the cell width, or its first guess.
     start : (nx, ny) array of bool
         First active set.
     settings : Settings
     violation : callable
         Dimensionless measure of what nodal forces and gaps violate.
     displacement : (nx, ny, nz, 3) array, optional
-        First guess of u over dx.
+        First guess of u over the cell width.
 
     Notes
     -----
@@ -338,7 +343,7 @@ def solve_contact(
             seen.add(state.nodes.tobytes())
             state = state.moved()
     return ActiveSetSolution(
-        displacement=state.displacement.reshape(*block.mesh.shape, block.mesh.nz, 3),
+        displacement=state.displacement.reshape(*block.mesh.shape, block.levels, 3),
         force=state.force,
         gap=state.gap,
         in_contact=state.nodes,

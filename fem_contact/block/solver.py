@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from importlib.metadata import version
+from typing import Literal, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.active_set import ActiveSetSolution, Block, Settings, solve_contact
-from fem_contact.block.assembly import assemble, lame
-from fem_contact.block.mesh import BlockMesh, plan_mesh
+from fem_contact.block.elements import element_for
+from fem_contact.block.fields import ArraySource, FieldSource, FourierSource
+from fem_contact.block.mesh import BlockMesh, MeshOptions, nodal_pressure, node_weights, plan_mesh
+from fem_contact.block.problem import Found, Problem
 from fem_contact.block.solution import BlockSolution
 from fem_contact.contact import ContactResult, Cost, measure_residuals
 from fem_contact.errors import InsufficientMemory, InvalidInput
@@ -21,18 +24,14 @@ from fem_contact.surface import HeightField
 __all__ = ["Estimate", "estimate", "solve"]
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Method = Literal["full", "reduced"]
 
-#: Peak bytes per unknown: stiffness, its reduced copy, hierarchy, element matrices while assembling.
-_BYTES_PER_UNKNOWN = 4800
+#: Peak bytes per unknown of the full system, by order: stiffness, its reduced copy, hierarchy, assembly.
+_BYTES_PER_UNKNOWN = {1: 4800, 2: 14000}
 
-#: Below this many cells along an axis no coarser grid looks for the first active set.
-_COARSEST = 16
-
-#: A coarser grid only proposes a set.
-_COARSE_TOLERANCE = 1e-3
-
-#: Conjugate-gradient steps allowed for one set.
-_LINEAR_STEPS = 1000
+#: Peak bytes per surface node of the reduced system, by order: some 14 arrays, or 4 x 4 tables.
+_BYTES_PER_NODE = {1: 120, 2: 400}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,9 +43,9 @@ class Estimate:
     unknowns : int
         Displacement components of the block.
     bytes : int
-        Memory at the peak.
+        Memory at the peak, without the field inside.
     layers : int
-        Planes of cells.
+        Layers of cells.
     """
 
     unknowns: int
@@ -58,9 +57,9 @@ def estimate(
     shape: tuple[int, int],
     lengths: tuple[float, float] = (1.0, 1.0),
     *,
-    depth: float | None = None,
-    growth: float = 1.2,
-    first_layer: float | None = None,
+    method: Method = "reduced",
+    poisson: float = 0.3,
+    **mesh: Unpack[MeshOptions],
 ) -> Estimate:
     """Count the unknowns and the memory of a solve before it starts; arguments as in `solve`.
 
@@ -69,8 +68,28 @@ def estimate(
     >>> estimate((64, 64)).unknowns
     184320
     """
-    mesh = plan_mesh(shape, lengths, depth=depth, growth=growth, first_layer=first_layer)
-    return Estimate(unknowns=mesh.unknowns, bytes=_BYTES_PER_UNKNOWN * mesh.unknowns, layers=mesh.nz)
+    planned = _planned(shape, lengths, poisson=poisson, options=mesh)
+    return Estimate(unknowns=planned.unknowns, bytes=_needed(planned, method), layers=planned.nz)
+
+
+def _planned(
+    shape: tuple[int, int], lengths: tuple[float, float], *, poisson: float, options: MeshOptions
+) -> BlockMesh:
+    return plan_mesh(
+        shape,
+        lengths,
+        depth=options.get("depth"),
+        growth=options.get("growth", 1.2),
+        first_layer=options.get("first_layer"),
+        element=element_for(options.get("element"), poisson=poisson),
+    )
+
+
+def _needed(mesh: BlockMesh, method: Method) -> int:
+    order = mesh.element.order
+    if method == "full":
+        return _BYTES_PER_UNKNOWN[order] * mesh.unknowns
+    return _BYTES_PER_NODE[order] * mesh.shape[0] * mesh.shape[1]
 
 
 def solve(
@@ -78,39 +97,44 @@ def solve(
     solid: Solid,
     *,
     mean_pressure: float,
-    depth: float | None = None,
-    growth: float = 1.2,
-    first_layer: float | None = None,
+    method: Method = "reduced",
+    modulus: Callable[[Array, Array, Array], Array] | None = None,
     tolerance: float = 1e-8,
-    max_iterations: int = 60,
-    start: NDArray[np.bool_] | None = None,
+    max_iterations: int | None = None,
+    start: Mask | None = None,
+    **mesh: Unpack[MeshOptions],
 ) -> BlockSolution:
     """Press a rigid surface into an elastic block at a given mean pressure, without friction.
 
     The block has the periods of the surface, is clamped at its bottom, and carries one surface node per point
-    of the height field. All its unknowns are solved for (method "full"): trilinear hexahedra of scikit-fem, a
-    primal-dual active set, conjugate gradients with pyamg's smoothed aggregation.
+    of the height field.
 
     Parameters
     ----------
     surface : HeightField
         Heights of the rigid body, positive towards the block.
     solid : Solid
-        Poisson ratio below 1/2.
     mean_pressure : float
         p0 [Pa], positive.
-    depth : float, optional
-        Thickness of the block [m]; the longest period by default.
-    growth : float
-        Largest ratio of neighbouring layer thicknesses.
-    first_layer : float, optional
-        Thickness of the layer below the surface [m]; the spacing dx by default.
+    method : {"reduced", "full"}
+        "full" solves for all unknowns of the assembled block: an active set, conjugate gradients with pyamg's
+        smoothed aggregation. "reduced" eliminates the inside exactly, wavevector by wavevector, and solves
+        for the surface by FFT: the same discrete solution at a small part of the cost.
+    modulus : callable, optional
+        Young's modulus of the block over `solid.young`, evaluated at the cells' centres x (nx, 1, 1), y (1,
+        ny, 1), z (1, 1, nz) [m]. For the reduced method it may depend on z alone.
     tolerance : float
-        Bound on the residual of the linear systems over the norm of the contact forces.
-    max_iterations : int
-        Active sets tried at most.
+        "full": bound on the linear residual over the norm of the contact forces. "reduced": bound on the
+        complementarity over h_rms.
+    max_iterations : int, optional
+        Active sets (60 by default) or steps of the surface iteration (10 000).
     start : (nx, ny) array of bool, optional
-        First active set, for instance of a neighbouring load. By default a coarser grid is asked.
+        First contact set, for instance of a neighbouring load.
+    depth, growth, first_layer : float, optional
+        Thickness of the block [m], the longest period by default; largest ratio of neighbouring layers (1.2);
+        thickness of the layer below the surface [m], the cell width by default.
+    element : {"Hex1", "Hex1/P0", "Hex2", "Hex2/P1disc"}, optional
+        By default the cheapest that does not lock at this Poisson ratio.
 
     Returns
     -------
@@ -120,47 +144,87 @@ def solve(
     Raises
     ------
     InvalidInput
-        For a pressure, tolerance or start that cannot be used, or an incompressible solid.
+        For arguments that cannot be used, or an element or method that cannot represent the solid.
     InsufficientMemory
         If the estimate exceeds the memory available.
     """
-    began, processor = time.perf_counter(), time.process_time()
-    if not (np.isfinite(mean_pressure) and mean_pressure > 0):
-        raise InvalidInput(f"mean_pressure = {mean_pressure!r}: must be a positive, finite pressure in Pa")
-    if not (np.isfinite(tolerance) and 0 < tolerance < 1):
-        raise InvalidInput(f"tolerance = {tolerance!r}: must lie in (0, 1)")
-    if max_iterations < 1:
-        raise InvalidInput(f"max_iterations = {max_iterations!r}: must be at least 1")
-    lame(solid.poisson)
-    mesh = plan_mesh(surface.shape, surface.lengths, depth=depth, growth=growth, first_layer=first_layer)
-    _refuse_beyond_memory(mesh)
-    nodes = _checked_start(start, surface.shape)
-    highest, dx = float(np.max(surface.heights)), surface.spacing[0]
-    task = _Task(
-        heights=(surface.heights - highest) / dx,
-        mesh=mesh,
-        growth=growth,
+    began = time.perf_counter(), time.process_time()
+    steps = max_iterations if max_iterations is not None else 60 if method == "full" else 10_000
+    _check(mean_pressure=mean_pressure, method=method, tolerance=tolerance, steps=steps)
+    planned = _planned(surface.shape, surface.lengths, poisson=solid.poisson, options=mesh)
+    _refuse_beyond_memory(planned, method)
+    width, top = surface.lengths[0] / planned.cells[0], float(np.max(surface.heights))
+    problem = Problem(
+        mesh=planned,
+        heights=(surface.heights - top) / width,
         poisson=solid.poisson,
         pressure=mean_pressure / solid.young,
         gradient=surface.rms_gradient,
-        settings=Settings(
-            tolerance=tolerance, max_iterations=max_iterations, max_linear_iterations=_LINEAR_STEPS
-        ),
+        modulus=_cell_moduli(modulus, planned, width),
+        tolerance=tolerance,
+        steps=steps,
+        growth=mesh.get("growth", 1.2),
     )
-    found = task.find(nodes)
-    pressure = found.force * (solid.young / mesh.aspect)
-    gap, offset = found.gap * dx, found.offset * dx + highest
-    contact = ContactResult(
+    nodes = _checked_start(start, surface.shape)
+    found, source = _found(problem, method=method, start=nodes, width=width)
+    scale = _Scale(width=width, top=top, pressure=mean_pressure)
+    seconds = time.perf_counter() - began[0], time.process_time() - began[1]
+    contact = _result(surface, solid, problem=problem, found=found, scale=scale, seconds=seconds)
+    return BlockSolution(contact=contact, solid=solid, mesh=planned, source=source, modulus=problem.modulus)
+
+
+def _found(
+    problem: Problem, *, method: Method, start: Mask | None, width: float
+) -> tuple[Found, FieldSource]:
+    if method == "full":
+        from fem_contact.block.full import solve_full
+
+        found = solve_full(problem, start)
+        assert found.field is not None
+        return found, ArraySource(field=found.field * width, order=problem.mesh.element.order)
+    if problem.lateral:
+        raise InvalidInput("modulus: varies sideways, which method = 'reduced' cannot follow; take 'full'")
+    from fem_contact.block.reduced import BlockResponse, solve_reduced
+
+    unit = Solid(young=1.0, poisson=problem.poisson)
+    layers = None if problem.modulus is None else problem.modulus[0, 0]
+    response = BlockResponse(mesh=problem.mesh, solid=unit, width=1.0, layer_modulus=layers)
+    found = solve_reduced(problem, response, start)
+    return found, FourierSource(response=response, force=found.force, width=width)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Scale:
+    """What turns a dimensionless answer into metres and pascals."""
+
+    width: float
+    top: float
+    pressure: float
+
+
+def _result(
+    surface: HeightField,
+    solid: Solid,
+    *,
+    problem: Problem,
+    found: Found,
+    scale: _Scale,
+    seconds: tuple[float, float],
+) -> ContactResult:
+    weights = node_weights(problem.mesh)
+    pressure = nodal_pressure(found.force, problem.mesh) * solid.young
+    gap = found.gap * scale.width
+    return ContactResult(
         pressure=pressure,
         gap=gap,
-        displacement=-found.displacement[:, :, -1, 2] * dx,
+        displacement=found.displacement * scale.width,
         in_contact=found.in_contact,
         at_bound=np.zeros(surface.shape, dtype=bool),
         heights=surface.heights,
         lengths=surface.lengths,
         contact_modulus=solid.contact_modulus,
-        offset=offset,
-        mean_pressure=float(np.mean(pressure)),
+        offset=found.offset * scale.width + scale.top,
+        mean_pressure=float(np.mean(pressure if weights is None else pressure * weights)),
         status=found.status,
         residuals=measure_residuals(
             pressure=pressure,
@@ -169,40 +233,80 @@ def solve(
             lengths=surface.lengths,
             contact_modulus=solid.contact_modulus,
             rms_gradient=surface.rms_gradient,
-            target_pressure=mean_pressure,
+            target_pressure=scale.pressure,
+            weights=weights,
         ),
         cost=Cost(
-            wall_seconds=time.perf_counter() - began,
-            cpu_seconds=time.process_time() - processor,
-            iterations=found.sets,
+            wall_seconds=seconds[0],
+            cpu_seconds=seconds[1],
+            iterations=found.iterations,
+            fft_pairs=found.fft_pairs,
             linear_iterations=found.linear_iterations,
-            unknowns=mesh.unknowns,
-            peak_bytes=found.matrix_bytes,
+            unknowns=problem.mesh.unknowns,
+            peak_bytes=found.bytes,
         ),
-        provenance=_provenance(mesh, dx=dx, found=found, tolerance=tolerance),
+        weights=weights,
+        provenance=_provenance(problem, width=scale.width, found=found),
     )
-    field = np.zeros((*surface.shape, mesh.nz + 1, 3))
-    field[:, :, 1:] = found.displacement * dx
-    return BlockSolution(contact=contact, solid=solid, planes=mesh.planes * dx, field=field)
 
 
-def _provenance(mesh: BlockMesh, *, dx: float, found: ActiveSetSolution, tolerance: float) -> dict[str, str]:
-    depth = float(-mesh.planes[0])
+def _provenance(problem: Problem, *, width: float, found: Found) -> dict[str, str]:
+    mesh = problem.mesh
     widest = float(np.max(mesh.layers[:-1] / mesh.layers[1:])) if mesh.nz > 1 else 1.0
-    return {
-        "method": "finite elements, full system: active set, conjugate gradients with smoothed aggregation",
-        "element": "Hex1 (trilinear hexahedron, 2 x 2 x 2 quadrature)",
-        "mesh": f"{mesh.shape[0]} x {mesh.shape[1]} x {mesh.nz} cells, {mesh.unknowns} unknowns",
-        "layers": f"first {mesh.layers[-1]:.4g} dx, growth {widest:.4g}",
-        "depth": f"{depth * dx:.6g} m, clamped",
-        "pressure": "nodal force over cell area",
-        "tolerance": f"{tolerance:.3g} (linear residual reached {found.linear_residual:.3g})",
+    share = "cell area" if mesh.element.order == 1 else "node area (corner : edge : centre = 1 : 2 : 4)"
+    text = {
+        "method": "finite elements, full system: active set, conjugate gradients with smoothed aggregation"
+        if found.field is not None
+        else "finite elements, reduced exactly to the surface nodes by Fourier transform",
+        "element": mesh.element.name,
+        "mesh": f"{mesh.cells[0]} x {mesh.cells[1]} x {mesh.nz} cells, {mesh.unknowns} unknowns",
+        "layers": f"first {mesh.layers[-1]:.4g} cell widths, growth {widest:.4g}",
+        "depth": f"{float(-mesh.planes[0]) * width:.6g} m, clamped",
+        "pressure": f"nodal force over {share}; contact area counts the same areas",
+        "tolerance": f"{problem.tolerance:.3g} (reached: {found.note})",
         "scikit-fem": version("scikit-fem"),
-        "pyamg": version("pyamg"),
     }
+    if found.field is not None:
+        text["pyamg"] = version("pyamg")
+    return text
 
 
-def _checked_start(start: NDArray[np.bool_] | None, shape: tuple[int, int]) -> NDArray[np.bool_] | None:
+def _check(*, mean_pressure: float, method: str, tolerance: float, steps: int) -> None:
+    if not (np.isfinite(mean_pressure) and mean_pressure > 0):
+        raise InvalidInput(f"mean_pressure = {mean_pressure!r}: must be a positive, finite pressure in Pa")
+    if method not in ("full", "reduced"):
+        raise InvalidInput(f"method = {method!r}: must be 'full' or 'reduced'")
+    if not (np.isfinite(tolerance) and 0 < tolerance < 1):
+        raise InvalidInput(f"tolerance = {tolerance!r}: must lie in (0, 1)")
+    if steps < 1:
+        raise InvalidInput(f"max_iterations = {steps!r}: must be at least 1")
+
+
+def _cell_moduli(
+    modulus: Callable[[Array, Array, Array], Array] | None, mesh: BlockMesh, width: float
+) -> Array | None:
+    """Evaluate the modulus at the cells' centres: (nx, ny, nz), or (1, 1, nz) where only z counts."""
+    if modulus is None:
+        return None
+    (nx, ny), edges = mesh.cells, mesh.edges * width
+    x = np.asarray((np.arange(nx) + 0.5) * width, dtype=float)[:, None, None]
+    y = np.asarray((np.arange(ny) + 0.5) * (width * mesh.aspect), dtype=float)[None, :, None]
+    z: Array = np.asarray(0.5 * (edges[1:] + edges[:-1]), dtype=float)[None, None, :]
+    values: Array = np.asarray(modulus(x, y, z), dtype=float)
+    try:
+        full = np.broadcast_to(values, (nx, ny, mesh.nz))
+    except ValueError as error:
+        raise InvalidInput(
+            f"modulus: gave an array of shape {values.shape} that does not fit the cells {(nx, ny, mesh.nz)}"
+        ) from error
+    bad = int(np.count_nonzero(~(np.isfinite(full) & (full > 0))))
+    if bad:
+        raise InvalidInput(f"modulus: {bad} of {full.size} cells are not positive and finite")
+    deep = full[:1, :1]
+    return deep.copy() if np.array_equal(full, np.broadcast_to(deep, full.shape)) else full.copy()
+
+
+def _checked_start(start: Mask | None, shape: tuple[int, int]) -> Mask | None:
     if start is None:
         return None
     if start.shape != shape or start.dtype != np.bool_:
@@ -212,90 +316,13 @@ def _checked_start(start: NDArray[np.bool_] | None, shape: tuple[int, int]) -> N
     return start.copy() if start.any() else None
 
 
-def _refuse_beyond_memory(mesh: BlockMesh) -> None:
+def _refuse_beyond_memory(mesh: BlockMesh, method: Method) -> None:
     import psutil
 
-    needed, available = _BYTES_PER_UNKNOWN * mesh.unknowns, int(psutil.virtual_memory().available)
+    needed, available = _needed(mesh, method), int(psutil.virtual_memory().available)
     if needed > available:
         raise InsufficientMemory(
             f"{mesh.unknowns} unknowns need about {needed / 2**30:.2g} GiB, "
-            f"{available / 2**30:.2g} GiB are available: take a coarser grid or a larger growth"
+            f"{available / 2**30:.2g} GiB are available: take a coarser grid"
+            + (", a larger growth, or method = 'reduced'" if method == "full" else "")
         )
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Task:
-    """One contact problem in units of dx and E; no height is above 0."""
-
-    heights: Array
-    mesh: BlockMesh
-    growth: float
-    poisson: float
-    pressure: float
-    gradient: float
-    settings: Settings
-
-    def find(self, start: NDArray[np.bool_] | None) -> ActiveSetSolution:
-        """Assemble and iterate from `start`, from a coarser grid's set, or from the highest points."""
-        offset = 0.0
-        even = not any(n % 2 for n in self.mesh.shape)
-        if start is None and even and min(self.mesh.shape) >= _COARSEST:
-            start, offset = self._from_coarser()
-        if start is None or not start.any():
-            start = self._highest()
-        return solve_contact(
-            Block(
-                matrix=assemble(self.mesh, poisson=self.poisson).free(), mesh=self.mesh, heights=self.heights
-            ),
-            load=self.pressure * self.heights.size * self.mesh.aspect,
-            offset=offset,
-            start=start,
-            settings=self.settings,
-            violation=self._violation,
-        )
-
-    def _violation(self, force: Array, gap: Array) -> float:
-        nx, ny = self.mesh.shape
-        residuals = measure_residuals(
-            pressure=force / self.mesh.aspect,
-            gap=gap,
-            heights=self.heights,
-            lengths=(float(nx), ny * self.mesh.aspect),
-            contact_modulus=1 / (1 - self.poisson**2),
-            rms_gradient=self.gradient,
-            target_pressure=self.pressure,
-        )
-        return residuals.worst
-
-    def _highest(self) -> NDArray[np.bool_]:
-        """Take the highest points, about as many as will touch."""
-        relative = self.pressure / self.gradient if self.gradient > 0 else 1.0
-        share = min(1.0, max(2 * relative, 1 / self.heights.size))
-        nodes: NDArray[np.bool_] = self.heights >= np.quantile(self.heights, 1 - share, method="lower")
-        return nodes
-
-    def _from_coarser(self) -> tuple[NDArray[np.bool_], float]:
-        """First active set and offset from every second point along both axes: one eighth of the unknowns."""
-        (nx, ny), aspect = (n // 2 for n in self.mesh.shape), self.mesh.aspect
-        lengths, depth = (float(nx), ny * aspect), float(-self.mesh.planes[0]) / 2
-        coarse = replace(
-            self,
-            heights=self.heights[::2, ::2] / 2,
-            mesh=plan_mesh((nx, ny), lengths, depth=depth, growth=self.growth),
-            settings=replace(self.settings, tolerance=max(_COARSE_TOLERANCE, self.settings.tolerance)),
-        )
-        found = coarse.find(None)
-        offset = 2 * found.offset
-        touching = offset - self.heights - _refined(2 * found.displacement[:, :, -1, 2]) < 0
-        touching[::2, ::2] |= found.in_contact
-        return touching, offset
-
-
-def _refined(values: Array) -> Array:
-    """Bilinear interpolation of a periodic array to twice its points along both axes."""
-    nx, ny = values.shape
-    fine = np.empty((2 * nx, 2 * ny))
-    fine[::2, ::2] = values
-    fine[1::2, ::2] = 0.5 * (values + np.roll(values, -1, axis=0))
-    fine[:, 1::2] = 0.5 * (fine[:, ::2] + np.roll(fine[:, ::2], -1, axis=1))
-    return fine
