@@ -26,6 +26,7 @@ from fem_contact.block.mesh import BlockMesh
 __all__ = [
     "FoldedLayers",
     "SurfaceStates",
+    "element_matrices",
     "eliminate",
     "fold",
     "split_layer",
@@ -83,7 +84,7 @@ def _functions(phase: Array) -> Array:
     return np.stack([np.ones_like(phase), np.cos(half), np.cos(phase), np.sin(half), np.sin(phase)], axis=1)
 
 
-def _element_matrices(mesh: BlockMesh, poisson: float) -> tuple[Array, Array]:
+def element_matrices(mesh: BlockMesh, poisson: float) -> tuple[Array, Array]:
     """Element matrices (nz, m, m) of the column, and the local nodes' offsets (n, 3) in half cells."""
     basis, element = mesh.column(), mesh.element
     forms = LocalForms.integrate(basis, element)
@@ -124,7 +125,7 @@ def fold(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Fo
     modulus : (nz,) array, optional
         Young's modulus of each layer over the reference modulus, from the bottom upwards.
     """
-    matrices, offsets = _element_matrices(mesh, poisson)
+    matrices, offsets = element_matrices(mesh, poisson)
     if modulus is not None:
         matrices = matrices * modulus[:, None, None]
     order, types = mesh.element.order, mesh.element.types

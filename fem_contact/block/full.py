@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.active_set import ActiveSetSolution, Block, Settings, solve_contact
+from fem_contact.block.active_set import ActiveSetSolution, AssembledBlock, Settings, solve_contact
 from fem_contact.block.assembly import assemble
 from fem_contact.block.mesh import plan_mesh
 from fem_contact.block.problem import Found, Problem
@@ -47,6 +47,7 @@ def solve_full(problem: Problem, start: Mask | None) -> Found:
         linear_iterations=found.linear_iterations,
         fft_pairs=0.0,
         bytes=found.matrix_bytes,
+        method="full",
         note=f"linear residual {found.linear_residual:.3g} of the contact forces",
         field=field,
     )
@@ -63,7 +64,7 @@ def _iterate(problem: Problem, start: Mask | None) -> ActiveSetSolution:
     matrix = assemble(mesh, poisson=problem.poisson, modulus=modulus).free()
     direct = problem.poisson > _CRAWLING and mesh.unknowns <= _DIRECT_UNKNOWNS
     return solve_contact(
-        Block(matrix=matrix, mesh=mesh, heights=problem.heights, direct=direct),
+        AssembledBlock(matrix=matrix, mesh=mesh, heights=problem.heights, direct=direct),
         load=problem.load,
         offset=offset,
         start=start,

@@ -34,6 +34,7 @@ class Found:
     fft_pairs : float
     bytes : int
         Memory of the arrays that were held.
+    method : {"full", "reduced", "heterogeneous"}
     note : str
         What the solver reached, in words.
     field : (nx, ny, planes, 3) array or None
@@ -50,6 +51,7 @@ class Found:
     linear_iterations: int
     fft_pairs: float
     bytes: int
+    method: str
     note: str
     field: Array | None = None
 

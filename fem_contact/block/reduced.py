@@ -218,6 +218,7 @@ def solve_reduced(problem: Problem, response: BlockResponse, start: NDArray[np.b
         linear_iterations=0,
         fft_pairs=solution.fft_pairs,
         bytes=sum(array.nbytes for array in arrays) + 6 * solution.force.nbytes,
+        method="reduced",
         note=f"{solution.iterations} iterations",
     )
 

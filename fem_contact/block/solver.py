@@ -27,6 +27,13 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Method = Literal["full", "reduced"]
 
+_METHODS = {
+    "full": "finite elements, full system: active set, conjugate gradients with smoothed aggregation",
+    "reduced": "finite elements, reduced exactly to the surface nodes by Fourier transform",
+    "heterogeneous": "finite elements, all unknowns: active set, matrix-free conjugate gradients, "
+    "preconditioned by Fourier solves of a layered block",
+}
+
 #: Peak bytes per unknown of the full system, by order: stiffness, its reduced copy, hierarchy, assembly.
 _BYTES_PER_UNKNOWN = {1: 4800, 2: 14000}
 
@@ -122,7 +129,8 @@ def solve(
         for the surface by FFT: the same discrete solution at a small part of the cost.
     modulus : callable, optional
         Young's modulus of the block over `solid.young`, evaluated at the cells' centres x (nx, 1, 1), y (1,
-        ny, 1), z (1, 1, nz) [m]. For the reduced method it may depend on z alone.
+        ny, 1), z (1, 1, nz) [m]. Where it varies sideways, the reduced method keeps the whole block, with a
+        layered one as preconditioner.
     tolerance : float
         "full": bound on the linear residual over the norm of the contact forces. "reduced": bound on the
         complementarity over h_rms.
@@ -183,7 +191,11 @@ def _found(
         assert found.field is not None
         return found, ArraySource(field=found.field * width, order=problem.mesh.element.order)
     if problem.lateral:
-        raise InvalidInput("modulus: varies sideways, which method = 'reduced' cannot follow; take 'full'")
+        from fem_contact.block.heterogeneous import solve_heterogeneous
+
+        found = solve_heterogeneous(problem, start)
+        assert found.field is not None
+        return found, ArraySource(field=found.field * width)
     from fem_contact.block.reduced import BlockResponse, solve_reduced
 
     unit = Solid(young=1.0, poisson=problem.poisson)
@@ -255,9 +267,7 @@ def _provenance(problem: Problem, *, width: float, found: Found) -> dict[str, st
     widest = float(np.max(mesh.layers[:-1] / mesh.layers[1:])) if mesh.nz > 1 else 1.0
     share = "cell area" if mesh.element.order == 1 else "node area (corner : edge : centre = 1 : 2 : 4)"
     text = {
-        "method": "finite elements, full system: active set, conjugate gradients with smoothed aggregation"
-        if found.field is not None
-        else "finite elements, reduced exactly to the surface nodes by Fourier transform",
+        "method": _METHODS[found.method],
         "element": mesh.element.name,
         "mesh": f"{mesh.cells[0]} x {mesh.cells[1]} x {mesh.nz} cells, {mesh.unknowns} unknowns",
         "layers": f"first {mesh.layers[-1]:.4g} cell widths, growth {widest:.4g}",
@@ -266,7 +276,7 @@ def _provenance(problem: Problem, *, width: float, found: Found) -> dict[str, st
         "tolerance": f"{problem.tolerance:.3g} (reached: {found.note})",
         "scikit-fem": version("scikit-fem"),
     }
-    if found.field is not None:
+    if found.method == "full":
         text["pyamg"] = version("pyamg")
     return text
 
