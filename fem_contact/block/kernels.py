@@ -130,7 +130,8 @@ def sweep(packed: Any, parity: Any, phases: Any, states: Any, response: Any) -> 
 
     Notes
     -----
-    Columns are treated in blocks whose numbers lie side by side, so that one instruction serves several of them.
+    Columns are treated in blocks whose numbers lie side by side, so that one instruction serves several of
+    them.
     """
     layers, count = packed.shape[0], phases.shape[0]
     for block in prange((count + _SIDE_BY_SIDE - 1) // _SIDE_BY_SIDE):
