@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import Enum
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,7 +87,7 @@ class Cost:
     peak_bytes: int
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ContactResult:
     """Solution of one contact problem on one grid.
 
@@ -142,6 +143,11 @@ class ContactResult:
                 object.__setattr__(self, name, view)
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
 
+    def __reduce__(self) -> tuple[object, ...]:
+        # A mapping proxy cannot be pickled, and unpickled arrays would be writable: build the copy anew.
+        values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        return _rebuilt, (values | {"provenance": dict(self.provenance)},)
+
     @property
     def shape(self) -> tuple[int, int]:
         """Grid points (nx, ny)."""
@@ -164,6 +170,10 @@ class ContactResult:
         if self.status is not Status.CONVERGED:
             raise NotConverged(f"{self.status.value} (worst residual {self.residuals.worst:.3g})")
         return self
+
+
+def _rebuilt(values: dict[str, Any]) -> ContactResult:
+    return ContactResult(**values)
 
 
 def measure_residuals(
@@ -205,8 +215,8 @@ def measure_residuals(
     InvalidInput
         For fields of different shapes, which would otherwise be broadcast into residuals of nothing.
     """
-    fields = {"gap": gap, "heights": heights, "at_bound": at_bound, "weights": weights}
-    for name, values in fields.items():
+    others = {"gap": gap, "heights": heights, "at_bound": at_bound, "weights": weights}
+    for name, values in others.items():
         if values is not None and values.shape != pressure.shape:
             raise InvalidInput(
                 f"{name} of shape {values.shape}: must have the shape {pressure.shape} of pressure"

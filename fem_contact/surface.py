@@ -28,7 +28,7 @@ Lengths = tuple[float, float]
 _EDGE = 1e-12
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class HeightField:
     """Heights of a periodic surface on a grid, positive towards the elastic body.
 
@@ -74,6 +74,10 @@ class HeightField:
         heights.setflags(write=False)
         object.__setattr__(self, "heights", heights)
         object.__setattr__(self, "lengths", lengths)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # Unpickled arrays are writable: build the copy anew.
+        return _height_field, (self.heights, self.lengths)
 
     @property
     def shape(self) -> Shape:
@@ -135,6 +139,10 @@ class HeightField:
             spectrum = _refold(spectrum, shape[axis], fraction[axis], axis)
         heights = scipy.fft.ifft2(spectrum, norm="forward").real
         return HeightField(heights=heights, lengths=self.lengths)
+
+
+def _height_field(heights: Array, lengths: Lengths) -> HeightField:
+    return HeightField(heights=heights, lengths=lengths)
 
 
 def _checked_shape(shape: Shape) -> Shape:
@@ -305,7 +313,7 @@ def _random_waves(
     return waves
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class RadialSpectrum:
     """A power spectrum averaged over rings of wavevectors.
 

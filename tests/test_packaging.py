@@ -85,8 +85,9 @@ def test_importing_a_package_imports_no_heavy_library(package, tmp_path):
     assert not imported_libraries([package], tmp_path) & HEAVY
 
 
-def test_surfaces_solids_and_results_need_no_heavy_library(tmp_path):
-    modules = ["fem_contact.surface", "fem_contact.solid", "fem_contact.response", "fem_contact.contact"]
+def test_surfaces_solids_results_and_closed_forms_need_no_heavy_library(tmp_path):
+    solvers = ["fem_contact.surface", "fem_contact.solid", "fem_contact.response", "fem_contact.contact"]
+    modules = [*solvers, "persson.spectrum", "persson.elastic"]
     assert not imported_libraries(modules, tmp_path) & HEAVY
 
 

@@ -37,13 +37,18 @@ _FEM_BYTES_PER_UNKNOWN = 4700
 
 
 def check_effects(scene: Scene) -> None:
-    """Refuse a scene that lists an effect one of its methods lacks.
+    """Refuse a scene that lists an effect one of its methods lacks, or a solid it cannot discretise.
 
     Raises
     ------
     UsageError
-        Naming the effect, the method, and the methods that handle it.
+        Naming the key, the method, and what is allowed.
     """
+    if scene.methods.fem is not None and scene.solid.poisson > 0.49:
+        raise UsageError(
+            f"solid.poisson = {scene.solid.poisson!r}: method 'fem' locks above 0.49 with elements of "
+            "displacement alone; leave [methods.fem] out or lower it"
+        )
     wanted = [name for name in ("bem", "fem", "theory") if getattr(scene.methods, name) is not None]
     for k, effect in enumerate(scene.effects):
         handled = HANDLED_BY[effect.kind]

@@ -89,7 +89,9 @@ def console_table(comparison: Comparison) -> Table:
 
 
 def write_outputs(comparison: Comparison, store: Store, folder: Path) -> tuple[Path, ...]:
-    """Write table.csv, summary.json, the figures and report.html; return the files a reader may open.
+    """Write table.csv, summary.json, the figures and report.html.
+
+    Returns what there is to open: files, and the folder of netCDF fields.
 
     Parameters
     ----------
@@ -108,8 +110,7 @@ def write_outputs(comparison: Comparison, store: Store, folder: Path) -> tuple[P
     with atomic_path(report) as draft:
         draft.write_text(_html(comparison, figures), encoding="utf-8")
     blocks = [block_file(store.folder, job) for job in jobs_of(comparison.scene) if job.method == "fem"]
-    fields = [store.path(job) for job in jobs_of(comparison.scene)]
-    return (report, table, summary, *(path for path in blocks if path.exists()), *fields[-1:])
+    return (report, table, summary, *(path for path in blocks if path.exists()), store.folder)
 
 
 def _write_csv(path: Path, comparison: Comparison) -> None:

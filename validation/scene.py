@@ -356,11 +356,18 @@ def load_scene(scene: str) -> Scene:
     try:
         checked = Scene.model_validate(data)
     except ValidationError as error:
-        raise SceneError(scene, [_problem(item) for item in error.errors()]) from None
+        raise SceneError(scene, _problems(error)) from None
     if isinstance(checked.surface, FileSurface) and not checked.surface.path.is_absolute():
         surface = checked.surface.model_copy(update={"path": folder / checked.surface.path})
         checked = checked.model_copy(update={"surface": surface})
     return checked
+
+
+def _problems(error: ValidationError) -> list[str]:
+    """List one line for each mistake; an array with a wrong item is not also called too short."""
+    items = error.errors()
+    within = {item["loc"][:depth] for item in items for depth in range(len(item["loc"]))}
+    return [_problem(item) for item in items if item["loc"] not in within]
 
 
 def _problem(item: Any) -> str:

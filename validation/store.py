@@ -106,7 +106,9 @@ class Store:
             return None
         try:
             return _from_file(path)
-        except (OSError, KeyError, ValueError, RuntimeError):
+        except (
+            Exception
+        ):  # what a damaged HDF5 file raises depends on the byte: anything but a result is damage
             os.replace(path, path.with_suffix(".nc.corrupt"))
             return None
 

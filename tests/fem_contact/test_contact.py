@@ -1,6 +1,8 @@
 """What every solver returns: fields that cannot be changed, and a status that cannot be overlooked."""
 
+import copy
 import dataclasses
+import pickle
 
 import numpy as np
 import pytest
@@ -80,3 +82,23 @@ def test_neither_attributes_nor_provenance_can_be_changed():
 def test_shape_and_spacing_follow_the_fields():
     assert result().shape == SHAPE
     assert result().spacing == (2.0, 0.5)
+
+
+@pytest.mark.parametrize("copied", [lambda value: pickle.loads(pickle.dumps(value)), copy.deepcopy])
+def test_a_result_travels_to_another_process_and_stays_read_only(copied):
+    original = result(pressure=np.arange(12.0).reshape(SHAPE))
+    arrived = copied(original)
+    for name in FIELDS:
+        np.testing.assert_array_equal(getattr(arrived, name), getattr(original, name))
+        assert not getattr(arrived, name).flags.writeable
+    assert arrived.weights is None
+    assert dict(arrived.provenance) == {"method": "by hand"}
+    assert arrived.checked() is arrived
+    assert (arrived.cost, arrived.residuals) == (original.cost, original.residuals)
+
+
+def test_results_are_compared_by_identity_because_arrays_have_no_single_truth():
+    one, other = result(), result()
+    assert one == one
+    assert one != other
+    assert len({one, other}) == 2

@@ -1,6 +1,4 @@
-"""Height fields and random surfaces against sums of waves written out by hand."""
-
-import dataclasses
+"""Random surfaces and exact interpolation against sums of waves written out by hand."""
 
 import numpy as np
 import pytest
@@ -96,6 +94,17 @@ def test_radial_spectrum_of_one_wave_sits_in_one_ring():
     assert np.count_nonzero(measured.power > 1e-20) == 1
 
 
+def test_rings_are_one_fundamental_wavevector_wide_and_hold_every_wave_once():
+    measured = radial_spectrum(HeightField(heights=np.zeros((9, 9)), lengths=(2.0, 2.0)))
+    m, n = np.meshgrid(np.arange(-4, 5), np.arange(-4, 5))
+    radius = np.hypot(m, n)
+    for ring, (q, count) in enumerate(zip(measured.q, measured.count, strict=True), start=1):
+        inside = radius[np.abs(radius - ring) < 0.5]
+        assert count == inside.size
+        assert q == pytest.approx(np.pi * inside.mean(), rel=1e-12)
+    assert measured.count.sum() == 80
+
+
 def test_gaussian_amplitudes_are_exponential_in_power_and_uniform_in_phase():
     samples = []
     for seed in range(100, 140):
@@ -171,6 +180,24 @@ def test_the_seed_alone_decides():
     np.testing.assert_array_equal(first, again)
     assert np.abs(np.corrcoef(first.ravel(), other.ravel())[0, 1]) < 0.6
     assert not np.array_equal(first, other)
+
+
+@pytest.mark.parametrize(
+    ("amplitudes", "corner"),
+    [
+        ("exact", [[0.016895581013087503, 0.0303082712492482], [0.020587295436910506, 0.01718694255456334]]),
+        (
+            "gaussian",
+            [[0.010828042235588158, 0.018572045483332723], [0.018623937579186473, 0.016850734492670435]],
+        ),
+    ],
+)
+def test_the_surface_of_a_seed_is_the_one_of_the_last_release(amplitudes, corner):
+    # Recorded, not derived: stored results are shared by seed, so a new drawing order is a change of numbers
+    # to announce.
+    np.testing.assert_allclose(
+        surface_on((16, 16), amplitudes=amplitudes).heights[:2, :2], corner, rtol=1e-12
+    )
 
 
 def test_amplitudes_do_not_change_the_phases():
@@ -277,11 +304,6 @@ def test_the_moments_of_a_large_period_approach_the_integrals_of_the_spectrum():
     np.testing.assert_allclose(surface.moments[1:], integrals, rtol=45 ** (-4 / 3))
 
 
-def test_the_nayak_parameter_of_a_flat_surface_is_refused():
-    with pytest.raises(InvalidInput, match="flat surface"):
-        _ = HeightField(heights=np.zeros((4, 4)), lengths=(1.0, 1.0)).nayak
-
-
 # --- grids that do not resolve the spectrum -----------------------------------------------------------------
 
 
@@ -378,33 +400,7 @@ def test_scaling_all_lengths_by_a_power_of_two_changes_no_bit(amplitudes):
         np.testing.assert_array_equal(moved, scale * expected)
 
 
-# --- refusals and immutability ------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("heights", "message"),
-    [
-        (np.zeros(4), r"heights of shape \(4,\): must be a two-dimensional array \(nx, ny\)"),
-        (np.zeros((0, 3)), r"heights of shape \(0, 3\): must be"),
-        (np.zeros((2, 2, 2)), r"heights of shape \(2, 2, 2\): must be"),
-        ([[0.0, np.nan], [np.inf, 1.0]], "2 of 4 heights are NaN or infinite: fill or remove them first"),
-        ([[1.0, 2.0], [3.0]], "heights: must be a two-dimensional array of real numbers"),
-        ([["a", "b"]], "heights: must be a two-dimensional array of real numbers"),
-        (np.ones((2, 2)) * 1j, "heights: must be a two-dimensional array of real numbers"),
-    ],
-)
-def test_heights_that_are_no_surface_are_refused_by_name(heights, message):
-    with pytest.raises(InvalidInput, match=message) as caught:
-        HeightField(heights=heights, lengths=(1.0, 1.0))
-    assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize(
-    "lengths", [(1.0, 0.0), (-1.0, 1.0), (np.nan, 1.0), (np.inf, 1.0), (1.0,), (1.0, 1.0, 1.0)]
-)
-def test_periods_that_are_not_positive_are_refused_by_name(lengths):
-    with pytest.raises(InvalidInput, match=r"lengths = \(.*\): must be two positive periods \(Lx, Ly\) in m"):
-        HeightField(heights=np.zeros((2, 2)), lengths=lengths)
+# --- refusals -----------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
@@ -439,20 +435,3 @@ def test_a_spectrum_without_meaning_is_refused(value):
         random_surface(
             lambda q: np.where(q > 40, value, 1e-9), q_short=Q_SHORT, lengths=LENGTHS, shape=(16, 16), seed=7
         )
-
-
-def test_a_shift_that_is_not_finite_is_refused():
-    with pytest.raises(InvalidInput, match=r"fraction = \(nan, 0.0\): must be two finite parts of a cell"):
-        surface_on((16, 16)).shifted((np.nan, 0.0))
-
-
-def test_a_height_field_cannot_be_changed():
-    original = np.arange(6.0).reshape(2, 3)
-    surface = HeightField(heights=original, lengths=(1.0, 1.0))
-    with pytest.raises(ValueError, match="read-only"):
-        surface.heights[0, 0] = 1.0
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        surface.lengths = (2.0, 2.0)  # type: ignore[misc]
-    original[0, 0] = 99.0
-    assert surface.heights[0, 0] == 0.0
-    assert surface.spacing == (0.5, 1 / 3)

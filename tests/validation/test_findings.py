@@ -58,8 +58,12 @@ def test_a_difference_between_solvers_that_grows_is_said_to_grow(small_run):
 def test_scatter_decides_whether_the_distance_means_anything(small_run):
     c = small_run.comparison
     assert "One surface proves little" in _sentence(c, "proves little")
-    tight = dataclasses.replace(c, scatter=Scatter(areas=(0.1,) * 4, ratios=(1.29, 1.3, 1.31, 1.3), grid_error=0.001))
-    wide = dataclasses.replace(c, scatter=Scatter(areas=(0.1,) * 4, ratios=(0.7, 1.5, 1.3, 0.9), grid_error=0.001))
+    tight = dataclasses.replace(
+        c, scatter=Scatter(areas=(0.1,) * 4, ratios=(1.29, 1.3, 1.31, 1.3), grid_error=0.001)
+    )
+    wide = dataclasses.replace(
+        c, scatter=Scatter(areas=(0.1,) * 4, ratios=(0.7, 1.5, 1.3, 0.9), grid_error=0.001)
+    )
     assert "not an accident" in _sentence(tight, "4 realisations")
     assert "cannot tell it from zero" in _sentence(wide, "4 realisations")
 
