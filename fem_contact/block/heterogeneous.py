@@ -17,8 +17,9 @@ from fem_contact.block.active_set import Block, SetPreconditioner, Settings, sol
 from fem_contact.block.column import element_matrices
 from fem_contact.block.fields import FourierSource
 from fem_contact.block.problem import Found, Problem
-from fem_contact.block.reduced import BlockResponse, SurfaceOperator, solve_reduced
+from fem_contact.block.reduced import BlockResponse, SurfaceOperator, solve_reduced, surface_operator
 from fem_contact.errors import InvalidInput
+from fem_contact.fourier import FourierOperator
 from fem_contact.solid import Solid
 
 __all__ = ["HeterogeneousBlock", "solve_heterogeneous"]
@@ -64,9 +65,9 @@ class HeterogeneousBlock(Block):
         return BlockResponse(mesh=self.mesh, solid=unit, width=1.0, layer_modulus=np.sqrt(low * high))
 
     @cached_property
-    def surface_operator(self) -> SurfaceOperator:
+    def operator(self) -> FourierOperator | SurfaceOperator:
         """Surface of the layered block."""
-        return SurfaceOperator(self.layered)
+        return surface_operator(self.layered)
 
     @cached_property
     def packed(self) -> tuple[Array, NDArray[np.int64]]:
@@ -122,7 +123,7 @@ class _LayeredPreconditioner:
 
     def _tying_forces(self, lifted: Array, load: float | None) -> tuple[Array, float]:
         """Vertical forces of sum `load` on the nodes that bring them to one height, and that height."""
-        nodes, operator = self.nodes, self.block.surface_operator
+        nodes, operator = self.nodes, self.block.operator
         scale = self.block.mesh.aspect
         field, image = np.zeros(nodes.shape), np.zeros(nodes.shape)
 

@@ -12,12 +12,15 @@ from numpy.typing import NDArray
 from fem_contact.block.column import FoldedLayers, fold, surface_compliance
 from fem_contact.block.mesh import BlockMesh, node_weights
 from fem_contact.block.problem import Found, Problem
-from fem_contact.complementarity import Solution, polonsky_keer
+from fem_contact.complementarity import Operator, Solution, solve_nested
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput
+from fem_contact.fourier import FourierOperator
+from fem_contact.response import BondedLayer
+from fem_contact.rows import available_processors
 from fem_contact.solid import Solid
 
-__all__ = ["BlockResponse", "SurfaceOperator", "phase_pairs", "solve_reduced"]
+__all__ = ["BlockResponse", "SurfaceOperator", "phase_pairs", "solve_reduced", "surface_operator"]
 
 Array = NDArray[np.float64]
 
@@ -109,10 +112,10 @@ def phase_pairs(x: Array, y: Array) -> Array:
 
 
 class SurfaceOperator:
-    """Displacement of the surface nodes under nodal forces, and the inverse, by real FFTs, for any element.
+    """Response of the four kinds of surface nodes of triquadratic cells, and its inverse, by real FFTs.
 
-    Forces are in units of the mean node area, force / (dx dy) [Pa]; arrays run over the surface nodes (nx,
-    ny), which for triquadratic cells are four interleaved lattices.
+    Forces are in units of the mean node area, force / (dx dy) over E; lengths are in cell widths. Arrays run
+    over the surface nodes (nx, ny), which are four interleaved lattices.
 
     Parameters
     ----------
@@ -125,43 +128,36 @@ class SurfaceOperator:
 
     def __init__(self, response: BlockResponse, *, threads: int = 1) -> None:
         mesh = response.mesh
-        self.shape, self.order, self.cells, self.threads = mesh.shape, mesh.element.order, mesh.cells, threads
-        x = 2 * np.pi * np.abs(scipy.fft.fftfreq(self.cells[0]))
-        y = 2 * np.pi * scipy.fft.rfftfreq(self.cells[1])
-        half = x[: self.cells[0] // 2 + 1]
+        self.shape, self.cells, self.threads = mesh.shape, mesh.cells, threads
+        x, y = 2 * np.pi * scipy.fft.fftfreq(self.cells[0]), 2 * np.pi * scipy.fft.rfftfreq(self.cells[1])
+        half = np.abs(x[: self.cells[0] // 2 + 1])
         mirror = np.minimum(np.arange(x.size), x.size - np.arange(x.size))
-        if self.order == 1:
-            table = response.trilinear(phase_pairs(half, y)).reshape(half.size, y.size)
-            self.compliance = np.ascontiguousarray(table[mirror])
-            self.stiffness = _inverse(self.compliance)
-            return
-        scale = mesh.aspect * response.width / response.solid.young / self.order**2
-        table = scale * surface_compliance(response.folded, phase_pairs(half, y)).reshape(
-            half.size, y.size, 4, 4
-        )
+        scale = mesh.aspect * response.width / response.solid.young / mesh.element.types
+        table = surface_compliance(response.folded, phase_pairs(half, y))
+        table = scale * table.reshape(half.size, y.size, 4, 4)
         inverse: Array = np.linalg.inv(_padded(table)).astype(float)
         inverse[0, 0] = _without_mean(table[0, 0])
         self.compliance = np.moveaxis(table, (2, 3), (0, 1))[:, :, mirror].copy()
-        self.stiffness = np.moveaxis(inverse, (2, 3), (0, 1))[:, :, mirror].copy()
-        signed = 2 * np.pi * scipy.fft.fftfreq(self.cells[0])
-        self.turns = np.stack([np.exp(0.5j * (signed[:, None] * a + y * b)) for a in (0, 1) for b in (0, 1)])
+        self.inverse = np.moveaxis(inverse, (2, 3), (0, 1))[:, :, mirror].copy()
+        self.stiffness = float(np.mean(np.trace(self.inverse)) / 4)
+        # Positions differ by half a cell between the lattices; the tables refer to one origin.
+        self.turns = np.stack([np.exp(0.5j * (x[:, None] * a + y * b)) for a in (0, 1) for b in (0, 1)])
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the arrays held, and of the spectra that come and go."""
+        return self.compliance.nbytes + self.inverse.nbytes + 3 * self.turns.nbytes
 
     def apply(self, force: Array, out: Array) -> None:
-        """Write the displacement [m] under ``force`` [Pa] into ``out``."""
+        """Write the displacement under ``force`` into ``out``."""
         self._transform(force, out, self.compliance)
 
     def precondition(self, residual: Array, out: Array) -> None:
-        """Write the full-contact force [Pa] under a displacement [m], without its mean, into ``out``."""
-        self._transform(residual, out, self.stiffness)
+        """Write the full-contact force under a displacement, without its mean, into ``out``."""
+        self._transform(residual, out, self.inverse)
 
     def _transform(self, values: Array, out: Array, table: Array) -> None:
-        if self.order == 1:
-            spectrum = scipy.fft.rfft2(values, workers=self.threads)
-            spectrum *= table
-            out[...] = scipy.fft.irfft2(spectrum, s=self.shape, workers=self.threads, overwrite_x=True)
-            return
         lattices = [(slice(a, None, 2), slice(b, None, 2)) for a in (0, 1) for b in (0, 1)]
-        # Positions differ by half a cell between the lattices; the table refers to one origin.
         waves = np.stack([scipy.fft.rfft2(values[lattice], workers=self.threads) for lattice in lattices])
         waves /= self.turns
         answer = np.einsum("abxy,bxy->axy", table, waves)
@@ -170,10 +166,13 @@ class SurfaceOperator:
             out[lattice] = scipy.fft.irfft2(wave, s=self.cells, workers=self.threads)
 
 
-def _inverse(compliance: Array) -> Array:
-    stiffness = np.zeros_like(compliance)
-    np.divide(1.0, compliance, out=stiffness, where=np.arange(compliance.size).reshape(compliance.shape) > 0)
-    return stiffness
+def surface_operator(response: BlockResponse, *, threads: int = 1) -> FourierOperator | SurfaceOperator:
+    """Return the operator of the block's surface nodes: forces in units of the mean node area."""
+    mesh = response.mesh
+    if mesh.element.order == 2:
+        return SurfaceOperator(response, threads=threads)
+    lengths = mesh.cells[0] * response.width, mesh.cells[1] * response.width * mesh.aspect
+    return FourierOperator(response, mesh.shape, lengths, threads=threads)
 
 
 def _padded(table: Array) -> Array:
@@ -192,23 +191,28 @@ def _without_mean(compliance: Array) -> Array:
 
 def solve_reduced(problem: Problem, response: BlockResponse, start: NDArray[np.bool_] | None) -> Found:
     """Solve the contact of the surface nodes."""
-    mesh = problem.mesh
-    operator = SurfaceOperator(response)
+    mesh, threads = problem.mesh, available_processors()
+    operator = surface_operator(response, threads=threads)
     solution = _touching_everywhere(problem, operator)
     if solution is None:
-        solution = polonsky_keer(
+        lengths = float(mesh.cells[0]), mesh.cells[1] * mesh.aspect
+        # Coarser grids only lead to a first guess, for which the homogeneous layer is near enough.
+        layer = BondedLayer(solid=response.solid, thickness=float(-mesh.planes[0]))
+        solution = solve_nested(
             operator,
             problem.heights,
+            coarse=lambda shape: FourierOperator(layer, shape, lengths, threads=threads),
             mean_force=problem.pressure,
             length_scale=problem.roughness,
             tolerance=problem.tolerance,
             max_iterations=problem.steps,
             # Some force everywhere: one loaded node alone leaves no direction to search.
             start=None if start is None else np.where(start, 1.0, _SPREAD),
+            weights=node_weights(mesh),
+            threads=threads,
         )
-    arrays = solution.force, solution.displacement, operator.compliance, operator.stiffness, problem.heights
     return Found(
-        force=solution.force * (mesh.aspect / mesh.element.order**2),
+        force=solution.force * (mesh.aspect / mesh.element.types),
         gap=solution.displacement - problem.heights + solution.offset,
         displacement=solution.displacement,
         in_contact=solution.in_contact,
@@ -217,13 +221,13 @@ def solve_reduced(problem: Problem, response: BlockResponse, start: NDArray[np.b
         iterations=solution.iterations,
         linear_iterations=0,
         fft_pairs=solution.fft_pairs,
-        bytes=sum(array.nbytes for array in arrays) + 6 * solution.force.nbytes,
+        bytes=max(solution.peak_bytes + operator.nbytes, 4 * solution.force.nbytes + operator.nbytes),
         method="reduced",
         note=f"{solution.iterations} iterations",
     )
 
 
-def _touching_everywhere(problem: Problem, operator: SurfaceOperator) -> Solution | None:
+def _touching_everywhere(problem: Problem, operator: Operator) -> Solution | None:
     """Return the exact answer where all nodes touch; None where that needs tension."""
     weights = node_weights(problem.mesh)
     force, displacement = np.empty(problem.mesh.shape), np.empty(problem.mesh.shape)

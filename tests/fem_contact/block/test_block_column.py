@@ -8,7 +8,7 @@ from fem_contact.block.column import eliminate, fold, surface_compliance, surfac
 from fem_contact.block.elements import element_for
 from fem_contact.block.fields import FourierSource
 from fem_contact.block.kernels import pack, sweep
-from fem_contact.block.reduced import SurfaceOperator
+from fem_contact.block.reduced import surface_operator
 from fem_contact.errors import InvalidInput
 from fem_contact.solid import Solid
 
@@ -59,7 +59,7 @@ def test_surface_and_field_equal_the_inverse_of_the_assembled_matrix(element: El
     exact = sla.spsolve(matrix.tocsc(), right.ravel()).reshape(right.shape)
     response = BlockResponse(mesh=mesh, solid=UNIT, width=1.0)
     surface = np.empty(mesh.shape)
-    SurfaceOperator(response).apply(force * element.types / mesh.aspect, surface)
+    surface_operator(response).apply(force * element.types / mesh.aspect, surface)
     np.testing.assert_allclose(surface, -exact[:, :, -1, 2], atol=1e-12 * np.abs(exact).max())
     field = np.zeros((*mesh.shape, planes, 3))
     for layer in FourierSource(response=response, force=force, width=1.0).descend():
@@ -72,7 +72,7 @@ def test_surface_and_field_equal_the_inverse_of_the_assembled_matrix(element: El
 @pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
 def test_inverse_returns_the_force_up_to_a_uniform_pressure(element: Element) -> None:
     mesh = mesh_of(element)
-    operator = SurfaceOperator(BlockResponse(mesh=mesh, solid=UNIT, width=1.0))
+    operator = surface_operator(BlockResponse(mesh=mesh, solid=UNIT, width=1.0))
     force = np.random.default_rng(9).standard_normal(mesh.shape)
     moved, back = np.empty(mesh.shape), np.empty(mesh.shape)
     operator.apply(force, moved)
@@ -181,7 +181,7 @@ def test_response_protocol_agrees_with_the_operator_at_every_wavevector() -> Non
     qx = 2 * np.pi * np.fft.fftfreq(10, 2e-7)
     qy = 2 * np.pi * np.fft.rfftfreq(7, 2e-7)
     table = response.compliance(qx[:, None], qy[None, :])
-    np.testing.assert_allclose(table, SurfaceOperator(response).compliance, rtol=1e-13)
+    np.testing.assert_allclose(table, surface_operator(response).compliance, rtol=1e-13)
     assert response.compliance(qx[:, None], qy[None, :]).shape == (10, 4)
 
 
