@@ -4,7 +4,7 @@ from fem_contact.block.elements import ELEMENTS, Element
 from fem_contact.block.mesh import BlockMesh, MeshOptions, graded_layers, plan_mesh
 from fem_contact.block.reduced import BlockResponse
 from fem_contact.block.solution import BlockSolution, CellStress
-from fem_contact.block.solver import Estimate, estimate, solve
+from fem_contact.block.solver import Estimate, estimate, solve, solve_displacement, solve_path
 
 __all__ = [
     "ELEMENTS",
@@ -19,4 +19,6 @@ __all__ = [
     "graded_layers",
     "plan_mesh",
     "solve",
+    "solve_displacement",
+    "solve_path",
 ]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,9 @@ from fem_contact.block.active_set import ActiveSetSolution, AssembledBlock, Sett
 from fem_contact.block.assembly import assemble
 from fem_contact.block.mesh import plan_mesh
 from fem_contact.block.problem import Found, Problem
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 __all__ = ["highest_nodes", "solve_full"]
 
@@ -31,9 +35,9 @@ _DIRECT_UNKNOWNS = 40_000
 _LINEAR_STEPS = 1000
 
 
-def solve_full(problem: Problem, start: Mask | None) -> Found:
-    """Solve the assembled block from a first set, by default from a coarser grid's or the highest points."""
-    found = _iterate(problem, start)
+def solve_full(problem: Problem, start: Mask | Found | None, matrix: sp.bsr_array) -> Found:
+    """Solve the assembled block from a first set or solution, by default from a coarser grid's."""
+    found = _iterate(problem, start, matrix)
     field = np.zeros((*problem.mesh.shape, problem.mesh.planes.size, 3))
     field[:, :, 1:] = found.displacement
     return Found(
@@ -53,21 +57,27 @@ def solve_full(problem: Problem, start: Mask | None) -> Found:
     )
 
 
-def _iterate(problem: Problem, start: Mask | None) -> ActiveSetSolution:
-    mesh, offset = problem.mesh, 0.0
+def _iterate(problem: Problem, start: Mask | Found | None, matrix: sp.bsr_array) -> ActiveSetSolution:
+    mesh, offset, displacement = problem.mesh, 0.0, None
     even = not any(n % 2 for n in mesh.cells) and min(mesh.shape) >= _COARSEST
-    if start is None and even and not problem.lateral:
-        start, offset = _from_coarser(problem)
-    if start is None or not start.any():
-        start = highest_nodes(problem)
-    modulus = None if problem.modulus is None else np.broadcast_to(problem.modulus, (*mesh.cells, mesh.nz))
-    matrix = assemble(mesh, poisson=problem.poisson, modulus=modulus).free()
+    if isinstance(start, Found):
+        assert start.field is not None
+        nodes, offset, displacement = start.in_contact, start.offset, start.field[:, :, 1:]
+    elif start is not None:
+        nodes = start
+    elif even and not problem.lateral:
+        nodes, offset = _from_coarser(problem)
+    else:
+        nodes = highest_nodes(problem)
+    if not nodes.any():
+        nodes = highest_nodes(problem)
     direct = problem.poisson > _CRAWLING and mesh.unknowns <= _DIRECT_UNKNOWNS
     return solve_contact(
         AssembledBlock(matrix=matrix, mesh=mesh, heights=problem.heights, direct=direct),
         load=problem.load,
-        offset=offset,
-        start=start,
+        offset=offset if problem.offset is None else problem.offset,
+        start=nodes,
+        displacement=displacement,
         settings=Settings(
             tolerance=problem.tolerance, max_iterations=problem.steps, max_linear_iterations=_LINEAR_STEPS
         ),
@@ -77,6 +87,8 @@ def _iterate(problem: Problem, start: Mask | None) -> ActiveSetSolution:
 
 def highest_nodes(problem: Problem) -> Mask:
     """Take the highest points, about as many as will touch."""
+    if problem.pressure is None:
+        return np.asarray(problem.heights >= np.max(problem.heights))
     relative = problem.pressure / problem.gradient if problem.gradient > 0 else 1.0
     share = min(1.0, max(2 * relative, 1 / problem.heights.size))
     return np.asarray(problem.heights >= np.quantile(problem.heights, 1 - share, method="lower"))
@@ -99,7 +111,7 @@ def _from_coarser(problem: Problem) -> tuple[Mask, float]:
         modulus=None,
         tolerance=max(_COARSE_TOLERANCE, problem.tolerance),
     )
-    found = _iterate(coarse, None)
+    found = _iterate(coarse, None, assemble(coarse.mesh, poisson=coarse.poisson).free())
     offset = 2 * found.offset
     touching = offset - problem.heights - _refined(2 * found.displacement[:, :, -1, 2]) < 0
     touching[::2, ::2] |= found.in_contact

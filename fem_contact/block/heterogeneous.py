@@ -160,7 +160,7 @@ class _LayeredPreconditioner:
         return force, height
 
 
-def solve_heterogeneous(problem: Problem, start: Mask | None) -> Found:
+def solve_heterogeneous(problem: Problem, block: HeterogeneousBlock, start: Mask | Found | None) -> Found:
     """Solve the contact with the whole block kept, started from the layered block's solution.
 
     Raises
@@ -174,24 +174,19 @@ def solve_heterogeneous(problem: Problem, start: Mask | None) -> Found:
             f"element = {mesh.element.name!r}: a modulus that varies sideways needs trilinear cells, "
             "or method = 'full'"
         )
-    assert problem.modulus is not None
-    modulus = np.ascontiguousarray(np.broadcast_to(problem.modulus, (*mesh.cells, mesh.nz)))
-    block = HeterogeneousBlock(mesh=mesh, heights=problem.heights, poisson=problem.poisson, modulus=modulus)
-    layered = solve_reduced(problem, block.layered, start)
-    field = np.empty((*mesh.shape, mesh.planes.size, 3))
-    for layer in FourierSource(response=block.layered, force=layered.force, width=1.0).descend():
-        field[:, :, layer.index : layer.index + 2] = np.moveaxis(layer.nodes, 0, 2)
+    nodes, offset, guess, pairs = _first_guess(problem, block, start)
     found = solve_contact(
         block,
         load=problem.load,
-        offset=layered.offset,
-        start=layered.in_contact if start is None else start,
+        offset=offset if problem.offset is None else problem.offset,
+        start=nodes,
         settings=Settings(
             tolerance=problem.tolerance, max_iterations=problem.steps, max_linear_iterations=_LINEAR_STEPS
         ),
         violation=lambda force, gap: problem.residuals(force, gap).worst,
-        displacement=field[:, :, 1:],
+        displacement=guess,
     )
+    field = np.zeros((*mesh.shape, mesh.planes.size, 3))
     field[:, :, 1:] = found.displacement
     return Found(
         force=found.force,
@@ -202,10 +197,29 @@ def solve_heterogeneous(problem: Problem, start: Mask | None) -> Found:
         status=found.status,
         iterations=found.sets,
         linear_iterations=found.linear_iterations,
-        fft_pairs=layered.fft_pairs,
-        bytes=found.matrix_bytes + modulus.nbytes + field.nbytes,
+        fft_pairs=pairs,
+        bytes=found.matrix_bytes + block.modulus.nbytes + field.nbytes,
         method="heterogeneous",
         note=f"linear residual {found.linear_residual:.3g} of the contact forces, "
         f"at most {found.most_linear_iterations} steps for a set",
         field=field,
     )
+
+
+def _first_guess(
+    problem: Problem, block: HeterogeneousBlock, start: Mask | Found | None
+) -> tuple[Mask, float, Array | None, float]:
+    """Nodes, offset and displacement to start from, and the FFT pairs they cost."""
+    mesh = problem.mesh
+    if isinstance(start, Found):
+        assert start.field is not None
+        return start.in_contact, start.offset, start.field[:, :, 1:], 0.0
+    if problem.pressure is None:
+        assert start is not None
+        return start, 0.0, None, 0.0
+    layered = solve_reduced(problem, block.layered, block.operator, start)
+    field = np.empty((*mesh.shape, mesh.planes.size, 3))
+    for layer in FourierSource(response=block.layered, force=layered.force, width=1.0).descend():
+        field[:, :, layer.index : layer.index + 2] = np.moveaxis(layer.nodes, 0, 2)
+    nodes = layered.in_contact if start is None else start
+    return nodes, layered.offset, field[:, :, 1:], layered.fft_pairs

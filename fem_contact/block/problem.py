@@ -66,8 +66,10 @@ class Problem:
     heights : (nx, ny) array
         Profile over the cell width, nowhere above 0.
     poisson : float
-    pressure : float
-        p0 / E.
+    pressure : float or None
+        p0 / E, where it is prescribed.
+    offset : float or None
+        Offset over the cell width, where it is prescribed instead.
     gradient : float
         h'_rms.
     modulus : (nx or 1, ny or 1, nz) array or None
@@ -82,7 +84,8 @@ class Problem:
     mesh: BlockMesh
     heights: Array
     poisson: float
-    pressure: float
+    pressure: float | None
+    offset: float | None
     gradient: float
     modulus: Array | None
     tolerance: float
@@ -90,8 +93,10 @@ class Problem:
     growth: float
 
     @property
-    def load(self) -> float:
-        """Total force over E times the cell width squared."""
+    def load(self) -> float | None:
+        """Total force over E times the cell width squared, where it is prescribed."""
+        if self.pressure is None:
+            return None
         return self.pressure * self.mesh.cells[0] * self.mesh.cells[1] * self.mesh.aspect
 
     @property
@@ -101,10 +106,12 @@ class Problem:
 
     @property
     def roughness(self) -> float:
-        """Length that residuals are measured in: h_rms, or p0 L / E* where the surface is flat."""
+        """Length that residuals are measured in: h_rms; p0 L / E* or the approach of a flat surface."""
         rms, (nx, ny) = float(np.std(self.heights)), self.mesh.cells
         if rms > 8 * np.finfo(float).eps * float(np.max(np.abs(self.heights))):
             return rms
+        if self.pressure is None:
+            return abs(self.offset or 0.0)
         return self.pressure * (1 - self.poisson**2) * max(nx, ny * self.mesh.aspect)
 
     def residuals(self, force: Array, gap: Array) -> Residuals:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,7 +18,6 @@ from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput
 from fem_contact.fourier import FourierOperator
 from fem_contact.response import BondedLayer
-from fem_contact.rows import available_processors
 from fem_contact.solid import Solid
 
 __all__ = ["BlockResponse", "SurfaceOperator", "phase_pairs", "solve_reduced", "surface_operator"]
@@ -189,10 +189,20 @@ def _without_mean(compliance: Array) -> Array:
     return np.asarray(basis @ np.linalg.solve(basis.T @ compliance @ basis, basis.T))
 
 
-def solve_reduced(problem: Problem, response: BlockResponse, start: NDArray[np.bool_] | None) -> Found:
-    """Solve the contact of the surface nodes."""
-    mesh, threads = problem.mesh, available_processors()
-    operator = surface_operator(response, threads=threads)
+def solve_reduced(
+    problem: Problem,
+    response: BlockResponse,
+    operator: FourierOperator | SurfaceOperator,
+    start: NDArray[np.bool_] | Found | None,
+) -> Found:
+    """Solve the contact of the surface nodes at a mean pressure."""
+    mesh, threads = problem.mesh, operator.threads
+    assert problem.pressure is not None
+    if isinstance(start, Found):
+        first: Array | None = start.force
+    else:
+        # Some force everywhere: one loaded node alone leaves no direction to search.
+        first = None if start is None else np.where(start, 1.0, _SPREAD)
     solution = _touching_everywhere(problem, operator)
     if solution is None:
         lengths = float(mesh.cells[0]), mesh.cells[1] * mesh.aspect
@@ -206,8 +216,7 @@ def solve_reduced(problem: Problem, response: BlockResponse, start: NDArray[np.b
             length_scale=problem.roughness,
             tolerance=problem.tolerance,
             max_iterations=problem.steps,
-            # Some force everywhere: one loaded node alone leaves no direction to search.
-            start=None if start is None else np.where(start, 1.0, _SPREAD),
+            start=first,
             weights=node_weights(mesh),
             threads=threads,
         )
@@ -227,8 +236,38 @@ def solve_reduced(problem: Problem, response: BlockResponse, start: NDArray[np.b
     )
 
 
+def solve_reduced_offset(
+    problem: Problem, response: BlockResponse, operator: FourierOperator | SurfaceOperator
+) -> Found:
+    """Seek the mean pressure that belongs to a prescribed offset; the offset falls as the load rises."""
+    from scipy.optimize import brentq
+
+    assert problem.offset is not None
+    target, found = problem.offset, None
+    # Of a rigid profile driven in by its full height the block would bear less than this.
+    high = 2 * -target / (1 - problem.poisson**2) / min(-float(problem.mesh.planes[0]), 1.0)
+    tight = replace(problem, tolerance=min(problem.tolerance, 1e-10), offset=None)
+
+    def excess(logarithm: float) -> float:
+        nonlocal found
+        pressure = high * math.exp(logarithm)
+        found = solve_reduced(replace(tight, pressure=pressure), response, operator, found)
+        return found.offset - target
+
+    low, top = -1.0, 0.0
+    while excess(top) > 0:
+        low, top = top, top + 3.0
+    while excess(low) < 0:
+        low, top = 2 * low - 1.0, low
+    root = brentq(excess, low, top, xtol=1e-14, rtol=4 * np.finfo(float).eps)
+    excess(root)
+    assert found is not None
+    return found
+
+
 def _touching_everywhere(problem: Problem, operator: Operator) -> Solution | None:
     """Return the exact answer where all nodes touch; None where that needs tension."""
+    assert problem.pressure is not None
     weights = node_weights(problem.mesh)
     force, displacement = np.empty(problem.mesh.shape), np.empty(problem.mesh.shape)
     operator.precondition(problem.heights, force)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from fem_contact.block import BlockSolution, solve
+from fem_contact.block import BlockSolution, solve, solve_displacement, solve_path
 from fem_contact.errors import InvalidInput
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
@@ -196,3 +196,54 @@ def test_impossible_modulus_is_refused(bad: float) -> None:
 def test_modulus_of_the_wrong_shape_is_refused() -> None:
     with pytest.raises(InvalidInput, match="does not fit the cells"):
         press(rough((10, 10)), modulus=lambda x, y, z: np.ones((3, 5, 2)))
+
+
+@pytest.mark.parametrize("method", ["full", "reduced"])
+@pytest.mark.parametrize("reduced", [0.02, 3.0])
+def test_prescribed_approach_and_prescribed_load_are_one_problem(method: str, reduced: float) -> None:
+    surface = rough((16, 15))
+    loaded = press(surface, reduced=reduced, method="full", tolerance=1e-11).contact
+    placed = solve_displacement(surface, SOLID, offset=loaded.offset, method=method, tolerance=1e-11).contact
+    np.testing.assert_array_equal(placed.checked().in_contact, loaded.checked().in_contact)
+    np.testing.assert_allclose(placed.pressure, loaded.pressure, atol=1e-8 * loaded.pressure.max())
+    assert placed.offset == pytest.approx(loaded.offset, abs=1e-10 * np.ptp(surface.heights))
+
+
+@pytest.mark.parametrize("method", ["full", "reduced"])
+def test_surfaces_held_apart_bear_nothing(method: str) -> None:
+    surface = rough((12, 12))
+    solution = solve_displacement(surface, SOLID, offset=1.01 * float(surface.heights.max()), method=method)
+    contact = solution.contact.checked()
+    assert contact.mean_pressure == 0
+    assert not contact.in_contact.any()
+    assert contact.gap.min() > 0
+    assert not solution.field.any()
+
+
+def test_flat_surface_driven_in_by_an_approach_compresses_uniformly() -> None:
+    surface = HeightField(heights=np.full((6, 8), 2e-7), lengths=(1e-5, 1e-5))
+    nu, approach = SOLID.poisson, 1e-8
+    exact = approach / 1e-5 * SOLID.young * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
+    for method in ("full", "reduced"):
+        contact = solve_displacement(
+            surface, SOLID, offset=2e-7 - approach, method=method, tolerance=1e-11
+        ).contact
+        np.testing.assert_allclose(contact.checked().pressure, exact, rtol=1e-9)
+
+
+@pytest.mark.parametrize("method", ["full", "reduced"])
+def test_a_path_up_and_down_equals_its_single_solves(method: str) -> None:
+    surface = rough((16, 12), (1e-5, 0.75e-5))
+    unit = SOLID.contact_modulus * surface.rms_gradient
+    loads = [unit * p for p in (0.03, 0.2, 0.05)]
+    path = solve_path(surface, SOLID, mean_pressures=loads, method=method, tolerance=1e-11)
+    for load, solution in zip(loads, path, strict=True):
+        alone = solve(surface, SOLID, mean_pressure=load, tolerance=1e-11).contact
+        contact = solution.contact.checked()
+        np.testing.assert_array_equal(contact.in_contact, alone.in_contact)
+        np.testing.assert_allclose(contact.pressure, alone.pressure, atol=1e-8 * alone.pressure.max())
+
+
+def test_a_load_that_cannot_be_is_refused_before_the_path_starts() -> None:
+    with pytest.raises(InvalidInput, match="mean_pressure"):
+        solve_path(rough((10, 10)), SOLID, mean_pressures=[1e5, -1.0])
