@@ -1,5 +1,6 @@
 """The finite-element block: an elastic slab of hexahedra, pressed by a rigid rough surface."""
 
+from fem_contact.block.accuracy import WaveError, wave_errors
 from fem_contact.block.elements import ELEMENTS, Element
 from fem_contact.block.mesh import BlockMesh, MeshOptions, graded_layers, plan_mesh
 from fem_contact.block.reduced import BlockResponse
@@ -15,10 +16,12 @@ __all__ = [
     "Element",
     "Estimate",
     "MeshOptions",
+    "WaveError",
     "estimate",
     "graded_layers",
     "plan_mesh",
     "solve",
     "solve_displacement",
     "solve_path",
+    "wave_errors",
 ]
