@@ -1,0 +1,260 @@
+"""The diffusion solver against closed forms, a second method, its ledger, and its hard cases."""
+
+import math
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import quad
+from scipy.special import erf
+
+from persson import _galerkin
+from persson.diffusion import solve_diffusion
+from persson.elastic import pressure_distribution
+from persson.errors import InvalidInput, NotConverged, OutsideTheory
+from persson.sine import sine_expansion
+
+
+def moving(v):
+    return np.sqrt(np.sqrt(1 + v)) / 2
+
+
+def test_elastic_contact_over_24_decades_of_variance_keeps_six_digits():
+    variance = np.geomspace(1e-4, 1e20, 60)
+    result = solve_diffusion(variance, pressure=1.0, tolerance=1e-6).checked()
+    exact = erf(1 / np.sqrt(2 * variance))
+    assert np.max(np.abs(result.area_elastic / exact - 1)) < 1e-6
+    assert np.max(np.abs(result.load_elastic - 1)) < 1e-6
+
+
+def test_error_falls_with_the_fourth_power_of_the_step_and_the_ledger_bounds_it():
+    variance = np.array([0.3, 1.0, 10.0])
+    exact = erf(1 / np.sqrt(2 * variance))
+    errors = []
+    for step in (0.4, 0.2, 0.1):
+        result = solve_diffusion(variance, pressure=1.0, modes=64, step=step)
+        errors.append(np.max(np.abs(result.area_elastic / exact - 1)))
+        assert errors[-1] < result.error_estimate
+    assert math.log2(errors[0] / errors[2]) / 2 > 3.6
+
+
+def test_distribution_is_the_closed_form():
+    result = solve_diffusion([0.5, 40.0], pressure=1.0, tolerance=1e-8).checked()
+    for index, variance in enumerate(result.variance):
+        stress = np.linspace(0, 6 * math.sqrt(variance), 40)
+        exact = pressure_distribution(stress, pressure=1.0, stress_variance=variance)
+        assert result.distribution(index, stress) == pytest.approx(exact, abs=1e-7 * exact.max())
+
+
+def test_before_a_wall_is_felt_the_distribution_is_the_free_gaussian():
+    result = solve_diffusion([0.0, 1e-6], pressure=1.0)
+    assert result.area_elastic == pytest.approx([1.0, 1.0], abs=0)
+    area, _ = quad(lambda s: float(result.distribution(1, s)), 0.99, 1.01, epsabs=1e-12)
+    assert area == pytest.approx(1, abs=1e-10)
+
+
+def test_moving_tensile_wall_gives_the_reference_areas():
+    """V = zeta^2 - 1, sigma_0 = 1, sigma_a = sqrt(zeta)/2, sigma_Y = 20."""
+    result = solve_diffusion(
+        [3.0, 99.0], pressure=1.0, tensile_limit=moving, yield_stress=20.0, tolerance=1e-7
+    ).checked()
+    assert result.area_elastic == pytest.approx([0.657789, 0.119701], abs=6e-7)
+
+
+def test_hardness_that_rises_gives_the_reference_areas():
+    """Persson 2006, Eq. 34, with sigma_0 = .02, sigma_Y = (1 + V/.05)^.1 at V = 50."""
+    result = solve_diffusion([50.0], pressure=0.02, yield_stress=lambda v: (1 + v / 0.05) ** 0.1).checked()
+    assert result.area_plastic[0] == pytest.approx(9.969e-3, abs=6e-7)
+    assert result.area_elastic[0] == pytest.approx(8.05e-5, abs=6e-8)
+    assert result.load_elastic[0] + result.area_plastic[0] * result.yield_stress[0] == pytest.approx(
+        0.02, rel=1e-6
+    )
+
+
+def test_sine_expansion_and_galerkin_agree_between_moving_walls():
+    """Two methods on one problem.
+
+    The sine coefficients fall like n^-3 under a moving wall, so the error like n^-2 ... n^-3.
+    """
+    reference = solve_diffusion(
+        [3.0], pressure=1.0, tensile_limit=moving, yield_stress=20.0, tolerance=1e-8
+    ).checked()
+    errors = []
+    for modes in (60, 120):
+        sine = sine_expansion(
+            3.0, pressure=1.0, tensile_limit=lambda v: float(moving(v)), yield_stress=20.0, modes=modes
+        )
+        errors.append(abs(sine.area_elastic - reference.area_elastic[0]))
+    assert errors[0] < 1e-3
+    assert errors[1] < errors[0] / 2
+
+
+def test_sine_expansion_is_exact_between_walls_that_stand():
+    stress = np.linspace(-0.5, 2.0, 30)
+    sine = sine_expansion(0.8, pressure=0.6, tensile_limit=0.5, yield_stress=2.0, modes=60)
+    result = solve_diffusion(
+        [0.8], pressure=0.6, tensile_limit=0.5, yield_stress=2.0, tolerance=1e-9
+    ).checked()
+    assert result.area_elastic[0] == pytest.approx(sine.area_elastic, rel=1e-8)
+    assert result.distribution(0, stress) == pytest.approx(sine.distribution(stress), abs=1e-8)
+
+
+def test_constant_tensile_limit_obeys_the_adhesion_load():
+    """Persson 2006, Eq. 41.
+
+    F + sigma_a A = (sigma_0 + sigma_a) A0, and A = erf((sigma_0 + sigma_a)/sqrt(2V)).
+    """
+    variance = np.geomspace(0.1, 1e6, 15)
+    result = solve_diffusion(variance, pressure=0.4, tensile_limit=1.5, tolerance=1e-7).checked()
+    assert result.load_elastic + 1.5 * result.area_elastic == pytest.approx(np.full(15, 1.9), rel=1e-7)
+    assert result.area_elastic == pytest.approx(erf(1.9 / np.sqrt(2 * variance)), rel=1e-6)
+
+
+def test_second_moment_is_the_integral_of_equation_48():
+    """d<(sigma - sigma_0)^2>/dV = (sigma_a + sigma_0)^2 dP/dV + P.
+
+    Here with a constant sigma_a, where P is known.
+    """
+    variance = 5.0
+    result = solve_diffusion([variance], pressure=0.4, tensile_limit=1.5, tolerance=1e-8).checked()
+    area, _ = quad(lambda v: math.erf(1.9 / math.sqrt(2 * v)), 0, variance, epsabs=1e-12)
+    assert result.mean_square[0] == pytest.approx(1.9**2 * (result.area_elastic[0] - 1) + area, rel=1e-7)
+
+
+@pytest.mark.parametrize("ratio", [1e-9, 1 - 1e-9])
+def test_load_close_to_either_wall(ratio):
+    result = solve_diffusion([0.01, 1.0, 30.0], pressure=ratio, yield_stress=1.0).checked()
+    assert result.area_plastic[-1] == pytest.approx(ratio, rel=1e-6)
+    far = min(ratio, 1 - ratio)
+    eigen = sum(
+        4 / (n * math.pi) * math.sin(n * math.pi * far) * math.exp(-0.5 * (n * math.pi) ** 2)
+        for n in range(1, 12, 2)
+    )
+    assert result.area_elastic[1] == pytest.approx(eigen, rel=1e-6)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("width", [0.5, 0.05])
+def test_tensile_limit_jumping_by_a_million_is_followed_or_refused(sign, width):
+    """Within `width` of ln V. The ledger must close, or `.checked()` must say that it does not."""
+
+    def jump(v):
+        return 0.5 * (1 + 0.5e6 * (1 + np.tanh(sign * (np.log(v) - 10) / width)))
+
+    result = solve_diffusion([1e8, 1e14], pressure=1.0, tensile_limit=jump, tolerance=1e-5).checked()
+    finer = solve_diffusion([1e8, 1e14], pressure=1.0, tensile_limit=jump, tolerance=1e-6)
+    assert result.area_elastic == pytest.approx(finer.area_elastic, rel=1e-3)
+    assert np.all(result.area_elastic > 0)
+
+
+def test_square_root_onset_is_the_same_with_and_without_being_named():
+    def onset(v):
+        return 2 * np.sqrt(np.maximum(np.log(np.maximum(v, 1e-300) / 3.0), 0))
+
+    named = solve_diffusion([1e4], pressure=1.0, tensile_limit=onset, breaks=[3.0], tolerance=1e-6).checked()
+    fine = solve_diffusion([1e4], pressure=1.0, tensile_limit=onset, breaks=[3.0], modes=120, step=0.02)
+    silent = solve_diffusion([1e4], pressure=1.0, tensile_limit=onset, tolerance=1e-4).checked()
+    assert named.area_elastic[0] == pytest.approx(fine.area_elastic[0], rel=1e-6)
+    assert silent.area_elastic[0] == pytest.approx(fine.area_elastic[0], rel=1e-4)
+
+
+def test_a_wall_too_wild_to_follow_ends_in_a_refusal_not_in_a_number():
+    result = solve_diffusion(
+        [1e8], pressure=1.0, tensile_limit=lambda v: 1e3 * (1 + np.sin(3e5 * np.log(v))), modes=44, step=0.3
+    )
+    with pytest.raises(NotConverged, match="ledger"):
+        result.checked()
+
+
+@pytest.mark.parametrize(
+    ("error", "match", "arguments"),
+    [
+        (OutsideTheory, "nothing presses", {"pressure": 0.0}),
+        (OutsideTheory, "tension", {"pressure": -2.0, "tensile_limit": 1.0}),
+        (OutsideTheory, "yield stress", {"pressure": 2.0, "yield_stress": 1.0}),
+        (OutsideTheory, "falls", {"pressure": 1.0, "yield_stress": lambda v: 3 / (1 + v)}),
+        (InvalidInput, "tensile_limit", {"pressure": 1.0, "tensile_limit": -1.0}),
+        (InvalidInput, "tensile_limit", {"pressure": 1.0, "tensile_limit": lambda v: v * np.nan}),
+        (InvalidInput, "tolerance", {"pressure": 1.0, "tolerance": 0.0}),
+        (InvalidInput, "pressure", {"pressure": float("inf")}),
+    ],
+)
+def test_cases_without_a_solution_are_named(error, match, arguments):
+    with pytest.raises(error, match=match):
+        solve_diffusion([1.0], **arguments)
+    with pytest.raises(InvalidInput, match="variance"):
+        solve_diffusion([2.0, 1.0], pressure=1.0)
+
+
+@given(
+    pressure=st.floats(0.05, 3),
+    limit=st.floats(0, 5),
+    hardness=st.floats(3.1, 30),
+    growth=st.floats(0, 0.6),
+)
+@settings(max_examples=25, deadline=None)
+def test_ledger_closes_and_areas_are_shares_whatever_the_walls(pressure, limit, hardness, growth):
+    result = solve_diffusion(
+        np.geomspace(0.1, 1e5, 12),
+        pressure=pressure,
+        tensile_limit=lambda v: limit * (1 + v) ** growth,
+        yield_stress=lambda v: hardness * (1 + v) ** (growth / 4),
+        tolerance=1e-5,
+    ).checked()
+    for part in (result.area_elastic, result.area_plastic, result.area_detached):
+        assert np.all(part > -1e-5)
+        assert np.all(part < 1 + 1e-5)
+    assert np.all(np.diff(result.area_detached) > -1e-5)
+
+
+def test_another_unit_of_pressure_gives_the_same_bits():
+    unit = 2.0**-30
+    variance = np.geomspace(0.1, 1e6, 9)
+    one = solve_diffusion(variance, pressure=1.3, tensile_limit=0.5, yield_stress=9.0)
+    two = solve_diffusion(
+        variance * unit**2, pressure=1.3 * unit, tensile_limit=0.5 * unit, yield_stress=9.0 * unit
+    )
+    assert np.array_equal(one.area_elastic, two.area_elastic)
+    assert np.array_equal(one.area_plastic, two.area_plastic)
+
+
+def test_kernel_matrices_are_the_integrals_of_the_basis():
+    modes = 9
+    mass, shift, stretch, d = _galerkin.matrices(modes)
+    x, w = np.polynomial.legendre.leggauss(24)
+    unit = np.eye(modes + 2)
+    series = d[:, None] * (unit[:modes] - unit[2:])
+    phi = np.array([np.polynomial.legendre.legval(x, row) for row in series])
+    slope = np.array([np.polynomial.legendre.legval(x, np.polynomial.legendre.legder(row)) for row in series])
+    for rows, exact in (
+        (mass, phi * w @ phi.T),
+        (shift, phi * w @ slope.T),
+        (stretch, phi * w * x @ slope.T),
+    ):
+        full = sum(np.diag(rows[o, max(0, 2 - o) : modes - max(0, o - 2)], o - 2) for o in range(5))
+        assert full == pytest.approx(exact, abs=1e-14)
+    assert slope * w @ slope.T == pytest.approx(np.eye(modes), abs=1e-12)
+
+
+def test_compiled_linear_solver_equals_numpy():
+    rng = np.random.default_rng(7)
+    rows = rng.normal(size=(5, 12))
+    rows[2] += 9
+    full = sum(np.diag(rows[o, max(0, 2 - o) : 12 - max(0, o - 2)], o - 2) for o in range(5))
+    right = rng.normal(size=12)
+    x, factors = right.copy(), rows.copy()
+    _galerkin._factor(factors)
+    _galerkin._solve(factors, x)
+    assert x == pytest.approx(np.linalg.solve(full, right), rel=1e-12)
+
+
+@pytest.mark.benchmark
+def test_speed_of_one_solve():
+    solve_diffusion([1.0], pressure=1.0)
+    for variance in ([1e14], np.geomspace(1e-3, 1e11, 200)):
+        start = time.perf_counter()
+        for _ in range(10):
+            solve_diffusion(variance, pressure=1.0).checked()
+        print(f"\n{len(variance)} outputs: {(time.perf_counter() - start) * 100:.1f} ms")

@@ -1,0 +1,132 @@
+"""Elastoplastic contact.
+
+Closed form against the diffusion solver, limits, and the published figure of polished steel.
+"""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from persson.diffusion import solve_diffusion
+from persson.elastic import contact_area
+from persson.errors import InvalidInput, OutsideTheory
+from persson.hardness import constant_hardness, nix_gao_hardness, size_dependent_hardness
+from persson.scale import Scale
+from persson.spectrum import SelfAffine
+
+
+def test_closed_form_equals_the_diffusion_solver():
+    variance = np.geomspace(1e-3, 20, 25)
+    areas = constant_hardness(0.3, stress_variance=variance, yield_stress=1.4)
+    solved = solve_diffusion(variance, pressure=0.3, yield_stress=1.4, tolerance=1e-7).checked()
+    assert areas.elastic == pytest.approx(solved.area_elastic, abs=1e-7)
+    assert areas.plastic == pytest.approx(solved.area_plastic, abs=1e-7)
+    assert areas.detached == pytest.approx(solved.area_detached, abs=1e-7)
+
+
+@given(x=st.floats(1e-12, 1 - 1e-9), v=st.floats(1e-4, 5))
+@settings(max_examples=80, deadline=None)
+def test_areas_and_load_are_conserved(x, v):
+    areas = constant_hardness(x, stress_variance=v, yield_stress=1.0)
+    assert areas.elastic + areas.plastic + areas.detached == pytest.approx(1, abs=1e-14)
+    assert 0 <= areas.plastic <= x * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("x", [1e-9, 0.2, 0.7, 1 - 1e-9])
+def test_images_and_eigenfunctions_meet(x):
+    below, above = (
+        constant_hardness(x, stress_variance=v, yield_stress=1.0)
+        for v in (0.35 * (1 - 1e-15), 0.35 * (1 + 1e-15))
+    )
+    assert below.elastic == pytest.approx(float(above.elastic), rel=1e-12)
+    assert below.plastic == pytest.approx(float(above.plastic), rel=1e-12)
+    assert below.detached == pytest.approx(float(above.detached), rel=1e-12)
+
+
+def test_infinite_hardness_is_the_elastic_solid_and_great_roughness_yields_everywhere():
+    variance = np.array([1e-3, 1.0, 50.0])
+    areas = constant_hardness(1.0, stress_variance=variance, yield_stress=1e6)
+    assert areas.elastic == pytest.approx(contact_area(1.0, stress_variance=variance), rel=1e-12)
+    assert np.all(areas.plastic < 1e-300)
+    late = constant_hardness(1.0, stress_variance=1e9, yield_stress=3.0)
+    assert (late.plastic, late.elastic) == (1 / 3, 0)
+
+
+def test_polished_steel_has_yielded_by_79_percent_at_magnification_ten():
+    """Persson 2006, Sec. 6, where q0 is not stated: here 1e5 1/m, with h_rms = 0.1 um and H = 0.8."""
+    steel = SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e10)
+    variance = (1e11 / (1 - 0.09) / 2) ** 2 * steel.m2(1e6)
+    areas = constant_hardness(10e6, stress_variance=variance, yield_stress=2e9)
+    assert areas.plastic * 2e9 / 10e6 == pytest.approx(0.78996, abs=5e-6)
+
+
+def test_size_dependent_hardness_reduces_to_the_constant_one():
+    steel = SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e8)
+    scale = Scale(steel, contact_modulus=1e11)
+    q = np.geomspace(1.2e5, 1e8, 9)
+    moving = size_dependent_hardness(
+        scale, pressure=1e7, yield_stress=lambda k: np.full(np.shape(k), 2e9), wavevectors=q
+    ).checked()
+    still = constant_hardness(1e7, stress_variance=scale.variance(q), yield_stress=2e9)
+    # The tolerance is relative to the contact area, which starts at 1.
+    assert moving.area_plastic == pytest.approx(still.plastic, abs=1e-6 * moving.area.max())
+
+
+def test_harder_small_scales_yield_less_and_carry_the_load():
+    steel = SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e9)
+    scale = Scale(steel, contact_modulus=1e11)
+    q = np.geomspace(2e5, 1e9, 12)
+    result = size_dependent_hardness(
+        scale, pressure=1e7, yield_stress=lambda k: 2e9 * (1 + k / 1e6) ** 0.3, wavevectors=q
+    ).checked()
+    soft = constant_hardness(1e7, stress_variance=scale.variance(q), yield_stress=2e9)
+    assert result.area_plastic[-1] < soft.plastic[-1]
+    carried = result.load_elastic + result.yield_stress * result.area_plastic
+    assert carried == pytest.approx(np.full(12, 1e7), rel=1e-5)
+
+
+def test_falling_hardness_and_too_much_load_are_refused_with_the_reason():
+    scale = Scale(SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e8), contact_modulus=1e11)
+    with pytest.raises(OutsideTheory, match="negative"):
+        size_dependent_hardness(
+            scale, pressure=1e7, yield_stress=lambda k: 2e9 / (1 + k / 1e6), wavevectors=[1e6, 1e8]
+        )
+    with pytest.raises(OutsideTheory, match="yield_stress"):
+        constant_hardness(2.0, stress_variance=1.0, yield_stress=2.0)
+
+
+def test_copper_is_three_times_harder_at_a_depth_of_a_fifth_of_a_micrometre():
+    """Nix and Gao (1998): H^2 is linear in 1/h with H_0 = 581 MPa, h* = 1.60 um for (111) copper."""
+    h = np.array([0.2e-6, 0.4e-6, 0.8e-6])
+    hardness = nix_gao_hardness(h, bulk=581e6, length=1.6e-6)
+    assert hardness[0] == pytest.approx(3 * 581e6, rel=1e-12)
+    assert np.diff(hardness**2) / np.diff(1 / h) == pytest.approx([581e6**2 * 1.6e-6] * 2, rel=1e-12)
+    with pytest.raises(InvalidInput, match="depth"):
+        nix_gao_hardness(0.0, bulk=1.0, length=1.0)
+
+
+def test_copper_with_its_size_effect_yields_less_than_bulk_copper():
+    rough = SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e8)
+    scale = Scale(rough, contact_modulus=1.3e11)
+    slope = rough.moments().rms_gradient
+    result = size_dependent_hardness(
+        scale,
+        pressure=5e6,
+        yield_stress=lambda q: nix_gao_hardness(slope / q, bulk=581e6, length=1.6e-6),
+        wavevectors=[1e6, 1e8],
+    ).checked()
+    bulk = constant_hardness(5e6, stress_variance=scale.variance([1e6, 1e8]), yield_stress=581e6)
+    assert np.all(result.area_plastic < bulk.plastic)
+
+
+@pytest.mark.parametrize("graded", [False, True])
+def test_scale_inverts_itself(graded):
+    rough = SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e9)
+    scale = Scale(rough, contact_modulus=(lambda q: 1e9 * (1 + 1e6 / q)) if graded else 1e9)
+    q = np.geomspace(1.001e5, 0.999e9, 40)
+    assert scale.wavevector(scale.variance(q)) == pytest.approx(q, rel=1e-5)
+    if graded:
+        constant = Scale(rough, contact_modulus=lambda k: np.full(np.shape(k), 1e9))
+        plain = Scale(rough, contact_modulus=1e9)
+        assert constant.variance(q) == pytest.approx(plain.variance(q), rel=1e-12)
