@@ -200,7 +200,7 @@ def limit_area(
     definition : {"pixel", "subcell"}
         Which area is extrapolated.
     known_constant : tuple of float, optional
-        What is known of c beforehand, and its standard deviation: for instance ``(EDGE_CONSTANTS["bem"], 0.01)``. It
+        What is known of c beforehand, and its standard deviation, as ``(EDGE_CONSTANTS["bem"], 0.01)``. It
         enters like a measurement, and steadies the limit of a few coarse grids. Pixel areas only.
 
     Raises
