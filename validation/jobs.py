@@ -122,6 +122,15 @@ def nominal_pressure(load: Load, solid: SolidSpec, field: HeightField) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Prediction:
+    """Predicted cost of a solve: seconds, peak bytes, unknowns."""
+
+    seconds: float
+    peak_bytes: int
+    unknowns: int
+
+
+@dataclass(frozen=True, kw_only=True)
 class Solved:
     """Result of one job, and the block it came from where there is one to export."""
 

@@ -57,7 +57,7 @@ def save_figure(figure: Figure, path: Path) -> None:
         figure.savefig(path, dpi=150, metadata={"Date": None} if path.suffix == ".svg" else None)
 
 
-def _figure(width: float = 6.4, height: float = 4.2, columns: int = 1) -> tuple[Figure, list[Axes]]:
+def new_figure(width: float = 6.4, height: float = 4.2, columns: int = 1) -> tuple[Figure, list[Axes]]:
     with matplotlib.rc_context(_STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
         axes = figure.subplots(1, columns, squeeze=False)[0]
@@ -66,7 +66,7 @@ def _figure(width: float = 6.4, height: float = 4.2, columns: int = 1) -> tuple[
 
 def area_figure(comparison: Comparison) -> Figure:
     """Contact area against grid spacing: pixel, corrected, limit and theory, FEM beside BEM."""
-    figure, (axes,) = _figure()
+    figure, (axes,) = new_figure()
     for (method, name), look in _LOOK.items():
         rows = comparison.rows_of(method)
         if rows:
@@ -119,7 +119,7 @@ def pressure_at_zero_figure(comparison: Comparison, results: dict[str, list[Cont
     results : dict of str to list of ContactResult
         Solves to show, by label, coarse to fine; the shifts of one grid are averaged.
     """
-    figure, (axes,) = _figure()
+    figure, (axes,) = new_figure()
     unit = comparison.contact_modulus * comparison.rms_gradient
     shades = np.linspace(0.75, 0.0, max(len(results), 2))
     styles = ["-", "--", "-.", ":"]
@@ -146,7 +146,7 @@ def pressure_at_zero_figure(comparison: Comparison, results: dict[str, list[Cont
 
 def cost_figure(comparison: Comparison) -> Figure:
     """Error of the area against seconds for every method and definition, the theory included."""
-    figure, (axes,) = _figure()
+    figure, (axes,) = new_figure()
     limit = comparison.limit
     if limit is None or limit.value == 0:
         axes.text(0.5, 0.5, "no limit: the error is not determinable", ha="center", transform=axes.transAxes)
@@ -173,7 +173,7 @@ def cost_figure(comparison: Comparison) -> Figure:
 
 def pressure_maps_figure(comparison: Comparison, results: dict[str, ContactResult]) -> Figure:
     """Pressure maps of the solvers on the same surface, on one colour scale."""
-    figure, axes = _figure(width=4.2 * max(len(results), 1), height=4.0, columns=max(len(results), 1))
+    figure, axes = new_figure(width=4.2 * max(len(results), 1), height=4.0, columns=max(len(results), 1))
     unit = comparison.contact_modulus * comparison.rms_gradient
     top = max((float(result.pressure.max()) for result in results.values()), default=unit) / unit
     image = None

@@ -111,7 +111,7 @@ Grid = Annotated[tuple[int, int], BeforeValidator(_grid)]
 Lengths = Annotated[tuple[Length, Length], BeforeValidator(_pair)]
 
 
-class _Table(BaseModel):
+class Table(BaseModel):
     """A table of the scene file: unknown keys are errors that name the known ones."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
@@ -136,7 +136,7 @@ def _exactly_one(table: BaseModel, names: tuple[str, str]) -> None:
         )
 
 
-class SelfAffineSurface(_Table):
+class SelfAffineSurface(Table):
     """A random periodic surface with C(q) ~ q^(-2(1+H)) between lambda_long and lambda_short."""
 
     kind: Literal["self-affine"]
@@ -167,7 +167,7 @@ class SelfAffineSurface(_Table):
         return self
 
 
-class FileSurface(_Table):
+class FileSurface(Table):
     """Heights read from a file: .npy, or text that numpy.loadtxt reads, shape (nx, ny)."""
 
     kind: Literal["file"]
@@ -179,14 +179,14 @@ class FileSurface(_Table):
 Surface = Annotated[SelfAffineSurface | FileSurface, Field(discriminator="kind")]
 
 
-class SolidSpec(_Table):
+class SolidSpec(Table):
     """The elastic half-space or block; the rough body is rigid."""
 
     young: Pressure = Field(description='Young\'s modulus, e.g. "1 GPa"')
     poisson: Number = Field(gt=-1, le=0.5, description="Poisson ratio, in (-1, 0.5]")
 
 
-class Load(_Table):
+class Load(Table):
     """The nominal pressure p0, or p* = p0 / (E* h'_rms) with the realised gradient."""
 
     pressure: Pressure | None = None
@@ -201,7 +201,7 @@ class Load(_Table):
 Tolerance = Annotated[Number, Field(gt=0, lt=1e-2)]
 
 
-class _Gridded(_Table):
+class _Gridded(Table):
     grids: Annotated[tuple[Grid, ...], Field(min_length=1)] = Field(
         description="surface points, e.g. [32, 64]"
     )
@@ -226,11 +226,11 @@ class FemMethod(_Gridded):
     )
 
 
-class TheoryMethod(_Table):
+class TheoryMethod(Table):
     """Persson's theory; it has no settings in an elastic scene."""
 
 
-class Methods(_Table):
+class Methods(Table):
     """Which methods run: those whose table is present, no others."""
 
     bem: BemMethod | None = None
@@ -244,20 +244,20 @@ class Methods(_Table):
         return self
 
 
-class Ensemble(_Table):
+class Ensemble(Table):
     """Further realisations of the same C(q), by boundary elements, for the scatter between surfaces."""
 
     realisations: Annotated[StrictInt, Field(ge=2)]
     grids: Annotated[tuple[Grid, ...], Field(min_length=2)]
 
 
-class EffectSpec(_Table):
+class EffectSpec(Table):
     """A physical effect beyond plain elastic contact of a half-space."""
 
     kind: Literal["hardness", "adhesion", "thickness", "graded"]
 
 
-class Scene(_Table):
+class Scene(Table):
     """One comparison: a surface, a solid, a load, the methods, and nothing that is not listed.
 
     Attributes are the tables of the scene file; every quantity is in SI units.
@@ -356,14 +356,14 @@ def load_scene(scene: str) -> Scene:
     try:
         checked = Scene.model_validate(data)
     except ValidationError as error:
-        raise SceneError(scene, _problems(error)) from None
+        raise SceneError(scene, problems(error)) from None
     if isinstance(checked.surface, FileSurface) and not checked.surface.path.is_absolute():
         surface = checked.surface.model_copy(update={"path": folder / checked.surface.path})
         checked = checked.model_copy(update={"surface": surface})
     return checked
 
 
-def _problems(error: ValidationError) -> list[str]:
+def problems(error: ValidationError) -> list[str]:
     """List one line for each mistake; an array with a wrong item is not also called too short."""
     items = error.errors()
     within = {item["loc"][:depth] for item in items for depth in range(len(item["loc"]))}

@@ -1,0 +1,211 @@
+"""Figures of the studies. They read a study's dataset and never solve."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from persson.elastic import KAPPA_BGT, KAPPA_PERSSON
+from validation.plots import new_figure
+from validation.references import KAPPA_LITERATURE
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from validation.statistics import Estimate
+
+__all__ = [
+    "area_against_magnification",
+    "area_against_pressure",
+    "error_against_cells",
+    "error_against_resolution",
+    "gap_and_energy",
+    "grid_scale_protocol",
+    "kappa_against_hurst",
+    "kappa_against_nayak",
+]
+
+_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
+_COLOURS = ("#0b5394", "#b45f06", "#38761d", "#741b47", "#134f5c", "#7f6000", "#444444", "#990000")
+_THEORY = {"color": "#38761d", "ls": "-."}
+
+
+def _look(k: int) -> dict[str, Any]:
+    return {"marker": _MARKERS[k % 8], "color": _COLOURS[k % 8], "capsize": 2, "ms": 5}
+
+
+def _kappa_lines(axes: Axes) -> None:
+    axes.axhline(KAPPA_BGT, color="black", ls=":", lw=1, label=f"Bush-Gibson-Thomas {KAPPA_BGT:.3f}")
+    axes.axhline(KAPPA_PERSSON, lw=1, label=f"Persson {KAPPA_PERSSON:.3f} (light load)", **_THEORY)
+
+
+def kappa_against_hurst(
+    dataset: xr.Dataset, limits: Sequence[Sequence[Estimate]], pixels: Sequence[Sequence[Estimate]]
+) -> Figure:
+    """kappa against H for every load at the first ratio: limit, raw count, theory and literature."""
+    figure, (axes,) = new_figure(height=4.8)
+    rows = np.flatnonzero(dataset.family.values == dataset.family.values[0])
+    hurst = dataset.hurst.values[rows]
+    for j, pressure in enumerate(dataset.reduced_pressure.values):
+        value = [limits[i][j].value for i in rows]
+        error = [limits[i][j].half_width for i in rows]
+        axes.errorbar(hurst + 0.004 * j, value, yerr=error, ls="-", label=f"limit, p* = {pressure:g}", **_look(j))
+        raw = [pixels[i][j].value for i in rows]
+        axes.plot(hurst + 0.004 * j, raw, marker=_MARKERS[j], mfc="white", color=_COLOURS[j], ls=":", lw=0.8, ms=4)
+    _kappa_lines(axes)
+    for k, published in enumerate(KAPPA_LITERATURE):
+        low, high = published.hurst
+        if low == high:
+            axes.plot(low, published.kappa[0], marker="x", color="black", ls="", label=published.source)
+        else:
+            axes.fill_between([low, high], *published.kappa, color="black", alpha=0.08, lw=0, label=_wrapped(published.source))
+    axes.set_xlabel("Hurst exponent H")
+    axes.set_ylabel(r"$\kappa = (A/A_0)\,/\,p^*$")
+    axes.set_ylim(bottom=1.4)
+    axes.legend(fontsize=7, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.14))
+    return figure
+
+
+def _wrapped(text: str) -> str:
+    return "\n".join(part.strip() for part in text.split(";")[:3]) + ("\n..." if text.count(";") > 2 else "")
+
+
+def kappa_against_nayak(dataset: xr.Dataset, limits: Sequence[Sequence[Estimate]]) -> Figure:
+    """kappa against the realised Nayak parameter; families of spectra by marker, loads by colour."""
+    figure, (axes,) = new_figure()
+    families = list(dict.fromkeys(dataset.family.values.tolist()))
+    alpha = dataset.nayak.mean("surface").values
+    for f, family in enumerate(families):
+        rows = np.flatnonzero(dataset.family.values == family)
+        for j, pressure in enumerate(dataset.reduced_pressure.values):
+            look = {**_look(j), "marker": _MARKERS[f]}
+            value = [limits[i][j].value for i in rows]
+            error = [limits[i][j].half_width for i in rows]
+            axes.errorbar(alpha[rows], value, yerr=error, ls="-", lw=0.7, label=f"{family}, p* = {pressure:g}", **look)
+    _kappa_lines(axes)
+    axes.set_xscale("log")
+    axes.set_xlabel(r"Nayak parameter $\alpha = \frac{3}{2} m_0 m_4/m_2^2$ (realised)")
+    axes.set_ylabel(r"$\kappa$ (limit over grids)")
+    axes.legend(fontsize=7, ncols=2)
+    return figure
+
+
+def error_against_resolution(dataset: xr.Dataset, errors: Mapping[str, xr.DataArray]) -> Figure:
+    """Distance of each area from the limit against points per shortest wave: lines for the mean, dots for surfaces."""
+    figure, (axes,) = new_figure()
+    for k, (name, error) in enumerate(errors.items()):
+        if not np.isfinite(error.values).any():
+            continue
+        size = 100 * np.abs(error)
+        axes.plot(dataset.points_per_wave, np.abs(100 * error.mean("surface")), label=f"{name}, |mean|", **_plain(k))
+        for values in size.values:
+            axes.plot(dataset.points_per_wave, values, ls="", marker=".", ms=3, color=_COLOURS[k], alpha=0.5)
+    per_wave = dataset.points_per_wave.values
+    start = 100 * float(np.abs(errors["pixel"].mean("surface"))[0])
+    axes.plot(per_wave, start * per_wave[0] / per_wave, color="black", lw=0.8, ls="--", label="first order in dx")
+    axes.set_xscale("log", base=2)
+    axes.set_yscale("log")
+    axes.set_xticks(per_wave, [f"{p:g}" for p in per_wave])
+    axes.minorticks_off()
+    axes.set_xlabel(r"points per shortest wavelength, $\lambda_{short}/\Delta x$")
+    axes.set_ylabel("distance of the area from its limit [%]")
+    axes.legend(fontsize=8)
+    return figure
+
+
+def _plain(k: int) -> dict[str, Any]:
+    return {"marker": _MARKERS[k], "color": _COLOURS[k], "ms": 5}
+
+
+def error_against_cells(dataset: xr.Dataset, error: xr.DataArray) -> Figure:
+    """Overestimate of the pixel count against the cells of the median patch, with the range the paper asks for."""
+    figure, (axes,) = new_figure()
+    axes.axvspan(1e2, 1e4, color="black", alpha=0.08, lw=0, label="10 x 10 to 100 x 100 cells per patch")
+    for k in range(dataset.sizes["surface"]):
+        axes.plot(dataset.cells_per_patch[k], 100 * error[k], label=f"surface {k + 1}", **_plain(k))
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlabel("cells of the patch that holds the median point of the contact area")
+    axes.set_ylabel("pixel area above the limit [%]")
+    axes.legend(fontsize=8)
+    return figure
+
+
+def grid_scale_protocol(dataset: xr.Dataset, theory: float) -> Figure:
+    """kappa with roughness down to the grid scale against the grid, by the definition of the slope."""
+    figure, (axes,) = new_figure()
+    for k, slope in enumerate(dataset.slope.values):
+        values = dataset.kappa_grid_scale.sel(slope=slope)
+        axes.errorbar(
+            dataset.protocol_points, values.mean("surface"), yerr=values.std("surface", ddof=1), label=f"slope: {slope}", **_look(k)
+        )
+    limit = float(dataset.limit.mean()) / float(dataset.attrs["reduced_pressure"])
+    axes.axhline(limit, color="black", lw=1, label=f"converged, resolved surfaces: {limit:.2f}")
+    axes.axhline(theory, label=f"Persson at this load: {theory:.2f}", **_THEORY)
+    axes.set_xscale("log", base=2)
+    axes.set_xticks(dataset.protocol_points.values, [str(n) for n in dataset.protocol_points.values])
+    axes.set_xlabel("grid points along one side")
+    axes.set_ylabel(r"$\kappa$, nodes counted")
+    axes.legend(fontsize=8)
+    return figure
+
+
+def area_against_pressure(dataset: xr.Dataset, theory: Callable[[ArrayLike], NDArray[np.float64]]) -> Figure:
+    """A/A0 against p*, and its ratio to the theory."""
+    figure, (left, right) = new_figure(width=9.0, columns=2)
+    pressure = dataset.reduced_pressure.values
+    area = dataset.area.mean("surface")
+    spread = dataset.area.std("surface", ddof=1)
+    left.errorbar(pressure, area, yerr=spread, ls="", label="simulation, limit", **_look(0))
+    dense = np.geomspace(pressure[0], pressure[-1], 200)
+    left.plot(dense, theory(dense), label="Persson", **_THEORY)
+    left.set_xscale("log")
+    left.set_yscale("log")
+    left.set_ylabel(r"$A/A_0$")
+    right.errorbar(pressure, area / theory(pressure), yerr=spread / theory(pressure), ls="-", label="simulation / Persson", **_look(0))
+    right.axhline(1, **_THEORY)
+    right.set_xscale("log")
+    right.set_ylabel("simulated area over Persson's")
+    for axes in (left, right):
+        axes.set_xlabel(r"$p^* = p_0/(E^* h'_{rms})$")
+        axes.legend(fontsize=8)
+    return figure
+
+
+def gap_and_energy(dataset: xr.Dataset) -> Figure:
+    """Mean gap and elastic energy against load."""
+    figure, (left, right) = new_figure(width=9.0, columns=2)
+    pressure = dataset.reduced_pressure.values
+    left.errorbar(pressure, dataset.gap.mean("surface"), yerr=dataset.gap.std("surface", ddof=1), **_look(0))
+    left.set_ylabel(r"mean gap $/ h_{rms}$")
+    right.errorbar(pressure, dataset.energy.mean("surface"), yerr=dataset.energy.std("surface", ddof=1), **_look(1))
+    right.set_yscale("log")
+    right.set_ylabel("elastic energy over that of full contact")
+    for axes in (left, right):
+        axes.set_xscale("log")
+        axes.set_xlabel(r"$p^* = p_0/(E^* h'_{rms})$")
+    return figure
+
+
+def area_against_magnification(dataset: xr.Dataset) -> Figure:
+    """A/A0 against magnification at each load, simulation and theory."""
+    figure, (axes,) = new_figure()
+    for j, pressure in enumerate(dataset.reduced_pressure.values):
+        area = dataset.area[:, :, j]
+        axes.errorbar(
+            dataset.magnification, area.mean("surface"), yerr=area.std("surface", ddof=1), label=f"limit, p* = {pressure:g}", **_look(j)
+        )
+        axes.plot(
+            dataset.magnification, dataset.theory[:, :, j].mean("surface"), ls="-.", color=_COLOURS[j], label=f"Persson, p* = {pressure:g}"
+        )
+    axes.set_xscale("log", base=2)
+    axes.set_yscale("log")
+    axes.set_xlabel(r"magnification $\zeta = q / q_{long}$")
+    axes.set_ylabel(r"$A(\zeta)/A_0$")
+    axes.legend(fontsize=8)
+    return figure

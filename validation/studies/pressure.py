@@ -1,0 +1,187 @@
+"""Area, gap, stiffness, energy and patches from light load to full contact, along one warm path of loads."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from validation.bench import Bench
+from validation.statistics import mean_over_surfaces
+from validation.studies.common import (
+    Ascending,
+    Count,
+    ResultTable,
+    SurfaceOptions,
+    base_surface,
+    checked,
+    persson_area,
+    solid_of,
+)
+from validation.studies.measurement import Measurement, area_limits, grid_for
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from validation.scene import Scene
+
+__all__ = ["QUESTION", "Options", "figures", "findings", "run", "table"]
+
+QUESTION = "How do area, mean gap, stiffness, elastic energy and patches change from light load to full contact?"
+
+
+class Options(SurfaceOptions):
+    """Settings of the study."""
+
+    reduced_pressures: Ascending = Field(
+        default=(0.001, 0.003, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2), description="p*, ascending"
+    )
+    surfaces: Annotated[Count, Field(ge=2)] = Field(default=4, description="realisations")
+    points_per_wave: Ascending = Field(default=(4.0, 8.0, 16.0), description="grids, as lambda_short/dx")
+    shifts: Count = Field(default=2, description="sub-grid shifts along each axis")
+
+
+def run(scene: Scene | None = None, *, bench: Bench | None = None, **options: Any) -> xr.Dataset:
+    """Press every surface along the path of loads.
+
+    Parameters
+    ----------
+    scene : Scene, optional
+        Gives the solid; nothing reported depends on it.
+    bench : Bench, optional
+        Where and how the cases run.
+    **options
+        Fields of `Options`.
+
+    Returns
+    -------
+    xarray.Dataset
+        With dimensions (surface, load): area (limit over grids), and from the finest grid the mean gap over h_rms, the
+        energy over that of full contact, the contact stiffness between neighbouring loads, and the patches.
+    """
+    import xarray as xr
+
+    bench = bench or Bench.default()
+    settings = checked(Options, options)
+    surface = base_surface(settings)
+    cases = [
+        Measurement(
+            surface=surface,
+            realisation=k,
+            solid=solid_of(scene),
+            reduced_pressures=settings.reduced_pressures,
+            grids=tuple(grid_for(surface, points) for points in settings.points_per_wave),
+            shifts=settings.shifts,
+        )
+        for k in range(settings.surfaces)
+    ]
+    measured = bench.run(cases)
+    limits = [area_limits(data) for data in measured]
+    finest = [data.isel(grid=-1).mean("shift") for data in measured]
+    pressure = np.array(settings.reduced_pressures)
+    gap = np.array([d.mean_gap.values / m.attrs["rms_height"] for d, m in zip(finest, measured, strict=True)])
+    full = np.array([[m.attrs["full_contact_energy"]] for m in measured])
+    data = {
+        "area": np.array([value for value, _ in limits]),
+        "area_error": np.array([error for _, error in limits]),
+        "pixel": np.array([d.pixel.values for d in finest]),
+        "gap": gap,
+        "energy": np.array([d.energy.values for d in finest]) / full,
+        "gamma": -np.gradient(gap, np.log(pressure), axis=1),
+        "patches": np.array([d.patches.values for d in finest]),
+        "patch_size": np.array([d.patch_size.values for d in finest]) / surface.lambda_short**2,
+    }
+    return xr.Dataset(
+        {name: (("surface", "load"), values, {"long_name": _WORDS[name]}) for name, values in data.items()},
+        coords={"reduced_pressure": ("load", pressure, {"long_name": "p0 / (E* h'_rms)"})},
+        attrs={"study": "pressure", "hurst": settings.hurst, "size": settings.size, "ratio": settings.ratio},
+    )
+
+
+_WORDS = {
+    "area": "A/A0, limit over grids",
+    "area_error": "standard error of that limit",
+    "pixel": "A/A0, points counted on the finest grid",
+    "gap": "mean gap / h_rms",
+    "energy": "elastic energy over that of full contact",
+    "gamma": "p0 / (K h_rms) = -d(gap/h_rms)/d ln p0, K the contact stiffness dp0/du",
+    "patches": "number of contact patches on the finest grid",
+    "patch_size": "sum A_i^2 / sum A_i over lambda_short^2",
+}
+
+
+def table(dataset: xr.Dataset) -> ResultTable:
+    """Return one row for each load, means over the surfaces."""
+    rows = []
+    for j, pressure in enumerate(dataset.reduced_pressure.values):
+        area = mean_over_surfaces(dataset.area[:, j].values)
+        mean = {name: float(dataset[name][:, j].mean()) for name in _WORDS}
+        rows.append(
+            (
+                float(pressure),
+                area.value,
+                area.half_width,
+                area.value / pressure,
+                float(persson_area(pressure)),
+                mean["gap"],
+                mean["gamma"],
+                mean["energy"],
+                mean["patches"],
+                mean["patch_size"],
+            )
+        )
+    columns = (
+        "p*",
+        "A/A0 limit",
+        "+- (95 %)",
+        "kappa",
+        "A/A0 Persson",
+        "gap/h_rms",
+        "p0/(K h_rms)",
+        "U/U_full",
+        "patches",
+        "mean patch/lambda_short^2",
+    )
+    return ResultTable.of(columns, rows)
+
+
+def findings(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Return where the theory holds, and what does not change with load while contact is light."""
+    theory = persson_area(dataset.reduced_pressure.values)
+    area = dataset.area.mean("surface").values
+    ratio = area / theory
+    sentences = [
+        "Simulated area (limit) over Persson's: "
+        + ", ".join(
+            f"{r:.3f} at A/A0 = {a:.3g}" for r, a in zip(ratio, area, strict=True)
+        )
+        + "."
+    ]
+    light = np.flatnonzero(area < 0.1)
+    if light.size > 1:
+        kappa = area[light] / dataset.reduced_pressure.values[light]
+        size = dataset.patch_size.mean("surface").values[light]
+        count = dataset.patches.mean("surface").values[light]
+        sentences.append(
+            f"Between A/A0 = {area[light[0]]:.2g} and {area[light[-1]]:.2g} kappa goes from {kappa[0]:.2f} to {kappa[-1]:.2f}, the mean patch "
+            f"size grows {size[-1] / size[0]:.1f}-fold and the number of patches {count[-1] / count[0]:.1f}-fold, where the theories of "
+            "independent patches say that size stays and number grows with the area, "
+            f"{area[light[-1]] / area[light[0]]:.1f}-fold."
+        )
+        gamma = dataset.gamma.mean("surface").values[light]
+        sentences.append(
+            f"The mean gap falls with ln p0 by gamma h_rms with gamma = {gamma.min():.2f} to {gamma.max():.2f} at these loads."
+        )
+    return tuple(sentences)
+
+
+def figures(dataset: xr.Dataset) -> dict[str, Figure]:
+    """Draw area, gap, energy and patches against load."""
+    from validation import plots_studies
+
+    return {
+        "area-against-pressure": plots_studies.area_against_pressure(dataset, persson_area),
+        "gap-and-energy": plots_studies.gap_and_energy(dataset),
+    }

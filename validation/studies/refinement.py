@@ -1,0 +1,221 @@
+"""What the grid does to the contact area, and how much of the published kappa it explains (Persson 2006, Sec. 12)."""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from pydantic import Field
+
+from validation.bench import Bench
+from validation.scene import Number
+from validation.statistics import mean_over_surfaces, order_of_convergence
+from validation.studies.common import (
+    Ascending,
+    Count,
+    ResultTable,
+    SurfaceOptions,
+    base_surface,
+    checked,
+    persson_area,
+    solid_of,
+)
+from validation.studies.grid_roughness import GridRoughness
+from validation.studies.measurement import Measurement, area_limits, grid_for
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from validation.scene import Scene
+
+__all__ = ["QUESTION", "Options", "figures", "findings", "run", "table"]
+
+QUESTION = "By how much does a grid overestimate the contact area, and what remains of the distance to the theory?"
+
+_AREAS = ("pixel", "perimeter", "subcell")
+
+
+class Options(SurfaceOptions):
+    """Settings of the study."""
+
+    reduced_pressure: Number = Field(default=0.05, gt=0, description="p*")
+    surfaces: Annotated[Count, Field(ge=2)] = Field(default=4, description="realisations")
+    points_per_wave: Ascending = Field(
+        default=(2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0), description="grids, as lambda_short/dx"
+    )
+    shifts: Count = Field(default=2, description="sub-grid shifts along each axis")
+    grid_scale_points: tuple[Count, ...] = Field(
+        default=(64, 128, 256), description="grids of the same surfaces with roughness down to the grid scale"
+    )
+
+
+def run(scene: Scene | None = None, *, bench: Bench | None = None, **options: Any) -> xr.Dataset:
+    """Measure the area on every grid, and the same surfaces with roughness down to the grid scale.
+
+    Parameters
+    ----------
+    scene : Scene, optional
+        Gives the solid; nothing reported depends on it.
+    bench : Bench, optional
+        Where and how the cases run.
+    **options
+        Fields of `Options`.
+
+    Returns
+    -------
+    xarray.Dataset
+        Areas with dimensions (surface, grid), means over the shifts; `limit` per surface; kappa of the grid-scale
+        protocol with dimensions (surface, protocol_grid, slope).
+    """
+    import xarray as xr
+
+    bench = bench or Bench.default()
+    settings = checked(Options, options)
+    surface, solid = base_surface(settings), solid_of(scene)
+    grids = tuple(grid_for(surface, points) for points in settings.points_per_wave)
+    pressures = (settings.reduced_pressure,)
+    cases = [
+        Measurement(
+            surface=surface, realisation=k, solid=solid, reduced_pressures=pressures, grids=grids, shifts=settings.shifts
+        )
+        for k in range(settings.surfaces)
+    ]
+    protocol = [
+        GridRoughness(surface=surface, realisation=k, solid=solid, reduced_pressure=settings.reduced_pressure, points=n)
+        for k, n in itertools.product(range(settings.surfaces), settings.grid_scale_points)
+    ]
+    results = bench.run([*cases, *protocol])
+    measured, rough = results[: len(cases)], results[len(cases) :]
+    names = (*_AREAS, "density_at_zero", "patches", "cells_per_patch", "edge_fraction", "residual")
+    data: dict[str, Any] = {
+        name: (("surface", "grid"), np.array([d[name].isel(load=0).mean("shift").values for d in measured]))
+        for name in names
+    }
+    data["seconds"] = (("surface", "grid"), np.array([d.seconds.isel(load=0).sum("shift").values for d in measured]))
+    limits = [area_limits(d) for d in measured]
+    data["limit"] = (("surface",), np.array([value[0] for value, _ in limits]))
+    data["limit_error"] = (("surface",), np.array([error[0] for _, error in limits]))
+    kappa = np.array([d.kappa.values for d in rough]).reshape(settings.surfaces, len(settings.grid_scale_points), 3)
+    data["kappa_grid_scale"] = (("surface", "protocol_grid", "slope"), kappa)
+    return xr.Dataset(
+        data,
+        coords={
+            "points_per_wave": ("grid", measured[0].points_per_wave.values, {"long_name": "lambda_short / dx"}),
+            "points": ("grid", measured[0].points.values),
+            "protocol_points": ("protocol_grid", list(settings.grid_scale_points)),
+            "slope": ("slope", ["spectral", "forward", "central"]),
+        },
+        attrs={
+            "study": "refinement",
+            "reduced_pressure": settings.reduced_pressure,
+            "hurst": settings.hurst,
+            "size": settings.size,
+            "ratio": settings.ratio,
+            "shifts": settings.shifts,
+        },
+    )
+
+
+def overestimate(dataset: xr.Dataset, name: str) -> xr.DataArray:
+    """Return the relative distance of an area from the limit of its own surface, (surface, grid)."""
+    return dataset[name] / dataset["limit"] - 1
+
+
+def table(dataset: xr.Dataset) -> ResultTable:
+    """Return one row for each grid, then the limit, the theory and the grid-scale protocol."""
+    pressure = float(dataset.attrs["reduced_pressure"])
+    rows: list[tuple[float | str, ...]] = []
+    for i, per_wave in enumerate(dataset.points_per_wave.values):
+        label = "" if per_wave > 2 * (1 + 1e-9) else " (under-resolved)"
+        errors = []
+        for name in _AREAS:
+            values = overestimate(dataset, name)[:, i].values
+            errors += [100 * float(values.mean()), 100 * mean_over_surfaces(values).half_width]
+        rows.append(
+            (
+                f"{int(dataset.points[i])}{label}",
+                float(per_wave),
+                float(dataset.cells_per_patch[:, i].mean()),
+                float(dataset.pixel[:, i].mean()) / pressure,
+                *errors,
+                float(dataset.density_at_zero[:, i].mean()),
+                float(dataset.patches[:, i].mean()),
+                float(dataset.seconds[:, i].mean()),
+            )
+        )
+    columns = (
+        "grid",
+        "lambda_short/dx",
+        "cells in the median patch",
+        "kappa pixel",
+        *(f"{name} {what} [%]" for name in _AREAS for what in ("- limit", "+- (95 %)")),
+        "P(0+) E*h'",
+        "patches",
+        "seconds",
+    )
+    return ResultTable.of(columns, rows)
+
+
+def findings(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Return what refinement shows, in words."""
+    pressure = float(dataset.attrs["reduced_pressure"])
+    limit = mean_over_surfaces(dataset.limit.values / pressure)
+    theory = float(persson_area(pressure)) / pressure
+    resolved = dataset.isel(grid=np.flatnonzero(dataset.points_per_wave.values > 2 * (1 + 1e-9)))
+    spacing = 1 / resolved.points_per_wave.values
+    sentences = [
+        f"kappa in the limit of vanishing spacing is {limit} (95 %, {limit.samples} surfaces) at p* = {pressure:g}; Persson's theory "
+        f"gives {theory:.4g}: {100 * (1 - theory / limit.value):.0f} % of the simulated area is not explained by the grid.",
+    ]
+    for name in _AREAS:
+        error = overestimate(resolved, name).mean("surface").values
+        if not np.all(np.isfinite(error)):
+            continue
+        order = order_of_convergence(spacing, np.where(error == 0, 1e-12, error))
+        parts = ", ".join(
+            f"{100 * e:+.2g} % at {p:g}" for e, p in zip(error, resolved.points_per_wave.values, strict=True)
+        )
+        sentences.append(
+            f"The {name} area differs from the limit by {parts} points per shortest wave (mean over surfaces; fitted order {order:.2f})."
+        )
+    enough = resolved.points_per_wave.values[
+        np.abs(overestimate(resolved, "pixel").mean("surface").values) < 0.05
+    ]
+    if enough.size:
+        first = int(np.flatnonzero(resolved.points_per_wave.values == enough.min())[0])
+        cells = float(resolved.cells_per_patch[:, first].mean())
+        sentences.append(
+            f"Counting is within 5 % of the limit from lambda_short/dx = {enough.min():g} on; half of the contact area then lies in patches "
+            f"of at least {cells:.0f} cells (Persson's criterion asks for 100 to 10000)."
+        )
+    sentences.append(_protocol(dataset, limit.value, theory))
+    return tuple(sentences)
+
+
+def _protocol(dataset: xr.Dataset, limit: float, theory: float) -> str:
+    """Say what roughness down to the grid scale does, by the definition of the slope."""
+    last = dataset.kappa_grid_scale.isel(protocol_grid=-1)
+    words = ", ".join(f"{float(last.sel(slope=name).mean()):.2f} ({name})" for name in dataset.slope.values)
+    values = [float(last.sel(slope=name).mean()) for name in dataset.slope.values]
+    spread = max(values) / min(values) - 1
+    span = " on both sides of" if min(values) < limit < max(values) else (" above" if min(values) > limit else " below")
+    return (
+        f"With roughness down to the grid scale on {int(dataset.protocol_points[-1])} points and nodes counted, kappa is {words}, by how the slope is "
+        f"measured: a spread of {100 * spread:.0f} %,{span} the converged {limit:.2f}; the theory's {theory:.2f} is "
+        f"{'below all of them' if theory < min(values) else 'not below all of them'}."
+    )
+
+
+def figures(dataset: xr.Dataset) -> dict[str, Figure]:
+    """Draw error against resolution, error against cells per patch, and kappa of the grid-scale protocol."""
+    from validation import plots_studies
+
+    errors = {name: overestimate(dataset, name) for name in _AREAS}
+    theory = float(persson_area(dataset.attrs["reduced_pressure"])) / float(dataset.attrs["reduced_pressure"])
+    return {
+        "error-against-resolution": plots_studies.error_against_resolution(dataset, errors),
+        "error-against-cells": plots_studies.error_against_cells(dataset, errors["pixel"]),
+        "grid-scale-protocol": plots_studies.grid_scale_protocol(dataset, theory),
+    }
