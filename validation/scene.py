@@ -37,6 +37,7 @@ __all__ = [
     "FileSurface",
     "Load",
     "Methods",
+    "RunOptions",
     "Scene",
     "SelfAffineSurface",
     "SolidSpec",
@@ -83,6 +84,7 @@ def _quantity(unit: str, kind: str, example: str) -> BeforeValidator:
 
 Length = Annotated[float, _quantity("m", "length", "0.5 um"), Field(gt=0)]
 Pressure = Annotated[float, _quantity("Pa", "pressure", "10 MPa"), Field(gt=0)]
+Memory = Annotated[float, _quantity("byte", "amount of memory", "4 GiB"), Field(ge=1)]
 Number = Annotated[float, Field(strict=True)]
 
 
@@ -168,12 +170,31 @@ class SelfAffineSurface(_Table):
 
 
 class FileSurface(_Table):
-    """Heights read from a file: .npy, or text that numpy.loadtxt reads, shape (nx, ny)."""
+    """Heights read from a file: .npy, text, .nc, .x3p, or what SurfaceTopography reads; shape (nx, ny).
+
+    They are levelled, filled and made periodic, in this order, as the table says.
+    """
 
     kind: Literal["file"]
     path: Path = Field(description="file of heights, relative to the scene file")
-    length: Lengths = Field(description='period L, or [Lx, Ly], e.g. "100 um"')
-    unit: Length = Field(default=1.0, description='unit of the heights, e.g. "1 nm"')
+    length: Lengths = Field(
+        description='size L, or [Lx, Ly], e.g. "100 um"; may be left out where the file says it'
+    )
+    unit: Length | None = Field(
+        default=None, description='unit of the heights, e.g. "1 nm"; that of the file, or "1 m", if not given'
+    )
+    tilt: Literal["keep", "plane", "quadratic"] = Field(
+        default="keep", description="what to take out before anything else"
+    )
+    missing: Literal["refuse", "nearest", "harmonic"] = Field(
+        default="refuse", description="what to do with points without a height"
+    )
+    edges: Literal["periodic", "tukey", "hann"] | None = Field(
+        default=None, description="taper that makes it periodic; not needed where opposite edges match"
+    )
+    margin: Number = Field(
+        default=0.1, gt=0, le=0.5, description="share of each side over which a tukey taper falls"
+    )
 
 
 Surface = Annotated[SelfAffineSurface | FileSurface, Field(discriminator="kind")]
@@ -251,6 +272,25 @@ class Ensemble(_Table):
     grids: Annotated[tuple[Grid, ...], Field(min_length=2)]
 
 
+class RunOptions(_Table):
+    """How a scene is run; nothing here changes a result. An option of the command line goes before these."""
+
+    workers: Annotated[StrictInt, Field(ge=1, le=4096)] = Field(
+        default=1, description="local processes; 1 runs everything in the process itself"
+    )
+    scheduler: str | None = Field(default=None, description='Dask scheduler, e.g. "tcp://host:8786"')
+    memory: Memory | None = Field(default=None, description='memory for all solves, e.g. "4 GiB"')
+    store: Path | None = Field(default=None, description="folder of finished solves, shared between runs")
+    output: Path | None = Field(default=None, description="results folder; default: results/<name>")
+    quiet: StrictBool = Field(default=False, description="no progress bar")
+
+    @model_validator(mode="after")
+    def _one_place(self) -> Self:
+        if self.scheduler is not None and self.workers != 1:
+            raise _wrong("give workers or a scheduler, which has workers of its own; found both")
+        return self
+
+
 class EffectSpec(_Table):
     """A physical effect beyond plain elastic contact of a half-space."""
 
@@ -273,6 +313,7 @@ class Scene(_Table):
     methods: Methods
     ensemble: Ensemble | None = None
     effects: tuple[EffectSpec, ...] = ()
+    run: RunOptions = RunOptions()
 
     @model_validator(mode="after")
     def _grids_resolve(self) -> Self:
@@ -388,7 +429,7 @@ def _problem(item: Any) -> str:
 
 def _described(location: list[str]) -> str:
     """Say what a missing key is, from the description of its field."""
-    tables = (Scene, SelfAffineSurface, FileSurface, SolidSpec, Load, BemMethod, FemMethod, Ensemble)
+    tables = (Scene, SelfAffineSurface, FileSurface, SolidSpec, Load, BemMethod, FemMethod, Ensemble, RunOptions)
     for table in tables:
         field = table.model_fields.get(location[-1])
         if field is not None and field.description:
