@@ -195,18 +195,9 @@ def solve_diffusion(
     >>> result.checked().area_elastic.round(5)
     array([0.68269, 0.38292])
     """
-    outputs = np.atleast_1d(non_negative("variance", variance, unit="Pa^2"))
-    if outputs.ndim != 1 or outputs.size == 0 or np.any(np.diff(outputs) < 0):
-        raise InvalidInput("variance: must be a one-dimensional array of values that do not decrease")
+    outputs, problem = _checked(variance, pressure, tensile_limit, yield_stress)
     if not 0 < tolerance < 1:
         raise InvalidInput(f"tolerance = {tolerance!r}: must lie between 0 and 1")
-    load = float(real("pressure", pressure, unit="Pa"))
-    problem = _Problem(
-        pressure=load,
-        below=_distance(tensile_limit, load, 1.0, "tensile_limit"),
-        above=_distance(yield_stress, load, -1.0, "yield_stress"),
-        hardening=callable(yield_stress),
-    )
     levels = _LEVELS if modes is None and step is None else ((step or 0.1, modes or 48),)
     pieces = _pieces(problem, outputs, np.asarray(breaks, dtype=float))
     probes = np.unique(np.linspace(0, outputs.size - 1, min(outputs.size, 8)).astype(int))
@@ -227,6 +218,41 @@ def solve_diffusion(
             break
         coarse = _part(result, probes)
     return result
+
+
+def diffuse_once(
+    variance: ArrayLike,
+    *,
+    pressure: float,
+    tensile_limit: Wall,
+    yield_stress: Wall,
+    breaks: Sequence[float],
+    modes: int,
+    step: float,
+) -> Diffusion:
+    """Solve once on given steps, without an error estimate.
+
+    For iterations that refine the walls themselves.
+    """
+    outputs, problem = _checked(variance, pressure, tensile_limit, yield_stress)
+    pieces = _pieces(problem, outputs, np.asarray(breaks, dtype=float))
+    return _integrate(problem, outputs, pieces, largest=step, modes=modes)
+
+
+def _checked(
+    variance: ArrayLike, pressure: float, tensile_limit: Wall, yield_stress: Wall
+) -> tuple[Array, _Problem]:
+    outputs = np.atleast_1d(non_negative("variance", variance, unit="Pa^2"))
+    if outputs.ndim != 1 or outputs.size == 0 or np.any(np.diff(outputs) < 0):
+        raise InvalidInput("variance: must be a one-dimensional array of values that do not decrease")
+    load = float(real("pressure", pressure, unit="Pa"))
+    problem = _Problem(
+        pressure=load,
+        below=_distance(tensile_limit, load, 1.0, "tensile_limit"),
+        above=_distance(yield_stress, load, -1.0, "yield_stress"),
+        hardening=callable(yield_stress),
+    )
+    return outputs, problem
 
 
 def _part(result: Diffusion, chosen: NDArray[np.int64]) -> Diffusion:

@@ -63,9 +63,8 @@ def sine_expansion(
     r"""Expand the stress distribution at variance V in sines between -sigma_a(V) and sigma_Y(V).
 
     .. math:: \frac{\partial P}{\partial V} =
-              \left(s \frac{\sigma_b'}{\sigma_b}
-              - \frac{\sigma_Y'}{\sigma_b}\right) \frac{\partial P}{\partial s}
-              + \frac{1}{2\sigma_b^2}\frac{\partial^2 P}{\partial s^2},
+              \left(s \frac{\sigma_b'}{\sigma_b} - \frac{\sigma_Y'}{\sigma_b}\right)
+              \frac{\partial P}{\partial s} + \frac{1}{2\sigma_b^2}\frac{\partial^2 P}{\partial s^2},
               \qquad \sigma_b = \sigma_a + \sigma_Y
 
     Parameters

@@ -89,9 +89,7 @@ def console_table(comparison: Comparison) -> Table:
 
 
 def write_outputs(comparison: Comparison, store: Store, folder: Path) -> tuple[Path, ...]:
-    """Write table.csv, summary.json, the figures and report.html.
-
-    Returns what there is to open: files, and the folder of netCDF fields.
+    """Write tables, figures and report; return what a reader may open: files, and the folder of fields.
 
     Parameters
     ----------

@@ -37,6 +37,7 @@ __all__ = [
     "FileSurface",
     "Load",
     "Methods",
+    "RunOptions",
     "Scene",
     "SelfAffineSurface",
     "SolidSpec",
@@ -83,6 +84,7 @@ def _quantity(unit: str, kind: str, example: str) -> BeforeValidator:
 
 Length = Annotated[float, _quantity("m", "length", "0.5 um"), Field(gt=0)]
 Pressure = Annotated[float, _quantity("Pa", "pressure", "10 MPa"), Field(gt=0)]
+Memory = Annotated[float, _quantity("byte", "amount of memory", "4 GiB"), Field(ge=1)]
 Number = Annotated[float, Field(strict=True)]
 
 
@@ -111,7 +113,7 @@ Grid = Annotated[tuple[int, int], BeforeValidator(_grid)]
 Lengths = Annotated[tuple[Length, Length], BeforeValidator(_pair)]
 
 
-class Table(BaseModel):
+class _Table(BaseModel):
     """A table of the scene file: unknown keys are errors that name the known ones."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
@@ -136,7 +138,7 @@ def _exactly_one(table: BaseModel, names: tuple[str, str]) -> None:
         )
 
 
-class SelfAffineSurface(Table):
+class SelfAffineSurface(_Table):
     """A random periodic surface with C(q) ~ q^(-2(1+H)) between lambda_long and lambda_short."""
 
     kind: Literal["self-affine"]
@@ -167,26 +169,45 @@ class SelfAffineSurface(Table):
         return self
 
 
-class FileSurface(Table):
-    """Heights read from a file: .npy, or text that numpy.loadtxt reads, shape (nx, ny)."""
+class FileSurface(_Table):
+    """Heights read from a file: .npy, text, .nc, .x3p, or what SurfaceTopography reads; shape (nx, ny).
+
+    They are levelled, filled and made periodic, in this order, as the table says.
+    """
 
     kind: Literal["file"]
     path: Path = Field(description="file of heights, relative to the scene file")
-    length: Lengths = Field(description='period L, or [Lx, Ly], e.g. "100 um"')
-    unit: Length = Field(default=1.0, description='unit of the heights, e.g. "1 nm"')
+    length: Lengths = Field(
+        description='size L, or [Lx, Ly], e.g. "100 um"; may be left out where the file says it'
+    )
+    unit: Length | None = Field(
+        default=None, description='unit of the heights, e.g. "1 nm"; that of the file, or "1 m", if not given'
+    )
+    tilt: Literal["keep", "plane", "quadratic"] = Field(
+        default="keep", description="what to take out before anything else"
+    )
+    missing: Literal["refuse", "nearest", "harmonic"] = Field(
+        default="refuse", description="what to do with points without a height"
+    )
+    edges: Literal["periodic", "tukey", "hann"] | None = Field(
+        default=None, description="taper that makes it periodic; not needed where opposite edges match"
+    )
+    margin: Number = Field(
+        default=0.1, gt=0, le=0.5, description="share of each side over which a tukey taper falls"
+    )
 
 
 Surface = Annotated[SelfAffineSurface | FileSurface, Field(discriminator="kind")]
 
 
-class SolidSpec(Table):
+class SolidSpec(_Table):
     """The elastic half-space or block; the rough body is rigid."""
 
     young: Pressure = Field(description='Young\'s modulus, e.g. "1 GPa"')
     poisson: Number = Field(gt=-1, le=0.5, description="Poisson ratio, in (-1, 0.5]")
 
 
-class Load(Table):
+class Load(_Table):
     """The nominal pressure p0, or p* = p0 / (E* h'_rms) with the realised gradient."""
 
     pressure: Pressure | None = None
@@ -201,7 +222,7 @@ class Load(Table):
 Tolerance = Annotated[Number, Field(gt=0, lt=1e-2)]
 
 
-class _Gridded(Table):
+class _Gridded(_Table):
     grids: Annotated[tuple[Grid, ...], Field(min_length=1)] = Field(
         description="surface points, e.g. [32, 64]"
     )
@@ -226,11 +247,11 @@ class FemMethod(_Gridded):
     )
 
 
-class TheoryMethod(Table):
+class TheoryMethod(_Table):
     """Persson's theory; it has no settings in an elastic scene."""
 
 
-class Methods(Table):
+class Methods(_Table):
     """Which methods run: those whose table is present, no others."""
 
     bem: BemMethod | None = None
@@ -244,20 +265,39 @@ class Methods(Table):
         return self
 
 
-class Ensemble(Table):
+class Ensemble(_Table):
     """Further realisations of the same C(q), by boundary elements, for the scatter between surfaces."""
 
     realisations: Annotated[StrictInt, Field(ge=2)]
     grids: Annotated[tuple[Grid, ...], Field(min_length=2)]
 
 
-class EffectSpec(Table):
+class RunOptions(_Table):
+    """How a scene is run; nothing here changes a result. An option of the command line goes before these."""
+
+    workers: Annotated[StrictInt, Field(ge=1, le=4096)] = Field(
+        default=1, description="local processes; 1 runs everything in the process itself"
+    )
+    scheduler: str | None = Field(default=None, description='Dask scheduler, e.g. "tcp://host:8786"')
+    memory: Memory | None = Field(default=None, description='memory for all solves, e.g. "4 GiB"')
+    store: Path | None = Field(default=None, description="folder of finished solves, shared between runs")
+    output: Path | None = Field(default=None, description="results folder; default: results/<name>")
+    quiet: StrictBool = Field(default=False, description="no progress bar")
+
+    @model_validator(mode="after")
+    def _one_place(self) -> Self:
+        if self.scheduler is not None and self.workers != 1:
+            raise _wrong("give workers or a scheduler, which has workers of its own; found both")
+        return self
+
+
+class EffectSpec(_Table):
     """A physical effect beyond plain elastic contact of a half-space."""
 
     kind: Literal["hardness", "adhesion", "thickness", "graded"]
 
 
-class Scene(Table):
+class Scene(_Table):
     """One comparison: a surface, a solid, a load, the methods, and nothing that is not listed.
 
     Attributes are the tables of the scene file; every quantity is in SI units.
@@ -273,6 +313,7 @@ class Scene(Table):
     methods: Methods
     ensemble: Ensemble | None = None
     effects: tuple[EffectSpec, ...] = ()
+    run: RunOptions = RunOptions()
 
     @model_validator(mode="after")
     def _grids_resolve(self) -> Self:
@@ -356,14 +397,14 @@ def load_scene(scene: str) -> Scene:
     try:
         checked = Scene.model_validate(data)
     except ValidationError as error:
-        raise SceneError(scene, problems(error)) from None
+        raise SceneError(scene, _problems(error)) from None
     if isinstance(checked.surface, FileSurface) and not checked.surface.path.is_absolute():
         surface = checked.surface.model_copy(update={"path": folder / checked.surface.path})
         checked = checked.model_copy(update={"surface": surface})
     return checked
 
 
-def problems(error: ValidationError) -> list[str]:
+def _problems(error: ValidationError) -> list[str]:
     """List one line for each mistake; an array with a wrong item is not also called too short."""
     items = error.errors()
     within = {item["loc"][:depth] for item in items for depth in range(len(item["loc"]))}
@@ -388,7 +429,7 @@ def _problem(item: Any) -> str:
 
 def _described(location: list[str]) -> str:
     """Say what a missing key is, from the description of its field."""
-    tables = (Scene, SelfAffineSurface, FileSurface, SolidSpec, Load, BemMethod, FemMethod, Ensemble)
+    tables = (Scene, SelfAffineSurface, FileSurface, SolidSpec, Load, BemMethod, FemMethod, Ensemble, RunOptions)
     for table in tables:
         field = table.model_fields.get(location[-1])
         if field is not None and field.description:
