@@ -141,7 +141,10 @@ def study(
         options["scene"] = load_scene(scene)
         said = options["scene"].run
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
-    folder, store_folder = output or said.output or Path("results") / name, store or said.store or DEFAULT_STORE
+    folder, store_folder = (
+        output or said.output or Path("results") / name,
+        store or said.store or DEFAULT_STORE,
+    )
     if dry_run:
         try:
             found.run(bench=Bench(store=Store(folder=store_folder), plan_only=True), **options)
@@ -150,7 +153,9 @@ def study(
         return
     with stopping_cleanly(), Bar(quiet=quiet or said.quiet or as_json) as bar:
         bench = Bench(
-            store=Store(folder=prepare_folder(store_folder, option="--store")), execution=execution, progress=bar
+            store=Store(folder=prepare_folder(store_folder, option="--store")),
+            execution=execution,
+            progress=bar,
         )
         outputs = run_study(found, options, prepare_folder(folder), bench=bench)
     if as_json:
@@ -180,7 +185,9 @@ def validate(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="[CASE]...", help="Cases to run; all if not given.")
     ] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Only what takes seconds; under three minutes.")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Only what takes seconds; under three minutes.")
+    ] = False,
     list_all: Annotated[bool, typer.Option("--list", help="Name the cases and their claims.")] = False,
     as_json: JsonOption = False,
 ) -> None:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.errors import UsageError
-from validation.jobs import Job, jobs_of, nominal_pressure
+from validation.jobs import Job, NumbersJob, Prediction, jobs_of, nominal_pressure
 from validation.scene import FileSurface, Scene, SelfAffineSurface
 from validation.surfaces import reference_field, shortest_wavelength, spectrum_of
 
@@ -69,15 +69,6 @@ def check_effects(scene: Scene) -> None:
                 )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Prediction:
-    """Predicted cost of a solve: seconds, peak bytes, unknowns."""
-
-    seconds: float
-    peak_bytes: int
-    unknowns: int
-
-
 def transform_seconds(n: int = 256) -> float:
     """Median time of a pair of real n x n transforms on this machine, on one thread [s]."""
     import scipy.fft
@@ -100,6 +91,8 @@ def predicted_cost(job: Job, *, pair_seconds: float = 1.5e-3) -> Prediction:
     pair_seconds : float
         Time of one pair of 256 x 256 transforms on this machine, from `transform_seconds` [s].
     """
+    if isinstance(job, NumbersJob):
+        return job.predict()
     points = job.grid[0] * job.grid[1]
     if job.method == "bem":
         scale = points * math.log2(points) / (256**2 * 16)

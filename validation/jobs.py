@@ -5,16 +5,20 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.scene import FileSurface, Load, Scene, SelfAffineSurface, SolidSpec
 from validation.surfaces import file_digest, height_field, reference_field
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["Job", "execute", "jobs_of", "nominal_pressure"]
 
@@ -90,6 +94,51 @@ class Job:
         return height_field(self.surface, self.grid, realisation=self.realisation, shift=self.shift)
 
 
+@dataclass(frozen=True, kw_only=True)
+class Prediction:
+    """Predicted cost of a solve: seconds, peak bytes, unknowns."""
+
+    seconds: float
+    peak_bytes: int
+    unknowns: int
+
+
+class NumbersJob(ABC):
+    """A job of a study whose result is a small dataset of numbers rather than fields.
+
+    Subclasses are frozen dataclasses of plain data, so that worker processes can be sent them.
+    """
+
+    @property
+    @abstractmethod
+    def recipe(self) -> dict[str, Any]:
+        """Everything that determines the numbers, as JSON-ready data, and nothing else."""
+
+    @property
+    @abstractmethod
+    def prefix(self) -> str:
+        """Readable start of the name on disk."""
+
+    @property
+    def key(self) -> str:
+        """Name on disk: readable, then the hash of the recipe."""
+        recipe = {"results_version": RESULTS_VERSION, "kind": type(self).__name__, **self.recipe}
+        digest = hashlib.sha256(json.dumps(recipe, sort_keys=True).encode()).hexdigest()[:16]
+        return f"{self.prefix}-{digest}"
+
+    @abstractmethod
+    def describe(self) -> str:
+        """Return a few words for a progress bar."""
+
+    @abstractmethod
+    def predict(self) -> Prediction:
+        """Predict what the job takes."""
+
+    @abstractmethod
+    def measure(self) -> xr.Dataset:
+        """Solve, and keep the numbers."""
+
+
 def jobs_of(scene: Scene) -> tuple[Job, ...]:
     """List the solves of a scene, coarse grids first; one that is asked for twice is listed once."""
     common: dict[str, Any] = {"surface": scene.surface, "solid": scene.solid, "load": scene.load}
@@ -119,15 +168,6 @@ def nominal_pressure(load: Load, solid: SolidSpec, field: HeightField) -> float:
     assert load.reduced_pressure is not None
     modulus = Solid(**solid.model_dump()).contact_modulus
     return load.reduced_pressure * modulus * field.rms_gradient
-
-
-@dataclass(frozen=True, kw_only=True)
-class Prediction:
-    """Predicted cost of a solve: seconds, peak bytes, unknowns."""
-
-    seconds: float
-    peak_bytes: int
-    unknowns: int
 
 
 @dataclass(frozen=True, kw_only=True)

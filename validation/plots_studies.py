@@ -47,23 +47,34 @@ def _kappa_lines(axes: Axes) -> None:
 def kappa_against_hurst(
     dataset: xr.Dataset, limits: Sequence[Sequence[Estimate]], pixels: Sequence[Sequence[Estimate]]
 ) -> Figure:
-    """kappa against H for every load at the first ratio: limit, raw count, theory and literature."""
+    """Kappa against H for every load at the first ratio: limit, raw count, theory and literature."""
     figure, (axes,) = new_figure(height=4.8)
     rows = np.flatnonzero(dataset.family.values == dataset.family.values[0])
     hurst = dataset.hurst.values[rows]
     for j, pressure in enumerate(dataset.reduced_pressure.values):
         value = [limits[i][j].value for i in rows]
         error = [limits[i][j].half_width for i in rows]
-        axes.errorbar(hurst + 0.004 * j, value, yerr=error, ls="-", label=f"limit, p* = {pressure:g}", **_look(j))
+        axes.errorbar(
+            hurst + 0.004 * j, value, yerr=error, ls="-", label=f"limit, p* = {pressure:g}", **_look(j)
+        )
         raw = [pixels[i][j].value for i in rows]
-        axes.plot(hurst + 0.004 * j, raw, marker=_MARKERS[j], mfc="white", color=_COLOURS[j], ls=":", lw=0.8, ms=4)
+        axes.plot(
+            hurst + 0.004 * j, raw, marker=_MARKERS[j], mfc="white", color=_COLOURS[j], ls=":", lw=0.8, ms=4
+        )
     _kappa_lines(axes)
     for k, published in enumerate(KAPPA_LITERATURE):
         low, high = published.hurst
         if low == high:
             axes.plot(low, published.kappa[0], marker="x", color="black", ls="", label=published.source)
         else:
-            axes.fill_between([low, high], *published.kappa, color="black", alpha=0.08, lw=0, label=_wrapped(published.source))
+            axes.fill_between(
+                [low, high],
+                *published.kappa,
+                color="black",
+                alpha=0.08,
+                lw=0,
+                label=_wrapped(published.source),
+            )
     axes.set_xlabel("Hurst exponent H")
     axes.set_ylabel(r"$\kappa = (A/A_0)\,/\,p^*$")
     axes.set_ylim(bottom=1.4)
@@ -76,7 +87,7 @@ def _wrapped(text: str) -> str:
 
 
 def kappa_against_nayak(dataset: xr.Dataset, limits: Sequence[Sequence[Estimate]]) -> Figure:
-    """kappa against the realised Nayak parameter; families of spectra by marker, loads by colour."""
+    """Kappa against the realised Nayak parameter; families of spectra by marker, loads by colour."""
     figure, (axes,) = new_figure()
     families = list(dict.fromkeys(dataset.family.values.tolist()))
     alpha = dataset.nayak.mean("surface").values
@@ -86,7 +97,9 @@ def kappa_against_nayak(dataset: xr.Dataset, limits: Sequence[Sequence[Estimate]
             look = {**_look(j), "marker": _MARKERS[f]}
             value = [limits[i][j].value for i in rows]
             error = [limits[i][j].half_width for i in rows]
-            axes.errorbar(alpha[rows], value, yerr=error, ls="-", lw=0.7, label=f"{family}, p* = {pressure:g}", **look)
+            axes.errorbar(
+                alpha[rows], value, yerr=error, ls="-", lw=0.7, label=f"{family}, p* = {pressure:g}", **look
+            )
     _kappa_lines(axes)
     axes.set_xscale("log")
     axes.set_xlabel(r"Nayak parameter $\alpha = \frac{3}{2} m_0 m_4/m_2^2$ (realised)")
@@ -102,12 +115,16 @@ def error_against_resolution(dataset: xr.Dataset, errors: Mapping[str, xr.DataAr
         if not np.isfinite(error.values).any():
             continue
         size = 100 * np.abs(error)
-        axes.plot(dataset.points_per_wave, np.abs(100 * error.mean("surface")), label=f"{name}, |mean|", **_plain(k))
+        axes.plot(
+            dataset.points_per_wave, np.abs(100 * error.mean("surface")), label=f"{name}, |mean|", **_plain(k)
+        )
         for values in size.values:
             axes.plot(dataset.points_per_wave, values, ls="", marker=".", ms=3, color=_COLOURS[k], alpha=0.5)
     per_wave = dataset.points_per_wave.values
     start = 100 * float(np.abs(errors["pixel"].mean("surface"))[0])
-    axes.plot(per_wave, start * per_wave[0] / per_wave, color="black", lw=0.8, ls="--", label="first order in dx")
+    axes.plot(
+        per_wave, start * per_wave[0] / per_wave, color="black", lw=0.8, ls="--", label="first order in dx"
+    )
     axes.set_xscale("log", base=2)
     axes.set_yscale("log")
     axes.set_xticks(per_wave, [f"{p:g}" for p in per_wave])
@@ -137,12 +154,16 @@ def error_against_cells(dataset: xr.Dataset, error: xr.DataArray) -> Figure:
 
 
 def grid_scale_protocol(dataset: xr.Dataset, theory: float) -> Figure:
-    """kappa with roughness down to the grid scale against the grid, by the definition of the slope."""
+    """Kappa with roughness down to the grid scale against the grid, by the definition of the slope."""
     figure, (axes,) = new_figure()
     for k, slope in enumerate(dataset.slope.values):
         values = dataset.kappa_grid_scale.sel(slope=slope)
         axes.errorbar(
-            dataset.protocol_points, values.mean("surface"), yerr=values.std("surface", ddof=1), label=f"slope: {slope}", **_look(k)
+            dataset.protocol_points,
+            values.mean("surface"),
+            yerr=values.std("surface", ddof=1),
+            label=f"slope: {slope}",
+            **_look(k),
         )
     limit = float(dataset.limit.mean()) / float(dataset.attrs["reduced_pressure"])
     axes.axhline(limit, color="black", lw=1, label=f"converged, resolved surfaces: {limit:.2f}")
@@ -167,7 +188,14 @@ def area_against_pressure(dataset: xr.Dataset, theory: Callable[[ArrayLike], NDA
     left.set_xscale("log")
     left.set_yscale("log")
     left.set_ylabel(r"$A/A_0$")
-    right.errorbar(pressure, area / theory(pressure), yerr=spread / theory(pressure), ls="-", label="simulation / Persson", **_look(0))
+    right.errorbar(
+        pressure,
+        area / theory(pressure),
+        yerr=spread / theory(pressure),
+        ls="-",
+        label="simulation / Persson",
+        **_look(0),
+    )
     right.axhline(1, **_THEORY)
     right.set_xscale("log")
     right.set_ylabel("simulated area over Persson's")
@@ -183,7 +211,9 @@ def gap_and_energy(dataset: xr.Dataset) -> Figure:
     pressure = dataset.reduced_pressure.values
     left.errorbar(pressure, dataset.gap.mean("surface"), yerr=dataset.gap.std("surface", ddof=1), **_look(0))
     left.set_ylabel(r"mean gap $/ h_{rms}$")
-    right.errorbar(pressure, dataset.energy.mean("surface"), yerr=dataset.energy.std("surface", ddof=1), **_look(1))
+    right.errorbar(
+        pressure, dataset.energy.mean("surface"), yerr=dataset.energy.std("surface", ddof=1), **_look(1)
+    )
     right.set_yscale("log")
     right.set_ylabel("elastic energy over that of full contact")
     for axes in (left, right):
@@ -198,10 +228,18 @@ def area_against_magnification(dataset: xr.Dataset) -> Figure:
     for j, pressure in enumerate(dataset.reduced_pressure.values):
         area = dataset.area[:, :, j]
         axes.errorbar(
-            dataset.magnification, area.mean("surface"), yerr=area.std("surface", ddof=1), label=f"limit, p* = {pressure:g}", **_look(j)
+            dataset.magnification,
+            area.mean("surface"),
+            yerr=area.std("surface", ddof=1),
+            label=f"limit, p* = {pressure:g}",
+            **_look(j),
         )
         axes.plot(
-            dataset.magnification, dataset.theory[:, :, j].mean("surface"), ls="-.", color=_COLOURS[j], label=f"Persson, p* = {pressure:g}"
+            dataset.magnification,
+            dataset.theory[:, :, j].mean("surface"),
+            ls="-.",
+            color=_COLOURS[j],
+            label=f"Persson, p* = {pressure:g}",
         )
     axes.set_xscale("log", base=2)
     axes.set_yscale("log")

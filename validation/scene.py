@@ -429,7 +429,17 @@ def _problem(item: Any) -> str:
 
 def _described(location: list[str]) -> str:
     """Say what a missing key is, from the description of its field."""
-    tables = (Scene, SelfAffineSurface, FileSurface, SolidSpec, Load, BemMethod, FemMethod, Ensemble, RunOptions)
+    tables = (
+        Scene,
+        SelfAffineSurface,
+        FileSurface,
+        SolidSpec,
+        Load,
+        BemMethod,
+        FemMethod,
+        Ensemble,
+        RunOptions,
+    )
     for table in tables:
         field = table.model_fields.get(location[-1])
         if field is not None and field.description:

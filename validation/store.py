@@ -12,14 +12,17 @@ import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact.contact import ContactResult, Cost, Residuals, Status
 from validation.errors import RunFailed, UsageError
-from validation.jobs import Job, recipe_text
+from validation.jobs import Job, NumbersJob, recipe_text
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["Store", "atomic_path", "prepare_folder", "remove_drafts"]
 
@@ -134,7 +137,10 @@ class Store:
             When the disk is full.
         """
         with atomic_path(self.path(job)) as draft:
-            _to_file(draft, job, result)
+            if isinstance(job, NumbersJob):
+                result.to_netcdf(draft, engine="netcdf4")
+            else:
+                _to_file(draft, job, result)
 
     def load(self, job: Job, *, on_damage: Callable[[str], None] | None = None) -> ContactResult | None:
         """Read a finished solve; None if there is none.
@@ -145,7 +151,7 @@ class Store:
         if not path.exists():
             return None
         try:
-            return _from_file(path)
+            return _numbers(path) if isinstance(job, NumbersJob) else _from_file(path)
         except Exception as error:
             # What a damaged HDF5 file raises depends on the byte: anything but a result is damage.
             if isinstance(error, OSError) and error.errno in _NOT_DAMAGE:
@@ -160,6 +166,13 @@ class Store:
     def holds(self, job: Job, *, on_damage: Callable[[str], None] | None = None) -> bool:
         """Whether an intact result of the job is stored."""
         return self.load(job, on_damage=on_damage) is not None
+
+
+def _numbers(path: Path) -> xr.Dataset:
+    import xarray as xr
+
+    with xr.open_dataset(path, engine="netcdf4") as dataset:
+        return dataset.load()
 
 
 def _to_file(path: Path, job: Job, result: ContactResult) -> None:

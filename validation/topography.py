@@ -128,7 +128,9 @@ class Topography:
         before = _rms(self.heights - mean)
         tapered = weights * (self.heights - mean)
         share = f" over {100 * margin:.3g} % of each side" if edges == "tukey" else ""
-        words = f"made periodic: {edges} taper{share} (h_rms {before:.4g} m before, {_rms(tapered):.4g} m after)"
+        words = (
+            f"made periodic: {edges} taper{share} (h_rms {before:.4g} m before, {_rms(tapered):.4g} m after)"
+        )
         return replace(self, heights=tapered, history=(*self.history, words))
 
     def height_field(self) -> HeightField:
@@ -228,7 +230,9 @@ def read_topography(
         reason = str(error).splitlines()[0]
         raise UsageError(f"{str(path)!r}: is no topography of its kind ({reason})") from None
     if heights.ndim != 2 or min(heights.shape) < 2:
-        raise UsageError(f"{str(path)!r}: has shape {heights.shape}; a map of at least 2 x 2 heights is needed")
+        raise UsageError(
+            f"{str(path)!r}: has shape {heights.shape}; a map of at least 2 x 2 heights is needed"
+        )
     size = lengths or own_lengths
     if size is None:
         raise UsageError(f"{str(path)!r}: does not say how large the patch is: give length")

@@ -1,28 +1,26 @@
-"""kappa against the Hurst exponent and against the Nayak parameter, in the limit of vanishing grid spacing."""
+"""How does kappa = (A/A0)/p* depend on the Hurst exponent, and is it the Nayak parameter that matters?"""
 
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.optimize
-from pydantic import Field
 
 from validation.bench import Bench
-from validation.scene import Number
+from validation.errors import UsageError
 from validation.statistics import Estimate, mean_over_surfaces, pair_means
-from validation.studies.common import (
-    Ascending,
-    Count,
+from validation.studies._common import (
     ResultTable,
-    SurfaceOptions,
+    at_least,
     base_surface,
-    checked,
+    measure,
     persson_area,
+    rising,
     solid_of,
 )
-from validation.studies.measurement import Measurement, area_limits, grid_for
+from validation.studies._measurement import Measurement, area_limits, grid_for
 from validation.surfaces import spectrum_of
 
 if TYPE_CHECKING:
@@ -31,26 +29,23 @@ if TYPE_CHECKING:
 
     from validation.scene import Scene
 
-__all__ = ["QUESTION", "Options", "figures", "findings", "run", "table"]
-
-QUESTION = "How does kappa = (A/A0)/p* depend on the Hurst exponent, and is it the Nayak parameter that matters?"
+__all__ = ["figures", "findings", "run", "table"]
 
 
-class Options(SurfaceOptions):
-    """Settings of the study."""
-
-    hursts: Ascending = Field(default=(0.1, 0.3, 0.5, 0.8, 0.95), description="Hurst exponents")
-    ratios: Ascending = Field(default=(16.0,), description="lambda_long/lambda_short, each with every H")
-    equal_nayak: Number | None = Field(
-        default=None, gt=1.5, description="also choose the ratio of each H so that alpha of C(q) has this value"
-    )
-    reduced_pressures: Ascending = Field(default=(0.02, 0.05, 0.1, 0.2), description="p*, ascending")
-    pairs: Annotated[Count, Field(ge=2)] = Field(default=8, description="pairs of surfaces +h, -h")
-    points_per_wave: Ascending = Field(default=(4.0, 6.0, 8.0), description="grids, as lambda_short/dx")
-    shifts: Count = Field(default=2, description="sub-grid shifts along each axis")
-
-
-def run(scene: Scene | None = None, *, bench: Bench | None = None, **options: Any) -> xr.Dataset:
+def run(
+    *,
+    scene: Scene | None = None,
+    bench: Bench | None = None,
+    hursts: tuple[float, ...] = (0.1, 0.3, 0.5, 0.8, 0.95),
+    ratios: tuple[float, ...] = (16.0,),
+    equal_nayak: float | None = None,
+    reduced_pressures: tuple[float, ...] = (0.02, 0.05, 0.1, 0.2),
+    size: float = 4.0,
+    pairs: int = 8,
+    points_per_wave: tuple[float, ...] = (4.0, 6.0, 8.0),
+    shifts: int = 2,
+    seed: int = 2006,
+) -> xr.Dataset:
     """Measure kappa for every spectrum, surface and load.
 
     Parameters
@@ -59,8 +54,24 @@ def run(scene: Scene | None = None, *, bench: Bench | None = None, **options: An
         Gives the solid; kappa does not depend on it.
     bench : Bench, optional
         Where and how the cases run; in this process and in `results/solves` if not given.
-    **options
-        Fields of `Options`.
+    hursts : tuple of float
+        Hurst exponents.
+    ratios : tuple of float
+        lambda_long/lambda_short, each with every H.
+    equal_nayak : float, optional
+        Also choose the ratio of each H so that alpha of C(q) has this value.
+    reduced_pressures : tuple of float
+        p*, rising.
+    size : float
+        L/lambda_long.
+    pairs : int
+        Pairs of surfaces +h, -h.
+    points_per_wave : tuple of float
+        Grids, as lambda_short/dx, rising.
+    shifts : int
+        Sub-grid shifts along each axis.
+    seed : int
+        Of the first surface.
 
     Returns
     -------
@@ -70,26 +81,32 @@ def run(scene: Scene | None = None, *, bench: Bench | None = None, **options: An
     """
     import xarray as xr
 
-    bench = bench or Bench.default()
-    settings = checked(Options, options)
-    spectra = _spectra(settings)
+    at_least("pairs", pairs, 2)
+    reduced_pressures, points_per_wave = (
+        rising("reduced_pressures", reduced_pressures),
+        rising("points_per_wave", points_per_wave),
+    )
+    spectra = [(h, r, f"ratio {r:g}") for r, h in itertools.product(ratios, hursts)]
+    if equal_nayak is not None:
+        spectra += [
+            (h, _ratio_for(equal_nayak, hurst=h, size=size), f"alpha {equal_nayak:g}") for h in hursts
+        ]
+    surfaces = [base_surface(hurst=h, size=size, ratio=r, seed=seed) for h, r, _ in spectra]
     cases = [
         Measurement(
-            surface=base_surface(settings, hurst=hurst, ratio=ratio),
+            surface=surface,
             realisation=pair,
             inverted=inverted,
             solid=solid_of(scene),
-            reduced_pressures=settings.reduced_pressures,
-            grids=_grids(settings, hurst, ratio),
-            shifts=settings.shifts,
+            reduced_pressures=reduced_pressures,
+            grids=tuple(grid_for(surface, points) for points in points_per_wave),
+            shifts=shifts,
         )
-        for (hurst, ratio, _), pair, inverted in itertools.product(
-            spectra, range(settings.pairs), (False, True)
-        )
+        for surface, pair, inverted in itertools.product(surfaces, range(pairs), (False, True))
     ]
-    measured = bench.run(cases)
-    shape = (len(spectra), 2 * settings.pairs, len(settings.reduced_pressures))
-    pressure = np.array(settings.reduced_pressures)
+    measured = measure(bench, cases)
+    shape = (len(spectra), 2 * pairs, len(reduced_pressures))
+    pressure = np.array(reduced_pressures)
     limits = [area_limits(data) for data in measured]
     kappa = {
         "kappa": np.array([value for value, _ in limits]).reshape(shape) / pressure,
@@ -105,41 +122,42 @@ def run(scene: Scene | None = None, *, bench: Bench | None = None, **options: An
     }
     nayak = np.array([data.attrs["nayak"] for data in measured]).reshape(shape[:2])
     return xr.Dataset(
-        {name: (("spectrum", "surface", "load"), values, {"long_name": words[name]}) for name, values in kappa.items()},
+        {
+            name: (("spectrum", "surface", "load"), values, {"long_name": words[name]})
+            for name, values in kappa.items()
+        },
         coords={
             "hurst": ("spectrum", [hurst for hurst, _, _ in spectra]),
-            "ratio": ("spectrum", [ratio for _, ratio, _ in spectra], {"long_name": "lambda_long / lambda_short"}),
+            "ratio": (
+                "spectrum",
+                [ratio for _, ratio, _ in spectra],
+                {"long_name": "lambda_long / lambda_short"},
+            ),
             "family": ("spectrum", [family for _, _, family in spectra]),
             "nayak": (("spectrum", "surface"), nayak, {"long_name": "realised Nayak parameter"}),
             "reduced_pressure": ("load", pressure, {"long_name": "p0 / (E* h'_rms)"}),
         },
         attrs={
             "study": "hurst",
-            "size": settings.size,
-            "points_per_wave": list(settings.points_per_wave),
+            "size": size,
+            "points_per_wave": list(points_per_wave),
             "seconds": float(sum(data.seconds.sum() for data in measured)),
         },
     )
 
 
-def _spectra(settings: Options) -> list[tuple[float, float, str]]:
-    """List (H, ratio, family): every H at every ratio, then, if asked for, each H at the ratio of equal alpha."""
-    spectra = [(h, r, f"ratio {r:g}") for r, h in itertools.product(settings.ratios, settings.hursts)]
-    if settings.equal_nayak is not None:
-        wanted = settings.equal_nayak
+def _ratio_for(nayak: float, *, hurst: float, size: float) -> float:
+    """lambda_long/lambda_short at which alpha of C(q) has a value, for one H."""
 
-        def excess(ratio: float, hurst: float) -> float:
-            return spectrum_of(base_surface(settings, hurst=hurst, ratio=ratio)).moments().nayak - wanted
+    def excess(ratio: float) -> float:
+        surface = base_surface(hurst=hurst, size=size, ratio=ratio, seed=0)
+        return spectrum_of(surface).moments().nayak - nayak
 
-        for hurst in settings.hursts:
-            ratio = float(scipy.optimize.brentq(excess, 1.01, 1e4, args=(hurst,), xtol=1e-6))
-            spectra.append((hurst, ratio, f"alpha {wanted:g}"))
-    return spectra
-
-
-def _grids(settings: Options, hurst: float, ratio: float) -> tuple[tuple[int, int], ...]:
-    surface = base_surface(settings, hurst=hurst, ratio=ratio)
-    return tuple(grid_for(surface, points) for points in settings.points_per_wave)
+    if not excess(1.01) < 0 < excess(1e4):
+        raise UsageError(
+            f"equal_nayak = {nayak:g}: no bandwidth gives it at H = {hurst:g}; it must exceed 1.5"
+        )
+    return float(scipy.optimize.brentq(excess, 1.01, 1e4, xtol=1e-6))
 
 
 def _finest(measured: list[xr.Dataset], name: str) -> np.ndarray:
@@ -158,7 +176,9 @@ def table(dataset: xr.Dataset) -> ResultTable:
     rows = []
     for i, j in itertools.product(range(dataset.sizes["spectrum"]), range(dataset.sizes["load"])):
         pressure = float(dataset.reduced_pressure[j])
-        grid_error = float(np.sqrt(np.mean(dataset.kappa_grid_error[i, :, j] ** 2) / dataset.sizes["surface"]))
+        grid_error = float(
+            np.sqrt(np.mean(dataset.kappa_grid_error[i, :, j] ** 2) / dataset.sizes["surface"])
+        )
         rows.append(
             (
                 float(dataset.hurst[i]),
@@ -211,7 +231,7 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
 
 def _trend(part: xr.Dataset, family: str) -> str:
     """Compare the lowest with the highest H, surface by surface, since their phases are common."""
-    first, last = int(part.hurst.argmin()), int(part.hurst.argmax())
+    first, last = int(part.hurst.values.argmin()), int(part.hurst.values.argmax())
     words = []
     for j, pressure in enumerate(part.reduced_pressure.values):
         ratio = part.kappa[last, :, j].values / part.kappa[first, :, j].values - 1
@@ -233,6 +253,8 @@ def figures(dataset: xr.Dataset) -> dict[str, Figure]:
     from validation import plots_studies
 
     return {
-        "kappa-against-hurst": plots_studies.kappa_against_hurst(dataset, estimates(dataset), estimates(dataset, "kappa_pixel")),
+        "kappa-against-hurst": plots_studies.kappa_against_hurst(
+            dataset, estimates(dataset), estimates(dataset, "kappa_pixel")
+        ),
         "kappa-against-nayak": plots_studies.kappa_against_nayak(dataset, estimates(dataset)),
     }

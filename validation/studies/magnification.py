@@ -1,27 +1,24 @@
-"""Area against magnification: roughness added wave by wave on one surface, against Eq. 20 of Persson 2006."""
+"""How does the contact area fall as shorter and shorter waves are added to one surface?"""
 
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from pydantic import Field
 
 from validation.bench import Bench
-from validation.scene import Number
-from validation.statistics import mean_over_surfaces
-from validation.studies.common import (
-    Ascending,
-    Count,
+from validation.studies._common import (
     ResultTable,
-    SurfaceOptions,
+    at_least,
     base_surface,
-    checked,
+    measure,
+    over_surfaces,
     persson_area,
+    rising,
     solid_of,
 )
-from validation.studies.measurement import Measurement, area_limits, grid_for
+from validation.studies._measurement import Measurement, area_limits, grid_for
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,25 +26,23 @@ if TYPE_CHECKING:
 
     from validation.scene import Scene
 
-__all__ = ["QUESTION", "Options", "figures", "findings", "run", "table"]
-
-QUESTION = "How does the contact area fall as shorter and shorter waves are added to one surface?"
+__all__ = ["figures", "findings", "run", "table"]
 
 
-class Options(SurfaceOptions):
-    """Settings of the study."""
-
-    ratio: Number = Field(default=16.0, gt=1, description="lambda_long / lambda_short")
-    reduced_pressures: Ascending = Field(default=(0.05, 0.2), description="p*, with the gradient of all waves")
-    magnifications: Ascending = Field(
-        default=(1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0), description="zeta = q / q_long, ascending"
-    )
-    surfaces: Annotated[Count, Field(ge=2)] = Field(default=4, description="realisations")
-    points_per_wave: Ascending = Field(default=(3.0, 6.0), description="grids, on the shortest wave of all")
-    shifts: Count = Field(default=2, description="sub-grid shifts along each axis")
-
-
-def run(scene: Scene | None = None, *, bench: Bench | None = None, **options: Any) -> xr.Dataset:
+def run(
+    *,
+    scene: Scene | None = None,
+    bench: Bench | None = None,
+    reduced_pressures: tuple[float, ...] = (0.05, 0.2),
+    magnifications: tuple[float, ...] = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0),
+    hurst: float = 0.8,
+    size: float = 4.0,
+    ratio: float = 16.0,
+    surfaces: int = 4,
+    points_per_wave: tuple[float, ...] = (3.0, 6.0),
+    shifts: int = 2,
+    seed: int = 2006,
+) -> xr.Dataset:
     """Press every surface with its waves up to each magnification, always at the same nominal pressures.
 
     Parameters
@@ -56,8 +51,20 @@ def run(scene: Scene | None = None, *, bench: Bench | None = None, **options: An
         Gives the solid; nothing reported depends on it.
     bench : Bench, optional
         Where and how the cases run.
-    **options
-        Fields of `Options`.
+    reduced_pressures : tuple of float
+        p* with the gradient of all waves, rising.
+    magnifications : tuple of float
+        zeta = q/q_long, rising.
+    hurst, size, ratio : float
+        H, L/lambda_long and lambda_long/lambda_short.
+    surfaces : int
+        Realisations.
+    points_per_wave : tuple of float
+        Grids, as the shortest wave of all over dx, rising.
+    shifts : int
+        Sub-grid shifts along each axis.
+    seed : int
+        Of the first surface.
 
     Returns
     -------
@@ -67,10 +74,13 @@ def run(scene: Scene | None = None, *, bench: Bench | None = None, **options: An
     """
     import xarray as xr
 
-    bench = bench or Bench.default()
-    settings = checked(Options, options)
-    surface = base_surface(settings)
-    grids = tuple(grid_for(surface, points) for points in settings.points_per_wave)
+    at_least("surfaces", surfaces, 2)
+    magnifications, points_per_wave = (
+        rising("magnifications", magnifications),
+        rising("points_per_wave", points_per_wave),
+    )
+    surface = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed)
+    grids = tuple(grid_for(surface, points) for points in points_per_wave)
     q_long = 2 * np.pi / surface.lambda_long
     cases = [
         Measurement(
@@ -78,30 +88,33 @@ def run(scene: Scene | None = None, *, bench: Bench | None = None, **options: An
             realisation=k,
             truncation=zeta * q_long,
             solid=solid_of(scene),
-            reduced_pressures=settings.reduced_pressures,
+            reduced_pressures=reduced_pressures,
             grids=grids,
-            shifts=settings.shifts,
+            shifts=shifts,
         )
-        for k, zeta in itertools.product(range(settings.surfaces), settings.magnifications)
+        for k, zeta in itertools.product(range(surfaces), magnifications)
     ]
-    measured = bench.run(cases)
-    shape = (settings.surfaces, len(settings.magnifications), len(settings.reduced_pressures))
+    measured = measure(bench, cases)
+    shape = (surfaces, len(magnifications), len(reduced_pressures))
     limits = [area_limits(data) for data in measured]
     # p* of a truncated surface grows as its gradient shrinks, at the same nominal pressure.
     partial = np.array([case.field(grids[0]).rms_gradient for case in cases])
     whole = np.array([data.attrs["rms_gradient"] for data in measured])
-    pressures = np.array(settings.reduced_pressures) * (whole / partial)[:, None]
+    pressures = np.array(reduced_pressures) * (whole / partial)[:, None]
     return xr.Dataset(
         {
             "area": (("surface", "magnification", "load"), np.array([v for v, _ in limits]).reshape(shape)),
-            "area_error": (("surface", "magnification", "load"), np.array([e for _, e in limits]).reshape(shape)),
+            "area_error": (
+                ("surface", "magnification", "load"),
+                np.array([e for _, e in limits]).reshape(shape),
+            ),
             "theory": (("surface", "magnification", "load"), persson_area(pressures).reshape(shape)),
         },
         coords={
-            "magnification": ("magnification", list(settings.magnifications), {"long_name": "q / q_long"}),
-            "reduced_pressure": ("load", list(settings.reduced_pressures)),
+            "magnification": ("magnification", list(magnifications), {"long_name": "q / q_long"}),
+            "reduced_pressure": ("load", list(reduced_pressures)),
         },
-        attrs={"study": "magnification", "hurst": settings.hurst, "size": settings.size, "ratio": settings.ratio},
+        attrs={"study": "magnification", "hurst": hurst, "size": size, "ratio": ratio},
     )
 
 
@@ -109,7 +122,7 @@ def table(dataset: xr.Dataset) -> ResultTable:
     """Return one row for each load and magnification."""
     rows = []
     for j, i in itertools.product(range(dataset.sizes["load"]), range(dataset.sizes["magnification"])):
-        area = mean_over_surfaces(dataset.area[:, i, j].values)
+        area = over_surfaces(dataset.area[:, i, j])
         theory = float(dataset.theory[:, i, j].mean())
         rows.append(
             (
@@ -121,7 +134,9 @@ def table(dataset: xr.Dataset) -> ResultTable:
                 area.value / theory,
             )
         )
-    return ResultTable.of(("p* (all waves)", "zeta", "A/A0 limit", "+- (95 %)", "A/A0 Persson", "ratio"), rows)
+    return ResultTable.of(
+        ("p* (all waves)", "zeta", "A/A0 limit", "+- (95 %)", "A/A0 Persson", "ratio"), rows
+    )
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:

@@ -1,25 +1,23 @@
-"""Area, gap, stiffness, energy and patches from light load to full contact, along one warm path of loads."""
+"""How do area, mean gap, stiffness, elastic energy and patches change from light load to full contact?"""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
-from pydantic import Field
 
 from validation.bench import Bench
-from validation.statistics import mean_over_surfaces
-from validation.studies.common import (
-    Ascending,
-    Count,
+from validation.studies._common import (
     ResultTable,
-    SurfaceOptions,
+    at_least,
     base_surface,
-    checked,
+    measure,
+    over_surfaces,
     persson_area,
+    rising,
     solid_of,
 )
-from validation.studies.measurement import Measurement, area_limits, grid_for
+from validation.studies._measurement import Measurement, area_limits, grid_for
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,23 +25,22 @@ if TYPE_CHECKING:
 
     from validation.scene import Scene
 
-__all__ = ["QUESTION", "Options", "figures", "findings", "run", "table"]
-
-QUESTION = "How do area, mean gap, stiffness, elastic energy and patches change from light load to full contact?"
+__all__ = ["figures", "findings", "run", "table"]
 
 
-class Options(SurfaceOptions):
-    """Settings of the study."""
-
-    reduced_pressures: Ascending = Field(
-        default=(0.001, 0.003, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2), description="p*, ascending"
-    )
-    surfaces: Annotated[Count, Field(ge=2)] = Field(default=4, description="realisations")
-    points_per_wave: Ascending = Field(default=(4.0, 8.0, 16.0), description="grids, as lambda_short/dx")
-    shifts: Count = Field(default=2, description="sub-grid shifts along each axis")
-
-
-def run(scene: Scene | None = None, *, bench: Bench | None = None, **options: Any) -> xr.Dataset:
+def run(
+    *,
+    scene: Scene | None = None,
+    bench: Bench | None = None,
+    reduced_pressures: tuple[float, ...] = (0.001, 0.003, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2),
+    hurst: float = 0.8,
+    size: float = 4.0,
+    ratio: float = 8.0,
+    surfaces: int = 4,
+    points_per_wave: tuple[float, ...] = (4.0, 8.0, 16.0),
+    shifts: int = 2,
+    seed: int = 2006,
+) -> xr.Dataset:
     """Press every surface along the path of loads.
 
     Parameters
@@ -52,8 +49,18 @@ def run(scene: Scene | None = None, *, bench: Bench | None = None, **options: An
         Gives the solid; nothing reported depends on it.
     bench : Bench, optional
         Where and how the cases run.
-    **options
-        Fields of `Options`.
+    reduced_pressures : tuple of float
+        p*, rising: one warm path of loads.
+    hurst, size, ratio : float
+        H, L/lambda_long and lambda_long/lambda_short.
+    surfaces : int
+        Realisations.
+    points_per_wave : tuple of float
+        Grids, as lambda_short/dx, rising.
+    shifts : int
+        Sub-grid shifts along each axis.
+    seed : int
+        Of the first surface.
 
     Returns
     -------
@@ -63,24 +70,27 @@ def run(scene: Scene | None = None, *, bench: Bench | None = None, **options: An
     """
     import xarray as xr
 
-    bench = bench or Bench.default()
-    settings = checked(Options, options)
-    surface = base_surface(settings)
+    at_least("surfaces", surfaces, 2)
+    reduced_pressures, points_per_wave = (
+        rising("reduced_pressures", reduced_pressures),
+        rising("points_per_wave", points_per_wave),
+    )
+    surface = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed)
     cases = [
         Measurement(
             surface=surface,
             realisation=k,
             solid=solid_of(scene),
-            reduced_pressures=settings.reduced_pressures,
-            grids=tuple(grid_for(surface, points) for points in settings.points_per_wave),
-            shifts=settings.shifts,
+            reduced_pressures=reduced_pressures,
+            grids=tuple(grid_for(surface, points) for points in points_per_wave),
+            shifts=shifts,
         )
-        for k in range(settings.surfaces)
+        for k in range(surfaces)
     ]
-    measured = bench.run(cases)
+    measured = measure(bench, cases)
     limits = [area_limits(data) for data in measured]
     finest = [data.isel(grid=-1).mean("shift") for data in measured]
-    pressure = np.array(settings.reduced_pressures)
+    pressure = np.array(reduced_pressures)
     gap = np.array([d.mean_gap.values / m.attrs["rms_height"] for d, m in zip(finest, measured, strict=True)])
     full = np.array([[m.attrs["full_contact_energy"]] for m in measured])
     data = {
@@ -96,7 +106,7 @@ def run(scene: Scene | None = None, *, bench: Bench | None = None, **options: An
     return xr.Dataset(
         {name: (("surface", "load"), values, {"long_name": _WORDS[name]}) for name, values in data.items()},
         coords={"reduced_pressure": ("load", pressure, {"long_name": "p0 / (E* h'_rms)"})},
-        attrs={"study": "pressure", "hurst": settings.hurst, "size": settings.size, "ratio": settings.ratio},
+        attrs={"study": "pressure", "hurst": hurst, "size": size, "ratio": ratio},
     )
 
 
@@ -116,7 +126,7 @@ def table(dataset: xr.Dataset) -> ResultTable:
     """Return one row for each load, means over the surfaces."""
     rows = []
     for j, pressure in enumerate(dataset.reduced_pressure.values):
-        area = mean_over_surfaces(dataset.area[:, j].values)
+        area = over_surfaces(dataset.area[:, j])
         mean = {name: float(dataset[name][:, j].mean()) for name in _WORDS}
         rows.append(
             (
@@ -154,9 +164,7 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
     ratio = area / theory
     sentences = [
         "Simulated area (limit) over Persson's: "
-        + ", ".join(
-            f"{r:.3f} at A/A0 = {a:.3g}" for r, a in zip(ratio, area, strict=True)
-        )
+        + ", ".join(f"{r:.3f} at A/A0 = {a:.3g}" for r, a in zip(ratio, area, strict=True))
         + "."
     ]
     light = np.flatnonzero(area < 0.1)

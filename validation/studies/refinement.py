@@ -1,28 +1,25 @@
-"""What the grid does to the contact area, and how much of the published kappa it explains (Persson 2006, Sec. 12)."""
+"""By how much does a grid overestimate the contact area, and what remains of the distance to the theory?"""
 
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic import Field
 
 from validation.bench import Bench
-from validation.scene import Number
 from validation.statistics import mean_over_surfaces, order_of_convergence
-from validation.studies.common import (
-    Ascending,
-    Count,
+from validation.studies._common import (
     ResultTable,
-    SurfaceOptions,
+    at_least,
     base_surface,
-    checked,
+    measure,
     persson_area,
+    rising,
     solid_of,
 )
-from validation.studies.grid_roughness import GridRoughness
-from validation.studies.measurement import Measurement, area_limits, grid_for
+from validation.studies._grid_roughness import GridRoughness
+from validation.studies._measurement import Measurement, area_limits, grid_for
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,28 +27,25 @@ if TYPE_CHECKING:
 
     from validation.scene import Scene
 
-__all__ = ["QUESTION", "Options", "figures", "findings", "run", "table"]
-
-QUESTION = "By how much does a grid overestimate the contact area, and what remains of the distance to the theory?"
+__all__ = ["figures", "findings", "run", "table"]
 
 _AREAS = ("pixel", "perimeter", "subcell")
 
 
-class Options(SurfaceOptions):
-    """Settings of the study."""
-
-    reduced_pressure: Number = Field(default=0.05, gt=0, description="p*")
-    surfaces: Annotated[Count, Field(ge=2)] = Field(default=4, description="realisations")
-    points_per_wave: Ascending = Field(
-        default=(2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0), description="grids, as lambda_short/dx"
-    )
-    shifts: Count = Field(default=2, description="sub-grid shifts along each axis")
-    grid_scale_points: tuple[Count, ...] = Field(
-        default=(64, 128, 256), description="grids of the same surfaces with roughness down to the grid scale"
-    )
-
-
-def run(scene: Scene | None = None, *, bench: Bench | None = None, **options: Any) -> xr.Dataset:
+def run(
+    *,
+    scene: Scene | None = None,
+    bench: Bench | None = None,
+    reduced_pressure: float = 0.05,
+    hurst: float = 0.8,
+    size: float = 4.0,
+    ratio: float = 8.0,
+    surfaces: int = 4,
+    points_per_wave: tuple[float, ...] = (2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0),
+    shifts: int = 2,
+    grid_scale_points: tuple[int, ...] = (64, 128, 256),
+    seed: int = 2006,
+) -> xr.Dataset:
     """Measure the area on every grid, and the same surfaces with roughness down to the grid scale.
 
     Parameters
@@ -60,8 +54,20 @@ def run(scene: Scene | None = None, *, bench: Bench | None = None, **options: An
         Gives the solid; nothing reported depends on it.
     bench : Bench, optional
         Where and how the cases run.
-    **options
-        Fields of `Options`.
+    reduced_pressure : float
+        p*.
+    hurst, size, ratio : float
+        H, L/lambda_long and lambda_long/lambda_short.
+    surfaces : int
+        Realisations.
+    points_per_wave : tuple of float
+        Grids, as lambda_short/dx, rising; 2 and less is run, labelled and left out of the limit.
+    shifts : int
+        Sub-grid shifts along each axis.
+    grid_scale_points : tuple of int
+        Grids of the same surfaces with roughness down to the grid scale.
+    seed : int
+        Of the first surface.
 
     Returns
     -------
@@ -71,49 +77,63 @@ def run(scene: Scene | None = None, *, bench: Bench | None = None, **options: An
     """
     import xarray as xr
 
-    bench = bench or Bench.default()
-    settings = checked(Options, options)
-    surface, solid = base_surface(settings), solid_of(scene)
-    grids = tuple(grid_for(surface, points) for points in settings.points_per_wave)
-    pressures = (settings.reduced_pressure,)
+    at_least("surfaces", surfaces, 2)
+    points_per_wave = rising("points_per_wave", points_per_wave)
+    surface, solid = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed), solid_of(scene)
+    grids = tuple(grid_for(surface, points) for points in points_per_wave)
+    pressures = (reduced_pressure,)
     cases = [
         Measurement(
-            surface=surface, realisation=k, solid=solid, reduced_pressures=pressures, grids=grids, shifts=settings.shifts
+            surface=surface,
+            realisation=k,
+            solid=solid,
+            reduced_pressures=pressures,
+            grids=grids,
+            shifts=shifts,
         )
-        for k in range(settings.surfaces)
+        for k in range(surfaces)
     ]
     protocol = [
-        GridRoughness(surface=surface, realisation=k, solid=solid, reduced_pressure=settings.reduced_pressure, points=n)
-        for k, n in itertools.product(range(settings.surfaces), settings.grid_scale_points)
+        GridRoughness(
+            surface=surface, realisation=k, solid=solid, reduced_pressure=reduced_pressure, points=n
+        )
+        for k, n in itertools.product(range(surfaces), grid_scale_points)
     ]
-    results = bench.run([*cases, *protocol])
+    results = measure(bench, [*cases, *protocol])
     measured, rough = results[: len(cases)], results[len(cases) :]
     names = (*_AREAS, "density_at_zero", "patches", "cells_per_patch", "edge_fraction", "residual")
     data: dict[str, Any] = {
         name: (("surface", "grid"), np.array([d[name].isel(load=0).mean("shift").values for d in measured]))
         for name in names
     }
-    data["seconds"] = (("surface", "grid"), np.array([d.seconds.isel(load=0).sum("shift").values for d in measured]))
+    data["seconds"] = (
+        ("surface", "grid"),
+        np.array([d.seconds.isel(load=0).sum("shift").values for d in measured]),
+    )
     limits = [area_limits(d) for d in measured]
     data["limit"] = (("surface",), np.array([value[0] for value, _ in limits]))
     data["limit_error"] = (("surface",), np.array([error[0] for _, error in limits]))
-    kappa = np.array([d.kappa.values for d in rough]).reshape(settings.surfaces, len(settings.grid_scale_points), 3)
+    kappa = np.array([d.kappa.values for d in rough]).reshape(surfaces, len(grid_scale_points), 3)
     data["kappa_grid_scale"] = (("surface", "protocol_grid", "slope"), kappa)
     return xr.Dataset(
         data,
         coords={
-            "points_per_wave": ("grid", measured[0].points_per_wave.values, {"long_name": "lambda_short / dx"}),
+            "points_per_wave": (
+                "grid",
+                measured[0].points_per_wave.values,
+                {"long_name": "lambda_short / dx"},
+            ),
             "points": ("grid", measured[0].points.values),
-            "protocol_points": ("protocol_grid", list(settings.grid_scale_points)),
+            "protocol_points": ("protocol_grid", list(grid_scale_points)),
             "slope": ("slope", ["spectral", "forward", "central"]),
         },
         attrs={
             "study": "refinement",
-            "reduced_pressure": settings.reduced_pressure,
-            "hurst": settings.hurst,
-            "size": settings.size,
-            "ratio": settings.ratio,
-            "shifts": settings.shifts,
+            "reduced_pressure": reduced_pressure,
+            "hurst": hurst,
+            "size": size,
+            "ratio": ratio,
+            "shifts": shifts,
         },
     )
 
@@ -200,7 +220,11 @@ def _protocol(dataset: xr.Dataset, limit: float, theory: float) -> str:
     words = ", ".join(f"{float(last.sel(slope=name).mean()):.2f} ({name})" for name in dataset.slope.values)
     values = [float(last.sel(slope=name).mean()) for name in dataset.slope.values]
     spread = max(values) / min(values) - 1
-    span = " on both sides of" if min(values) < limit < max(values) else (" above" if min(values) > limit else " below")
+    span = (
+        " on both sides of"
+        if min(values) < limit < max(values)
+        else (" above" if min(values) > limit else " below")
+    )
     return (
         f"With roughness down to the grid scale on {int(dataset.protocol_points[-1])} points and nodes counted, kappa is {words}, by how the slope is "
         f"measured: a spread of {100 * spread:.0f} %,{span} the converged {limit:.2f}; the theory's {theory:.2f} is "

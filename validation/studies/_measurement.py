@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import hashlib
 import itertools
-import json
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +14,7 @@ from fem_contact.patches import find_patches
 from fem_contact.solid import Solid
 from fem_contact.stress import density_at_zero
 from fem_contact.surface import HeightField
-from validation.jobs import RESULTS_VERSION, Prediction
+from validation.jobs import NumbersJob, Prediction
 from validation.scene import SelfAffineSurface, SolidSpec
 from validation.surfaces import height_field, reference_field, spectrum_of
 
@@ -48,13 +45,14 @@ QUANTITIES = {
 def grid_for(surface: SelfAffineSurface, points_per_wave: float) -> Grid:
     """Smallest even grid with at least that many points on lambda_short, along both axes."""
     nx, ny = (
-        2 * int(np.ceil(points_per_wave * length / surface.lambda_short / 2 - 1e-9)) for length in surface.length
+        2 * int(np.ceil(points_per_wave * length / surface.lambda_short / 2 - 1e-9))
+        for length in surface.length
     )
     return nx, ny
 
 
 @dataclass(frozen=True, kw_only=True)
-class Measurement:
+class Measurement(NumbersJob):
     """One realisation, at ascending reduced pressures, on nested grids, each on `shifts`^2 sub-grid shifts.
 
     Attributes
@@ -85,14 +83,12 @@ class Measurement:
     shifts: int = 2
     tolerance: float = 1e-8
 
-    @cached_property
+    @property
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers, as JSON-ready data."""
         surface = self.surface.model_dump(mode="json")
         surface["seed"] = self.surface.seed + self.realisation
         return {
-            "results_version": RESULTS_VERSION,
-            "kind": "measurement",
             "surface": surface,
             "inverted": self.inverted,
             "truncation": self.truncation,
@@ -103,25 +99,27 @@ class Measurement:
             "tolerance": self.tolerance,
         }
 
-    @cached_property
-    def key(self) -> str:
-        """Name on disk."""
-        digest = hashlib.sha256(json.dumps(self.recipe, sort_keys=True).encode()).hexdigest()[:16]
-        finest = max(self.grids)
-        return f"measure-{finest[0]}x{finest[1]}-{digest}"
+    @property
+    def prefix(self) -> str:
+        """Readable start of the name on disk."""
+        return f"measure-{max(self.grids)[0]}x{max(self.grids)[1]}"
 
     def describe(self) -> str:
         """Return a few words for a progress bar."""
         sign = "-h" if self.inverted else "h"
         finest = max(self.grids)
-        return f"H = {self.surface.hurst:g}, surface {self.realisation + 1} ({sign}), to {finest[0]}x{finest[1]}"
+        return (
+            f"H = {self.surface.hurst:g}, surface {self.realisation + 1} ({sign}), to {finest[0]}x{finest[1]}"
+        )
 
     def predict(self) -> Prediction:
         """Predict seconds, memory and unknowns from the sizes of the grids."""
         points = [nx * ny for nx, ny in self.grids]
         solves = len(self.reduced_pressures) * self.shifts**2
         return Prediction(
-            seconds=solves * sum(2e-3 + 8e-7 * n for n in points), peak_bytes=120 * max(points), unknowns=max(points)
+            seconds=solves * sum(2e-3 + 8e-7 * n for n in points),
+            peak_bytes=120 * max(points),
+            unknowns=max(points),
         )
 
     def field(self, grid: Grid, shift: tuple[float, float] = (0.0, 0.0)) -> HeightField:
@@ -146,7 +144,7 @@ class Measurement:
             amplitudes=self.surface.amplitudes,
         )
 
-    def run(self) -> xr.Dataset:
+    def measure(self) -> xr.Dataset:
         """Solve everything and keep the numbers; dimensions (grid, shift, load)."""
         import xarray as xr
 
@@ -164,7 +162,9 @@ class Measurement:
             for name, (unit, words) in QUANTITIES.items()
         }
         wave = self.surface.lambda_short
-        per_wave = [wave / max(x / n for x, n in zip(self.surface.length, g, strict=True)) for g in self.grids]
+        per_wave = [
+            wave / max(x / n for x, n in zip(self.surface.length, g, strict=True)) for g in self.grids
+        ]
         return xr.Dataset(
             data,
             coords={
@@ -198,7 +198,12 @@ class Measurement:
         for reduced in self.reduced_pressures:
             start = results[-1].pressure if results else None
             solved = bem.solve(
-                field, response, mean_pressure=reduced * scale, start=start, tolerance=self.tolerance, threads=1
+                field,
+                response,
+                mean_pressure=reduced * scale,
+                start=start,
+                tolerance=self.tolerance,
+                threads=1,
             )
             results.append(solved.checked())
         return results
@@ -242,7 +247,7 @@ def area_limits(dataset: xr.Dataset, *, least_points_per_wave: float = 3.0) -> t
     Parameters
     ----------
     dataset : xarray.Dataset
-        From `Measurement.run`.
+        From `Measurement.measure`.
     least_points_per_wave : float
         Coarser grids are left out.
     """

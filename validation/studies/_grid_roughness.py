@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +10,7 @@ import numpy as np
 from fem_contact.area import contact_areas
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
-from validation.jobs import RESULTS_VERSION, Prediction
+from validation.jobs import NumbersJob, Prediction
 from validation.scene import SelfAffineSurface, SolidSpec
 from validation.surfaces import spectrum_of
 
@@ -24,7 +21,7 @@ __all__ = ["GridRoughness", "rms_slopes"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class GridRoughness:
+class GridRoughness(NumbersJob):
     """The waves of a surface continued with its power law to the shortest a grid can carry, pressed on that grid.
 
     Attributes
@@ -45,26 +42,23 @@ class GridRoughness:
     reduced_pressure: float
     points: int
 
-    @cached_property
+    @property
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
         surface = self.surface.model_dump(mode="json")
         surface["seed"] = self.surface.seed + self.realisation
         del surface["lambda_short"]
         return {
-            "results_version": RESULTS_VERSION,
-            "kind": "grid-roughness",
             "surface": surface,
             "solid": self.solid.model_dump(mode="json"),
             "reduced_pressure": self.reduced_pressure,
             "points": self.points,
         }
 
-    @cached_property
-    def key(self) -> str:
-        """Name on disk."""
-        digest = hashlib.sha256(json.dumps(self.recipe, sort_keys=True).encode()).hexdigest()[:16]
-        return f"grid-roughness-{self.points}-{digest}"
+    @property
+    def prefix(self) -> str:
+        """Readable start of the name on disk."""
+        return f"grid-roughness-{self.points}"
 
     def describe(self) -> str:
         """Return a few words for a progress bar."""
@@ -75,7 +69,7 @@ class GridRoughness:
         n = self.points**2
         return Prediction(seconds=2e-3 + 4e-6 * n, peak_bytes=120 * n, unknowns=n)
 
-    def run(self) -> xr.Dataset:
+    def measure(self) -> xr.Dataset:
         """Return kappa for the three slopes."""
         import xarray as xr
 
