@@ -247,3 +247,43 @@ def area_against_magnification(dataset: xr.Dataset) -> Figure:
     axes.set_ylabel(r"$A(\zeta)/A_0$")
     axes.legend(fontsize=8)
     return figure
+
+
+def pressure_near_zero(dataset: xr.Dataset) -> Figure:
+    """P(sigma) below 0.3 E* h' on every grid, mean over surfaces, with the slopes."""
+    figure, (axes,) = new_figure()
+    shades = np.linspace(0.75, 0.0, dataset.sizes["grid"])
+    for k, spacing in enumerate(dataset.spacing.values):
+        label = rf"$\lambda_{{short}}/\Delta x$ = {1 / spacing:.0f}"
+        axes.plot(dataset.stress, dataset.density[k], color=str(shades[k]), ls=("-", "--", "-.", ":")[k % 4], label=label)
+    top = float(dataset.density.max())
+    stress = np.linspace(0, 0.3, 50)
+    for slope, label, style in (
+        (float(dataset.contour_slope[:, -1].mean()), r"$2 S\langle B^{-2}\rangle\sigma$", {"color": "#b45f06", "ls": "--"}),
+        (float(dataset.attrs["persson_slope"]), "Persson's slope", _THEORY),
+    ):
+        axes.plot(stress, slope * stress, label=label, lw=2, **style)
+    axes.set_ylim(0, 1.1 * top)
+    axes.set_xlim(0, 0.3)
+    axes.set_xlabel(r"$\sigma / (E^* h'_{rms})$")
+    axes.set_ylabel(r"$P(\sigma)\,E^* h'_{rms}$ per nominal area")
+    axes.legend(fontsize=8)
+    return figure
+
+
+def density_at_zero(dataset: xr.Dataset, intercepts: NDArray[np.float64]) -> Figure:
+    """P(0+) against dx^(1/2), each surface and the mean, with the extrapolation to dx -> 0."""
+    figure, (axes,) = new_figure()
+    root = np.sqrt(dataset.spacing.values)
+    for k, row in enumerate(dataset.density_at_zero.values):
+        axes.plot(root, row, marker=_MARKERS[k % 8], ms=4, lw=0.6, color="0.5")
+    mean = dataset.density_at_zero.mean("surface").values
+    axes.plot(root, mean, marker="o", color="black", lw=1.5, label="mean over surfaces")
+    slope, start = np.polyfit(root, mean, 1)
+    axes.plot([0, root[0]], [start, start + slope * root[0]], ls="--", color="black", lw=1, label="line in dx^(1/2)")
+    axes.errorbar([0], [intercepts.mean()], yerr=[intercepts.std(ddof=1)], color="#b45f06", marker="s", capsize=3, label="intercept, spread")
+    axes.axhline(0, color="black", lw=0.5)
+    axes.set_xlabel(r"$(\Delta x/\lambda_{short})^{1/2}$")
+    axes.set_ylabel(r"$P(0^+)\,E^* h'_{rms}$")
+    axes.legend(fontsize=8)
+    return figure
