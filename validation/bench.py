@@ -14,7 +14,8 @@ from validation.store import Store, prepare_folder
 
 __all__ = ["DEFAULT_STORE", "Bench", "PlannedOnly", "Solves"]
 
-#: Where studies keep their solves unless told otherwise: one folder for all of them, so that they share cases.
+#: Where studies keep their solves unless told otherwise: one folder for all of them, so that they share
+#: cases.
 DEFAULT_STORE = Path("results") / "solves"
 
 

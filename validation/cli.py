@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -39,7 +39,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
     help="Press a rough surface against an elastic solid by two solvers and compare with Persson's theory.",
-    epilog="Exit codes: 0 done; 1 a solve or a check failed; 2 a mistake in the request, nothing was computed; "
+    epilog="Exit codes: 0 done; 1 a solve or a check failed; 2 a mistake in the request, nothing was "
+    "computed; "
     "130 interrupted. Shell completion: fem-contact --install-completion.",
 )
 scenes_app = typer.Typer(no_args_is_help=True, help="The scenes that come with the package.")
@@ -48,7 +49,8 @@ app.add_typer(surface_app, name="surface")
 
 
 @app.command(
-    epilog="Examples: fem-contact run quickstart  |  fem-contact run mine.toml --workers 2 --store results/solves"
+    epilog="Examples: fem-contact run quickstart  |  fem-contact run mine.toml --workers 2 --store "
+    "results/solves"
     "  |  fem-contact run mine.toml --dry-run"
 )
 def run(
@@ -64,8 +66,8 @@ def run(
 ) -> None:
     """Run a scene: solve, compare, write table, fields and report.
 
-    Finished solves in the store are used again, so an interrupted run continues where it stopped. The options may
-    also stand in the table [run] of the scene.
+    Finished solves in the store are used again, so an interrupted run continues where it stopped. The options
+    may also stand in the table [run] of the scene.
     """
     from validation.effects import check_effects
     from validation.jobs import jobs_of
@@ -98,7 +100,8 @@ def run(
 
 @app.command(
     context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
-    epilog="Examples: fem-contact study --list  |  fem-contact study pressure --seeds 3,4,5 --grid 128 --workers 2",
+    epilog="Examples: fem-contact study --list  |  fem-contact study pressure --seeds 3,4,5 --grid 128 "
+    "--workers 2",
 )
 def study(
     context: typer.Context,
@@ -116,8 +119,8 @@ def study(
 ) -> None:
     """Run a study: many independent solves, one dataset, figures and a report.
 
-    Whatever follows as --option VALUE is an option of the study. All studies keep their solves in results/solves,
-    so that they share them, unless --store says otherwise.
+    Whatever follows as --option VALUE is an option of the study. All studies keep their solves in
+    results/solves, so that they share them, unless --store says otherwise.
     """
     from validation.bench import DEFAULT_STORE, Bench, PlannedOnly
     from validation.progress import Bar
@@ -141,7 +144,10 @@ def study(
         options["scene"] = load_scene(scene)
         said = options["scene"].run
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
-    folder, store_folder = output or said.output or Path("results") / name, store or said.store or DEFAULT_STORE
+    folder, store_folder = (
+        output or said.output or Path("results") / name,
+        store or said.store or DEFAULT_STORE,
+    )
     if dry_run:
         try:
             found.run(bench=Bench(store=Store(folder=store_folder), plan_only=True), **options)
@@ -150,7 +156,9 @@ def study(
         return
     with stopping_cleanly(), Bar(quiet=quiet or said.quiet or as_json) as bar:
         bench = Bench(
-            store=Store(folder=prepare_folder(store_folder, option="--store")), execution=execution, progress=bar
+            store=Store(folder=prepare_folder(store_folder, option="--store")),
+            execution=execution,
+            progress=bar,
         )
         outputs = run_study(found, options, prepare_folder(folder), bench=bench)
     if as_json:
@@ -180,7 +188,9 @@ def validate(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="[CASE]...", help="Cases to run; all if not given.")
     ] = None,
-    quick: Annotated[bool, typer.Option("--quick", help="Only what takes seconds; under three minutes.")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Only what takes seconds; under three minutes.")
+    ] = False,
     list_all: Annotated[bool, typer.Option("--list", help="Name the cases and their claims.")] = False,
     as_json: JsonOption = False,
 ) -> None:

@@ -64,7 +64,9 @@ StoreOption = Annotated[
 ]
 WorkersOption = Annotated[
     int | None,
-    typer.Option("--workers", "-w", min=1, help="Local processes of one thread each. Default: none but this one."),
+    typer.Option(
+        "--workers", "-w", min=1, help="Local processes of one thread each. Default: none but this one."
+    ),
 ]
 SchedulerOption = Annotated[
     str | None, typer.Option("--scheduler", help="Dask scheduler to run on, e.g. tcp://host:8786.")
@@ -95,7 +97,9 @@ def chosen_execution(
         except ValidationError as error:
             raise UsageError(f"--memory = {memory!r}: {error.errors()[0]['msg']}") from None
     if workers is not None and scheduler is not None:
-        raise UsageError(f"--workers = {workers}: not together with --scheduler, which has workers of its own")
+        raise UsageError(
+            f"--workers = {workers}: not together with --scheduler, which has workers of its own"
+        )
     if workers is None and scheduler is None:
         workers, scheduler = said.workers, said.scheduler
     return Execution(workers=workers or 1, scheduler=scheduler, memory=None if limit is None else int(limit))
@@ -144,8 +148,10 @@ def print_plan(jobs: Sequence[Job], store: Store, *, as_json: bool) -> None:
     show(table)
     todo = [cost for _, cost, stored in plan if not stored]
     show(
-        f"{len(todo)} of {len(plan)} solves are to be done: about {sum(cost.seconds for cost in todo):.2g} s one "
-        f"after the other, {max((cost.peak_bytes for cost in todo), default=0) / 2**20:.3g} MiB for the largest "
+        f"{len(todo)} of {len(plan)} solves are to be done: about {sum(cost.seconds for cost in todo):.2g} "
+        "s one "
+        f"after the other, {max((cost.peak_bytes for cost in todo), default=0) / 2**20:.3g} MiB for the "
+        "largest "
         "(meant to be right within a factor of 2)."
     )
 

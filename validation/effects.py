@@ -13,7 +13,7 @@ import numpy as np
 from validation.errors import UsageError
 from validation.jobs import Job, jobs_of, nominal_pressure
 from validation.scene import FileSurface, Scene, SelfAffineSurface
-from validation.surfaces import reference_field, shortest_wavelength, spectrum_of
+from validation.surfaces import reference_field, shortest_wavelength, spectrum_of, topography_of
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -279,6 +279,8 @@ def _facts(scene: Scene) -> tuple[tuple[str, str], ...]:
                 f"lambda_long/lambda_short = {surface.lambda_long / surface.lambda_short:.3g}",
             )
         )
+    else:
+        facts.extend(("measured", words) for words in topography_of(surface).history)
     if field.rms_gradient > 0:
         facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} (realised)"))
         facts.append(
