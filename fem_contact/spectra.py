@@ -86,8 +86,8 @@ def estimate_spectrum(
 
     Notes
     -----
-    Convention of Persson 2006, <h^2> = 2 pi int q C dq; times (2 pi)^2 it is the areal power spectral density of
-    other communities. The estimate scatters by 1/sqrt(count) per ring.
+    Convention of Persson 2006, <h^2> = 2 pi int q C dq; times (2 pi)^2 it is the areal power spectral density
+    of other communities. The estimate scatters by 1/sqrt(count) per ring.
     """
     patch = HeightField(heights=np.asarray(heights, dtype=float), lengths=lengths)
     weights = window_weights(patch.shape, window=window)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -39,7 +39,8 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
     help="Press a rough surface against an elastic solid by two solvers and compare with Persson's theory.",
-    epilog="Exit codes: 0 done; 1 a solve or a check failed; 2 a mistake in the request, nothing was computed; "
+    epilog="Exit codes: 0 done; 1 a solve or a check failed; 2 a mistake in the request, nothing was "
+    "computed; "
     "130 interrupted. Shell completion: fem-contact --install-completion.",
 )
 scenes_app = typer.Typer(no_args_is_help=True, help="The scenes that come with the package.")
@@ -48,7 +49,8 @@ app.add_typer(surface_app, name="surface")
 
 
 @app.command(
-    epilog="Examples: fem-contact run quickstart  |  fem-contact run mine.toml --workers 2 --store results/solves"
+    epilog="Examples: fem-contact run quickstart  |  fem-contact run mine.toml --workers 2 --store "
+    "results/solves"
     "  |  fem-contact run mine.toml --dry-run"
 )
 def run(
@@ -64,8 +66,8 @@ def run(
 ) -> None:
     """Run a scene: solve, compare, write table, fields and report.
 
-    Finished solves in the store are used again, so an interrupted run continues where it stopped. The options may
-    also stand in the table [run] of the scene.
+    Finished solves in the store are used again, so an interrupted run continues where it stopped. The options
+    may also stand in the table [run] of the scene.
     """
     from validation.effects import check_effects
     from validation.jobs import jobs_of
@@ -98,7 +100,8 @@ def run(
 
 @app.command(
     context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
-    epilog="Examples: fem-contact study --list  |  fem-contact study pressure --seeds 3,4,5 --grid 128 --workers 2",
+    epilog="Examples: fem-contact study --list  |  fem-contact study pressure --seeds 3,4,5 --grid 128 "
+    "--workers 2",
 )
 def study(
     context: typer.Context,
@@ -116,8 +119,8 @@ def study(
 ) -> None:
     """Run a study: many independent solves, one dataset, figures and a report.
 
-    Whatever follows as --option VALUE is an option of the study. All studies keep their solves in results/solves,
-    so that they share them, unless --store says otherwise.
+    Whatever follows as --option VALUE is an option of the study. All studies keep their solves in
+    results/solves, so that they share them, unless --store says otherwise.
     """
     from validation.bench import DEFAULT_STORE, Bench, PlannedOnly
     from validation.progress import Bar

@@ -13,7 +13,7 @@ import typer
 from validation.errors import UsageError
 
 if TYPE_CHECKING:
-    from validation.jobs import Job
+    from validation.jobs import AnyJob
     from validation.run import Execution
     from validation.scene import RunOptions
     from validation.store import Store
@@ -115,7 +115,7 @@ def stopping_cleanly() -> Iterator[None]:
         raise typer.Exit(130) from None
 
 
-def print_plan(jobs: Sequence[Job], store: Store, *, as_json: bool) -> None:
+def print_plan(jobs: Sequence[AnyJob], store: Store, *, as_json: bool) -> None:
     """Print every solve with its predicted cost and whether it is finished."""
     from rich.table import Table
 
@@ -148,8 +148,10 @@ def print_plan(jobs: Sequence[Job], store: Store, *, as_json: bool) -> None:
     show(table)
     todo = [cost for _, cost, stored in plan if not stored]
     show(
-        f"{len(todo)} of {len(plan)} solves are to be done: about {sum(cost.seconds for cost in todo):.2g} s one "
-        f"after the other, {max((cost.peak_bytes for cost in todo), default=0) / 2**20:.3g} MiB for the largest "
+        f"{len(todo)} of {len(plan)} solves are to be done: about {sum(cost.seconds for cost in todo):.2g} "
+        "s one "
+        f"after the other, {max((cost.peak_bytes for cost in todo), default=0) / 2**20:.3g} MiB for the "
+        "largest "
         "(meant to be right within a factor of 2)."
     )
 

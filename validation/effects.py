@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.errors import UsageError
-from validation.jobs import Job, NumbersJob, Prediction, jobs_of, nominal_pressure
+from validation.jobs import AnyJob, Job, NumbersJob, Prediction, jobs_of, nominal_pressure
 from validation.scene import FileSurface, Scene, SelfAffineSurface
-from validation.surfaces import reference_field, shortest_wavelength, spectrum_of
+from validation.surfaces import reference_field, shortest_wavelength, spectrum_of, topography_of
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -83,12 +83,12 @@ def transform_seconds(n: int = 256) -> float:
     return sorted(times)[2]
 
 
-def predicted_cost(job: Job, *, pair_seconds: float = 1.5e-3) -> Prediction:
+def predicted_cost(job: AnyJob, *, pair_seconds: float = 1.5e-3) -> Prediction:
     """Predict the cost of a job.
 
     Parameters
     ----------
-    job : Job
+    job : AnyJob
     pair_seconds : float
         Time of one pair of 256 x 256 transforms on this machine, from `transform_seconds` [s].
     """
@@ -122,7 +122,7 @@ def available_memory() -> int:
     return int(0.9 * psutil.virtual_memory().available)
 
 
-def too_large(job: Job, limit: int, *, where: str = "here") -> str:
+def too_large(job: AnyJob, limit: int, *, where: str = "here") -> str:
     """Say that a job does not fit into memory, and what to do."""
     needed = predicted_cost(job).peak_bytes
     return (
@@ -273,6 +273,8 @@ def _facts(scene: Scene) -> tuple[tuple[str, str], ...]:
                 f"lambda_long/lambda_short = {surface.lambda_long / surface.lambda_short:.3g}",
             )
         )
+    else:
+        facts.extend(("measured", words) for words in topography_of(surface).history)
     if field.rms_gradient > 0:
         facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} (realised)"))
         facts.append(

@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
@@ -139,6 +139,10 @@ class NumbersJob(ABC):
         """Solve, and keep the numbers."""
 
 
+#: What a store keeps and a bench runs.
+AnyJob: TypeAlias = "Job | NumbersJob"
+
+
 def jobs_of(scene: Scene) -> tuple[Job, ...]:
     """List the solves of a scene, coarse grids first; one that is asked for twice is listed once."""
     common: dict[str, Any] = {"surface": scene.surface, "solid": scene.solid, "load": scene.load}
@@ -212,6 +216,6 @@ def block_file(folder: Path, job: Job) -> Path:
     return folder / f"{job.key}.vtu"
 
 
-def recipe_text(job: Job) -> str:
+def recipe_text(job: AnyJob) -> str:
     """Return the recipe as text, stored beside the result."""
     return json.dumps(job.recipe, sort_keys=True)

@@ -32,7 +32,7 @@ __all__ = [
 
 _MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
 _COLOURS = ("#0b5394", "#b45f06", "#38761d", "#741b47", "#134f5c", "#7f6000", "#444444", "#990000")
-_THEORY = {"color": "#38761d", "ls": "-."}
+_THEORY: dict[str, Any] = {"color": "#38761d", "ls": "-."}
 
 
 def _look(k: int) -> dict[str, Any]:
@@ -49,7 +49,7 @@ def kappa_against_hurst(
 ) -> Figure:
     """Kappa against H for every load at the first ratio: limit, raw count, theory and literature."""
     figure, (axes,) = new_figure(height=4.8)
-    rows = np.flatnonzero(dataset.family.values == dataset.family.values[0])
+    rows = [int(i) for i in np.flatnonzero(dataset.family.values == dataset.family.values[0])]
     hurst = dataset.hurst.values[rows]
     for j, pressure in enumerate(dataset.reduced_pressure.values):
         value = [limits[i][j].value for i in rows]
@@ -62,7 +62,7 @@ def kappa_against_hurst(
             hurst + 0.004 * j, raw, marker=_MARKERS[j], mfc="white", color=_COLOURS[j], ls=":", lw=0.8, ms=4
         )
     _kappa_lines(axes)
-    for k, published in enumerate(KAPPA_LITERATURE):
+    for published in KAPPA_LITERATURE:
         low, high = published.hurst
         if low == high:
             axes.plot(low, published.kappa[0], marker="x", color="black", ls="", label=published.source)
@@ -92,7 +92,7 @@ def kappa_against_nayak(dataset: xr.Dataset, limits: Sequence[Sequence[Estimate]
     families = list(dict.fromkeys(dataset.family.values.tolist()))
     alpha = dataset.nayak.mean("surface").values
     for f, family in enumerate(families):
-        rows = np.flatnonzero(dataset.family.values == family)
+        rows = [int(i) for i in np.flatnonzero(dataset.family.values == family)]
         for j, pressure in enumerate(dataset.reduced_pressure.values):
             look = {**_look(j), "marker": _MARKERS[f]}
             value = [limits[i][j].value for i in rows]
@@ -114,11 +114,11 @@ def error_against_resolution(dataset: xr.Dataset, errors: Mapping[str, xr.DataAr
     for k, (name, error) in enumerate(errors.items()):
         if not np.isfinite(error.values).any():
             continue
-        size = 100 * np.abs(error)
+        size: NDArray[np.float64] = 100 * np.abs(error.values)
         axes.plot(
             dataset.points_per_wave, np.abs(100 * error.mean("surface")), label=f"{name}, |mean|", **_plain(k)
         )
-        for values in size.values:
+        for values in size:
             axes.plot(dataset.points_per_wave, values, ls="", marker=".", ms=3, color=_COLOURS[k], alpha=0.5)
     per_wave = dataset.points_per_wave.values
     start = 100 * float(np.abs(errors["pixel"].mean("surface"))[0])
@@ -255,11 +255,21 @@ def pressure_near_zero(dataset: xr.Dataset) -> Figure:
     shades = np.linspace(0.75, 0.0, dataset.sizes["grid"])
     for k, spacing in enumerate(dataset.spacing.values):
         label = rf"$\lambda_{{short}}/\Delta x$ = {1 / spacing:.0f}"
-        axes.plot(dataset.stress, dataset.density[k], color=str(shades[k]), ls=("-", "--", "-.", ":")[k % 4], label=label)
+        axes.plot(
+            dataset.stress,
+            dataset.density[k],
+            color=str(shades[k]),
+            ls=("-", "--", "-.", ":")[k % 4],
+            label=label,
+        )
     top = float(dataset.density.max())
     stress = np.linspace(0, 0.3, 50)
     for slope, label, style in (
-        (float(dataset.contour_slope[:, -1].mean()), r"$2 S\langle B^{-2}\rangle\sigma$", {"color": "#b45f06", "ls": "--"}),
+        (
+            float(dataset.contour_slope[:, -1].mean()),
+            r"$2 S\langle B^{-2}\rangle\sigma$",
+            {"color": "#b45f06", "ls": "--"},
+        ),
         (float(dataset.attrs["persson_slope"]), "Persson's slope", _THEORY),
     ):
         axes.plot(stress, slope * stress, label=label, lw=2, **style)
@@ -280,8 +290,18 @@ def density_at_zero(dataset: xr.Dataset, intercepts: NDArray[np.float64]) -> Fig
     mean = dataset.density_at_zero.mean("surface").values
     axes.plot(root, mean, marker="o", color="black", lw=1.5, label="mean over surfaces")
     slope, start = np.polyfit(root, mean, 1)
-    axes.plot([0, root[0]], [start, start + slope * root[0]], ls="--", color="black", lw=1, label="line in dx^(1/2)")
-    axes.errorbar([0], [intercepts.mean()], yerr=[intercepts.std(ddof=1)], color="#b45f06", marker="s", capsize=3, label="intercept, spread")
+    axes.plot(
+        [0, root[0]], [start, start + slope * root[0]], ls="--", color="black", lw=1, label="line in dx^(1/2)"
+    )
+    axes.errorbar(
+        [0],
+        [intercepts.mean()],
+        yerr=[intercepts.std(ddof=1)],
+        color="#b45f06",
+        marker="s",
+        capsize=3,
+        label="intercept, spread",
+    )
     axes.axhline(0, color="black", lw=0.5)
     axes.set_xlabel(r"$(\Delta x/\lambda_{short})^{1/2}$")
     axes.set_ylabel(r"$P(0^+)\,E^* h'_{rms}$")

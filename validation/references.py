@@ -1,4 +1,4 @@
-"""Figures from the literature, each with its source; they are shown beside results, never used to make them."""
+"""Figures from the literature with their sources; shown beside results, never used to make them."""
 
 from __future__ import annotations
 
@@ -29,7 +29,8 @@ class AreaTable:
 
 KAPPA_LITERATURE = (
     KappaRange(
-        source="Hyun et al. 2004; Campana, Mueser 2007; Prodanov et al. 2014; Yastrebov et al. 2015; Monti et al. 2021",
+        source="Hyun et al. 2004; Campana, Mueser 2007; Prodanov et al. 2014; "
+        "Yastrebov et al. 2015; Monti et al. 2021",
         hurst=(0.3, 0.9),
         kappa=(2.0, 2.2),
         note="simulations of resolved surfaces by several groups, A/A0 below about 0.1",

@@ -24,7 +24,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from validation.errors import SceneError
+from validation.errors import SceneError, UsageError
 
 if TYPE_CHECKING:
     import pint
@@ -43,6 +43,7 @@ __all__ = [
     "SolidSpec",
     "builtin_scenes",
     "load_scene",
+    "scene_problems",
     "scene_text",
 ]
 
@@ -398,16 +399,35 @@ def load_scene(scene: str) -> Scene:
     except tomllib.TOMLDecodeError as error:
         raise SceneError(scene, [f"is not valid TOML: {error}"]) from None
     try:
-        checked = Scene.model_validate(data)
+        checked = Scene.model_validate(_sized(data, folder))
     except ValidationError as error:
-        raise SceneError(scene, _problems(error)) from None
+        raise SceneError(scene, scene_problems(error)) from None
     if isinstance(checked.surface, FileSurface) and not checked.surface.path.is_absolute():
-        surface = checked.surface.model_copy(update={"path": folder / checked.surface.path})
+        # Absolute, because a worker may stand in another folder.
+        path = (folder / checked.surface.path).resolve()
+        surface = checked.surface.model_copy(update={"path": path})
         checked = checked.model_copy(update={"surface": surface})
     return checked
 
 
-def _problems(error: ValidationError) -> list[str]:
+def _sized(data: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Fill in the length of a measured surface from its file, where the scene leaves it to the file."""
+    surface = data.get("surface")
+    if not isinstance(surface, dict) or surface.get("kind") != "file" or "length" in surface:
+        return data
+    path = surface.get("path")
+    if not isinstance(path, str):
+        return data
+    from validation.topography import read_topography
+
+    try:
+        lengths = read_topography(folder / path).lengths
+    except UsageError:  # said in full when the surface is read; here the missing length is what is wrong
+        return data
+    return {**data, "surface": {**surface, "length": list(lengths)}}
+
+
+def scene_problems(error: ValidationError) -> list[str]:
     """List one line for each mistake; an array with a wrong item is not also called too short."""
     items = error.errors()
     within = {item["loc"][:depth] for item in items for depth in range(len(item["loc"]))}

@@ -53,7 +53,7 @@ def pair_means(values: ArrayLike) -> NDArray[np.float64]:
     array = np.asarray(values, dtype=float)
     if array.shape[-1] % 2:
         raise ValueError(f"{array.shape[-1]} values: pairs need an even number")
-    return array.reshape(*array.shape[:-1], -1, 2).mean(axis=-1)
+    return np.asarray(array.reshape(*array.shape[:-1], -1, 2).mean(axis=-1))
 
 
 def mean_over_surfaces(values: ArrayLike, *, resamples: int = 2000, seed: int = 20061) -> Estimate:

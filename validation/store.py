@@ -6,10 +6,7 @@ import contextlib
 import errno
 import json
 import os
-import re
-import socket
-import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -18,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact.contact import ContactResult, Cost, Residuals, Status
-from validation.errors import RunFailed, UsageError
-from validation.jobs import Job, NumbersJob, recipe_text
+from validation.files import atomic_path, prepare_folder, remove_drafts
+from validation.jobs import AnyJob, NumbersJob, recipe_text
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,91 +41,17 @@ _COMPRESSED = frozenset({"pressure", "contacting_points", "at_bound"})
 _NOT_DAMAGE = frozenset({errno.EACCES, errno.EPERM, errno.EMFILE, errno.ENFILE, errno.ENOMEM})
 
 
-def prepare_folder(folder: Path, *, option: str = "--output") -> Path:
-    """Create a results folder and prove that it can be written to.
-
-    Parameters
-    ----------
-    folder : Path
-    option : str
-        What the user named it by, for the message.
-
-    Raises
-    ------
-    UsageError
-        When it cannot.
-    """
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        raise UsageError(
-            f"{option} = {str(folder)!r}: cannot be written to ({error.strerror}); name another folder"
-        ) from None
-    return folder
-
-
-@contextlib.contextmanager
-def atomic_path(path: Path) -> Iterator[Path]:
-    """Yield a temporary path beside `path` that takes its name only when the block ends well.
-
-    Raises
-    ------
-    RunFailed
-        When the disk is full; finished files are untouched.
-    """
-    draft = path.with_name(f".{socket.gethostname()}-{os.getpid()}-{path.name}")
-    try:
-        yield draft
-        os.replace(draft, path)
-    except OSError as error:
-        if error.errno in (errno.ENOSPC, errno.EDQUOT) or "No space left" in str(error):
-            raise RunFailed(
-                f"the disk is full: {path.name} was not written; finished solves are intact"
-            ) from None
-        raise
-    finally:
-        draft.unlink(missing_ok=True)
-
-
-def remove_drafts(folder: Path, *, of: int | None = None) -> None:
-    """Remove what killed processes of this machine left half-written.
-
-    Parameters
-    ----------
-    folder : Path
-    of : int, optional
-        Process whose drafts are meant, known to be dead; all that no longer run if not given.
-    """
-    name = re.compile(rf"\..*\b{re.escape(socket.gethostname())}-(\d+)-")
-    for path in folder.glob(".*"):
-        found = name.match("." + path.name)
-        if found and (int(found[1]) == of if of is not None else not _runs(int(found[1]))):
-            path.unlink(missing_ok=True)
-
-
-def _runs(process: int) -> bool:
-    try:
-        os.kill(process, 0)
-    except ProcessLookupError:
-        return False
-    except PermissionError:
-        return True
-    return True
-
-
 @dataclass(frozen=True, kw_only=True)
 class Store:
     """The folder of finished solves; a file is there whole or not at all."""
 
     folder: Path
 
-    def path(self, job: Job) -> Path:
+    def path(self, job: AnyJob) -> Path:
         """Return where the result of a job is, or will be."""
         return self.folder / f"{job.key}.nc"
 
-    def save(self, job: Job, result: ContactResult) -> None:
+    def save(self, job: AnyJob, result: ContactResult | xr.Dataset) -> None:
         """Write a finished solve.
 
         Raises
@@ -137,12 +60,13 @@ class Store:
             When the disk is full.
         """
         with atomic_path(self.path(job)) as draft:
-            if isinstance(job, NumbersJob):
-                result.to_netcdf(draft, engine="netcdf4")
-            else:
+            if isinstance(result, ContactResult):
                 _to_file(draft, job, result)
+            else:
+                result.attrs["recipe"] = recipe_text(job)
+                result.to_netcdf(draft, engine="netcdf4")
 
-    def load(self, job: Job, *, on_damage: Callable[[str], None] | None = None) -> ContactResult | None:
+    def load(self, job: AnyJob, *, on_damage: Callable[[str], None] | None = None) -> Any:
         """Read a finished solve; None if there is none.
 
         A damaged file is set aside as `*.corrupt`, counts as none, and is told to `on_damage` in a sentence.
@@ -163,7 +87,7 @@ class Store:
                 on_damage(f"{path}: damaged; set aside as {aside.name}, to be computed again")
             return None
 
-    def holds(self, job: Job, *, on_damage: Callable[[str], None] | None = None) -> bool:
+    def holds(self, job: AnyJob, *, on_damage: Callable[[str], None] | None = None) -> bool:
         """Whether an intact result of the job is stored."""
         return self.load(job, on_damage=on_damage) is not None
 
@@ -175,7 +99,7 @@ def _numbers(path: Path) -> xr.Dataset:
         return dataset.load()
 
 
-def _to_file(path: Path, job: Job, result: ContactResult) -> None:
+def _to_file(path: Path, job: AnyJob, result: ContactResult) -> None:
     # netCDF4 itself: through xarray the same file takes five times as long, and a study writes thousands.
     import netCDF4
 
@@ -217,7 +141,7 @@ def _is_full(folder: Path, wanted: int) -> bool:
     return space.f_bavail * space.f_frsize < wanted
 
 
-def _attributes(job: Job, result: ContactResult) -> dict[str, Any]:
+def _attributes(job: AnyJob, result: ContactResult) -> dict[str, Any]:
     return {
         "format": _FORMAT,
         "recipe": recipe_text(job),

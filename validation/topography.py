@@ -16,8 +16,9 @@ from fem_contact.errors import InvalidInput
 from fem_contact.spectra import window_weights
 from fem_contact.surface import HeightField
 from validation.errors import UsageError
+from validation.files import atomic_path
 
-__all__ = ["Edges", "Missing", "Tilt", "Topography", "read_topography"]
+__all__ = ["Edges", "Missing", "Tilt", "Topography", "read_topography", "write_topography"]
 
 Array = NDArray[np.float64]
 Tilt = Literal["keep", "plane", "quadratic"]
@@ -97,7 +98,7 @@ class Topography:
             raise UsageError("the topography has no known point")
         if missing == "refuse":
             raise UsageError(
-                f"{count} of {self.heights.size} heights are NaN or infinite (missing): say how to fill them with "
+                f"{count} of {self.heights.size} heights are NaN or infinite: say how to fill them with "
                 "missing = 'nearest' or 'harmonic'"
             )
         fill: Callable[[Array], Array] = _nearest if missing == "nearest" else _harmonic
@@ -115,8 +116,9 @@ class Topography:
         if edges is None:
             if self.edge_jump > _JUMP:
                 raise UsageError(
-                    f"opposite edges differ by {self.edge_jump:.3g} typical steps between neighbours, so this is no "
-                    "period: choose edges = 'tukey' or 'hann', or 'periodic' to take it as it is"
+                    f"opposite edges differ by {self.edge_jump:.3g} typical steps between neighbours, so "
+                    "this is "
+                    "no period: choose edges = 'tukey' or 'hann', or 'periodic' to take it as it is"
                 )
             return self
         if edges == "periodic":
@@ -128,9 +130,8 @@ class Topography:
         before = _rms(self.heights - mean)
         tapered = weights * (self.heights - mean)
         share = f" over {100 * margin:.3g} % of each side" if edges == "tukey" else ""
-        words = (
-            f"made periodic: {edges} taper{share} (h_rms {before:.4g} m before, {_rms(tapered):.4g} m after)"
-        )
+        after = f"h_rms {before:.4g} m before, {_rms(tapered):.4g} m after"
+        words = f"made periodic: {edges} taper{share} ({after})"
         return replace(self, heights=tapered, history=(*self.history, words))
 
     def height_field(self) -> HeightField:
@@ -225,17 +226,15 @@ def read_topography(
         heights, own_lengths, own_unit = reader(path)
     except (OSError, zipfile.BadZipFile) as error:
         reason = getattr(error, "strerror", None) or error
-        raise UsageError(f"{str(path)!r}: cannot be read: {reason}") from None
+        raise UsageError(f"cannot be read: {reason}") from None
     except (ValueError, KeyError, InvalidInput, ElementTree.ParseError) as error:
         reason = str(error).splitlines()[0]
-        raise UsageError(f"{str(path)!r}: is no topography of its kind ({reason})") from None
+        raise UsageError(f"is no topography of its kind ({reason})") from None
     if heights.ndim != 2 or min(heights.shape) < 2:
-        raise UsageError(
-            f"{str(path)!r}: has shape {heights.shape}; a map of at least 2 x 2 heights is needed"
-        )
+        raise UsageError(f"has shape {heights.shape}; a map of at least 2 x 2 heights is needed")
     size = lengths or own_lengths
     if size is None:
-        raise UsageError(f"{str(path)!r}: does not say how large the patch is: give length")
+        raise UsageError("does not say how large the patch is: give length")
     scale = unit if unit is not None else own_unit
     heights = np.where(np.isfinite(heights), heights, np.nan) * scale
     nx, ny = heights.shape
@@ -269,9 +268,10 @@ def _read_netcdf(path: Path) -> _Raw:
     import netCDF4
 
     with netCDF4.Dataset(path) as file:
-        maps = {name: v for name, v in file.variables.items() if v.ndim == 2}
-        named = [name for name in ("heights", "height", "h", "z") if name in maps] or list(maps)
-        if not named or (len(named) > 1 and named[0] not in ("heights", "height", "h", "z")):
+        maps: dict[str, Any] = {name: v for name, v in file.variables.items() if v.ndim == 2}
+        names = ("heights", "height", "h", "z")
+        named: list[str] = [name for name in names if name in maps] or list(maps)
+        if not named or (len(named) > 1 and named[0] not in names):
             raise ValueError(f"no variable 'heights' among {', '.join(file.variables) or 'none'}")
         variable = maps[named[0]]
         heights = np.ma.filled(np.ma.asarray(variable[...]).astype(float), np.nan)
@@ -343,7 +343,7 @@ def _read_other(path: Path) -> _Raw:
         from SurfaceTopography import read_topography as read
     except ImportError:
         raise UsageError(
-            f"{str(path)!r}: {path.suffix or 'no suffix'} is none of {', '.join(_READERS)}; for other formats install "
+            f"{path.suffix or 'no suffix'} is none of {', '.join(_READERS)}; for other formats install "
             "SurfaceTopography: pip install 'fem-contact[topography]'"
         ) from None
     try:
@@ -367,3 +367,64 @@ _READERS: dict[str, Callable[[Path], _Raw]] = {
     ".nc": _read_netcdf,
     ".x3p": _read_x3p,
 }
+
+
+def write_topography(path: Path, field: HeightField) -> None:
+    """Write heights [m]: .npy and .txt (numbers alone), .nc and .x3p (with size and unit).
+
+    Raises
+    ------
+    UsageError
+        For another suffix.
+    """
+    writers = {".npy": _write_npy, ".txt": _write_text, ".nc": _write_netcdf, ".x3p": _write_x3p}
+    writer = writers.get(path.suffix.lower())
+    if writer is None:
+        raise UsageError(f"{path}: the suffix must be one of {', '.join(writers)}")
+    with atomic_path(path) as draft:
+        writer(draft, field)
+
+
+def _write_npy(path: Path, field: HeightField) -> None:
+    with path.open("wb") as file:
+        np.save(file, field.heights)
+
+
+def _write_text(path: Path, field: HeightField) -> None:
+    lx, ly = field.lengths
+    words = f"heights [m], rows along x, columns along y; size {lx!r} m x {ly!r} m"
+    np.savetxt(path, field.heights, fmt="%.17g", header=words)
+
+
+def _write_netcdf(path: Path, field: HeightField) -> None:
+    import netCDF4
+
+    with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
+        for axis, count, step in zip("xy", field.shape, field.spacing, strict=True):
+            file.createDimension(axis, count)
+            positions = file.createVariable(axis, "f8", (axis,))
+            positions.units = "m"
+            positions[...] = np.arange(count) * step
+        variable = file.createVariable("heights", "f8", ("x", "y"), fletcher32=True)
+        variable.setncatts({"units": "m", "long_name": "heights, positive towards the elastic body"})
+        variable[...] = field.heights
+
+
+def _write_x3p(path: Path, field: HeightField) -> None:
+    (nx, ny), (dx, dy) = field.shape, field.spacing
+    axes = "".join(
+        f"<{name}><AxisType>{kind}</AxisType><DataType>D</DataType><Increment>{step!r}</Increment>"
+        f"<Offset>0</Offset></{name}>"
+        for name, kind, step in (("CX", "I", dx), ("CY", "I", dy), ("CZ", "A", 1.0))
+    )
+    xml = (
+        '<?xml version="1.0" encoding="UTF-8"?>'
+        '<p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2">'
+        f"<Record1><Revision>ISO5436 - "
+        f"2000</Revision><FeatureType>SUR</FeatureType><Axes>{axes}</Axes></Record1>"
+        f"<Record3><MatrixDimension><SizeX>{nx}</SizeX><SizeY>{ny}</SizeY><SizeZ>1</SizeZ></MatrixDimension>"
+        "<DataLink><PointDataLink>bindata/data.bin</PointDataLink></DataLink></Record3></p:ISO5436_2>"
+    )
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("main.xml", xml)
+        archive.writestr("bindata/data.bin", np.ascontiguousarray(field.heights.T, dtype="<f8").tobytes())

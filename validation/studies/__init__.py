@@ -3,11 +3,13 @@
 A study is a module of this package with
 
 - a docstring whose first line says the question,
-- ``run(*, bench: Bench | None = None, ...) -> xarray.Dataset``, whose other keyword arguments are its options: each
-  has a default and is annotated ``int``, ``float``, ``str``, ``bool``, or a tuple of ``int``, ``float`` or ``str``; one
-  called ``scene`` is a :class:`validation.scene.Scene`. It lists jobs, has them solved by the bench, and returns numbers
-  with ``units`` and ``long_name``;
-- optionally ``figures(data) -> tuple[Drawing, ...]`` and ``findings(data) -> tuple[str, ...]``, which read the dataset.
+- ``run(*, bench: Bench | None = None, ...) -> xarray.Dataset``, whose other keyword arguments are its
+  options: each has a default and is annotated ``int``, ``float``, ``str``, ``bool``, or a tuple of ``int``,
+  ``float`` or ``str``; one called ``scene`` is a :class:`validation.scene.Scene`. It lists jobs, has them
+  solved by the bench, and returns numbers with ``units`` and ``long_name``;
+- optionally ``table(data) -> ResultTable``, one row for each thing compared;
+- optionally ``figures(data) -> tuple[Drawing, ...]`` and ``findings(data) -> tuple[str, ...]``, which read
+  the dataset.
 
 ``fem-contact study NAME`` does the rest: options from the command line, storing, resuming, report.
 """
@@ -17,6 +19,7 @@ from __future__ import annotations
 import importlib
 import inspect
 import pkgutil
+import types
 import typing
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from validation.drawing import Drawing
+    from validation.studies._common import ResultTable
 
 __all__ = ["Option", "Study", "find_study", "studies"]
 
@@ -89,7 +93,7 @@ class Study:
         hints = typing.get_type_hints(self.run)
         parameters = inspect.signature(self.run).parameters
         return {
-            name: Option(name=name, kind=hints[name], default=parameter.default)
+            name: Option(name=name, kind=_bare(hints[name]), default=parameter.default)
             for name, parameter in parameters.items()
             if name not in ("bench", "scene")
         }
@@ -125,6 +129,11 @@ class Study:
         """Return its figures of a dataset; none if it draws none."""
         draw = getattr(self.module, "figures", None)
         return () if draw is None else tuple(draw(data))
+
+    def table(self, data: xr.Dataset) -> ResultTable | None:
+        """Return the table it makes of a dataset; None if it leaves that to the report."""
+        make = getattr(self.module, "table", None)
+        return None if make is None else make(data)
 
     def findings(self, data: xr.Dataset) -> tuple[str, ...]:
         """Return its sentences on a dataset."""
@@ -165,6 +174,12 @@ def _parse(kind: Any, text: str) -> Any:
             raise ValueError(text)
         return text.lower() in ("true", "yes")
     return kind(text)
+
+
+def _bare(kind: Any) -> Any:
+    """Return the kind without the None that an option which may be left out allows."""
+    kinds = [part for part in typing.get_args(kind) if part is not type(None)]
+    return kinds[0] if typing.get_origin(kind) in (typing.Union, types.UnionType) else kind
 
 
 def _item(kind: Any) -> Any:

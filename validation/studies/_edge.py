@@ -95,7 +95,11 @@ class EdgeMeasurement(NumbersJob):
         return xr.Dataset(
             {
                 "density": ("bin", density, {"long_name": "P(sigma) E* h'_rms per nominal area"}),
-                "contour": ((), contour, {"long_name": "true contour length per nominal area times lambda_short"}),
+                "contour": (
+                    (),
+                    contour,
+                    {"long_name": "true contour length per nominal area times lambda_short"},
+                ),
                 "inverse_square": ((), inverse_square_coefficient(result) * unit**2 / wave),
                 "patches": ((), find_patches(result.in_contact, result.spacing).count),
                 "area": ((), contact_areas(result).perimeter),

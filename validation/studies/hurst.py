@@ -9,6 +9,7 @@ import numpy as np
 import scipy.optimize
 
 from validation.bench import Bench
+from validation.drawing import Drawing
 from validation.errors import UsageError
 from validation.statistics import Estimate, mean_over_surfaces, pair_means
 from validation.studies._common import (
@@ -25,7 +26,6 @@ from validation.surfaces import spectrum_of
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from validation.scene import Scene
 
@@ -248,13 +248,23 @@ def _trend(part: xr.Dataset, family: str) -> str:
     )
 
 
-def figures(dataset: xr.Dataset) -> dict[str, Figure]:
+def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw kappa against H and against the Nayak parameter."""
     from validation import plots_studies
 
-    return {
-        "kappa-against-hurst": plots_studies.kappa_against_hurst(
-            dataset, estimates(dataset), estimates(dataset, "kappa_pixel")
+    return (
+        Drawing(
+            name="kappa-against-hurst",
+            figure=plots_studies.kappa_against_hurst(
+                dataset, estimates(dataset), estimates(dataset, "kappa_pixel")
+            ),
+            data=dataset[["kappa"]],
+            caption="kappa against the Hurst exponent: filled, limit over grids with 95 % intervals over pairs of surfaces; open, points counted on the finest grid; lines, theory; grey and cross, literature.",
         ),
-        "kappa-against-nayak": plots_studies.kappa_against_nayak(dataset, estimates(dataset)),
-    }
+        Drawing(
+            name="kappa-against-nayak",
+            figure=plots_studies.kappa_against_nayak(dataset, estimates(dataset)),
+            data=dataset[["kappa"]],
+            caption="The same kappa against the realised Nayak parameter; colours are loads, markers are families of spectra.",
+        ),
+    )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from validation.bench import Bench
+from validation.drawing import Drawing
 from validation.studies._common import (
     ResultTable,
     at_least,
@@ -22,7 +23,6 @@ from validation.studies._measurement import Measurement, area_limits, grid_for
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from validation.scene import Scene
 
@@ -154,8 +154,15 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
     return tuple(sentences)
 
 
-def figures(dataset: xr.Dataset) -> dict[str, Figure]:
+def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw area against magnification, simulation and theory."""
     from validation import plots_studies
 
-    return {"area-against-magnification": plots_studies.area_against_magnification(dataset)}
+    return (
+        Drawing(
+            name="area-against-magnification",
+            figure=plots_studies.area_against_magnification(dataset),
+            data=dataset[["area", "theory"]],
+            caption="Contact area of one nominal pressure as shorter waves are added, simulation (limit over grids) and theory with the gradient of the waves that are there.",
+        ),
+    )

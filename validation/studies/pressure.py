@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from validation.bench import Bench
+from validation.drawing import Drawing
 from validation.studies._common import (
     ResultTable,
     at_least,
@@ -21,7 +22,6 @@ from validation.studies._measurement import Measurement, area_limits, grid_for
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from validation.scene import Scene
 
@@ -185,11 +185,21 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
     return tuple(sentences)
 
 
-def figures(dataset: xr.Dataset) -> dict[str, Figure]:
+def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw area, gap, energy and patches against load."""
     from validation import plots_studies
 
-    return {
-        "area-against-pressure": plots_studies.area_against_pressure(dataset, persson_area),
-        "gap-and-energy": plots_studies.gap_and_energy(dataset),
-    }
+    return (
+        Drawing(
+            name="area-against-pressure",
+            figure=plots_studies.area_against_pressure(dataset, persson_area),
+            data=dataset[["area", "area_error"]],
+            caption="Contact area against load (left) and its ratio to Persson's theory (right); bars, scatter between surfaces.",
+        ),
+        Drawing(
+            name="gap-and-energy",
+            figure=plots_studies.gap_and_energy(dataset),
+            data=dataset[["gap", "energy"]],
+            caption="Mean gap (left) and elastic energy over that of full contact (right) against load; bars, scatter between surfaces.",
+        ),
+    )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.bench import Bench
+from validation.drawing import Drawing
 from validation.statistics import mean_over_surfaces, order_of_convergence
 from validation.studies._common import (
     ResultTable,
@@ -23,7 +24,6 @@ from validation.studies._measurement import Measurement, area_limits, grid_for
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from validation.scene import Scene
 
@@ -232,14 +232,29 @@ def _protocol(dataset: xr.Dataset, limit: float, theory: float) -> str:
     )
 
 
-def figures(dataset: xr.Dataset) -> dict[str, Figure]:
+def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw error against resolution, error against cells per patch, and kappa of the grid-scale protocol."""
     from validation import plots_studies
 
     errors = {name: overestimate(dataset, name) for name in _AREAS}
     theory = float(persson_area(dataset.attrs["reduced_pressure"])) / float(dataset.attrs["reduced_pressure"])
-    return {
-        "error-against-resolution": plots_studies.error_against_resolution(dataset, errors),
-        "error-against-cells": plots_studies.error_against_cells(dataset, errors["pixel"]),
-        "grid-scale-protocol": plots_studies.grid_scale_protocol(dataset, theory),
-    }
+    return (
+        Drawing(
+            name="error-against-resolution",
+            figure=plots_studies.error_against_resolution(dataset, errors),
+            data=dataset[["pixel", "perimeter", "subcell", "limit"]],
+            caption="Distance of each definition of the area from the limit of its own surface: lines, mean over surfaces; dots, single surfaces; dashed, first order in dx.",
+        ),
+        Drawing(
+            name="error-against-cells",
+            figure=plots_studies.error_against_cells(dataset, errors["pixel"]),
+            data=dataset[["pixel", "limit", "cells_per_patch"]],
+            caption="Overestimate by counting against the size of the contact patches in cells, the criterion of Persson 2006, Sec. 12; grey, what it asks for.",
+        ),
+        Drawing(
+            name="grid-scale-protocol",
+            figure=plots_studies.grid_scale_protocol(dataset, theory),
+            data=dataset[["kappa_grid_scale"]],
+            caption="kappa when the roughness goes down to the grid scale and nodes are counted, by the way the slope is measured; bars, scatter between surfaces.",
+        ),
+    )

@@ -9,14 +9,22 @@ import numpy as np
 
 from persson import elastic
 from validation.bench import Bench
+from validation.drawing import Drawing
 from validation.statistics import mean_over_surfaces
-from validation.studies._common import ResultTable, at_least, base_surface, measure, over_surfaces, rising, solid_of
+from validation.studies._common import (
+    ResultTable,
+    at_least,
+    base_surface,
+    measure,
+    over_surfaces,
+    rising,
+    solid_of,
+)
 from validation.studies._edge import EdgeMeasurement
 from validation.studies._measurement import grid_for
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     from validation.scene import Scene
 
@@ -71,14 +79,20 @@ def run(
     surface, solid = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed), solid_of(scene)
     jobs = [
         EdgeMeasurement(
-            surface=surface, realisation=k, solid=solid, reduced_pressure=reduced_pressure, points=grid_for(surface, n)[0]
+            surface=surface,
+            realisation=k,
+            solid=solid,
+            reduced_pressure=reduced_pressure,
+            points=grid_for(surface, n)[0],
         )
         for k, n in itertools.product(range(surfaces), points_per_wave)
     ]
     measured = measure(bench, jobs)
     shape = (surfaces, len(points_per_wave))
     step = float(np.diff(measured[0].upper[:2])[0])
-    spacing = np.array([surface.lambda_short / surface.length[0] * job.points for job in jobs[: shape[1]]]) ** -1
+    spacing = (
+        np.array([surface.lambda_short / surface.length[0] * job.points for job in jobs[: shape[1]]]) ** -1
+    )
     below, slope = [], []
     for data, eps in zip(measured, np.tile(window * np.sqrt(spacing), surfaces), strict=True):
         share = np.concatenate([[0], np.cumsum(data.density.values) * step])
@@ -92,7 +106,10 @@ def run(
             "slope": (("surface", "grid"), np.array(slope).reshape(shape)),
             "contour_slope": (("surface", "grid"), contour),
             "patches": (("surface", "grid"), np.array([float(d.patches) for d in measured]).reshape(shape)),
-            "density": (("grid", "bin"), np.mean([_rows(measured, k, shape[1]) for k in range(surfaces)], axis=0)),
+            "density": (
+                ("grid", "bin"),
+                np.mean([_rows(measured, k, shape[1]) for k in range(surfaces)], axis=0),
+            ),
         },
         coords={
             "spacing": ("grid", spacing, {"long_name": "dx / lambda_short"}),
@@ -192,11 +209,21 @@ def _drift(dataset: xr.Dataset) -> str:
     return f" Not converged: {' and '.join(words)}; finer grids are needed for a number." if words else ""
 
 
-def figures(dataset: xr.Dataset) -> dict[str, Figure]:
+def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw P(sigma) near zero and its value at zero against the grid."""
     from validation import plots_studies
 
-    return {
-        "pressure-near-zero": plots_studies.pressure_near_zero(dataset),
-        "density-at-zero": plots_studies.density_at_zero(dataset, intercepts(dataset)),
-    }
+    return (
+        Drawing(
+            name="pressure-near-zero",
+            figure=plots_studies.pressure_near_zero(dataset),
+            data=dataset[["density"]],
+            caption="Distribution of contact pressure near zero on each grid, mean over surfaces, with the initial slope that follows from contour and edge coefficient and that of the theory.",
+        ),
+        Drawing(
+            name="density-at-zero",
+            figure=plots_studies.density_at_zero(dataset, intercepts(dataset)),
+            data=dataset[["density_at_zero"]],
+            caption="Density at vanishing pressure against the square root of the spacing: grey, single surfaces; black, mean; the intercept tells whether it vanishes.",
+        ),
+    )
