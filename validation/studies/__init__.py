@@ -90,12 +90,14 @@ class Study:
     @property
     def options(self) -> dict[str, Option]:
         """Options of `run` by name, but for the bench and the scene."""
-        hints = typing.get_type_hints(self.run)
         parameters = inspect.signature(self.run).parameters
+        names = [name for name in parameters if name not in ("bench", "scene")]
+        # Only the options are evaluated: other annotations may name what is imported for type checkers alone.
+        said = types.SimpleNamespace(__annotations__={name: parameters[name].annotation for name in names})
+        hints = typing.get_type_hints(said, globalns=vars(self.module))
         return {
-            name: Option(name=name, kind=_bare(hints[name]), default=parameter.default)
-            for name, parameter in parameters.items()
-            if name not in ("bench", "scene")
+            name: Option(name=name, kind=_bare(hints[name]), default=parameters[name].default)
+            for name in names
         }
 
     @property
