@@ -307,3 +307,90 @@ def density_at_zero(dataset: xr.Dataset, intercepts: NDArray[np.float64]) -> Fig
     axes.set_ylabel(r"$P(0^+)\,E^* h'_{rms}$")
     axes.legend(fontsize=8)
     return figure
+
+
+def fem_against_bem(dataset: xr.Dataset, legs: Sequence[str]) -> Figure:
+    """Pressure and area differences between finite and boundary elements against the grid, by leg."""
+    figure, panels = new_figure(width=9.0, columns=2)
+    for axes, name, label in zip(
+        panels,
+        ("pressure_half_space", "area"),
+        (r"$\|p_{FEM}-p_{BEM}\|/\|p_{BEM}\|$ [%]", r"$|A_{FEM}/A_{BEM}-1|$, counted [%]"),
+        strict=True,
+    ):
+        for k, leg in enumerate(legs):
+            part = dataset.isel(case=np.flatnonzero(dataset.leg.values == leg))
+            axes.plot(part.points_per_wave, 100 * np.abs(part[name].mean("surface")), label=leg, **_plain(k))
+            axes.plot(
+                part.points_per_wave, 100 * np.abs(part[name]), ls="", marker=".", ms=3, color=_COLOURS[k]
+            )
+        axes.set_xscale("log", base=2)
+        axes.set_yscale("log")
+        axes.set_xlabel(r"$\lambda_{short}/\Delta x$")
+        axes.set_ylabel(label)
+    panels[0].legend(fontsize=8)
+    return figure
+
+
+def block_depth(dataset: xr.Dataset) -> Figure:
+    """Pressure of the block against half-space and layer, over depth and over growth."""
+    figure, panels = new_figure(width=9.0, columns=2)
+    for axes, dial, label in zip(
+        panels, ("depth", "growth"), ("depth / L", "growth of successive layers"), strict=True
+    ):
+        for k, element in enumerate(dict.fromkeys(dataset.element.values.tolist())):
+            keep = (dataset.element.values == element) & (dataset.varied.values == dial)
+            part = dataset.isel(case=np.flatnonzero(keep))
+            axes.plot(part[dial], 100 * part.pressure_half_space, label=f"{element}, half-space", **_plain(k))
+            axes.plot(
+                part[dial],
+                100 * part.pressure_layer,
+                label=f"{element}, layer",
+                mfc="white",
+                ls="--",
+                **_plain(k),
+            )
+        axes.set_yscale("log")
+        axes.set_xlabel(label)
+        axes.set_ylabel("relative L2 difference of pressure [%]")
+    panels[0].legend(fontsize=8)
+    return figure
+
+
+def theory_verdict(dataset: xr.Dataset) -> Figure:
+    """Draw simulated over predicted area against the simulated area, for the theory and its variants."""
+    figure, (axes,) = new_figure()
+    for k, variant in enumerate(dataset.variant.values):
+        axes.errorbar(
+            dataset.area, dataset.area_ratio[k], yerr=dataset.interval[k], label=str(variant), **_look(k)
+        )
+    axes.axhline(1, color="black", lw=1)
+    axes.set_xscale("log")
+    axes.set_xlabel(r"simulated $A/A_0$")
+    axes.set_ylabel("simulated over predicted area")
+    axes.legend(fontsize=8)
+    return figure
+
+
+def accuracy_cost(dataset: xr.Dataset, error: NDArray[np.float64], front: Sequence[int]) -> Figure:
+    """Error against seconds for every way, with the Pareto front."""
+    figure, (axes,) = new_figure(height=4.8)
+    groups: dict[str, list[int]] = {}
+    for k, label in enumerate(dataset.label.values.tolist()):
+        groups.setdefault(
+            label.split(",")[0] + (", 4 shifts" if label.endswith("shifts") else ""), []
+        ).append(k)
+    for g, (name, ways) in enumerate(groups.items()):
+        look = {**_plain(g % 8), "mfc": "white" if g >= 8 else _COLOURS[g % 8]}
+        axes.plot(dataset.seconds[ways], 100 * error[ways], ls="", label=name, **look)
+    axes.plot(
+        dataset.seconds[list(front)], 100 * error[list(front)], color="black", lw=0.8, label="Pareto front"
+    )
+    floor = 100 * float(np.sqrt((dataset.reference_error**2).mean()))
+    axes.axhspan(min(floor, 100 * float(error.min())) / 3, floor, color="black", alpha=0.1, lw=0)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlabel("wall time for one surface [s]")
+    axes.set_ylabel("rms error of the contact area [%]")
+    axes.legend(fontsize=7, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.14))
+    return figure
