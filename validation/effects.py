@@ -122,12 +122,22 @@ def available_memory() -> int:
     return int(0.9 * psutil.virtual_memory().available)
 
 
+def memory_words(size: float) -> str:
+    """Return an amount of memory in words.
+
+    >>> memory_words(3 * 2**20), memory_words(2.5 * 2**30)
+    ('3 MiB', '2.5 GiB')
+    """
+    return f"{size / 2**30:.3g} GiB" if size >= 2**30 else f"{size / 2**20:.3g} MiB"
+
+
 def too_large(job: AnyJob, limit: int, *, where: str = "here") -> str:
     """Say that a job does not fit into memory, and what to do."""
     needed = predicted_cost(job).peak_bytes
     return (
-        f"{job.describe()}: needs about {needed / 2**30:.3g} GiB; {where} {limit / 2**30:.3g} GiB are free "
-        "for it; leave the grid out, run it on a larger machine, or raise the limit with --memory"
+        f"{job.describe()}: needs about {memory_words(needed)} and {where} {memory_words(limit)} are free "
+        "for it; "
+        "leave the grid out, run it on a larger machine, or raise the limit with --memory"
     )
 
 

@@ -343,6 +343,6 @@ def _failed(failures: Sequence[Outcome], tried: int) -> str:
 
 def _refuse_too_large(jobs: Sequence[AnyJob], execution: Execution) -> None:
     limit = available_memory() if execution.memory is None else execution.memory
-    for job in jobs:
-        if predicted_cost(job).peak_bytes > limit:
-            raise UsageError(too_large(job, limit))
+    largest = max(jobs, key=lambda job: predicted_cost(job).peak_bytes, default=None)
+    if largest is not None and predicted_cost(largest).peak_bytes > limit:
+        raise UsageError(too_large(largest, limit))

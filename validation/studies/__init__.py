@@ -90,14 +90,18 @@ class Study:
     @property
     def options(self) -> dict[str, Option]:
         """Options of `run` by name, but for the bench and the scene."""
-        parameters = inspect.signature(self.run).parameters
-        names = [name for name in parameters if name not in ("bench", "scene")]
-        # Only the options are evaluated: other annotations may name what is imported for type checkers alone.
-        said = types.SimpleNamespace(__annotations__={name: parameters[name].annotation for name in names})
-        hints = typing.get_type_hints(said, globalns=vars(self.module))
+        said = {
+            name: parameter
+            for name, parameter in inspect.signature(self.run).parameters.items()
+            if name not in ("bench", "scene")
+        }
+        # Only the options are looked up: the other annotations may name what is imported for type checkers
+        # alone.
+        namespace = {"__annotations__": {name: parameter.annotation for name, parameter in said.items()}}
+        hints = typing.get_type_hints(type("Options", (), namespace | {"__module__": self.module.__name__}))
         return {
-            name: Option(name=name, kind=_bare(hints[name]), default=parameters[name].default)
-            for name in names
+            name: Option(name=name, kind=_bare(hints[name]), default=parameter.default)
+            for name, parameter in said.items()
         }
 
     @property
