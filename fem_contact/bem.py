@@ -24,7 +24,7 @@ from fem_contact.surface import HeightField
 __all__ = ["FourierOperator", "solve", "solve_displacement", "solve_path"]
 
 Array = NDArray[np.float64]
-Method = Literal["preconditioned", "polonsky-keer"]
+Method = Literal["preconditioned", "mixed", "polonsky-keer"]
 
 
 def solve(
@@ -61,8 +61,9 @@ def solve(
         solve goes from coarse to fine grids.
     threads : int, optional
         Threads of transforms and of the passes between them; all available processors if not given.
-    method : {"preconditioned", "polonsky-keer"}
-        The second is slow, plain, and there to check the first; it knows no bound.
+    method : {"preconditioned", "mixed", "polonsky-keer"}
+        "mixed" preconditions in single precision, which is faster and changes only the way to the answer.
+        "polonsky-keer" is slow, plain, and there to check the others; it knows no bound.
 
     Returns
     -------
@@ -218,8 +219,8 @@ class _Problem:
             raise InvalidInput(f"max_iterations = {max_iterations!r}: must be at least 1")
         if threads is not None and threads < 1:
             raise InvalidInput(f"threads = {threads!r}: must be at least 1")
-        if method not in ("preconditioned", "polonsky-keer"):
-            raise InvalidInput(f"method = {method!r}: must be 'preconditioned' or 'polonsky-keer'")
+        if method not in ("preconditioned", "mixed", "polonsky-keer"):
+            raise InvalidInput(f"method = {method!r}: must be 'preconditioned', 'mixed' or 'polonsky-keer'")
         if method == "polonsky-keer" and bound is not None:
             raise InvalidInput("method = 'polonsky-keer' knows no pressure bound: use 'preconditioned'")
         operator = FourierOperator(response, surface.shape, surface.lengths, threads=threads)
@@ -263,8 +264,14 @@ class _Problem:
         exact = self._all_at_bound(load) or self._full_contact(load)
         if exact is not None:
             return exact
+        solution = self._iterated(
+            load, start=start, tolerance=self.tolerance if tolerance is None else tolerance
+        )
+        # One pair went into the question whether the contact is full.
+        return replace(solution, fft_pairs=solution.fft_pairs + self.operator.pairs)
+
+    def _iterated(self, load: float, *, start: Array | None, tolerance: float) -> Solution:
         heights, operator = self.surface.heights, self.operator
-        tolerance = self.tolerance if tolerance is None else tolerance
         if self.method == "polonsky-keer":
             return polonsky_keer(
                 operator,
@@ -286,6 +293,7 @@ class _Problem:
             start=start,
             bound=self.bound,
             threads=operator.threads,
+            single=self.method == "mixed",
         )
 
     def _coarse(self, shape: tuple[int, int]) -> FourierOperator:
