@@ -1,1 +1,1 @@
-"""Frictionless contact of a rigid rough surface with an elastic solid, by boundary elements and by finite elements."""
+"""Frictionless contact of a rigid rough surface with an elastic solid, by boundary and by finite elements."""

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import Enum
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.errors import NotConverged
+from fem_contact.errors import InvalidInput, NotConverged
 
 __all__ = ["ContactResult", "Cost", "Residuals", "Status", "measure_residuals"]
 
@@ -22,7 +23,7 @@ class Status(Enum):
 
     CONVERGED = "converged"
     ITERATION_LIMIT = "stopped at the iteration limit: allow more iterations or a larger tolerance"
-    STAGNATED = "the residual no longer falls: the tolerance is below what the arithmetic or the linear solver can reach"
+    STAGNATED = "the residual no longer falls: the tolerance is below what the arithmetic can reach"
     CYCLING = "the active set repeats itself: solve the linear systems more accurately"
     TIME_LIMIT = "stopped at the time limit: allow more time or a coarser grid"
 
@@ -50,8 +51,11 @@ class Residuals:
 
     @property
     def worst(self) -> float:
-        """The largest of the four."""
-        return max(self.penetration, self.tension, self.complementarity, self.load)
+        """The largest of the four; NaN if any of them is."""
+        values = (self.penetration, self.tension, self.complementarity, self.load)
+        # max() of Python loses a NaN that is not its first argument, and a NaN residual must never pass for a
+        # small one.
+        return float(np.max(values))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,7 +87,7 @@ class Cost:
     peak_bytes: int
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class ContactResult:
     """Solution of one contact problem on one grid.
 
@@ -139,6 +143,11 @@ class ContactResult:
                 object.__setattr__(self, name, view)
         object.__setattr__(self, "provenance", MappingProxyType(dict(self.provenance)))
 
+    def __reduce__(self) -> tuple[object, ...]:
+        # A mapping proxy cannot be pickled, and unpickled arrays would be writable: build the copy anew.
+        values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        return _rebuilt, (values | {"provenance": dict(self.provenance)},)
+
     @property
     def shape(self) -> tuple[int, int]:
         """Grid points (nx, ny)."""
@@ -163,6 +172,10 @@ class ContactResult:
         return self
 
 
+def _rebuilt(values: dict[str, Any]) -> ContactResult:
+    return ContactResult(**values)
+
+
 def measure_residuals(
     *,
     pressure: Array,
@@ -177,7 +190,7 @@ def measure_residuals(
 ) -> Residuals:
     """Evaluate the residuals of any code's pressure and gap, in the same words for all of them.
 
-    Lengths are measured in h_rms and stresses in E* h'_rms; for a flat surface (h_rms = 0) in p0 L / E* and p0.
+    Lengths are measured in h_rms and stresses in E* h'_rms; for a flat surface in p0 L / E* and p0.
 
     Parameters
     ----------
@@ -190,16 +203,27 @@ def measure_residuals(
     rms_gradient : float
         h'_rms of the surface [-].
     target_pressure : float, optional
-        The prescribed mean pressure p0 [Pa]; None where the mean gap or the offset was prescribed, which leaves a load
-        residual of 0.
+        The prescribed mean pressure p0 [Pa]; None where the mean gap or the offset was prescribed, which
+        leaves a load residual of 0.
     at_bound : (nx, ny) array of bool, optional
         Points held at the pressure bound; their gap may be negative.
     weights : (nx, ny) array, optional
         Area of each point over the mean cell area.
+
+    Raises
+    ------
+    InvalidInput
+        For fields of different shapes, which would otherwise be broadcast into residuals of nothing.
     """
+    others = {"gap": gap, "heights": heights, "at_bound": at_bound, "weights": weights}
+    for name, values in others.items():
+        if values is not None and values.shape != pressure.shape:
+            raise InvalidInput(
+                f"{name} of shape {values.shape}: must have the shape {pressure.shape} of pressure"
+            )
     w = np.ones_like(pressure) if weights is None else weights
     mean = float(np.mean(w * pressure))
-    load_scale = mean if target_pressure is None else target_pressure
+    load_scale = abs(mean if target_pressure is None else target_pressure)
     length_scale = float(np.std(heights))
     stress_scale = contact_modulus * rms_gradient
     # A constant surface has h_rms of rounding size: it is flat, and roughness can be no scale.
@@ -211,7 +235,9 @@ def measure_residuals(
     total = float(np.sum(np.abs(w * pressure)))
 
     def ratio(value: float, scale: float) -> float:
-        return value / scale if scale > 0 else (0.0 if value == 0 else np.inf)
+        if scale == 0:
+            return 0.0 if value == 0 else np.inf
+        return value / scale
 
     return Residuals(
         penetration=ratio(max(-float(closed.min()), 0.0), length_scale),

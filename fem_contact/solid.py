@@ -55,8 +55,8 @@ class Solid:
 def composite_modulus(first: Solid, second: Solid) -> float:
     """Contact modulus of two elastic solids pressed together.
 
-    Returns E* [Pa] with 1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2 (Persson 2006, Eq. 5). The pair is then equivalent to a
-    rigid body carrying the sum of both roughnesses on an elastic half-space of that modulus.
+    Returns E* [Pa] with 1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2 (Persson 2006, Eq. 5). The pair is then
+    equivalent to a rigid body carrying the sum of both roughnesses on an elastic half-space of that modulus.
 
     Examples
     --------

@@ -1,7 +1,8 @@
 """Periodic height fields, and random ones that are the same surface on every grid.
 
-A random surface is a sum of waves (Eq. 1 of Persson 2006). Its random numbers belong to the wavevectors, not to array
-positions, so that one seed gives one surface, whatever grid it is sampled on and wherever its spectrum is cut.
+A random surface is a sum of waves (Eq. 1 of Persson 2006). Its random numbers belong to the wavevectors, not
+to array positions, so that one seed gives one surface, whatever grid it is sampled on and wherever its
+spectrum is cut.
 """
 
 from __future__ import annotations
@@ -27,12 +28,12 @@ Lengths = tuple[float, float]
 _EDGE = 1e-12
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class HeightField:
     """Heights of a periodic surface on a grid, positive towards the elastic body.
 
-    Between its points the surface is the trigonometric interpolant of the heights; `resampled`, `shifted` and the moments
-    refer to that interpolant, so none of them depends on a difference formula.
+    Between its points the surface is the trigonometric interpolant of the heights; `resampled`, `shifted` and
+    the moments refer to that interpolant, so none of them depends on a difference formula.
 
     Parameters
     ----------
@@ -58,16 +59,25 @@ class HeightField:
     lengths: Lengths
 
     def __post_init__(self) -> None:
-        heights = np.array(self.heights, dtype=float)
+        try:
+            heights = np.asarray(self.heights).astype(float, casting="same_kind", copy=True)
+        except (TypeError, ValueError) as error:
+            raise InvalidInput("heights: must be a two-dimensional array of real numbers") from error
         if heights.ndim != 2 or heights.size == 0:
             raise InvalidInput(f"heights of shape {heights.shape}: must be a two-dimensional array (nx, ny)")
         bad = np.count_nonzero(~np.isfinite(heights))
         if bad:
-            raise InvalidInput(f"{bad} of {heights.size} heights are NaN or infinite: fill or remove them first")
+            raise InvalidInput(
+                f"{bad} of {heights.size} heights are NaN or infinite: fill or remove them first"
+            )
         lengths = _checked_lengths(self.lengths)
         heights.setflags(write=False)
         object.__setattr__(self, "heights", heights)
         object.__setattr__(self, "lengths", lengths)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # Unpickled arrays are writable: build the copy anew.
+        return _height_field, (self.heights, self.lengths)
 
     @property
     def shape(self) -> Shape:
@@ -118,7 +128,9 @@ class HeightField:
         return self._sampled(_checked_shape(shape), (0.0, 0.0))
 
     def shifted(self, fraction: tuple[float, float]) -> HeightField:
-        """Return h(x + fraction * spacing) on the same grid: the same surface seen by a grid moved by parts of a cell."""
+        """Return h(x + fraction * spacing) on the same grid: what a grid moved by parts of a cell sees."""
+        if len(fraction) != 2 or not all(np.isfinite(part) for part in fraction):
+            raise InvalidInput(f"fraction = {fraction!r}: must be two finite parts of a cell (x, y)")
         return self._sampled(self.shape, (float(fraction[0]), float(fraction[1])))
 
     def _sampled(self, shape: Shape, fraction: tuple[float, float]) -> HeightField:
@@ -129,8 +141,12 @@ class HeightField:
         return HeightField(heights=heights, lengths=self.lengths)
 
 
+def _height_field(heights: Array, lengths: Lengths) -> HeightField:
+    return HeightField(heights=heights, lengths=lengths)
+
+
 def _checked_shape(shape: Shape) -> Shape:
-    if len(shape) != 2 or any(int(n) != n or n < 1 for n in shape):
+    if len(shape) != 2 or not all(n >= 1 and n % 1 == 0 for n in shape):
         raise InvalidInput(f"shape = {shape!r}: must be two positive whole numbers (nx, ny)")
     return int(shape[0]), int(shape[1])
 
@@ -142,7 +158,7 @@ def _checked_lengths(lengths: Lengths) -> Lengths:
 
 
 def _wave_numbers(n: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
-    """Integer wave numbers of n points, the FFT slot of each, and its weight; the Nyquist wave is split into +-n/2."""
+    """Integer wave numbers of n points, their FFT slots and weights; the Nyquist wave is split into +-n/2."""
     numbers = np.arange(n) - n // 2
     weights = np.ones(n)
     if n % 2 == 0:
@@ -153,7 +169,7 @@ def _wave_numbers(n: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
 
 
 def _refold(spectrum: NDArray[np.complex128], n: int, fraction: float, axis: int) -> NDArray[np.complex128]:
-    """Sample the interpolant of one axis at n points: waves beyond the new Nyquist limit fold back, as sampling does."""
+    """Sample the interpolant of one axis at n points: waves beyond the new Nyquist limit fold back."""
     old = spectrum.shape[axis]
     numbers, slots, weights = _wave_numbers(old)
     factors = weights * np.exp(2j * np.pi * numbers * fraction / old)
@@ -169,7 +185,8 @@ def _interpolant(surface: HeightField) -> tuple[Array, Array, NDArray[np.complex
     (mx, sx, wx), (my, sy, wy) = (_wave_numbers(n) for n in surface.shape)
     coefficients = spectrum[np.ix_(sx, sy)] * wx[:, None] * wy[None, :]
     unit_x, unit_y = (2 * np.pi / length for length in surface.lengths)
-    return mx * unit_x, my * unit_y, coefficients
+    qx, qy = (np.multiply(numbers, unit, dtype=np.float64) for numbers, unit in ((mx, unit_x), (my, unit_y)))
+    return qx, qy, coefficients
 
 
 def resolves(shape: Shape, lengths: Lengths, *, q_short: float) -> bool:
@@ -177,10 +194,12 @@ def resolves(shape: Shape, lengths: Lengths, *, q_short: float) -> bool:
 
     Examples
     --------
-    >>> resolves((64, 64), (1.0, 1.0), q_short=2 * np.pi * 31), resolves((64, 64), (1.0, 1.0), q_short=2 * np.pi * 32)
-    (True, False)
+    >>> [resolves((64, 64), (1.0, 1.0), q_short=2 * np.pi * waves) for waves in (31, 32)]
+    [True, False]
     """
-    return all(2 * np.pi / q_short > 2 * length / n * (1 + _EDGE) for n, length in zip(shape, lengths, strict=True))
+    return all(
+        2 * np.pi / q_short > 2 * length / n * (1 + _EDGE) for n, length in zip(shape, lengths, strict=True)
+    )
 
 
 def random_surface(
@@ -195,7 +214,8 @@ def random_surface(
 ) -> HeightField:
     r"""One realisation of a periodic random surface with power spectrum C(q).
 
-    .. math:: h(\mathbf x) = \sum_{\mathbf q} B(\mathbf q)\, e^{i[\mathbf q\cdot\mathbf x + \phi(\mathbf q)]},\qquad
+    .. math:: h(\mathbf x) = \sum_{\mathbf q} B(\mathbf q)\,
+              e^{i[\mathbf q\cdot\mathbf x + \phi(\mathbf q)]},\qquad
               B = \frac{2\pi}{\sqrt{L_x L_y}} \sqrt{C(q)},\quad \phi(-\mathbf q) = -\phi(\mathbf q)
 
     Parameters
@@ -211,21 +231,23 @@ def random_surface(
     seed : int or numpy.random.Generator
         Source of the phases (and amplitudes).
     amplitudes : {"exact", "gaussian"}
-        "exact": every wave carries sqrt(C(q)) exactly, only phases are random. "gaussian": each coefficient is a complex
-        Gaussian of that variance, as in a sample of a Gaussian process.
+        "exact": every wave carries sqrt(C(q)) exactly, only phases are random. "gaussian": each coefficient
+        is a complex Gaussian of that variance, as in a sample of a Gaussian process.
     under_resolved : bool
-        Accept a grid with lambda_short <= 2 dx. It gets the true point values, from which the surface cannot be recovered.
+        Accept a grid with lambda_short <= 2 dx. It gets the true point values, from which the surface cannot
+        be recovered.
 
     Raises
     ------
     InvalidInput
-        For a grid that does not resolve q_short (unless asked for), no wave below q_short, or a spectrum that is negative
-        or not finite.
+        For a grid that does not resolve q_short (unless asked for), no wave below q_short, a spectrum that is
+        negative or not finite, or a seed that is none.
 
     Notes
     -----
-    Eq. 1 of Persson 2006 with the Hermitian condition. Random numbers are drawn along square rings of wave numbers
-    outwards, so they depend neither on the grid nor on q_short: cutting the spectrum elsewhere keeps the remaining waves.
+    Eq. 1 of Persson 2006 with the Hermitian condition. Random numbers are drawn along square rings of wave
+    numbers outwards, so they depend neither on the grid nor on q_short: cutting the spectrum elsewhere keeps
+    the remaining waves.
     """
     shape, lengths = _checked_shape(shape), _checked_lengths(lengths)
     if not (np.isfinite(q_short) and q_short > 0):
@@ -250,6 +272,17 @@ def random_surface(
     return HeightField(heights=heights, lengths=lengths)
 
 
+def _checked_generator(seed: int | np.random.Generator) -> np.random.Generator:
+    """Return the generator of a seed; None is refused because nobody could draw that surface again."""
+    if isinstance(seed, np.random.Generator):
+        return seed
+    if not isinstance(seed, (int, np.integer)) or seed < 0:
+        raise InvalidInput(
+            f"seed = {seed!r}: must be a whole number that is not negative, or a numpy.random.Generator"
+        )
+    return np.random.default_rng(int(seed))
+
+
 def _half_plane(lengths: Lengths, q_short: float) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
     """Wave numbers (m, n) with 0 < |q| <= q_short, one of each pair +-q, and |q| [1/m]."""
     unit_x, unit_y = (2 * np.pi / length for length in lengths)
@@ -259,7 +292,9 @@ def _half_plane(lengths: Lengths, q_short: float) -> tuple[NDArray[np.int64], ND
     q = np.hypot(m * unit_x, n * unit_y)
     keep = (q <= limit) & ((n > 0) | (m > 0))
     if not keep.any():
-        raise InvalidInput(f"no wave fits: lambda_short = {2 * np.pi / q_short:.6g} m exceeds the periods {lengths} m")
+        raise InvalidInput(
+            f"no wave fits: lambda_short = {2 * np.pi / q_short:.6g} m exceeds the periods {lengths} m"
+        )
     return m[keep], n[keep], q[keep]
 
 
@@ -271,14 +306,14 @@ def _random_waves(
     along = np.where(m == ring, n, np.where(n == ring, 2 * ring - m, 4 * ring - n))
     position = 2 * ring * (ring - 1) + along
     count = int(position.max()) + 1
-    phases, sizes = np.random.default_rng(seed).spawn(2)
+    phases, sizes = _checked_generator(seed).spawn(2)
     waves: NDArray[np.complex128] = np.exp(2j * np.pi * phases.random(count)[position])
     if gaussian:
         waves *= np.sqrt(-np.log1p(-sizes.random(count)[position]))
     return waves
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class RadialSpectrum:
     """A power spectrum averaged over rings of wavevectors.
 
@@ -300,7 +335,8 @@ class RadialSpectrum:
 def radial_spectrum(surface: HeightField) -> RadialSpectrum:
     """Measure C(q) of a periodic surface, averaged over rings one fundamental wavevector wide.
 
-    Convention as in Persson 2006, <h^2> = 2 pi int q C dq; multiply by (2 pi)^2 for the areal PSD of other communities.
+    Convention as in Persson 2006, <h^2> = 2 pi int q C dq; multiply by (2 pi)^2 for the areal PSD of other
+    communities.
     """
     qx, qy, coefficients = _interpolant(surface)
     q = np.hypot(qx[:, None], qy[None, :])
@@ -311,4 +347,6 @@ def radial_spectrum(surface: HeightField) -> RadialSpectrum:
     power = np.bincount(ring, weights=(np.abs(coefficients) ** 2).ravel()) / cell
     mean_q = np.bincount(ring, weights=q.ravel())
     filled = (count > 0) & (np.arange(count.size) > 0)
-    return RadialSpectrum(q=mean_q[filled] / count[filled], power=power[filled] / count[filled], count=count[filled])
+    return RadialSpectrum(
+        q=mean_q[filled] / count[filled], power=power[filled] / count[filled], count=count[filled]
+    )

@@ -1,0 +1,148 @@
+"""What the block returns: the contact result, the displacement field, and the stress read off it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.block.elements import lame
+from fem_contact.block.fields import CellLayer, FieldSource
+from fem_contact.block.mesh import BlockMesh
+from fem_contact.contact import ContactResult
+from fem_contact.solid import Solid
+
+__all__ = ["BlockSolution", "CellStress"]
+
+Array = NDArray[np.float64]
+
+#: Components of symmetric tensors, in the order in which they are stored.
+_PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+
+
+@dataclass(frozen=True, kw_only=True)
+class CellStress:
+    """Stress at the centres of cells, tension positive.
+
+    Attributes
+    ----------
+    tensor : (..., 6) array
+        Components xx, yy, zz, yz, xz, xy [Pa].
+    """
+
+    tensor: Array
+
+    @property
+    def von_mises(self) -> Array:
+        """Von Mises stress of every cell [Pa]."""
+        xx, yy, zz, yz, xz, xy = np.moveaxis(self.tensor, -1, 0)
+        normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+        return np.asarray(np.sqrt(0.5 * normal + 3 * (yz**2 + xz**2 + xy**2)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlockSolution:
+    """A contact problem solved with finite elements.
+
+    The field inside is found when it is first asked for. A block too large for it is walked through with
+    `stress_layers`, which holds one layer at a time.
+
+    Attributes
+    ----------
+    contact : ContactResult
+        Pressure (nodal force over the node's area), gap and contact set at the surface nodes.
+    solid : Solid
+        Reference solid: Poisson ratio, and the modulus that `modulus` multiplies.
+    mesh : BlockMesh
+    source : FieldSource
+        Walks down through the displacement.
+    modulus : (nx or 1, ny or 1, nz) array or None
+        Young's modulus of each cell over `solid.young`; None where it is 1 everywhere.
+    """
+
+    contact: ContactResult
+    solid: Solid
+    mesh: BlockMesh
+    source: FieldSource
+    modulus: Array | None = None
+
+    @property
+    def cell_size(self) -> tuple[float, float]:
+        """Widths of a cell along x and y [m]."""
+        return self.contact.lengths[0] / self.mesh.cells[0], self.contact.lengths[1] / self.mesh.cells[1]
+
+    @property
+    def planes(self) -> Array:
+        """Heights z of the planes of nodes [m], from -depth to 0."""
+        return self.mesh.planes * self.cell_size[0]
+
+    @property
+    def layers(self) -> Array:
+        """Thicknesses of the layers of cells [m], from the bottom upwards, (nz,)."""
+        return self.mesh.layers * self.cell_size[0]
+
+    @property
+    def depth(self) -> float:
+        """Thickness of the block [m]."""
+        return float(-self.planes[0])
+
+    @cached_property
+    def field(self) -> Array:
+        """Displacement (u_x, u_y, u_z) [m] of all nodes, (nx, ny, planes, 3); u_z is positive upwards."""
+        order = self.mesh.element.order
+        field = np.empty((*self.mesh.shape, self.mesh.planes.size, 3))
+        for layer in self.source.descend():
+            first = order * layer.index
+            field[:, :, first : first + order + 1] = np.moveaxis(layer.nodes, 0, 2)
+        field.setflags(write=False)
+        return field
+
+    def stress(self) -> CellStress:
+        """Stress at the centres of the cells, (nx, ny, nz, 6), where derivatives are most accurate."""
+        tensor = np.empty((*self.mesh.cells, self.mesh.nz, 6))
+        for index, layer in self.stress_layers():
+            tensor[:, :, index] = layer.tensor
+        return CellStress(tensor=tensor)
+
+    def stress_layers(self) -> Iterator[tuple[int, CellStress]]:
+        """Yield the number of each layer and the stress in it, (nx, ny, 6), from the surface down."""
+        for layer in self.source.descend():
+            yield layer.index, CellStress(tensor=self._stress(layer))
+
+    def strain(self) -> Array:
+        """Tensor strain xx, yy, zz, yz, xz, xy at the centres of the cells, (nx, ny, nz, 6)."""
+        strain = np.empty((*self.mesh.cells, self.mesh.nz, 6))
+        for layer in self.source.descend():
+            strain[:, :, layer.index] = _symmetric(layer.gradient(self._size(layer), self.mesh.element))
+        return strain
+
+    @property
+    def energy(self) -> float:
+        """Elastic energy per nominal area [J/m^2]: half of pressure times displacement."""
+        work = self.contact.pressure * self.contact.displacement
+        return 0.5 * float(np.mean(work if self.contact.weights is None else work * self.contact.weights))
+
+    def _size(self, layer: CellLayer) -> tuple[float, float, float]:
+        return *self.cell_size, float(self.layers[layer.index])
+
+    def _stress(self, layer: CellLayer) -> Array:
+        size, element = self._size(layer), self.mesh.element
+        strain = _symmetric(layer.gradient(size, element))
+        tensor = strain / (1 + self.solid.poisson)
+        if layer.pressure is not None:
+            tensor[..., :3] += layer.pressure[..., None]
+        else:
+            first, _ = lame(self.solid.poisson)
+            mixed = element.pressures > 0
+            dilatation = layer.mean_dilatation(size, element) if mixed else strain[..., :3].sum(axis=-1)
+            tensor[..., :3] += first * dilatation[..., None]
+        if self.modulus is not None:
+            tensor = tensor * self.modulus[:, :, layer.index, None]
+        return tensor * self.solid.young
+
+
+def _symmetric(gradient: Array) -> Array:
+    return np.stack([0.5 * (gradient[..., a, b] + gradient[..., b, a]) for a, b in _PAIRS], axis=-1)

@@ -1,0 +1,213 @@
+"""The finite-element block pressed by a rigid rough surface: what users call."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.block.mesh import MeshOptions
+from fem_contact.block.session import Method, Modulus, Session, check_pressure, needed_bytes, planned_mesh
+from fem_contact.block.solution import BlockSolution
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+
+__all__ = ["Estimate", "estimate", "solve", "solve_displacement", "solve_path"]
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Estimate:
+    """What a solve will take.
+
+    Attributes
+    ----------
+    unknowns : int
+        Displacement components of the block.
+    bytes : int
+        Memory at the peak, without the field inside.
+    layers : int
+        Layers of cells.
+    """
+
+    unknowns: int
+    bytes: int
+    layers: int
+
+
+def estimate(
+    shape: tuple[int, int],
+    lengths: tuple[float, float] = (1.0, 1.0),
+    *,
+    method: Method = "reduced",
+    poisson: float = 0.3,
+    **mesh: Unpack[MeshOptions],
+) -> Estimate:
+    """Count the unknowns and the memory of a solve before it starts; arguments as in `solve`.
+
+    Examples
+    --------
+    >>> estimate((64, 64)).unknowns
+    184320
+    """
+    planned = planned_mesh(shape, lengths, poisson=poisson, options=mesh)
+    return Estimate(unknowns=planned.unknowns, bytes=needed_bytes(planned, method), layers=planned.nz)
+
+
+def solve(
+    surface: HeightField,
+    solid: Solid,
+    *,
+    mean_pressure: float,
+    method: Method = "reduced",
+    modulus: Modulus | None = None,
+    tolerance: float = 1e-8,
+    max_iterations: int | None = None,
+    start: Mask | None = None,
+    **mesh: Unpack[MeshOptions],
+) -> BlockSolution:
+    """Press a rigid surface into an elastic block at a given mean pressure, without friction.
+
+    The block has the periods of the surface, is clamped at its bottom, and carries one surface node per point
+    of the height field.
+
+    Parameters
+    ----------
+    surface : HeightField
+        Heights of the rigid body, positive towards the block.
+    solid : Solid
+    mean_pressure : float
+        p0 [Pa], positive.
+    method : {"reduced", "full"}
+        "full" solves for all unknowns of the assembled block: an active set, conjugate gradients with pyamg's
+        smoothed aggregation. "reduced" eliminates the inside exactly, wavevector by wavevector, and solves
+        for the surface by FFT: the same discrete solution at a small part of the cost.
+    modulus : callable, optional
+        Young's modulus of the block over `solid.young`, evaluated at the cells' centres x (nx, 1, 1), y (1,
+        ny, 1), z (1, 1, nz) [m]. Where it varies sideways, the reduced method keeps the whole block, with a
+        layered one as preconditioner.
+    tolerance : float
+        "full": bound on the linear residual over the norm of the contact forces. "reduced": bound on the
+        complementarity over h_rms.
+    max_iterations : int, optional
+        Active sets (60 by default) or steps of the surface iteration (10 000).
+    start : (nx, ny) array of bool, optional
+        First contact set, for instance of a neighbouring load.
+    depth, growth, first_layer : float, optional
+        Thickness of the block [m], the longest period by default; largest ratio of neighbouring layers (1.2);
+        thickness of the layer below the surface [m], the cell width by default.
+    element : {"Hex1", "Hex1/P0", "Hex2", "Hex2/P1disc"}, optional
+        By default the cheapest that does not lock at this Poisson ratio.
+
+    Returns
+    -------
+    BlockSolution
+        Its `contact` holds pressure, gap, residuals and status.
+
+    Raises
+    ------
+    InvalidInput
+        For arguments that cannot be used, or an element or method that cannot represent the solid.
+    InsufficientMemory
+        If the estimate exceeds the memory available.
+    """
+    check_pressure(mean_pressure)
+    session = Session.checked(
+        surface,
+        solid,
+        method=method,
+        modulus=modulus,
+        tolerance=tolerance,
+        max_iterations=max_iterations,
+        options=mesh,
+    )
+    return session.at_pressure(mean_pressure, start)
+
+
+def solve_displacement(
+    surface: HeightField,
+    solid: Solid,
+    *,
+    offset: float,
+    method: Method = "reduced",
+    modulus: Modulus | None = None,
+    tolerance: float = 1e-8,
+    max_iterations: int | None = None,
+    **mesh: Unpack[MeshOptions],
+) -> BlockSolution:
+    """Press a rigid surface into an elastic block to a given approach.
+
+    Parameters
+    ----------
+    offset : float
+        Distance of the mean planes before deformation, -approach [m]. Without contact the answer is zero
+        pressure.
+    surface, solid, method, modulus, tolerance, max_iterations, **mesh
+        As in `solve`.
+
+    Raises
+    ------
+    InvalidInput, InsufficientMemory
+        As in `solve`.
+    """
+    session = Session.checked(
+        surface,
+        solid,
+        method=method,
+        modulus=modulus,
+        tolerance=tolerance,
+        max_iterations=max_iterations,
+        options=mesh,
+    )
+    return session.at_offset(offset)
+
+
+def solve_path(
+    surface: HeightField,
+    solid: Solid,
+    *,
+    mean_pressures: Iterable[float],
+    method: Method = "reduced",
+    modulus: Modulus | None = None,
+    tolerance: float = 1e-8,
+    max_iterations: int | None = None,
+    **mesh: Unpack[MeshOptions],
+) -> Iterator[BlockSolution]:
+    """Solve a sequence of loads, up or down, each started from the one before; assembly is shared.
+
+    Parameters
+    ----------
+    mean_pressures : iterable of float
+        Nominal pressures [Pa]. The problem is elastic, so an answer does not depend on the path.
+    surface, solid, method, modulus, tolerance, max_iterations, **mesh
+        As in `solve`.
+
+    Yields
+    ------
+    BlockSolution
+        One per load, as soon as it is found.
+    """
+    loads = list(mean_pressures)
+    for load in loads:
+        check_pressure(load)
+    session = Session.checked(
+        surface,
+        solid,
+        method=method,
+        modulus=modulus,
+        tolerance=tolerance,
+        max_iterations=max_iterations,
+        options=mesh,
+    )
+    return _path(session, loads)
+
+
+def _path(session: Session, loads: list[float]) -> Iterator[BlockSolution]:
+    previous: BlockSolution | None = None
+    for load in loads:
+        previous = session.at_pressure(load, previous)
+        yield previous

@@ -1,0 +1,473 @@
+r"""The bounded quadratic programme of frictionless contact; it knows nothing but "apply the response".
+
+.. math:: \min_x\ \tfrac12\, x\cdot S x - x\cdot h ,\qquad 0 \le x \le x_{\max},\qquad \textstyle\sum x = F
+
+Its optimality conditions are those of contact: with the gap g = S x - h + offset (the offset is the
+multiplier of the load), g = 0 where 0 < x < x_max, g >= 0 where x = 0, g <= 0 where x = x_max.
+
+Protocol
+--------
+The unknown x is the *force* on each surface node in units of the mean cell area, x = w p with the node's
+weight w (area of the node over the mean cell area). In forces the response S of any discretisation is a
+symmetric matrix and the load is a plain sum, so the solver needs no weights: where all nodes are alike x is
+the pressure; with several node types per cell (quadratic elements) the caller passes x = w p and divides the
+answer by w. Arrays have the shape (nx, ny) of a periodic lattice of nodes, in order of their places (corner,
+edge and centre nodes of quadratic elements interleaved); they are C-contiguous doubles.
+
+An :class:`Operator` offers
+
+``apply(force, out)``
+    out = S force: displacement [m] of every node. Must not keep or change ``force``; ``out`` is another
+    array.
+``precondition(residual, out)``
+    out = M residual with M symmetric, positive semi-definite, close to the inverse of S, at the same scale;
+    the mean may be left out. The solver extends the residual beyond the working set and masks the answer, so
+    neither needs care. ``out`` may be ``residual`` itself.
+``stiffness``
+    Force per displacement [Pa/m] of a single node, roughly: the mean over wavevectors of the inverse
+    response.
+``pairs``
+    FFT pairs that one ``apply`` costs, counted on the finest grid; ``precondition`` is counted the same.
+
+Whether S moves the mean (layer, block) or leaves it out (half-space) does not matter when the load is
+prescribed: a constant displacement only changes the offset.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.contact import Status
+from fem_contact.fourier import coarsened, refined
+from fem_contact.passes import Passes
+
+__all__ = ["Operator", "Solution", "polonsky_keer", "solve_bounded", "solve_nested"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+class Operator(Protocol):
+    """A symmetric positive semi-definite response and an approximate inverse of it; see the protocol."""
+
+    @property
+    def stiffness(self) -> float:
+        """Force per displacement [Pa/m] at the grid scale: mean inverse response over wavevectors."""
+        ...
+
+    @property
+    def pairs(self) -> float:
+        """FFT pairs per application."""
+        ...
+
+    def apply(self, force: Array, out: Array) -> None:
+        """Write the displacement [m] under ``force`` [Pa] into ``out``."""
+        ...
+
+    def precondition(self, residual: Array, out: Array) -> None:
+        """Write an approximate inverse of the response, applied to ``residual`` [m], into ``out`` [Pa]."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solution:
+    """What a complementarity solver returns.
+
+    Attributes
+    ----------
+    force : array
+        x [Pa], within its bounds, its mean the prescribed one to rounding.
+    displacement : array
+        S x [m], applied afresh to the returned force.
+    offset : float
+        Multiplier of the load [m].
+    in_contact, at_bound : array of bool
+        The solver's working sets.
+    status : Status
+    iterations : int
+    fft_pairs : float
+    """
+
+    force: Array
+    displacement: Array
+    offset: float
+    in_contact: Mask
+    at_bound: Mask
+    status: Status
+    iterations: int
+    fft_pairs: float
+    peak_bytes: int = 0
+
+
+def polonsky_keer(
+    operator: Operator,
+    heights: Array,
+    *,
+    mean_force: float,
+    length_scale: float,
+    tolerance: float,
+    max_iterations: int,
+    start: Array | None = None,
+) -> Solution:
+    """Bounded conjugate gradients without preconditioner: slow, simple, and the oracle of the faster solver.
+
+    Parameters
+    ----------
+    operator : Operator
+    heights : array
+        h [m] of the rigid body at the nodes.
+    mean_force : float
+        Prescribed mean of x [Pa], positive.
+    length_scale : float
+        Length [m] in which the residuals are measured.
+    tolerance : float
+        Stop at sum x |g| <= tolerance * length_scale * sum x and penetration <= 10 tolerance * length_scale.
+    max_iterations : int
+    start : array, optional
+        Forces [Pa] to start from, not negative, scaled to the load here; uniform if not given.
+
+    Notes
+    -----
+    I. A. Polonsky, L. M. Keer, Wear 231 (1999) 206, without a pressure bound.
+    """
+    force = np.full(heights.shape, mean_force) if start is None else start * (mean_force / np.mean(start))
+    gap, image, direction = np.empty_like(force), np.empty_like(force), np.zeros_like(force)
+    previous, keep, status = 1.0, False, Status.ITERATION_LIMIT
+    iteration = 0
+    while iteration < max_iterations:
+        iteration += 1
+        operator.apply(force, gap)
+        gap -= heights
+        contact = force > 0
+        offset = -float(np.mean(gap[contact]))
+        gap += offset
+        error = float(np.sum(force * np.abs(gap))) / float(np.sum(force)) / length_scale
+        penetration = -float(gap.min()) / length_scale
+        if error <= tolerance and penetration <= 10 * tolerance:
+            status = Status.CONVERGED
+            break
+        squared = float(np.sum(gap[contact] ** 2))
+        direction *= squared / previous if keep else 0.0
+        direction += gap
+        direction[~contact] = 0
+        previous = squared
+        operator.apply(direction, image)
+        image -= float(np.mean(image[contact]))
+        curvature = float(np.sum(image * direction))
+        if not curvature > 0:
+            status = Status.STAGNATED
+            break
+        step = float(np.sum(gap * direction)) / curvature
+        force -= step * direction
+        np.maximum(force, 0, out=force)
+        violated = (force == 0) & (gap < 0)
+        keep = not violated.any()
+        force[violated] -= step * gap[violated]
+        force *= mean_force / np.mean(force)
+    operator.apply(force, image)
+    contact = force > 0
+    return Solution(
+        force=force,
+        displacement=image,
+        offset=float(np.mean((heights - image)[contact])),
+        in_contact=contact,
+        at_bound=np.zeros(force.shape, dtype=bool),
+        status=status,
+        iterations=iteration,
+        fft_pairs=(2 * iteration + 1) * operator.pairs,
+    )
+
+
+def solve_bounded(
+    operator: Operator,
+    heights: Array,
+    *,
+    mean_force: float,
+    length_scale: float,
+    tolerance: float,
+    max_iterations: int,
+    start: Array | None = None,
+    bound: Array | None = None,
+    threads: int = 1,
+) -> Solution:
+    """Preconditioned conjugate gradients under bounds; two operator applications per step.
+
+    Parameters
+    ----------
+    operator : Operator
+    heights : (nx, ny) array
+        h [m] of the rigid body at the nodes, on a periodic lattice.
+    mean_force : float
+        Prescribed mean of x [Pa], positive.
+    length_scale : float
+        Length [m] in which the residuals are measured.
+    tolerance : float
+        Stop at sum x |g| <= tolerance * length_scale * sum x and penetration <= 10 tolerance * length_scale,
+        both over points below the bound, and no opening above that at points on the bound.
+    max_iterations : int
+    start : (nx, ny) array, optional
+        Forces [Pa] to start from, scaled to the load here; uniform if not given.
+    bound : (nx, ny) array, optional
+        Upper bound of x [Pa]; its mean must exceed `mean_force`.
+    threads : int
+        Threads that share the passes over the arrays.
+
+    Notes
+    -----
+    Each step builds a direction from the preconditioned residual on the working set and the last step, clips
+    the trial force to its bounds, applies the response to the difference, and searches the exact minimum
+    along it within the bounds. Clipping before the response is applied is what saves the third application of
+    projected methods, and keeps every iterate feasible and the energy falling.
+
+    The residual is extended beyond the contact before the inverse response acts on it, by averages over ever
+    coarser cells that decay with the distance. Cut off at the edge it would have a jump there, to which the
+    inverse (a half derivative) answers with a logarithm of the resolution; extended, the number of steps
+    hardly depends on the grid.
+    """
+    passes = Passes(heights, bound=bound, stiffness=_CAUTION * operator.stiffness, threads=threads)
+    return _iterate(
+        operator,
+        passes,
+        start=start,
+        mean_force=mean_force,
+        length_scale=length_scale,
+        tolerance=tolerance,
+        max_iterations=max_iterations,
+    )
+
+
+#: Trial length of the first step, and the range it may move in; the preconditioner is scaled like the inverse
+#: response.
+_FIRST, _LEAST, _GREATEST = 0.5, 0.1, 3.0
+
+#: A loaded point is let go when its force is below this share of (grid-scale stiffness x its gap). Left to
+#: the line search, points with little force and an open gap block the direction, which then need not be one
+#: of descent.
+_CAUTION = 0.1
+
+#: Steps without a new least error after which the iteration is said to stagnate.
+_PATIENCE = 60
+
+
+def _iterate(
+    operator: Operator,
+    passes: Passes,
+    *,
+    start: Array | None,
+    mean_force: float,
+    length_scale: float,
+    tolerance: float,
+    max_iterations: int,
+) -> Solution:
+    _set_start(passes, start, mean_force)
+    operator.apply(passes.force, passes.displacement)
+    total, moment = passes.weigh()
+    applications, iteration, length, curvature = 1, 0, _FIRST, 0.0
+    least, patience, status = np.inf, _PATIENCE, Status.ITERATION_LIMIT
+    verified, plain = False, False
+    while True:
+        # phi . g = 0: the offset is the gap below the load, so that scaling phi is no descent.
+        offset = -moment / total if total > 0 else _offset_between(passes)
+        errors = passes.residual(offset)
+        if errors.within(tolerance * length_scale):
+            if verified:
+                status = Status.CONVERGED
+                break
+            # Forces that were on their way out are taken away, and the displacement, so far carried along by
+            # additions, is computed afresh: the answer is judged by what is returned.
+            _settle(passes, mean_force)
+            operator.apply(passes.force, passes.displacement)
+            applications, verified = applications + 1, True
+            total, moment = passes.weigh()
+            continue
+        patience = _PATIENCE if errors.size < 0.9 * least else patience - 1
+        least = min(least, errors.size)
+        if patience == 0:
+            status = Status.STAGNATED
+            break
+        if iteration == max_iterations:
+            break
+        iteration += 1
+        if plain:
+            passes.project(mean_force, offset)
+        else:
+            z_sum, z_image, s_sum, phi_image = passes.precondition(operator)
+            free, beta = errors.free, 0.0
+            if curvature > 0 and free > 0:
+                beta = max(0.0, -(z_image - z_sum / free * phi_image) / curvature)
+            shift = (z_sum + beta * s_sum) / free if free > 0 else 0.0
+            passes.trial(mean_force, offset=offset, length=length, beta=beta, shift=shift)
+        operator.apply(passes.step, passes.image)
+        applications += 1 if plain else 2
+        verified = False
+        slope, curvature, room = passes.search(offset)
+        best = -slope / curvature if curvature > 0 else 0.0
+        factor = min(best, room)
+        plain = best <= 0
+        if plain:
+            # Clipping has turned the direction uphill: the plain projected gradient points down.
+            curvature = 0.0
+            continue
+        total, moment = passes.advance(factor)
+        length = min(max(length * (best if best < room else 0.9 * max(best, 0.3)), _LEAST), _GREATEST)
+    return _solution(
+        operator, passes, offset=offset, status=status, iterations=iteration, applications=applications
+    )
+
+
+def _set_start(passes: Passes, start: Array | None, mean_force: float) -> None:
+    force, bound = passes.force, passes.bound
+    if start is None:
+        force[:] = mean_force
+    else:
+        np.maximum(start, 0, out=force)
+        force *= mean_force / np.mean(force)
+    if bound is not None:
+        np.minimum(force, bound, out=force)
+        _restore_load(force, bound, mean_force)
+
+
+def _settle(passes: Passes, mean_force: float) -> None:
+    """Leave no force off the working set but at the bound."""
+    force, bound = passes.force, passes.bound
+    if bound is None:
+        force[~passes.working] = 0
+        force *= mean_force / np.mean(force)
+    else:
+        np.copyto(force, np.where(force < 0.5 * bound, 0.0, bound), where=~passes.working)
+        _restore_load(force, bound, mean_force)
+
+
+def _restore_load(force: Array, bound: Array, mean_force: float) -> None:
+    """Bring the mean back by moving points between their bounds, or all where need be, towards one."""
+    for points in ((force > 0) & (force < bound), np.ones(force.shape, dtype=bool)):
+        missing = (mean_force - float(np.mean(force))) * force.size
+        if abs(missing) <= 1e-13 * mean_force * force.size:
+            return
+        room = (bound - force if missing > 0 else force)[points]
+        total = float(room.sum())
+        if total > 0:
+            force[points] += min(abs(missing) / total, 1.0) * np.copysign(room, missing)
+
+
+def _offset_between(passes: Passes) -> float:
+    """Offset where every loaded point is at its bound and none lies between.
+
+    Any offset that opens no loaded point and closes no other is right; the one of least indentation is meant.
+    Short of the solution there is none, and the middle leaves both kinds of points something to do.
+    """
+    level, loaded = passes.displacement - passes.heights, passes.force > 0
+    highest = float(np.max(level[loaded]))
+    lowest = float(np.min(level[~loaded], initial=np.inf))
+    return -highest if lowest >= highest else -0.5 * (lowest + highest)
+
+
+def _solution(
+    operator: Operator, passes: Passes, *, offset: float, status: Status, iterations: int, applications: int
+) -> Solution:
+    force, bound = passes.force, passes.bound
+    return Solution(
+        force=force,
+        displacement=passes.displacement,
+        offset=offset,
+        in_contact=force > 0,
+        at_bound=np.zeros(force.shape, dtype=bool) if bound is None else force >= bound,
+        status=status,
+        iterations=iterations,
+        fft_pairs=applications * operator.pairs,
+        peak_bytes=passes.nbytes,
+    )
+
+
+def solve_nested(
+    operator: Operator,
+    heights: Array,
+    *,
+    coarse: Callable[[tuple[int, int]], Operator],
+    mean_force: float,
+    length_scale: float,
+    tolerance: float,
+    max_iterations: int,
+    start: Array | None = None,
+    bound: Array | None = None,
+    weights: Array | None = None,
+    threads: int = 1,
+) -> Solution:
+    """Solve from coarse to fine: each grid starts from the interpolated forces of the one before.
+
+    Parameters
+    ----------
+    coarse : callable
+        Operator of a coarser grid of given shape, whose nodes are all alike; its accuracy only matters for
+        speed.
+    start : (nx, ny) array, optional
+        Forces [Pa] to start from; the coarser grids are then left out.
+    weights : (nx, ny) array, optional
+        Weights of the nodes of the finest grid, where they differ.
+    operator, heights, mean_force, length_scale, tolerance, max_iterations, bound, threads
+        As in `solve_bounded`. Coarse grids are solved to `_COARSE` at best.
+
+    Notes
+    -----
+    The heights of a coarse grid are freed of the waves it cannot carry. `Solution.fft_pairs` counts the pairs
+    of all grids, each by its share of points.
+    """
+    given, pairs = start is not None, 0.0
+    for shape in [] if given else reversed(_coarse_shapes(heights.shape)):
+        smooth = coarsened(heights, shape)
+        solution = solve_bounded(
+            coarse(shape),
+            smooth,
+            mean_force=mean_force,
+            length_scale=length_scale,
+            tolerance=max(tolerance, _COARSE),
+            max_iterations=max_iterations,
+            start=None if start is None else refined(start, shape),
+            bound=None if bound is None else _nearest(bound, shape),
+            threads=threads,
+        )
+        start = solution.force
+        pairs += solution.fft_pairs * start.size / heights.size
+    if start is not None and not given:
+        start = refined(start, heights.shape)
+        start = start if weights is None else start * weights
+    solution = solve_bounded(
+        operator,
+        heights,
+        mean_force=mean_force,
+        length_scale=length_scale,
+        tolerance=tolerance,
+        max_iterations=max_iterations,
+        start=start,
+        bound=bound,
+        threads=threads,
+    )
+    return replace(solution, fft_pairs=solution.fft_pairs + pairs)
+
+
+#: Tolerance of the coarse grids: their answer is off by the discretisation anyway.
+_COARSE = 1e-2
+
+#: Grids are halved down to this number of points.
+_COARSEST = 32
+
+
+def _coarse_shapes(shape: tuple[int, ...]) -> list[tuple[int, int]]:
+    """Coarser and coarser grids below the given one."""
+    shapes = []
+    nx, ny = shape
+    while max(nx, ny) > _COARSEST:
+        nx, ny = (n if n <= _COARSEST // 2 else -(-n // 2) for n in (nx, ny))
+        shapes.append((nx, ny))
+    return shapes
+
+
+def _nearest(field: Array, shape: tuple[int, int]) -> Array:
+    """Take a field at the points of a coarser grid nearest below."""
+    rows, columns = (np.arange(new) * old // new for old, new in zip(field.shape, shape, strict=True))
+    return np.ascontiguousarray(field[np.ix_(rows, columns)])

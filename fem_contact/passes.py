@@ -1,0 +1,192 @@
+"""The arrays of one contact iteration and the passes over them; no decision is taken here."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.rows import Rows
+
+if TYPE_CHECKING:
+    from fem_contact.complementarity import Operator
+
+__all__ = ["Errors", "Passes"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Errors:
+    """By how much an iterate misses the contact conditions.
+
+    Attributes
+    ----------
+    moment, total : float
+        sum x |g| and sum x over points below the bound.
+    lowest, highest : float
+        Least gap of these points, greatest gap of points at the bound [m].
+    free : float
+        Sum of x over the working set.
+    """
+
+    moment: float
+    total: float
+    lowest: float
+    highest: float
+    free: float
+
+    def within(self, tolerance: float) -> bool:
+        """Whether complementarity and penetration are met to a tolerance [m]."""
+        return self.moment <= tolerance * self.total and max(-self.lowest, self.highest) <= 10 * tolerance
+
+    @property
+    def size(self) -> float:
+        """Mean |g| under the load [m]."""
+        return self.moment / self.total if self.total > 0 else 0.0
+
+
+class Passes:
+    """The arrays of one problem and the compiled passes over them, shared out over threads."""
+
+    def __init__(self, heights: Array, *, bound: Array | None, stiffness: float, threads: int) -> None:
+        from fem_contact import kernels
+
+        self.kernels, self.heights, self.bound, self.stiffness = kernels, heights, bound, stiffness
+        nx, ny = heights.shape
+        self.force, self.displacement = np.empty((nx, ny)), np.empty((nx, ny))
+        self.step, self.image, self.buffer = np.zeros((nx, ny)), np.zeros((nx, ny)), np.empty((nx, ny))
+        self.working = np.zeros((nx, ny), dtype=bool)
+        self.sums: list[Array] = []
+        self.counts: list[NDArray[np.uint8]] = []
+        while max(nx, ny) > 4 or not self.sums:
+            nx, ny = -(-nx // 2), -(-ny // 2)
+            self.sums.append(np.empty((nx, ny)))
+            self.counts.append(np.empty((nx, ny), dtype=np.uint8))
+        self.rows = Rows(heights.shape[0], threads=threads)
+        self.coarse_rows = Rows(self.sums[0].shape[0], threads=threads)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the arrays, the heights included."""
+        fields = (
+            self.heights,
+            self.force,
+            self.displacement,
+            self.step,
+            self.image,
+            self.buffer,
+            self.working,
+        )
+        return sum(array.nbytes for array in (*fields, *self.sums, *self.counts))
+
+    def weigh(self) -> tuple[float, float]:
+        """Sum phi and phi (u - h)."""
+        total, moment = self.rows.add(
+            self.kernels.weigh, self.force, self.displacement, self.heights, self.bound
+        )
+        return total, moment
+
+    def residual(self, offset: float) -> Errors:
+        """Write the residual and the working set; measure by how much the conditions are missed."""
+        parts = self.coarse_rows.run(
+            self.kernels.residual,
+            self.force,
+            self.displacement,
+            self.heights,
+            offset,
+            self.bound,
+            self.stiffness,
+            self.buffer,
+            self.working,
+            self.sums[0],
+            self.counts[0],
+        )
+        moments, totals, lowest, highest, free = zip(*parts, strict=True)
+        return Errors(
+            moment=sum(moments), total=sum(totals), lowest=min(lowest), highest=max(highest), free=sum(free)
+        )
+
+    def precondition(self, operator: Operator) -> tuple[float, float, float, float]:
+        """Turn the residual into E' M E residual; the sums of `kernels.finish`."""
+        k, sums, counts = self.kernels, self.sums, self.counts
+        for fine in range(len(sums) - 1):
+            k.pull(sums[fine], counts[fine], sums[fine + 1], counts[fine + 1])
+        sums[-1] /= np.maximum(counts[-1], 1)
+        for fine in range(len(sums) - 2, -1, -1):
+            k.push(0, sums[fine].shape[0], sums[fine], counts[fine], sums[fine + 1], k.DECAY)
+        self.rows.run(k.push, self.buffer, self.working, sums[0], k.DECAY)
+        operator.precondition(self.buffer, self.buffer)
+        self.coarse_rows.run(k.push_transposed, self.buffer, self.working, sums[0], k.DECAY)
+        for fine in range(len(sums) - 1):
+            rows = sums[fine + 1].shape[0]
+            k.push_transposed(0, rows, sums[fine], counts[fine], sums[fine + 1], k.DECAY)
+        sums[-1] *= (counts[-1] > 0) / np.maximum(counts[-1], 1)
+        for fine in range(len(sums) - 2, -1, -1):
+            k.pull_transposed(sums[fine], counts[fine], sums[fine + 1])
+        total, image, last, weight = self.rows.add(
+            k.finish, self.buffer, self.working, sums[0], self.force, self.step, self.image, self.bound
+        )
+        return total, image, last, weight
+
+    def trial(self, mean_force: float, *, offset: float, length: float, beta: float, shift: float) -> None:
+        """Write the step to the clipped trial force of the prescribed load."""
+        k, target = self.kernels, mean_force * self.force.size
+        inside, rest, room = self.rows.add(
+            k.trial, self.force, self.buffer, self.step, self.working, self.bound, length, beta, shift
+        )
+        if self.bound is None:
+            factor = target / inside if inside > 0 else 1.0
+            self.rows.run(k.subtract, self.step, self.force, 1.0 if abs(factor - 1) < 1e-13 else factor)
+            return
+        missing = target - inside - rest
+        limit = room if missing > 0 else inside
+        if abs(missing) > limit:
+            self.project(mean_force, offset)
+            return
+        toward = missing / limit if limit > 0 and abs(missing) > 1e-13 * target else 0.0
+        self.rows.run(k.subtract_bounded, self.step, self.force, self.bound, toward)
+
+    def project(self, mean_force: float, offset: float) -> None:
+        """Write the step of the projected gradient: to the forces of that load nearest to x - stiffness g.
+
+        Whatever the state, it is a direction of descent; it is slow and used where the other is none.
+        """
+        aim = self.force - self.stiffness * (self.displacement - self.heights + offset)
+        top = np.inf if self.bound is None else self.bound
+        low = mean_force - float(np.max(aim))
+        high = (mean_force if self.bound is None else float(np.max(self.bound))) - float(np.min(aim))
+        for _ in range(200):
+            middle = 0.5 * (low + high)
+            if not low < middle < high:
+                break
+            if float(np.mean(np.clip(aim + middle, 0.0, top))) < mean_force:
+                low = middle
+            else:
+                high = middle
+        np.subtract(np.clip(aim + high, 0.0, top), self.force, out=self.step)
+
+    def search(self, offset: float) -> tuple[float, float, float]:
+        """Slope and curvature of the energy along the step, and how many steps the bounds leave room for."""
+        k = self.kernels
+        parts = self.rows.run(
+            k.line, self.force, self.displacement, self.heights, offset, self.step, self.image, self.bound
+        )
+        slopes, curvatures, rooms = zip(*parts, strict=True)
+        return sum(slopes), sum(curvatures), min(rooms)
+
+    def advance(self, factor: float) -> tuple[float, float]:
+        """Move by `factor` steps; sum phi and phi (u - h) there."""
+        total, moment = self.rows.add(
+            self.kernels.advance,
+            self.force,
+            self.displacement,
+            self.heights,
+            self.step,
+            self.image,
+            factor,
+            self.bound,
+        )
+        return total, moment

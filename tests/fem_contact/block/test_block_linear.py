@@ -1,0 +1,66 @@
+import numpy as np
+import pytest
+
+from fem_contact.block.linear import conjugate_gradients, rigid_modes
+
+
+def laplacian(n: int) -> np.ndarray:
+    return 2 * np.eye(n) - np.eye(n, k=1) - np.eye(n, k=-1)
+
+
+def test_solution_carries_the_true_residual() -> None:
+    matrix, right = laplacian(30), np.random.default_rng(5).standard_normal(30)
+    found = conjugate_gradients(
+        lambda x: matrix @ x,
+        right,
+        precondition=lambda r: r / 2,
+        start=np.zeros(30),
+        scale=float(np.linalg.norm(right)),
+        tolerance=1e-11,
+        max_iterations=200,
+    )
+    assert found.converged
+    assert found.relative_residual == np.linalg.norm(right - matrix @ found.x) / np.linalg.norm(right)
+    np.testing.assert_allclose(found.x, np.linalg.solve(matrix, right), rtol=1e-8)
+
+
+@pytest.mark.parametrize(("poison", "limit"), [(np.nan, 200), (1.0, 3)])
+def test_nan_and_too_few_steps_end_unconverged(poison: float, limit: int) -> None:
+    matrix, right = laplacian(30), np.ones(30)
+    right[4] = poison
+    found = conjugate_gradients(
+        lambda x: matrix @ x,
+        right,
+        precondition=lambda r: r.copy(),
+        start=np.zeros(30),
+        scale=1.0,
+        tolerance=1e-10,
+        max_iterations=limit,
+    )
+    assert not found.converged
+    assert found.iterations <= limit
+
+
+def test_indefinite_operator_ends_unconverged() -> None:
+    matrix, right = laplacian(30) - 3 * np.eye(30), np.ones(30)
+    found = conjugate_gradients(
+        lambda x: matrix @ x,
+        right,
+        precondition=lambda r: r.copy(),
+        start=np.zeros(30),
+        scale=1.0,
+        tolerance=1e-10,
+        max_iterations=500,
+    )
+    assert not found.converged
+
+
+def test_rigid_modes_strain_nothing() -> None:
+    points = np.random.default_rng(8).random((7, 3))
+    modes = rigid_modes(points).reshape(7, 3, 6)
+    centred = points - points.mean(axis=0)
+    for mode in np.moveaxis(modes, -1, 0):
+        # Distances between points do not change to first order.
+        for a in range(7):
+            stretch = (centred - centred[a]) * (mode - mode[a])
+            np.testing.assert_allclose(stretch.sum(axis=1), 0, atol=1e-15)

@@ -1,0 +1,43 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fem_contact.block import graded_layers, plan_mesh
+from fem_contact.errors import InvalidInput
+
+
+@given(depth=st.floats(0.05, 5e3), growth=st.floats(1.0, 2.0))
+def test_layers_fill_the_depth_and_grow_no_faster_than_asked(depth: float, growth: float) -> None:
+    layers = graded_layers(depth, first=1.0, growth=growth)
+    np.testing.assert_allclose(layers.sum(), depth, rtol=1e-12)
+    ratios = layers[1:] / layers[:-1]
+    assert np.all(ratios >= 1 - 1e-12)
+    assert np.all(ratios <= growth * (1 + 1e-9))
+    assert layers[0] <= 1 + 1e-9
+
+
+def test_default_mesh_starts_with_cubes_and_is_one_period_deep() -> None:
+    mesh = plan_mesh((40, 20), (2e-6, 1e-6))
+    assert mesh.layers[-1] == pytest.approx(1, rel=1e-12)
+    assert -mesh.planes[0] == pytest.approx(40, rel=1e-12)
+    assert mesh.planes[-1] == 0
+    assert mesh.unknowns == 3 * 40 * 20 * mesh.nz
+
+
+def test_thin_block_still_has_several_layers() -> None:
+    assert plan_mesh((64, 64), (1.0, 1.0), depth=0.01).nz == 4
+
+
+@pytest.mark.parametrize(
+    ("changes", "name"),
+    [
+        ({"depth": -1.0}, "depth"),
+        ({"depth": float("nan")}, "depth"),
+        ({"growth": 0.9}, "growth"),
+        ({"first_layer": 0.0}, "first_layer"),
+    ],
+)
+def test_impossible_layers_are_refused_by_name(changes: dict[str, float], name: str) -> None:
+    with pytest.raises(InvalidInput, match=name):
+        plan_mesh((8, 8), (1.0, 1.0), **changes)

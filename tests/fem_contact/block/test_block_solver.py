@@ -1,0 +1,204 @@
+import numpy as np
+import pytest
+
+from fem_contact.block import BlockSolution, estimate, solve
+from fem_contact.contact import Status
+from fem_contact.errors import InsufficientMemory, InvalidInput, NotConverged
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField, random_surface
+
+SOLID = Solid(young=3e9, poisson=0.3)
+
+#: Sum of 1 / r^3 over the points of a unit square lattice other than the origin.
+LATTICE_SUM = 9.0336
+
+
+def rough(
+    shape: tuple[int, int], lengths: tuple[float, float] = (1e-5, 1e-5), *, seed: int = 7
+) -> HeightField:
+    unit = 2 * np.pi / max(lengths)
+    surface = random_surface(
+        lambda q: 1e-30 * (q / unit) ** -3.6, q_short=4 * unit, lengths=lengths, shape=shape, seed=seed
+    )
+    return HeightField(heights=surface.heights * (0.1 / surface.rms_gradient), lengths=lengths)
+
+
+def press(surface: HeightField, reduced: float = 0.05, **changes: object) -> BlockSolution:
+    pressure = reduced * SOLID.contact_modulus * surface.rms_gradient
+    return solve(surface, SOLID, mean_pressure=pressure, **({"method": "full"} | changes))
+
+
+@pytest.fixture(scope="module")
+def solution() -> BlockSolution:
+    return press(rough((20, 20)))
+
+
+def test_hertz_peak_and_profile_within_one_percent() -> None:
+    n, radius = 32, 1.0
+    a, dx = 5.0 / n, 1 / n
+    load = 4 * SOLID.contact_modulus * a**3 / (3 * radius)
+    x = np.minimum(np.arange(n), n - np.arange(n)) / n
+    r = np.hypot(x[:, None], x[None, :])
+    surface = HeightField(heights=-(r**2) / (2 * radius), lengths=(1.0, 1.0))
+    contact = solve(surface, SOLID, mean_pressure=load, method="full").contact.checked()
+    # The periodic images of the load add their curvature F / (2 pi E*) sum 1 / r^3 to that of the sphere.
+    curvature = 1 / radius + load / (2 * np.pi * SOLID.contact_modulus) * LATTICE_SUM
+    edge = (3 * load / (4 * SOLID.contact_modulus * curvature)) ** (1 / 3)
+    peak = 3 * load / (2 * np.pi * edge**2)
+    assert contact.pressure[0, 0] == pytest.approx(peak, rel=1e-2)
+    inside = r < edge - 1.5 * dx
+    exact = peak * np.sqrt(1 - (r[inside] / edge) ** 2)
+    assert np.abs(contact.pressure[inside] - exact).max() < 1e-2 * peak
+    counted = np.sqrt(contact.in_contact.mean() / np.pi)
+    assert edge < counted < edge + 0.5 * dx
+
+
+def test_contact_conditions_hold_exactly_and_the_load_balances(solution: BlockSolution) -> None:
+    contact = solution.contact.checked()
+    assert contact.residuals.worst < 1e-8
+    assert contact.pressure[contact.in_contact].min() > 0
+    assert not contact.pressure[~contact.in_contact].any()
+    assert contact.gap[~contact.in_contact].min() >= 0
+    expected = contact.displacement - contact.heights + contact.offset
+    np.testing.assert_allclose(contact.gap, expected, atol=1e-12 * np.ptp(contact.heights))
+    assert contact.mean_pressure == pytest.approx(
+        0.05 * SOLID.contact_modulus * rough((20, 20)).rms_gradient, rel=1e-8
+    )
+
+
+def test_stress_carries_the_load_through_every_layer(solution: BlockSolution) -> None:
+    normal = solution.stress().tensor[..., 2].mean(axis=(0, 1))
+    np.testing.assert_allclose(normal, -solution.contact.mean_pressure, rtol=1e-7)
+
+
+def test_mean_displacement_is_the_uniaxial_compression(solution: BlockSolution) -> None:
+    nu, p = SOLID.poisson, solution.contact.mean_pressure
+    exact = solution.depth * (1 + nu) * (1 - 2 * nu) / (1 - nu) * p / SOLID.young
+    assert solution.contact.displacement.mean() == pytest.approx(exact, rel=1e-7)
+
+
+def test_flat_surface_gives_uniform_pressure_and_stress() -> None:
+    surface = HeightField(heights=np.full((6, 4), 0.7), lengths=(2.0, 1.0))
+    solution = solve(surface, SOLID, mean_pressure=2e6, method="full")
+    contact = solution.contact.checked()
+    assert contact.in_contact.all()
+    np.testing.assert_allclose(contact.pressure, 2e6, rtol=1e-8)
+    stress = solution.stress()
+    nu = SOLID.poisson
+    np.testing.assert_allclose(stress.von_mises, 2e6 * (1 - 2 * nu) / (1 - nu), rtol=1e-8)
+
+
+def test_units_change_nothing_but_units() -> None:
+    surface = rough((16, 12), (1e-5, 0.75e-5))
+    scaled = HeightField(
+        heights=surface.heights * 2.0**20, lengths=tuple(x * 2.0**20 for x in surface.lengths)
+    )
+    pressure = 0.1 * SOLID.contact_modulus * surface.rms_gradient
+    first = solve(surface, SOLID, mean_pressure=pressure, method="full")
+    soft = Solid(young=SOLID.young * 2.0**-30, poisson=SOLID.poisson)
+    second = solve(scaled, soft, mean_pressure=pressure * 2.0**-30, method="full")
+    np.testing.assert_array_equal(first.contact.pressure, second.contact.pressure * 2.0**30)
+    np.testing.assert_array_equal(first.field, second.field * 2.0**-20)
+    assert first.contact.residuals == second.contact.residuals
+    assert first.contact.cost.linear_iterations == second.contact.cost.linear_iterations
+
+
+@pytest.mark.parametrize("shape", [(15, 16), (13, 22), (17, 11)])
+def test_odd_and_rectangular_grids_are_solved(shape: tuple[int, int]) -> None:
+    lengths = (1e-5, 1e-5 * shape[1] / shape[0])
+    contact = press(rough(shape, lengths), 0.1).contact.checked()
+    assert contact.residuals.worst < 1e-8
+    assert 0 < contact.in_contact.mean() < 1
+
+
+def test_translating_the_surface_translates_the_solution() -> None:
+    surface = rough((15, 12), (1e-5, 0.8e-5))
+    moved = HeightField(heights=np.roll(surface.heights, (4, -5), (0, 1)), lengths=surface.lengths)
+    a, b = press(surface).contact, press(moved).contact
+    np.testing.assert_array_equal(np.roll(a.in_contact, (4, -5), (0, 1)), b.in_contact)
+    difference = np.abs(np.roll(a.pressure, (4, -5), (0, 1)) - b.pressure).max()
+    assert difference < 1e-6 * a.pressure.max()
+
+
+def test_first_set_does_not_matter(solution: BlockSolution) -> None:
+    surface = rough((20, 20))
+    everything = press(surface, start=np.ones((20, 20), dtype=bool)).contact
+    single = np.zeros((20, 20), dtype=bool)
+    single[3, 17] = True
+    one = press(surface, start=single).contact
+    for other in (everything, one):
+        np.testing.assert_array_equal(other.in_contact, solution.contact.in_contact)
+        np.testing.assert_allclose(
+            other.pressure, solution.contact.pressure, atol=1e-7 * solution.contact.pressure.max()
+        )
+
+
+def test_solving_twice_gives_the_same_bits_and_leaves_the_global_generator_alone() -> None:
+    surface = rough((16, 16))
+    before = np.random.get_state()[1].copy()  # noqa: NPY002
+    first = press(surface).contact
+    np.testing.assert_array_equal(np.random.get_state()[1], before)  # noqa: NPY002
+    np.random.seed(99)  # noqa: NPY002
+    np.testing.assert_array_equal(press(surface).contact.pressure, first.pressure)
+
+
+def test_quantised_heights_with_ties_converge() -> None:
+    surface = rough((20, 20))
+    step = surface.rms_height / 2
+    quantised = HeightField(heights=np.round(surface.heights / step) * step, lengths=surface.lengths)
+    contact = press(quantised).contact.checked()
+    assert contact.residuals.worst < 1e-8
+
+
+def test_more_load_gives_more_area_and_full_contact_ends_it() -> None:
+    surface = rough((16, 16))
+    areas = [press(surface, p).contact.checked().in_contact.mean() for p in (0.02, 0.1, 0.4, 5.0)]
+    assert areas == sorted(areas)
+    assert areas[0] < areas[1] < areas[2]
+    assert areas[-1] == 1
+
+
+def test_iteration_limit_is_reported() -> None:
+    surface = rough((12, 13), (1e-5, 1.3e-5 / 1.2))
+    single = np.zeros((12, 13), dtype=bool)
+    single[0, 0] = True
+    contact = press(surface, max_iterations=1, start=single).contact
+    assert contact.status is Status.ITERATION_LIMIT
+    with pytest.raises(NotConverged):
+        contact.checked()
+
+
+def test_provenance_names_what_was_solved(solution: BlockSolution) -> None:
+    text = solution.contact.provenance
+    assert {"method", "element", "layers", "depth", "pyamg", "scikit-fem"} <= set(text)
+    assert "Hex1" in text["element"]
+    assert solution.contact.cost.unknowns == estimate((20, 20)).unknowns == 3 * 20 * 20 * solution.layers.size
+
+
+def test_stress_of_a_shallow_block_matches_forces_at_the_bottom() -> None:
+    solution = press(rough((12, 12)), depth=2e-6)
+    assert solution.depth == pytest.approx(2e-6, rel=1e-12)
+    np.testing.assert_array_equal(solution.field[:, :, 0], 0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "name"),
+    [
+        ({"mean_pressure": -1.0}, "mean_pressure"),
+        ({"mean_pressure": float("nan")}, "mean_pressure"),
+        ({"tolerance": 0.0}, "tolerance"),
+        ({"max_iterations": 0}, "max_iterations"),
+        ({"start": np.ones((3, 3), dtype=bool)}, "start"),
+        ({"depth": 0.0}, "depth"),
+    ],
+)
+def test_bad_arguments_are_refused_by_name(changes: dict[str, object], name: str) -> None:
+    surface = HeightField(heights=np.zeros((4, 4)), lengths=(1.0, 1.0))
+    with pytest.raises(InvalidInput, match=name):
+        solve(surface, SOLID, **({"mean_pressure": 1e6, "method": "full"} | changes))
+
+
+def test_too_large_a_block_is_refused_before_anything_is_assembled() -> None:
+    surface = HeightField(heights=np.zeros((4096, 4096)), lengths=(1.0, 1.0))
+    with pytest.raises(InsufficientMemory, match="GiB are available"):
+        solve(surface, SOLID, mean_pressure=1e6, method="full")

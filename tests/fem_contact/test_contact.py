@@ -1,0 +1,104 @@
+"""What every solver returns: fields that cannot be changed, and a status that cannot be overlooked."""
+
+import copy
+import dataclasses
+import pickle
+
+import numpy as np
+import pytest
+
+from fem_contact.contact import ContactResult, Cost, Residuals, Status
+from fem_contact.errors import FemContactError, NotConverged
+
+SHAPE = (3, 4)
+FIELDS = ("pressure", "gap", "displacement", "in_contact", "at_bound", "heights")
+
+
+def result(**changes):
+    fields = {
+        "pressure": np.ones(SHAPE),
+        "gap": np.zeros(SHAPE),
+        "displacement": np.zeros(SHAPE),
+        "in_contact": np.ones(SHAPE, dtype=bool),
+        "at_bound": np.zeros(SHAPE, dtype=bool),
+        "heights": np.zeros(SHAPE),
+        "lengths": (6.0, 2.0),
+        "contact_modulus": 1.0,
+        "offset": 0.0,
+        "mean_pressure": 1.0,
+        "status": Status.CONVERGED,
+        "residuals": Residuals(penetration=0.0, tension=1e-9, complementarity=3e-4, load=0.0),
+        "cost": Cost(wall_seconds=0.1, cpu_seconds=0.2, iterations=3, unknowns=12, peak_bytes=1000),
+        "provenance": {"method": "by hand"},
+    }
+    return ContactResult(**(fields | changes))
+
+
+def test_a_converged_result_checks_to_itself():
+    converged = result()
+    assert converged.checked() is converged
+
+
+@pytest.mark.parametrize("status", [status for status in Status if status is not Status.CONVERGED])
+def test_any_other_status_refuses_to_be_used_and_says_the_remedy(status):
+    with pytest.raises(NotConverged) as caught:
+        result(status=status).checked()
+    assert str(caught.value) == f"{status.value} (worst residual 0.0003)"
+    assert isinstance(caught.value, FemContactError)
+    assert ":" in status.value
+
+
+def test_statuses_tell_each_other_apart():
+    assert len({status.value for status in Status}) == len(Status)
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_the_fields_of_a_result_are_read_only_and_leave_the_solver_its_arrays(name):
+    array = np.ones(SHAPE, dtype=bool if name in ("in_contact", "at_bound") else float)
+    frozen = getattr(result(**{name: array}), name)
+    with pytest.raises(ValueError, match="read-only"):
+        frozen[0, 0] = 0
+    assert np.shares_memory(frozen, array)
+    assert array.flags.writeable
+
+
+def test_weights_are_optional_and_read_only():
+    assert result().weights is None
+    with pytest.raises(ValueError, match="read-only"):
+        result(weights=np.ones(SHAPE)).weights[0, 0] = 2.0
+
+
+def test_neither_attributes_nor_provenance_can_be_changed():
+    settings = {"method": "by hand"}
+    frozen = result(provenance=settings)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        frozen.offset = 1.0
+    with pytest.raises(TypeError):
+        frozen.provenance["method"] = "another"
+    settings["method"] = "changed later"
+    assert frozen.provenance["method"] == "by hand"
+
+
+def test_shape_and_spacing_follow_the_fields():
+    assert result().shape == SHAPE
+    assert result().spacing == (2.0, 0.5)
+
+
+@pytest.mark.parametrize("copied", [lambda value: pickle.loads(pickle.dumps(value)), copy.deepcopy])
+def test_a_result_travels_to_another_process_and_stays_read_only(copied):
+    original = result(pressure=np.arange(12.0).reshape(SHAPE))
+    arrived = copied(original)
+    for name in FIELDS:
+        np.testing.assert_array_equal(getattr(arrived, name), getattr(original, name))
+        assert not getattr(arrived, name).flags.writeable
+    assert arrived.weights is None
+    assert dict(arrived.provenance) == {"method": "by hand"}
+    assert arrived.checked() is arrived
+    assert (arrived.cost, arrived.residuals) == (original.cost, original.residuals)
+
+
+def test_results_are_compared_by_identity_because_arrays_have_no_single_truth():
+    one, other = result(), result()
+    assert one == one
+    assert one != other
+    assert len({one, other}) == 2

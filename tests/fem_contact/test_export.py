@@ -1,0 +1,99 @@
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+
+from fem_contact.block import BlockSolution, solve
+from fem_contact.errors import InvalidInput
+from fem_contact.export import render_section, render_surface, write_block
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+
+LENGTHS = (2e-6, 3e-6)
+
+
+@pytest.fixture(scope="module")
+def solution() -> BlockSolution:
+    x, y = np.arange(6)[:, None] / 6, np.arange(9)[None, :] / 9
+    heights = 1e-8 * (np.cos(2 * np.pi * x) + 0.3 * np.sin(2 * np.pi * y))
+    surface = HeightField(heights=heights, lengths=LENGTHS)
+    return solve(surface, Solid(young=2e9, poisson=0.25), mean_pressure=1e6)
+
+
+@pytest.mark.parametrize("suffix", [".vtu", ".xdmf"])
+def test_written_block_gives_back_fields_and_periodic_copies(
+    solution: BlockSolution, tmp_path: Path, suffix: str
+) -> None:
+    path = tmp_path / f"block{suffix}"
+    write_block(path, solution, deformation=0.0)
+    mesh = meshio.read(path)
+    nodes = (7, 10, solution.planes.size)
+    points = mesh.points.reshape(*nodes, 3)
+    np.testing.assert_allclose(points[-1, -1, :, :2], np.broadcast_to(LENGTHS, (nodes[2], 2)), rtol=1e-12)
+    displacement = mesh.point_data["displacement"].reshape(*nodes, 3)
+    np.testing.assert_array_equal(displacement[:-1, :-1], solution.field)
+    np.testing.assert_array_equal(displacement[-1, :-1], solution.field[0])
+    pressure = mesh.point_data["pressure"].reshape(nodes)
+    np.testing.assert_array_equal(pressure[:-1, :-1, -1], solution.contact.pressure)
+    assert not pressure[:, :, :-1].any()
+    flag = mesh.point_data["contact"].reshape(nodes)[:-1, :-1, -1]
+    np.testing.assert_array_equal(flag == 1, solution.contact.in_contact)
+    von_mises = np.asarray(mesh.cell_data["von_mises"][0]).reshape(solution.stress().von_mises.shape)
+    np.testing.assert_array_equal(von_mises, solution.stress().von_mises)
+    assert [entry.name for entry in tmp_path.iterdir() if entry.name.startswith(".partial")] == []
+
+
+def test_hexahedra_have_positive_volume_and_fill_the_block(solution: BlockSolution, tmp_path: Path) -> None:
+    write_block(tmp_path / "block.vtu", solution, deformation=0.0)
+    mesh = meshio.read(tmp_path / "block.vtu")
+    corner = mesh.points[mesh.cells_dict["hexahedron"]]
+    edges = np.stack(
+        [corner[:, 1] - corner[:, 0], corner[:, 3] - corner[:, 0], corner[:, 4] - corner[:, 0]], axis=1
+    )
+    volume = np.linalg.det(edges)
+    assert volume.min() > 0
+    np.testing.assert_allclose(volume.sum(), LENGTHS[0] * LENGTHS[1] * solution.depth, rtol=1e-12)
+
+
+def test_deformed_nodes_move_by_their_displacement(solution: BlockSolution, tmp_path: Path) -> None:
+    write_block(tmp_path / "a.vtu", solution, deformation=0.0)
+    write_block(tmp_path / "b.vtu", solution)
+    rest, deformed = meshio.read(tmp_path / "a.vtu"), meshio.read(tmp_path / "b.vtu")
+    moved = deformed.points - rest.points
+    np.testing.assert_allclose(moved, deformed.point_data["displacement"], atol=1e-15 * LENGTHS[1])
+
+
+def test_unknown_suffix_is_refused_by_name(solution: BlockSolution, tmp_path: Path) -> None:
+    with pytest.raises(InvalidInput, match=r"\.vtu or \.xdmf"):
+        write_block(tmp_path / "block.stl", solution)
+
+
+@pytest.mark.parametrize("element", ["Hex2", "Hex2/P1disc"])
+def test_quadratic_cells_are_written_with_all_their_nodes(element: str, tmp_path: Path) -> None:
+    x, y = np.arange(8)[:, None] / 8, np.arange(6)[None, :] / 6
+    surface = HeightField(heights=1e-8 * np.cos(2 * np.pi * (x + y)), lengths=LENGTHS)
+    solution = solve(surface, Solid(young=2e9, poisson=0.25), mean_pressure=1e6, element=element)
+    write_block(tmp_path / "block.vtu", solution, deformation=0.0)
+    mesh = meshio.read(tmp_path / "block.vtu")
+    nodes = mesh.points[mesh.cells_dict["hexahedron27"]]
+    assert nodes.shape[0] == 4 * 3 * solution.layers.size
+    # Edge, face and centre nodes lie in the middle of the corners that VTK puts around them.
+    middles = {8: (0, 1), 11: (0, 3), 12: (4, 5), 16: (0, 4), 18: (2, 6), 20: (0, 7), 21: (1, 6), 22: (0, 5)}
+    for node, corners in (middles | {23: (2, 7), 24: (0, 2), 25: (4, 6), 26: (0, 6)}).items():
+        np.testing.assert_allclose(nodes[:, node], nodes[:, corners].mean(axis=1), atol=1e-12 * LENGTHS[1])
+
+
+def test_pictures_show_pressure_where_the_contact_is(solution: BlockSolution, tmp_path: Path) -> None:
+    pyvista = pytest.importorskip("pyvista")
+    render_surface(tmp_path / "surface.png", solution)
+    render_section(tmp_path / "section.png", solution, axis="x")
+    for name in ("surface.png", "section.png"):
+        pixels = np.asarray(pyvista.read(tmp_path / name).active_scalars).reshape(-1, 3)
+        assert len(np.unique(pixels, axis=0)) > 20
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["section.png", "surface.png"]
+
+
+def test_cut_outside_the_period_is_refused(solution: BlockSolution, tmp_path: Path) -> None:
+    with pytest.raises(InvalidInput, match="position"):
+        render_section(tmp_path / "cut.png", solution, position=1.0)

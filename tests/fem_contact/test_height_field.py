@@ -1,0 +1,75 @@
+"""Height fields as values: what they refuse, and that nobody can change one."""
+
+import copy
+import dataclasses
+import pickle
+
+import numpy as np
+import pytest
+
+from fem_contact.errors import InvalidInput
+from fem_contact.surface import HeightField
+
+
+def rough():
+    return HeightField(heights=np.random.default_rng(19).standard_normal((16, 17)), lengths=(2.0, 3.0))
+
+
+@pytest.mark.parametrize(
+    ("heights", "message"),
+    [
+        (np.zeros(4), r"heights of shape \(4,\): must be a two-dimensional array \(nx, ny\)"),
+        (np.zeros((0, 3)), r"heights of shape \(0, 3\): must be"),
+        (np.zeros((2, 2, 2)), r"heights of shape \(2, 2, 2\): must be"),
+        ([[0.0, np.nan], [np.inf, 1.0]], "2 of 4 heights are NaN or infinite: fill or remove them first"),
+        ([[1.0, 2.0], [3.0]], "heights: must be a two-dimensional array of real numbers"),
+        ([["a", "b"]], "heights: must be a two-dimensional array of real numbers"),
+        (np.ones((2, 2)) * 1j, "heights: must be a two-dimensional array of real numbers"),
+    ],
+)
+def test_heights_that_are_no_surface_are_refused_by_name(heights, message):
+    with pytest.raises(InvalidInput, match=message) as caught:
+        HeightField(heights=heights, lengths=(1.0, 1.0))
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "lengths", [(1.0, 0.0), (-1.0, 1.0), (np.nan, 1.0), (np.inf, 1.0), (1.0,), (1.0, 1.0, 1.0)]
+)
+def test_periods_that_are_not_positive_are_refused_by_name(lengths):
+    with pytest.raises(InvalidInput, match=r"lengths = \(.*\): must be two positive periods \(Lx, Ly\) in m"):
+        HeightField(heights=np.zeros((2, 2)), lengths=lengths)
+
+
+def test_a_shift_that_is_not_finite_is_refused():
+    with pytest.raises(InvalidInput, match=r"fraction = \(nan, 0.0\): must be two finite parts of a cell"):
+        rough().shifted((np.nan, 0.0))
+
+
+def test_the_nayak_parameter_of_a_flat_surface_is_refused():
+    with pytest.raises(InvalidInput, match="flat surface"):
+        _ = HeightField(heights=np.zeros((4, 4)), lengths=(1.0, 1.0)).nayak
+
+
+def test_a_height_field_cannot_be_changed():
+    original = np.arange(6.0).reshape(2, 3)
+    surface = HeightField(heights=original, lengths=(1.0, 1.0))
+    with pytest.raises(ValueError, match="read-only"):
+        surface.heights[0, 0] = 1.0
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        surface.lengths = (2.0, 2.0)  # type: ignore[misc]
+    original[0, 0] = 99.0
+    assert surface.heights[0, 0] == 0.0
+    assert surface.spacing == (0.5, 1 / 3)
+
+
+@pytest.mark.parametrize("copied", [lambda value: pickle.loads(pickle.dumps(value)), copy.deepcopy])
+def test_a_copied_height_field_is_the_same_surface_and_read_only(copied):
+    original = rough()
+    assert original.rms_gradient > 0
+    arrived = copied(original)
+    np.testing.assert_array_equal(arrived.heights, original.heights)
+    assert arrived.lengths == original.lengths
+    assert arrived.rms_gradient == original.rms_gradient
+    assert not arrived.heights.flags.writeable
+    assert arrived != original

@@ -1,0 +1,201 @@
+"""Each residual on fields made by hand, where its value can be read off."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fem_contact.contact import Residuals, measure_residuals
+from fem_contact.errors import InvalidInput
+
+MODULUS, GRADIENT, LENGTH = 5.0, 0.2, 8.0
+
+
+def exact_fields(*, shape=(6, 4), mean=0.25):
+    """Heights of rms 0.5, half of them loaded and closed, half open and free: no condition is missed."""
+    sign = np.where(np.arange(shape[0]) % 2, -1.0, 1.0)[:, None] * np.ones(shape)
+    closed = sign > 0
+    return {
+        "pressure": np.where(closed, 2 * mean, 0.0),
+        "gap": np.where(closed, 0.0, 1.0),
+        "heights": 0.5 * sign,
+    }
+
+
+def residuals(fields, **options):
+    defaults = {"lengths": (LENGTH, LENGTH / 2), "contact_modulus": MODULUS, "rms_gradient": GRADIENT}
+    return measure_residuals(**(defaults | fields | options))
+
+
+def values(result):
+    return np.array(dataclasses.astuple(result))
+
+
+def test_an_exact_solution_has_no_residual():
+    result = residuals(exact_fields(), target_pressure=0.25)
+    assert values(result).tolist() == [0, 0, 0, 0]
+    assert result.worst == 0
+
+
+def test_penetration_is_the_deepest_negative_gap_over_the_rms_height():
+    fields = exact_fields()
+    fields["gap"][0, 0], fields["gap"][2, 1] = -0.05, -0.2
+    assert residuals(fields).penetration == pytest.approx(0.2 / 0.5, rel=1e-15)
+
+
+def test_tension_is_the_lowest_pressure_over_modulus_times_gradient():
+    fields = exact_fields()
+    fields["pressure"][1, 0], fields["pressure"][3, 1] = -0.01, -0.03
+    result = residuals(fields)
+    assert result.tension == pytest.approx(0.03 / (MODULUS * GRADIENT), rel=1e-15)
+    assert result.penetration == 0
+
+
+def test_complementarity_is_pressure_times_gap_over_total_pressure_and_rms_height():
+    fields = exact_fields()
+    fields["gap"][0, 0], fields["gap"][0, 1] = 0.1, -0.3
+    loaded = np.count_nonzero(fields["pressure"])
+    assert residuals(fields).complementarity == pytest.approx((0.1 + 0.3) / (loaded * 0.5), rel=1e-14)
+
+
+def test_complementarity_counts_tension_in_the_open_gap_too():
+    fields = exact_fields()
+    fields["pressure"][1, 0] = -0.5
+    total = np.abs(fields["pressure"]).sum()
+    assert residuals(fields).complementarity == pytest.approx(0.5 / (total * 0.5), rel=1e-14)
+
+
+def test_the_load_residual_is_the_error_of_the_mean_over_the_prescribed_pressure():
+    fields = exact_fields(mean=0.25)
+    assert residuals(fields, target_pressure=0.2).load == pytest.approx(0.25, rel=1e-14)
+    assert residuals(fields, target_pressure=0.3).load == pytest.approx(1 / 6, rel=1e-14)
+
+
+def test_without_a_prescribed_pressure_there_is_no_load_residual():
+    assert residuals(exact_fields(mean=0.7)).load == 0
+
+
+def test_indentation_at_the_pressure_bound_is_no_error_but_elsewhere_it_is():
+    fields = exact_fields()
+    fields["gap"][0, 0] = -0.4
+    at_bound = np.zeros((6, 4), dtype=bool)
+    at_bound[0, 0] = True
+    assert residuals(fields, at_bound=at_bound).worst == 0
+    assert residuals(fields, at_bound=np.roll(at_bound, 1, axis=0)).worst == pytest.approx(0.8, rel=1e-14)
+
+
+def test_weights_count_the_area_of_each_point_in_the_sums_and_in_no_maximum():
+    fields = exact_fields()
+    fields["gap"][0, 0], fields["pressure"][1, 1] = -0.1, -0.2
+    weights = np.ones((6, 4))
+    weights[0, 0], weights[0, 1], weights[1, 1] = 0.5, 1.5, 1.5
+    weights[1, 2] = 0.5
+    plain, weighted = residuals(fields), residuals(fields, weights=weights, target_pressure=0.2)
+    assert weighted.penetration == plain.penetration
+    assert weighted.tension == plain.tension
+    total = np.sum(weights * np.abs(fields["pressure"]))
+    expected = (0.5 * 0.5 * 0.1 + 1.5 * 0.2 * 1.0) / (total * 0.5)
+    assert weighted.complementarity == pytest.approx(expected, rel=1e-14)
+    mean = np.mean(weights * fields["pressure"])
+    assert weighted.load == pytest.approx(abs(mean - 0.2) / 0.2, rel=1e-13)
+
+
+@pytest.mark.parametrize("level", [0.0, 3.7, -1e6])
+def test_on_a_flat_surface_the_scales_come_from_the_load(level):
+    fields = {"pressure": np.full((4, 4), 0.25), "gap": np.zeros((4, 4)), "heights": np.full((4, 4), level)}
+    assert residuals(fields, target_pressure=0.25, rms_gradient=0.0).worst == 0
+    fields["gap"] = np.full((4, 4), -0.1)
+    result = residuals(fields, target_pressure=0.25, rms_gradient=0.0)
+    scale = 0.25 * LENGTH / MODULUS
+    assert result.penetration == pytest.approx(0.1 / scale, rel=1e-14)
+    assert result.complementarity == pytest.approx(0.1 / scale, rel=1e-14)
+    fields["pressure"][0, 0] = -0.5
+    assert residuals(fields, target_pressure=0.25, rms_gradient=0.0).tension == pytest.approx(2, rel=1e-14)
+
+
+def test_a_flat_surface_without_load_is_solved_by_no_pressure():
+    flat = np.zeros((3, 3))
+    fields = {"pressure": flat, "gap": flat, "heights": flat}
+    assert residuals(fields, target_pressure=0.0, rms_gradient=0.0).worst == 0
+
+
+def test_what_cannot_be_measured_against_anything_is_infinitely_wrong():
+    flat = np.zeros((3, 3))
+    fields = {"pressure": flat, "gap": flat - 1.0, "heights": flat}
+    assert residuals(fields, target_pressure=0.0, rms_gradient=0.0).penetration == np.inf
+
+
+@pytest.mark.parametrize("field", ["pressure", "gap", "heights"])
+@pytest.mark.parametrize("index", [(0, 0), (3, 2)])
+def test_nan_anywhere_makes_the_worst_residual_nan(field, index):
+    fields = exact_fields()
+    fields[field][index] = np.nan
+    assert np.isnan(residuals(fields, target_pressure=0.25).worst)
+
+
+@pytest.mark.parametrize("name", ["penetration", "tension", "complementarity", "load"])
+def test_the_worst_residual_is_the_largest_and_never_hides_a_nan(name):
+    zero = Residuals(penetration=0.1, tension=0.1, complementarity=0.1, load=0.1)
+    assert dataclasses.replace(zero, **{name: 0.5}).worst == 0.5
+    assert np.isnan(dataclasses.replace(zero, **{name: np.nan}).worst)
+
+
+@pytest.mark.parametrize("name", ["gap", "heights", "at_bound", "weights"])
+def test_fields_of_different_shapes_are_refused_by_name(name):
+    fields = exact_fields() | {name: np.ones((6, 1), dtype=bool)}
+    message = rf"{name} of shape \(6, 1\): must have the shape \(6, 4\) of pressure"
+    with pytest.raises(InvalidInput, match=message):
+        residuals(fields)
+
+
+# --- residuals are free of units
+# -----------------------------------------------------------------------------
+
+
+def faulty_fields(seed):
+    rng = np.random.default_rng(seed)
+    fields = {name: rng.standard_normal((5, 7)) for name in ("pressure", "gap", "heights")}
+    return fields | {"at_bound": rng.random((5, 7)) < 0.2, "weights": rng.uniform(0.5, 1.5, (5, 7))}
+
+
+def in_other_units(fields, *, length, pressure):
+    scales = {"pressure": pressure, "gap": length, "heights": length}
+    scaled = {name: values * scales.get(name, 1) for name, values in fields.items() if values.dtype != bool}
+    return scaled | {"at_bound": fields["at_bound"]}
+
+
+def in_units(fields, *, length, pressure):
+    return residuals(
+        in_other_units(fields, length=length, pressure=pressure),
+        lengths=(LENGTH * length, LENGTH / 2 * length),
+        contact_modulus=MODULUS * pressure,
+        target_pressure=0.3 * pressure,
+    )
+
+
+@given(st.integers(2, 2**32))
+def test_scaling_lengths_and_pressures_by_powers_of_two_changes_no_bit(seed):
+    fields = faulty_fields(seed)
+    plain = in_units(fields, length=1.0, pressure=1.0)
+    assert in_units(fields, length=2.0**20, pressure=2.0**-30) == plain
+    assert min(values(plain)) > 0
+
+
+@given(st.integers(2, 2**32), st.floats(1e-12, 1e12), st.floats(1e-12, 1e12))
+def test_other_units_change_residuals_by_rounding_only(seed, length, pressure):
+    fields = faulty_fields(seed)
+    plain, other = (
+        in_units(fields, length=1.0, pressure=1.0),
+        in_units(fields, length=length, pressure=pressure),
+    )
+    # 35 terms of either sign cancel in the mean, by no more than a factor of 1e3 in these examples
+    np.testing.assert_allclose(values(other), values(plain), rtol=1e-11)
+
+
+@given(st.integers(2, 2**32))
+def test_heights_and_gap_count_from_any_mean_plane(seed):
+    fields = faulty_fields(seed)
+    raised = fields | {"heights": fields["heights"] + 1024.0}
+    np.testing.assert_allclose(values(residuals(raised)), values(residuals(fields)), rtol=1e-11)

@@ -1,0 +1,44 @@
+"""Patches on a periodic grid."""
+
+import numpy as np
+import pytest
+
+from fem_contact.errors import InvalidInput
+from fem_contact.patches import find_patches
+
+
+def test_patches_are_joined_across_both_periods() -> None:
+    contact = np.zeros((7, 9), dtype=bool)
+    contact[[0, 0, -1, -1], [0, -1, 0, -1]] = True
+    contact[3, 3:6] = True
+    patches = find_patches(contact, (0.5, 2.0))
+    assert patches.count == 2
+    assert sorted(patches.areas) == [3.0, 4.0]
+    assert patches.mean_size == pytest.approx(25 / 7)
+    assert np.array_equal(patches.labels > 0, contact)
+
+
+def test_patches_do_not_depend_on_where_the_period_starts() -> None:
+    contact = np.random.default_rng(5).random((40, 33)) < 0.45
+    for diagonal in (False, True):
+        areas = sorted(find_patches(contact, (1.0, 1.0), diagonal=diagonal).areas)
+        moved = np.roll(contact, (17, 8), axis=(0, 1))
+        assert sorted(find_patches(moved, (1.0, 1.0), diagonal=diagonal).areas) == areas
+        assert sum(areas) == contact.sum()
+
+
+def test_corners_join_only_when_asked() -> None:
+    contact = np.eye(6, dtype=bool)
+    assert find_patches(contact, (1.0, 1.0)).count == 6
+    assert find_patches(contact, (1.0, 1.0), diagonal=True).count == 1
+
+
+def test_no_contact_and_full_contact() -> None:
+    assert find_patches(np.zeros((4, 4), dtype=bool), (1.0, 1.0)).count == 0
+    assert find_patches(np.zeros((4, 4), dtype=bool), (1.0, 1.0)).mean_size == 0
+    assert find_patches(np.ones((4, 4), dtype=bool), (1.0, 1.0)).mean_size == 16
+
+
+def test_a_map_that_is_not_two_dimensional_is_refused() -> None:
+    with pytest.raises(InvalidInput, match="two-dimensional"):
+        find_patches(np.ones(4, dtype=bool), (1.0, 1.0))

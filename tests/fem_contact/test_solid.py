@@ -1,0 +1,86 @@
+"""Elastic constants and the half-space they give."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fem_contact.errors import FemContactError, InvalidInput
+from fem_contact.response import HalfSpace, Response
+from fem_contact.solid import Solid, composite_modulus
+
+moduli = st.floats(1e-3, 1e13)
+ratios = st.floats(-1, 0.5, exclude_min=True)
+
+
+def test_contact_and_shear_modulus_of_rubber():
+    rubber = Solid(young=3e6, poisson=0.5)
+    assert rubber.contact_modulus == 4e6
+    assert rubber.shear_modulus == 1e6
+
+
+@given(moduli, st.floats(-0.99, 0.5))
+def test_plane_strain_modulus_is_twice_shear_over_one_minus_poisson(young, poisson):
+    solid = Solid(young=young, poisson=poisson)
+    assert solid.contact_modulus == pytest.approx(2 * solid.shear_modulus / (1 - poisson), rel=1e-12)
+
+
+@given(moduli, ratios, moduli, ratios)
+def test_the_composite_is_symmetric_and_softer_than_either(young, poisson, other_young, other_poisson):
+    first, second = Solid(young=young, poisson=poisson), Solid(young=other_young, poisson=other_poisson)
+    composite, softer = composite_modulus(first, second), min(first.contact_modulus, second.contact_modulus)
+    assert composite == composite_modulus(second, first)
+    # three divisions and a sum round by half an ulp each
+    assert 0.5 * (1 - 1e-15) <= composite / softer <= 1 + 1e-15
+
+
+def test_against_a_body_a_million_times_stiffer_the_composite_is_the_softer_body():
+    rubber, steel = Solid(young=1e6, poisson=0.5), Solid(young=1e12, poisson=0.3)
+    assert composite_modulus(rubber, steel) == pytest.approx(rubber.contact_modulus, rel=2e-6)
+
+
+@pytest.mark.parametrize("young", [0.0, -1.0, np.nan, np.inf])
+def test_a_modulus_that_is_not_positive_and_finite_is_refused(young):
+    with pytest.raises(InvalidInput, match=r"young = .*: must be a positive, finite modulus in Pa"):
+        Solid(young=young, poisson=0.3)
+
+
+@pytest.mark.parametrize("poisson", [0.62, 0.5000001, -1.0, np.nan, np.inf])
+def test_a_poisson_ratio_outside_its_range_is_refused(poisson):
+    with pytest.raises(InvalidInput, match=r"poisson = .*: must lie in \(-1, 0.5\]") as caught:
+        Solid(young=1e9, poisson=poisson)
+    assert isinstance(caught.value, FemContactError)
+    assert isinstance(caught.value, ValueError)
+
+
+def test_a_solid_cannot_be_changed():
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        Solid(young=1e9, poisson=0.3).young = 2e9  # type: ignore[misc]
+
+
+@given(st.floats(1e-6, 1e12), st.floats(0, 2 * np.pi))
+def test_the_half_space_is_as_compliant_in_every_direction(q, angle):
+    half_space = HalfSpace(solid=Solid(young=2e9, poisson=0.3))
+    compliance = half_space.compliance(np.array([q * np.cos(angle)]), np.array([q * np.sin(angle)]))
+    assert compliance[0] * half_space.contact_modulus * q == pytest.approx(2, rel=1e-12)
+
+
+def test_the_mean_displacement_of_a_half_space_is_left_out():
+    half_space = HalfSpace(solid=Solid(young=2e9, poisson=0.3))
+    qx, qy = np.arange(-2.0, 3.0)[:, None], np.arange(4.0)[None, :]
+    compliance = half_space.compliance(qx, qy)
+    assert compliance.shape == (5, 4)
+    assert compliance[2, 0] == 0
+    assert np.all(np.isfinite(compliance))
+    assert np.count_nonzero(compliance) == 19
+    assert isinstance(half_space, Response)
+
+
+def test_scaling_lengths_and_pressures_by_powers_of_two_changes_no_bit():
+    plain = HalfSpace(solid=Solid(young=2e9, poisson=0.31))
+    scaled = HalfSpace(solid=Solid(young=2e9 * 2.0**-30, poisson=0.31))
+    qx, qy = np.linspace(0, 3e6, 7)[:, None], np.linspace(0, 2e6, 5)[None, :]
+    expected = plain.compliance(qx, qy) * 2.0**50
+    np.testing.assert_array_equal(scaled.compliance(qx * 2.0**-20, qy * 2.0**-20), expected)

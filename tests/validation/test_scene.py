@@ -1,0 +1,118 @@
+"""Scenes: units are converted once and exactly; a mistake is one line: key, value and what is allowed."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from validation.errors import SceneError, UsageError
+from validation.scene import builtin_scenes, load_scene
+
+WRONG = [
+    # what is replaced, by what, words of the message
+    (("hurst = 0.7", ""), ("surface.hurst: missing", "[0, 1]")),
+    (("hurst = 0.7", "hurts = 0.7"), ("unknown key 'hurts'", "did you mean 'hurst'?")),
+    (("hurst = 0.7", "hurst = 1.2"), ("surface.hurst = 1.2", "less than or equal to 1")),
+    (("hurst = 0.7", "hurst = nan"), ("surface.hurst = nan", "finite")),
+    (("hurst = 0.7", 'hurst = "0.7"'), ("surface.hurst = '0.7'", "number")),
+    (('young = "2 MPa"', 'young = "2 kg"'), ("solid.young = '2 kg'", "is not a pressure")),
+    (('young = "2 MPa"', 'young = "2 MPaa"'), ("solid.young = '2 MPaa'", "unknown unit")),
+    (('young = "2 MPa"', 'young = "2"'), ("solid.young = '2'", "has no unit")),
+    (('young = "2 MPa"', 'young = "-2 MPa"'), ("solid.young = '-2 MPa'", "greater than 0")),
+    (("poisson = 0.3", "poisson = 0.62"), ("solid.poisson = 0.62", "less than or equal to 0.5")),
+    (
+        ("reduced_pressure = 0.1", "reduced_pressure = -0.1"),
+        ("load.reduced_pressure = -0.1", "greater than 0"),
+    ),
+    (("reduced_pressure = 0.1", 'pressure = "-3 MPa"'), ("load.pressure = '-3 MPa'", "greater than 0")),
+    (("reduced_pressure = 0.1", ""), ("load: give exactly one of 'pressure' and 'reduced_pressure'",)),
+    (('lambda_short = "2.5 um"', 'lambda_short = "6 um"'), ("lambda_short = 6e-06 m", "must be below")),
+    (('lambda_long = "5 um"', 'lambda_long = "11 um"'), ("lambda_long = 1.1e-05 m", "must not exceed")),
+    (
+        ("grids = [12, 24, 48]", "grids = [8, 24]"),
+        ("methods.bem.grids = [8, 8]", "at least [9, 9]", "under_resolved"),
+    ),
+    (("grids = [12, 24, 48]", "grids = []"), ("methods.bem.grids", "at least 1")),
+    (("grids = [12, 24, 48]", "grids = [12.5]"), ("methods.bem.grids.0 = 12.5", "whole number")),
+    (("[load]", "[laod]"), ("unknown key 'laod'", "did you mean 'load'?")),
+    (
+        ("[solid]", '[[effects]]\nkind = "magnetism"\n\n[solid]'),
+        ("effects.0.kind = 'magnetism'", "'hardness'"),
+    ),
+    (('kind = "self-affine"', ""), ("surface.kind: missing", "self-affine")),
+    (('name = "small"', 'name = "../up"'), ("name = '../up'",)),
+]
+
+
+@pytest.mark.parametrize(("replacement", "words"), WRONG, ids=[" ".join(words) for _, words in WRONG])
+def test_a_wrong_scene_gives_one_line_naming_key_value_and_what_is_allowed(write_scene, replacement, words):
+    path = write_scene(replacement)
+    with pytest.raises(SceneError) as caught:
+        load_scene(str(path))
+    assert str(caught.value).count("\n") == 0
+    for word in (str(path), *words):
+        assert word in str(caught.value)
+
+
+def test_every_problem_has_its_own_line(write_scene):
+    path = write_scene(("hurst = 0.7", "hurst = 3"), ("poisson = 0.3", "poisson = 0.6"))
+    with pytest.raises(SceneError) as caught:
+        load_scene(str(path))
+    assert len(caught.value.problems) == 2
+
+
+def test_units_are_converted_exactly(write_scene):
+    scene = load_scene(str(write_scene(('length = "10 um"', 'length = ["10 um", 0.00001]'))))
+    assert scene.surface.length == (1e-5, 1e-5)
+    assert scene.solid.young == 2e6
+
+
+@given(exponent=st.integers(-9, 9), digits=st.integers(1, 9999))
+def test_a_quantity_is_the_correctly_rounded_number_in_si(exponent, digits):
+    from validation.scene import SolidSpec
+
+    found = SolidSpec.model_validate({"young": f"{digits}e{exponent} kPa", "poisson": 0.2}).young
+    assert found == float(f"{digits}e{exponent + 3}")
+
+
+def test_an_under_resolved_grid_runs_only_when_the_scene_says_so(write_scene):
+    path = write_scene(("grids = [12, 24, 48]", "grids = [8, 24]\nunder_resolved = true"))
+    assert load_scene(str(path)).methods.bem.grids[0] == (8, 8)
+
+
+def test_an_unknown_scene_lists_the_built_in_ones():
+    with pytest.raises(UsageError, match=r"no such scene.*quickstart"):
+        load_scene("quikstart")
+
+
+def test_text_that_is_not_toml_is_refused_in_one_line(tmp_path):
+    path = tmp_path / "bad.toml"
+    path.write_text("[surface\n")
+    with pytest.raises(SceneError, match="not valid TOML"):
+        load_scene(str(path))
+
+
+@pytest.mark.parametrize("name", builtin_scenes())
+def test_every_built_in_scene_is_valid_and_bears_its_name(name):
+    assert load_scene(name).name == name
+
+
+def test_the_quickstart_is_the_scene_it_promises_to_be():
+    scene = load_scene("quickstart")
+    surface = scene.surface
+    assert surface.hurst == 0.8
+    assert surface.lambda_long == pytest.approx(surface.length[0] / 2, rel=1e-15)
+    assert surface.lambda_short == pytest.approx(surface.length[0] / 8, rel=1e-15)
+    assert scene.load.reduced_pressure == 0.05
+    assert [grid[0] for grid in scene.methods.bem.grids] == [32, 64, 128, 256, 512]
+    assert [grid[0] for grid in scene.methods.fem.grids] == [32, 64]
+
+
+@given(text=st.text(max_size=200))
+def test_no_text_leads_to_anything_but_a_scene_or_a_scene_error(text, tmp_path_factory):
+    path = tmp_path_factory.mktemp("fuzz") / "scene.toml"
+    path.write_text(text, encoding="utf-8", errors="replace")
+    # Random text is no scene: anything but a SceneError is a crash.
+    with pytest.raises(SceneError):
+        load_scene(str(path))

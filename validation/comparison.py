@@ -1,0 +1,402 @@
+"""The comparison: stored solves of one scene read side by side with the theory."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from fem_contact.area import EDGE_CONSTANTS, ContactAreas, Limit, contact_areas, limit_area
+from fem_contact.contact import ContactResult
+from fem_contact.errors import InvalidInput
+from fem_contact.stress import density_at_zero
+from fem_contact.surface import HeightField, resolves
+from persson import elastic
+from validation.errors import RunFailed
+from validation.jobs import Job, jobs_of, nominal_pressure
+from validation.scene import Scene, SelfAffineSurface
+from validation.store import Store
+from validation.surfaces import reference_field, shortest_wavelength, spectrum_of
+
+__all__ = ["Comparison", "CrossCheck", "Row", "Scatter", "Theory", "compare", "edge_constant"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One method on one grid, averaged over the sub-grid shifts that were run.
+
+    Attributes
+    ----------
+    method : str
+        "bem" or "fem".
+    grid : tuple of int
+    points_per_wave : float
+        lambda_short / dx, on the coarser axis.
+    under_resolved : bool
+        Whether lambda_short <= 2 dx.
+    solves : int
+        Number of shifts averaged.
+    pixel, perimeter : float
+        A/A0 by counting, and with the perimeter correction of the method's edge constant.
+    pixel_scatter : float
+        Standard error of `pixel` over the shifts; 0 for one shift.
+    kappa : float
+        (A/A0) / p* from `perimeter`.
+    density_at_zero : float
+        P(0+) E* h'_rms, from the points below a pressure that falls like sqrt(dx).
+    residual : float
+        The largest of the four contact residuals over the solves.
+    seconds : float
+        Wall time of all the solves.
+    unknowns : int
+        Of one solve.
+    """
+
+    method: str
+    grid: tuple[int, int]
+    points_per_wave: float
+    under_resolved: bool
+    solves: int
+    pixel: float
+    pixel_scatter: float
+    perimeter: float
+    kappa: float
+    density_at_zero: float
+    residual: float
+    seconds: float
+    unknowns: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class CrossCheck:
+    """Finite elements against boundary elements on the same surface and grid.
+
+    Attributes
+    ----------
+    grid : tuple of int
+    points_per_wave : float
+        lambda_short / dx.
+    pressure : float
+        ||p_fem - p_bem|| / ||p_bem||, over all points.
+    pixel, perimeter : float
+        A_fem / A_bem - 1, by counting and with each method's perimeter correction.
+    """
+
+    grid: tuple[int, int]
+    points_per_wave: float
+    pressure: float
+    pixel: float
+    perimeter: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Theory:
+    """Persson's theory for the scene.
+
+    Attributes
+    ----------
+    area : float
+        A/A0 conditional on the realised gradient of this surface.
+    ensemble_area : float or None
+        A/A0 from C(q) alone; None for a surface read from a file.
+    stress_variance : float
+        V [Pa^2] of the realised surface at full contact.
+    """
+
+    area: float
+    ensemble_area: float | None
+    stress_variance: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scatter:
+    """Spread of the contact area between realisations of the same spectrum.
+
+    Attributes
+    ----------
+    areas : tuple of float
+        Limit of A/A0 of each realisation.
+    ratios : tuple of float
+        Each over the theory conditional on that realisation.
+    grid_error : float
+        Root mean square of the uncertainties of the single limits, relative.
+    """
+
+    areas: tuple[float, ...]
+    ratios: tuple[float, ...]
+    grid_error: float
+
+    @property
+    def mean_ratio(self) -> float:
+        """Mean of area over theory."""
+        return float(np.mean(self.ratios))
+
+    @property
+    def relative(self) -> float:
+        """Standard deviation between surfaces over the mean."""
+        return float(np.std(self.ratios, ddof=1) / np.mean(self.ratios))
+
+    @property
+    def mean_error(self) -> float:
+        """Standard error of `mean_ratio`."""
+        return float(np.std(self.ratios, ddof=1) / np.sqrt(len(self.ratios)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """Everything a run found, in numbers; plots, tables and sentences are made from it.
+
+    Attributes
+    ----------
+    scene : Scene
+    pressure, contact_modulus, rms_gradient : float
+        p0 [Pa], E* [Pa], and the realised, spectral h'_rms.
+    rms_height, nayak : float
+        h_rms [m] and Nayak parameter of the realised surface.
+    continuum : dict of str to float, or None
+        h_rms [m] and h'_rms of the integrals over C(q).
+    rows, cross : tuples
+    limit : Limit or None
+        Limit of A/A0 over the resolved BEM grids (FEM grids where there is no BEM); None from fewer than
+        three areas.
+    theory : Theory or None
+        None unless the scene asks for it.
+    scatter : Scatter or None
+    """
+
+    scene: Scene
+    pressure: float
+    contact_modulus: float
+    rms_gradient: float
+    rms_height: float
+    nayak: float
+    continuum: dict[str, float] | None
+    rows: tuple[Row, ...]
+    cross: tuple[CrossCheck, ...]
+    limit: Limit | None
+    theory: Theory | None
+    scatter: Scatter | None
+
+    @property
+    def reduced_pressure(self) -> float:
+        """p* = p0 / (E* h'_rms) with the realised gradient."""
+        return self.pressure / (self.contact_modulus * self.rms_gradient)
+
+    @cached_property
+    def findings(self) -> tuple[str, ...]:
+        """What the run found, in words."""
+        from validation.findings import findings
+
+        return findings(self)
+
+    def rows_of(self, method: str) -> tuple[Row, ...]:
+        """Rows of one method, coarse to fine."""
+        return tuple(row for row in self.rows if row.method == method)
+
+    def summary(self) -> dict[str, Any]:
+        """Everything as JSON-ready data."""
+        return {
+            "scene": self.scene.model_dump(mode="json"),
+            "pressure_Pa": self.pressure,
+            "reduced_pressure": self.reduced_pressure,
+            "contact_modulus_Pa": self.contact_modulus,
+            "realised": {
+                "rms_height_m": self.rms_height,
+                "rms_gradient": self.rms_gradient,
+                "nayak": self.nayak,
+            },
+            "continuum": self.continuum,
+            "rows": [asdict(row) for row in self.rows],
+            "fem_against_bem": [asdict(check) for check in self.cross],
+            "limit": None if self.limit is None else asdict(self.limit),
+            "theory": None if self.theory is None else asdict(self.theory),
+            "scatter": None if self.scatter is None else asdict(self.scatter),
+            "findings": list(self.findings),
+        }
+
+
+def edge_constant(method: str) -> float:
+    """Edge constant of the perimeter correction for a method."""
+    return EDGE_CONSTANTS[method]
+
+
+def compare(scene: Scene, store: Store) -> Comparison:
+    """Read all stored solves of a scene and put them beside the theory.
+
+    Raises
+    ------
+    RunFailed
+        When a solve of the scene is not stored.
+    """
+    surface = scene.surface
+    field = reference_field(surface)
+    pressure = nominal_pressure(scene.load, scene.solid, field)
+    results = {job: _stored(store, job) for job in jobs_of(scene)}
+    modulus = next(iter(results.values())).contact_modulus
+    shown = [job for job in results if job.realisation == 0 and job.grid in _asked_grids(scene, job.method)]
+    groups = [list(group) for _, group in itertools.groupby(shown, key=lambda job: (job.method, job.grid))]
+    reduced = pressure / (modulus * field.rms_gradient)
+    rows = tuple(_row([(job, results[job]) for job in group], scene, reduced) for group in groups)
+    continuum = None
+    if isinstance(surface, SelfAffineSurface):
+        moments = spectrum_of(surface).moments()
+        continuum = {"rms_height_m": moments.rms_height, "rms_gradient": moments.rms_gradient}
+    return Comparison(
+        scene=scene,
+        pressure=pressure,
+        contact_modulus=modulus,
+        rms_gradient=field.rms_gradient,
+        rms_height=field.rms_height,
+        nayak=field.nayak if field.rms_gradient > 0 else float("nan"),
+        continuum=continuum,
+        rows=rows,
+        cross=_cross_checks(results, scene),
+        limit=_limit(results, scene, rows),
+        theory=_theory(scene, field, pressure, modulus),
+        scatter=_scatter(results, scene, modulus),
+    )
+
+
+def _stored(store: Store, job: Job) -> ContactResult:
+    result = store.load(job)
+    if result is None:
+        raise RunFailed(f"{job.describe()}: no result in {store.folder}; run the scene first")
+    return result
+
+
+def _asked_grids(scene: Scene, method: str) -> tuple[tuple[int, int], ...]:
+    table = scene.methods.bem if method == "bem" else scene.methods.fem
+    return () if table is None else table.grids
+
+
+def _areas(job: Job, result: ContactResult) -> ContactAreas:
+    return contact_areas(result, edge_constant=edge_constant(job.method))
+
+
+def _points_per_wave(scene: Scene, grid: tuple[int, int]) -> float:
+    spacing = max(length / n for length, n in zip(scene.surface.length, grid, strict=True))
+    return shortest_wavelength(scene.surface) / spacing
+
+
+def _row(solves: Sequence[tuple[Job, ContactResult]], scene: Scene, reduced_pressure: float) -> Row:
+    job = solves[0][0]
+    areas = [_areas(job, result) for _, result in solves]
+    pixel = np.array([area.pixel for area in areas])
+    perimeter = float(np.mean([area.perimeter for area in areas]))
+    per_wave = _points_per_wave(scene, job.grid)
+    return Row(
+        method=job.method,
+        grid=job.grid,
+        points_per_wave=per_wave,
+        under_resolved=not _resolved(scene, job.grid),
+        solves=len(solves),
+        pixel=float(pixel.mean()),
+        pixel_scatter=float(pixel.std(ddof=1) / np.sqrt(pixel.size)) if pixel.size > 1 else 0.0,
+        perimeter=perimeter,
+        kappa=perimeter / reduced_pressure,
+        density_at_zero=float(np.mean([_reduced_density(result) for _, result in solves])),
+        residual=max(result.residuals.worst for _, result in solves),
+        seconds=sum(result.cost.wall_seconds for _, result in solves),
+        unknowns=solves[0][1].cost.unknowns,
+    )
+
+
+def _reduced_density(result: ContactResult) -> float:
+    try:
+        return density_at_zero(result).reduced
+    except InvalidInput:  # a flat surface has no scale of pressure
+        return float("nan")
+
+
+def _resolved(scene: Scene, grid: tuple[int, int]) -> bool:
+    return resolves(grid, scene.surface.length, q_short=2 * np.pi / shortest_wavelength(scene.surface))
+
+
+def _cross_checks(results: dict[Job, ContactResult], scene: Scene) -> tuple[CrossCheck, ...]:
+    own = [job for job in results if job.realisation == 0 and job.shift == (0.0, 0.0)]
+    bem = {job.grid: job for job in own if job.method == "bem"}
+    checks = []
+    for job in own:
+        other = bem.get(job.grid)
+        if job.method != "fem" or other is None:
+            continue
+        fem_areas, bem_areas = _areas(job, results[job]), _areas(other, results[other])
+        p_fem, p_bem = results[job].pressure, results[other].pressure
+        checks.append(
+            CrossCheck(
+                grid=job.grid,
+                points_per_wave=_points_per_wave(scene, job.grid),
+                pressure=float(np.linalg.norm(p_fem - p_bem) / np.linalg.norm(p_bem)),
+                pixel=fem_areas.pixel / bem_areas.pixel - 1,
+                perimeter=fem_areas.perimeter / bem_areas.perimeter - 1,
+            )
+        )
+    return tuple(checks)
+
+
+def _limit(results: dict[Job, ContactResult], scene: Scene, rows: tuple[Row, ...]) -> Limit | None:
+    """Limit of this surface; boundary elements before finite elements, resolved grids only."""
+    for method in ("bem", "fem"):
+        grids = {row.grid for row in rows if row.method == method and not row.under_resolved}
+        limit = _limit_over(
+            [_areas(job, r) for job, r in results.items() if _is_own(job, method) and job.grid in grids]
+        )
+        if limit is not None:
+            return limit
+    return None
+
+
+def _is_own(job: Job, method: str) -> bool:
+    return job.method == method and job.realisation == 0
+
+
+def _limit_over(areas: Sequence[ContactAreas]) -> Limit | None:
+    if len(areas) < 3 or len({area.spacing for area in areas}) < 2:
+        return None
+    return limit_area(areas)
+
+
+def _theory(scene: Scene, field: HeightField, pressure: float, modulus: float) -> Theory | None:
+    if scene.methods.theory is None:
+        return None
+    variance = float(elastic.stress_variance(field.moments[1], contact_modulus=modulus))
+    ensemble = None
+    if isinstance(scene.surface, SelfAffineSurface):
+        from_spectrum = elastic.stress_variance(spectrum_of(scene.surface).m2(), contact_modulus=modulus)
+        ensemble = float(elastic.contact_area(pressure, stress_variance=from_spectrum))
+    return Theory(
+        area=float(elastic.contact_area(pressure, stress_variance=variance)),
+        ensemble_area=ensemble,
+        stress_variance=variance,
+    )
+
+
+def _scatter(results: dict[Job, ContactResult], scene: Scene, modulus: float) -> Scatter | None:
+    if scene.ensemble is None:
+        return None
+    areas, ratios, errors = [], [], []
+    for k in range(scene.ensemble.realisations):
+        own = [
+            (job, result)
+            for job, result in results.items()
+            if job.method == "bem"
+            and job.realisation == k
+            and job.shift == (0.0, 0.0)
+            and job.grid in scene.ensemble.grids
+        ]
+        limit = _limit_over([_areas(job, result) for job, result in own])
+        if limit is None:
+            return None
+        field = reference_field(scene.surface, realisation=k)
+        pressure = nominal_pressure(scene.load, scene.solid, field)
+        theory = _theory(scene, field, pressure, modulus)
+        areas.append(limit.value)
+        ratios.append(limit.value / theory.area if theory is not None else limit.value)
+        errors.append(limit.uncertainty / limit.value)
+    return Scatter(
+        areas=tuple(areas), ratios=tuple(ratios), grid_error=float(np.sqrt(np.mean(np.square(errors))))
+    )

@@ -1,0 +1,318 @@
+"""Which effects and methods a scene calls for, what they will cost, and what is left out and why."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from validation.errors import UsageError
+from validation.jobs import Job, jobs_of, nominal_pressure
+from validation.scene import FileSurface, Scene, SelfAffineSurface
+from validation.surfaces import reference_field, shortest_wavelength, spectrum_of
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+__all__ = ["Explanation", "Prediction", "check_effects", "explain", "predicted_cost"]
+
+#: For each effect a scene can name, the methods that handle it. A method that is not named refuses the scene.
+HANDLED_BY: dict[str, frozenset[str]] = {
+    "hardness": frozenset(),
+    "adhesion": frozenset(),
+    "thickness": frozenset(),
+    "graded": frozenset(),
+}
+
+#: FFT pairs of a boundary-element solve at tolerance 1e-8 and A/A0 of a few percent (measured).
+_PAIRS_PER_SOLVE = 150
+#: Seconds of a finite-element solve per unknown, in units of one pair of 256^2 transforms (measured).
+_FEM_PAIRS_PER_UNKNOWN = 0.13
+_BEM_ARRAYS = 12
+_FEM_BYTES_PER_UNKNOWN = 4700
+
+
+def check_effects(scene: Scene) -> None:
+    """Refuse a scene that lists an effect one of its methods lacks, or a solid it cannot discretise.
+
+    Raises
+    ------
+    UsageError
+        Naming the key, the method, and what is allowed.
+    """
+    if scene.methods.fem is not None and scene.solid.poisson > 0.49:
+        raise UsageError(
+            f"solid.poisson = {scene.solid.poisson!r}: method 'fem' locks above 0.49 with elements of "
+            "displacement alone; leave [methods.fem] out or lower it"
+        )
+    wanted = [name for name in ("bem", "fem", "theory") if getattr(scene.methods, name) is not None]
+    for k, effect in enumerate(scene.effects):
+        handled = HANDLED_BY[effect.kind]
+        for method in wanted:
+            if method not in handled:
+                able = ", ".join(sorted(handled)) or "no method of this version"
+                raise UsageError(
+                    f"effects.{k}.kind = {effect.kind!r}: method {method!r} does not handle it; "
+                    f"handled by: {able}"
+                )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Prediction:
+    """Predicted cost of a solve: seconds, peak bytes, unknowns."""
+
+    seconds: float
+    peak_bytes: int
+    unknowns: int
+
+
+def transform_seconds(n: int = 256) -> float:
+    """Median time of a pair of real n x n transforms on this machine, on one thread [s]."""
+    import scipy.fft
+
+    field = np.random.default_rng(5).random((n, n))
+    times = []
+    for _ in range(5):
+        start = time.perf_counter()
+        scipy.fft.irfft2(scipy.fft.rfft2(field), s=(n, n))
+        times.append(time.perf_counter() - start)
+    return sorted(times)[2]
+
+
+def predicted_cost(job: Job, *, pair_seconds: float = 1.5e-3) -> Prediction:
+    """Predict the cost of a job.
+
+    Parameters
+    ----------
+    job : Job
+    pair_seconds : float
+        Time of one pair of 256 x 256 transforms on this machine, from `transform_seconds` [s].
+    """
+    points = job.grid[0] * job.grid[1]
+    if job.method == "bem":
+        scale = points * math.log2(points) / (256**2 * 16)
+        return Prediction(
+            seconds=2e-3 + _PAIRS_PER_SOLVE * pair_seconds * scale,
+            peak_bytes=_BEM_ARRAYS * 8 * points,
+            unknowns=points,
+        )
+    from fem_contact.block import estimate
+
+    settings = dict(job.settings)
+    unknowns = estimate(
+        job.grid, job.surface.length, depth=settings.get("depth"), growth=settings["growth"]
+    ).unknowns
+    return Prediction(
+        seconds=_FEM_PAIRS_PER_UNKNOWN * pair_seconds * unknowns,
+        peak_bytes=_FEM_BYTES_PER_UNKNOWN * unknowns,
+        unknowns=unknowns,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlannedGrid:
+    """One line of an explanation: a method on a grid."""
+
+    method: str
+    grid: tuple[int, int]
+    points_per_wave: float
+    solves: int
+    unknowns: int
+    seconds: float
+    peak_bytes: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class LeftOut:
+    """An effect the scene does not list, and the number its neglect rests on."""
+
+    effect: str
+    number: str
+    verdict: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Explanation:
+    """What a scene runs and what it leaves out."""
+
+    name: str
+    facts: tuple[tuple[str, str], ...]
+    grids: tuple[PlannedGrid, ...]
+    effects: tuple[str, ...]
+    left_out: tuple[LeftOut, ...]
+
+    @property
+    def seconds(self) -> float:
+        """Predicted time of all solves, one after the other [s]."""
+        return sum(grid.seconds for grid in self.grids)
+
+    @property
+    def peak_bytes(self) -> int:
+        """Largest memory of any one solve."""
+        return max(grid.peak_bytes for grid in self.grids)
+
+    def summary(self) -> dict[str, Any]:
+        """Return everything as JSON-ready data."""
+        return {**asdict(self), "seconds": self.seconds, "peak_bytes": self.peak_bytes}
+
+    def parts(self) -> Iterator[str | Table]:
+        """Yield what the command line prints, in order."""
+        from rich.table import Table
+
+        yield f"Scene {self.name}"
+        for name, value in self.facts:
+            yield f"  {name}: {value}"
+        table = Table(title="What will run")
+        for column in ("method", "grid", "lambda_short/dx", "solves", "unknowns each", "seconds", "peak MiB"):
+            table.add_column(column, justify="left" if column in ("method", "grid") else "right")
+        for g in self.grids:
+            table.add_row(
+                g.method,
+                f"{g.grid[0]} x {g.grid[1]}",
+                f"{g.points_per_wave:.3g}",
+                str(g.solves),
+                f"{g.unknowns:,}",
+                f"{g.seconds:.2g}",
+                f"{g.peak_bytes / 2**20:.3g}",
+            )
+        yield table
+        yield (
+            f"About {self.seconds:.0f} s in all and {self.peak_bytes / 2**20:.0f} MiB at most on this "
+            "machine (meant to be right within a factor of 2)."
+        )
+        yield f"Effects that run: {', '.join(self.effects) or 'none beyond linear elasticity'}."
+        yield "Left out:"
+        for item in self.left_out:
+            yield f"  {item.effect}: {item.number} - {item.verdict}"
+
+
+def explain(scene: Scene) -> Explanation:
+    """Say what a scene will run and at what cost, without solving anything.
+
+    Raises
+    ------
+    UsageError
+        For an effect that a method of the scene lacks.
+    """
+    check_effects(scene)
+    pair = transform_seconds()
+    groups: dict[tuple[str, tuple[int, int]], list[Job]] = {}
+    for job in jobs_of(scene):
+        groups.setdefault((job.method, job.grid), []).append(job)
+    grids = []
+    for (method, grid), jobs in groups.items():
+        cost = predicted_cost(jobs[0], pair_seconds=pair)
+        spacing = max(length / n for length, n in zip(scene.surface.length, grid, strict=True))
+        grids.append(
+            PlannedGrid(
+                method=method,
+                grid=grid,
+                points_per_wave=shortest_wavelength(scene.surface) / spacing,
+                solves=len(jobs),
+                unknowns=cost.unknowns,
+                seconds=cost.seconds * len(jobs),
+                peak_bytes=cost.peak_bytes,
+            )
+        )
+    return Explanation(
+        name=scene.name,
+        facts=_facts(scene),
+        grids=tuple(sorted(grids, key=lambda g: (g.method, g.grid))),
+        effects=tuple(effect.kind for effect in scene.effects),
+        left_out=_left_out(scene),
+    )
+
+
+def _facts(scene: Scene) -> tuple[tuple[str, str], ...]:
+    """Return the numbers a reader checks first: realised and continuum roughness, load, bandwidth."""
+    surface = scene.surface
+    field = reference_field(surface)
+    pressure = nominal_pressure(scene.load, scene.solid, field)
+    modulus = scene.solid.young / (1 - scene.solid.poisson**2)
+    facts = [
+        ("E*", f"{modulus:.6g} Pa"),
+        (
+            "realised surface",
+            f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} (spectral)",
+        ),
+    ]
+    if isinstance(surface, SelfAffineSurface):
+        moments = spectrum_of(surface).moments()
+        facts.append(
+            (
+                "integrals over C(q)",
+                f"h_rms = {moments.rms_height:.6g} m, h'_rms = {moments.rms_gradient:.6g}",
+            )
+        )
+        facts.append(
+            (
+                "bandwidth",
+                f"L/lambda_long = {min(surface.length) / surface.lambda_long:.3g}, "
+                f"lambda_long/lambda_short = {surface.lambda_long / surface.lambda_short:.3g}",
+            )
+        )
+    if field.rms_gradient > 0:
+        facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} (realised)"))
+        facts.append(
+            ("load", f"p0 = {pressure:.6g} Pa, p* = {pressure / (modulus * field.rms_gradient):.4g}")
+        )
+    if scene.methods.theory is not None:
+        facts.append(
+            ("theory", "Persson 2006, elastic, without adhesion: A/A0, P(sigma), kappa; milliseconds")
+        )
+    return tuple(facts)
+
+
+def _left_out(scene: Scene) -> tuple[LeftOut, ...]:
+    """Return the effects that are not listed, each with the number that decides whether it may be."""
+    field = reference_field(scene.surface)
+    modulus = scene.solid.young / (1 - scene.solid.poisson**2)
+    listed = {effect.kind for effect in scene.effects}
+    scale = f"E* h'_rms = {modulus * field.rms_gradient:.4g} Pa"
+    items = [
+        LeftOut(
+            effect="hardness",
+            number=f"typical contact pressure {scale}",
+            verdict="unknown without a hardness; negligible where it is many times that",
+        ),
+        LeftOut(
+            effect="adhesion",
+            number=f"h'_rms = {field.rms_gradient:.4g}",
+            verdict="unknown without a work of adhesion and its range",
+        ),
+        LeftOut(
+            effect="thickness",
+            number=f"longest wave {_longest(scene):.4g} m",
+            verdict="unknown without a thickness; negligible where it is at least that long",
+        ),
+        LeftOut(effect="graded", number="E(z) constant", verdict="unknown without a profile of the modulus"),
+    ]
+    items = [item for item in items if item.effect not in listed]
+    neglected = field.rms_gradient**2
+    items.append(
+        LeftOut(
+            effect="finite slopes",
+            number=f"h'_rms^2 = {neglected:.2g}, the relative size of the neglected terms",
+            verdict="negligible"
+            if neglected <= 0.02
+            else "matters: every method here is linear in the slope",
+        )
+    )
+    if scene.methods.fem is None:
+        items.append(
+            LeftOut(
+                effect="finite elements",
+                number="no [methods.fem]",
+                verdict="the contact algorithm is not cross-checked",
+            )
+        )
+    return tuple(items)
+
+
+def _longest(scene: Scene) -> float:
+    surface = scene.surface
+    return max(surface.length) if isinstance(surface, FileSurface) else surface.lambda_long

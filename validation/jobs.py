@@ -1,0 +1,158 @@
+"""The single solves a scene asks for: what determines each, how it is named on disk, and how it is done."""
+
+from __future__ import annotations
+
+import hashlib
+import itertools
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from fem_contact.contact import ContactResult
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+from validation.scene import FileSurface, Load, Scene, SelfAffineSurface, SolidSpec
+from validation.surfaces import file_digest, height_field, reference_field
+
+__all__ = ["Job", "execute", "jobs_of", "nominal_pressure"]
+
+#: Raised when a change of the code changes results, so that stored ones are not mistaken for new ones.
+RESULTS_VERSION = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class Job:
+    """One solve: a method, one realisation of the surface on one grid, a solid and a load.
+
+    Attributes
+    ----------
+    method : str
+        "bem" or "fem".
+    grid : tuple of int
+    realisation : int
+        Counts further surfaces of the same spectrum from 0, the scene's own.
+    shift : tuple of float
+        Sub-grid shift of the surface, in parts of a cell.
+    surface, solid, load
+        Tables of the scene.
+    settings : tuple of (str, float)
+        What else the method was told, such as its tolerance; only what was said.
+    """
+
+    method: str
+    grid: tuple[int, int]
+    realisation: int = 0
+    shift: tuple[float, float] = (0.0, 0.0)
+    surface: SelfAffineSurface | FileSurface
+    solid: SolidSpec
+    load: Load
+    settings: tuple[tuple[str, float], ...] = ()
+
+    @cached_property
+    def recipe(self) -> dict[str, Any]:
+        """Everything that determines the result, as JSON-ready data, and nothing else."""
+        surface = self.surface.model_dump(mode="json")
+        if isinstance(self.surface, FileSurface):
+            surface["path"] = file_digest(self.surface)
+        else:
+            surface["seed"] = self.surface.seed + self.realisation
+        return {
+            "results_version": RESULTS_VERSION,
+            "method": self.method,
+            "grid": list(self.grid),
+            "shift": list(self.shift),
+            "surface": surface,
+            "solid": self.solid.model_dump(mode="json"),
+            "load": self.load.model_dump(mode="json"),
+            "settings": dict(self.settings),
+        }
+
+    @cached_property
+    def key(self) -> str:
+        """Name on disk: readable, then the hash of the recipe."""
+        text = json.dumps(self.recipe, sort_keys=True)
+        digest = hashlib.sha256(text.encode()).hexdigest()[:16]
+        return f"{self.method}-{self.grid[0]}x{self.grid[1]}-{digest}"
+
+    def describe(self) -> str:
+        """Return a few words for a progress bar."""
+        text = f"{self.method.upper()} {self.grid[0]}x{self.grid[1]}"
+        if self.realisation:
+            text += f", surface {self.realisation + 1}"
+        if self.shift != (0.0, 0.0):
+            text += f", shift ({self.shift[0]:g}, {self.shift[1]:g})"
+        return text
+
+    def height_field(self) -> HeightField:
+        """Return the heights this job presses."""
+        return height_field(self.surface, self.grid, realisation=self.realisation, shift=self.shift)
+
+
+def jobs_of(scene: Scene) -> tuple[Job, ...]:
+    """List the solves of a scene, coarse grids first; one that is asked for twice is listed once."""
+    common: dict[str, Any] = {"surface": scene.surface, "solid": scene.solid, "load": scene.load}
+    jobs: list[Job] = []
+    bem, fem = scene.methods.bem, scene.methods.fem
+    if bem is not None:
+        settings: tuple[tuple[str, float], ...] = (("tolerance", bem.tolerance),)
+        steps = [k / bem.shifts for k in range(bem.shifts)]
+        for grid, shift in itertools.product(sorted(bem.grids), itertools.product(steps, steps)):
+            jobs.append(Job(method="bem", grid=grid, shift=shift, settings=settings, **common))
+        if scene.ensemble is not None:
+            for k, grid in itertools.product(
+                range(scene.ensemble.realisations), sorted(scene.ensemble.grids)
+            ):
+                jobs.append(Job(method="bem", grid=grid, realisation=k, settings=settings, **common))
+    if fem is not None:
+        said = {"tolerance": fem.tolerance, "growth": fem.growth, "depth": fem.depth}
+        settings = tuple((name, value) for name, value in said.items() if value is not None)
+        jobs.extend(Job(method="fem", grid=grid, settings=settings, **common) for grid in sorted(fem.grids))
+    return tuple({job.key: job for job in jobs}.values())
+
+
+def nominal_pressure(load: Load, solid: SolidSpec, field: HeightField) -> float:
+    """p0 [Pa]: as given, or p* E* h'_rms with the spectral gradient of the realised surface."""
+    if load.pressure is not None:
+        return load.pressure
+    assert load.reduced_pressure is not None
+    modulus = Solid(**solid.model_dump()).contact_modulus
+    return load.reduced_pressure * modulus * field.rms_gradient
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solved:
+    """Result of one job, and the block it came from where there is one to export."""
+
+    contact: ContactResult
+    block: Any = None
+
+
+def execute(job: Job) -> Solved:
+    """Do one solve. Does not touch the disk."""
+    solid = Solid(**job.solid.model_dump())
+    settings: dict[str, Any] = dict(job.settings)
+    field = job.height_field()
+    pressure = nominal_pressure(
+        job.load, job.solid, reference_field(job.surface, realisation=job.realisation)
+    )
+    if job.method == "bem":
+        from fem_contact import bem
+        from fem_contact.response import HalfSpace
+
+        return Solved(contact=bem.solve(field, HalfSpace(solid=solid), mean_pressure=pressure, **settings))
+    from fem_contact import block
+
+    solution = block.solve(field, solid, mean_pressure=pressure, **({"method": "full"} | settings))
+    return Solved(contact=solution.contact, block=solution)
+
+
+def block_file(folder: Path, job: Job) -> Path:
+    """Where the deformed block of a finite-element job is exported to."""
+    return folder / f"{job.key}.vtu"
+
+
+def recipe_text(job: Job) -> str:
+    """Return the recipe as text, stored beside the result."""
+    return json.dumps(job.recipe, sort_keys=True)

@@ -1,0 +1,396 @@
+"""Scenes: what to compute, read from TOML, checked, in SI units. A scene describes; it computes nothing."""
+
+from __future__ import annotations
+
+import difflib
+import functools
+import math
+import re
+import tomllib
+from fractions import Fraction
+from importlib import resources
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    StrictBool,
+    StrictInt,
+    ValidationError,
+    model_validator,
+)
+from pydantic_core import PydanticCustomError
+
+from validation.errors import SceneError
+
+if TYPE_CHECKING:
+    import pint
+
+__all__ = [
+    "BemMethod",
+    "EffectSpec",
+    "Ensemble",
+    "FemMethod",
+    "FileSurface",
+    "Load",
+    "Methods",
+    "Scene",
+    "SelfAffineSurface",
+    "SolidSpec",
+    "builtin_scenes",
+    "load_scene",
+    "scene_text",
+]
+
+_QUANTITY = re.compile(
+    r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s][^\s]*(?:\s+[^\d\s][^\s]*)*)?\s*"
+)
+
+
+def _wrong(message: str) -> PydanticCustomError:
+    return PydanticCustomError("scene", "{message}", {"message": message})
+
+
+def _quantity(unit: str, kind: str, example: str) -> BeforeValidator:
+    """Read a number with a unit ("0.5 um") or a bare number in SI, and convert it once."""
+
+    def convert(value: object) -> float:
+        allowed = f'must be a {kind} such as "{example}", or a number in {unit}'
+        if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+            raise _wrong(allowed)
+        if not isinstance(value, str):
+            return float(value)
+        found = _QUANTITY.fullmatch(value)
+        if found is None:
+            raise _wrong(allowed)
+        number, symbol = found[1], found[2]
+        if symbol is None:
+            raise _wrong(f"has no unit; {allowed}")
+        import pint
+
+        try:
+            return float(_units().Quantity(Fraction(number), symbol).to(unit).magnitude)
+        except pint.DimensionalityError:
+            raise _wrong(f"is not a {kind}; {allowed}") from None
+        except Exception:  # the parser of unit names raises whatever its tokens lead to
+            raise _wrong(f"has an unknown unit; {allowed}") from None
+
+    return BeforeValidator(convert)
+
+
+Length = Annotated[float, _quantity("m", "length", "0.5 um"), Field(gt=0)]
+Pressure = Annotated[float, _quantity("Pa", "pressure", "10 MPa"), Field(gt=0)]
+Number = Annotated[float, Field(strict=True)]
+
+
+@functools.cache
+def _units() -> pint.UnitRegistry[Fraction]:
+    """Return the unit registry, built on the first unit read; exact, so that "100 um" is 1e-4."""
+    import pint
+
+    return pint.UnitRegistry(non_int_type=Fraction)
+
+
+def _pair(value: object) -> object:
+    return [value, value] if not isinstance(value, (list, tuple)) else value
+
+
+def _grid(value: object) -> object:
+    pair = _pair(value)
+    if not (
+        isinstance(pair, (list, tuple)) and len(pair) == 2 and all(type(n) is int and n >= 2 for n in pair)
+    ):
+        raise _wrong("must be a whole number of points n >= 2, or [nx, ny]")
+    return pair
+
+
+Grid = Annotated[tuple[int, int], BeforeValidator(_grid)]
+Lengths = Annotated[tuple[Length, Length], BeforeValidator(_pair)]
+
+
+class _Table(BaseModel):
+    """A table of the scene file: unknown keys are errors that name the known ones."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _only_known_keys(cls, data: object) -> object:
+        if isinstance(data, dict):
+            for key in data:
+                if key not in cls.model_fields:
+                    close = difflib.get_close_matches(str(key), cls.model_fields, n=1)
+                    hint = f"; did you mean {close[0]!r}?" if close else ""
+                    raise _wrong(f"unknown key {key!r}{hint} Allowed: {', '.join(cls.model_fields)}")
+        return data
+
+
+def _exactly_one(table: BaseModel, names: tuple[str, str]) -> None:
+    given = [name for name in names if getattr(table, name) is not None]
+    if len(given) != 1:
+        raise _wrong(
+            f"give exactly one of {names[0]!r} and {names[1]!r}; found {' and '.join(given) or 'neither'}"
+        )
+
+
+class SelfAffineSurface(_Table):
+    """A random periodic surface with C(q) ~ q^(-2(1+H)) between lambda_long and lambda_short."""
+
+    kind: Literal["self-affine"]
+    length: Lengths = Field(description='period L, or [Lx, Ly], e.g. "100 um"')
+    hurst: Number = Field(ge=0, le=1, description="Hurst exponent H, in [0, 1]")
+    lambda_long: Length = Field(description="longest wavelength of the self-affine range")
+    lambda_short: Length = Field(description="shortest wavelength")
+    rms_gradient: Number | None = Field(
+        default=None, gt=0, description="h'_rms of C(q), both directions together"
+    )
+    rms_height: Length | None = Field(default=None, description="h_rms of C(q)")
+    rolloff: Literal["sharp", "smooth", "plateau"] = "sharp"
+    amplitudes: Literal["exact", "gaussian"] = "exact"
+    seed: Annotated[StrictInt, Field(ge=0)] = Field(description="whole number that names the realisation")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        _exactly_one(self, ("rms_gradient", "rms_height"))
+        if self.lambda_short >= self.lambda_long:
+            raise _wrong(
+                f"lambda_short = {self.lambda_short:.6g} m: must be below "
+                f"lambda_long = {self.lambda_long:.6g} m"
+            )
+        if self.lambda_long > min(self.length) * (1 + 1e-12):
+            raise _wrong(
+                f"lambda_long = {self.lambda_long:.6g} m: must not exceed the period {min(self.length):.6g} m"
+            )
+        return self
+
+
+class FileSurface(_Table):
+    """Heights read from a file: .npy, or text that numpy.loadtxt reads, shape (nx, ny)."""
+
+    kind: Literal["file"]
+    path: Path = Field(description="file of heights, relative to the scene file")
+    length: Lengths = Field(description='period L, or [Lx, Ly], e.g. "100 um"')
+    unit: Length = Field(default=1.0, description='unit of the heights, e.g. "1 nm"')
+
+
+Surface = Annotated[SelfAffineSurface | FileSurface, Field(discriminator="kind")]
+
+
+class SolidSpec(_Table):
+    """The elastic half-space or block; the rough body is rigid."""
+
+    young: Pressure = Field(description='Young\'s modulus, e.g. "1 GPa"')
+    poisson: Number = Field(gt=-1, le=0.5, description="Poisson ratio, in (-1, 0.5]")
+
+
+class Load(_Table):
+    """The nominal pressure p0, or p* = p0 / (E* h'_rms) with the realised gradient."""
+
+    pressure: Pressure | None = None
+    reduced_pressure: Number | None = Field(default=None, gt=0)
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        _exactly_one(self, ("pressure", "reduced_pressure"))
+        return self
+
+
+Tolerance = Annotated[Number, Field(gt=0, lt=1e-2)]
+
+
+class _Gridded(_Table):
+    grids: Annotated[tuple[Grid, ...], Field(min_length=1)] = Field(
+        description="surface points, e.g. [32, 64]"
+    )
+    tolerance: Tolerance = 1e-8
+    under_resolved: StrictBool = Field(
+        default=False, description="run grids with lambda_short <= 2 dx, labelled"
+    )
+
+
+class BemMethod(_Gridded):
+    """FFT boundary elements on these grids, each on `shifts`^2 sub-grid shifts of the surface."""
+
+    shifts: Annotated[StrictInt, Field(ge=1, le=8)] = 1
+
+
+class FemMethod(_Gridded):
+    """Finite-element block on these surface grids."""
+
+    depth: Length | None = Field(default=None, description="depth of the block; default: the longer period")
+    growth: Number = Field(
+        default=1.2, ge=1, le=4, description="ratio of the thicknesses of successive layers"
+    )
+
+
+class TheoryMethod(_Table):
+    """Persson's theory; it has no settings in an elastic scene."""
+
+
+class Methods(_Table):
+    """Which methods run: those whose table is present, no others."""
+
+    bem: BemMethod | None = None
+    fem: FemMethod | None = None
+    theory: TheoryMethod | None = None
+
+    @model_validator(mode="after")
+    def _some_solver(self) -> Self:
+        if self.bem is None and self.fem is None:
+            raise _wrong("give at least one of the tables [methods.bem] and [methods.fem]")
+        return self
+
+
+class Ensemble(_Table):
+    """Further realisations of the same C(q), by boundary elements, for the scatter between surfaces."""
+
+    realisations: Annotated[StrictInt, Field(ge=2)]
+    grids: Annotated[tuple[Grid, ...], Field(min_length=2)]
+
+
+class EffectSpec(_Table):
+    """A physical effect beyond plain elastic contact of a half-space."""
+
+    kind: Literal["hardness", "adhesion", "thickness", "graded"]
+
+
+class Scene(_Table):
+    """One comparison: a surface, a solid, a load, the methods, and nothing that is not listed.
+
+    Attributes are the tables of the scene file; every quantity is in SI units.
+    """
+
+    name: str = Field(
+        min_length=1, pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", description="names the results folder"
+    )
+    title: str = ""
+    surface: Surface
+    solid: SolidSpec
+    load: Load
+    methods: Methods
+    ensemble: Ensemble | None = None
+    effects: tuple[EffectSpec, ...] = ()
+
+    @model_validator(mode="after")
+    def _grids_resolve(self) -> Self:
+        surface = self.surface
+        if isinstance(surface, FileSurface):
+            if self.ensemble is not None:
+                raise _wrong("ensemble: a measured surface has one realisation; remove the table")
+            return self
+        for name, method in (
+            ("bem", self.methods.bem),
+            ("fem", self.methods.fem),
+            ("ensemble", self.ensemble),
+        ):
+            if method is None or getattr(method, "under_resolved", False):
+                continue
+            for grid in method.grids:
+                check_resolution(f"{name if name == 'ensemble' else 'methods.' + name}.grids", grid, surface)
+        if self.ensemble is not None and self.methods.bem is None:
+            raise _wrong("ensemble: runs by boundary elements; add the table [methods.bem]")
+        return self
+
+    @property
+    def is_random(self) -> bool:
+        """Whether the surface is a realisation of a spectrum C(q), rather than read from a file."""
+        return isinstance(self.surface, SelfAffineSurface)
+
+
+def check_resolution(key: str, grid: tuple[int, int], surface: SelfAffineSurface) -> None:
+    """Refuse a grid with lambda_short <= 2 dx on either axis."""
+    needed = [math.floor(2 * length / surface.lambda_short * (1 + 1e-12)) + 1 for length in surface.length]
+    if any(n < least for n, least in zip(grid, needed, strict=True)):
+        raise _wrong(
+            f"{key} = {list(grid)}: too coarse for lambda_short = {surface.lambda_short:.6g} m; "
+            f"at least {needed} points, or say under_resolved = true in the method's table"
+        )
+
+
+def builtin_scenes() -> tuple[str, ...]:
+    """Names of the scenes that come with the package."""
+    folder = resources.files("validation") / "scenes"
+    return tuple(
+        sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
+    )
+
+
+def scene_text(scene: str) -> tuple[str, Path]:
+    """Text of a built-in scene or a scene file, and the folder its relative paths refer to.
+
+    Raises
+    ------
+    SceneError
+        For a name that is neither.
+    """
+    path = Path(scene)
+    if path.suffix == ".toml" or path.is_file():
+        try:
+            return path.read_text(encoding="utf-8"), path.parent
+        except UnicodeDecodeError:
+            raise SceneError(scene, ["is not UTF-8 text; a scene is a TOML file"]) from None
+        except OSError as error:
+            raise SceneError(scene, [f"cannot be read: {error.strerror}"]) from None
+    if scene in builtin_scenes():
+        entry = resources.files("validation") / "scenes" / f"{scene}.toml"
+        return entry.read_text(encoding="utf-8"), Path()
+    raise SceneError(scene, [f"no such scene; give a .toml file or one of: {', '.join(builtin_scenes())}"])
+
+
+def load_scene(scene: str) -> Scene:
+    """Read and check a scene, built-in by name or from a TOML file by path.
+
+    Raises
+    ------
+    SceneError
+        With one line for each problem: key, value, what is allowed.
+    """
+    text, folder = scene_text(scene)
+    try:
+        data = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise SceneError(scene, [f"is not valid TOML: {error}"]) from None
+    try:
+        checked = Scene.model_validate(data)
+    except ValidationError as error:
+        raise SceneError(scene, _problems(error)) from None
+    if isinstance(checked.surface, FileSurface) and not checked.surface.path.is_absolute():
+        surface = checked.surface.model_copy(update={"path": folder / checked.surface.path})
+        checked = checked.model_copy(update={"surface": surface})
+    return checked
+
+
+def _problems(error: ValidationError) -> list[str]:
+    """List one line for each mistake; an array with a wrong item is not also called too short."""
+    items = error.errors()
+    within = {item["loc"][:depth] for item in items for depth in range(len(item["loc"]))}
+    return [_problem(item) for item in items if item["loc"] not in within]
+
+
+def _problem(item: Any) -> str:
+    """One line for one error of the schema: key = value: what is allowed."""
+    kinds = {"self-affine", "file"}
+    location = [str(part) for part in item["loc"] if part not in kinds]
+    key = ".".join(location)
+    message = str(item["msg"]).replace("Input should be", "must be")
+    if item["type"] == "missing":
+        return f"{key}: missing; {_described(location)}"
+    if item["type"] == "union_tag_not_found":
+        return f"{key}.kind: missing; one of {', '.join(sorted(kinds))}"
+    value = item["input"]
+    if isinstance(value, (dict, BaseModel)):
+        return f"{key}: {message}" if key else message
+    return f"{key} = {value!r}: {message}"
+
+
+def _described(location: list[str]) -> str:
+    """Say what a missing key is, from the description of its field."""
+    tables = (Scene, SelfAffineSurface, FileSurface, SolidSpec, Load, BemMethod, FemMethod, Ensemble)
+    for table in tables:
+        field = table.model_fields.get(location[-1])
+        if field is not None and field.description:
+            return field.description
+    return f"the table [{'.'.join(location)}] is required"
