@@ -185,6 +185,25 @@ def test_pull_off_stress_separates_contact_from_none():
     assert pull_off_stress(Scale(RIM, contact_modulus=MODULUS), interface=interface) == 0
 
 
+@pytest.mark.parametrize("rolloff", ["plateau", "smooth"])
+def test_a_roll_off_may_reach_zero_unless_there_is_tension(rolloff):
+    """Waves far below q_long carry no gradient: where they end makes no difference to contact under load."""
+    shape = {"hurst": 0.8, "q_long": 1e5, "q_short": 1e9, "rolloff": rolloff}
+    interface = Interface(work_of_adhesion=WORK)
+    ends = SelfAffine.from_rms_gradient(0.3, **shape, q_min=1e3), SelfAffine.from_rms_gradient(0.3, **shape)
+    scales = [Scale(rough, contact_modulus=MODULUS) for rough in ends]
+    one, two = (solve_adhesion(scale, pressure=1e4, interface=interface).checked() for scale in scales)
+    assert abs(one.real_area - two.real_area) < one.error_estimate + two.error_estimate
+    assert one.error_estimate < 1e-3
+    assert scales[1].wavevector(scales[1].variance(np.array([3e4, 1e7]))) == pytest.approx(
+        [3e4, 1e7], rel=1e-9
+    )
+    with pytest.raises(InvalidInput, match="q_min"):
+        solve_adhesion(scales[1], pressure=-1.0, interface=interface)
+    with pytest.raises(InvalidInput, match="q_min"):
+        pull_off_stress(scales[1], interface=interface)
+
+
 def test_hardness_beyond_reach_changes_nothing_and_a_low_one_yields():
     elastic = rim()
     hard = rim(yield_stress=1e9)
