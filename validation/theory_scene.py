@@ -25,10 +25,10 @@ from validation.scene import (
     Pressure,
     SolidSpec,
     _exactly_one,
-    _problems,
     _quantity,
     _Table,
     _wrong,
+    scene_problems,
 )
 
 if TYPE_CHECKING:
@@ -215,7 +215,7 @@ def load_theory_scene(scene: str) -> TheoryScene:
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise SceneError(scene, [f"is not valid TOML: {error}"]) from None
     except ValidationError as error:
-        raise SceneError(scene, _problems(error)) from None
+        raise SceneError(scene, scene_problems(error)) from None
 
 
 @dataclass(frozen=True, kw_only=True)
