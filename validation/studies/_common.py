@@ -22,15 +22,21 @@ if TYPE_CHECKING:
     from validation.jobs import NumbersJob
 
 __all__ = [
+    "LEAST_POINTS_PER_WAVE",
     "ResultTable",
     "at_least",
     "base_surface",
+    "ladder",
     "measure",
     "over_surfaces",
     "persson_area",
     "rising",
     "solid_of",
 ]
+
+
+#: Grids coarser than this, as lambda_short/dx, are left out of every limit.
+LEAST_POINTS_PER_WAVE = 3.0
 
 
 def base_surface(*, hurst: float, size: float, ratio: float, seed: int) -> SelfAffineSurface:
@@ -84,6 +90,25 @@ def rising(name: str, values: Sequence[float]) -> tuple[float, ...]:
     if not values or any(not v > 0 for v in values) or any(np.diff(values) <= 0):
         raise UsageError(f"{name} = {', '.join(f'{v:g}' for v in values)}: must be positive and rising")
     return tuple(float(v) for v in values)
+
+
+def ladder(name: str, values: Sequence[float], *, shifts: int = 2) -> tuple[float, ...]:
+    """Return grids, as lambda_short/dx, that a limit can be taken over.
+
+    Raises
+    ------
+    UsageError
+        If they do not rise, or are fewer than three solves on two grids of at least 3 points per wave.
+    """
+    grids = rising(name, values)
+    at_least("shifts", shifts, 1)
+    resolved = [n for n in grids if n >= LEAST_POINTS_PER_WAVE]
+    if len(resolved) < 2 or len(resolved) * shifts**2 < 3:
+        raise UsageError(
+            f"{name} = {', '.join(f'{v:g}' for v in values)} with shifts = {shifts}: a limit over grids needs three solves on "
+            f"two grids of at least {LEAST_POINTS_PER_WAVE:g} points per wave"
+        )
+    return grids
 
 
 def at_least(name: str, value: int, least: int) -> int:

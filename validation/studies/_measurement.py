@@ -17,6 +17,7 @@ from fem_contact.stress import density_at_zero
 from fem_contact.surface import HeightField
 from validation.jobs import NumbersJob, Prediction
 from validation.scene import SelfAffineSurface, SolidSpec
+from validation.studies._common import LEAST_POINTS_PER_WAVE
 from validation.surfaces import height_field, reference_field, spectrum_of
 
 if TYPE_CHECKING:
@@ -255,7 +256,9 @@ def _read_off(result: ContactResult) -> dict[str, float]:
     }
 
 
-def area_limits(dataset: xr.Dataset, *, least_points_per_wave: float = 3.0) -> tuple[np.ndarray, np.ndarray]:
+def area_limits(
+    dataset: xr.Dataset, *, least_points_per_wave: float = LEAST_POINTS_PER_WAVE
+) -> tuple[np.ndarray, np.ndarray]:
     """Limit of A/A0 over the grids of one measurement, and its standard error, for each load.
 
     Parameters
@@ -265,8 +268,7 @@ def area_limits(dataset: xr.Dataset, *, least_points_per_wave: float = 3.0) -> t
     least_points_per_wave : float
         Coarser grids are left out.
     """
-    keep = dataset.points_per_wave.values >= least_points_per_wave
-    lx = 1.0
+    keep = dataset.points_per_wave.values >= least_points_per_wave * (1 - 1e-9)
     limits, errors = [], []
     for k in range(dataset.sizes["load"]):
         areas = [
@@ -276,7 +278,7 @@ def area_limits(dataset: xr.Dataset, *, least_points_per_wave: float = 3.0) -> t
                 edge_length=np.nan,
                 edge_fraction=float(dataset.edge_fraction[i, j, k]),
                 edge_constant=EDGE_CONSTANTS["bem"],
-                spacing=(lx / int(dataset.points[i]), lx / int(dataset.points[i])),
+                spacing=(1 / int(dataset.points[i]), 1 / int(dataset.points[i])),
             )
             for i in np.flatnonzero(keep)
             for j in range(dataset.sizes["shift"])

@@ -12,7 +12,7 @@ from fem_contact.area import EDGE_CONSTANTS, ContactAreas, limit_area
 from validation.bench import Bench
 from validation.drawing import Drawing
 from validation.studies._block import BlockMeasurement
-from validation.studies._common import ResultTable, at_least, base_surface, measure, rising, solid_of
+from validation.studies._common import ResultTable, at_least, base_surface, ladder, measure, solid_of
 from validation.studies._measurement import Measurement, area_limits, grid_for
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def run(
     import xarray as xr
 
     at_least("surfaces", surfaces, 2)
-    points_per_wave, held_out = rising("points_per_wave", points_per_wave), rising("held_out", held_out)
+    points_per_wave, held_out = ladder("points_per_wave", points_per_wave), ladder("held_out", held_out)
     surface, solid = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed), solid_of(scene)
     ladders = [
         [

@@ -14,9 +14,9 @@ from validation.studies._common import (
     ResultTable,
     at_least,
     base_surface,
+    ladder,
     measure,
     persson_area,
-    rising,
     solid_of,
 )
 from validation.studies._grid_roughness import GridRoughness
@@ -78,7 +78,7 @@ def run(
     import xarray as xr
 
     at_least("surfaces", surfaces, 2)
-    points_per_wave = rising("points_per_wave", points_per_wave)
+    points_per_wave = ladder("points_per_wave", points_per_wave, shifts=shifts)
     surface, solid = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed), solid_of(scene)
     grids = tuple(grid_for(surface, points) for points in points_per_wave)
     pressures = (reduced_pressure,)
