@@ -6,10 +6,13 @@ import hashlib
 import itertools
 import json
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
 
 from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
@@ -20,7 +23,7 @@ from validation.surfaces import file_digest, height_field, reference_field
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Job", "execute", "jobs_of", "nominal_pressure"]
+__all__ = ["AnyJob", "Job", "NumbersJob", "Prediction", "execute", "jobs_of", "nominal_pressure", "warm_up"]
 
 #: Raised when a change of the code changes results, so that stored ones are not mistaken for new ones.
 RESULTS_VERSION = 1
@@ -209,6 +212,16 @@ def execute(job: Job, *, threads: int | None = None) -> Solved:
 
     solution = block.solve(field, solid, mean_pressure=pressure, **({"method": "full"} | settings))
     return Solved(contact=solution.contact, block=solution)
+
+
+def warm_up(jobs: Sequence[AnyJob]) -> None:
+    """Load the compiled passes of the methods that jobs use, so that no solve is charged with it."""
+    if any(isinstance(job, NumbersJob) or job.method == "bem" for job in jobs):
+        from fem_contact import bem
+        from fem_contact.response import HalfSpace
+
+        bump = HeightField(heights=np.pad([[1.0]], ((0, 7), (0, 7))), lengths=(1.0, 1.0))
+        bem.solve(bump, HalfSpace(solid=Solid(young=1.0, poisson=0.0)), mean_pressure=0.01, threads=1)
 
 
 def block_file(folder: Path, job: Job) -> Path:

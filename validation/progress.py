@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from validation.jobs import AnyJob
 
-__all__ = ["Bar"]
+__all__ = ["Bar", "steps_bar"]
 
 
 class Bar:
@@ -33,11 +35,11 @@ class Bar:
         self._weights: dict[str, float] = {}
 
     def __enter__(self) -> Bar:
-        self._progress.start()
         return self
 
     def __exit__(self, *exc: object) -> None:
-        self._progress.stop()
+        if self._progress.tasks:
+            self._progress.stop()
 
     def start(self, missing: tuple[AnyJob, ...], stored: int) -> None:
         """Show the bar over the jobs still to be done."""
@@ -45,6 +47,8 @@ class Bar:
 
         self._weights = {job.key: predicted_cost(job).seconds for job in missing}
         total = sum(self._weights.values())
+        # Not earlier: what is refused before anything runs leaves no empty bar behind.
+        self._progress.start()
         self._task = self._progress.add_task(f"{stored} solves found finished", total=total)
 
     def begin(self, job: AnyJob) -> None:
@@ -58,3 +62,19 @@ class Bar:
     def note(self, text: str) -> None:
         """Print a line above the bar."""
         self._console.print(f"fem-contact: {text}", markup=False, soft_wrap=True)
+
+
+@contextlib.contextmanager
+def steps_bar(count: int | None, *, quiet: bool) -> Iterator[Callable[[str], None]]:
+    """Progress bar over named steps; yields what is to be called before each."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("{task.description:.60}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), disable=quiet) as progress:
+        task = progress.add_task("", total=count, completed=-1)
+
+        def tell(name: str) -> None:
+            progress.update(task, advance=1, description=name)
+
+        yield tell

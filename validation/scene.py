@@ -45,6 +45,7 @@ __all__ = [
     "load_scene",
     "scene_problems",
     "scene_text",
+    "unit_registry",
 ]
 
 _QUANTITY = re.compile(
@@ -74,7 +75,7 @@ def _quantity(unit: str, kind: str, example: str) -> BeforeValidator:
         import pint
 
         try:
-            return float(_units().Quantity(Fraction(number), symbol).to(unit).magnitude)
+            return float(unit_registry().Quantity(Fraction(number), symbol).to(unit).magnitude)
         except pint.DimensionalityError:
             raise _wrong(f"is not a {kind}; {allowed}") from None
         except Exception:  # the parser of unit names raises whatever its tokens lead to
@@ -85,12 +86,12 @@ def _quantity(unit: str, kind: str, example: str) -> BeforeValidator:
 
 Length = Annotated[float, _quantity("m", "length", "0.5 um"), Field(gt=0)]
 Pressure = Annotated[float, _quantity("Pa", "pressure", "10 MPa"), Field(gt=0)]
-Memory = Annotated[float, _quantity("byte", "amount of memory", "4 GiB"), Field(ge=1)]
+Memory = Annotated[float, _quantity("byte", "memory size", "4 GiB"), Field(ge=1)]
 Number = Annotated[float, Field(strict=True)]
 
 
 @functools.cache
-def _units() -> pint.UnitRegistry[Fraction]:
+def unit_registry() -> pint.UnitRegistry[Fraction]:
     """Return the unit registry, built on the first unit read; exact, so that "100 um" is 1e-4."""
     import pint
 
@@ -287,6 +288,7 @@ class RunOptions(_Table):
     store: Path | None = Field(default=None, description="folder of finished solves, shared between runs")
     output: Path | None = Field(default=None, description="results folder; default: results/<name>")
     quiet: StrictBool = Field(default=False, description="no progress bar")
+    pictures: StrictBool = Field(default=True, description="3-D pictures in the report")
 
     @model_validator(mode="after")
     def _one_place(self) -> Self:

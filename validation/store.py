@@ -21,7 +21,7 @@ from validation.jobs import AnyJob, NumbersJob, recipe_text
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Store", "atomic_path", "prepare_folder", "remove_drafts"]
+__all__ = ["Store", "atomic_path", "prepare_folder", "read_result", "remove_drafts"]
 
 _FIELDS = {
     "pressure": ("Pa", "contact pressure, compression positive"),
@@ -75,7 +75,7 @@ class Store:
         if not path.exists():
             return None
         try:
-            return _numbers(path) if isinstance(job, NumbersJob) else _from_file(path)
+            return _numbers(path) if isinstance(job, NumbersJob) else read_result(path)
         except Exception as error:
             # What a damaged HDF5 file raises depends on the byte: anything but a result is damage.
             if isinstance(error, OSError) and error.errno in _NOT_DAMAGE:
@@ -156,7 +156,8 @@ def _attributes(job: AnyJob, result: ContactResult) -> dict[str, Any]:
     }
 
 
-def _from_file(path: Path) -> ContactResult:
+def read_result(path: Path) -> ContactResult:
+    """Read one stored solve; whatever is wrong with the file raises."""
     import netCDF4
 
     with netCDF4.Dataset(path) as file:

@@ -150,7 +150,6 @@ class Measurement(NumbersJob):
         """Solve everything and keep the numbers; dimensions (grid, shift, load)."""
         import xarray as xr
 
-        self._warm_up()
         steps = [k / self.shifts for k in range(self.shifts)]
         offsets = list(itertools.product(steps, steps))
         shape = (len(self.grids), len(offsets), len(self.reduced_pressures))
@@ -187,19 +186,6 @@ class Measurement(NumbersJob):
     @property
     def _modulus(self) -> float:
         return Solid(**self.solid.model_dump()).contact_modulus
-
-    def _warm_up(self) -> None:
-        """Load the compiled kernels, so that the first solve is timed like the others."""
-        from fem_contact import bem
-        from fem_contact.response import HalfSpace
-
-        heights = np.cos(2 * np.pi * np.arange(16) / 16)[:, None] * np.ones(16)
-        bem.solve(
-            HeightField(heights=heights, lengths=(1.0, 1.0)),
-            HalfSpace(solid=Solid(young=1.0, poisson=0.0)),
-            mean_pressure=0.5,
-            threads=1,
-        )
 
     def _path(self, grid: Grid, shift: tuple[float, float]) -> Iterator[ContactResult]:
         """Solve the loads of one grid in order, each from the one before; only one result is held at a time."""
