@@ -62,7 +62,7 @@ def solve(
     threads : int, optional
         Threads of transforms and of the passes between them; all available processors if not given.
     method : {"preconditioned", "mixed", "polonsky-keer"}
-        "mixed" preconditions in single precision, which is faster and changes only the way to the answer.
+        "mixed" preconditions in single precision, which saves memory and changes only the way to the answer.
         "polonsky-keer" is slow, plain, and there to check the others; it knows no bound.
 
     Returns

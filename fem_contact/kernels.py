@@ -23,7 +23,7 @@ _OPTIONS = {"cache": True, "nogil": True, "fastmath": {"reassoc", "contract", "n
 _PARTS = (0.0, 1.0, 1 / 2, 1 / 3, 1 / 4)
 
 #: Share of a value that the extension keeps per level; see `complementarity`.
-DECAY = 0.77
+DECAY = 0.74
 
 
 @njit(**_OPTIONS)

@@ -136,7 +136,7 @@ def test_peers_failure_the_same_seed_on_a_finer_grid_is_another_surface() -> Non
 
 @pytest.mark.parametrize("shape", [(45, 64), (64, 45), (45, 45)])
 def test_tamaas_failure_displacement_on_an_odd_first_axis(shape: tuple[int, int]) -> None:
-    """There the gap under contact is off by 1e-4 h_rms; here a complex transform judges it wave by wave."""
+    """The gap under its contacts is off by 1e-4 h_rms; here a complex transform is the judge."""
     surface = shared_surface(shape)
     result = solve(surface, SOFT, mean_pressure=0.1, tolerance=1e-10).checked()
     qx, qy = (2 * np.pi * np.fft.fftfreq(n, 1 / n) for n in shape)
