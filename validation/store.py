@@ -129,8 +129,8 @@ def _to_file(path: Path, job: AnyJob, result: ContactResult) -> None:
                 variable = file.createVariable(name, values[name].dtype, ("x", "y"), **options)
                 variable.setncatts({"units": unit, "long_name": words})
                 variable[...] = values[name]
-    except RuntimeError as error:
-        # The library says "HDF error" for whatever the system refused it.
+    except (RuntimeError, PermissionError) as error:
+        # The library says "HDF error" or "Permission denied" for whatever the system refused it.
         if _is_full(path.parent, 2 * sum(array.nbytes for array in values.values())):
             raise OSError(errno.ENOSPC, "No space left on device") from error
         raise
