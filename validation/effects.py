@@ -39,7 +39,7 @@ HANDLED_BY: dict[str, frozenset[str]] = {
 # Measured on one thread, in units of a pair of real 256 x 256 transforms, which tells one machine from
 # another.
 #: What a solve costs whatever its grid: surface, set-up, storing.
-_FIXED_PAIRS = 20.0
+_FIXED_PAIRS = 26.0
 #: Boundary elements, per pair of transforms on the grid; 25 to 30 are needed, and the passes between them
 #: cost.
 _BEM_PAIRS = 80.0
