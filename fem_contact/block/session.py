@@ -46,7 +46,7 @@ _METHODS = {
 }
 
 #: Peak bytes per unknown of the full system, by order: stiffness, its reduced copy, hierarchy, assembly.
-_BYTES_PER_UNKNOWN = {1: 4800, 2: 14000}
+_BYTES_PER_UNKNOWN = {1: 5200, 2: 14000}
 
 #: Peak bytes per unknown of a block whose modulus varies sideways: some twenty fields.
 _BYTES_PER_FREE_UNKNOWN = 200
