@@ -247,3 +247,50 @@ def test_a_path_up_and_down_equals_its_single_solves(method: str) -> None:
 def test_a_load_that_cannot_be_is_refused_before_the_path_starts() -> None:
     with pytest.raises(InvalidInput, match="mean_pressure"):
         solve_path(rough((10, 10)), SOLID, mean_pressures=[1e5, -1.0])
+
+
+def _crust(x, y, z):
+    return np.where(z > -2e-6, 1e4, 1.0)
+
+
+def _alternating(x, y, z):
+    return np.where(np.arange(z.size) % 2 == 0, 1e4, 1.0)[None, None]
+
+
+HARD = {
+    "stiff crust, contrast 1e4": {"modulus": _crust},
+    "alternating layers, contrast 1e4": {"modulus": _alternating},
+    "depth L/100": {"depth": 1e-7},
+    "depth 10 L": {"depth": 1e-4},
+    "nearly no load": {"reduced": 1e-5},
+    "nearly full contact": {"reduced": 0.9},
+    "locking element, nearly incompressible": {"solid": Solid(young=3e9, poisson=0.4999), "element": "Hex1"},
+    "negative Poisson ratio": {"solid": Solid(young=3e9, poisson=-0.9)},
+}
+
+
+@pytest.mark.parametrize("name", HARD)
+def test_hard_cases_have_one_solution_by_both_methods(name: str) -> None:
+    surface = rough((12, 10), (1e-5, 1e-5))
+    full = press(surface, **(HARD[name] | {"method": "full", "tolerance": 1e-10})).contact.checked()
+    reduced = press(surface, **HARD[name]).contact.checked()
+    assert np.linalg.norm(full.pressure - reduced.pressure) < 1e-8 * np.linalg.norm(full.pressure)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("element", ["Hex1", "Hex2"])
+def test_flat_cells_have_one_solution_by_both_methods(element: str) -> None:
+    surface = rough((12, 10), (1e-5, 1e-5))
+    flat = {"depth": 1e-6, "first_layer": 1e-8, "growth": 2.0, "element": element}
+    full = press(surface, method="full", **(flat | {"tolerance": 1e-10})).contact.checked()
+    reduced = press(surface, **flat).contact.checked()
+    assert np.linalg.norm(full.pressure - reduced.pressure) < 1e-8 * np.linalg.norm(full.pressure)
+
+
+def test_quantised_heights_with_ties_agree() -> None:
+    surface = rough((20, 20))
+    step = surface.rms_height / 2
+    quantised = HeightField(heights=np.round(surface.heights / step) * step, lengths=surface.lengths)
+    full = press(quantised, method="full", tolerance=1e-10).contact.checked()
+    reduced = press(quantised).contact.checked()
+    assert np.linalg.norm(full.pressure - reduced.pressure) < 1e-8 * np.linalg.norm(full.pressure)
