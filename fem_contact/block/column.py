@@ -84,11 +84,17 @@ def _functions(phase: Array) -> Array:
     return np.stack([np.ones_like(phase), np.cos(half), np.cos(phase), np.sin(half), np.sin(phase)], axis=1)
 
 
-def element_matrices(mesh: BlockMesh, poisson: float) -> tuple[Array, Array]:
-    """Element matrices (nz, m, m) of the column, and the local nodes' offsets (n, 3) in half cells."""
+def element_matrices(
+    mesh: BlockMesh, poisson: float, *, condensed: bool = False
+) -> tuple[Array, NDArray[np.int64]]:
+    """Element matrices (nz, m, m) of the column, and the local nodes' offsets (n, 3) in half cells.
+
+    Discontinuous linear pressures are unknowns of their own behind the displacements, unless they are
+    `condensed`.
+    """
     basis, element = mesh.column(), mesh.element
     forms = LocalForms.integrate(basis, element)
-    nodes, mixed = basis.Nbfun, element.pressures == 4
+    nodes, mixed = basis.Nbfun, element.pressures == 4 and not condensed
     pressures = element.pressures if mixed else 0
     matrices = np.zeros((mesh.nz, 3 * nodes + pressures, 3 * nodes + pressures))
     second = 0.5 / (1 + poisson)

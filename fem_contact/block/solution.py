@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact.block.elements import lame
+from fem_contact.block.equilibrium import Equilibrium, measure_equilibrium
 from fem_contact.block.fields import CellLayer, FieldSource
 from fem_contact.block.mesh import BlockMesh
 from fem_contact.contact import ContactResult
@@ -124,6 +125,16 @@ class BlockSolution:
         """Elastic energy per nominal area [J/m^2]: half of pressure times displacement."""
         work = self.contact.pressure * self.contact.displacement
         return 0.5 * float(np.mean(work if self.contact.weights is None else work * self.contact.weights))
+
+    def equilibrium(self) -> Equilibrium:
+        """Check the field against the element matrices: forces that nothing balances, and the energy stored.
+
+        Raises
+        ------
+        InvalidInput
+            For the incompressible solid, whose element matrices are not finite.
+        """
+        return measure_equilibrium(self)
 
     def _size(self, layer: CellLayer) -> tuple[float, float, float]:
         return *self.cell_size, float(self.layers[layer.index])
