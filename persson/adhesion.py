@@ -1,10 +1,9 @@
 """Adhesive contact: effective work of adhesion, detachment stress and contact area, solved together.
 
 Persson 2006, Secs. 8.1-8.6 and 9. At each magnification the contact may carry tension up to sigma_a, which
-depends on
-the adhesive energy left after paying for the elastic deformation on all shorter scales; that energy depends
-on the area
-of contact on all shorter scales, which depends on sigma_a. The loop is closed by a fixed-point iteration.
+depends on the adhesive energy left after paying for the elastic deformation on all shorter scales; that
+energy depends on the area of contact on all shorter scales, which depends on sigma_a. The loop is closed by
+a fixed-point iteration.
 """
 
 from __future__ import annotations
@@ -33,7 +32,6 @@ __all__ = [
     "crossover_length",
     "detachment_stress",
     "opening_work",
-    "pull_off_stress",
     "solve_adhesion",
 ]
 
@@ -53,9 +51,8 @@ class Interface:
     work_of_adhesion : float
         Delta gamma [J/m^2] of flat surfaces.
     energy : {"improved", "old", "as_printed"}
-        Elastic energy at partial contact: Persson 2006, Eqs. 44-49 ("improved"), Eq. 43 ("old"), or Eq. 50 as
-        it is
-        printed, which differs from Eq. 48 under load ("as_printed").
+        Elastic energy at partial contact: Persson 2006, Eqs. 44-49 ("improved"), Eq. 43 ("old"), or Eq. 50
+        as it is printed, which differs from Eq. 48 under load ("as_printed").
     area : {"star", "projected"}
         Whether the contact areas of Eq. 37 carry the slope factor of `persson.spectrum.area_factor` ("star").
     alpha : float
@@ -256,6 +253,7 @@ def solve_adhesion(
     pressure: float,
     interface: Interface,
     yield_stress: float | Callable[[Array], Array] | None = None,
+    start: AdhesiveContact | None = None,
     tolerance: float = 1e-6,
     rounds: int = 150,
 ) -> AdhesiveContact:
@@ -274,8 +272,10 @@ def solve_adhesion(
         Work of adhesion and the reading of the theory.
     yield_stress : float or callable, optional
         Hardness [Pa], constant or as a function of q that does not decrease (Persson 2006, Sec. 9). Yielded
-        contact adheres;
-        only elastic contact stores energy.
+        contact adheres; only elastic contact stores energy.
+    start : AdhesiveContact, optional
+        A state to continue from, such as that at a smaller tension. Without load the bodies are otherwise
+        taken to have been pressed together first.
     tolerance : float
         Change of area and of gamma_eff / Delta gamma at which the iteration stops.
     rounds : int
@@ -294,8 +294,8 @@ def solve_adhesion(
     Notes
     -----
     Persson 2006, Eqs. 35-50. With 2 pi q^3 C E*^2/4 dq = dV, Eq. 43 becomes the integral above. Where
-    adhesion sets in under
-    load sigma_a starts like a square root; nodes are dense there and the steps are even in its argument.
+    adhesion sets in under load sigma_a starts like a square root; nodes are dense there and the steps are
+    even in its argument.
     """
     reference = float(scale.variance(scale.q_short))
     case = _Case(
@@ -305,7 +305,8 @@ def solve_adhesion(
         yield_stress=yield_stress,
         reference=reference,
     )
-    start = None if case.pressure > 0 else _approach(case, tolerance, rounds)
+    if start is None and case.pressure <= 0:
+        start = _approach(replace(case, pressure=0.0), tolerance, rounds)
     coarse: AdhesiveContact | None = None
     for spacing in _SPACINGS:
         start = start if coarse is None else coarse
@@ -323,8 +324,8 @@ def _approach(case: _Case, tolerance: float, rounds: int) -> AdhesiveContact | N
     """Contact under a load that is taken away in steps: where it sticks, a start for the case without load.
 
     Without load the equations also have the solution of no contact, and an iteration started anywhere falls
-    into it. The
-    state left by a vanishing load decides: adhesion holds if its macroscopic energy is positive.
+    into it. The state left by a vanishing load decides: adhesion holds if its macroscopic energy is
+    positive.
     """
     scale, gamma = case.scale, case.interface.work_of_adhesion
     largest = math.sqrt(case.interface.alpha * gamma * float(scale.modulus(scale.q_min)) * scale.q_min)
@@ -485,25 +486,3 @@ def _empty(case: _Case, nodes: _Nodes, count: int) -> AdhesiveContact:
         rounds=count,
         status=AdhesionStatus.NO_CONTACT,
     )
-
-
-def pull_off_stress(scale: Scale, *, interface: Interface, tolerance: float = 1e-3) -> float:
-    """Largest nominal tension [Pa], as a positive number, at which contact still exists; 0 without adhesion.
-
-    Found by bisection between no load and the detachment stress of the macroscopic interface, to `tolerance`
-    relative to
-    the latter.
-    """
-    free = solve_adhesion(scale, pressure=0.0, interface=interface)
-    if free.status is AdhesionStatus.NO_CONTACT:
-        return 0.0
-    low, high = 0.0, float(free.tensile_limit[0])
-    span = high
-    while high - low > tolerance * span:
-        middle = 0.5 * (low + high)
-        held = solve_adhesion(scale, pressure=-middle, interface=interface)
-        if held.status is AdhesionStatus.NO_CONTACT:
-            high = middle
-        else:
-            low = middle
-    return low

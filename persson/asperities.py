@@ -1,8 +1,8 @@
 """Contact as a sum over independent asperities (Persson 2006, Secs. 3.2 and 3.3).
 
 Greenwood and Williamson (1966) with equal spheres, Bush, Gibson and Thomas (1975) with the ellipsoidal
-summits of a
-Gaussian surface, Fuller and Tabor (1975) with adhesion. The statistics of summits are those of Nayak (1971).
+summits of a Gaussian surface, Fuller and Tabor (1975) with adhesion. The statistics of summits are those of
+Nayak (1971).
 """
 
 from __future__ import annotations
@@ -185,10 +185,9 @@ def bush_gibson_thomas(separation: ArrayLike, *, moments: Moments, contact_modul
     Notes
     -----
     Bush, Gibson and Thomas, Wear 35, 87 (1975), with Nayak's joint distribution of summit height and
-    curvatures. As d grows
-    A/A0 tends to sqrt(2 pi) p0 / (E* h'_rms), the slower the larger the Nayak parameter; it leaves that limit
-    already at very
-    small areas (Carbone and Bottiglione, J. Mech. Phys. Solids 56, 2555, 2008).
+    curvatures. As d grows A/A0 tends to sqrt(2 pi) p0 / (E* h'_rms), the slower the larger the Nayak
+    parameter; it leaves that limit already at very small areas (Carbone and Bottiglione, J. Mech. Phys.
+    Solids 56, 2555, 2008).
     """
     modulus = positive("contact_modulus", contact_modulus, unit="Pa")
     alpha = moments.nayak

@@ -41,9 +41,8 @@ class GradedModulus:
     Notes
     -----
     Persson 2006, Sec. 5: a weighting by the decay of the deformation field, best where E changes little over
-    1/q. An
-    instance goes to `persson.scale.Scale` as its modulus, and from there into sigma_a and the elastic energy
-    too.
+    1/q. An instance goes to `persson.scale.Scale` as its modulus, and from there into sigma_a and the
+    elastic energy too.
 
     Examples
     --------

@@ -188,8 +188,7 @@ def nix_gao_hardness(depth: ArrayLike, *, bulk: float, length: float) -> Array:
     Notes
     -----
     Nix and Gao, J. Mech. Phys. Solids 46, 411 (1998): H_0 = 581 MPa and h* = 1.60 um for (111) copper single
-    crystals,
-    834 MPa and 0.464 um for cold-worked polycrystalline copper.
+    crystals, 834 MPa and 0.464 um for cold-worked polycrystalline copper.
 
     Examples
     --------

@@ -37,9 +37,9 @@ class Scale:
 
     Notes
     -----
-    V = (1/4) int E*^2 2 pi q^3 C dq (Persson 2006, Eqs. 17 and 18). With a constant modulus it is exact; with
-    a graded one
-    it is summed over the table's intervals, each with the exact moment of the spectrum and the mean of E*^2.
+    V = (1/4) int E*^2 2 pi q^3 C dq (Persson 2006, Eqs. 17 and 18). With a constant modulus it is exact;
+    with a graded one it is summed over the table's intervals, each with the exact moment of the spectrum and
+    the mean of E*^2.
     """
 
     def __init__(self, spectrum: Spectrum, *, contact_modulus: float | Callable[[Array], Array]) -> None:

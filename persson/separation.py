@@ -41,8 +41,7 @@ def mean_separation(pressure: ArrayLike, *, scale: Scale, energy_ratio: float = 
     Notes
     -----
     The work of the load is stored elastically, p du = -dU (Persson, Phys. Rev. Lett. 99, 125502, 2007; Yang
-    and Persson,
-    J. Phys. Condens. Matter 20, 215214, 2008), with dV = (E*^2/4) 2 pi q^3 C dq.
+    and Persson, J. Phys. Condens. Matter 20, 215214, 2008), with dV = (E*^2/4) 2 pi q^3 C dq.
     """
     if not 0 < energy_ratio <= 1:
         raise InvalidInput(f"energy_ratio = {energy_ratio!r}: must lie in (0, 1]")
@@ -96,9 +95,8 @@ def macroasperity_magnification(
     Raises
     ------
     OutsideTheory
-        For a spectrum that begins or bends with a kink, which would itself be the point of largest curvature,
-        or where the
-        curvature has no maximum inside the spectrum.
+        For a spectrum that begins or bends with a kink, which would itself be the point of largest
+        curvature, or where the curvature has no maximum inside the spectrum.
     """
     q0 = positive("q_reference", q_reference, unit="1/m")
     if getattr(spectrum, "rolloff", "smooth") != "smooth":

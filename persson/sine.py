@@ -1,8 +1,7 @@
 """The sine expansion of the stress distribution between two walls (Persson 2006, Sec. 9): a second method.
 
 Exact for walls that stand still, slow and of algebraic accuracy for walls that move; use `persson.diffusion`
-for work and
-this module to check it.
+for work and this module to check it.
 """
 
 from __future__ import annotations

@@ -153,8 +153,7 @@ def maugis_pull_off(tabor: float) -> float:
     Notes
     -----
     Maugis, J. Colloid Interface Sci. 150, 243 (1992); the load is minimised along his two equations, which
-    are quadratic in
-    the contact radius at a given ratio m of the outer to the inner radius.
+    are quadratic in the contact radius at a given ratio m of the outer to the inner radius.
 
     Examples
     --------
@@ -206,9 +205,8 @@ class DoubleHertz:
 
     Notes
     -----
-    Persson 2006, App. B, after Greenwood and Johnson, J. Phys. D 31, 3279 (1998). Forces carry the factor a^2
-    that the paper
-    leaves out by setting a = 1.
+    Persson 2006, App. B, after Greenwood and Johnson, J. Phys. D 31, 3279 (1998). Forces carry the factor
+    a^2 that the paper leaves out by setting a = 1.
 
     Examples
     --------

@@ -1,8 +1,7 @@
 """Contact area with a corrected elastic energy: variants of the theory, beside the original.
 
 Under partial contact less energy is stored than full contact of the same area would store. The variants let
-the stress
-variance grow by dV = S(P) dV_full, with P the relative contact area: S = 1 is the theory of 2001.
+the stress variance grow by dV = S(P) dV_full, with P the relative contact area: S = 1 is the theory of 2001.
 """
 
 from __future__ import annotations
@@ -38,8 +37,7 @@ def energy_factor(area: ArrayLike, *, variant: Variant, energy_ratio: float = EN
         P = A/A0 in [0, 1].
     variant : {"persson", "yang_persson", "wang_mueser"}
         1; g + (1 - g) P^2 (Yang and Persson, J. Phys. Condens. Matter 20, 215214, 2008); 5/9 - 2/9 P^2 + 6/9
-        P^4 (Wang
-        and Mueser, Lubricants 5, 35, 2017).
+        P^4 (Wang and Mueser, Lubricants 5, 35, 2017).
     energy_ratio : float
         g of Yang and Persson.
     """
