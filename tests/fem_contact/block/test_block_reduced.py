@@ -5,7 +5,7 @@ import pytest
 
 from fem_contact.block import BlockSolution, solve, solve_displacement, solve_path
 from fem_contact.block.fields import ArraySource
-from fem_contact.errors import InvalidInput
+from fem_contact.errors import InsufficientMemory, InvalidInput
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 
@@ -309,3 +309,15 @@ def test_quantised_heights_with_ties_agree() -> None:
     full = press(quantised, method="full", tolerance=1e-10).contact.checked()
     reduced = press(quantised).contact.checked()
     assert np.linalg.norm(full.pressure - reduced.pressure) < 1e-8 * np.linalg.norm(full.pressure)
+
+
+def test_field_beyond_memory_is_refused_while_layers_still_flow(monkeypatch: pytest.MonkeyPatch) -> None:
+    import psutil
+
+    solution = press(rough((16, 16)))
+    scarce = psutil.virtual_memory()._replace(available=1000)
+    monkeypatch.setattr(psutil, "virtual_memory", lambda: scarce)
+    for ask in (lambda: solution.field, solution.stress, solution.strain):
+        with pytest.raises(InsufficientMemory, match="stress_layers"):
+            ask()
+    assert sum(1 for _ in solution.stress_layers()) == solution.layers.size
