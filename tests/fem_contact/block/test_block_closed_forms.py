@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
 
-from fem_contact.block import solve
+from fem_contact.area import contact_areas
+from fem_contact.block import ELEMENTS, solve
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 
@@ -89,3 +90,22 @@ def test_one_row_of_nodes_is_plane_strain() -> None:
             solve(surface, solid, mean_pressure=0.01, tolerance=1e-11).contact.checked().pressure[:, 0]
         )
     np.testing.assert_allclose(pressures[0], pressures[1], atol=1e-9 * pressures[1].max())
+
+
+@pytest.mark.parametrize(
+    ("name", "poisson"),
+    [("Hex1", 0.3), ("Hex1/P0", 0.45), pytest.param("Hex2", 0.3, marks=pytest.mark.slow)],
+)
+def test_edge_constant_makes_the_counted_area_right_on_average(name: str, poisson: float) -> None:
+    excess, fraction, places = [], [], 16
+    for shift in 2 * np.random.default_rng(23).random((places, 2)):
+        contact = press_paraboloid(96, 1 / 8, shift=tuple(shift), poisson=poisson, element=name, growth=1.05)[
+            0
+        ]
+        areas = contact_areas(contact)
+        excess.append(areas.pixel - np.pi / 64)
+        fraction.append(areas.edge_fraction)
+    scatter = np.std(excess, ddof=1) / np.mean(fraction) / np.sqrt(places)
+    constant = np.mean(excess) / np.mean(fraction)
+    assert constant == pytest.approx(ELEMENTS[name].edge_constant, abs=3.5 * scatter)
+    assert scatter < 0.015
