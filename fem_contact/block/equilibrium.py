@@ -58,7 +58,7 @@ def measure_equilibrium(solution: BlockSolution) -> Equilibrium:
     for layer in solution.source.descend():
         nodes = layer.nodes / width
         modulus = 1.0 if solution.modulus is None else solution.modulus[:, :, layer.index].reshape(-1, 1)
-        forces, stored = _layer_forces(mesh, nodes, matrices[layer.index], offsets, modulus)
+        forces, stored = _layer_forces(mesh, nodes, matrices[layer.index], offsets=offsets, modulus=modulus)
         energy += stored
         forces[-1] += above
         squared += float(np.sum(forces[1:] ** 2))
@@ -70,7 +70,7 @@ def measure_equilibrium(solution: BlockSolution) -> Equilibrium:
 
 
 def _layer_forces(
-    mesh: BlockMesh, nodes: Array, matrix: Array, offsets: NDArray[np.int64], modulus: Array | float
+    mesh: BlockMesh, nodes: Array, matrix: Array, *, offsets: NDArray[np.int64], modulus: Array | float
 ) -> tuple[Array, float]:
     """Nodal forces of one layer of cells, and the energy it stores."""
     order, step = mesh.element.order, 2 // mesh.element.order

@@ -168,7 +168,7 @@ class Session:
 
             found = solve_heterogeneous(problem, self.free_block, start)
         else:
-            found = solve_reduced(problem, self.response, self.operator, start)
+            found = solve_reduced(problem, self.response, self.operator, start=start)
         self._latest = found
         return found
 
