@@ -3,7 +3,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem_contact.block import BlockSolution, solve, solve_displacement, solve_path
+from fem_contact import bem
+from fem_contact.block import BlockResponse, BlockSolution, plan_mesh, solve, solve_displacement, solve_path
 from fem_contact.block.fields import ArraySource
 from fem_contact.errors import InsufficientMemory, InvalidInput
 from fem_contact.solid import Solid
@@ -321,3 +322,15 @@ def test_field_beyond_memory_is_refused_while_layers_still_flow(monkeypatch: pyt
         with pytest.raises(InsufficientMemory, match="stress_layers"):
             ask()
     assert sum(1 for _ in solution.stress_layers()) == solution.layers.size
+
+
+def test_boundary_element_solver_accepts_the_block_as_its_response() -> None:
+    surface = rough((40, 36), (1e-5, 0.9e-5))
+    mesh = plan_mesh(surface.shape, surface.lengths)
+    response = BlockResponse(mesh=mesh, solid=SOLID, width=surface.spacing[0])
+    pressure = 0.05 * SOLID.contact_modulus * surface.rms_gradient
+    through = bem.solve(surface, response, mean_pressure=pressure, tolerance=1e-12).checked()
+    direct = solve(surface, SOLID, mean_pressure=pressure, tolerance=1e-12).contact.checked()
+    np.testing.assert_array_equal(through.in_contact, direct.in_contact)
+    assert np.linalg.norm(through.pressure - direct.pressure) < 1e-9 * np.linalg.norm(direct.pressure)
+    assert through.offset == pytest.approx(direct.offset, abs=1e-9 * np.ptp(surface.heights))
