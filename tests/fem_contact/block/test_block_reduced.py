@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from fem_contact import bem
-from fem_contact.block import BlockResponse, BlockSolution, plan_mesh, solve, solve_displacement, solve_path
+from fem_contact.block import (
+    ELEMENTS,
+    BlockResponse,
+    BlockSolution,
+    plan_mesh,
+    solve,
+    solve_displacement,
+    solve_path,
+)
 from fem_contact.block.fields import ArraySource
 from fem_contact.errors import InsufficientMemory, InvalidInput
 from fem_contact.solid import Solid
@@ -322,6 +330,14 @@ def test_field_beyond_memory_is_refused_while_layers_still_flow(monkeypatch: pyt
         with pytest.raises(InsufficientMemory, match="stress_layers"):
             ask()
     assert sum(1 for _ in solution.stress_layers()) == solution.layers.size
+    quadratic = replace(solution, source=replace(solution.source, response=_quadratic_response((16, 16))))
+    with pytest.raises(InsufficientMemory, match="trilinear"):
+        next(quadratic.stress_layers())
+
+
+def _quadratic_response(shape: tuple[int, int]) -> BlockResponse:
+    mesh = plan_mesh(shape, (1.0, 1.0), element=ELEMENTS["Hex2"])
+    return BlockResponse(mesh=mesh, solid=Solid(young=1.0, poisson=0.3), width=1.0)
 
 
 def test_boundary_element_solver_accepts_the_block_as_its_response() -> None:
