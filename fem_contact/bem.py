@@ -103,8 +103,8 @@ def solve_displacement(
 ) -> ContactResult:
     """Press a rigid rough surface against an elastic solid to a given mean gap or offset.
 
-    The load is sought at which the gap or offset has the prescribed value to 10 `tolerance` h_rms; both fall as
-    it rises. On a half-space they differ by the mean height only.
+    The load is sought at which the gap or offset has the prescribed value to 10 `tolerance` h_rms; both fall
+    as it rises. On a half-space they differ by the mean height only.
 
     Parameters
     ----------
