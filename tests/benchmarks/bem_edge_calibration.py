@@ -33,9 +33,7 @@ def press(surface: HeightField, load: float, method: str) -> ContactResult:
     """Solve by one of the discretisations; slow grading makes the block a half-space within 1e-3."""
     if method == "bem":
         return bem.solve(surface, SOFT, mean_pressure=load, tolerance=1e-9).checked()
-    solution = block.solve(
-        surface, SOLID, mean_pressure=load, tolerance=1e-9, growth=1.1, element="Hex1"
-    )
+    solution = block.solve(surface, SOLID, mean_pressure=load, tolerance=1e-9, growth=1.1, element="Hex1")
     return solution.contact.checked()
 
 

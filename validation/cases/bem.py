@@ -224,7 +224,7 @@ CASES = (
         name="bem-punch",
         claim="Boundary elements converge to the pressure under periodic flat punches.",
         run=_punch,
-        source="K. L. Johnson, Contact Mechanics, Sec. 13.2; the edge lies half a cell outside the last point",
+        source="K. L. Johnson, Contact Mechanics, Sec. 13.2; edge half a cell outside the last point",
     ),
     Case(
         name="bem-egg-box-light",
