@@ -5,10 +5,13 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
@@ -16,7 +19,7 @@ from fem_contact.surface import HeightField
 from validation.scene import FileSurface, Load, Scene, SelfAffineSurface, SolidSpec
 from validation.surfaces import file_digest, height_field, reference_field
 
-__all__ = ["Job", "execute", "jobs_of", "nominal_pressure"]
+__all__ = ["Job", "execute", "jobs_of", "nominal_pressure", "warm_up"]
 
 #: Raised when a change of the code changes results, so that stored ones are not mistaken for new ones.
 RESULTS_VERSION = 1
@@ -129,8 +132,15 @@ class Solved:
     block: Any = None
 
 
-def execute(job: Job) -> Solved:
-    """Do one solve. Does not touch the disk."""
+def execute(job: Job, *, threads: int | None = None) -> Solved:
+    """Do one solve. Does not touch the disk.
+
+    Parameters
+    ----------
+    job : Job
+    threads : int, optional
+        Threads of the transforms; all available processors if not given.
+    """
     solid = Solid(**job.solid.model_dump())
     settings: dict[str, Any] = dict(job.settings)
     field = job.height_field()
@@ -141,11 +151,24 @@ def execute(job: Job) -> Solved:
         from fem_contact import bem
         from fem_contact.response import HalfSpace
 
-        return Solved(contact=bem.solve(field, HalfSpace(solid=solid), mean_pressure=pressure, **settings))
+        half_space = HalfSpace(solid=solid)
+        return Solved(
+            contact=bem.solve(field, half_space, mean_pressure=pressure, threads=threads, **settings)
+        )
     from fem_contact import block
 
     solution = block.solve(field, solid, mean_pressure=pressure, **({"method": "full"} | settings))
     return Solved(contact=solution.contact, block=solution)
+
+
+def warm_up(jobs: Sequence[Job]) -> None:
+    """Load the compiled passes of the methods that jobs use, so that no solve is charged with it."""
+    if any(job.method == "bem" for job in jobs):
+        from fem_contact import bem
+        from fem_contact.response import HalfSpace
+
+        bump = HeightField(heights=np.pad([[1.0]], ((0, 7), (0, 7))), lengths=(1.0, 1.0))
+        bem.solve(bump, HalfSpace(solid=Solid(young=1.0, poisson=0.0)), mean_pressure=0.01, threads=1)
 
 
 def block_file(folder: Path, job: Job) -> Path:

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+import re
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,16 +12,24 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from fem_contact.stress import pressure_distribution
-from persson import elastic
+from validation.figure_data import NEAR_ZERO
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
     from fem_contact.contact import ContactResult
     from validation.comparison import Comparison
 
-__all__ = ["area_figure", "cost_figure", "pressure_at_zero_figure", "pressure_maps_figure", "save_figure"]
+__all__ = [
+    "area_figure",
+    "cost_figure",
+    "embeddable",
+    "lines_figure",
+    "pressure_at_zero_figure",
+    "pressure_maps_figure",
+    "save_figure",
+]
 
 #: One look for every figure; markers and line styles differ, so that it reads in black and white.
 _STYLE: Any = {
@@ -28,7 +39,8 @@ _STYLE: Any = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "legend.frameon": False,
-    "svg.fonttype": "none",
+    # Letters as shapes: as text, a prime comes out as whatever the reader's font has in its place.
+    "svg.fonttype": "path",
     "svg.hashsalt": "fem-contact",
 }
 _LOOK: dict[tuple[str, str], dict[str, Any]] = {
@@ -51,13 +63,84 @@ _LOOK: dict[tuple[str, str], dict[str, Any]] = {
 }
 
 
+_MARKERS = [("#0b5394", "o"), ("#b45f06", "s"), ("#38761d", "^"), ("#674ea7", "D")]
+_STYLES = ["-", "--", "-.", ":"]
+_FILLS = [None, None, None, None, "white", "white", "white", "white"]
+
+
 def save_figure(figure: Figure, path: Path) -> None:
     """Write a figure; the suffix says the format."""
+    undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
     with matplotlib.rc_context(_STYLE):
-        figure.savefig(path, dpi=150, metadata={"Date": None} if path.suffix == ".svg" else None)
+        figure.savefig(path, dpi=150, metadata=undated.get(path.suffix))
 
 
-def _figure(width: float = 6.4, height: float = 4.2, columns: int = 1) -> tuple[Figure, list[Axes]]:
+def embeddable(svg: str, name: str) -> str:
+    """Return an SVG for an HTML page: without its XML head, and with names that no other figure there has."""
+    drawing = svg[svg.index("<svg") :]
+    drawing = re.sub(r'\bid="', f'id="{name}-', drawing)
+    drawing = re.sub(r'(xlink:href="|href="|url\()#', rf"\1#{name}-", drawing)
+    return drawing.replace("<svg", f'<svg role="img" aria-label="{name}"', 1)
+
+
+def lines_figure(
+    data: xr.Dataset,
+    *,
+    x: str,
+    lines: Sequence[str],
+    along: str | None = None,
+    logarithmic: str = "",
+    reference: dict[str, float] | None = None,
+) -> Figure:
+    """Lines of a dataset with error bars, in markers and styles that read in black and white.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Variables with `units` and `long_name`; a variable `<line>_error` is its standard error.
+    x : str
+        Coordinate or variable along the axis.
+    lines : sequence of str
+        Variables to draw; their words are the legend, the words of the first are the axis.
+    along : str, optional
+        Second dimension; one line is drawn for each of its values.
+    logarithmic : str
+        "x", "y" or "xy".
+    reference : dict of str to float, optional
+        Horizontal lines, by words.
+    """
+    figure, (axes,) = _figure()
+    looks: Iterator[dict[str, Any]] = itertools.cycle(
+        {"color": colour, "marker": marker, "ls": style, "mfc": fill}
+        for (colour, marker), style, fill in zip(_MARKERS * 2, _STYLES * 2, _FILLS, strict=True)
+    )
+    for name in lines:
+        values = [None] if along is None else list(data[along].values)
+        for value in values:
+            here = data if value is None else data.sel({along: value})
+            look = next(looks)
+            words = str(data[name].attrs.get("long_name", name))
+            label = words if value is None else f"{words}, {along} = {value:g}"
+            error = here[f"{name}_error"].values if f"{name}_error" in data else None
+            axes.errorbar(here[x].values, here[name].values, yerr=error, capsize=2, label=label, **look)
+    for k, (words, level) in enumerate((reference or {}).items()):
+        axes.axhline(level, color="black", lw=1, ls=_STYLES[k % 4], label=words)
+    if "x" in logarithmic:
+        axes.set_xscale("log")
+    if "y" in logarithmic:
+        axes.set_yscale("log")
+    axes.set_xlabel(_labelled(data[x], x))
+    axes.set_ylabel(_labelled(data[lines[0]], lines[0]))
+    axes.legend(fontsize=7)
+    return figure
+
+
+def _labelled(variable: xr.DataArray, name: str) -> str:
+    words, unit = variable.attrs.get("long_name", name), variable.attrs.get("units", "1")
+    return f"{words} [{unit}]" if unit != "1" else f"{words} [-]"
+
+
+def _figure(width: float = 5.0, height: float = 3.7, columns: int = 1) -> tuple[Figure, list[Axes]]:
     with matplotlib.rc_context(_STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
         axes = figure.subplots(1, columns, squeeze=False)[0]
@@ -99,7 +182,7 @@ def area_figure(comparison: Comparison) -> Figure:
     _powers_of_two(axes, [1 / row.points_per_wave for row in comparison.rows])
     axes.set_xlabel(r"grid spacing over shortest wavelength, $\Delta x/\lambda_{short}$")
     axes.set_ylabel(r"relative contact area $A/A_0$")
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=7)
     return figure
 
 
@@ -110,37 +193,26 @@ def _powers_of_two(axes: Axes, spacings: list[float]) -> None:
     axes.minorticks_off()
 
 
-def pressure_at_zero_figure(comparison: Comparison, results: dict[str, list[ContactResult]]) -> Figure:
-    """P(sigma) near zero on each grid against Persson's closed form.
-
-    Parameters
-    ----------
-    comparison : Comparison
-    results : dict of str to list of ContactResult
-        Solves to show, by label, coarse to fine; the shifts of one grid are averaged.
-    """
+def pressure_at_zero_figure(data: xr.Dataset) -> Figure:
+    """P(sigma) near zero on each grid against Persson's closed form, from `pressure_at_zero_data`."""
     figure, (axes,) = _figure()
-    unit = comparison.contact_modulus * comparison.rms_gradient
-    shades = np.linspace(0.75, 0.0, max(len(results), 2))
+    curve = data["curve"].values
+    labels = [label for label in dict.fromkeys(curve) if label != "Persson"]
+    shades = np.linspace(0.75, 0.0, max(len(labels), 2))
     styles = ["-", "--", "-.", ":"]
-    for k, (label, solves) in enumerate(results.items()):
-        points = sum(np.count_nonzero(result.in_contact) for result in solves)
-        bins = min(48, max(8, int(np.sqrt(points) / 2)))
-        edges = np.linspace(0, 0.6, bins + 1) * unit
-        density = np.mean([pressure_distribution(result, edges).density for result in solves], axis=0)
+    for k, label in enumerate(labels):
+        here = data.isel(bin=curve == label)
+        edges = np.append(here["lower"].values, here["upper"].values[-1])
         colour = "#b45f06" if label.startswith("FEM") else str(shades[k])
-        axes.stairs(density * unit, edges / unit, color=colour, ls=styles[k % 4], label=label, baseline=None)
-    if comparison.theory is not None:
-        stress = np.linspace(0, 0.6, 200)
-        density = elastic.pressure_distribution(
-            stress * unit, pressure=comparison.pressure, stress_variance=comparison.theory.stress_variance
-        )
-        axes.plot(stress, density * unit, color="#38761d", lw=2, label="Persson")
-    axes.set_xlim(0, 0.6)
+        axes.stairs(here["density"].values, edges, color=colour, ls=styles[k % 4], label=label, baseline=None)
+    theory = data.isel(bin=curve == "Persson")
+    if theory.sizes["bin"]:
+        axes.plot(theory["lower"], theory["density"], color="#38761d", lw=2, label="Persson")
+    axes.set_xlim(0, NEAR_ZERO)
     axes.set_ylim(bottom=0)
     axes.set_xlabel(r"pressure $\sigma / (E^* h'_{rms})$")
     axes.set_ylabel(r"$P(\sigma)\, E^* h'_{rms}$ per nominal area")
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=7)
     return figure
 
 
@@ -167,13 +239,13 @@ def cost_figure(comparison: Comparison) -> Figure:
     axes.set_yscale("log")
     axes.set_xlabel("wall time of the solves behind a point [s]")
     axes.set_ylabel(r"$|A/A_{limit} - 1|$")
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=7)
     return figure
 
 
 def pressure_maps_figure(comparison: Comparison, results: dict[str, ContactResult]) -> Figure:
     """Pressure maps of the solvers on the same surface, on one colour scale."""
-    figure, axes = _figure(width=4.2 * max(len(results), 1), height=4.0, columns=max(len(results), 1))
+    figure, axes = _figure(width=3.3 * max(len(results), 1), height=3.1, columns=max(len(results), 1))
     unit = comparison.contact_modulus * comparison.rms_gradient
     top = max((float(result.pressure.max()) for result in results.values()), default=unit) / unit
     image = None
