@@ -145,11 +145,11 @@ CASES = (
             quick=quick,
         )
         for name, element, shape, nu, quick in (
-            ("hex1", "Hex1", (32, 32), 0.3, True),
+            ("hex1", "Hex1", (32, 32), 0.3, False),
             ("hex1-rectangle", "Hex1", (15, 22), 0.3, True),
-            ("hex2", "Hex2", (16, 16), 0.3, True),
+            ("hex2", "Hex2", (16, 16), 0.3, False),
             ("hex2-fine", "Hex2", (32, 32), 0.3, False),
-            ("p0", "Hex1/P0", (16, 16), 0.4999, True),
+            ("p0", "Hex1/P0", (16, 16), 0.4999, False),
             ("p1disc", "Hex2/P1disc", (12, 12), 0.4999, True),
         )
     ),
@@ -170,6 +170,7 @@ CASES = (
         claim="A hard particle under a contact: right, in a number of steps that the grid does not change.",
         run=_heterogeneous,
         source=_SAME,
+        quick=False,
     ),
     Case(
         name="block-hertz",
