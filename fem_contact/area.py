@@ -35,7 +35,7 @@ __all__ = [
 
 #: Excess of the counted area over the true one, per counted edge length and spacing: "bem" for pressures
 #: collocated at the points of a Fourier grid, from Hertzian contacts 18 to 38 cells in radius (standard error
-#: .0015); "fem" for nodal forces on trilinear hexahedra as deep as wide at nu = .3 (.002; .17 at nu = 0).
+#: .0015); "fem" for nodal forces on trilinear hexahedra as deep as wide, nu = .3 (.002; from .17 at nu = 0).
 EDGE_CONSTANTS = MappingProxyType({"bem": 0.103, "fem": 0.198})
 
 
@@ -48,7 +48,8 @@ _SMOOTHING = 1.5
 #: Degrees of the edge map in v = 1 / (1 + rho^(2/3)) and in the squared cosine of the edge's direction.
 _DEGREES = (5, 2)
 
-#: Coefficients of the edge map per discretisation, by degree in v and then in cos^2; see `subcell_area`.
+#: Coefficients of the edge map per discretisation, by degree in v and then in cos^2; see `subcell_area`. "fem" is
+#: for trilinear hexahedra as deep as wide at nu = .3.
 EDGE_MAPS = MappingProxyType(
     {
         "bem": (
@@ -60,12 +61,12 @@ EDGE_MAPS = MappingProxyType(
             *(2.48050, -5.54267, 3.60049),
         ),
         "fem": (
-            *(-0.80964, 1.19420, -0.59937),
-            *(1.18308, -3.23205, 2.33648),
-            *(8.82923, 1.46119, -6.37755),
-            *(-24.18399, 10.60298, 9.26356),
-            *(23.07463, -14.80453, -7.69385),
-            *(-7.79529, 5.62695, 2.72969),
+            *(-0.94792, 1.43228, -0.73378),
+            *(2.08013, -5.52714, 3.83788),
+            *(4.03418, 17.14346, -17.40214),
+            *(-12.68666, -30.84094, 39.37498),
+            *(9.89611, 33.39751, -43.12207),
+            *(-1.98161, -15.19323, 18.02973),
         ),
     }
 )
