@@ -48,8 +48,8 @@ _SMOOTHING = 1.5
 #: Degrees of the edge map in v = 1 / (1 + rho^(2/3)) and in the squared cosine of the edge's direction.
 _DEGREES = (5, 2)
 
-#: Coefficients of the edge map per discretisation, by degree in v and then in cos^2; see `subcell_area`. "fem" is
-#: for trilinear hexahedra as deep as wide at nu = .3.
+#: Coefficients of the edge map per discretisation, by degree in v and then in cos^2; see `subcell_area`.
+#: "fem" is for trilinear hexahedra as deep as wide at nu = .3.
 EDGE_MAPS = MappingProxyType(
     {
         "bem": (
