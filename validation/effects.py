@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.errors import UsageError
-from validation.jobs import Job, jobs_of, nominal_pressure
+from validation.jobs import AnyJob, Job, NumbersJob, Prediction, jobs_of, nominal_pressure
 from validation.scene import FileSurface, Scene, SelfAffineSurface
 from validation.surfaces import reference_field, shortest_wavelength, spectrum_of, topography_of
 
@@ -77,15 +77,6 @@ def check_effects(scene: Scene) -> None:
                 )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Prediction:
-    """Predicted cost of a solve: seconds, peak bytes, unknowns."""
-
-    seconds: float
-    peak_bytes: int
-    unknowns: int
-
-
 def transform_seconds(n: int = 256) -> float:
     """Median time of a pair of real n x n transforms on this machine, on one thread [s]."""
     import scipy.fft
@@ -99,15 +90,17 @@ def transform_seconds(n: int = 256) -> float:
     return sorted(times)[2]
 
 
-def predicted_cost(job: Job, *, pair_seconds: float = 0.5e-3) -> Prediction:
+def predicted_cost(job: AnyJob, *, pair_seconds: float = 0.5e-3) -> Prediction:
     """Predict the cost of a job on one thread, storing included, beyond what an idle process takes.
 
     Parameters
     ----------
-    job : Job
+    job : AnyJob
     pair_seconds : float
         Time of one pair of 256 x 256 transforms on this machine, from `transform_seconds` [s].
     """
+    if isinstance(job, NumbersJob):
+        return job.predict()
     points = job.grid[0] * job.grid[1]
     scale = points * math.log2(points) / (256**2 * 16)
     pairs, unknowns = _FIXED_PAIRS + _BEM_PAIRS * scale, points
@@ -143,7 +136,7 @@ def memory_words(size: float) -> str:
     return f"{size / 2**30:.3g} GiB" if size >= 2**30 else f"{size / 2**20:.3g} MiB"
 
 
-def too_large(job: Job, limit: int, *, where: str = "here") -> str:
+def too_large(job: AnyJob, limit: int, *, where: str = "here") -> str:
     """Say that a job does not fit into memory, and what to do."""
     needed = predicted_cost(job).peak_bytes
     return (
