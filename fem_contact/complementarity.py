@@ -269,16 +269,18 @@ def _iterate(
     total, moment = passes.weigh()
     applications, iteration, length, curvature = 1, 0, _FIRST, 0.0
     least, patience, status = np.inf, _PATIENCE, Status.ITERATION_LIMIT
-    verified, plain = True, False
+    verified, plain = False, False
     while True:
         # phi . g = 0: the offset is the gap below the load, so that scaling phi is no descent.
-        offset = -moment / total if total > 0 else _highest_offset(passes)
+        offset = -moment / total if total > 0 else _offset_between(passes)
         errors = passes.residual(offset)
         if errors.within(tolerance * length_scale):
             if verified:
                 status = Status.CONVERGED
                 break
-            # The displacement was carried along by additions: confirm it by a fresh application.
+            # Forces that were on their way out are taken away, and the displacement, so far carried along by
+            # additions, is computed afresh: the answer is judged by what is returned.
+            _settle(passes, mean_force)
             operator.apply(passes.force, passes.displacement)
             applications, verified = applications + 1, True
             total, moment = passes.weigh()
@@ -292,15 +294,14 @@ def _iterate(
             break
         iteration += 1
         if plain:
-            z_sum, z_image, s_sum, phi_image = passes.scale_residual()
+            passes.project(mean_force, offset)
         else:
             z_sum, z_image, s_sum, phi_image = passes.precondition(operator)
-        beta = 0.0
-        free = errors.free
-        if curvature > 0 and free > 0:
-            beta = max(0.0, -(z_image - z_sum / free * phi_image) / curvature)
-        shift = (z_sum + beta * s_sum) / free if free > 0 else 0.0
-        passes.trial(mean_force, length=length, beta=beta, shift=shift)
+            free, beta = errors.free, 0.0
+            if curvature > 0 and free > 0:
+                beta = max(0.0, -(z_image - z_sum / free * phi_image) / curvature)
+            shift = (z_sum + beta * s_sum) / free if free > 0 else 0.0
+            passes.trial(mean_force, offset=offset, length=length, beta=beta, shift=shift)
         operator.apply(passes.step, passes.image)
         applications += 1 if plain else 2
         verified = False
@@ -309,7 +310,7 @@ def _iterate(
         factor = min(best, room)
         plain = best <= 0
         if plain:
-            # Clipping has turned the direction uphill; along the unscaled residual it cannot.
+            # Clipping has turned the direction uphill: the plain projected gradient points down.
             curvature = 0.0
             continue
         total, moment = passes.advance(factor)
@@ -326,21 +327,44 @@ def _set_start(passes: Passes, start: Array | None, mean_force: float) -> None:
     else:
         np.maximum(start, 0, out=force)
         force *= mean_force / np.mean(force)
-    if bound is None:
-        return
-    for _ in range(100):
+    if bound is not None:
         np.minimum(force, bound, out=force)
-        missing = mean_force - float(np.mean(force))
-        if missing <= 1e-14 * mean_force:
-            break
-        free = force < bound
-        force[free] += missing * force.size / np.count_nonzero(free)
+        _restore_load(force, bound, mean_force)
 
 
-def _highest_offset(passes: Passes) -> float:
-    """Offset where every loaded point is at its bound: the greatest that opens none of them."""
-    loaded = passes.force > 0
-    return -float(np.max((passes.displacement - passes.heights)[loaded]))
+def _settle(passes: Passes, mean_force: float) -> None:
+    """Leave no force off the working set but at the bound."""
+    force, bound = passes.force, passes.bound
+    if bound is None:
+        force[~passes.working] = 0
+        force *= mean_force / np.mean(force)
+    else:
+        np.copyto(force, np.where(force < 0.5 * bound, 0.0, bound), where=~passes.working)
+        _restore_load(force, bound, mean_force)
+
+
+def _restore_load(force: Array, bound: Array, mean_force: float) -> None:
+    """Bring the mean back by moving points between their bounds, or all where need be, towards one."""
+    for points in ((force > 0) & (force < bound), np.ones(force.shape, dtype=bool)):
+        missing = (mean_force - float(np.mean(force))) * force.size
+        if abs(missing) <= 1e-13 * mean_force * force.size:
+            return
+        room = (bound - force if missing > 0 else force)[points]
+        total = float(room.sum())
+        if total > 0:
+            force[points] += min(abs(missing) / total, 1.0) * np.copysign(room, missing)
+
+
+def _offset_between(passes: Passes) -> float:
+    """Offset where every loaded point is at its bound and none lies between.
+
+    Any offset that opens no loaded point and closes no other is right; the one of least indentation is meant.
+    Short of the solution there is none, and the middle leaves both kinds of points something to do.
+    """
+    level, loaded = passes.displacement - passes.heights, passes.force > 0
+    highest = float(np.max(level[loaded]))
+    lowest = float(np.min(level[~loaded], initial=np.inf))
+    return -highest if lowest >= highest else -0.5 * (lowest + highest)
 
 
 def _solution(

@@ -24,15 +24,16 @@ DECAY = 0.77
 
 @njit(**_OPTIONS)
 def weigh(lo, hi, x, u, h, bound):
-    """Sum phi and phi (u - h), with phi the force of the points below their bound."""
+    """Sum phi and phi (u - h); phi, the weight of a point in the load, is x, or x (1 - x / bound)."""
     total = 0.0
     moment = 0.0
     for i in range(lo, hi):
         for j in range(x.shape[1]):
-            if bound is not None and x[i, j] >= bound[i, j]:
-                continue
-            total += x[i, j]
-            moment += x[i, j] * (u[i, j] - h[i, j])
+            phi = x[i, j]
+            if bound is not None:
+                phi *= 1 - phi / bound[i, j]
+            total += phi
+            moment += phi * (u[i, j] - h[i, j])
     return total, moment
 
 
@@ -40,9 +41,9 @@ def weigh(lo, hi, x, u, h, bound):
 def residual(lo, hi, x, u, h, offset, bound, stiffness, r, work, sums, counts):
     """Residual -g on the working set and its sums over 2 x 2 cells, for rows lo..hi of the coarser level.
 
-    A point belongs to the working set where x - stiffness g lies between the bounds. Returns sum x |g| and
-    sum x below the bound, the least gap there, the greatest gap at the bound, and the sum of x over the
-    working set.
+    A point leaves the working set where x - stiffness g reaches the bound that x is nearer to. Returns sum x
+    |g| and sum x below the bound, the least gap there, the greatest gap at the bound, and the sum of x over
+    the working set.
     """
     nx, ny = x.shape
     moment = 0.0
@@ -65,10 +66,13 @@ def residual(lo, hi, x, u, h, offset, bound, stiffness, r, work, sums, counts):
                     total += force
                     lowest = min(lowest, g)
                 aim = force - stiffness * g
-                inside = aim > 0 and (bound is None or aim < bound[i, j])
+                if bound is None or force < 0.5 * bound[i, j]:  # noqa: SIM108
+                    inside = aim > 0
+                else:
+                    inside = aim < bound[i, j]
                 work[i, j] = inside
                 if inside:
-                    free += force
+                    free += force if bound is None else force * (1 - force / bound[i, j])
                 r[i, j] = -g if inside else 0.0
             for j in range(ny):
                 if work[i, j]:
@@ -148,7 +152,7 @@ def push_transposed(lo, hi, fine, occupied, coarse, decay):
 
 @njit(**_OPTIONS)
 def pull_transposed(fine, counts, coarse):
-    """Transpose of `pull` in place: occupied cells take the coarser level, divided by their count."""
+    """Transpose of `pull` in place: occupied cells take up the coarser level, divided by their count."""
     for i in range(fine.shape[0]):
         for j in range(fine.shape[1]):
             if counts[i, j] > 0:
@@ -158,8 +162,8 @@ def pull_transposed(fine, counts, coarse):
 
 
 @njit(**_OPTIONS)
-def finish(lo, hi, z, work, coarse, x, s, v):
-    """Complete the preconditioned residual z in place; sum z, z v, s and x v over the working set."""
+def finish(lo, hi, z, work, coarse, x, s, v, bound):
+    """Complete the preconditioned residual z in place; sum z, z v, s and phi v over the working set."""
     total = 0.0
     image = 0.0
     last = 0.0
@@ -172,7 +176,10 @@ def finish(lo, hi, z, work, coarse, x, s, v):
                 total += value
                 image += value * v[i, j]
                 last += s[i, j]
-                weight += x[i, j] * v[i, j]
+                phi = x[i, j]
+                if bound is not None:
+                    phi *= 1 - phi / bound[i, j]
+                weight += phi * v[i, j]
             else:
                 z[i, j] = 0
     return total, image, last, weight
@@ -180,18 +187,20 @@ def finish(lo, hi, z, work, coarse, x, s, v):
 
 @njit(**_OPTIONS)
 def trial(lo, hi, x, z, s, work, bound, step, beta, shift):
-    """Write the trial force over s and return its sums below and at the upper bound.
+    """Write the trial force over s; sum it between the bounds, at the bound, and the room above the first.
 
-    It is clip(x + step (z + beta s - shift x)) on the working set, and the bound the point has run into
+    It is clip(x + step (z + beta s - shift phi)) on the working set, and the bound the point has run into
     elsewhere.
     """
     below = 0.0
     at = 0.0
+    room = 0.0
     for i in range(lo, hi):
         for j in range(x.shape[1]):
             y = x[i, j]
             if work[i, j]:
-                y = max(y + step * (z[i, j] + beta * s[i, j] - shift * y), 0.0)
+                phi = y if bound is None else y * (1 - y / bound[i, j])
+                y = max(y + step * (z[i, j] + beta * s[i, j] - shift * phi), 0.0)
             elif bound is None or y < 0.5 * bound[i, j]:
                 y = 0.0
             else:
@@ -201,27 +210,10 @@ def trial(lo, hi, x, z, s, work, bound, step, beta, shift):
                 at += y
             else:
                 below += y
+                if bound is not None and y > 0:
+                    room += bound[i, j] - y
             s[i, j] = y
-    return below, at
-
-
-@njit(**_OPTIONS)
-def stretch(lo, hi, y, bound, factor):
-    """Multiply the forces below the bound by `factor` and clip; sums below and at the bound."""
-    below = 0.0
-    at = 0.0
-    for i in range(lo, hi):
-        for j in range(y.shape[1]):
-            value = y[i, j]
-            if value < bound[i, j]:
-                value *= factor
-            if value >= bound[i, j]:
-                value = bound[i, j]
-                at += value
-            else:
-                below += value
-            y[i, j] = value
-    return below, at
+    return below, at, room
 
 
 @njit(**_OPTIONS)
@@ -230,6 +222,21 @@ def subtract(lo, hi, s, x, factor):
     for i in range(lo, hi):
         for j in range(x.shape[1]):
             s[i, j] = factor * s[i, j] - x[i, j]
+    return (0.0,)
+
+
+@njit(**_OPTIONS)
+def subtract_bounded(lo, hi, s, x, bound, toward):
+    """Turn the trial force into a step, after moving it by a share towards the bound, or to zero if negative.
+
+    Points on a bound stay there.
+    """
+    for i in range(lo, hi):
+        for j in range(x.shape[1]):
+            y = s[i, j]
+            if y > 0 and y < bound[i, j]:
+                y += toward * (bound[i, j] - y) if toward > 0 else toward * y
+            s[i, j] = y - x[i, j]
     return (0.0,)
 
 
@@ -262,10 +269,12 @@ def advance(lo, hi, x, u, h, s, v, factor, bound):
             shift = u[i, j] + factor * v[i, j]
             x[i, j] = force
             u[i, j] = shift
-            # x + (bound - x) may round to just below the bound.
-            if bound is not None and force >= bound[i, j] * (1 - 1e-14):
-                x[i, j] = bound[i, j]
-                continue
+            if bound is not None:
+                # x + (bound - x) may round to just below the bound.
+                if force >= bound[i, j] * (1 - 1e-14):
+                    force = bound[i, j]
+                    x[i, j] = force
+                force *= 1 - force / bound[i, j]
             total += force
             moment += force * (shift - h[i, j])
     return total, moment

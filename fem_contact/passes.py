@@ -126,37 +126,47 @@ class Passes:
         sums[-1] *= (counts[-1] > 0) / np.maximum(counts[-1], 1)
         for fine in range(len(sums) - 2, -1, -1):
             k.pull_transposed(sums[fine], counts[fine], sums[fine + 1])
-        return self._finish()
-
-    def scale_residual(self) -> tuple[float, float, float, float]:
-        """Turn the residual into a force by the stiffness of single points instead."""
-        self.buffer *= self.stiffness
-        self.sums[0][:] = 0
-        return self._finish()
-
-    def _finish(self) -> tuple[float, float, float, float]:
-        k, sums = self.kernels, self.sums
         total, image, last, weight = self.rows.add(
-            k.finish, self.buffer, self.working, sums[0], self.force, self.step, self.image
+            k.finish, self.buffer, self.working, sums[0], self.force, self.step, self.image, self.bound
         )
         return total, image, last, weight
 
-    def trial(self, mean_force: float, *, length: float, beta: float, shift: float) -> None:
+    def trial(self, mean_force: float, *, offset: float, length: float, beta: float, shift: float) -> None:
         """Write the step to the clipped trial force of the prescribed load."""
         k, target = self.kernels, mean_force * self.force.size
-        below, at = self.rows.add(
+        inside, rest, room = self.rows.add(
             k.trial, self.force, self.buffer, self.step, self.working, self.bound, length, beta, shift
         )
-        if self.bound is not None:
-            for _ in range(50):
-                if not 0 < target - at < 2 * below:
-                    break
-                factor = (target - at) / below
-                if abs(factor - 1) < 1e-14:
-                    break
-                below, at = self.rows.add(k.stretch, self.step, self.bound, factor)
-        factor = target / (below + at) if below + at > 0 else 1.0
-        self.rows.run(k.subtract, self.step, self.force, 1.0 if abs(factor - 1) < 1e-13 else factor)
+        if self.bound is None:
+            factor = target / inside if inside > 0 else 1.0
+            self.rows.run(k.subtract, self.step, self.force, 1.0 if abs(factor - 1) < 1e-13 else factor)
+            return
+        missing = target - inside - rest
+        limit = room if missing > 0 else inside
+        if abs(missing) > limit:
+            self.project(mean_force, offset)
+            return
+        toward = missing / limit if limit > 0 and abs(missing) > 1e-13 * target else 0.0
+        self.rows.run(k.subtract_bounded, self.step, self.force, self.bound, toward)
+
+    def project(self, mean_force: float, offset: float) -> None:
+        """Write the step of the projected gradient: to the forces of that load nearest to x - stiffness g.
+
+        Whatever the state, it is a direction of descent; it is slow and used where the other is none.
+        """
+        aim = self.force - self.stiffness * (self.displacement - self.heights + offset)
+        top = np.inf if self.bound is None else self.bound
+        low = mean_force - float(np.max(aim))
+        high = (mean_force if self.bound is None else float(np.max(self.bound))) - float(np.min(aim))
+        for _ in range(200):
+            middle = 0.5 * (low + high)
+            if not low < middle < high:
+                break
+            if float(np.mean(np.clip(aim + middle, 0.0, top))) < mean_force:
+                low = middle
+            else:
+                high = middle
+        np.subtract(np.clip(aim + high, 0.0, top), self.force, out=self.step)
 
     def search(self, offset: float) -> tuple[float, float, float]:
         """Slope and curvature of the energy along the step, and how many steps the bounds leave room for."""

@@ -1,16 +1,18 @@
-"""Elastic responses of periodic solids: surface displacement from pressure, one compliance per wavevector."""
+"""Elastic responses of periodic solids: displacement from pressure, one compliance per wavevector."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact.errors import InvalidInput
 from fem_contact.solid import Solid
 
-__all__ = ["HalfSpace", "Response"]
+__all__ = ["BondedLayer", "FrictionlessLayer", "GivenResponse", "HalfSpace", "Response"]
 
 Array = NDArray[np.float64]
 
@@ -55,3 +57,136 @@ class HalfSpace:
         q = np.hypot(qx, qy)
         with np.errstate(divide="ignore"):
             return np.where(q > 0, 2 / (self.contact_modulus * q), 0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BondedLayer:
+    r"""An elastic layer of finite thickness whose bottom is held fast.
+
+    .. math:: C(q) = \frac{2}{E^* q}\,
+              \frac{k\sinh 2a - 2a}{k\cosh 2a + 2a^2 + (k^2+1)/2},\qquad a = q d,\ k = 3 - 4\nu
+
+    At q = 0 the layer is compressed without sideways strain: C(0) = d (1+nu)(1-2nu) / (E (1-nu)), 0 at nu =
+    1/2.
+
+    Parameters
+    ----------
+    solid : Solid
+    thickness : float
+        d [m], positive.
+
+    Notes
+    -----
+    K. L. Johnson, Contact Mechanics (1985), Sec. 5.8; no tangential traction at the surface.
+
+    Examples
+    --------
+    >>> layer = BondedLayer(solid=Solid(young=1.0, poisson=0.0), thickness=0.5)
+    >>> layer.compliance(np.array([0.0, 400.0]), np.array([0.0, 0.0]))
+    array([0.5  , 0.005])
+    """
+
+    solid: Solid
+    thickness: float
+
+    def __post_init__(self) -> None:
+        _check_thickness(self.thickness)
+
+    @property
+    def contact_modulus(self) -> float:
+        """E* [Pa] of the layer's material."""
+        return self.solid.contact_modulus
+
+    def compliance(self, qx: Array, qy: Array) -> Array:
+        """Return C(q) [m/Pa]."""
+        q = np.hypot(qx, qy)
+        k = 3 - 4 * self.solid.poisson
+        twice = 2 * q * self.thickness
+        decay = np.exp(-twice)
+        # Numerator and denominator times 2 exp(-2a), which cannot overflow.
+        above = (k - 1) * -np.expm1(-2 * twice) + _sinh_excess(twice)
+        below = k * (1 + decay**2) + (twice**2 + k**2 + 1) * decay
+        return _with_mean(q, above / below, solid=self.solid, thickness=self.thickness)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionlessLayer:
+    r"""An elastic layer of finite thickness that slides on a rigid base, without friction or lift-off.
+
+    .. math:: C(q) = \frac{2}{E^* q}\, \frac{\cosh 2a - 1}{\sinh 2a + 2a},\qquad a = q d
+
+    The mean strain sideways is that of the period, zero, so that C(0) = d (1+nu)(1-2nu) / (E (1-nu)) as for
+    the bonded layer.
+
+    Parameters
+    ----------
+    solid : Solid
+    thickness : float
+        d [m], positive.
+
+    Notes
+    -----
+    K. L. Johnson, Contact Mechanics (1985), Sec. 5.8.
+    """
+
+    solid: Solid
+    thickness: float
+
+    def __post_init__(self) -> None:
+        _check_thickness(self.thickness)
+
+    @property
+    def contact_modulus(self) -> float:
+        """E* [Pa] of the layer's material."""
+        return self.solid.contact_modulus
+
+    def compliance(self, qx: Array, qy: Array) -> Array:
+        """Return C(q) [m/Pa]."""
+        q = np.hypot(qx, qy)
+        twice = 2 * q * self.thickness
+        above = np.expm1(-twice) ** 2
+        below = -np.expm1(-2 * twice) + 2 * twice * np.exp(-twice)
+        ratio = above / np.where(below > 0, below, 1.0)
+        return _with_mean(q, ratio, solid=self.solid, thickness=self.thickness)
+
+
+@dataclass(frozen=True, kw_only=True)
+class GivenResponse:
+    """Any solid whose surface compliance is known per wavevector.
+
+    Parameters
+    ----------
+    contact_modulus : float
+        E* [Pa] that sets the scale of stresses in residuals and reduced quantities.
+    function : callable
+        C(qx, qy) [m/Pa] for arrays of wavevectors [1/m]; positive but at q = 0, where 0 leaves the mean
+        displacement out.
+    """
+
+    contact_modulus: float
+    function: Callable[[Array, Array], Array]
+
+    def compliance(self, qx: Array, qy: Array) -> Array:
+        """Return the given C(qx, qy) [m/Pa]."""
+        qx, qy = np.broadcast_arrays(qx, qy)
+        return np.asarray(self.function(qx, qy), dtype=float)
+
+
+def _check_thickness(thickness: float) -> None:
+    if not (np.isfinite(thickness) and thickness > 0):
+        raise InvalidInput(f"thickness = {thickness!r}: must be a positive, finite length in m")
+
+
+def _sinh_excess(t: Array) -> Array:
+    """2 exp(-t) (sinh t - t), by its series where the difference would cancel."""
+    square = np.minimum(t, 1.0) ** 2
+    series = 1 + square / 20 * (1 + square / 42 * (1 + square / 72 * (1 + square / 110 * (1 + square / 156))))
+    direct = -np.expm1(-2 * t) - 2 * t * np.exp(-t)
+    return np.asarray(np.where(t < 1, np.exp(-t) * t**3 / 3 * series, direct))
+
+
+def _with_mean(q: Array, ratio: Array, *, solid: Solid, thickness: float) -> Array:
+    """2 ratio / (E* q), with the confined compression at q = 0."""
+    nu = solid.poisson
+    mean = thickness * (1 + nu) * (1 - 2 * nu) / (solid.young * (1 - nu))
+    return np.where(q > 0, 2 * ratio / (solid.contact_modulus * np.where(q > 0, q, 1.0)), mean)

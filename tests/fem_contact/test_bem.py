@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from fem_contact.area import contact_areas
-from fem_contact.bem import solve
+from fem_contact.bem import solve, solve_displacement, solve_path
 from fem_contact.contact import ContactResult, Status
 from fem_contact.errors import InvalidInput, NotConverged
-from fem_contact.response import HalfSpace
+from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace, Response
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 
@@ -176,3 +176,185 @@ def test_pressure_that_is_not_positive_is_refused(pressure: float) -> None:
 def test_start_of_the_wrong_shape_is_refused() -> None:
     with pytest.raises(InvalidInput, match="start"):
         solve(rough((64, 64)), SOFT, mean_pressure=0.05, start=np.ones((32, 32)))
+
+
+LAYERS = [
+    BondedLayer(solid=Solid(young=1.0, poisson=0.3), thickness=0.06),
+    BondedLayer(solid=Solid(young=1.0, poisson=0.5), thickness=0.1),
+    FrictionlessLayer(solid=Solid(young=1.0, poisson=0.3), thickness=0.06),
+    GivenResponse(contact_modulus=1.0, function=lambda qx, qy: 1 / (1.0 + np.hypot(qx, 3 * qy))),
+]
+
+
+@pytest.mark.parametrize("response", LAYERS)
+def test_contact_conditions_hold_on_layers(response: Response) -> None:
+    surface = rough((48, 40))
+    result = solve(surface, response, mean_pressure=0.1, tolerance=1e-10).checked()
+    assert result.residuals.worst < 1e-8
+    plain = solve(
+        surface, response, mean_pressure=0.1, tolerance=1e-10, method="polonsky-keer", max_iterations=20000
+    ).checked()
+    assert np.linalg.norm(result.pressure - plain.pressure) < 1e-6 * np.linalg.norm(plain.pressure)
+    assert np.array_equal(result.in_contact, plain.in_contact)
+
+
+def test_thick_layer_carries_the_half_space_pressure() -> None:
+    surface = rough((48, 48))
+    solid = Solid(young=1.0, poisson=0.3)
+    layer = solve(
+        surface, BondedLayer(solid=solid, thickness=5.0), mean_pressure=0.05, tolerance=1e-11
+    ).checked()
+    space = solve(surface, HalfSpace(solid=solid), mean_pressure=0.05, tolerance=1e-11).checked()
+    assert np.linalg.norm(layer.pressure - space.pressure) < 1e-8 * np.linalg.norm(space.pressure)
+    # The layer sinks as a whole by C(0) p0, which the half-space leaves out.
+    sinking = 5.0 * 1.3 * 0.4 / 0.7 * 0.05
+    assert layer.offset + sinking == pytest.approx(space.offset, rel=1e-8)
+
+
+@pytest.mark.parametrize("load", [0.02, 0.3, 0.55, 0.599])
+def test_pressure_bound_is_kept_and_balanced(load: float) -> None:
+    result = solve(rough((64, 56)), SOFT, mean_pressure=load, pressure_bound=0.6).checked()
+    assert result.pressure.max() == 0.6
+    assert result.residuals.worst < 1e-6
+    assert np.all(result.gap[result.at_bound] < 1e-7 * rough().rms_height)
+    assert np.all(result.pressure[~result.in_contact] == 0)
+
+
+def test_bound_equal_to_the_load_leaves_no_choice_and_below_it_is_refused() -> None:
+    surface = rough()
+    result = solve(surface, SOFT, mean_pressure=0.3, pressure_bound=0.3).checked()
+    assert np.all(result.pressure == 0.3)
+    assert result.at_bound.all()
+    assert result.gap.max() == pytest.approx(0.0, abs=1e-15)
+    with pytest.raises(InvalidInput, match="must not be below"):
+        solve(surface, SOFT, mean_pressure=0.3, pressure_bound=0.29)
+
+
+def test_area_at_the_bound_carries_the_excess_of_the_elastic_pressure() -> None:
+    """A hardness field may vary from point to point; each point obeys its own."""
+    surface = rough((48, 48))
+    bound = np.where(np.arange(48)[:, None] < 24, 0.4, 2.0) * np.ones(48)
+    result = solve(surface, SOFT, mean_pressure=0.2, pressure_bound=bound).checked()
+    assert np.all(result.pressure <= bound)
+    assert result.at_bound[:24].mean() > 5 * max(result.at_bound[24:].mean(), 0.01)
+
+
+@pytest.mark.parametrize("gap", [2.0, 1.0, 0.1, 1e-2, 1e-4])
+def test_mean_gap_control_finds_the_load_up_to_nearly_full_contact(gap: float) -> None:
+    surface = rough((48, 48))
+    target = gap * surface.rms_height
+    result = solve_displacement(surface, SOFT, mean_gap=target).checked()
+    assert np.mean(result.gap) == pytest.approx(target, abs=2e-8 * surface.rms_height)
+    assert result.residuals.worst < 1e-6
+    by_load = solve(surface, SOFT, mean_pressure=result.mean_pressure).checked()
+    assert np.linalg.norm(by_load.pressure - result.pressure) < 1e-5 * np.linalg.norm(result.pressure)
+    by_offset = solve_displacement(surface, SOFT, offset=result.offset).checked()
+    assert by_offset.mean_pressure == pytest.approx(result.mean_pressure, rel=1e-5)
+
+
+def test_offset_control_of_a_layer_goes_through_full_contact() -> None:
+    surface = rough((32, 32))
+    layer = LAYERS[0]
+    loads = [
+        solve_displacement(surface, layer, offset=level * surface.rms_height).checked().mean_pressure
+        for level in (2.0, 0.0, -2.0, -40.0, -80.0)
+    ]
+    assert np.all(np.diff(loads) > 0)
+    stiffness = 1 / layer.compliance(np.zeros(1), np.zeros(1))[0]
+    assert loads[4] - loads[3] == pytest.approx(40 * surface.rms_height * stiffness, rel=1e-9)
+
+
+def test_surfaces_too_far_apart_do_not_touch() -> None:
+    surface = rough((32, 32))
+    result = solve_displacement(surface, SOFT, offset=2 * float(surface.heights.max())).checked()
+    assert not result.in_contact.any()
+    assert result.mean_pressure == 0
+    assert result.gap.min() == pytest.approx(float(surface.heights.max()))
+
+
+def test_zero_mean_gap_is_full_contact_at_the_least_load_and_less_is_refused() -> None:
+    surface = rough((32, 32))
+    result = solve_displacement(surface, SOFT, mean_gap=0.0).checked()
+    assert result.in_contact.all()
+    assert result.pressure.min() == pytest.approx(0.0, abs=1e-12)
+    with pytest.raises(InvalidInput, match="negative mean gap"):
+        solve_displacement(surface, SOFT, mean_gap=-1e-3 * surface.rms_height)
+    with pytest.raises(InvalidInput, match="exactly one"):
+        solve_displacement(surface, SOFT)
+
+
+def test_yielding_surface_may_sink_below_its_mean_plane() -> None:
+    surface = rough((32, 32))
+    target = -0.5 * surface.rms_height
+    result = solve_displacement(surface, SOFT, mean_gap=target, pressure_bound=0.6).checked()
+    assert np.mean(result.gap) == pytest.approx(target, rel=1e-6)
+    assert result.at_bound.mean() > 0.3
+
+
+def test_path_up_and_down_does_not_remember() -> None:
+    surface = rough((48, 48))
+    loads = [0.01, 0.05, 0.2, 1.0, 0.2, 0.05, 0.01]
+    path = [result.checked() for result in solve_path(surface, SOFT, mean_pressures=loads, tolerance=1e-10)]
+    for up, down in zip(path[:3], path[:3:-1], strict=True):
+        assert np.linalg.norm(up.pressure - down.pressure) < 1e-6 * np.linalg.norm(up.pressure)
+        assert np.array_equal(up.in_contact, down.in_contact)
+    cold = [solve(surface, SOFT, mean_pressure=load, tolerance=1e-10).cost.fft_pairs for load in loads]
+    assert sum(result.cost.fft_pairs for result in path) < 1.2 * sum(cold)
+
+
+HARD = {
+    "spike": lambda: np.where(np.arange(400).reshape(20, 20) == 210, 1.0, 0.0),
+    "pit": lambda: np.where(np.arange(400).reshape(20, 20) == 210, -1.0, 0.0),
+    "two values": lambda: (np.arange(400).reshape(20, 20) % 7 < 3) * 1.0,
+    "one row": lambda: np.cos(np.arange(64) * 0.3)[None, :] * np.ones((1, 1)),
+    "one column": lambda: np.cos(np.arange(64) * 0.3)[:, None],
+    "one point": lambda: np.ones((1, 1)),
+    "two by two": lambda: np.array([[0.0, 1.0], [0.3, 0.1]]),
+    "prime": lambda: np.cos(np.add.outer(np.arange(31) ** 1.5, np.arange(37) * 0.9)),
+    "noise": lambda: np.random.default_rng(19).standard_normal((41, 32)),
+    "atomic": lambda: 1e-12 * np.random.default_rng(19).standard_normal((16, 16)),
+    "mountains": lambda: 1e6 * np.random.default_rng(19).standard_normal((16, 16)),
+}
+
+
+@pytest.mark.parametrize("name", HARD)
+@pytest.mark.parametrize("reduced", [1e-6, 1e-3, 0.1, 1.0, 10.0])
+def test_hard_surfaces_end_in_a_right_answer(name: str, reduced: float) -> None:
+    surface = HeightField(heights=HARD[name](), lengths=(1.0, 1.5))
+    scale = max(surface.rms_gradient, 1e-12)
+    result = solve(surface, SOFT, mean_pressure=reduced * scale).checked()
+    assert result.residuals.worst < 2e-7
+    assert result.in_contact.any()
+
+
+def test_nearly_full_contact() -> None:
+    surface = rough((96, 96))
+    full = -solve(surface, SOFT, mean_pressure=1e3).pressure.min() + 1e3
+    for share in (0.999, 0.9, 0.8):
+        result = solve(surface, SOFT, mean_pressure=share * full).checked()
+        assert 0.97 < result.in_contact.mean() < 1
+        assert result.residuals.worst < 1e-7
+
+
+def test_settings_that_make_no_sense_are_refused() -> None:
+    surface = rough((16, 16), ratio=4.0)
+    for name, value in (("tolerance", 0.0), ("max_iterations", 0), ("threads", 0), ("method", "guess")):
+        with pytest.raises(InvalidInput, match=name):
+            solve(surface, SOFT, mean_pressure=0.1, **{name: value})
+    for bound in (0.0, np.nan, np.ones((3, 3))):
+        with pytest.raises(InvalidInput, match="pressure_bound"):
+            solve(surface, SOFT, mean_pressure=0.1, pressure_bound=bound)
+    with pytest.raises(InvalidInput, match="polonsky-keer"):
+        solve(surface, SOFT, mean_pressure=0.1, pressure_bound=1.0, method="polonsky-keer")
+    broken = GivenResponse(contact_modulus=1.0, function=lambda qx, qy: -np.ones(qx.shape))
+    with pytest.raises(InvalidInput, match="compliance"):
+        solve(surface, broken, mean_pressure=0.1)
+
+
+def test_cost_counts_pairs_and_memory() -> None:
+    surface = rough((256, 256))
+    result = solve(surface, SOFT, mean_pressure=0.05)
+    assert result.cost.fft_pairs < 45
+    assert result.cost.peak_bytes <= 10 * 8 * 256**2
+    assert result.cost.unknowns == 256**2
+    assert result.cost.wall_seconds > 0

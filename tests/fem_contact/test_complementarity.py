@@ -1,0 +1,315 @@
+"""The bounded solver: its passes against NumPy, its answers against the plain solver, its bounds."""
+
+import numpy as np
+import pytest
+
+from fem_contact import kernels
+from fem_contact.complementarity import polonsky_keer, solve_bounded, solve_nested
+from fem_contact.contact import Status
+from fem_contact.fourier import FourierOperator, coarsened, refined
+from fem_contact.passes import Passes
+from fem_contact.response import HalfSpace
+from fem_contact.rows import Rows
+from fem_contact.solid import Solid
+
+SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
+Array = np.ndarray
+
+
+class Recorder:
+    """An operator that keeps what it is given and returns fixed noise."""
+
+    pairs, stiffness = 1.0, 3.0
+
+    def __init__(self, answer: Array) -> None:
+        self.answer = answer
+
+    def apply(self, force: Array, out: Array) -> None:
+        out[...] = self.answer
+
+    def precondition(self, residual: Array, out: Array) -> None:
+        self.given = residual.copy()
+        out[...] = self.answer
+
+
+def interpolation(fine: int) -> Array:
+    """Matrix of the linear interpolation from the next coarser level along one axis."""
+    coarse = -(-fine // 2)
+    matrix = np.zeros((fine, coarse))
+    for i in range(fine):
+        matrix[i, i // 2] += 0.75
+        matrix[i, (i // 2 + (1 if i % 2 else -1)) % coarse] += 0.25
+    return matrix
+
+
+def summation(fine: int) -> Array:
+    coarse = -(-fine // 2)
+    matrix = np.zeros((coarse, fine))
+    matrix[np.arange(fine) // 2, np.arange(fine)] = 1
+    return matrix
+
+
+def extension(occupied: Array, levels: int) -> Array:
+    """The extension as a dense matrix: average up the levels, interpolate down where a level is empty."""
+    nx, ny = occupied.shape
+    value = np.diag(occupied.ravel().astype(float))
+    values, masks = [value], [occupied.ravel()]
+    shapes = [(nx, ny)]
+    for _ in range(levels):
+        gather = np.kron(summation(nx), summation(ny))
+        count = gather @ masks[-1]
+        total = gather @ (masks[-1][:, None] * values[-1])
+        values.append(total / np.maximum(count, 1)[:, None])
+        masks.append(count > 0)
+        nx, ny = -(-nx // 2), -(-ny // 2)
+        shapes.append((nx, ny))
+    for level in range(levels - 1, -1, -1):
+        spread = np.kron(interpolation(shapes[level][0]), interpolation(shapes[level][1]))
+        filled = kernels.DECAY * spread @ values[level + 1]
+        values[level] = np.where(masks[level][:, None], values[level], filled)
+    return values[0]
+
+
+@pytest.mark.parametrize("shape", [(16, 16), (13, 10), (9, 16), (1, 12), (5, 2)])
+def test_extension_and_its_transpose_are_the_matrix_they_should_be(shape: tuple[int, int]) -> None:
+    generator = np.random.default_rng(17)
+    heights = generator.standard_normal(shape)
+    passes = Passes(heights, bound=None, stiffness=0.1, threads=1)
+    passes.force[:] = generator.random(shape) < 0.3
+    passes.displacement[:] = generator.standard_normal(shape)
+    passes.step[:] = passes.image[:] = 0
+    passes.residual(0.2)
+    working, residual = passes.working.copy(), passes.buffer.copy()
+    gap = passes.displacement - heights + 0.2
+    assert np.array_equal(working, passes.force - 0.1 * gap > 0)
+    np.testing.assert_allclose(residual, np.where(working, -gap, 0), rtol=1e-15)
+    operator = Recorder(generator.standard_normal(shape))
+    passes.precondition(operator)
+    matrix = extension(working, len(passes.sums))
+    np.testing.assert_allclose(operator.given.ravel(), matrix @ residual.ravel(), atol=1e-13)
+    np.testing.assert_allclose(passes.buffer.ravel(), matrix.T @ operator.answer.ravel(), atol=1e-13)
+
+
+@pytest.mark.parametrize("bounded", [False, True])
+def test_passes_of_one_step_agree_with_numpy(bounded: bool) -> None:
+    generator = np.random.default_rng(23)
+    shape = (70, 33)
+    heights = generator.standard_normal(shape)
+    bound = 1 + generator.random(shape) if bounded else None
+    passes = Passes(heights, bound=bound, stiffness=0.1, threads=2)
+    x, u = passes.force, passes.displacement
+    x[:] = np.maximum(generator.standard_normal(shape), 0)
+    if bound is not None:
+        np.minimum(x, bound, out=x)
+    u[:], passes.step[:], passes.image[:] = generator.standard_normal((3, *shape))
+    phi = x if bound is None else x * (1 - x / bound)
+    below = np.ones(shape, dtype=bool) if bound is None else x < bound
+    total, moment = passes.weigh()
+    assert total == pytest.approx(phi.sum())
+    assert moment == pytest.approx(np.sum(phi * (u - heights)))
+    gap = u - heights + 0.3
+    errors = passes.residual(0.3)
+    assert errors.moment == pytest.approx(np.sum((x * np.abs(gap))[below]))
+    assert errors.total == pytest.approx(x[below].sum())
+    assert errors.lowest == gap[below].min()
+    assert errors.highest == (gap[~below].max() if bounded else -np.inf)
+    aim = x - 0.1 * gap
+    working = aim > 0 if bound is None else np.where(x < bound / 2, aim > 0, aim < bound)
+    assert np.array_equal(passes.working, working)
+    assert errors.free == pytest.approx(phi[working].sum())
+    z = np.where(working, generator.standard_normal(shape), 0)
+    passes.buffer[:] = z
+    before, step, v = x.copy(), passes.step.copy(), passes.image.copy()
+    passes.trial(0.5, offset=0.3, length=0.7, beta=0.4, shift=0.2)
+    trial = np.maximum(before + 0.7 * (z + 0.4 * step * working - 0.2 * phi), 0)
+    stay = np.zeros(shape) if bound is None else np.where(before < bound / 2, 0, bound)
+    trial = np.where(working, trial if bound is None else np.minimum(trial, bound), stay)
+    if bound is None:
+        trial *= 0.5 * x.size / trial.sum()
+    else:
+        missing, free = 0.5 * x.size - trial.sum(), (trial > 0) & (trial < bound)
+        share = missing / np.sum((bound - trial)[free]) if missing > 0 else missing / trial[free].sum()
+        trial[free] += share * ((bound - trial)[free] if missing > 0 else trial[free])
+    np.testing.assert_allclose(passes.step, trial - before, atol=1e-13)
+    passes.image[:] = v
+    slope, curvature, room = passes.search(0.3)
+    s = trial - before
+    assert slope == pytest.approx(np.sum(gap * s))
+    assert curvature == pytest.approx(np.sum(s * v))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rooms = np.where(s < 0, before / -s, np.inf)
+        if bound is not None:
+            rooms = np.minimum(rooms, np.where(s > 0, (bound - before) / s, np.inf))
+    assert room == pytest.approx(rooms.min())
+    u_before = u.copy()
+    passes.advance(0.8)
+    np.testing.assert_allclose(u, u_before + 0.8 * v, atol=1e-14)
+    np.testing.assert_allclose(x, before + 0.8 * s, atol=1e-13)
+
+
+def test_number_of_threads_changes_no_bit() -> None:
+    heights = wavy((96, 80))
+    answers = [run(heights, load=0.05, threads=threads) for threads in (1, 2, 3)]
+    for other in answers[1:]:
+        assert np.array_equal(answers[0].force, other.force)
+        assert answers[0].offset == other.offset
+
+
+def test_blocks_of_rows_cover_each_row_once() -> None:
+    for count in (1, 31, 32, 65, 1000):
+        rows = [row for lo, hi in Rows(count, threads=1).blocks for row in range(lo, hi)]
+        assert rows == list(range(count))
+
+
+def wavy(shape: tuple[int, int], seed: int = 5) -> Array:
+    generator = np.random.default_rng(seed)
+    spectrum = np.fft.fft2(generator.standard_normal(shape))
+    q = np.hypot(*np.meshgrid(*(np.fft.fftfreq(n) * n for n in shape), indexing="ij"))
+    heights = np.fft.ifft2(spectrum / np.maximum(q, 2) ** 1.8 * (q < min(shape) / 4)).real
+    return np.ascontiguousarray(heights / heights.std())
+
+
+def run(
+    heights: Array, *, load: float, bound: Array | None = None, threads: int = 1, tolerance: float = 1e-10
+):
+    operator = FourierOperator(
+        SOFT, heights.shape, (1.0, heights.shape[1] / heights.shape[0]), threads=threads
+    )
+    return solve_bounded(
+        operator,
+        heights,
+        mean_force=load,
+        length_scale=float(heights.std()),
+        tolerance=tolerance,
+        max_iterations=500,
+        bound=bound,
+        threads=threads,
+    )
+
+
+@pytest.mark.parametrize("load", [1e-3, 0.3, 3.0, 12.0])
+def test_preconditioned_and_plain_solver_agree(load: float) -> None:
+    heights = wavy((48, 45))
+    fast = run(heights, load=load, tolerance=1e-11)
+    operator = FourierOperator(SOFT, heights.shape, (1.0, 45 / 48), threads=1)
+    slow = polonsky_keer(
+        operator,
+        heights,
+        mean_force=load,
+        length_scale=float(heights.std()),
+        tolerance=1e-11,
+        max_iterations=5000,
+    )
+    assert fast.status is slow.status is Status.CONVERGED
+    assert np.linalg.norm(fast.force - slow.force) < 1e-8 * np.linalg.norm(slow.force)
+    assert fast.offset == pytest.approx(slow.offset, abs=1e-9)
+    assert np.array_equal(fast.in_contact, slow.in_contact)
+
+
+@pytest.mark.parametrize("share", [0.01, 0.3, 0.8, 0.97, 0.999])
+def test_bounded_forces_meet_all_conditions(share: float) -> None:
+    heights = wavy((40, 50))
+    generator = np.random.default_rng(9)
+    for bound in (np.full(heights.shape, 4.0), 3 + 2 * generator.random(heights.shape)):
+        load = share * float(bound.mean())
+        solution = run(heights, load=load, bound=bound)
+        assert solution.status is Status.CONVERGED
+        gap = solution.displacement - heights + solution.offset
+        small = 1e-8 * heights.std()
+        assert solution.force.min() >= 0
+        assert np.all(solution.force <= bound)
+        assert solution.force.mean() == pytest.approx(load, rel=1e-12)
+        assert np.all(gap[~solution.at_bound] > -small)
+        assert np.all(gap[solution.at_bound] < small)
+        inside = (solution.force > 0) & ~solution.at_bound
+        assert np.all(np.abs(gap[inside]) < 1e-3 * heights.std())
+
+
+def test_bound_that_is_never_reached_changes_nothing() -> None:
+    heights = wavy((32, 32))
+    free = run(heights, load=0.3)
+    bounded = run(heights, load=0.3, bound=np.full(heights.shape, 1e3 * free.force.max()))
+    assert not bounded.at_bound.any()
+    np.testing.assert_allclose(bounded.force, free.force, atol=1e-6 * free.force.max())
+
+
+def test_coarse_start_changes_the_cost_and_not_the_answer() -> None:
+    heights = wavy((128, 96))
+    lengths = (1.0, 96 / 128)
+    operator = FourierOperator(SOFT, heights.shape, lengths, threads=1)
+    nested = solve_nested(
+        operator,
+        heights,
+        coarse=lambda shape: FourierOperator(SOFT, shape, lengths, threads=1),
+        mean_force=0.3,
+        length_scale=float(heights.std()),
+        tolerance=1e-10,
+        max_iterations=500,
+    )
+    cold = run(heights, load=0.3)
+    assert np.linalg.norm(nested.force - cold.force) < 1e-7 * np.linalg.norm(cold.force)
+
+
+def test_weights_turn_the_interpolated_pressure_into_forces() -> None:
+    """With node weights the start is w p; a diagonal response makes the answer known."""
+    heights = wavy((40, 40))
+    weights = np.where(np.add.outer(np.arange(40), np.arange(40)) % 2, 0.5, 1.5)
+    lengths = (1.0, 1.0)
+
+    class Weighted:
+        """Displacement of the pressure x / w, projected so that the response stays symmetric."""
+
+        def __init__(self) -> None:
+            self.inner = FourierOperator(SOFT, (40, 40), lengths, threads=1)
+            self.pairs, self.stiffness = 1.0, self.inner.stiffness
+
+        def apply(self, force: Array, out: Array) -> None:
+            self.inner.apply(force, out)
+
+        def precondition(self, residual: Array, out: Array) -> None:
+            self.inner.precondition(residual, out)
+
+    settings = {"mean_force": 0.3, "length_scale": 1.0, "tolerance": 1e-10, "max_iterations": 500}
+    plain = solve_bounded(Weighted(), heights, **settings)
+    nested = solve_nested(
+        Weighted(),
+        heights,
+        coarse=lambda shape: FourierOperator(SOFT, shape, lengths, threads=1),
+        weights=weights,
+        **settings,
+    )
+    np.testing.assert_allclose(nested.force, plain.force, atol=1e-7 * plain.force.max())
+
+
+def test_residual_that_cannot_be_reached_is_called_stagnation() -> None:
+    solution = run(wavy((32, 32)), load=0.3, tolerance=1e-22)
+    assert solution.status is Status.STAGNATED
+
+
+def test_coarsening_keeps_low_waves_and_refinement_keeps_values() -> None:
+    x = np.arange(24) / 24
+    wave = np.cos(2 * np.pi * 3 * x)[:, None] * np.ones(20)
+    coarse = coarsened(wave, (12, 10))
+    np.testing.assert_allclose(coarse, wave[::2, ::2], atol=1e-14)
+    np.testing.assert_allclose(
+        coarsened(np.cos(2 * np.pi * 9 * x)[:, None] * np.ones(20), (12, 10)), 0, atol=1e-14
+    )
+    assert np.array_equal(refined(coarse, (24, 20))[::2, ::2], coarse)
+
+
+@pytest.mark.parametrize("bounded", [False, True])
+def test_projected_gradient_keeps_load_and_bounds_and_points_down(bounded: bool) -> None:
+    generator = np.random.default_rng(31)
+    shape = (12, 9)
+    heights = generator.standard_normal(shape)
+    bound = 1 + generator.random(shape) if bounded else None
+    passes = Passes(heights, bound=bound, stiffness=0.5, threads=1)
+    passes.force[:] = generator.random(shape)
+    passes.displacement[:] = generator.standard_normal(shape)
+    load = float(passes.force.mean())
+    passes.project(load, 0.1)
+    after = passes.force + passes.step
+    assert after.min() >= 0
+    assert bound is None or np.all(after <= bound)
+    assert after.mean() == pytest.approx(load, rel=1e-12)
+    assert np.sum((passes.displacement - heights) * passes.step) < 0
