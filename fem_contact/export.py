@@ -1,10 +1,10 @@
-"""Results on disk for other programs: the deformed block as a VTU file."""
+"""Results for other programs and for the eye: the deformed block as a VTU file, and pictures of it."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +14,20 @@ from fem_contact.errors import InvalidInput
 if TYPE_CHECKING:
     from fem_contact.block import BlockSolution
 
-__all__ = ["write_block"]
+__all__ = ["render_section", "render_surface", "write_block"]
 
 Array = NDArray[np.float64]
 
 #: Corners of a hexahedron in VTK's order.
 _CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))
+
+#: Nodes of a triquadratic hexahedron in VTK's order: corners, edges, faces, centre; in half cells.
+_NODES27 = (
+    *((0, 0, 0), (2, 0, 0), (2, 2, 0), (0, 2, 0), (0, 0, 2), (2, 0, 2), (2, 2, 2), (0, 2, 2)),
+    *((1, 0, 0), (2, 1, 0), (1, 2, 0), (0, 1, 0), (1, 0, 2), (2, 1, 2), (1, 2, 2), (0, 1, 2)),
+    *((0, 0, 1), (2, 0, 1), (2, 2, 1), (0, 2, 1)),
+    *((0, 1, 1), (2, 1, 1), (1, 0, 1), (1, 2, 1), (1, 1, 0), (1, 1, 2), (1, 1, 1)),
+)
 
 
 def write_block(path: Path, solution: BlockSolution, *, deformation: float = 1.0) -> None:
@@ -55,9 +63,12 @@ def write_block(path: Path, solution: BlockSolution, *, deformation: float = 1.0
         on_top[:, :, -1] = _unfolded(values)
         point_data[name] = on_top.ravel()
     stress = solution.stress()
+    kind, corners = (
+        ("hexahedron", _CORNERS) if solution.mesh.element.order == 1 else ("hexahedron27", _NODES27)
+    )
     mesh = meshio.Mesh(
         points=(_nodes(solution) + deformation * displacement).reshape(-1, 3),
-        cells=[("hexahedron", _cells(displacement.shape[:3]))],
+        cells=[(kind, _cells(displacement.shape[:3], corners, step=solution.mesh.element.order))],
         point_data=point_data,
         cell_data={"stress": [stress.tensor.reshape(-1, 6)], "von_mises": [stress.von_mises.ravel()]},
     )
@@ -80,8 +91,120 @@ def _nodes(solution: BlockSolution) -> Array:
     return np.stack(grid, axis=-1)
 
 
-def _cells(nodes: tuple[int, ...]) -> NDArray[np.int64]:
+def _cells(
+    nodes: tuple[int, ...], corners: tuple[tuple[int, int, int], ...], *, step: int
+) -> NDArray[np.int64]:
     number = np.arange(int(np.prod(nodes))).reshape(nodes)
     nx, ny, nz = (n - 1 for n in nodes)
-    corners = [number[i : i + nx, j : j + ny, k : k + nz].ravel() for i, j, k in _CORNERS]
-    return np.stack(corners, axis=1)
+    columns = [number[i : i + nx : step, j : j + ny : step, k : k + nz : step].ravel() for i, j, k in corners]
+    return np.stack(columns, axis=1)
+
+
+def render_surface(path: Path, solution: BlockSolution, *, magnification: float | None = None) -> None:
+    """Draw the deformed surface of the block, coloured by the contact pressure, into a picture, off screen.
+
+    Parameters
+    ----------
+    path : Path
+        File to write, ``.png`` for instance.
+    solution : BlockSolution
+    magnification : float, optional
+        Factor on the displacement; by default the deepest dent is drawn a tenth of the period deep.
+
+    Raises
+    ------
+    InvalidInput
+        For a magnification that is not finite.
+    """
+    pyvista = _pyvista()
+    contact = solution.contact
+    rise = -(contact.displacement - contact.displacement.min())
+    depth = float(np.ptp(rise))
+    if magnification is None:
+        magnification = 0.1 * max(contact.lengths) / depth if depth > 0 else 1.0
+    if not np.isfinite(magnification):
+        raise InvalidInput(f"magnification = {magnification!r}: must be a finite number")
+    (nx, ny), (dx, dy) = contact.shape, contact.spacing
+    x, y = np.meshgrid(np.arange(nx + 1) * dx, np.arange(ny + 1) * dy, indexing="ij")
+    # Lengths in periods: the drawing library's tolerances are absolute.
+    unit = max(contact.lengths)
+    grid = pyvista.StructuredGrid(x / unit, y / unit, magnification * _unfolded(rise) / unit)
+    grid.point_data["pressure [MPa]"] = _unfolded(contact.pressure).ravel(order="F") / 1e6
+    plotter = pyvista.Plotter(off_screen=True, window_size=(1200, 900))
+    plotter.add_mesh(grid, scalars="pressure [MPa]", cmap="inferno", smooth_shading=True)
+    plotter.view_vector((-0.6, -1.0, 0.9), viewup=(0, 0, 1))
+    plotter.camera.zoom(1.3)
+    _shoot(plotter, path)
+
+
+def render_section(
+    path: Path,
+    solution: BlockSolution,
+    *,
+    axis: Literal["x", "y"] = "y",
+    position: float | None = None,
+) -> None:
+    """Draw a vertical cut through the von Mises stress into a picture, off screen.
+
+    The stress is found layer by layer, so that blocks too large for memory can be drawn.
+
+    Parameters
+    ----------
+    path : Path
+    solution : BlockSolution
+    axis : {"x", "y"}
+        Direction that the cut is perpendicular to.
+    position : float, optional
+        Where the cut lies along it [m]; through the highest pressure by default.
+
+    Raises
+    ------
+    InvalidInput
+        For another axis, or a position outside the period.
+    """
+    if axis not in ("x", "y"):
+        raise InvalidInput(f"axis = {axis!r}: must be 'x' or 'y'")
+    across = 0 if axis == "x" else 1
+    width, cells = solution.cell_size, solution.mesh.cells
+    if position is None:
+        peak = np.unravel_index(int(np.argmax(solution.contact.pressure)), solution.contact.shape)
+        position = float(peak[across]) * solution.contact.spacing[across]
+    if not 0 <= position <= solution.contact.lengths[across]:
+        raise InvalidInput(
+            f"position = {position!r}: must lie in the period, 0 to {solution.contact.lengths[across]:.6g} m"
+        )
+    row = min(int(position / width[across]), cells[across] - 1)
+    cut = np.empty((cells[1 - across], solution.mesh.nz))
+    for index, stress in solution.stress_layers():
+        cut[:, index] = np.take(stress.von_mises, row, axis=across)
+    unit = max(solution.contact.lengths)
+    edges = solution.mesh.edges * solution.cell_size[0]
+    along = np.arange(cells[1 - across] + 1) * width[1 - across]
+    s, z = np.meshgrid(along / unit, edges / unit, indexing="ij")
+    pyvista = _pyvista()
+    grid = pyvista.StructuredGrid(s, np.zeros_like(s), z)
+    grid.cell_data["von Mises [MPa]"] = cut.ravel(order="F") / 1e6
+    plotter = pyvista.Plotter(off_screen=True, window_size=(1200, 900))
+    plotter.add_mesh(grid, scalars="von Mises [MPa]", cmap="viridis")
+    plotter.view_xz()
+    _shoot(plotter, path)
+
+
+def _pyvista() -> Any:
+    """Import the drawing library, which complains on the error stream where there is no display."""
+    import pyvista
+    import vtk
+
+    vtk.vtkLogger.SetStderrVerbosity(vtk.vtkLogger.VERBOSITY_OFF)
+    return pyvista
+
+
+def _shoot(plotter: Any, path: Path) -> None:
+    path = Path(path)
+    partial = path.with_name(f".partial-{os.getpid()}-{path.name}")
+    try:
+        plotter.screenshot(partial)
+        partial.replace(path)
+    finally:
+        plotter.close()
+        partial.unlink(missing_ok=True)

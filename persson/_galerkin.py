@@ -1,12 +1,9 @@
 """Compiled kernel of the diffusion solver: Legendre-Galerkin in stress, SDIRK4 in time.
 
 Imported where it is used, because numba takes a second to load. Basis: d_k (L_k - L_{k+2}) with d_k =
-1/sqrt(4k + 6), for
-which the stiffness matrix is the identity and mass and advection matrices have five diagonals (J. Shen, SIAM
-J. Sci.
-Comput. 15, 1489, 1994). Time steps: five stages, order 4, L-stable, stiffly accurate (Hairer and Wanner,
-Solving Ordinary
-Differential Equations II, Table 6.5).
+1/sqrt(4k + 6), for which the stiffness matrix is the identity and mass and advection matrices have five
+diagonals (J. Shen, SIAM J. Sci. Comput. 15, 1489, 1994). Time steps: five stages, order 4, L-stable, stiffly
+accurate (Hairer and Wanner, Solving Ordinary Differential Equations II, Table 6.5).
 """
 
 from __future__ import annotations
@@ -160,8 +157,7 @@ def advance(steps, edges, diffusion, upper_wall, start, tables, history):  # typ
     """Integrate over all steps; rates are per unit of the running variable s.
 
     The unknown is the density times the squared width of the window: with one wall that tends to a constant,
-    so that large
-    steps cost no accuracy however far the distribution has spread.
+    so that large steps cost no accuracy however far the distribution has spread.
 
     Parameters
     ----------
@@ -173,16 +169,14 @@ def advance(steps, edges, diffusion, upper_wall, start, tables, history):  # typ
         V dT/ds [stress^2].
     upper_wall : (n, 6) array
         In column 0 whether the right edge is a wall where the solid yields, 0 or 1; then 2 dsigma_Y/dV
-        [1/stress] at the
-        stages, which times the plastic area is the density at that wall.
+        [1/stress] at the stages, which times the plastic area is the density at that wall.
     start : (N,) array
         Coefficients of the density times the squared width at the first node.
     tables : tuple
         Result of `matrices`.
     history : (n + 1, N + 4) array
         Filled with the coefficients at each node, then the area lost below, the stress it carried, the area
-        that leaked out
-        of the window above, and the plastic area.
+        that leaked out of the window above, and the plastic area.
     """
     mass, d = tables[0], tables[3]
     count = start.size

@@ -6,16 +6,15 @@ With the variance V of the stress at full contact as the running variable the eq
           \qquad -\sigma_a(V) < \sigma < \sigma_Y(V), \qquad P(\sigma, 0) = \delta(\sigma - \sigma_0)
 
 and f(zeta) drops out: only where along V the walls stand matters. Area that reaches the lower wall detaches,
-area that
-reaches the upper one yields. Everything is integrated in ln V on a window that follows the walls, or the
-tails
-of the distribution where these are nearer, so decades of magnification cost nothing.
+area that reaches the upper one yields. Everything is integrated in ln V on a window that follows the walls,
+or
+the tails of the distribution where these are nearer, so decades of magnification cost nothing.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,24 +22,13 @@ from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
 from persson._checks import Array, non_negative, real
-from persson.errors import InvalidInput, NotConverged, OutsideTheory
+from persson._window import TAIL, Grid, Pieces, Problem, Wall, distance, find_pieces, make_grid
+from persson.errors import InvalidInput, NotConverged
 
 __all__ = ["Diffusion", "Wall", "solve_diffusion"]
 
-Flags = NDArray[np.bool_]
-
-#: A stress limit [Pa] as a function of the stress variance V [Pa^2], for arrays; or a constant; or None for
-#: no wall.
-Wall = float | Callable[[Array], Array] | None
-
-#: Half width of the window in standard deviations: the neglected tail holds 3e-14 of the area.
-_TAIL = 7.6
-
 #: Largest steps in ln V and numbers of basis functions tried in turn until the ledger closes.
 _LEVELS = ((0.2, 48), (0.1, 56), (0.05, 80), (0.025, 120), (0.012, 180))
-
-#: Steps beyond which a wall counts as too wild to be followed; the error estimate then says so.
-_MOST_STEPS = 5000
 
 _STAGES = np.array([0.0, 0.25, 0.75, 0.55, 0.5, 1.0])
 
@@ -154,18 +142,15 @@ def solve_diffusion(
         Nominal pressure sigma_0 [Pa]; negative for tension.
     tensile_limit : float, callable or None
         sigma_a [Pa], the largest tensile stress, as a constant or as a function of V; 0 without adhesion;
-        None for bodies
-        that never detach.
+        None for bodies that never detach.
     yield_stress : float, callable or None
         Hardness sigma_Y [Pa]; a function of V must not decrease, and the density at the wall then obeys
-        Persson 2006,
-        Eq. 34. None for no yielding.
+        Persson 2006, Eq. 34. None for no yielding.
     breaks : sequence of float
         V [Pa^2] where a wall has a kink, or the square-root onset of adhesion.
     tolerance : float
         Bound on the residuals of area and load, which estimate the relative error. The discretisation is
-        refined until it
-        is met.
+        refined until it is met.
     modes, step : int, float, optional
         Fix the number of basis functions and the largest step in ln V instead.
 
@@ -180,14 +165,12 @@ def solve_diffusion(
         For arguments outside their range.
     OutsideTheory
         Where the equations have no admissible solution: no load and no adhesion, tension beyond sigma_a,
-        pressure beyond
-        sigma_Y, or a hardness that falls with V.
+        pressure beyond sigma_Y, or a hardness that falls with V.
 
     Notes
     -----
-    Persson 2006, Eqs. 17, 19, 27-41. Legendre-Galerkin in stress, an L-stable fourth-order Runge-Kutta method
-    in ln V;
-    before the distribution reaches a wall it is the exact Gaussian.
+    Persson 2006, Eqs. 17, 19, 27-41. Legendre-Galerkin in stress, an L-stable fourth-order Runge-Kutta
+    method in ln V; before the distribution reaches a wall it is the exact Gaussian.
 
     Examples
     --------
@@ -195,20 +178,11 @@ def solve_diffusion(
     >>> result.checked().area_elastic.round(5)
     array([0.68269, 0.38292])
     """
-    outputs = np.atleast_1d(non_negative("variance", variance, unit="Pa^2"))
-    if outputs.ndim != 1 or outputs.size == 0 or np.any(np.diff(outputs) < 0):
-        raise InvalidInput("variance: must be a one-dimensional array of values that do not decrease")
+    outputs, problem = _checked(variance, pressure, tensile_limit, yield_stress)
     if not 0 < tolerance < 1:
         raise InvalidInput(f"tolerance = {tolerance!r}: must lie between 0 and 1")
-    load = float(real("pressure", pressure, unit="Pa"))
-    problem = _Problem(
-        pressure=load,
-        below=_distance(tensile_limit, load, 1.0, "tensile_limit"),
-        above=_distance(yield_stress, load, -1.0, "yield_stress"),
-        hardening=callable(yield_stress),
-    )
     levels = _LEVELS if modes is None and step is None else ((step or 0.1, modes or 48),)
-    pieces = _pieces(problem, outputs, np.asarray(breaks, dtype=float))
+    pieces = find_pieces(problem, outputs, np.asarray(breaks, dtype=float))
     probes = np.unique(np.linspace(0, outputs.size - 1, min(outputs.size, 8)).astype(int))
     longest, fewest = levels[0]
     coarse = _integrate(problem, outputs[probes], pieces, largest=2 * longest, modes=max(fewest - 8, 24))
@@ -229,135 +203,51 @@ def solve_diffusion(
     return result
 
 
+def diffuse_once(
+    variance: ArrayLike,
+    *,
+    pressure: float,
+    tensile_limit: Wall,
+    yield_stress: Wall,
+    breaks: Sequence[float],
+    modes: int,
+    step: float,
+) -> Diffusion:
+    """Solve once on given steps, without an error estimate.
+
+    For iterations that refine the walls themselves.
+    """
+    outputs, problem = _checked(variance, pressure, tensile_limit, yield_stress)
+    pieces = find_pieces(problem, outputs, np.asarray(breaks, dtype=float))
+    return _integrate(problem, outputs, pieces, largest=step, modes=modes)
+
+
+def _checked(
+    variance: ArrayLike, pressure: float, tensile_limit: Wall, yield_stress: Wall
+) -> tuple[Array, Problem]:
+    outputs = np.atleast_1d(non_negative("variance", variance, unit="Pa^2"))
+    if outputs.ndim != 1 or outputs.size == 0 or np.any(np.diff(outputs) < 0):
+        raise InvalidInput("variance: must be a one-dimensional array of values that do not decrease")
+    load = float(real("pressure", pressure, unit="Pa"))
+    problem = Problem(
+        pressure=load,
+        below=distance(tensile_limit, load, 1.0, "tensile_limit"),
+        above=distance(yield_stress, load, -1.0, "yield_stress"),
+        hardening=callable(yield_stress),
+    )
+    return outputs, problem
+
+
 def _part(result: Diffusion, chosen: NDArray[np.int64]) -> Diffusion:
     return replace(result, area_elastic=result.area_elastic[chosen], area_plastic=result.area_plastic[chosen])
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Problem:
-    """Distances of the walls from the nominal pressure [Pa] as functions of V; infinite without a wall."""
-
-    pressure: float
-    below: Callable[[Array], Array]
-    above: Callable[[Array], Array]
-    hardening: bool
-
-    def window(self, t: Array, reference: float) -> tuple[Array, Array, Flags, Flags]:
-        """Edges of the window relative to sigma_0 at T = ln(V / reference), and which of them are walls."""
-        variance = reference * np.exp(t)
-        tail = _TAIL * np.sqrt(variance)
-        below, above = self.below(variance), self.above(variance)
-        return -np.minimum(below, tail), np.minimum(above, tail), below < tail, above < tail
-
-
-def _distance(wall: Wall, pressure: float, sign: float, name: str) -> Callable[[Array], Array]:
-    if wall is None:
-        return lambda variance: np.full(np.shape(variance), np.inf)
-    if callable(wall):
-        function = wall
-
-        def moving(variance: Array) -> Array:
-            limit = np.asarray(function(variance), dtype=float)
-            if limit.shape != variance.shape or np.any(np.isnan(limit)) or np.any(limit < 0):
-                raise InvalidInput(
-                    f"{name}(V): must give a stress that is not negative for every V of an array"
-                )
-            return sign * pressure + limit if sign > 0 else limit - pressure
-
-        return moving
-    limit = float(wall)
-    if np.isnan(limit) or limit < 0:
-        raise InvalidInput(f"{name} = {limit!r}: must not be negative")
-    gap = pressure + limit if sign > 0 else limit - pressure
-    return lambda variance: np.full(np.shape(variance), gap)
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Pieces:
-    """Intervals of T = ln(V / reference) between switches of the window; empty if no wall is ever reached."""
-
-    reference: float
-    edges: Array
-    roots: Array
-    start: float
-
-
-def _pieces(problem: _Problem, outputs: Array, breaks: Array) -> _Pieces:
-    """Find where the distribution first meets a wall, and where an edge changes to or from a wall."""
-    last = float(outputs[-1])
-    if last == 0:
-        return _Pieces(reference=1.0, edges=np.empty(0), roots=np.empty(0), start=np.inf)
-    inside = breaks[(breaks > 0) & (breaks < last)]
-    coarse = np.unique(np.concatenate([np.arange(-140.0, 0.0, 0.25), [0.0], np.log(inside / last)]))
-    _refuse(problem, last, coarse)
-    touched = problem.window(coarse, last)
-    first = np.flatnonzero(touched[2] | touched[3])
-    if first.size == 0:
-        return _Pieces(reference=last, edges=np.empty(0), roots=np.empty(0), start=np.inf)
-    if first[0] == 0:
-        raise OutsideTheory(
-            "a wall stands at the nominal pressure from the start: no distribution can begin there"
-        )
-    fine = np.unique(
-        np.concatenate([np.arange(coarse[first[0] - 1], 0.0, 0.02), [0.0], np.log(inside / last)])
-    )
-    switches: list[float] = []
-    for side in (2, 3):
-        walls = problem.window(fine, last)[side]
-        turns = np.flatnonzero(walls[1:] != walls[:-1])
-        switches.extend(_bisect(problem, last, side, fine[i], fine[i + 1]) for i in turns)
-    start = min(switches) if switches else float(fine[0])
-    roots = np.log(np.unique(inside) / last)
-    edges = np.unique(
-        np.concatenate([[start], [s for s in switches if s > start], roots[roots > start], [0.0]])
-    )
-    # Two marks closer than rounding are one.
-    edges = edges[np.concatenate([[True], np.diff(edges) > 1e-12])]
-    return _Pieces(reference=last, edges=edges, roots=roots, start=start)
-
-
-def _bisect(problem: _Problem, last: float, side: int, low: float, high: float) -> float:
-    at_low = bool(problem.window(np.array([low]), last)[side][0])
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if not low < middle < high:
-            break
-        if bool(problem.window(np.array([middle]), last)[side][0]) == at_low:
-            low = middle
-        else:
-            high = middle
-    return high
-
-
-def _refuse(problem: _Problem, last: float, coarse: Array) -> None:
-    """Cases without an admissible solution."""
-    variance = last * np.exp(coarse)
-    below, above = problem.below(variance), problem.above(variance)
-    if below[0] <= 0:
-        if problem.pressure < 0:
-            raise OutsideTheory(
-                f"pressure = {problem.pressure!r} Pa: the tension exceeds the tensile limit; nothing holds"
-            )
-        raise OutsideTheory(
-            "pressure = 0 without a tensile limit: nothing presses the bodies together, the area is 0"
-        )
-    if above[0] <= 0:
-        raise OutsideTheory(f"pressure = {problem.pressure!r} Pa: must stay below the yield stress")
-    if problem.hardening and np.any(np.diff(above) < -1e-12 * (np.abs(above[1:]) + abs(problem.pressure))):
-        raise OutsideTheory(
-            "yield_stress(V) falls: with Persson 2006, Eq. 34 the density at the wall would be negative; "
-            "the theory holds for a hardness that is constant or rises with magnification"
-        )
-
-
-def _integrate(
-    problem: _Problem, outputs: Array, pieces: _Pieces, *, largest: float, modes: int
-) -> Diffusion:
+def _integrate(problem: Problem, outputs: Array, pieces: Pieces, *, largest: float, modes: int) -> Diffusion:
     reference = pieces.reference
     with np.errstate(divide="ignore"):
         t_out = np.log(outputs / reference)
     moving = t_out > pieces.start
-    grid = _grid(problem, pieces, t_out[moving], largest)
+    grid = make_grid(problem, pieces, t_out[moving], largest)
     history = _run(problem, reference, grid, modes)
     nodes = np.concatenate([[pieces.start], grid.ends]) if grid.steps.size else np.empty(0)
     where = np.searchsorted(nodes, t_out[moving] - 1e-12) if nodes.size else np.empty(0, dtype=int)
@@ -402,92 +292,7 @@ def _integrate(
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Grid:
-    """Steps in the running variable s.
-
-    T itself, or its square root after a mark, where walls may start like a root.
-    """
-
-    first: Array
-    last: Array
-    rooted: Flags
-    origin: Array
-
-    @property
-    def steps(self) -> Array:
-        """Step sizes in s."""
-        return self.last - self.first
-
-    def time(self, s: Array) -> Array:
-        """T of values (n, m) of s, one row per step."""
-        return np.where(self.rooted[:, None], self.origin[:, None] + s * s, s)
-
-    @property
-    def ends(self) -> Array:
-        """T at the end of each step."""
-        return np.asarray(self.time(self.last[:, None])[:, 0])
-
-
-def _grid(problem: _Problem, pieces: _Pieces, outputs: Array, largest: float) -> _Grid:
-    """Place steps between marks and outputs, shorter where a wall runs fast."""
-    firsts, lasts, rooted, origins = [], [], [], []
-    for index in range(max(pieces.edges.size - 1, 0)):
-        low, high = float(pieces.edges[index]), float(pieces.edges[index + 1])
-        marks = np.concatenate([[low], outputs[(outputs > low + 1e-13) & (outputs < high - 1e-13)], [high]])
-        root = bool(np.any(np.abs(pieces.roots - low) < 1e-13))
-        marks = np.sqrt(marks - low) if root else marks
-        counts = np.maximum(np.ceil(np.diff(marks) / largest), 1).astype(int)
-        sizes = np.repeat(np.diff(marks) / counts, counts)
-        number = np.arange(sizes.size) - np.repeat(np.cumsum(counts) - counts, counts)
-        first = np.repeat(marks[:-1], counts) + number * sizes
-        firsts.append(first)
-        lasts.append(np.append(first[1:], marks[-1]))
-        rooted.append(np.full(first.size, root))
-        origins.append(np.full(first.size, low))
-    if not firsts:
-        empty = np.empty(0)
-        return _Grid(first=empty, last=empty, rooted=empty.astype(bool), origin=empty)
-    grid = _Grid(
-        first=np.concatenate(firsts),
-        last=np.concatenate(lasts),
-        rooted=np.concatenate(rooted),
-        origin=np.concatenate(origins),
-    )
-    for _ in range(16):
-        fast = _too_long(problem, pieces.reference, grid, largest)
-        if not fast.any() or fast.size > _MOST_STEPS:
-            break
-        grid = _halved(grid, fast)
-    return grid
-
-
-def _too_long(problem: _Problem, reference: float, grid: _Grid, largest: float) -> Flags:
-    """Find steps in which an edge runs far, or bends away from a parabola, on the scale of the window."""
-    s = grid.first[:, None] + np.array([0.0, 0.25, 0.5, 0.75, 1.0]) * grid.steps[:, None]
-    left, right, _, _ = problem.window(grid.time(s), reference)
-    width = (right - left).min(axis=1)
-    result = np.zeros(width.shape, dtype=bool)
-    for edge in (left, right):
-        run = np.ptp(edge, axis=1)
-        bend = np.abs(edge[:, 0] - 4 * edge[:, 1] + 6 * edge[:, 2] - 4 * edge[:, 3] + edge[:, 4])
-        skew = np.abs(edge[:, 4] - 2 * edge[:, 3] + 2 * edge[:, 1] - edge[:, 0])
-        result |= (run > 2 * largest * width) | (np.maximum(bend, skew) > 0.02 * largest * largest * width)
-    return result
-
-
-def _halved(grid: _Grid, chosen: Flags) -> _Grid:
-    repeats = np.where(chosen, 2, 1)
-    middle = np.where(chosen, (grid.first + grid.last) / 2, grid.first)
-    first, last = np.repeat(grid.first, repeats), np.repeat(grid.last, repeats)
-    starts = np.cumsum(repeats) - repeats
-    last[starts[chosen]] = middle[chosen]
-    first[starts[chosen] + 1] = middle[chosen]
-    rooted, origin = np.repeat(grid.rooted, repeats), np.repeat(grid.origin, repeats)
-    return _Grid(first=first, last=last, rooted=rooted, origin=origin)
-
-
-def _run(problem: _Problem, reference: float, grid: _Grid, modes: int) -> Array:
+def _run(problem: Problem, reference: float, grid: Grid, modes: int) -> Array:
     """Sample the walls at the stages and hand over to the compiled kernel."""
     if grid.steps.size == 0:
         return np.empty((0, modes + 4))
@@ -499,7 +304,7 @@ def _run(problem: _Problem, reference: float, grid: _Grid, modes: int) -> Array:
     left, right, lower, upper = problem.window(t, reference)
     # One edge is either wall or tail over a whole step: the state in its middle decides, rounding at the ends
     # does not.
-    tail = _TAIL * np.sqrt(variance)
+    tail = TAIL * np.sqrt(variance)
     walls = [np.broadcast_to(side[:, 3:4], t.shape) for side in (lower, upper)]
     left = np.where(walls[0], -problem.below(variance), -tail)
     right = np.where(walls[1], problem.above(variance), tail)
@@ -533,7 +338,7 @@ def _run(problem: _Problem, reference: float, grid: _Grid, modes: int) -> Array:
     return history
 
 
-def _lift(problem: _Problem, reference: float, t: Array) -> Array:
+def _lift(problem: Problem, reference: float, t: Array) -> Array:
     """2 dsigma_Y/dV [1/Pa] by a one-sided difference from the past, 0 for a constant hardness."""
     if not problem.hardening:
         return np.zeros(t.shape)

@@ -1,8 +1,7 @@
 """Elastic contact without adhesion: the closed forms of the theory (Persson 2006, Secs. 3.4 and 4).
 
 All functions take numbers or arrays, broadcast together, and return scalars for scalars. Fed with the
-integrals of C(q)
-they describe the ensemble; fed with the moments of one realisation, that surface.
+integrals of C(q) they describe the ensemble; fed with the moments of one realisation, that surface.
 """
 
 from __future__ import annotations
@@ -100,8 +99,8 @@ def contact_area(pressure: ArrayLike, *, stress_variance: ArrayLike) -> Array:
     Notes
     -----
     Persson 2006, Eq. 20 with the upper limit of its integral corrected to 1/sqrt(G). Exact at full contact;
-    at light load
-    about a fifth below converged numerical results. The digits of 1 - A/A0 are in `non_contact_area`.
+    at light load about a fifth below converged numerical results. The digits of 1 - A/A0 are in
+    `non_contact_area`.
 
     Examples
     --------
@@ -187,8 +186,8 @@ def pressure_distribution(stress: ArrayLike, *, pressure: ArrayLike, stress_vari
     -------
     array
         P [1/Pa] per nominal area: it integrates to A/A0 (Persson 2006, Eq. 16). The delta function of the
-        non-contact area
-        at sigma = 0 is left out. Divide by `contact_area` for the distribution per contact area.
+        non-contact area at sigma = 0 is left out. Divide by `contact_area` for the distribution per contact
+        area.
 
     Examples
     --------

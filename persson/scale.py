@@ -37,9 +37,9 @@ class Scale:
 
     Notes
     -----
-    V = (1/4) int E*^2 2 pi q^3 C dq (Persson 2006, Eqs. 17 and 18). With a constant modulus it is exact; with
-    a graded one
-    it is summed over the table's intervals, each with the exact moment of the spectrum and the mean of E*^2.
+    V = (1/4) int E*^2 2 pi q^3 C dq (Persson 2006, Eqs. 17 and 18). With a constant modulus it is exact;
+    with a graded one it is summed over the table's intervals, each with the exact moment of the spectrum and
+    the mean of E*^2.
     """
 
     def __init__(self, spectrum: Spectrum, *, contact_modulus: float | Callable[[Array], Array]) -> None:
@@ -75,30 +75,48 @@ class Scale:
         return np.asarray(self._modulus(np.asarray(q, dtype=float)), dtype=float)
 
     def _sum(self) -> Array:
-        m2 = np.asarray(self.spectrum.m2(self._q))
-        edges = np.concatenate([[0.0], m2])
-        middle = np.concatenate([self._q[:1], self._q])
-        ends = self.modulus(middle) / 2
-        between = self.modulus((middle[1:] + middle[:-1]) / 2) / 2
-        mean = (ends[:-1] ** 2 + 4 * between**2 + ends[1:] ** 2) / 6
-        return np.asarray(np.cumsum(np.diff(edges) * mean)) if self.graded else m2 * ends[0] * ends[0]
+        if not self.graded:
+            half = self.modulus(self._q) / 2
+            return np.asarray(self.spectrum.m2(self._q)) * half * half
+        first = self._between(np.array([self.spectrum.q_min]), self._q[:1])
+        return np.cumsum(np.concatenate([first, self._between(self._q[:-1], self._q[1:])]))
+
+    def _between(self, low: Array, high: Array) -> Array:
+        """Int E*^2/4 dm2 by Simpson's rule in m2.
+
+        The middle is where half of the interval's m2 lies below.
+        """
+        m2_low, m2_high = self.spectrum.m2(low), self.spectrum.m2(high)
+        middle = (low + high) / 2
+        density = 2 * np.pi * middle * middle * middle * self.spectrum(middle)
+        shift = (m2_low + m2_high) / 2 - self.spectrum.m2(middle)
+        middle = np.clip(
+            middle + np.where(density > 0, shift / np.where(density > 0, density, 1.0), 0.0), low, high
+        )
+        squares = [np.square(self.modulus(np.maximum(q, self.q_min)) / 2) for q in (low, middle, high)]
+        return np.asarray((m2_high - m2_low) * (squares[0] + 4 * squares[1] + squares[2]) / 6)
 
     def variance(self, q: ArrayLike) -> Array:
         """V [Pa^2] for wavevectors q [1/m]."""
         wave = non_negative("q", q, unit="1/m")
         if not self.graded:
             half = self.modulus(wave) / 2
-            return np.asarray(self.spectrum.m2(wave) * half * half)
+            return np.asarray(self.spectrum.m2(wave) * half * half)[()]
         inside = np.clip(wave, self._q[0], self._q[-1])
         index = np.clip(np.searchsorted(self._q, inside, side="right") - 1, 0, self._q.size - 2)
-        start = self._q[index]
-        half = self.modulus((start + inside) / 2) / 2
-        ends = (self.modulus(start) ** 2 + self.modulus(inside) ** 2) / 4
-        rest = (self.spectrum.m2(inside) - self.spectrum.m2(start)) * (4 * half * half + ends) / 6
-        return np.where(wave >= self._q[0], self._variance[index] + rest, 0.0)
+        value = self._variance[index] + self._between(self._q[index], inside)
+        return np.where(wave >= self._q[0], value, 0.0)[()]
 
     def wavevector(self, variance: ArrayLike) -> Array:
         """Q [1/m] at which V(q) equals `variance` [Pa^2]; q_min below the first, q_short above the last."""
-        value = np.clip(np.asarray(variance, dtype=float), self._first, self._top)
+        asked = np.asarray(variance, dtype=float)
+        value = np.clip(asked, self._first, self._top)
         q = self.q_min * (1 + np.exp(self._inverse(np.log(value / self._top))))
-        return np.where(np.asarray(variance) < self._first, self.q_min, np.minimum(q, self.q_short))
+        for _ in range(2):
+            # The table is good to 1e-5; Newton makes the inverse as smooth as the spectrum, which moving
+            # walls need.
+            half = self.modulus(q) / 2
+            rate = 2 * np.pi * q * q * q * self.spectrum(q) * half * half
+            step = np.where(rate > 0, (self.variance(q) - value) / np.where(rate > 0, rate, 1.0), 0.0)
+            q = np.clip(q - step, self.q_min + (q - self.q_min) / 2, self.q_min + (q - self.q_min) * 2)
+        return np.where(asked < self._first, self.q_min, np.minimum(q, self.q_short))[()]

@@ -1,8 +1,7 @@
 """The sine expansion of the stress distribution between two walls (Persson 2006, Sec. 9): a second method.
 
 Exact for walls that stand still, slow and of algebraic accuracy for walls that move; use `persson.diffusion`
-for work and
-this module to check it.
+for work and this module to check it.
 """
 
 from __future__ import annotations
@@ -63,9 +62,8 @@ def sine_expansion(
     r"""Expand the stress distribution at variance V in sines between -sigma_a(V) and sigma_Y(V).
 
     .. math:: \frac{\partial P}{\partial V} =
-              \left(s \frac{\sigma_b'}{\sigma_b}
-              - \frac{\sigma_Y'}{\sigma_b}\right) \frac{\partial P}{\partial s}
-              + \frac{1}{2\sigma_b^2}\frac{\partial^2 P}{\partial s^2},
+              \left(s \frac{\sigma_b'}{\sigma_b} - \frac{\sigma_Y'}{\sigma_b}\right)
+              \frac{\partial P}{\partial s} + \frac{1}{2\sigma_b^2}\frac{\partial^2 P}{\partial s^2},
               \qquad \sigma_b = \sigma_a + \sigma_Y
 
     Parameters

@@ -1,8 +1,7 @@
 """Power spectra C(q) of isotropic surface roughness and their moments.
 
-Convention throughout (Persson 2006, Sec. 2): C(q) = (2 pi)^-2 int d^2x <h(x) h(0)> exp(-i q.x) [m^4], so that
-the areal
-moments are m_2k = 2 pi int q^(2k+1) C(q) dq. Other communities use (2 pi)^2 C.
+Convention throughout (Persson 2006, Sec. 2): C(q) = (2 pi)^-2 int d^2x <h(x) h(0)> exp(-i q.x) [m^4], so
+that the areal moments are m_2k = 2 pi int q^(2k+1) C(q) dq. Other communities use (2 pi)^2 C.
 """
 
 from __future__ import annotations
@@ -133,9 +132,8 @@ class SelfAffine(SpectrumMoments):
     amplitude : float
         C(q_long) [m^4]; `from_rms_height` and `from_rms_gradient` set it by a moment.
     rolloff : {"sharp", "smooth", "plateau"}
-        What lies below q_long: nothing ("sharp"); C = C(q_long) ("plateau"); or, with the power law bent over
-        smoothly
-        everywhere, C = C(q_long) [(1 + (q/q_long)^2) / 2]^(-1-H) ("smooth").
+        What lies below q_long: nothing ("sharp"); C = C(q_long) ("plateau"); or, with the power law bent
+        over smoothly everywhere, C = C(q_long) [(1 + (q/q_long)^2) / 2]^(-1-H) ("smooth").
     q_min : float, optional
         Lower end of a plateau or smooth roll-off [1/m], 2 pi / L for a sample of size L; 0 by default.
 

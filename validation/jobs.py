@@ -144,7 +144,7 @@ def execute(job: Job) -> Solved:
         return Solved(contact=bem.solve(field, HalfSpace(solid=solid), mean_pressure=pressure, **settings))
     from fem_contact import block
 
-    solution = block.solve(field, solid, mean_pressure=pressure, **settings)
+    solution = block.solve(field, solid, mean_pressure=pressure, **({"method": "full"} | settings))
     return Solved(contact=solution.contact, block=solution)
 
 

@@ -1,16 +1,27 @@
 """The finite-element block: an elastic slab of hexahedra, pressed by a rigid rough surface."""
 
-from fem_contact.block.mesh import BlockMesh, graded_layers, plan_mesh
+from fem_contact.block.accuracy import WaveError, wave_errors
+from fem_contact.block.elements import ELEMENTS, Element
+from fem_contact.block.mesh import BlockMesh, MeshOptions, graded_layers, plan_mesh
+from fem_contact.block.reduced import BlockResponse
 from fem_contact.block.solution import BlockSolution, CellStress
-from fem_contact.block.solver import Estimate, estimate, solve
+from fem_contact.block.solver import Estimate, estimate, solve, solve_displacement, solve_path
 
 __all__ = [
+    "ELEMENTS",
     "BlockMesh",
+    "BlockResponse",
     "BlockSolution",
     "CellStress",
+    "Element",
     "Estimate",
+    "MeshOptions",
+    "WaveError",
     "estimate",
     "graded_layers",
     "plan_mesh",
     "solve",
+    "solve_displacement",
+    "solve_path",
+    "wave_errors",
 ]

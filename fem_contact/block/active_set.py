@@ -1,22 +1,23 @@
-"""Primal-dual active set on the surface nodes of the assembled block.
+"""Primal-dual active set on the surface nodes of a block whose inside is kept.
 
 On the set, u_z follows the rigid profile; the profile's height above the undeformed surface is one more
-unknown, tied to the nodes of the set, whose equation is the balance of the load. Lengths are in dx and
-stresses in Young's modulus throughout.
+unknown, tied to the nodes of the set, whose equation is the balance of the load. Lengths are in cell widths
+and stresses in Young's modulus throughout.
 """
 
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.linear import LinearSolution, conjugate_gradients, multigrid, rigid_modes
+from fem_contact.block.linear import LinearSolution, conjugate_gradients, factorised, multigrid, rigid_modes
 from fem_contact.contact import Status
 
 if TYPE_CHECKING:
@@ -24,7 +25,14 @@ if TYPE_CHECKING:
 
     from fem_contact.block.mesh import BlockMesh
 
-__all__ = ["ActiveSetSolution", "Block", "Settings", "solve_contact"]
+__all__ = [
+    "ActiveSetSolution",
+    "AssembledBlock",
+    "Block",
+    "SetPreconditioner",
+    "Settings",
+    "solve_contact",
+]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -60,14 +68,14 @@ class ActiveSetSolution:
     Attributes
     ----------
     displacement : (nx, ny, nz, 3) array
-        u over dx above the clamped plane.
+        u over the cell width above the clamped plane.
     force : (nx, ny) array
-        Downward nodal force on the contact nodes over E dx^2; 0 elsewhere.
+        Downward nodal force on the contact nodes over E times the cell width squared; 0 elsewhere.
     gap : (nx, ny) array
-        g over dx.
+        g over the cell width.
     in_contact : (nx, ny) array of bool
     offset : float
-        Offset over dx.
+        Offset over the cell width.
     """
 
     displacement: Array
@@ -80,30 +88,103 @@ class ActiveSetSolution:
     linear_iterations: int
     linear_residual: float
     matrix_bytes: int
+    most_linear_iterations: int
+
+
+class SetPreconditioner(Protocol):
+    """An approximate solution of the linear problem of one active set."""
+
+    @property
+    def nbytes(self) -> int:
+        """Memory it holds."""
+        ...
+
+    def apply(self, residual: Array, load: float | None) -> tuple[Array, float]:
+        """Displacement and offset answering a residual that vanishes at tied unknowns, and a residual load.
+
+        Where the load is None the offset is held.
+        """
+        ...
 
 
 @dataclass(frozen=True, kw_only=True)
-class Block:
-    """The assembled block and the profile pressed into it.
+class Block(ABC):
+    """A block that displacements can be applied to, and the profile pressed into it.
+
+    Attributes
+    ----------
+    mesh : BlockMesh
+    heights : (nx, ny) array
+        Profile over the cell width, positive into the block.
+    """
+
+    mesh: BlockMesh
+    heights: Array
+
+    @abstractmethod
+    def apply(self, field: Array) -> Array:
+        """Nodal forces over E times the cell width squared under a displacement, flat arrays."""
+
+    @abstractmethod
+    def preconditioner(self, nodes: Mask) -> SetPreconditioner:
+        """Prepare the linear problem in which the profile's nodes move alike."""
+
+    @property
+    def levels(self) -> int:
+        """Planes of nodes above the clamped one."""
+        return self.mesh.planes.size - 1
+
+    def vertical(self, nodes: Mask) -> NDArray[np.int64]:
+        """Numbers of the vertical unknowns at surface nodes."""
+        return 3 * (np.flatnonzero(nodes) * self.levels + self.levels - 1) + 2
+
+    def force_scale(self, nodes: Mask, offset: float, *, load: float | None) -> float:
+        """Smallest norm that the contact forces of one set can have, for the linear tolerance to refer to.
+
+        With a prescribed offset it is that of the deepest node's indentation spread over the depth.
+        """
+        if load is not None:
+            return load / math.sqrt(max(int(nodes.sum()), 1))
+        deepest = float(np.max(self.heights)) - offset
+        return deepest / float(-self.mesh.planes[0])
+
+    def surface(self, field: Array) -> Array:
+        """Vertical component at the surface of a field over all unknowns, (nx, ny)."""
+        nx, ny = self.mesh.shape
+        return field.reshape(nx, ny, self.levels, 3)[:, :, -1, 2]
+
+
+@dataclass(frozen=True, kw_only=True)
+class AssembledBlock(Block):
+    """The assembled stiffness.
 
     Attributes
     ----------
     matrix : scipy.sparse.bsr_array
         Stiffness above the clamped plane, over E.
-    mesh : BlockMesh
-    heights : (nx, ny) array
-        Profile over dx, positive into the block.
+    direct : bool
+        Precondition by a factorisation, which takes multigrid's place where that crawls and the block is
+        small.
     """
 
     matrix: sp.bsr_array
-    mesh: BlockMesh
-    heights: Array
+    direct: bool = False
+
+    def apply(self, field: Array) -> Array:
+        """Multiply by the matrix."""
+        forces: Array = self.matrix @ field
+        return forces
+
+    def preconditioner(self, nodes: Mask) -> SetPreconditioner:
+        """Take the tied unknowns out of the matrix and precondition the rest."""
+        return _AssembledPreconditioner(self, nodes)
 
     @cached_property
     def modes(self) -> Array:
         """Rigid-body modes at the free nodes."""
         (nx, ny), z = self.mesh.shape, self.mesh.planes[1:]
-        grid = np.meshgrid(np.arange(nx), np.arange(ny) * self.mesh.aspect, z, indexing="ij")
+        order = self.mesh.element.order
+        grid = np.meshgrid(np.arange(nx) / order, np.arange(ny) * self.mesh.aspect / order, z, indexing="ij")
         return rigid_modes(np.stack(grid, axis=-1).reshape(-1, 3))
 
     @cached_property
@@ -111,24 +192,55 @@ class Block:
         """Block row of every stored block."""
         return np.repeat(np.arange(self.matrix.indptr.size - 1), np.diff(self.matrix.indptr))
 
-    def vertical(self, nodes: Mask) -> NDArray[np.int64]:
-        """Numbers of the vertical unknowns at surface nodes."""
-        return 3 * (np.flatnonzero(nodes) * self.mesh.nz + self.mesh.nz - 1) + 2
+    def without(self, tied: NDArray[np.int64]) -> tuple[sp.bsr_array, Mask]:
+        """Return the matrix with rows and columns of some unknowns emptied, and their mask."""
+        import scipy.sparse as sp
 
-    def force_scale(self, state: _State, *, load: float | None) -> float:
-        """Smallest norm that the contact forces of one set can have, for the linear tolerance to refer to.
+        matrix, rows = self.matrix, self.rows
+        fixed: Mask = np.zeros(matrix.shape[0], dtype=bool)
+        fixed[tied] = True
+        per_node = np.reshape(fixed, (-1, 3))
+        node = np.asarray(per_node.any(axis=1))
+        data = matrix.data.copy()
+        touched = np.flatnonzero(node[rows] | node[matrix.indices])
+        data[touched] *= ~per_node[rows[touched]][:, :, None]
+        data[touched] *= ~per_node[matrix.indices[touched]][:, None, :]
+        own = touched[rows[touched] == matrix.indices[touched]]
+        # The diagonal stays, so that every row of the reduced matrix has the size of its neighbours.
+        kept = matrix.data[own].diagonal(axis1=1, axis2=2) * per_node[rows[own]]
+        data[own] += kept[:, :, None] * np.eye(3)
+        return sp.bsr_array((data, matrix.indices, matrix.indptr), shape=matrix.shape), fixed
 
-        With a prescribed offset it is that of the deepest node's indentation spread over the depth.
-        """
-        if load is not None:
-            return load / math.sqrt(max(int(state.nodes.sum()), 1))
-        deepest = float(np.max(self.heights)) - state.offset
-        return deepest / float(-self.mesh.planes[0])
 
-    def surface(self, field: Array) -> Array:
-        """Vertical component at the surface of a field over all unknowns, (nx, ny)."""
-        nx, ny = self.mesh.shape
-        return field.reshape(nx, ny, self.mesh.nz, 3)[:, :, -1, 2]
+class _AssembledPreconditioner:
+    """Multigrid on the free unknowns; the offset by its Schur complement."""
+
+    def __init__(self, block: AssembledBlock, nodes: Mask) -> None:
+        self.tied = block.vertical(nodes)
+        matrix, fixed = block.without(self.tied)
+        modes = block.modes * ~fixed[:, None]
+        self.inverse = factorised(matrix) if block.direct else multigrid(matrix, modes)
+        self.nbytes = int(matrix.data.nbytes) + self.inverse.nbytes
+        unit = np.zeros(matrix.shape[0])
+        unit[self.tied] = 1
+        coupling = block.apply(unit)
+        diagonal = float(coupling[self.tied].sum())
+        coupling[self.tied] = 0
+        self.answer = self._free(coupling)
+        # One cycle never overestimates the inverse, so the Schur complement stays positive.
+        self.schur = diagonal - float(coupling @ self.answer)
+
+    def _free(self, residual: Array) -> Array:
+        result = self.inverse.apply(residual)
+        result[self.tied] = 0
+        return result
+
+    def apply(self, residual: Array, load: float | None) -> tuple[Array, float]:
+        free = self._free(residual)
+        if load is None:
+            return free, 0.0
+        shift = (load - float(self.answer @ residual)) / self.schur
+        return free - shift * self.answer, shift
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,13 +256,17 @@ class _State:
 
     @classmethod
     def initial(cls, block: Block, *, start: Mask, offset: float, displacement: Array | None) -> _State:
-        field = np.zeros(block.matrix.shape[0]) if displacement is None else displacement.ravel()
+        field = (
+            np.zeros(3 * block.mesh.shape[0] * block.mesh.shape[1] * block.levels)
+            if displacement is None
+            else displacement.ravel()
+        )
         zero = np.zeros(block.mesh.shape)
         return cls(displacement=field, offset=offset, nodes=start, following=start, force=zero, gap=zero)
 
     @classmethod
     def read(cls, block: Block, *, nodes: Mask, offset: float, displacement: Array) -> _State:
-        force = -block.surface(block.matrix @ displacement)
+        force = -block.surface(block.apply(displacement))
         gap = offset - block.heights - block.surface(displacement)
         return cls(
             displacement=displacement,
@@ -181,57 +297,28 @@ class _SetProblem:
     """The linear problem of one set: u outside the set, and the offset where the load is given."""
 
     def __init__(self, block: Block, nodes: Mask) -> None:
-        import scipy.sparse as sp
-
         self.block, self.tied = block, block.vertical(nodes)
-        matrix, rows = block.matrix, block.rows
-        fixed: Mask = np.zeros(matrix.shape[0], dtype=bool)
-        fixed[self.tied] = True
-        per_node = np.reshape(fixed, (-1, 3))
-        node = np.asarray(per_node.any(axis=1))
-        touched = np.flatnonzero(node[rows] | node[matrix.indices])
-        data = matrix.data.copy()
-        data[touched] *= ~per_node[rows[touched]][:, :, None]
-        data[touched] *= ~per_node[matrix.indices[touched]][:, None, :]
-        own = touched[rows[touched] == matrix.indices[touched]]
-        # The diagonal stays, so that every row of the reduced matrix has the size of its neighbours.
-        kept = matrix.data[own].diagonal(axis1=1, axis2=2) * per_node[rows[own]]
-        data[own] += kept[:, :, None] * np.eye(3)
-        self.matrix = sp.bsr_array((data, matrix.indices, matrix.indptr), shape=matrix.shape)
-        self.hierarchy = multigrid(self.matrix, block.modes * ~fixed[:, None])
-        self.cycle = self.hierarchy.aspreconditioner(cycle="V")
-        unit = np.zeros(matrix.shape[0])
-        unit[self.tied] = 1
-        image = matrix @ unit
-        self.diagonal = float(image[self.tied].sum())
-        self.coupling = image
-        self.coupling[self.tied] = 0
-        self.answer = self._cycle(self.coupling)
-        # One cycle never overestimates the inverse, so the Schur complement stays positive.
-        self.schur = self.diagonal - float(self.coupling @ self.answer)
-
-    def _cycle(self, residual: Array) -> Array:
-        result: Array = self.cycle @ residual
-        result[self.tied] = 0
-        return result
+        self.preconditioner = block.preconditioner(nodes)
 
     def _apply(self, x: Array) -> Array:
         full = x[:-1].copy()
         full[self.tied] = x[-1]
-        image = self.block.matrix @ full
+        image = self.block.apply(full)
         total = image[self.tied].sum()
         image[self.tied] = 0
         return np.append(image, total)
 
-    def _precondition(self, r: Array) -> Array:
-        free = self._cycle(r[:-1])
-        shift = (r[-1] - float(self.answer @ r[:-1])) / self.schur
-        return np.append(free - shift * self.answer, shift)
-
     def _apply_free(self, x: Array) -> Array:
-        image: Array = self.matrix @ x
+        image = self.block.apply(x)
         image[self.tied] = 0
         return image
+
+    def _precondition(self, r: Array) -> Array:
+        free, shift = self.preconditioner.apply(r[:-1], float(r[-1]))
+        return np.append(free, shift)
+
+    def _precondition_free(self, r: Array) -> Array:
+        return self.preconditioner.apply(r, None)[0]
 
     def advance(
         self, state: _State, *, load: float | None, settings: Settings, tolerance: float
@@ -241,7 +328,7 @@ class _SetProblem:
         prescribed[self.tied] = -self.block.heights[state.nodes]
         if load is None:
             prescribed[self.tied] += state.offset
-        right = -(self.block.matrix @ prescribed)
+        right = -self.block.apply(prescribed)
         total = float(right[self.tied].sum())
         right[self.tied] = 0
         guess = state.displacement.copy()
@@ -250,9 +337,9 @@ class _SetProblem:
         solution = conjugate_gradients(
             self._apply if tied_offset else self._apply_free,
             np.append(right, total - load) if load is not None else right,
-            precondition=self._precondition if tied_offset else self._cycle,
+            precondition=self._precondition if tied_offset else self._precondition_free,
             start=np.append(guess, state.offset) if tied_offset else guess,
-            scale=self.block.force_scale(state, load=load),
+            scale=self.block.force_scale(state.nodes, state.offset, load=load),
             tolerance=tolerance,
             max_iterations=settings.max_linear_iterations,
         )
@@ -263,16 +350,6 @@ class _SetProblem:
         else:
             offset, displacement = state.offset, solution.x + prescribed
         return _State.read(self.block, nodes=state.nodes, offset=offset, displacement=displacement), solution
-
-    @property
-    def nbytes(self) -> int:
-        """Memory of the reduced matrix and the hierarchy."""
-        return int(self.matrix.data.nbytes + sum(_level_bytes(level) for level in self.hierarchy.levels))
-
-
-def _level_bytes(level: Any) -> int:
-    parts = [getattr(level, name) for name in ("A", "P", "R") if hasattr(level, name)]
-    return int(sum(part.data.nbytes + part.indices.nbytes + part.indptr.nbytes for part in parts))
 
 
 def solve_contact(
@@ -291,16 +368,16 @@ def solve_contact(
     ----------
     block : Block
     load : float or None
-        Total downward force over E dx^2; None where `offset` is prescribed.
+        Total downward force over E times the cell width squared; None where `offset` is prescribed.
     offset : float
-        Prescribed offset over dx, or its first guess.
+        Prescribed offset over the cell width, or its first guess.
     start : (nx, ny) array of bool
         First active set.
     settings : Settings
     violation : callable
         Dimensionless measure of what nodal forces and gaps violate.
     displacement : (nx, ny, nz, 3) array, optional
-        First guess of u over dx.
+        First guess of u over the cell width.
 
     Notes
     -----
@@ -312,17 +389,18 @@ def solve_contact(
     state = _State.initial(block, start=start, offset=offset, displacement=displacement)
     seen: set[bytes] = set()
     tolerance = max(_LOOSE, settings.tolerance)
-    status, linear, peak, sets = Status.ITERATION_LIMIT, 0, 0, 0
+    status = Status.ITERATION_LIMIT
+    linear, most, peak, sets = 0, 0, 0, 0
     while sets < settings.max_iterations:
         problem = _SetProblem(block, state.nodes)
-        peak, sets = max(peak, problem.nbytes), sets + 1
+        peak, sets = max(peak, problem.preconditioner.nbytes), sets + 1
         state, solution = problem.advance(state, load=load, settings=settings, tolerance=tolerance)
-        linear += solution.iterations
+        linear, most = linear + solution.iterations, max(most, solution.iterations)
         if tolerance > settings.tolerance and (state.settled or state.key in seen):
             tolerance = settings.tolerance
             seen.clear()
             state, solution = problem.advance(state, load=load, settings=settings, tolerance=tolerance)
-            linear += solution.iterations
+            linear, most = linear + solution.iterations, max(most, solution.iterations)
         if tolerance == settings.tolerance:
             if not solution.converged:
                 limited = solution.iterations >= settings.max_linear_iterations
@@ -338,7 +416,7 @@ def solve_contact(
             seen.add(state.nodes.tobytes())
             state = state.moved()
     return ActiveSetSolution(
-        displacement=state.displacement.reshape(*block.mesh.shape, block.mesh.nz, 3),
+        displacement=state.displacement.reshape(*block.mesh.shape, block.levels, 3),
         force=state.force,
         gap=state.gap,
         in_contact=state.nodes,
@@ -348,4 +426,5 @@ def solve_contact(
         linear_iterations=linear,
         linear_residual=solution.relative_residual,
         matrix_bytes=peak,
+        most_linear_iterations=most,
     )

@@ -8,29 +8,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.errors import InvalidInput
+from fem_contact.block.elements import LocalForms, lame, local_dilatation, local_shear
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
     from fem_contact.block.mesh import BlockMesh
 
-__all__ = ["Stiffness", "assemble", "lame"]
+__all__ = ["Stiffness", "assemble"]
 
 Array = NDArray[np.float64]
-
-
-def lame(poisson: float) -> tuple[float, float]:
-    """Lame's constants (lambda, mu) over Young's modulus.
-
-    Raises
-    ------
-    InvalidInput
-        For an incompressible solid, whose lambda is infinite.
-    """
-    if not -1 < poisson < 0.5:
-        raise InvalidInput(f"poisson = {poisson!r}: must lie in (-1, 0.5) for elements of displacement alone")
-    return poisson / ((1 + poisson) * (1 - 2 * poisson)), 0.5 / (1 + poisson)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,18 +27,18 @@ class Stiffness:
     Attributes
     ----------
     matrix : scipy.sparse.bsr_array
-        Blocks of 3 x 3 over the lattice nodes (i ny + j)(nz + 1) + k; symmetric.
+        Blocks of 3 x 3 over the lattice nodes (i ny + j) nk + k of nk planes; symmetric.
     """
 
     matrix: sp.bsr_array
     mesh: BlockMesh
 
     def free(self) -> sp.bsr_array:
-        """Return the part over the nodes above the clamped bottom, numbered (i ny + j) nz + k - 1."""
+        """Return the part over the nodes above the clamped bottom, numbered (i ny + j)(nk - 1) + k - 1."""
         import scipy.sparse as sp
 
         nodes = self.matrix.shape[0] // 3
-        above = np.arange(nodes) % (self.mesh.nz + 1) != 0
+        above = np.arange(nodes) % self.mesh.planes.size != 0
         number = np.cumsum(above) - 1
         rows = np.repeat(np.arange(nodes), np.diff(self.matrix.indptr))
         keep = above[rows] & above[self.matrix.indices]
@@ -67,7 +54,7 @@ def assemble(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -
 
     .. math:: K = \int \lambda\, (\nabla\!\cdot u)(\nabla\!\cdot v) + 2\mu\, \varepsilon(u):\varepsilon(v)
 
-    The nine scalar forms int d_a u d_b v are assembled and combined, which gives the vector form's matrix at
+    The scalar forms int d_a u d_b v are integrated and combined, which gives the vector form's matrix at
     an eighth of its cost.
 
     Parameters
@@ -80,51 +67,22 @@ def assemble(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -
     """
     basis, lattice = mesh.basis()
     first, second = lame(poisson)
-    local, indices = _gradient_products(basis)
-    weight = np.ones(basis.mesh.t.shape[1])
-    if modulus is not None:
-        weight = modulus[_cells(basis, mesh)]
-    pattern = _Pattern.build(lattice[indices[0]], lattice[indices[1]], size=lattice.size)
+    forms = LocalForms.integrate(basis, mesh.element)
+    weight = np.ones(basis.nelems) if modulus is None else modulus[_cells(basis, mesh)]
+    rows, columns = lattice[forms.indices].reshape(2, -1)
+    pattern = _Pattern.build(rows, columns, size=lattice.size)
     data = np.empty((pattern.columns.size, 3, 3))
     for a in range(3):
         for b in range(3):
-            # Entry (i, j) of a local matrix belongs to test function i and trial function j.
-            block = first * _local(local, b, a) + second * _local(local, a, b)
-            if a == b:
-                block = block + second * (local[0, 0] + local[1, 1] + local[2, 2])
+            block = first * local_dilatation(forms, a, b) + second * local_shear(forms, a, b)
             data[:, a, b] = pattern.summed((block * weight).ravel())
     return Stiffness(matrix=pattern.matrix(data), mesh=mesh)
-
-
-def _gradient_products(basis: Any) -> tuple[dict[tuple[int, int], Array], NDArray[np.int64]]:
-    """Element matrices (8, 8, cells) of int d_a u d_b v for a <= b, and the indices of their entries."""
-    from skfem import BilinearForm
-
-    products = {}
-    indices = np.empty((2, 0), dtype=np.int64)
-    for a in range(3):
-        for b in range(a, 3):
-
-            def form(u: Any, v: Any, w: Any, a: int = a, b: int = b) -> Any:
-                return u.grad[a] * v.grad[b]
-
-            coo = BilinearForm(form).coo_data(basis)
-            products[a, b] = coo.data.reshape(8, 8, -1)
-            indices = coo.indices
-    return products, indices
-
-
-def _local(products: dict[tuple[int, int], Array], trial: int, test: int) -> Array:
-    """Element matrices of int d_trial u d_test v."""
-    if trial <= test:
-        return products[trial, test]
-    return products[test, trial].swapaxes(0, 1)
 
 
 def _cells(basis: Any, mesh: BlockMesh) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
     """Return the indices (i, j, k) of scikit-fem's cells."""
     points = basis.mesh.doflocs[:, basis.mesh.dofs.element_dofs].mean(axis=1)
-    k = np.searchsorted(mesh.planes, points[2]) - 1
+    k = np.searchsorted(mesh.edges, points[2]) - 1
     return np.floor(points[0]).astype(np.int64), np.floor(points[1] / mesh.aspect).astype(np.int64), k
 
 

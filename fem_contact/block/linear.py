@@ -13,7 +13,14 @@ from numpy.typing import NDArray
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
-__all__ = ["LinearSolution", "conjugate_gradients", "multigrid", "rigid_modes"]
+__all__ = [
+    "LinearSolution",
+    "Preconditioner",
+    "conjugate_gradients",
+    "factorised",
+    "multigrid",
+    "rigid_modes",
+]
 
 Array = NDArray[np.float64]
 Operator = Callable[[Array], Array]
@@ -48,23 +55,36 @@ def rigid_modes(points: Array) -> Array:
     return modes.reshape(-1, 6)
 
 
-def multigrid(matrix: sp.bsr_array, modes: Array) -> Any:
-    """Build pyamg's smoothed aggregation for a stiffness, with rigid-body modes as near-null space.
+@dataclass(frozen=True, kw_only=True)
+class Preconditioner:
+    """An approximate inverse.
 
-    Returns the hierarchy (``pyamg.multilevel.MultilevelSolver``), the same one for the same matrix on every
-    call.
+    Attributes
+    ----------
+    apply : callable
+        Maps a residual to a new array.
+    nbytes : int
+        Memory it holds.
+    """
+
+    apply: Operator
+    nbytes: int
+
+
+def multigrid(matrix: sp.bsr_array, modes: Array) -> Preconditioner:
+    """Build a cycle of pyamg's smoothed aggregation, with rigid-body modes as near-null space.
+
+    The same matrix gives the same cycle on every call.
     """
     import pyamg
     import scipy.sparse as sp
 
     # pyamg sorts index arrays in place: it gets its own copies.
-    copy = sp.bsr_matrix(
-        (matrix.data.copy(), matrix.indices.copy(), matrix.indptr.copy()), shape=matrix.shape
-    )
+    parts = matrix.data.copy(), matrix.indices.copy(), matrix.indptr.copy()
     smoother = ("chebyshev", {"degree": 3, "iterations": 1})
     with _seeded(_SEED):
-        return pyamg.smoothed_aggregation_solver(
-            copy,
+        hierarchy = pyamg.smoothed_aggregation_solver(
+            sp.bsr_matrix(parts, shape=matrix.shape),
             B=modes,
             strength=("symmetric", {"theta": 0.0}),
             smooth=("jacobi", {"omega": 4.0 / 3.0, "degree": 1}),
@@ -74,6 +94,26 @@ def multigrid(matrix: sp.bsr_array, modes: Array) -> Any:
             max_coarse=300,
             coarse_solver="cholesky",
         )
+    cycle = hierarchy.aspreconditioner(cycle="V")
+
+    def apply(residual: Array) -> Array:
+        answer: Array = cycle @ residual
+        return answer
+
+    return Preconditioner(apply=apply, nbytes=sum(_level_bytes(level) for level in hierarchy.levels))
+
+
+def _level_bytes(level: Any) -> int:
+    parts = [getattr(level, name) for name in ("A", "P", "R") if hasattr(level, name)]
+    return int(sum(part.data.nbytes + part.indices.nbytes + part.indptr.nbytes for part in parts))
+
+
+def factorised(matrix: sp.bsr_array) -> Preconditioner:
+    """Factorise the matrix itself."""
+    import scipy.sparse.linalg as sla
+
+    factors = sla.splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0)
+    return Preconditioner(apply=factors.solve, nbytes=12 * int(factors.nnz))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,27 +1,25 @@
 """The periodic block of hexahedra: uniform sideways, graded in depth.
 
-Lengths are in units of the grid spacing dx, so that nothing here depends on the unit system. The block fills
--depth < z < 0; its planes are numbered upwards, the clamped bottom first and the surface last.
+Lengths are in units of the cell width along x, so that nothing here depends on the unit system. The block
+fills -depth < z < 0; its planes are numbered upwards, the clamped bottom first and the surface last.
 """
 
 from __future__ import annotations
 
-import logging
 import math
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypedDict
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact.block.elements import ELEMENTS, Element, quiet_skfem, scalar_basis
 from fem_contact.errors import InvalidInput
 
 if TYPE_CHECKING:
     from skfem import CellBasis
 
-__all__ = ["BlockMesh", "graded_layers", "plan_mesh"]
+__all__ = ["BlockMesh", "MeshOptions", "graded_layers", "nodal_pressure", "node_weights", "plan_mesh"]
 
 Array = NDArray[np.float64]
 Shape = tuple[int, int]
@@ -98,37 +96,25 @@ def _fitted_growth(ratio: float, count: int, growth: float) -> float:
     return high
 
 
-@contextmanager
-def _quiet_skfem() -> Iterator[None]:
-    """Keep scikit-fem's log lines about copied arrays from the user, to whom they are no news."""
-    loggers = [logging.getLogger(name) for name in ("skfem", "skfem.mesh.mesh")]
-    levels = [logger.level for logger in loggers]
-    for logger in loggers:
-        logger.setLevel(logging.ERROR)
-    try:
-        yield
-    finally:
-        for logger, level in zip(loggers, levels, strict=True):
-            logger.setLevel(level)
-
-
 @dataclass(frozen=True, kw_only=True)
 class BlockMesh:
-    """Periodic hexahedral mesh of nx x ny x nz cells, in units of dx.
+    """Periodic hexahedral mesh of nx x ny x nz cells, in units of the cell width along x.
 
     Attributes
     ----------
-    shape : tuple of int
-        Surface cells, and nodes per plane, (nx, ny).
+    cells : tuple of int
+        Surface cells (nx, ny).
     aspect : float
-        dy / dx.
+        Cell width along y over that along x.
     layers : (nz,) array
-        Layer thicknesses over dx, from the bottom upwards.
+        Layer thicknesses, from the bottom upwards.
+    element : Element
     """
 
-    shape: Shape
+    cells: Shape
     aspect: float
     layers: Array
+    element: Element
 
     @property
     def nz(self) -> int:
@@ -136,45 +122,97 @@ class BlockMesh:
         return int(self.layers.size)
 
     @property
-    def planes(self) -> Array:
-        """Heights z / dx of the nz + 1 planes of nodes, from -depth to 0."""
+    def shape(self) -> Shape:
+        """Nodes per plane along both axes."""
+        return self.element.order * self.cells[0], self.element.order * self.cells[1]
+
+    @property
+    def edges(self) -> Array:
+        """Heights z of the nz + 1 boundaries of the layers, from -depth to 0."""
         below = np.append(np.cumsum(self.layers[::-1])[::-1], 0.0)
-        planes: Array = -below
+        edges: Array = -below
+        return edges
+
+    @property
+    def planes(self) -> Array:
+        """Heights z of the planes of nodes, from -depth to 0; those inside quadratic cells included."""
+        edges = self.edges
+        if self.element.order == 1:
+            return edges
+        planes = np.empty(2 * self.nz + 1)
+        planes[::2], planes[1::2] = edges, 0.5 * (edges[1:] + edges[:-1])
         return planes
 
     @property
     def unknowns(self) -> int:
         """Displacement components above the clamped bottom."""
-        return 3 * self.shape[0] * self.shape[1] * self.nz
+        nx, ny = self.shape
+        return 3 * nx * ny * self.element.order * self.nz
 
     def basis(self) -> tuple[CellBasis, NDArray[np.int64]]:
-        """Scalar scikit-fem basis of trilinear elements, and the lattice number of each of its unknowns.
+        """Scalar scikit-fem basis on the periodic block, and the lattice number of each of its unknowns.
 
-        The lattice number of node (i, j, k) is (i ny + j)(nz + 1) + k. Two quadrature points per direction
-        integrate the stiffness of these boxes exactly.
+        The lattice number of node (i, j, k) is (i ny + j) nk + k, with ny nodes along y and nk planes of
+        nodes.
 
         Raises
         ------
         InvalidInput
-            For fewer than two cells along an axis: an element cannot be its own periodic neighbour in
-            scikit-fem.
+            For so few cells along an axis that scikit-fem cannot tell the nodes of periodic neighbours apart.
         """
-        from skfem import Basis, ElementHex1, MeshHex1DG
+        from skfem import MeshHex1DG
 
-        nx, ny = self.shape
-        if min(nx, ny) < 2:
+        nx, ny = self.cells
+        order = self.element.order
+        if min(nx, ny) <= order:
             raise InvalidInput(
-                f"shape = {self.shape}: the full system needs at least two cells along each axis"
+                f"cells = {self.cells}: the full system of {self.element.name} needs at least {order + 1} "
+                "cells along each axis; take method = 'reduced'"
             )
         x, y = np.arange(nx + 1.0), np.arange(ny + 1.0) * self.aspect
-        with _quiet_skfem():
-            mesh = MeshHex1DG.init_tensor(x, y, self.planes, periodic=[0, 1])
-            basis = Basis(mesh, ElementHex1(), intorder=2)
-        i = np.rint(basis.doflocs[0]).astype(np.int64) % nx
-        j = np.rint(basis.doflocs[1] / self.aspect).astype(np.int64) % ny
-        middles = 0.5 * (self.planes[1:] + self.planes[:-1])
-        k = np.searchsorted(middles, basis.doflocs[2])
-        return basis, (i * ny + j) * (self.nz + 1) + k
+        with quiet_skfem():
+            mesh = MeshHex1DG.init_tensor(x, y, self.edges, periodic=[0, 1])
+        basis = scalar_basis(mesh, self.element)
+        i = np.rint(order * basis.doflocs[0]).astype(np.int64) % self.shape[0]
+        j = np.rint(order * basis.doflocs[1] / self.aspect).astype(np.int64) % self.shape[1]
+        planes = self.planes
+        k = np.searchsorted(0.5 * (planes[1:] + planes[:-1]), basis.doflocs[2])
+        return basis, (i * self.shape[1] + j) * planes.size + k
+
+    def column(self) -> CellBasis:
+        """Scalar scikit-fem basis on one column of cells, from the bottom upwards."""
+        from skfem import MeshHex
+
+        with quiet_skfem():
+            mesh = MeshHex.init_tensor(np.array([0.0, 1.0]), np.array([0.0, self.aspect]), self.edges)
+        return scalar_basis(mesh, self.element)
+
+
+def node_weights(mesh: BlockMesh) -> Array | None:
+    """Area carried by each surface node over the mean, (nx, ny); None where all are 1.
+
+    On triquadratic cells a uniform pressure loads corners, edge nodes and centres like 1 : 2 : 2 : 4.
+    """
+    if mesh.element.order == 1:
+        return None
+    along = [np.tile([2 / 3, 4 / 3], n) for n in mesh.cells]
+    return np.outer(along[0], along[1])
+
+
+def nodal_pressure(force: Array, mesh: BlockMesh) -> Array:
+    """Pressure over E from nodal forces over E times the cell width squared: force over the node's area."""
+    pressure: Array = force * (mesh.element.order**2 / mesh.aspect)
+    weights = node_weights(mesh)
+    return pressure if weights is None else pressure / weights
+
+
+class MeshOptions(TypedDict, total=False):
+    """Options of `plan_mesh`, except that the element goes by its name."""
+
+    depth: float | None
+    growth: float
+    first_layer: float | None
+    element: str | None
 
 
 def plan_mesh(
@@ -184,31 +222,37 @@ def plan_mesh(
     depth: float | None = None,
     growth: float = 1.2,
     first_layer: float | None = None,
+    element: Element = ELEMENTS["Hex1"],
 ) -> BlockMesh:
     """Choose the mesh of a block.
 
     Parameters
     ----------
     shape : tuple of int
-        Surface cells (nx, ny).
+        Surface nodes (nx, ny); quadratic cells are two nodes wide, so both must be even for them.
     lengths : tuple of float
         Periods (Lx, Ly) [m].
     depth : float, optional
         Thickness of the block [m]; the longest period by default. A wave of that length then feels the
         clamped bottom by 4e-4 of its compliance (nu = .3), against 5.6e-2 at half the depth.
     growth : float
-        Largest ratio of neighbouring layers. With 1.2 long waves are .25 % too stiff; with 1.1, .08 %.
+        Largest ratio of neighbouring layers. Trilinear cells growing by 1.2 are .25 % too stiff for long
+        waves, by 1.1, .08 %.
     first_layer : float, optional
-        Thickness of the top layer [m]; the spacing dx by default (a quarter of the depth, if that is less).
+        Thickness of the top layer [m]; the cell width by default (a quarter of the depth, if that is less).
         Thinner top layers make short waves softer, not better.
+    element : Element
     """
-    nx, ny = int(shape[0]), int(shape[1])
-    if nx < 1 or ny < 1:
-        raise InvalidInput(f"shape = {shape!r}: must be two positive whole numbers (nx, ny)")
+    if any(int(n) != n or n < element.order or n % element.order for n in shape):
+        raise InvalidInput(
+            f"shape = {shape!r}: must be two positive whole numbers of nodes"
+            + (f", even for {element.name}" if element.order == 2 else "")
+        )
+    nx, ny = int(shape[0]) // element.order, int(shape[1]) // element.order
     dx, dy = lengths[0] / nx, lengths[1] / ny
     thickness = (max(lengths) if depth is None else depth) / dx
     top = min(1.0, thickness / _LEAST_LAYERS) if first_layer is None else first_layer / dx
     if first_layer is not None and depth is not None and first_layer > depth:
         raise InvalidInput(f"first_layer = {first_layer!r}: must not exceed the depth {depth!r} m")
     layers = graded_layers(thickness, first=top, growth=growth)[::-1]
-    return BlockMesh(shape=(nx, ny), aspect=dy / dx, layers=layers)
+    return BlockMesh(cells=(nx, ny), aspect=dy / dx, layers=layers, element=element)

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.assembly import lame
+from fem_contact.block.elements import lame
+from fem_contact.block.fields import CellLayer, FieldSource
+from fem_contact.block.mesh import BlockMesh
 from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
 
@@ -15,14 +19,17 @@ __all__ = ["BlockSolution", "CellStress"]
 
 Array = NDArray[np.float64]
 
+#: Components of symmetric tensors, in the order in which they are stored.
+_PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+
 
 @dataclass(frozen=True, kw_only=True)
 class CellStress:
-    """Stress at the centres of the cells, tension positive.
+    """Stress at the centres of cells, tension positive.
 
     Attributes
     ----------
-    tensor : (nx, ny, nz, 6) array
+    tensor : (..., 6) array
         Components xx, yy, zz, yz, xz, xy [Pa].
     """
 
@@ -30,7 +37,7 @@ class CellStress:
 
     @property
     def von_mises(self) -> Array:
-        """Von Mises stress of every cell [Pa], (nx, ny, nz)."""
+        """Von Mises stress of every cell [Pa]."""
         xx, yy, zz, yz, xz, xy = np.moveaxis(self.tensor, -1, 0)
         normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
         return np.asarray(np.sqrt(0.5 * normal + 3 * (yz**2 + xz**2 + xy**2)))
@@ -40,67 +47,102 @@ class CellStress:
 class BlockSolution:
     """A contact problem solved with finite elements.
 
+    The field inside is found when it is first asked for. A block too large for it is walked through with
+    `stress_layers`, which holds one layer at a time.
+
     Attributes
     ----------
     contact : ContactResult
-        Pressure (nodal force over cell area), gap and contact set at the surface nodes.
+        Pressure (nodal force over the node's area), gap and contact set at the surface nodes.
     solid : Solid
         Reference solid: Poisson ratio, and the modulus that `modulus` multiplies.
-    planes : (nz + 1,) array
-        z of the planes of nodes [m], from -depth to 0.
-    field : (nx, ny, nz + 1, 3) array
-        Displacement (u_x, u_y, u_z) [m] at x = i dx, y = j dy; u_z is positive upwards, out of the body.
-    modulus : (nx, ny, nz) array or None
+    mesh : BlockMesh
+    source : FieldSource
+        Walks down through the displacement.
+    modulus : (nx or 1, ny or 1, nz) array or None
         Young's modulus of each cell over `solid.young`; None where it is 1 everywhere.
     """
 
     contact: ContactResult
     solid: Solid
-    planes: Array
-    field: Array
+    mesh: BlockMesh
+    source: FieldSource
     modulus: Array | None = None
 
-    def __post_init__(self) -> None:
-        for name in ("planes", "field"):
-            view = getattr(self, name).view()
-            view.setflags(write=False)
-            object.__setattr__(self, name, view)
+    @property
+    def cell_size(self) -> tuple[float, float]:
+        """Widths of a cell along x and y [m]."""
+        return self.contact.lengths[0] / self.mesh.cells[0], self.contact.lengths[1] / self.mesh.cells[1]
+
+    @property
+    def planes(self) -> Array:
+        """Heights z of the planes of nodes [m], from -depth to 0."""
+        return self.mesh.planes * self.cell_size[0]
 
     @property
     def layers(self) -> Array:
         """Thicknesses of the layers of cells [m], from the bottom upwards, (nz,)."""
-        return np.diff(self.planes)
+        return self.mesh.layers * self.cell_size[0]
 
     @property
     def depth(self) -> float:
         """Thickness of the block [m]."""
         return float(-self.planes[0])
 
-    def strain(self) -> Array:
-        """Tensor strain xx, yy, zz, yz, xz, xy at the centres of the cells, (nx, ny, nz, 6)."""
-        gradient = self._gradient()
-        pairs = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
-        return np.stack([0.5 * (gradient[..., a, b] + gradient[..., b, a]) for a, b in pairs], axis=-1)
+    @cached_property
+    def field(self) -> Array:
+        """Displacement (u_x, u_y, u_z) [m] of all nodes, (nx, ny, planes, 3); u_z is positive upwards."""
+        order = self.mesh.element.order
+        field = np.empty((*self.mesh.shape, self.mesh.planes.size, 3))
+        for layer in self.source.descend():
+            first = order * layer.index
+            field[:, :, first : first + order + 1] = np.moveaxis(layer.nodes, 0, 2)
+        field.setflags(write=False)
+        return field
 
     def stress(self) -> CellStress:
-        """Stress at the centres of the cells, where derivatives of trilinear elements are most accurate."""
-        first, second = lame(self.solid.poisson)
-        strain = self.strain()
-        tensor = 2 * second * strain
-        tensor[..., :3] += first * strain[..., :3].sum(axis=-1, keepdims=True)
-        if self.modulus is not None:
-            tensor *= self.modulus[..., None]
-        return CellStress(tensor=tensor * self.solid.young)
+        """Stress at the centres of the cells, (nx, ny, nz, 6), where derivatives are most accurate."""
+        tensor = np.empty((*self.mesh.cells, self.mesh.nz, 6))
+        for index, layer in self.stress_layers():
+            tensor[:, :, index] = layer.tensor
+        return CellStress(tensor=tensor)
 
-    def _gradient(self) -> Array:
-        """Differentiate u_a along x_b at the centres, (nx, ny, nz, 3, 3)."""
-        dx, dy = self.contact.spacing
-        corners = np.empty((2, 2, *self.contact.shape, self.planes.size, 3))
-        for i in (0, 1):
-            for j in (0, 1):
-                corners[i, j] = np.roll(self.field, (-i, -j), axis=(0, 1))
-        middle = 0.5 * (corners[..., 1:, :] + corners[..., :-1, :])
-        along_x = 0.5 * (middle[1, 0] + middle[1, 1] - middle[0, 0] - middle[0, 1]) / dx
-        along_y = 0.5 * (middle[0, 1] + middle[1, 1] - middle[0, 0] - middle[1, 0]) / dy
-        along_z = np.diff(corners.mean(axis=(0, 1)), axis=2) / self.layers[:, None]
-        return np.stack([along_x, along_y, along_z], axis=-1)
+    def stress_layers(self) -> Iterator[tuple[int, CellStress]]:
+        """Yield the number of each layer and the stress in it, (nx, ny, 6), from the surface down."""
+        for layer in self.source.descend():
+            yield layer.index, CellStress(tensor=self._stress(layer))
+
+    def strain(self) -> Array:
+        """Tensor strain xx, yy, zz, yz, xz, xy at the centres of the cells, (nx, ny, nz, 6)."""
+        strain = np.empty((*self.mesh.cells, self.mesh.nz, 6))
+        for layer in self.source.descend():
+            strain[:, :, layer.index] = _symmetric(layer.gradient(self._size(layer), self.mesh.element))
+        return strain
+
+    @property
+    def energy(self) -> float:
+        """Elastic energy per nominal area [J/m^2]: half of pressure times displacement."""
+        work = self.contact.pressure * self.contact.displacement
+        return 0.5 * float(np.mean(work if self.contact.weights is None else work * self.contact.weights))
+
+    def _size(self, layer: CellLayer) -> tuple[float, float, float]:
+        return *self.cell_size, float(self.layers[layer.index])
+
+    def _stress(self, layer: CellLayer) -> Array:
+        size, element = self._size(layer), self.mesh.element
+        strain = _symmetric(layer.gradient(size, element))
+        tensor = strain / (1 + self.solid.poisson)
+        if layer.pressure is not None:
+            tensor[..., :3] += layer.pressure[..., None]
+        else:
+            first, _ = lame(self.solid.poisson)
+            mixed = element.pressures > 0
+            dilatation = layer.mean_dilatation(size, element) if mixed else strain[..., :3].sum(axis=-1)
+            tensor[..., :3] += first * dilatation[..., None]
+        if self.modulus is not None:
+            tensor = tensor * self.modulus[:, :, layer.index, None]
+        return tensor * self.solid.young
+
+
+def _symmetric(gradient: Array) -> Array:
+    return np.stack([0.5 * (gradient[..., a, b] + gradient[..., b, a]) for a, b in _PAIRS], axis=-1)

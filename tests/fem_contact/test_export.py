@@ -6,7 +6,7 @@ import pytest
 
 from fem_contact.block import BlockSolution, solve
 from fem_contact.errors import InvalidInput
-from fem_contact.export import write_block
+from fem_contact.export import render_section, render_surface, write_block
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 
@@ -67,3 +67,33 @@ def test_deformed_nodes_move_by_their_displacement(solution: BlockSolution, tmp_
 def test_unknown_suffix_is_refused_by_name(solution: BlockSolution, tmp_path: Path) -> None:
     with pytest.raises(InvalidInput, match=r"\.vtu or \.xdmf"):
         write_block(tmp_path / "block.stl", solution)
+
+
+@pytest.mark.parametrize("element", ["Hex2", "Hex2/P1disc"])
+def test_quadratic_cells_are_written_with_all_their_nodes(element: str, tmp_path: Path) -> None:
+    x, y = np.arange(8)[:, None] / 8, np.arange(6)[None, :] / 6
+    surface = HeightField(heights=1e-8 * np.cos(2 * np.pi * (x + y)), lengths=LENGTHS)
+    solution = solve(surface, Solid(young=2e9, poisson=0.25), mean_pressure=1e6, element=element)
+    write_block(tmp_path / "block.vtu", solution, deformation=0.0)
+    mesh = meshio.read(tmp_path / "block.vtu")
+    nodes = mesh.points[mesh.cells_dict["hexahedron27"]]
+    assert nodes.shape[0] == 4 * 3 * solution.layers.size
+    # Edge, face and centre nodes lie in the middle of the corners that VTK puts around them.
+    middles = {8: (0, 1), 11: (0, 3), 12: (4, 5), 16: (0, 4), 18: (2, 6), 20: (0, 7), 21: (1, 6), 22: (0, 5)}
+    for node, corners in (middles | {23: (2, 7), 24: (0, 2), 25: (4, 6), 26: (0, 6)}).items():
+        np.testing.assert_allclose(nodes[:, node], nodes[:, corners].mean(axis=1), atol=1e-12 * LENGTHS[1])
+
+
+def test_pictures_show_pressure_where_the_contact_is(solution: BlockSolution, tmp_path: Path) -> None:
+    pyvista = pytest.importorskip("pyvista")
+    render_surface(tmp_path / "surface.png", solution)
+    render_section(tmp_path / "section.png", solution, axis="x")
+    for name in ("surface.png", "section.png"):
+        pixels = np.asarray(pyvista.read(tmp_path / name).active_scalars).reshape(-1, 3)
+        assert len(np.unique(pixels, axis=0)) > 20
+    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["section.png", "surface.png"]
+
+
+def test_cut_outside_the_period_is_refused(solution: BlockSolution, tmp_path: Path) -> None:
+    with pytest.raises(InvalidInput, match="position"):
+        render_section(tmp_path / "cut.png", solution, position=1.0)

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from persson.diffusion import solve_diffusion
 from persson.elastic import contact_area
-from persson.errors import OutsideTheory
-from persson.hardness import constant_hardness, size_dependent_hardness
+from persson.errors import InvalidInput, OutsideTheory
+from persson.hardness import constant_hardness, nix_gao_hardness, size_dependent_hardness
 from persson.scale import Scale
 from persson.spectrum import SelfAffine
 
@@ -94,6 +94,30 @@ def test_falling_hardness_and_too_much_load_are_refused_with_the_reason():
         )
     with pytest.raises(OutsideTheory, match="yield_stress"):
         constant_hardness(2.0, stress_variance=1.0, yield_stress=2.0)
+
+
+def test_copper_is_three_times_harder_at_a_depth_of_a_fifth_of_a_micrometre():
+    """Nix and Gao (1998): H^2 is linear in 1/h with H_0 = 581 MPa, h* = 1.60 um for (111) copper."""
+    h = np.array([0.2e-6, 0.4e-6, 0.8e-6])
+    hardness = nix_gao_hardness(h, bulk=581e6, length=1.6e-6)
+    assert hardness[0] == pytest.approx(3 * 581e6, rel=1e-12)
+    assert np.diff(hardness**2) / np.diff(1 / h) == pytest.approx([581e6**2 * 1.6e-6] * 2, rel=1e-12)
+    with pytest.raises(InvalidInput, match="depth"):
+        nix_gao_hardness(0.0, bulk=1.0, length=1.0)
+
+
+def test_copper_with_its_size_effect_yields_less_than_bulk_copper():
+    rough = SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e8)
+    scale = Scale(rough, contact_modulus=1.3e11)
+    slope = rough.moments().rms_gradient
+    result = size_dependent_hardness(
+        scale,
+        pressure=5e6,
+        yield_stress=lambda q: nix_gao_hardness(slope / q, bulk=581e6, length=1.6e-6),
+        wavevectors=[1e6, 1e8],
+    ).checked()
+    bulk = constant_hardness(5e6, stress_variance=scale.variance([1e6, 1e8]), yield_stress=581e6)
+    assert np.all(result.area_plastic < bulk.plastic)
 
 
 @pytest.mark.parametrize("graded", [False, True])

@@ -25,12 +25,12 @@ def rough(
 
 def press(surface: HeightField, reduced: float = 0.05, **changes: object) -> BlockSolution:
     pressure = reduced * SOLID.contact_modulus * surface.rms_gradient
-    return solve(surface, SOLID, mean_pressure=pressure, **changes)
+    return solve(surface, SOLID, mean_pressure=pressure, **({"method": "full"} | changes))
 
 
 @pytest.fixture(scope="module")
 def solution() -> BlockSolution:
-    return press(rough((24, 24)))
+    return press(rough((20, 20)))
 
 
 def test_hertz_peak_and_profile_within_one_percent() -> None:
@@ -40,7 +40,7 @@ def test_hertz_peak_and_profile_within_one_percent() -> None:
     x = np.minimum(np.arange(n), n - np.arange(n)) / n
     r = np.hypot(x[:, None], x[None, :])
     surface = HeightField(heights=-(r**2) / (2 * radius), lengths=(1.0, 1.0))
-    contact = solve(surface, SOLID, mean_pressure=load).contact.checked()
+    contact = solve(surface, SOLID, mean_pressure=load, method="full").contact.checked()
     # The periodic images of the load add their curvature F / (2 pi E*) sum 1 / r^3 to that of the sphere.
     curvature = 1 / radius + load / (2 * np.pi * SOLID.contact_modulus) * LATTICE_SUM
     edge = (3 * load / (4 * SOLID.contact_modulus * curvature)) ** (1 / 3)
@@ -62,7 +62,7 @@ def test_contact_conditions_hold_exactly_and_the_load_balances(solution: BlockSo
     expected = contact.displacement - contact.heights + contact.offset
     np.testing.assert_allclose(contact.gap, expected, atol=1e-12 * np.ptp(contact.heights))
     assert contact.mean_pressure == pytest.approx(
-        0.05 * SOLID.contact_modulus * rough((24, 24)).rms_gradient, rel=1e-8
+        0.05 * SOLID.contact_modulus * rough((20, 20)).rms_gradient, rel=1e-8
     )
 
 
@@ -79,7 +79,7 @@ def test_mean_displacement_is_the_uniaxial_compression(solution: BlockSolution) 
 
 def test_flat_surface_gives_uniform_pressure_and_stress() -> None:
     surface = HeightField(heights=np.full((6, 4), 0.7), lengths=(2.0, 1.0))
-    solution = solve(surface, SOLID, mean_pressure=2e6)
+    solution = solve(surface, SOLID, mean_pressure=2e6, method="full")
     contact = solution.contact.checked()
     assert contact.in_contact.all()
     np.testing.assert_allclose(contact.pressure, 2e6, rtol=1e-8)
@@ -94,9 +94,9 @@ def test_units_change_nothing_but_units() -> None:
         heights=surface.heights * 2.0**20, lengths=tuple(x * 2.0**20 for x in surface.lengths)
     )
     pressure = 0.1 * SOLID.contact_modulus * surface.rms_gradient
-    first = solve(surface, SOLID, mean_pressure=pressure)
+    first = solve(surface, SOLID, mean_pressure=pressure, method="full")
     soft = Solid(young=SOLID.young * 2.0**-30, poisson=SOLID.poisson)
-    second = solve(scaled, soft, mean_pressure=pressure * 2.0**-30)
+    second = solve(scaled, soft, mean_pressure=pressure * 2.0**-30, method="full")
     np.testing.assert_array_equal(first.contact.pressure, second.contact.pressure * 2.0**30)
     np.testing.assert_array_equal(first.field, second.field * 2.0**-20)
     assert first.contact.residuals == second.contact.residuals
@@ -121,10 +121,10 @@ def test_translating_the_surface_translates_the_solution() -> None:
 
 
 def test_first_set_does_not_matter(solution: BlockSolution) -> None:
-    surface = rough((24, 24))
-    everything = press(surface, start=np.ones((24, 24), dtype=bool)).contact
-    single = np.zeros((24, 24), dtype=bool)
-    single[3, 20] = True
+    surface = rough((20, 20))
+    everything = press(surface, start=np.ones((20, 20), dtype=bool)).contact
+    single = np.zeros((20, 20), dtype=bool)
+    single[3, 17] = True
     one = press(surface, start=single).contact
     for other in (everything, one):
         np.testing.assert_array_equal(other.in_contact, solution.contact.in_contact)
@@ -172,7 +172,7 @@ def test_provenance_names_what_was_solved(solution: BlockSolution) -> None:
     text = solution.contact.provenance
     assert {"method", "element", "layers", "depth", "pyamg", "scikit-fem"} <= set(text)
     assert "Hex1" in text["element"]
-    assert solution.contact.cost.unknowns == estimate((24, 24)).unknowns == 3 * 24 * 24 * solution.layers.size
+    assert solution.contact.cost.unknowns == estimate((20, 20)).unknowns == 3 * 20 * 20 * solution.layers.size
 
 
 def test_stress_of_a_shallow_block_matches_forces_at_the_bottom() -> None:
@@ -195,10 +195,10 @@ def test_stress_of_a_shallow_block_matches_forces_at_the_bottom() -> None:
 def test_bad_arguments_are_refused_by_name(changes: dict[str, object], name: str) -> None:
     surface = HeightField(heights=np.zeros((4, 4)), lengths=(1.0, 1.0))
     with pytest.raises(InvalidInput, match=name):
-        solve(surface, SOLID, **({"mean_pressure": 1e6} | changes))
+        solve(surface, SOLID, **({"mean_pressure": 1e6, "method": "full"} | changes))
 
 
 def test_too_large_a_block_is_refused_before_anything_is_assembled() -> None:
     surface = HeightField(heights=np.zeros((4096, 4096)), lengths=(1.0, 1.0))
     with pytest.raises(InsufficientMemory, match="GiB are available"):
-        solve(surface, SOLID, mean_pressure=1e6)
+        solve(surface, SOLID, mean_pressure=1e6, method="full")

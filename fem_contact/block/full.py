@@ -1,0 +1,128 @@
+"""The full system of the block: assembly, and the coarser grids that propose a first active set."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.block.active_set import ActiveSetSolution, AssembledBlock, Settings, solve_contact
+from fem_contact.block.assembly import assemble
+from fem_contact.block.mesh import plan_mesh
+from fem_contact.block.problem import Found, Problem
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
+
+__all__ = ["highest_nodes", "solve_full"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+#: Below this many nodes along an axis no coarser grid looks for the first active set.
+_COARSEST = 16
+
+#: A coarser grid only proposes a set.
+_COARSE_TOLERANCE = 1e-3
+
+#: Above this Poisson ratio smoothed aggregation needs hundreds of steps; small blocks are then factorised.
+_CRAWLING = 0.49
+_DIRECT_UNKNOWNS = 40_000
+
+#: Conjugate-gradient steps allowed for one active set.
+_LINEAR_STEPS = 1000
+
+
+def solve_full(problem: Problem, start: Mask | Found | None, matrix: sp.bsr_array) -> Found:
+    """Solve the assembled block from a first set or solution, by default from a coarser grid's."""
+    found = _iterate(problem, start, matrix)
+    field = np.zeros((*problem.mesh.shape, problem.mesh.planes.size, 3))
+    field[:, :, 1:] = found.displacement
+    return Found(
+        force=found.force,
+        gap=found.gap,
+        displacement=-found.displacement[:, :, -1, 2],
+        in_contact=found.in_contact,
+        offset=found.offset,
+        status=found.status,
+        iterations=found.sets,
+        linear_iterations=found.linear_iterations,
+        fft_pairs=0.0,
+        bytes=found.matrix_bytes,
+        method="full",
+        note=f"linear residual {found.linear_residual:.3g} of the contact forces",
+        field=field,
+    )
+
+
+def _iterate(problem: Problem, start: Mask | Found | None, matrix: sp.bsr_array) -> ActiveSetSolution:
+    mesh, offset, displacement = problem.mesh, 0.0, None
+    even = not any(n % 2 for n in mesh.cells) and min(mesh.shape) >= _COARSEST
+    if isinstance(start, Found):
+        assert start.field is not None
+        nodes, offset, displacement = start.in_contact, start.offset, start.field[:, :, 1:]
+    elif start is not None:
+        nodes = start
+    elif even and not problem.lateral:
+        nodes, offset = _from_coarser(problem)
+    else:
+        nodes = highest_nodes(problem)
+    if not nodes.any():
+        nodes = highest_nodes(problem)
+    direct = problem.poisson > _CRAWLING and mesh.unknowns <= _DIRECT_UNKNOWNS
+    return solve_contact(
+        AssembledBlock(matrix=matrix, mesh=mesh, heights=problem.heights, direct=direct),
+        load=problem.load,
+        offset=offset if problem.offset is None else problem.offset,
+        start=nodes,
+        displacement=displacement,
+        settings=Settings(
+            tolerance=problem.tolerance, max_iterations=problem.steps, max_linear_iterations=_LINEAR_STEPS
+        ),
+        violation=lambda force, gap: problem.residuals(force, gap).worst,
+    )
+
+
+def highest_nodes(problem: Problem) -> Mask:
+    """Take the highest points, about as many as will touch."""
+    if problem.pressure is None:
+        return np.asarray(problem.heights >= np.max(problem.heights))
+    relative = problem.pressure / problem.gradient if problem.gradient > 0 else 1.0
+    share = min(1.0, max(2 * relative, 1 / problem.heights.size))
+    return np.asarray(problem.heights >= np.quantile(problem.heights, 1 - share, method="lower"))
+
+
+def _from_coarser(problem: Problem) -> tuple[Mask, float]:
+    """First active set and offset from every second cell along both axes: one eighth of the unknowns."""
+    mesh, order = problem.mesh, problem.mesh.element.order
+    nx, ny = mesh.cells[0] // 2, mesh.cells[1] // 2
+    coarse = replace(
+        problem,
+        heights=problem.heights[::2, ::2] / 2,
+        mesh=plan_mesh(
+            (nx * order, ny * order),
+            (float(nx), ny * mesh.aspect),
+            depth=float(-mesh.planes[0]) / 2,
+            growth=problem.growth,
+            element=mesh.element,
+        ),
+        modulus=None,
+        tolerance=max(_COARSE_TOLERANCE, problem.tolerance),
+    )
+    found = _iterate(coarse, None, assemble(coarse.mesh, poisson=coarse.poisson).free())
+    offset = 2 * found.offset
+    touching = offset - problem.heights - _refined(2 * found.displacement[:, :, -1, 2]) < 0
+    touching[::2, ::2] |= found.in_contact
+    return touching, offset
+
+
+def _refined(values: Array) -> Array:
+    """Bilinear interpolation of a periodic array to twice its points along both axes."""
+    nx, ny = values.shape
+    fine = np.empty((2 * nx, 2 * ny))
+    fine[::2, ::2] = values
+    fine[1::2, ::2] = 0.5 * (values + np.roll(values, -1, axis=0))
+    fine[:, 1::2] = 0.5 * (fine[:, ::2] + np.roll(fine[:, ::2], -1, axis=1))
+    return fine

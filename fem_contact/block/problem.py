@@ -1,0 +1,129 @@
+"""One contact problem of the block and its answer: lengths in cell widths, stresses in Young's modulus."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.block.mesh import BlockMesh, nodal_pressure, node_weights
+from fem_contact.contact import Residuals, Status, measure_residuals
+
+__all__ = ["Found", "Problem"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Found:
+    """Answer of any of the block's methods.
+
+    Attributes
+    ----------
+    force : (nx, ny) array
+        Downward nodal force on the contact nodes over E times the cell width squared; 0 elsewhere.
+    gap, displacement : (nx, ny) arrays
+        g, and u into the block, over the cell width.
+    in_contact : (nx, ny) array of bool
+    offset : float
+        Over the cell width.
+    status : Status
+    iterations, linear_iterations : int
+    fft_pairs : float
+    bytes : int
+        Memory of the arrays that were held.
+    method : {"full", "reduced", "heterogeneous"}
+    note : str
+        What the solver reached, in words.
+    field : (nx, ny, planes, 3) array or None
+        Displacement of all nodes over the cell width, where it was solved for.
+    """
+
+    force: Array
+    gap: Array
+    displacement: Array
+    in_contact: Mask
+    offset: float
+    status: Status
+    iterations: int
+    linear_iterations: int
+    fft_pairs: float
+    bytes: int
+    method: str
+    note: str
+    field: Array | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """A rigid profile to be pressed into a block.
+
+    Attributes
+    ----------
+    mesh : BlockMesh
+    heights : (nx, ny) array
+        Profile over the cell width, nowhere above 0.
+    poisson : float
+    pressure : float or None
+        p0 / E, where it is prescribed.
+    offset : float or None
+        Offset over the cell width, where it is prescribed instead.
+    gradient : float
+        h'_rms.
+    modulus : (nx or 1, ny or 1, nz) array or None
+        Young's modulus of the cells over E.
+    tolerance : float
+    steps : int
+        Iterations allowed.
+    growth : float
+        Largest ratio of neighbouring layers, for coarser meshes.
+    """
+
+    mesh: BlockMesh
+    heights: Array
+    poisson: float
+    pressure: float | None
+    offset: float | None
+    gradient: float
+    modulus: Array | None
+    tolerance: float
+    steps: int
+    growth: float
+
+    @property
+    def load(self) -> float | None:
+        """Total force over E times the cell width squared, where it is prescribed."""
+        if self.pressure is None:
+            return None
+        return self.pressure * self.mesh.cells[0] * self.mesh.cells[1] * self.mesh.aspect
+
+    @property
+    def lateral(self) -> bool:
+        """Whether the material varies sideways."""
+        return self.modulus is not None and self.modulus.shape[:2] != (1, 1)
+
+    @property
+    def roughness(self) -> float:
+        """Length that residuals are measured in: h_rms; p0 L / E* or the approach of a flat surface."""
+        rms, (nx, ny) = float(np.std(self.heights)), self.mesh.cells
+        if rms > 8 * np.finfo(float).eps * float(np.max(np.abs(self.heights))):
+            return rms
+        if self.pressure is None:
+            return abs(self.offset or 0.0)
+        return self.pressure * (1 - self.poisson**2) * max(nx, ny * self.mesh.aspect)
+
+    def residuals(self, force: Array, gap: Array) -> Residuals:
+        """Measure what nodal forces and gaps violate."""
+        nx, ny = self.mesh.cells
+        return measure_residuals(
+            pressure=nodal_pressure(force, self.mesh),
+            gap=gap,
+            heights=self.heights,
+            lengths=(float(nx), ny * self.mesh.aspect),
+            contact_modulus=1 / (1 - self.poisson**2),
+            rms_gradient=self.gradient,
+            target_pressure=self.pressure,
+            weights=node_weights(self.mesh),
+        )

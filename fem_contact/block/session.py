@@ -1,0 +1,363 @@
+"""A surface and a block, checked and ready to be solved at any load."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.block.elements import element_for
+from fem_contact.block.fields import ArraySource, FieldSource, FourierSource
+from fem_contact.block.mesh import BlockMesh, MeshOptions, nodal_pressure, node_weights, plan_mesh
+from fem_contact.block.problem import Found, Problem
+from fem_contact.block.reduced import BlockResponse, solve_reduced, surface_operator
+from fem_contact.block.solution import BlockSolution
+from fem_contact.contact import ContactResult, Cost, Status, measure_residuals
+from fem_contact.errors import InsufficientMemory, InvalidInput
+from fem_contact.fourier import FourierOperator
+from fem_contact.rows import available_processors
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
+
+    from fem_contact.block.heterogeneous import HeterogeneousBlock
+    from fem_contact.block.reduced import SurfaceOperator
+
+__all__ = ["Method", "Modulus", "Session", "needed_bytes", "planned_mesh"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+Method = Literal["full", "reduced"]
+Modulus = Callable[[Array, Array, Array], Array]
+
+_METHODS = {
+    "full": "finite elements, full system: active set, conjugate gradients with smoothed aggregation",
+    "reduced": "finite elements, reduced exactly to the surface nodes by Fourier transform",
+    "heterogeneous": "finite elements, all unknowns: active set, matrix-free conjugate gradients, "
+    "preconditioned by Fourier solves of a layered block",
+}
+
+#: Peak bytes per unknown of the full system, by order: stiffness, its reduced copy, hierarchy, assembly.
+_BYTES_PER_UNKNOWN = {1: 4800, 2: 14000}
+
+#: Peak bytes per unknown of a block whose modulus varies sideways: some twenty fields.
+_BYTES_PER_FREE_UNKNOWN = 200
+
+#: Peak bytes per surface node of the reduced system, by order: some 14 arrays, or 4 x 4 tables.
+_BYTES_PER_NODE = {1: 120, 2: 400}
+
+
+#: Active sets, and steps of the surface iteration, allowed by default.
+_SETS, _STEPS = 60, 10_000
+
+
+def planned_mesh(
+    shape: tuple[int, int], lengths: tuple[float, float], *, poisson: float, options: MeshOptions
+) -> BlockMesh:
+    """Plan the mesh that options of the public functions describe."""
+    return plan_mesh(
+        shape,
+        lengths,
+        depth=options.get("depth"),
+        growth=options.get("growth", 1.2),
+        first_layer=options.get("first_layer"),
+        element=element_for(options.get("element"), poisson=poisson),
+    )
+
+
+def needed_bytes(mesh: BlockMesh, method: Method, *, lateral: bool = False) -> int:
+    """Estimate the memory of a solve."""
+    order = mesh.element.order
+    if method == "full":
+        return _BYTES_PER_UNKNOWN[order] * mesh.unknowns
+    if lateral:
+        return _BYTES_PER_FREE_UNKNOWN * mesh.unknowns
+    return _BYTES_PER_NODE[order] * mesh.shape[0] * mesh.shape[1]
+
+
+@dataclass(kw_only=True)
+class Session:
+    """What all solves of one surface on one block share: the assembled matrix or the surface's operator."""
+
+    surface: HeightField
+    solid: Solid
+    problem: Problem
+    method: Method
+    width: float
+    top: float
+    began: tuple[float, float] = field(default_factory=lambda: (time.perf_counter(), time.process_time()))
+
+    @classmethod
+    def checked(
+        cls,
+        surface: HeightField,
+        solid: Solid,
+        *,
+        method: Method,
+        modulus: Modulus | None,
+        tolerance: float,
+        max_iterations: int | None,
+        options: MeshOptions,
+    ) -> Session:
+        """Refuse what no computation can start from."""
+        began = time.perf_counter(), time.process_time()
+        if method not in ("full", "reduced"):
+            raise InvalidInput(f"method = {method!r}: must be 'full' or 'reduced'")
+        if not (np.isfinite(tolerance) and 0 < tolerance < 1):
+            raise InvalidInput(f"tolerance = {tolerance!r}: must lie in (0, 1)")
+        if max_iterations is not None and max_iterations < 1:
+            raise InvalidInput(f"max_iterations = {max_iterations!r}: must be at least 1")
+        mesh = planned_mesh(surface.shape, surface.lengths, poisson=solid.poisson, options=options)
+        width, top = surface.lengths[0] / mesh.cells[0], float(np.max(surface.heights))
+        moduli = _cell_moduli(modulus, mesh, width)
+        lateral = moduli is not None and moduli.shape[:2] != (1, 1)
+        _refuse_beyond_memory(mesh, method, lateral=lateral)
+        sets = method == "full" or lateral
+        problem = Problem(
+            mesh=mesh,
+            heights=(surface.heights - top) / width,
+            poisson=solid.poisson,
+            pressure=None,
+            offset=None,
+            gradient=surface.rms_gradient,
+            modulus=moduli,
+            tolerance=tolerance,
+            steps=max_iterations or (_SETS if sets else _STEPS),
+            growth=options.get("growth", 1.2),
+        )
+        return cls(
+            surface=surface, solid=solid, problem=problem, method=method, width=width, top=top, began=began
+        )
+
+    def at_pressure(self, mean_pressure: float, start: Mask | BlockSolution | None) -> BlockSolution:
+        """Solve at a mean pressure [Pa], from a first set or a solution of this session."""
+        check_pressure(mean_pressure)
+        problem = replace(self.problem, pressure=mean_pressure / self.solid.young)
+        return self._dressed(self._find(problem, self._guess(start)), target=mean_pressure)
+
+    def at_offset(self, offset: float) -> BlockSolution:
+        """Solve at an offset [m]."""
+        if not np.isfinite(offset):
+            raise InvalidInput(f"offset = {offset!r}: must be a finite distance in m")
+        problem = replace(self.problem, offset=(offset - self.top) / self.width)
+        return self._dressed(self._displaced(problem), target=None)
+
+    def _guess(self, start: Mask | BlockSolution | None) -> Mask | Found | None:
+        if isinstance(start, BlockSolution):
+            return self._latest
+        return _checked_start(start, self.surface.shape)
+
+    def _find(self, problem: Problem, start: Mask | Found | None) -> Found:
+        if self.method == "full":
+            from fem_contact.block.full import solve_full
+
+            found = solve_full(problem, start, self.matrix)
+        elif problem.lateral:
+            from fem_contact.block.heterogeneous import solve_heterogeneous
+
+            found = solve_heterogeneous(problem, self.free_block, start)
+        else:
+            found = solve_reduced(problem, self.response, self.operator, start)
+        self._latest = found
+        return found
+
+    def _displaced(self, problem: Problem) -> Found:
+        assert problem.offset is not None
+        if problem.offset >= 0:
+            return _apart(problem)
+        if self.method == "full" or problem.lateral:
+            return self._find(problem, problem.heights > problem.offset)
+        from fem_contact.block.reduced import solve_reduced_offset
+
+        return solve_reduced_offset(problem, self.response, self.operator)
+
+    @cached_property
+    def matrix(self) -> sp.bsr_array:
+        """The assembled stiffness above the clamped plane."""
+        from fem_contact.block.assembly import assemble
+
+        mesh, modulus = self.problem.mesh, self.problem.modulus
+        moduli = None if modulus is None else np.broadcast_to(modulus, (*mesh.cells, mesh.nz))
+        return assemble(mesh, poisson=self.problem.poisson, modulus=moduli).free()
+
+    @cached_property
+    def response(self) -> BlockResponse:
+        """The reduced block, in cell widths and E."""
+        modulus = self.problem.modulus
+        return BlockResponse(
+            mesh=self.problem.mesh,
+            solid=Solid(young=1.0, poisson=self.problem.poisson),
+            width=1.0,
+            layer_modulus=None if modulus is None else modulus[0, 0],
+        )
+
+    @cached_property
+    def operator(self) -> FourierOperator | SurfaceOperator:
+        """The operator of its surface."""
+        return surface_operator(self.response, threads=available_processors())
+
+    @cached_property
+    def free_block(self) -> HeterogeneousBlock:
+        """The block whose modulus varies sideways."""
+        from fem_contact.block.heterogeneous import HeterogeneousBlock
+
+        mesh = self.problem.mesh
+        assert self.problem.modulus is not None
+        modulus = np.ascontiguousarray(np.broadcast_to(self.problem.modulus, (*mesh.cells, mesh.nz)))
+        return HeterogeneousBlock(
+            mesh=mesh, heights=self.problem.heights, poisson=self.problem.poisson, modulus=modulus
+        )
+
+    def _source(self, found: Found) -> FieldSource:
+        if found.field is not None:
+            return ArraySource(field=found.field * self.width, order=self.problem.mesh.element.order)
+        return FourierSource(response=self.response, force=found.force, width=self.width)
+
+    def _dressed(self, found: Found, *, target: float | None) -> BlockSolution:
+        contact = self._result(found, target=target)
+        self.began = time.perf_counter(), time.process_time()
+        return BlockSolution(
+            contact=contact,
+            solid=self.solid,
+            mesh=self.problem.mesh,
+            source=self._source(found),
+            modulus=self.problem.modulus,
+        )
+
+    def _result(self, found: Found, *, target: float | None) -> ContactResult:
+        surface, mesh = self.surface, self.problem.mesh
+        weights = node_weights(mesh)
+        pressure = nodal_pressure(found.force, mesh) * self.solid.young
+        gap = found.gap * self.width
+        return ContactResult(
+            pressure=pressure,
+            gap=gap,
+            displacement=found.displacement * self.width,
+            in_contact=found.in_contact,
+            at_bound=np.zeros(surface.shape, dtype=bool),
+            heights=surface.heights,
+            lengths=surface.lengths,
+            contact_modulus=self.solid.contact_modulus,
+            offset=found.offset * self.width + self.top,
+            mean_pressure=float(np.mean(pressure if weights is None else pressure * weights)),
+            status=found.status,
+            residuals=measure_residuals(
+                pressure=pressure,
+                gap=gap,
+                heights=surface.heights,
+                lengths=surface.lengths,
+                contact_modulus=self.solid.contact_modulus,
+                rms_gradient=surface.rms_gradient,
+                target_pressure=target,
+                weights=weights,
+            ),
+            cost=Cost(
+                wall_seconds=time.perf_counter() - self.began[0],
+                cpu_seconds=time.process_time() - self.began[1],
+                iterations=found.iterations,
+                fft_pairs=found.fft_pairs,
+                linear_iterations=found.linear_iterations,
+                unknowns=mesh.unknowns,
+                peak_bytes=found.bytes,
+            ),
+            weights=weights,
+            provenance=_provenance(self.problem, width=self.width, found=found),
+        )
+
+
+def _apart(problem: Problem) -> Found:
+    """Nothing touches."""
+    shape, zero = problem.mesh.shape, np.zeros(problem.mesh.shape)
+    assert problem.offset is not None
+    return Found(
+        force=zero,
+        gap=problem.offset - problem.heights,
+        displacement=zero,
+        in_contact=np.zeros(shape, dtype=bool),
+        offset=problem.offset,
+        status=Status.CONVERGED,
+        iterations=0,
+        linear_iterations=0,
+        fft_pairs=0.0,
+        bytes=3 * zero.nbytes,
+        method="reduced",
+        note="no contact",
+        field=np.zeros((*shape, problem.mesh.planes.size, 3)),
+    )
+
+
+def check_pressure(mean_pressure: float) -> None:
+    """Refuse a mean pressure that cannot be carried."""
+    if not (np.isfinite(mean_pressure) and mean_pressure > 0):
+        raise InvalidInput(f"mean_pressure = {mean_pressure!r}: must be a positive, finite pressure in Pa")
+
+
+def _provenance(problem: Problem, *, width: float, found: Found) -> dict[str, str]:
+    mesh = problem.mesh
+    widest = float(np.max(mesh.layers[:-1] / mesh.layers[1:])) if mesh.nz > 1 else 1.0
+    share = "cell area" if mesh.element.order == 1 else "node area (corner : edge : centre = 1 : 2 : 4)"
+    text = {
+        "method": _METHODS[found.method],
+        "element": mesh.element.name,
+        "mesh": f"{mesh.cells[0]} x {mesh.cells[1]} x {mesh.nz} cells, {mesh.unknowns} unknowns",
+        "layers": f"first {mesh.layers[-1]:.4g} cell widths, growth {widest:.4g}",
+        "depth": f"{float(-mesh.planes[0]) * width:.6g} m, clamped",
+        "pressure": f"nodal force over {share}; contact area counts the same areas",
+        "tolerance": f"{problem.tolerance:.3g} (reached: {found.note})",
+        "scikit-fem": version("scikit-fem"),
+    }
+    if found.method == "full":
+        text["pyamg"] = version("pyamg")
+    return text
+
+
+def _cell_moduli(modulus: Modulus | None, mesh: BlockMesh, width: float) -> Array | None:
+    """Evaluate the modulus at the cells' centres: (nx, ny, nz), or (1, 1, nz) where only z counts."""
+    if modulus is None:
+        return None
+    (nx, ny), edges = mesh.cells, mesh.edges * width
+    x = np.asarray((np.arange(nx) + 0.5) * width, dtype=float)[:, None, None]
+    y = np.asarray((np.arange(ny) + 0.5) * (width * mesh.aspect), dtype=float)[None, :, None]
+    z: Array = np.asarray(0.5 * (edges[1:] + edges[:-1]), dtype=float)[None, None, :]
+    values: Array = np.asarray(modulus(x, y, z), dtype=float)
+    try:
+        full = np.broadcast_to(values, (nx, ny, mesh.nz))
+    except ValueError as error:
+        raise InvalidInput(
+            f"modulus: gave an array of shape {values.shape} that does not fit the cells {(nx, ny, mesh.nz)}"
+        ) from error
+    bad = int(np.count_nonzero(~(np.isfinite(full) & (full > 0))))
+    if bad:
+        raise InvalidInput(f"modulus: {bad} of {full.size} cells are not positive and finite")
+    deep = full[:1, :1]
+    return deep.copy() if np.array_equal(full, np.broadcast_to(deep, full.shape)) else full.copy()
+
+
+def _checked_start(start: Mask | None, shape: tuple[int, int]) -> Mask | None:
+    if start is None:
+        return None
+    if start.shape != shape or start.dtype != np.bool_:
+        raise InvalidInput(
+            f"start: must be a boolean array of shape {shape}, not {start.dtype} {start.shape}"
+        )
+    return start.copy() if start.any() else None
+
+
+def _refuse_beyond_memory(mesh: BlockMesh, method: Method, *, lateral: bool) -> None:
+    import psutil
+
+    needed, available = needed_bytes(mesh, method, lateral=lateral), int(psutil.virtual_memory().available)
+    if needed > available:
+        raise InsufficientMemory(
+            f"{mesh.unknowns} unknowns need about {needed / 2**30:.2g} GiB, "
+            f"{available / 2**30:.2g} GiB are available: take a coarser grid"
+            + (", a larger growth, or method = 'reduced'" if method == "full" else "")
+        )

@@ -1,0 +1,228 @@
+"""Where the distribution of stress lives: its walls, the window that follows them, the steps in ln V."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from persson._checks import Array
+from persson.errors import InvalidInput, OutsideTheory
+
+__all__ = ["TAIL", "Grid", "Pieces", "Problem", "Wall", "distance", "find_pieces", "make_grid"]
+
+Flags = NDArray[np.bool_]
+
+#: A stress limit [Pa] as a function of the stress variance V [Pa^2], for arrays; a constant; or None for no
+#: wall.
+Wall = float | Callable[[Array], Array] | None
+
+#: Half width of the window in standard deviations: the neglected tail holds 3e-14 of the area.
+TAIL = 7.6
+
+#: Steps beyond which a wall counts as too wild to be followed; the error estimate then says so.
+_MOST_STEPS = 5000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Problem:
+    """Distances of the walls from the nominal pressure [Pa] as functions of V; infinite without a wall."""
+
+    pressure: float
+    below: Callable[[Array], Array]
+    above: Callable[[Array], Array]
+    hardening: bool
+
+    def window(self, t: Array, reference: float) -> tuple[Array, Array, Flags, Flags]:
+        """Edges of the window relative to sigma_0 at T = ln(V / reference), and which of them are walls."""
+        variance = reference * np.exp(t)
+        tail = TAIL * np.sqrt(variance)
+        below, above = self.below(variance), self.above(variance)
+        return -np.minimum(below, tail), np.minimum(above, tail), below < tail, above < tail
+
+
+def distance(wall: Wall, pressure: float, sign: float, name: str) -> Callable[[Array], Array]:
+    if wall is None:
+        return lambda variance: np.full(np.shape(variance), np.inf)
+    if callable(wall):
+        function = wall
+
+        def moving(variance: Array) -> Array:
+            limit = np.asarray(function(variance), dtype=float)
+            if limit.shape != variance.shape or np.any(np.isnan(limit)) or np.any(limit < 0):
+                raise InvalidInput(
+                    f"{name}(V): must give a stress that is not negative for every V of an array"
+                )
+            return sign * pressure + limit if sign > 0 else limit - pressure
+
+        return moving
+    limit = float(wall)
+    if np.isnan(limit) or limit < 0:
+        raise InvalidInput(f"{name} = {limit!r}: must not be negative")
+    gap = pressure + limit if sign > 0 else limit - pressure
+    return lambda variance: np.full(np.shape(variance), gap)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pieces:
+    """Intervals of T = ln(V / reference) between switches of the window; empty if no wall is ever reached."""
+
+    reference: float
+    edges: Array
+    roots: Array
+    start: float
+
+
+def find_pieces(problem: Problem, outputs: Array, breaks: Array) -> Pieces:
+    """Find where the distribution first meets a wall, and where an edge changes to or from a wall."""
+    last = float(outputs[-1])
+    if last == 0:
+        return Pieces(reference=1.0, edges=np.empty(0), roots=np.empty(0), start=np.inf)
+    inside = breaks[(breaks > 0) & (breaks < last)]
+    coarse = np.unique(np.concatenate([np.arange(-140.0, 0.0, 0.25), [0.0], np.log(inside / last)]))
+    _refuse(problem, last, coarse)
+    touched = problem.window(coarse, last)
+    first = np.flatnonzero(touched[2] | touched[3])
+    if first.size == 0:
+        return Pieces(reference=last, edges=np.empty(0), roots=np.empty(0), start=np.inf)
+    if first[0] == 0:
+        raise OutsideTheory(
+            "a wall stands at the nominal pressure from the start: no distribution can begin there"
+        )
+    fine = np.unique(
+        np.concatenate([np.arange(coarse[first[0] - 1], 0.0, 0.02), [0.0], np.log(inside / last)])
+    )
+    switches: list[float] = []
+    for side in (2, 3):
+        walls = problem.window(fine, last)[side]
+        turns = np.flatnonzero(walls[1:] != walls[:-1])
+        switches.extend(_bisect(problem, last, side, fine[i], fine[i + 1]) for i in turns)
+    start = min(switches) if switches else float(fine[0])
+    roots = np.log(np.unique(inside) / last)
+    edges = np.unique(
+        np.concatenate([[start], [s for s in switches if s > start], roots[roots > start], [0.0]])
+    )
+    # Two marks closer than rounding are one.
+    edges = edges[np.concatenate([[True], np.diff(edges) > 1e-12])]
+    return Pieces(reference=last, edges=edges, roots=roots, start=start)
+
+
+def _bisect(problem: Problem, last: float, side: int, low: float, high: float) -> float:
+    at_low = bool(problem.window(np.array([low]), last)[side][0])
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        if not low < middle < high:
+            break
+        if bool(problem.window(np.array([middle]), last)[side][0]) == at_low:
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def _refuse(problem: Problem, last: float, coarse: Array) -> None:
+    """Cases without an admissible solution."""
+    variance = last * np.exp(coarse)
+    below, above = problem.below(variance), problem.above(variance)
+    if below[0] <= 0:
+        if problem.pressure < 0:
+            raise OutsideTheory(
+                f"pressure = {problem.pressure!r} Pa: the tension exceeds the tensile limit; nothing holds"
+            )
+        raise OutsideTheory(
+            "pressure = 0 without a tensile limit: nothing presses the bodies together, the area is 0"
+        )
+    if above[0] <= 0:
+        raise OutsideTheory(f"pressure = {problem.pressure!r} Pa: must stay below the yield stress")
+    if problem.hardening and np.any(np.diff(above) < -1e-12 * (np.abs(above[1:]) + abs(problem.pressure))):
+        raise OutsideTheory(
+            "yield_stress(V) falls: with Persson 2006, Eq. 34 the density at the wall would be negative; "
+            "the theory holds for a hardness that is constant or rises with magnification"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Grid:
+    """Steps in the running variable s.
+
+    T itself, or its square root after a mark, where walls may start like a root.
+    """
+
+    first: Array
+    last: Array
+    rooted: Flags
+    origin: Array
+
+    @property
+    def steps(self) -> Array:
+        """Step sizes in s."""
+        return self.last - self.first
+
+    def time(self, s: Array) -> Array:
+        """T of values (n, m) of s, one row per step."""
+        return np.where(self.rooted[:, None], self.origin[:, None] + s * s, s)
+
+    @property
+    def ends(self) -> Array:
+        """T at the end of each step."""
+        return np.asarray(self.time(self.last[:, None])[:, 0])
+
+
+def make_grid(problem: Problem, pieces: Pieces, outputs: Array, largest: float) -> Grid:
+    """Place steps between marks and outputs, shorter where a wall runs fast."""
+    firsts, lasts, rooted, origins = [], [], [], []
+    for index in range(max(pieces.edges.size - 1, 0)):
+        low, high = float(pieces.edges[index]), float(pieces.edges[index + 1])
+        marks = np.concatenate([[low], outputs[(outputs > low + 1e-13) & (outputs < high - 1e-13)], [high]])
+        root = bool(np.any(np.abs(pieces.roots - low) < 1e-13))
+        marks = np.sqrt(marks - low) if root else marks
+        counts = np.maximum(np.ceil(np.diff(marks) / largest), 1).astype(int)
+        sizes = np.repeat(np.diff(marks) / counts, counts)
+        number = np.arange(sizes.size) - np.repeat(np.cumsum(counts) - counts, counts)
+        first = np.repeat(marks[:-1], counts) + number * sizes
+        firsts.append(first)
+        lasts.append(np.append(first[1:], marks[-1]))
+        rooted.append(np.full(first.size, root))
+        origins.append(np.full(first.size, low))
+    if not firsts:
+        empty = np.empty(0)
+        return Grid(first=empty, last=empty, rooted=empty.astype(bool), origin=empty)
+    grid = Grid(
+        first=np.concatenate(firsts),
+        last=np.concatenate(lasts),
+        rooted=np.concatenate(rooted),
+        origin=np.concatenate(origins),
+    )
+    for _ in range(16):
+        fast = _too_long(problem, pieces.reference, grid, largest)
+        if not fast.any() or fast.size > _MOST_STEPS:
+            break
+        grid = _halved(grid, fast)
+    return grid
+
+
+def _too_long(problem: Problem, reference: float, grid: Grid, largest: float) -> Flags:
+    """Find steps in which an edge runs far, or bends away from a parabola, on the scale of the window."""
+    s = grid.first[:, None] + np.array([0.0, 0.25, 0.5, 0.75, 1.0]) * grid.steps[:, None]
+    left, right, _, _ = problem.window(grid.time(s), reference)
+    width = (right - left).min(axis=1)
+    result = np.zeros(width.shape, dtype=bool)
+    for edge in (left, right):
+        run = np.ptp(edge, axis=1)
+        bend = np.abs(edge[:, 0] - 4 * edge[:, 1] + 6 * edge[:, 2] - 4 * edge[:, 3] + edge[:, 4])
+        skew = np.abs(edge[:, 4] - 2 * edge[:, 3] + 2 * edge[:, 1] - edge[:, 0])
+        result |= (run > 2 * largest * width) | (np.maximum(bend, skew) > 0.02 * largest * largest * width)
+    return result
+
+
+def _halved(grid: Grid, chosen: Flags) -> Grid:
+    repeats = np.where(chosen, 2, 1)
+    middle = np.where(chosen, (grid.first + grid.last) / 2, grid.first)
+    first, last = np.repeat(grid.first, repeats), np.repeat(grid.last, repeats)
+    starts = np.cumsum(repeats) - repeats
+    last[starts[chosen]] = middle[chosen]
+    first[starts[chosen] + 1] = middle[chosen]
+    rooted, origin = np.repeat(grid.rooted, repeats), np.repeat(grid.origin, repeats)
+    return Grid(first=first, last=last, rooted=rooted, origin=origin)

@@ -1,0 +1,488 @@
+"""Adhesive contact: effective work of adhesion, detachment stress and contact area, solved together.
+
+Persson 2006, Secs. 8.1-8.6 and 9. At each magnification the contact may carry tension up to sigma_a, which
+depends on the adhesive energy left after paying for the elastic deformation on all shorter scales; that
+energy depends on the area of contact on all shorter scales, which depends on sigma_a. The loop is closed by
+a fixed-point iteration.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import CubicSpline, PchipInterpolator
+
+from persson._checks import Array, non_negative, positive, real
+from persson.diffusion import Diffusion, Wall, diffuse_once
+from persson.errors import InvalidInput, NotConverged, OutsideTheory
+from persson.scale import Scale
+from persson.spectrum import area_factor
+
+__all__ = [
+    "AdhesionStatus",
+    "AdhesiveContact",
+    "Interface",
+    "closing_work",
+    "crossover_length",
+    "detachment_stress",
+    "opening_work",
+    "solve_adhesion",
+]
+
+#: Spacing of the nodes in ln V and in ln q, on the coarse and on the fine level.
+_SPACINGS = (0.24, 0.12)
+
+#: Below this share of the nominal area contact counts as lost.
+_LOST = 1e-13
+
+
+@dataclass(frozen=True, kw_only=True)
+class Interface:
+    """What the adhesion of two surfaces is made of, and which reading of the theory is used.
+
+    Parameters
+    ----------
+    work_of_adhesion : float
+        Delta gamma [J/m^2] of flat surfaces.
+    energy : {"improved", "old", "as_printed"}
+        Elastic energy at partial contact: Persson 2006, Eqs. 44-49 ("improved"), Eq. 43 ("old"), or Eq. 50
+        as it is printed, which differs from Eq. 48 under load ("as_printed").
+    area : {"star", "projected"}
+        Whether the contact areas of Eq. 37 carry the slope factor of `persson.spectrum.area_factor` ("star").
+    alpha : float
+        Number of order 1 in Eq. 36; the paper uses 9/8.
+    ideal_strength : float, optional
+        sigma* = Delta gamma / a [Pa], which bounds the detachment stress at atomic scales (Sec. 8.4).
+    """
+
+    work_of_adhesion: float
+    energy: Literal["improved", "old", "as_printed"] = "improved"
+    area: Literal["star", "projected"] = "star"
+    alpha: float = 1.125
+    ideal_strength: float | None = None
+
+    def __post_init__(self) -> None:
+        positive("work_of_adhesion", self.work_of_adhesion, unit="J/m^2")
+        positive("alpha", self.alpha)
+        if self.ideal_strength is not None:
+            positive("ideal_strength", self.ideal_strength, unit="Pa")
+        if self.energy not in ("improved", "old", "as_printed"):
+            raise InvalidInput(f"energy = {self.energy!r}: must be 'improved', 'old' or 'as_printed'")
+        if self.area not in ("star", "projected"):
+            raise InvalidInput(f"area = {self.area!r}: must be 'star' or 'projected'")
+
+
+def detachment_stress(
+    work: ArrayLike, *, contact_modulus: ArrayLike, wavevector: ArrayLike, interface: Interface
+) -> Array:
+    r"""Largest tensile stress sigma_a an interface can carry at one magnification.
+
+    .. math:: \sigma_a^0 = \sqrt{\alpha\gamma_\mathrm{eff} E^* q}, \qquad
+              \sigma_a = \frac{\sigma^*\sigma_a^0}{\sigma^* + \sigma_a^0}
+
+    Parameters
+    ----------
+    work : float or array
+        gamma_eff [J/m^2]; where it is negative the surfaces do not adhere and sigma_a is 0.
+    contact_modulus, wavevector : float or array
+        E* [Pa] and q [1/m].
+    interface : Interface
+        Gives alpha and sigma*; without `ideal_strength`, sigma_a is the first expression.
+
+    Notes
+    -----
+    Persson 2006, Eq. 36 and Sec. 8.4.
+    """
+    energy = np.maximum(real("work", work, unit="J/m^2"), 0.0)
+    bare = np.sqrt(interface.alpha * energy * np.asarray(contact_modulus) * np.asarray(wavevector))
+    strength = interface.ideal_strength
+    return np.asarray(bare if strength is None else bare / (1 + bare / strength))[()]
+
+
+def crossover_length(work_of_adhesion: float, *, contact_modulus: float, atomic_distance: float) -> float:
+    """Length l_c = a^2 E* / Delta gamma [m] below which the ideal strength bounds the stress.
+
+    Persson 2006, Sec. 8.4.
+
+    Examples
+    --------
+    >>> round(crossover_length(0.05, contact_modulus=1e11, atomic_distance=7e-10) * 1e6, 2)
+    0.98
+    """
+    a = positive("atomic_distance", atomic_distance, unit="m")
+    energy = positive("work_of_adhesion", work_of_adhesion, unit="J/m^2")
+    return a * a * positive("contact_modulus", contact_modulus, unit="Pa") / energy
+
+
+def opening_work(work_of_adhesion: float, *, dissipation: ArrayLike) -> Array:
+    """Work Delta gamma [1 + f(v)] [J/m^2] that an opening crack takes in a viscoelastic solid (Sec. 8.6)."""
+    f = non_negative("dissipation", dissipation)
+    return positive("work_of_adhesion", work_of_adhesion, unit="J/m^2") * (1 + f)
+
+
+def closing_work(work_of_adhesion: float, *, dissipation: ArrayLike) -> Array:
+    """Work Delta gamma / [1 + f(v)] [J/m^2] that a closing crack gains in a viscoelastic solid (Sec. 8.6)."""
+    f = non_negative("dissipation", dissipation)
+    return positive("work_of_adhesion", work_of_adhesion, unit="J/m^2") / (1 + f)
+
+
+class AdhesionStatus(Enum):
+    """How the iteration ended; the value is a sentence."""
+
+    CONVERGED = "converged"
+    NO_CONTACT = "no contact: without load, the adhesive energy does not pay for the elastic deformation"
+    ROUND_LIMIT = "the fixed-point iteration stopped at its limit: allow more rounds or a larger tolerance"
+
+
+@dataclass(frozen=True, kw_only=True)
+class AdhesiveContact:
+    """Adhesive contact against the wavevector up to which roughness is resolved.
+
+    Attributes
+    ----------
+    wavevectors, variance : (n,) arrays
+        q [1/m] of the nodes and V(q) [Pa^2].
+    area, area_plastic : (n,) arrays
+        Area in contact (yielded area included) and yielded area, over the nominal area.
+    work : (n,) array
+        gamma_eff(q) [J/m^2], raw: negative where the surfaces do not adhere.
+    tensile_limit : (n,) array
+        sigma_a(q) [Pa].
+    macroscopic_work : float
+        gamma_eff(1) [J/m^2], with the energy of all roughness.
+    real_area : float
+        A(q_short)/A0.
+    error_estimate : float
+        Change of `real_area` when the number of nodes is halved, plus the last change of the iteration.
+    rounds : int
+        Iterations on the fine nodes.
+    status : AdhesionStatus
+    """
+
+    wavevectors: Array
+    variance: Array
+    area: Array
+    area_plastic: Array
+    work: Array
+    tensile_limit: Array
+    macroscopic_work: float
+    real_area: float
+    error_estimate: float
+    rounds: int
+    status: AdhesionStatus
+
+    def checked(self) -> AdhesiveContact:
+        """Return this result, or raise `NotConverged`; to have no contact is a result."""
+        if self.status is AdhesionStatus.ROUND_LIMIT:
+            raise NotConverged(f"{self.status.value} (last error estimate {self.error_estimate:.3g})")
+        return self
+
+    def area_at(self, wavevector: ArrayLike) -> Array:
+        """A(q)/A0 between the nodes, monotonically interpolated in ln q."""
+        return self._between(wavevector, self.area)
+
+    def work_at(self, wavevector: ArrayLike) -> Array:
+        """gamma_eff(q) [J/m^2] between the nodes."""
+        return self._between(wavevector, self.work)
+
+    def _between(self, wavevector: ArrayLike, values: Array) -> Array:
+        first = self.wavevectors[0]
+        q = np.clip(non_negative("wavevector", wavevector, unit="1/m"), first, self.wavevectors[-1])
+        return np.asarray(PchipInterpolator(np.log(self.wavevectors / first), values)(np.log(q / first)))[()]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Nodes:
+    """Discretisation: q, T = ln V, E*, area factor, and the tension squared that belongs to gamma_eff = 1."""
+
+    q: Array
+    t: Array
+    modulus: Array
+    factor: Array
+    per_work: Array
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Case:
+    scale: Scale
+    pressure: float
+    interface: Interface
+    yield_stress: float | Callable[[Array], Array] | None
+    reference: float
+
+    def nodes(self, spacing: float, onset: float | None) -> _Nodes:
+        """Place nodes evenly in ln V and ln q together, and quadratically dense around the onset."""
+        scale = self.scale
+        span = (scale.q_short - scale.q_min) / scale.q_min
+        q = scale.q_min * (1 + np.geomspace(min(1e-4, span / 8), span, 1500))
+        q[-1] = scale.q_short
+        t = np.log(scale.variance(q) / self.reference)
+        t = np.maximum.accumulate(t)
+        q, t = q[t > -28], t[t > -28]
+        path = np.concatenate([[0.0], np.cumsum(np.diff(t) + np.log1p(np.diff(q) / q[:-1]))])
+        count = max(math.ceil(path[-1] / (2 * spacing)), 12)
+        chosen = np.interp(np.linspace(0, path[-1], count + 1), path, t)
+        if onset is not None:
+            ramp = np.linspace(0, 1, math.ceil(2 / spacing) + 1)[1:] ** 2
+            chosen = np.concatenate([chosen, onset - ramp, [onset], onset + ramp])
+        chosen = np.unique(np.clip(chosen, t[0], 0.0))
+        chosen = chosen[np.concatenate([[True], np.diff(chosen) > 1e-4 * spacing])]
+        if chosen[-1] < 0:
+            chosen[-1] = 0.0
+        q = scale.wavevector(self.reference * np.exp(chosen))
+        modulus = scale.modulus(q)
+        star = self.interface.area == "star"
+        return _Nodes(
+            q=q,
+            t=chosen,
+            modulus=modulus,
+            factor=area_factor(scale.spectrum.m2(q)) if star else np.ones_like(q),
+            per_work=self.interface.alpha * modulus * q,
+        )
+
+
+def solve_adhesion(
+    scale: Scale,
+    *,
+    pressure: float,
+    interface: Interface,
+    yield_stress: float | Callable[[Array], Array] | None = None,
+    start: AdhesiveContact | None = None,
+    tolerance: float = 1e-6,
+    rounds: int = 150,
+) -> AdhesiveContact:
+    r"""Solve for gamma_eff(q), sigma_a(q) and A(q) together.
+
+    .. math:: A^*(\zeta)\gamma_\mathrm{eff}(\zeta) = A^*(\zeta_1)\Delta\gamma - U_\mathrm{el}(\zeta), \qquad
+              U_\mathrm{el}(\zeta) = A_0 \int_\zeta^{\zeta_1} \tilde P \,\frac{dV}{E^* q}
+
+    Parameters
+    ----------
+    scale : Scale
+        Spectrum and modulus, which may be graded.
+    pressure : float
+        Nominal pressure sigma_0 [Pa]; 0 or negative (tension) where adhesion holds the bodies together.
+    interface : Interface
+        Work of adhesion and the reading of the theory.
+    yield_stress : float or callable, optional
+        Hardness [Pa], constant or as a function of q that does not decrease (Persson 2006, Sec. 9). Yielded
+        contact adheres; only elastic contact stores energy.
+    start : AdhesiveContact, optional
+        A state to continue from, such as that at a smaller tension. Without load the bodies are otherwise
+        taken to have been pressed together first.
+    tolerance : float
+        Change of area and of gamma_eff / Delta gamma at which the iteration stops.
+    rounds : int
+        Largest number of iterations per level.
+
+    Returns
+    -------
+    AdhesiveContact
+        Call `.checked()` before using it as a result.
+
+    Raises
+    ------
+    OutsideTheory
+        For tension beyond what the interface holds macroscopically.
+
+    Notes
+    -----
+    Persson 2006, Eqs. 35-50. With 2 pi q^3 C E*^2/4 dq = dV, Eq. 43 becomes the integral above. Where
+    adhesion sets in under load sigma_a starts like a square root; nodes are dense there and the steps are
+    even in its argument.
+    """
+    reference = float(scale.variance(scale.q_short))
+    case = _Case(
+        scale=scale,
+        pressure=float(real("pressure", pressure, unit="Pa")),
+        interface=interface,
+        yield_stress=yield_stress,
+        reference=reference,
+    )
+    if start is None and case.pressure <= 0:
+        start = _approach(replace(case, pressure=0.0), tolerance, rounds)
+    coarse: AdhesiveContact | None = None
+    for spacing in _SPACINGS:
+        start = start if coarse is None else coarse
+        fine = _iterate(case, spacing, start, tolerance, rounds)
+        if fine.status is AdhesionStatus.NO_CONTACT:
+            return fine
+        if coarse is not None:
+            change = abs(fine.real_area - coarse.real_area)
+            fine = replace(fine, error_estimate=fine.error_estimate + change)
+        coarse = fine
+    return fine
+
+
+def _approach(case: _Case, tolerance: float, rounds: int) -> AdhesiveContact | None:
+    """Contact under a load that is taken away in steps: where it sticks, a start for the case without load.
+
+    Without load the equations also have the solution of no contact, and an iteration started anywhere falls
+    into it. The state left by a vanishing load decides: adhesion holds if its macroscopic energy is
+    positive.
+    """
+    scale, gamma = case.scale, case.interface.work_of_adhesion
+    largest = math.sqrt(case.interface.alpha * gamma * float(scale.modulus(scale.q_min)) * scale.q_min)
+    state: AdhesiveContact | None = None
+    slope = math.inf
+    for power in range(12):
+        load = 3 * largest * 0.2**power
+        state = _iterate(replace(case, pressure=load), _SPACINGS[0], state, 1e-4, rounds)
+        if state.macroscopic_work > 0:
+            free = _iterate(case, _SPACINGS[0], state, tolerance, rounds)
+            if free.status is AdhesionStatus.CONVERGED:
+                return free
+        elif abs(state.real_area / load / slope - 1) < 0.02:
+            # Area and energies have become proportional to the load: nothing changes below.
+            break
+        slope = state.real_area / load
+    return state
+
+
+def _iterate(
+    case: _Case, spacing: float, start: AdhesiveContact | None, tolerance: float, rounds: int
+) -> AdhesiveContact:
+    gamma = case.interface.work_of_adhesion
+    nodes = case.nodes(spacing, None)
+    work = np.full(nodes.t.shape, gamma)
+    onset: float | None = None
+    if start is not None:
+        t = np.log(start.variance / case.reference)
+        onset = _onset(case, t, start.work)
+        nodes = case.nodes(spacing, onset)
+        work = PchipInterpolator(t, start.work)(np.clip(nodes.t, t[0], t[-1]))
+    area = np.zeros(nodes.t.shape)
+    failures = 0
+    for count in range(1, rounds + 1):
+        try:
+            state = _diffuse(case, nodes, work, onset)
+        except OutsideTheory:
+            if case.pressure > 0:
+                raise
+            return _empty(case, nodes, count)
+        new_work, macroscopic = _work(case, nodes, state)
+        if state.area[-1] < _LOST:
+            return _empty(case, nodes, count)
+        if case.pressure <= 0 and new_work[0] <= 0:
+            failures += 1
+            if failures > 2:
+                return _empty(case, nodes, count)
+            new_work = 0.5 * (new_work + np.maximum(work, 0.0))
+        change = max(float(np.max(np.abs(new_work - work))) / gamma, float(np.max(np.abs(state.area - area))))
+        result = _result(case, nodes, state, new_work, macroscopic, change, count)
+        if change < tolerance:
+            return result
+        damping = 1.0 if count < 40 else 0.5
+        work, area = work + damping * (new_work - work), state.area
+        moved = _onset(case, nodes.t, work)
+        if (moved is None) != (onset is None) or (moved is not None and abs(moved - (onset or 0.0)) > 1e-7):
+            onset = moved
+            fresh = case.nodes(spacing, onset)
+            work = PchipInterpolator(nodes.t, work)(np.clip(fresh.t, nodes.t[0], nodes.t[-1]))
+            area = np.interp(fresh.t, nodes.t, area)
+            nodes = fresh
+    return replace(result, status=AdhesionStatus.ROUND_LIMIT)
+
+
+def _onset(case: _Case, t: Array, work: Array) -> float | None:
+    """T at which gamma_eff last turns positive, None where it is positive from the start or never."""
+    negative = np.flatnonzero(work <= 0)
+    if case.pressure <= 0 or negative.size == 0 or negative[-1] == t.size - 1:
+        return None
+    last = negative[-1]
+    roots = PchipInterpolator(t, work).roots(extrapolate=False)
+    inside = roots[(roots >= t[last]) & (roots <= t[last + 1])]
+    return float(inside[-1]) if inside.size else float(t[last])
+
+
+def _diffuse(case: _Case, nodes: _Nodes, work: Array, onset: float | None) -> Diffusion:
+    strength = case.interface.ideal_strength
+    square = PchipInterpolator(nodes.t, work * nodes.per_work)
+    first, last = nodes.t[0], nodes.t[-1]
+
+    def tensile_limit(variance: Array) -> Array:
+        t = np.clip(np.log(variance / case.reference), first, last)
+        value = np.where((onset is not None) & (t < (onset or 0.0)), 0.0, np.maximum(square(t), 0.0))
+        bare = np.sqrt(value)
+        return np.asarray(bare if strength is None else bare / (1 + bare / strength))
+
+    hardness = case.yield_stress
+    wall: Wall
+    if callable(hardness):
+        of_q = hardness
+        wall = lambda variance: np.asarray(of_q(case.scale.wavevector(variance)), dtype=float)  # noqa: E731
+    else:
+        wall = hardness
+    return diffuse_once(
+        case.reference * np.exp(nodes.t),
+        pressure=case.pressure,
+        tensile_limit=tensile_limit,
+        yield_stress=wall,
+        breaks=() if onset is None else (case.reference * math.exp(onset),),
+        modes=48,
+        step=0.3,
+    )
+
+
+def _work(case: _Case, nodes: _Nodes, state: Diffusion) -> tuple[Array, float]:
+    """gamma_eff at the nodes and at zeta = 1 (Persson 2006, Eq. 37)."""
+    variance, load = state.variance, case.pressure
+    if case.interface.energy == "old":
+        share = state.area_elastic
+    elif case.interface.energy == "improved":
+        share = state.mean_square / variance
+    else:
+        # Eq. 50 drops the terms of Eq. 48 that are linear and quadratic in sigma_0.
+        extra = 2 * load * (state.load_elastic - load) + load * load * (1 - state.area_elastic)
+        share = (state.mean_square + extra) / variance
+    density = share * variance / (nodes.modulus * nodes.q)
+    total = CubicSpline(nodes.t, density).antiderivative()
+    energy = total(nodes.t[-1]) - total(nodes.t)
+    # Before the first node V ~ q - q_min: the integrand is 1 / (E* q) over V.
+    whole = energy[0] + density[0]
+    real = state.area[-1] * nodes.factor[-1] * case.interface.work_of_adhesion
+    area = np.maximum(state.area, 1e-300)
+    return np.asarray((real - energy) / (area * nodes.factor)), float(real - whole)
+
+
+def _result(
+    case: _Case, nodes: _Nodes, state: Diffusion, work: Array, macroscopic: float, change: float, count: int
+) -> AdhesiveContact:
+    return AdhesiveContact(
+        wavevectors=nodes.q,
+        variance=state.variance,
+        area=state.area,
+        area_plastic=state.area_plastic,
+        work=work,
+        tensile_limit=detachment_stress(
+            work, contact_modulus=nodes.modulus, wavevector=nodes.q, interface=case.interface
+        ),
+        macroscopic_work=macroscopic,
+        real_area=float(state.area[-1]),
+        error_estimate=change,
+        rounds=count,
+        status=AdhesionStatus.CONVERGED,
+    )
+
+
+def _empty(case: _Case, nodes: _Nodes, count: int) -> AdhesiveContact:
+    zero = np.zeros_like(nodes.q)
+    return AdhesiveContact(
+        wavevectors=nodes.q,
+        variance=case.reference * np.exp(nodes.t),
+        area=zero,
+        area_plastic=zero,
+        work=zero,
+        tensile_limit=zero,
+        macroscopic_work=0.0,
+        real_area=0.0,
+        error_estimate=0.0,
+        rounds=count,
+        status=AdhesionStatus.NO_CONTACT,
+    )

@@ -1,0 +1,115 @@
+"""Mean interfacial separation of an elastic contact, and the macroasperities in it."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import erf, exp1
+
+from persson._checks import Array, positive
+from persson.elastic import area_against_magnification
+from persson.errors import InvalidInput, OutsideTheory
+from persson.scale import Scale
+from persson.spectrum import Spectrum
+
+__all__ = ["macroasperity_magnification", "mean_separation"]
+
+
+def mean_separation(pressure: ArrayLike, *, scale: Scale, energy_ratio: float = 1.0) -> Array:
+    r"""Mean distance of the surfaces under load.
+
+    .. math:: \bar u(p) = \int_p^\infty \frac{dp'}{p'} \frac{dU_\mathrm{el}}{dp'}, \qquad
+              U_\mathrm{el} = \int \frac{dV}{E^* q}\, P\,[g + (1-g) P^2]
+
+    Parameters
+    ----------
+    pressure : float or (n,) array
+        Nominal pressure [Pa], positive.
+    scale : Scale
+        Spectrum and modulus.
+    energy_ratio : float
+        g in (0, 1]: 1 for the energy of Persson 2006, Eq. 43; 0.45 with the correction of Yang and Persson
+        (2008).
+
+    Returns
+    -------
+    array
+        Mean gap [m]; at light load it falls with the logarithm of the pressure.
+
+    Notes
+    -----
+    The work of the load is stored elastically, p du = -dU (Persson, Phys. Rev. Lett. 99, 125502, 2007; Yang
+    and Persson, J. Phys. Condens. Matter 20, 215214, 2008), with dV = (E*^2/4) 2 pi q^3 C dq.
+    """
+    if not 0 < energy_ratio <= 1:
+        raise InvalidInput(f"energy_ratio = {energy_ratio!r}: must lie in (0, 1]")
+    load = np.asarray(pressure, dtype=float)
+    for value in load.flat:
+        positive("pressure", float(value), unit="Pa")
+    top = float(scale.variance(scale.q_short))
+    edges = np.linspace(-30.0, 0.0, 241)
+    points, weights = np.polynomial.legendre.leggauss(5)
+    t = (edges[:-1, None] + np.diff(edges)[:, None] * (1 + points) / 2).ravel()
+    weight = (np.diff(edges)[:, None] * weights / 2).ravel()
+    variance = top * np.exp(t)
+    wave = scale.wavevector(variance)
+    root = np.sqrt(2 * variance)
+    length = variance / (scale.modulus(wave) * wave) * (2 / math.sqrt(math.pi)) / root
+    s = load[..., None] / root
+    integral = energy_ratio * 0.5 * exp1(np.minimum(s * s, 700.0))
+    if energy_ratio < 1:
+        integral = integral + 3 * (1 - energy_ratio) * _partial(s)
+    return np.asarray((integral * length) @ weight)[()]
+
+
+def _partial(s: Array) -> Array:
+    """Int_s^inf erf(t)^2 exp(-t^2) dt / t, by Gauss-Legendre on [s, s + 7] in panels."""
+    points, weights = np.polynomial.legendre.leggauss(10)
+    total = np.zeros_like(s)
+    for low in np.arange(0.0, 7.0, 1.0):
+        t = s[..., None] + low + (1 + points) / 2
+        with np.errstate(under="ignore"):
+            total = total + (erf(t) ** 2 * np.exp(-t * t) / t) @ weights / 2
+    return np.asarray(total)
+
+
+def macroasperity_magnification(
+    spectrum: Spectrum, *, pressure: float, contact_modulus: float, q_reference: float
+) -> float:
+    """Magnification zeta_m at which the logarithm of the contact area bends most, d^2 ln A / d(ln zeta)^2.
+
+    The contact regions seen at zeta_m are the macroasperities (Persson 2006, Sec. 3.6); the paper expects 1
+    to 5.
+
+    Parameters
+    ----------
+    spectrum : Spectrum
+        C(q) with a smooth roll-off.
+    pressure, contact_modulus : float
+        sigma_0 and E* [Pa].
+    q_reference : float
+        Wavevector at zeta = 1 [1/m], the roll-off q_0 in the paper.
+
+    Raises
+    ------
+    OutsideTheory
+        For a spectrum that begins or bends with a kink, which would itself be the point of largest
+        curvature, or where the curvature has no maximum inside the spectrum.
+    """
+    q0 = positive("q_reference", q_reference, unit="1/m")
+    if getattr(spectrum, "rolloff", "smooth") != "smooth":
+        raise OutsideTheory("the spectrum has a kink at q_long: ln A bends most there; use rolloff='smooth'")
+    low = max(spectrum.q_min, spectrum.q_long * 1e-2)
+    x = np.linspace(math.log(low / q0), math.log(spectrum.q_short / q0), 4001)[1:-1]
+    area = area_against_magnification(
+        spectrum, pressure=pressure, contact_modulus=contact_modulus, magnification=np.exp(x), q_reference=q0
+    )
+    bend = np.diff(np.log(area), 2) / (x[1] - x[0]) ** 2
+    top = int(np.argmax(bend))
+    if top in (0, bend.size - 1):
+        raise OutsideTheory("ln A bends most at an end of the spectrum: there is no macroasperity scale")
+    y0, y1, y2 = bend[top - 1 : top + 2]
+    shift = 0.5 * (y0 - y2) / (y0 - 2 * y1 + y2)
+    return float(math.exp(x[top + 1] + shift * (x[1] - x[0])))

@@ -1,0 +1,167 @@
+"""Power spectra given by numbers: measured ones, and those smoothed by plastic flow."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Literal, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from persson._checks import Array, non_negative, positive
+from persson.errors import InvalidInput
+from persson.spectrum import EDGE, Spectrum, SpectrumMoments
+
+__all__ = ["Tabulated", "smoothed"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Tabulated(SpectrumMoments):
+    """A spectrum through given points, a power law between neighbours; its moments are exact for that.
+
+    Parameters
+    ----------
+    wavevectors : (n,) array
+        q [1/m], positive and increasing, n >= 2.
+    power : (n,) array
+        C(q) [m^4], positive, in the convention <h^2> = 2 pi int q C dq.
+
+    Raises
+    ------
+    InvalidInput
+        For points that are missing, negative or out of order.
+
+    Examples
+    --------
+    >>> flat = Tabulated(wavevectors=[1.0, 2.0], power=[1.0, 1.0])
+    >>> bool(abs(flat.m0() - 3 * np.pi) < 1e-12)
+    True
+    """
+
+    wavevectors: Array
+    power: Array
+
+    def __post_init__(self) -> None:
+        q, c = (np.array(x, dtype=float) for x in (self.wavevectors, self.power))
+        if q.ndim != 1 or q.size < 2 or q.shape != c.shape:
+            raise InvalidInput(
+                f"wavevectors {q.shape} and power {c.shape}: must be equal, one-dimensional, n >= 2"
+            )
+        if not (np.all(np.isfinite(q)) and q[0] > 0 and np.all(np.diff(q) > 0)):
+            raise InvalidInput("wavevectors: must be finite, positive and increasing")
+        if not (np.all(np.isfinite(c)) and np.all(c > 0)):
+            raise InvalidInput("power: must be finite and positive; leave out points without roughness")
+        for name, value in (("wavevectors", q), ("power", c)):
+            value.setflags(write=False)
+            object.__setattr__(self, name, value)
+
+    @classmethod
+    def from_areal_psd(cls, wavevectors: ArrayLike, power: ArrayLike) -> Self:
+        """Read the areal PSD of other communities, (2 pi)^2 C(q) [m^4]."""
+        c = np.asarray(power, dtype=float) / (4 * math.pi**2)
+        return cls(wavevectors=np.asarray(wavevectors, dtype=float), power=c)
+
+    def areal_psd(self) -> Array:
+        """(2 pi)^2 C(q) [m^4] at the points."""
+        return 4 * math.pi**2 * self.power
+
+    @property
+    def q_min(self) -> float:
+        """First wavevector [1/m]."""
+        return float(self.wavevectors[0])
+
+    @property
+    def q_long(self) -> float:
+        """First wavevector [1/m]: a table names no roll-off."""
+        return float(self.wavevectors[0])
+
+    @property
+    def q_short(self) -> float:
+        """Last wavevector [1/m]."""
+        return float(self.wavevectors[-1])
+
+    @property
+    def _exponents(self) -> Array:
+        return np.asarray(np.diff(np.log(self.power)) / np.diff(np.log(self.wavevectors)))
+
+    def __call__(self, q: ArrayLike) -> Array:
+        """C(q) [m^4]; 0 outside the table."""
+        wave = np.asarray(q, dtype=float)
+        inside = (wave >= self.q_min * (1 - EDGE)) & (wave <= self.q_short * (1 + EDGE))
+        safe = np.clip(wave, self.q_min, self.q_short)
+        index = np.clip(np.searchsorted(self.wavevectors, safe, side="right") - 1, 0, self.power.size - 2)
+        value = self.power[index] * (safe / self.wavevectors[index]) ** self._exponents[index]
+        return np.where(inside, value, 0.0)
+
+    def truncated(self, q_max: float) -> Self:
+        """Return the same surface without its waves beyond q_max [1/m]."""
+        if not q_max > self.q_min:
+            raise InvalidInput(f"q_max = {q_max!r}: must exceed q_min = {self.q_min!r}")
+        if q_max >= self.q_short:
+            return self
+        keep = self.wavevectors < q_max
+        q = np.append(self.wavevectors[keep], q_max)
+        return replace(self, wavevectors=q, power=np.append(self.power[keep], self(q_max)))
+
+    def scaled(self, factor: float) -> Self:
+        """Return the spectrum times `factor`."""
+        return replace(self, power=self.power * positive("factor", factor))
+
+    def _moment(self, order: int, q_upper: ArrayLike | None) -> Array:
+        upper = non_negative("q_upper", self.q_short if q_upper is None else q_upper, unit="1/m")
+        q, c, n = self.wavevectors, self.power, self._exponents + 2 * order + 2
+        weight = c[:-1].copy()
+        for _ in range(order + 1):
+            weight = weight * q[:-1] * q[:-1]
+        whole = np.concatenate([[0.0], np.cumsum(weight * _panel(n, np.log1p(np.diff(q) / q[:-1])))])
+        safe = np.clip(upper, q[0], q[-1])
+        index = np.clip(np.searchsorted(q, safe, side="right") - 1, 0, q.size - 2)
+        rest = weight[index] * _panel(n[index], np.log1p((safe - q[index]) / q[index]))
+        return np.asarray(2 * math.pi * (whole[index] + rest))[()]
+
+
+def _panel(exponent: Array, x: Array) -> Array:
+    """(exp(a x) - 1) / a, which is x at a = 0."""
+    safe = np.where(exponent != 0, exponent, 1.0)
+    return np.where(exponent != 0, np.expm1(safe * x) / safe, x)
+
+
+def smoothed(
+    spectrum: Spectrum,
+    *,
+    wavevectors: ArrayLike,
+    yielded: ArrayLike,
+    form: Literal["gradual", "sharp"] = "gradual",
+) -> Tabulated:
+    """Spectrum of a surface after plastic flow has flattened its short waves.
+
+    Parameters
+    ----------
+    spectrum : Spectrum
+        C(q) before squeezing.
+    wavevectors : (n,) array
+        q [1/m], increasing, dense enough to be joined by power laws.
+    yielded : (n,) array
+        A_pl(q) over its final value sigma_0 A_0 / sigma_Y, in [0, 1].
+    form : {"gradual", "sharp"}
+        C(q) (1 - yielded), or C(q) up to where half has yielded.
+
+    Notes
+    -----
+    Persson 2006, Sec. 10.2.
+    """
+    q = np.atleast_1d(non_negative("wavevectors", wavevectors, unit="1/m"))
+    share = np.atleast_1d(non_negative("yielded", yielded))
+    if q.shape != share.shape or np.any(share > 1 + 1e-6):
+        raise InvalidInput("yielded: must hold one share between 0 and 1 for each wavevector")
+    keep = np.minimum(1 - share, 1.0)
+    power = spectrum(q)
+    if form == "gradual":
+        power = power * np.where(keep > 1e-12, keep, 0.0)
+    elif form == "sharp":
+        power = np.where(share <= 0.5, power, 0.0)
+    else:
+        raise InvalidInput(f"form = {form!r}: must be 'gradual' or 'sharp'")
+    rough = power > 0
+    return Tabulated(wavevectors=q[rough], power=power[rough])

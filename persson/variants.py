@@ -1,0 +1,150 @@
+"""Contact area with a corrected elastic energy: variants of the theory, beside the original.
+
+Under partial contact less energy is stored than full contact of the same area would store. The variants let
+the stress variance grow by dV = S(P) dV_full, with P the relative contact area: S = 1 is the theory of 2001.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.interpolate import PchipInterpolator
+from scipy.special import erf
+
+from persson._checks import Array, non_negative
+from persson.elastic import KAPPA_PERSSON, contact_area
+from persson.errors import InvalidInput
+
+__all__ = ["Variant", "corrected_contact_area", "energy_factor", "light_load_kappa"]
+
+Variant = Literal["persson", "yang_persson", "wang_mueser", "xu"]
+
+#: Share of the full energy that is stored at vanishing contact, gamma of Yang and Persson (2008).
+ENERGY_RATIO = 0.45
+
+_NODES = np.geomspace(1e-3, 1e26, 1400)
+
+
+def energy_factor(area: ArrayLike, *, variant: Variant, energy_ratio: float = ENERGY_RATIO) -> Array:
+    """S(P) = dV / dV_full at relative contact area P.
+
+    Parameters
+    ----------
+    area : float or array
+        P = A/A0 in [0, 1].
+    variant : {"persson", "yang_persson", "wang_mueser"}
+        1; g + (1 - g) P^2 (Yang and Persson, J. Phys. Condens. Matter 20, 215214, 2008); 5/9 - 2/9 P^2 + 6/9
+        P^4 (Wang and Mueser, Lubricants 5, 35, 2017).
+    energy_ratio : float
+        g of Yang and Persson.
+    """
+    p2 = np.square(non_negative("area", area))
+    if variant == "persson":
+        return np.ones_like(p2)
+    if variant == "yang_persson":
+        return np.asarray(energy_ratio + (1 - energy_ratio) * p2)
+    if variant == "wang_mueser":
+        return np.asarray((5 - 2 * p2 + 6 * p2 * p2) / 9)
+    raise InvalidInput(f"variant = {variant!r}: must be 'persson', 'yang_persson' or 'wang_mueser'")
+
+
+def light_load_kappa(variant: Variant, *, energy_ratio: float = ENERGY_RATIO) -> float:
+    """Limit of (A/A0)/p* at vanishing load: sqrt(8/pi) / sqrt(S(0)).
+
+    Examples
+    --------
+    >>> round(light_load_kappa("wang_mueser"), 3), round(light_load_kappa("yang_persson"), 3)
+    (2.141, 2.379)
+    """
+    zero = (
+        energy_ratio
+        if variant == "xu"
+        else float(energy_factor(0.0, variant=variant, energy_ratio=energy_ratio))
+    )
+    return KAPPA_PERSSON / math.sqrt(zero)
+
+
+def corrected_contact_area(
+    pressure: ArrayLike,
+    *,
+    stress_variance: ArrayLike,
+    variant: Variant,
+    energy_ratio: float = ENERGY_RATIO,
+) -> Array:
+    r"""Relative contact area of an elastic solid in a variant of the theory.
+
+    .. math:: \frac{dV}{dV_\mathrm{full}} = S(P), \qquad P = \operatorname{erf}\frac{\sigma_0}{\sqrt{2V}}
+
+    Parameters
+    ----------
+    pressure : float or array
+        sigma_0 [Pa].
+    stress_variance : float or array
+        V_full [Pa^2], the variance at full contact.
+    variant : {"persson", "yang_persson", "wang_mueser", "xu"}
+        As for `energy_factor`; "xu" is V = [g + (1 - g) P] V_full (Xu, Xu and Chen, 2024), which needs no
+        integration.
+    energy_ratio : float
+        g of Yang and Persson, and of Xu.
+
+    Notes
+    -----
+    In y = V/sigma_0^2 the equation is autonomous: V_full/sigma_0^2 = int dy / S, which is inverted.
+
+    Examples
+    --------
+    >>> p = corrected_contact_area(0.02, stress_variance=0.25, variant="wang_mueser")
+    >>> round(float(p) / 0.02, 2)
+    2.14
+    """
+    load = non_negative("pressure", pressure, unit="Pa")
+    full = non_negative("stress_variance", stress_variance, unit="Pa^2")
+    if not 0 < energy_ratio <= 1:
+        raise InvalidInput(f"energy_ratio = {energy_ratio!r}: must lie in (0, 1]")
+    if variant == "persson":
+        return contact_area(load, stress_variance=full)
+    load, full = np.broadcast_arrays(load, full)
+    loaded = (load > 0) & (full > 0)
+    root = np.sqrt(full)
+    x = np.where(loaded, np.where(loaded, root, 1.0) / np.where(loaded, load, 1.0), 1.0)
+    y = _xu(x * x, energy_ratio) if variant == "xu" else _grown(x * x, variant, energy_ratio)
+    area = np.asarray(erf(1 / np.sqrt(2 * y)))
+    return np.where(loaded, area, np.where(load > 0, 1.0, 0.0))[()]
+
+
+def _grown(x: Array, variant: Variant, ratio: float) -> Array:
+    """Invert x = int_0^y dy' / S(erf(1/sqrt(2 y'))); below y = 1e-3 S is 1."""
+    points, weights = np.polynomial.legendre.leggauss(8)
+
+    def rate(y: Array) -> Array:
+        return np.asarray(1 / energy_factor(erf(1 / np.sqrt(2 * y)), variant=variant, energy_ratio=ratio))
+
+    low, high = _NODES[:-1, None], _NODES[1:, None]
+    inner = low + (high - low) * (1 + points) / 2
+    table = np.concatenate([_NODES[:1], _NODES[0] + np.cumsum((rate(inner) @ weights) * np.diff(_NODES) / 2)])
+    inside = np.clip(x, table[0], table[-1])
+    y = np.exp(PchipInterpolator(np.log(table), np.log(_NODES))(np.log(inside)))
+    index = np.clip(np.searchsorted(_NODES, y, side="right") - 1, 0, _NODES.size - 2)
+    for _ in range(2):
+        start = _NODES[index]
+        part = start[..., None] + (y - start)[..., None] * (1 + points) / 2
+        value = table[index] + (rate(part) @ weights) * (y - start) / 2
+        y = y + (inside - value) / rate(y)
+    return np.where(x < table[0], x, np.where(x > table[-1], x * (y / inside), y))
+
+
+def _xu(x: Array, ratio: float) -> Array:
+    """Solve y = [g + (1 - g) erf(1/sqrt(2y))] x.
+
+    The right side falls with y, so bisection in ln y is safe.
+    """
+    low, high = np.log(ratio * x), np.log(x)
+    for _ in range(60):
+        middle = (low + high) / 2
+        y = np.exp(middle)
+        above = y > (ratio + (1 - ratio) * erf(1 / np.sqrt(2 * y))) * x
+        low, high = np.where(above, low, middle), np.where(above, middle, high)
+    return np.asarray(np.exp((low + high) / 2))

@@ -1,0 +1,98 @@
+"""Calibrate the edge constant and the edge map of the boundary-element discretisation.
+
+Contacts whose edge is known, with many cells across: paraboloids (all directions) and waves in oblique
+directions (straight edges), at random places on the grid. Prints the constants that `fem_contact.area` holds.
+
+Run as ``python tests/benchmarks/bem_edge_calibration.py``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.area import contact_areas, contact_edges
+from fem_contact.bem import solve
+from fem_contact.contact import ContactResult
+from fem_contact.response import HalfSpace
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+
+SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
+
+#: Sum of 1/R^3 over the square lattice: what the periodic images add to the curvature of a paraboloid.
+LATTICE_CUBE = 9.03362168
+Array = NDArray[np.float64]
+
+
+def paraboloid(n: int, radius: float, shift: tuple[float, float]) -> tuple[ContactResult, Array, float]:
+    """A Hertzian contact of given radius [period]; the true place of each edge pair, and the true area."""
+    load = 4 * radius**3 / 3
+    curvature = 1 - load * LATTICE_CUBE / (2 * np.pi)
+    x, y = ((np.arange(n) + part) / n - 0.5 for part in shift)
+    heights = -(x[:, None] ** 2 + y[None, :] ** 2) * curvature / 2
+    result = solve(HeightField(heights=heights, lengths=(1.0, 1.0)), SOFT, mean_pressure=load, tolerance=1e-9)
+    edges = contact_edges(result.checked())
+    i, j = np.unravel_index(edges.inside, (n, n))
+    along = np.where(edges.axis == 0, x[i], y[j]) * edges.sign
+    across = np.where(edges.axis == 0, y[j], x[i])
+    chord = np.sqrt(np.maximum(radius**2 - across**2, 0))
+    place = np.where(np.abs(across) < 0.995 * radius, (chord - along) * n, np.nan)
+    return result, place, float(np.pi * radius**2)
+
+
+def wave(n: int, numbers: tuple[int, int], share: float, phase: float) -> tuple[ContactResult, Array, float]:
+    """Contact with a sinusoidal profile in an oblique direction (Westergaard), of given contact share."""
+    x = np.arange(n) / n
+    turns = numbers[0] * x[:, None] + numbers[1] * x[None, :] + phase
+    wavelength = 1 / np.hypot(*numbers)
+    load = np.pi / wavelength * np.sin(np.pi * share / 2) ** 2
+    surface = HeightField(heights=np.cos(2 * np.pi * turns), lengths=(1.0, 1.0))
+    result = solve(surface, SOFT, mean_pressure=load, tolerance=1e-9)
+    edges = contact_edges(result.checked())
+    distance = np.abs((turns.ravel()[edges.inside] + 0.5) % 1 - 0.5)
+    pace = np.abs(np.asarray(numbers))[edges.axis] / n
+    with np.errstate(divide="ignore"):
+        place = np.where(pace > 0, (share / 2 - distance) / pace, np.nan)
+    return result, np.where(edges.cosine > 0.1, place, np.nan), share
+
+
+def main() -> None:
+    """Print constants and the errors they leave."""
+    generator = np.random.default_rng(2024)
+    features, places, weights = [], [], []
+    constants: dict[str, list[tuple[float, float]]] = {"paraboloid": [], "wave": []}
+    jobs = [("paraboloid", k) for k in range(100)] + [("wave", k) for k in range(40)]
+    for kind, k in jobs:
+        if kind == "paraboloid":
+            radius = 0.035 + 0.04 * generator.random()
+            case = paraboloid(512, radius, tuple(generator.random(2)))
+        else:
+            numbers = [(2, 1), (3, 1), (3, 2), (4, 1), (1, 3), (2, 3), (1, 4), (4, 3)][k % 8]
+            case = wave(251, numbers, 0.2 + 0.3 * generator.random(), generator.random())
+        result, place, area = case
+        areas, edges = contact_areas(result), contact_edges(result)
+        constants[kind].append((areas.pixel - area, areas.edge_fraction))
+        if kind == "wave":
+            continue
+        known = np.isfinite(place)
+        features.append(edges.features()[known])
+        places.append(place[known])
+        # Equal weight to every problem, and within it to every piece of edge.
+        weight = edges.cosine[known] ** 2
+        weights.append(weight / weight.sum())
+    for kind, values in constants.items():
+        excess, fraction = np.sum(values, axis=0)
+        ratios = [e / f for e, f in values]
+        error = np.std(ratios) / np.sqrt(len(ratios))
+        print(f"{kind}: edge constant {excess / fraction:.4f} +- {error:.4f}")
+    design, target, weight = (np.concatenate(column) for column in (features, places, weights))
+    root = np.sqrt(weight)
+    coefficients, *_ = np.linalg.lstsq(design * root[:, None], target * root)
+    rest = target - design @ coefficients
+    print("edge map:", ", ".join(f"{value:.5f}" for value in coefficients))
+    print(f"scatter about it: {np.sqrt(np.average(rest**2, weights=weight)):.4f} cells")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,201 @@
+import numpy as np
+import pytest
+import scipy.sparse.linalg as sla
+
+from fem_contact.block import ELEMENTS, BlockMesh, BlockResponse, Element, plan_mesh
+from fem_contact.block.assembly import assemble
+from fem_contact.block.column import eliminate, fold, surface_compliance, surface_response
+from fem_contact.block.elements import element_for
+from fem_contact.block.fields import FourierSource
+from fem_contact.block.kernels import pack, sweep
+from fem_contact.block.reduced import surface_operator
+from fem_contact.errors import InvalidInput
+from fem_contact.solid import Solid
+
+UNIT = Solid(young=1.0, poisson=0.3)
+
+#: Shares of a uniform pressure carried by the kinds of nodes: corner, two kinds of edges, centre.
+SHARES = {1: np.ones(1), 2: np.array([1, 2, 2, 4]) / 9}
+
+
+def bonded_layer(q: float, *, depth: float, poisson: float) -> float:
+    """Compliance of a layer on a rigid base without tangential traction, times Young's modulus."""
+    k, a = 3 - 4 * poisson, q * depth
+    if a > 300:
+        return 2 * (1 - poisson**2) / q
+    shape = (k * np.sinh(2 * a) - 2 * a) / (k * np.cosh(2 * a) + 2 * a**2 + (k**2 + 1) / 2)
+    return float(2 * (1 - poisson**2) / q * shape)
+
+
+def mesh_of(element: Element, *, growth: float = 1.5) -> BlockMesh:
+    return plan_mesh((5 * element.order, 8), (1.0, 1.2), element=element, growth=growth)
+
+
+def wave_error(
+    element: Element, poisson: float, *, nodes: int, growth: float, diagonal: bool = False
+) -> float:
+    """Relative error of the compliance of a wave of some nodes per wavelength on a deep block.
+
+    Quadratic elements respond as a pressure wave of equal value at all kinds of nodes sees it: forces by node
+    area, displacement averaged with the same areas.
+    """
+    mesh = plan_mesh((256, 256), (1.0, 1.0), element=element, growth=growth)
+    phase = 2 * np.pi * element.order / nodes
+    phases = np.array([[phase, phase]]) / np.sqrt(2) if diagonal else np.array([[phase, 0.0]])
+    matrix = surface_compliance(fold(mesh, poisson=poisson), phases)[0]
+    share = SHARES[element.order]
+    found = share @ matrix @ share
+    return float(found / bonded_layer(phase, depth=-mesh.planes[0], poisson=poisson) - 1)
+
+
+@pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
+def test_surface_and_field_equal_the_inverse_of_the_assembled_matrix(element: Element) -> None:
+    mesh = mesh_of(element)
+    matrix = assemble(mesh, poisson=0.3).free()
+    force = np.random.default_rng(4).standard_normal(mesh.shape)
+    planes = mesh.planes.size
+    right = np.zeros((*mesh.shape, planes - 1, 3))
+    right[:, :, -1, 2] = -force
+    exact = sla.spsolve(matrix.tocsc(), right.ravel()).reshape(right.shape)
+    response = BlockResponse(mesh=mesh, solid=UNIT, width=1.0)
+    surface = np.empty(mesh.shape)
+    surface_operator(response).apply(force * element.types / mesh.aspect, surface)
+    np.testing.assert_allclose(surface, -exact[:, :, -1, 2], atol=1e-12 * np.abs(exact).max())
+    field = np.zeros((*mesh.shape, planes, 3))
+    for layer in FourierSource(response=response, force=force, width=1.0).descend():
+        first = element.order * layer.index
+        field[:, :, first : first + element.order + 1] = np.moveaxis(layer.nodes, 0, 2)
+    np.testing.assert_allclose(field[:, :, 1:], exact, atol=1e-12 * np.abs(exact).max())
+    assert not field[:, :, 0].any()
+
+
+@pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
+def test_inverse_returns_the_force_up_to_a_uniform_pressure(element: Element) -> None:
+    mesh = mesh_of(element)
+    operator = surface_operator(BlockResponse(mesh=mesh, solid=UNIT, width=1.0))
+    force = np.random.default_rng(9).standard_normal(mesh.shape)
+    moved, back = np.empty(mesh.shape), np.empty(mesh.shape)
+    operator.apply(force, moved)
+    operator.precondition(moved, back)
+    assert abs(back.mean()) < 1e-12
+    difference = force - back
+    again = np.empty(mesh.shape)
+    operator.apply(difference, again)
+    assert np.ptp(again) < 1e-11 * np.abs(again).max()
+
+
+@pytest.mark.parametrize("element", ELEMENTS.values(), ids=ELEMENTS)
+@pytest.mark.parametrize("poisson", [-0.3, 0.3, 0.49])
+def test_uniform_pressure_compresses_by_the_closed_form(element: Element, poisson: float) -> None:
+    mesh = mesh_of(element)
+    share = SHARES[element.order]
+    moved = surface_compliance(fold(mesh, poisson=poisson), np.zeros((1, 2)))[0] @ share * mesh.aspect
+    exact = -mesh.planes[0] * (1 + poisson) * (1 - 2 * poisson) / (1 - poisson)
+    np.testing.assert_allclose(moved, exact, rtol=2e-12)
+
+
+def test_incompressible_block_does_not_yield_to_uniform_pressure() -> None:
+    element = element_for(None, poisson=0.5)
+    mesh = mesh_of(element)
+    matrix = surface_compliance(fold(mesh, poisson=0.5), np.zeros((1, 2)))[0]
+    assert np.abs(matrix @ SHARES[2]).max() < 1e-13 * np.abs(matrix).max()
+    assert np.linalg.eigvalsh(matrix)[1:].min() > 1e-3 * np.abs(matrix).max()
+
+
+def test_compiled_sweep_equals_its_numpy_twin() -> None:
+    mesh = plan_mesh((24, 30), (1.0, 1.1))
+    folded = fold(mesh, poisson=0.3, modulus=np.random.default_rng(6).uniform(0.1, 10, mesh.nz))
+    phases = np.random.default_rng(3).uniform(-np.pi, np.pi, (300, 2))
+    phases[0], phases[1] = 0, np.pi
+    packed, parity = pack(folded.coefficients)
+    response, states = np.empty((300, 3)), np.empty((mesh.nz - 1, 300, 6))
+    sweep(packed, parity, phases, states, response)
+    twin = eliminate(folded, phases, keep=True)
+    np.testing.assert_allclose(
+        response, surface_response(folded, twin)[:, :, 0], atol=1e-12 * np.abs(response).max()
+    )
+    upper = np.triu_indices(3)
+    for layer in range(mesh.nz - 1):
+        expected = twin.below[layer][:, upper[0], upper[1]]
+        np.testing.assert_allclose(states[layer], expected, atol=1e-13 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize(
+    ("name", "poisson", "nodes", "growth", "axis", "diagonal"),
+    [
+        ("Hex1", 0.3, 12, 1.2, 3e-3, 1.5e-2),
+        ("Hex1/P0", 0.3, 12, 1.2, 3e-2, 3e-2),
+        ("Hex1/P0", 0.4999, 12, 1.2, 3e-2, 3e-2),
+        ("Hex2", 0.3, 16, 1.5, 2e-3, 2e-3),
+        ("Hex2", 0.3, 32, 1.1, 2e-4, 2e-4),
+        ("Hex2/P1disc", 0.3, 16, 1.5, 2e-3, 2e-3),
+        ("Hex2/P1disc", 0.4999, 16, 1.5, 2e-3, 2e-3),
+        ("Hex2/P1disc", 0.5, 16, 1.5, 2e-3, 2e-3),
+        ("Hex2/P1disc", 0.5, 32, 1.1, 2e-4, 2e-4),
+    ],
+)
+def test_waves_meet_the_bonded_layer(
+    name: str, poisson: float, nodes: int, growth: float, axis: float, diagonal: float
+) -> None:
+    element = ELEMENTS[name]
+    assert abs(wave_error(element, poisson, nodes=nodes, growth=growth)) < axis
+    assert abs(wave_error(element, poisson, nodes=nodes, growth=growth, diagonal=True)) < diagonal
+
+
+def refined_error(element: Element, poisson: float, nodes: int) -> float:
+    """Error of one diagonal wave on a block whose growth - 1 shrinks with the cell."""
+    shape, lengths = (nodes, 2 * element.order), (float(nodes), 2.0 * element.order)
+    growth = 1 + 1.6 * element.order / nodes
+    mesh = plan_mesh(shape, lengths, depth=float(nodes), element=element, growth=growth)
+    phase = 2 * np.pi * element.order / nodes
+    matrix = surface_compliance(fold(mesh, poisson=poisson), np.array([[phase, phase]]) / np.sqrt(2))[0]
+    share = SHARES[element.order]
+    return float(share @ matrix @ share) / bonded_layer(phase, depth=-mesh.planes[0], poisson=poisson) - 1
+
+
+@pytest.mark.parametrize(
+    ("name", "poisson", "order"), [("Hex1", 0.3, 2), ("Hex1/P0", 0.49, 2), ("Hex2", 0.3, 4)]
+)
+def test_the_limit_over_grids_is_the_elastic_limit(name: str, poisson: float, order: int) -> None:
+    errors = [abs(refined_error(ELEMENTS[name], poisson, nodes)) for nodes in (32, 64, 128)]
+    observed = np.log2(np.array(errors[:-1]) / np.array(errors[1:]))
+    assert np.all(np.abs(observed - order) < 0.4), errors
+
+
+def test_incompressible_limit_over_grids_is_at_least_of_third_order() -> None:
+    # The error of this element changes its sign on the way, so that no order can be read off a pair of grids.
+    for nodes in (16, 32, 64, 128):
+        assert abs(refined_error(ELEMENTS["Hex2/P1disc"], 0.5, nodes)) < 1e-3 * (16 / nodes) ** 3
+
+
+def test_trilinear_elements_lock_where_the_projected_ones_do_not() -> None:
+    locked = wave_error(ELEMENTS["Hex1"], 0.49, nodes=16, growth=1.2)
+    free = wave_error(ELEMENTS["Hex1/P0"], 0.49, nodes=16, growth=1.2)
+    assert locked < -0.1
+    assert abs(free) < 0.015
+
+
+def test_response_protocol_agrees_with_the_operator_at_every_wavevector() -> None:
+    mesh = plan_mesh((10, 7), (2e-6, 1.4e-6))
+    response = BlockResponse(mesh=mesh, solid=Solid(young=2e9, poisson=0.3), width=2e-7)
+    qx = 2 * np.pi * np.fft.fftfreq(10, 2e-7)
+    qy = 2 * np.pi * np.fft.rfftfreq(7, 2e-7)
+    table = response.compliance(qx[:, None], qy[None, :])
+    np.testing.assert_allclose(table, surface_operator(response).compliance, rtol=1e-13)
+    assert response.compliance(qx[:, None], qy[None, :]).shape == (10, 4)
+
+
+def test_stiff_layer_on_a_soft_one_lies_between_both() -> None:
+    mesh = plan_mesh((16, 16), (1.0, 1.0))
+    stiff = np.where(np.arange(mesh.nz) > mesh.nz // 2, 1e4, 1.0)
+    phases = np.random.default_rng(2).uniform(0.1, np.pi, (40, 2))
+    graded = surface_compliance(fold(mesh, poisson=0.3, modulus=stiff), phases)[:, 0, 0]
+    soft = surface_compliance(fold(mesh, poisson=0.3), phases)[:, 0, 0]
+    assert np.all(graded < soft)
+    assert np.all(graded > 1e-4 * soft)
+
+
+@pytest.mark.parametrize(("name", "poisson"), [("Hex1", 0.5), ("Hex2", 0.5), ("Hex1/P0", 0.5), ("Hex7", 0.3)])
+def test_element_that_cannot_represent_the_solid_is_refused(name: str, poisson: float) -> None:
+    with pytest.raises(InvalidInput, match="element"):
+        element_for(name, poisson=poisson)

@@ -1,0 +1,249 @@
+import numpy as np
+import pytest
+
+from fem_contact.block import BlockSolution, solve, solve_displacement, solve_path
+from fem_contact.errors import InvalidInput
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField, random_surface
+
+SOLID = Solid(young=3e9, poisson=0.3)
+
+
+def rough(
+    shape: tuple[int, int], lengths: tuple[float, float] = (1e-5, 1e-5), *, seed: int = 7
+) -> HeightField:
+    unit = 2 * np.pi / max(lengths)
+    surface = random_surface(
+        lambda q: 1e-30 * (q / unit) ** -3.6, q_short=4 * unit, lengths=lengths, shape=shape, seed=seed
+    )
+    return HeightField(heights=surface.heights * (0.1 / surface.rms_gradient), lengths=lengths)
+
+
+def press(
+    surface: HeightField, solid: Solid = SOLID, reduced: float = 0.05, **changes: object
+) -> BlockSolution:
+    pressure = reduced * solid.contact_modulus * surface.rms_gradient
+    return solve(surface, solid, mean_pressure=pressure, **({"tolerance": 1e-12} | changes))
+
+
+@pytest.mark.parametrize(
+    ("element", "shape", "poisson"),
+    [
+        ("Hex1", (32, 32), 0.3),
+        ("Hex1", (15, 21), 0.3),
+        ("Hex2", (16, 16), 0.3),
+        ("Hex1/P0", (12, 16), 0.4999),
+        ("Hex2/P1disc", (12, 12), 0.4999),
+    ],
+)
+def test_reduced_and_full_systems_have_one_solution(
+    element: str, shape: tuple[int, int], poisson: float
+) -> None:
+    surface = rough(shape, (1e-5, 1e-5 * shape[1] / shape[0]))
+    solid = Solid(young=3e9, poisson=poisson)
+    full = press(surface, solid, method="full", element=element, tolerance=1e-11)
+    reduced = press(surface, solid, element=element)
+    a, b = full.contact.checked(), reduced.contact.checked()
+    np.testing.assert_array_equal(a.in_contact, b.in_contact)
+    assert np.linalg.norm(a.pressure - b.pressure) < 1e-9 * np.linalg.norm(a.pressure)
+    assert abs(a.offset - b.offset) < 1e-9 * np.ptp(surface.heights)
+    assert np.abs(full.field - reduced.field).max() < 1e-9 * np.abs(full.field).max()
+    stress = full.stress().tensor
+    assert np.abs(stress - reduced.stress().tensor).max() < 1e-8 * np.abs(stress).max()
+
+
+def test_depth_dependent_modulus_reduces_to_the_same_solution() -> None:
+    surface = rough((16, 12), (1e-5, 0.75e-5))
+
+    def crust(x, y, z):
+        return np.where(z > -1.2e-6, 40.0, 1.0)
+
+    full = press(surface, method="full", modulus=crust, tolerance=1e-11)
+    reduced = press(surface, modulus=crust)
+    difference = np.linalg.norm(full.contact.pressure - reduced.contact.pressure)
+    assert difference < 1e-9 * np.linalg.norm(full.contact.pressure)
+    assert np.abs(full.field - reduced.field).max() < 1e-9 * np.abs(full.field).max()
+
+
+@pytest.mark.parametrize("element", ["Hex1", "Hex2/P1disc"])
+def test_energy_is_half_of_the_work_stored_as_strain(element: str) -> None:
+    from fem_contact.block.assembly import assemble
+
+    solution = press(rough((12, 12)), element=element)
+    field = solution.field / solution.cell_size[0]
+    stiffness = assemble(solution.mesh, poisson=SOLID.poisson).matrix
+    stored = (
+        0.5 * float(field.ravel() @ (stiffness @ field.ravel())) * SOLID.young * solution.cell_size[0] ** 3
+    )
+    assert solution.energy * 1e-10 == pytest.approx(stored, rel=1e-9)
+
+
+def test_incompressible_block_keeps_its_volume_and_transmits_the_load() -> None:
+    surface = rough((16, 16))
+    solution = press(surface, Solid(young=3e9, poisson=0.5))
+    contact = solution.contact.checked()
+    assert contact.provenance["element"] == "Hex2/P1disc"
+    weights = contact.weights
+    assert weights is not None
+    mean = np.mean(weights * contact.displacement)
+    assert abs(mean) < 1e-12 * np.ptp(contact.displacement)
+    strain = solution.strain()
+    for layer in solution.source.descend():
+        size = (*solution.cell_size, float(solution.layers[layer.index]))
+        dilatation = layer.mean_dilatation(size, solution.mesh.element)
+        assert np.abs(dilatation).max() < 1e-11 * np.abs(strain).max()
+    bottom = solution.stress().tensor[..., 2][:, :, 0]
+    assert bottom.mean() == pytest.approx(-contact.mean_pressure, rel=5e-2)
+
+
+def test_incompressible_limit_is_reached_continuously() -> None:
+    surface = rough((16, 16))
+    limit = press(surface, Solid(young=3e9, poisson=0.5)).contact
+    errors = []
+    for gap in (1e-3, 1e-5):
+        near = press(surface, Solid(young=3e9, poisson=0.5 - gap), element="Hex2/P1disc").contact
+        errors.append(np.linalg.norm(near.pressure - limit.pressure) / np.linalg.norm(limit.pressure))
+    assert errors[0] < 1e-2
+    assert errors[1] < 2e-2 * errors[0]
+
+
+@pytest.mark.parametrize("element", ["Hex1", "Hex2"])
+def test_full_contact_pressure_of_a_wave_follows_from_its_compliance(element: str) -> None:
+    n, wavelength = 32, 1e-5
+    x = np.arange(n) / n
+    amplitude = 1e-8
+    surface = HeightField(
+        heights=amplitude * np.cos(2 * np.pi * x)[:, None] * np.ones(n), lengths=(wavelength,) * 2
+    )
+    peak = SOLID.contact_modulus * np.pi * amplitude / wavelength
+    contact = solve(surface, SOLID, mean_pressure=1.5 * peak, element=element).contact.checked()
+    assert contact.in_contact.all()
+    weights = np.ones((n, n)) if contact.weights is None else contact.weights
+    wave = 2 * np.mean(weights * contact.pressure * np.cos(2 * np.pi * x)[:, None])
+    assert wave == pytest.approx(peak, rel=3e-3)
+
+
+def test_one_loaded_node_is_found() -> None:
+    heights = np.zeros((16, 15))
+    heights[5, 7] = 1e-7
+    surface = HeightField(heights=heights, lengths=(1e-5, 1e-5))
+    contact = solve(surface, SOLID, mean_pressure=1e3).contact.checked()
+    assert np.argwhere(contact.in_contact).tolist() == [[5, 7]]
+    assert contact.pressure[5, 7] == pytest.approx(1e3 * 240, rel=1e-9)
+
+
+def test_units_change_nothing_but_units() -> None:
+    surface = rough((16, 12), (1e-5, 0.75e-5))
+    scaled = HeightField(
+        heights=surface.heights * 2.0**20, lengths=tuple(x * 2.0**20 for x in surface.lengths)
+    )
+    pressure = 0.1 * SOLID.contact_modulus * surface.rms_gradient
+    soft = Solid(young=SOLID.young * 2.0**-30, poisson=SOLID.poisson)
+    first = solve(surface, SOLID, mean_pressure=pressure)
+    second = solve(scaled, soft, mean_pressure=pressure * 2.0**-30)
+    np.testing.assert_array_equal(first.contact.pressure, second.contact.pressure * 2.0**30)
+    np.testing.assert_array_equal(first.field, second.field * 2.0**-20)
+    assert first.contact.residuals == second.contact.residuals
+
+
+@pytest.mark.parametrize("depth", [1e-7, 1e-4])
+def test_very_thin_and_very_deep_blocks_are_solved(depth: float) -> None:
+    solution = press(rough((24, 24)), depth=depth)
+    nu, contact = SOLID.poisson, solution.contact.checked()
+    uniaxial = depth * (1 + nu) * (1 - 2 * nu) / (1 - nu) / SOLID.young
+    assert contact.displacement.mean() == pytest.approx(uniaxial * contact.mean_pressure, rel=1e-9)
+    if depth == 1e-7:
+        # Far thinner than any wave, the block is a bed of springs.
+        local = contact.displacement[contact.in_contact] / contact.pressure[contact.in_contact]
+        assert np.median(local) == pytest.approx(uniaxial, rel=0.05)
+
+
+@pytest.mark.parametrize(("slope", "shape"), [(1e-6, (17, 19)), (10.0, (23, 13))])
+def test_faint_and_steep_roughness_on_prime_grids_is_solved(slope: float, shape: tuple[int, int]) -> None:
+    surface = rough(shape, (1e-5, 1e-5 * shape[1] / shape[0]))
+    scaled = HeightField(heights=surface.heights * (slope / 0.1), lengths=surface.lengths)
+    reference, contact = press(surface).contact.checked(), press(scaled).contact.checked()
+    np.testing.assert_array_equal(contact.in_contact, reference.in_contact)
+    np.testing.assert_allclose(
+        contact.pressure / slope, reference.pressure / 0.1, atol=1e-9 * reference.pressure.max() / 0.1
+    )
+
+
+def test_unloading_returns_along_the_loading_path() -> None:
+    surface = rough((20, 20))
+    up = press(surface, reduced=0.05).contact
+    top = press(surface, reduced=0.3, start=up.in_contact).contact
+    down = press(surface, reduced=0.05, start=top.in_contact).contact
+    np.testing.assert_array_equal(up.in_contact, down.in_contact)
+    np.testing.assert_allclose(up.pressure, down.pressure, atol=1e-9 * up.pressure.max())
+
+
+def test_flat_cells_of_high_aspect_are_solved() -> None:
+    surface = rough((16, 16))
+    contact = press(surface, depth=1e-6, first_layer=1e-5 / 16 / 1000, growth=2.0).contact.checked()
+    assert contact.residuals.worst < 1e-9
+
+
+@pytest.mark.parametrize("bad", [np.nan, 0.0, -1.0, np.inf])
+def test_impossible_modulus_is_refused(bad: float) -> None:
+    with pytest.raises(InvalidInput, match="modulus: 1 of"):
+        press(
+            rough((10, 10)),
+            modulus=lambda x, y, z: np.where((x < 1e-6) & (y < 1e-6) & (z > -1e-6), bad, 1.0),
+        )
+
+
+def test_modulus_of_the_wrong_shape_is_refused() -> None:
+    with pytest.raises(InvalidInput, match="does not fit the cells"):
+        press(rough((10, 10)), modulus=lambda x, y, z: np.ones((3, 5, 2)))
+
+
+@pytest.mark.parametrize("method", ["full", "reduced"])
+@pytest.mark.parametrize("reduced", [0.02, 3.0])
+def test_prescribed_approach_and_prescribed_load_are_one_problem(method: str, reduced: float) -> None:
+    surface = rough((16, 15))
+    loaded = press(surface, reduced=reduced, method="full", tolerance=1e-11).contact
+    placed = solve_displacement(surface, SOLID, offset=loaded.offset, method=method, tolerance=1e-11).contact
+    np.testing.assert_array_equal(placed.checked().in_contact, loaded.checked().in_contact)
+    np.testing.assert_allclose(placed.pressure, loaded.pressure, atol=1e-8 * loaded.pressure.max())
+    assert placed.offset == pytest.approx(loaded.offset, abs=1e-10 * np.ptp(surface.heights))
+
+
+@pytest.mark.parametrize("method", ["full", "reduced"])
+def test_surfaces_held_apart_bear_nothing(method: str) -> None:
+    surface = rough((12, 12))
+    solution = solve_displacement(surface, SOLID, offset=1.01 * float(surface.heights.max()), method=method)
+    contact = solution.contact.checked()
+    assert contact.mean_pressure == 0
+    assert not contact.in_contact.any()
+    assert contact.gap.min() > 0
+    assert not solution.field.any()
+
+
+def test_flat_surface_driven_in_by_an_approach_compresses_uniformly() -> None:
+    surface = HeightField(heights=np.full((6, 8), 2e-7), lengths=(1e-5, 1e-5))
+    nu, approach = SOLID.poisson, 1e-8
+    exact = approach / 1e-5 * SOLID.young * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
+    for method in ("full", "reduced"):
+        contact = solve_displacement(
+            surface, SOLID, offset=2e-7 - approach, method=method, tolerance=1e-11
+        ).contact
+        np.testing.assert_allclose(contact.checked().pressure, exact, rtol=1e-9)
+
+
+@pytest.mark.parametrize("method", ["full", "reduced"])
+def test_a_path_up_and_down_equals_its_single_solves(method: str) -> None:
+    surface = rough((16, 12), (1e-5, 0.75e-5))
+    unit = SOLID.contact_modulus * surface.rms_gradient
+    loads = [unit * p for p in (0.03, 0.2, 0.05)]
+    path = solve_path(surface, SOLID, mean_pressures=loads, method=method, tolerance=1e-11)
+    for load, solution in zip(loads, path, strict=True):
+        alone = solve(surface, SOLID, mean_pressure=load, tolerance=1e-11).contact
+        contact = solution.contact.checked()
+        np.testing.assert_array_equal(contact.in_contact, alone.in_contact)
+        np.testing.assert_allclose(contact.pressure, alone.pressure, atol=1e-8 * alone.pressure.max())
+
+
+def test_a_load_that_cannot_be_is_refused_before_the_path_starts() -> None:
+    with pytest.raises(InvalidInput, match="mean_pressure"):
+        solve_path(rough((10, 10)), SOLID, mean_pressures=[1e5, -1.0])

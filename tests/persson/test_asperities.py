@@ -1,0 +1,162 @@
+"""Asperity theories: Greenwood-Williamson, Nayak, Bush-Gibson-Thomas, Fuller-Tabor."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from persson.asperities import (
+    Asperities,
+    FullerTabor,
+    bush_gibson_thomas,
+    nayak_asperities,
+    ring_asperities,
+)
+from persson.elastic import KAPPA_BGT
+from persson.errors import InvalidInput
+from persson.spectrum import Moments, SelfAffine
+
+BUMPS = Asperities(density=1e9, radius=2e-5, rms_height=3e-7)
+
+
+@pytest.mark.parametrize("height", [-40.0, -12.001, -3.0, 0.0, 2.0, 6.0])
+def test_greenwood_williamson_integrals_equal_quadrature(height):
+    """Persson 2006, Eqs. 10-12."""
+    found = BUMPS.contact(height * 3e-7, contact_modulus=1e9)
+
+    def integral(power):
+        low = max(height, -12.0)
+        return quad(
+            lambda x: (x - height) ** power * math.exp(-x * x / 2) / math.sqrt(2 * math.pi),
+            low,
+            low + 24,
+            points=[low + 0.5, low + 2],
+            epsabs=0,
+            epsrel=1e-11,
+            limit=200,
+        )[0]
+
+    assert found.density == pytest.approx(1e9 * integral(0), rel=1e-9)
+    assert found.area == pytest.approx(math.pi * 1e9 * 2e-5 * 3e-7 * integral(1), rel=1e-9)
+    expected = 4 / 3 * 1e9 * 1e9 * math.sqrt(2e-5) * 3e-7**1.5 * integral(1.5)
+    assert found.pressure == pytest.approx(expected, rel=1e-9)
+    assert found.patch_area == pytest.approx(math.pi * 2e-5 * 3e-7 * integral(2) / integral(1), rel=1e-9)
+
+
+def test_contact_at_a_pressure_carries_it_and_area_is_nearly_linear():
+    found = [BUMPS.contact_at(p, contact_modulus=1e9) for p in (1e2, 1e4)]
+    assert found[0].pressure == pytest.approx(1e2, rel=1e-10)
+    exponent = math.log(found[1].area / found[0].area) / math.log(100)
+    assert 0.9 < exponent < 1
+    assert found[1].patch_area > found[0].patch_area
+    with pytest.raises(InvalidInput, match="pressure"):
+        BUMPS.contact_at(1e-300, contact_modulus=1e9)
+
+
+def test_estimates_for_one_wavelength():
+    """Persson 2006, Sec. 3.2: n0 = 0.029 q_m^2, h* = 0.6 h_rms; exact: 0.0230 q_m^2 and 0.634 h_rms."""
+    rough = ring_asperities(600.0, rms_height=1 / 600.0)
+    assert rough.density / 600**2 == pytest.approx(0.029, abs=5e-4)
+    assert rough.radius == pytest.approx(1 / (math.sqrt(2) * 600), rel=1e-12)
+    exact = nayak_asperities(Moments(m0=1 / 600**2, m2=1.0, m4=600.0**2))
+    assert exact.density / 600**2 == pytest.approx(1 / (8 * math.pi * math.sqrt(3)), rel=1e-12)
+
+
+def test_scatter_of_summit_heights_is_the_published_one():
+    """sigma_s^2 = (1 - 0.8968/alpha) m0: McCool, Wear 107, 37 (1986), after Bush, Gibson and Keogh (1976)."""
+    for alpha in (2.0, 30.0):
+        moments = Moments(m0=1.0, m2=1.0, m4=alpha / 1.5)
+        assert nayak_asperities(moments).rms_height ** 2 == pytest.approx(1 - 0.8968 / alpha, abs=5e-5)
+
+
+def test_summit_statistics_are_those_of_a_random_surface():
+    """A random field sampled 12 times per shortest wave.
+
+    Density of grid maxima against Nayak's, to its scatter.
+    """
+    rng = np.random.default_rng(11)
+    n = 256
+    m = np.fft.fftfreq(n, 1 / n)
+    q = np.hypot(m[:, None], m[None, :])
+    power = np.where((q >= 4) & (q <= 21), np.maximum(q, 1.0) ** -2.0, 0.0)
+    found, expected = 0, 0.0
+    for _ in range(6):
+        noise = np.fft.fft2(rng.normal(size=(n, n)))
+        waves = noise * np.sqrt(power)
+        h = np.fft.ifft2(waves).real
+        weight = np.abs(waves) ** 2 * (2 * math.pi) ** 0
+        k2 = (2 * math.pi * q) ** 2
+        m0, m2, m4 = (float(np.sum(weight * k2**j)) for j in (0, 1, 2))
+        neighbours = [np.roll(h, s, axis=(0, 1)) for s in ((1, 0), (-1, 0), (0, 1), (0, -1))]
+        neighbours += [np.roll(h, s, axis=(0, 1)) for s in ((1, 1), (-1, -1), (1, -1), (-1, 1))]
+        found += int(np.sum(h > np.max(neighbours, axis=0)))
+        expected += nayak_asperities(Moments(m0=m0, m2=m2, m4=m4)).density
+    assert found == pytest.approx(expected, rel=4 / math.sqrt(expected))
+
+
+def test_bush_gibson_thomas_tends_to_its_asymptote():
+    """A/A0 = sqrt(2 pi) p0/(E* h').
+
+    Reached at vanishing load, from below, the later the broader the spectrum.
+    """
+    distance = []
+    for ratio in (10.0, 1000.0):
+        moments = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e4, q_short=1e4 * ratio).moments()
+        found = bush_gibson_thomas(
+            math.sqrt(moments.m0) * np.array([2.0, 6.0, 12.0]), moments=moments, contact_modulus=1e9
+        )
+        kappa = found.area / (found.pressure / (1e9 * 0.1))
+        assert np.all(np.diff(kappa) > 0)
+        assert np.all(kappa < KAPPA_BGT)
+        distance.append(1 - kappa / KAPPA_BGT)
+    assert distance[0][-1] < 0.02
+    assert np.all(distance[1] > distance[0])
+
+
+def test_bush_gibson_thomas_at_finite_load_has_left_the_asymptote():
+    """Carbone and Bottiglione (2008) find linearity for vanishing areas only; here at 3 % and alpha > 10."""
+    moments = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e4, q_short=1e6).moments()
+    assert moments.nayak > 10
+    found = bush_gibson_thomas(
+        np.linspace(0, 3, 40) * math.sqrt(moments.m0), moments=moments, contact_modulus=1e9
+    )
+    kappa = float(np.interp(-0.03, -found.area, found.area / (found.pressure / 1e8)))
+    assert 1.0 < kappa < 0.85 * KAPPA_BGT
+
+
+def test_a_single_wavelength_cannot_be_broad():
+    with pytest.raises(InvalidInput, match="Nayak"):
+        bush_gibson_thomas(0.0, moments=Moments(m0=1.0, m2=1.0, m4=1.0), contact_modulus=1.0)
+    with pytest.raises(InvalidInput, match="flat"):
+        nayak_asperities(Moments(m0=0.0, m2=0.0, m4=0.0))
+
+
+def test_without_adhesion_fuller_tabor_is_greenwood_williamson():
+    stiff = FullerTabor(asperities=BUMPS, contact_modulus=1e12, work_of_adhesion=1e-7)
+    d = 3e-7 * np.array([0.0, 1.0, 2.0])
+    assert stiff.pressure(d) == pytest.approx(BUMPS.contact(d, contact_modulus=1e12).pressure, rel=2e-3)
+
+
+def test_smooth_asperities_pull_off_together():
+    even = Asperities(density=1e9, radius=2e-5, rms_height=1e-11)
+    soft = FullerTabor(asperities=even, contact_modulus=1e7, work_of_adhesion=0.05)
+    assert soft.adhesion_parameter < 1e-3
+    assert soft.pull_off() == pytest.approx(soft.flat_pull_off(), rel=1e-3)
+
+
+def test_adhesion_is_lost_when_roughness_exceeds_the_stretch():
+    """Fuller and Tabor 1975, Fig. 3.
+
+    The relative pull-off force has fallen to a few per cent at h*/delta_c = 2-3.
+    """
+    relative = []
+    for h in (0.1, 1.0, 3.0):
+        stretch = FullerTabor(asperities=BUMPS, contact_modulus=1e7, work_of_adhesion=0.05).stretch
+        rough = Asperities(density=1e9, radius=2e-5, rms_height=h * stretch)
+        contact = FullerTabor(asperities=rough, contact_modulus=1e7, work_of_adhesion=0.05)
+        assert contact.adhesion_parameter == pytest.approx(h, rel=1e-12)
+        relative.append(contact.pull_off() / contact.flat_pull_off())
+    assert relative[0] > 0.85
+    assert relative[0] > relative[1] > relative[2]
+    assert relative[2] < 0.1

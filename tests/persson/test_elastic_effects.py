@@ -1,0 +1,153 @@
+"""Variants of the theory, mean separation, macroasperities and graded solids."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp, trapezoid
+from scipy.special import erf
+
+from persson.adhesion import Interface, solve_adhesion
+from persson.elastic import KAPPA_PERSSON, contact_area
+from persson.errors import InvalidInput, OutsideTheory
+from persson.graded import ExponentialLayers, GradedModulus, SurfaceLayer
+from persson.scale import Scale
+from persson.separation import macroasperity_magnification, mean_separation
+from persson.spectrum import SelfAffine
+from persson.variants import corrected_contact_area, energy_factor, light_load_kappa
+
+STEEL = SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e9, rolloff="smooth", q_min=1e3)
+
+
+@pytest.mark.parametrize("variant", ["yang_persson", "wang_mueser"])
+def test_variants_solve_their_differential_equation(variant):
+    def rate(v, y):
+        return energy_factor(erf(0.4 / np.sqrt(2 * np.maximum(y, 1e-300))), variant=variant)
+
+    full = [0.05, 1.0, 30.0]
+    solved = solve_ivp(rate, (0, 30.0), [0.0], t_eval=full, rtol=1e-11, atol=1e-14).y[0]
+    area = corrected_contact_area(0.4, stress_variance=full, variant=variant)
+    assert area == pytest.approx(erf(0.4 / np.sqrt(2 * solved)), rel=1e-8)
+
+
+def test_xu_solves_its_own_equation():
+    full = np.geomspace(0.01, 1e8, 9)
+    area = corrected_contact_area(0.4, stress_variance=full, variant="xu", energy_ratio=0.5)
+    assert area == pytest.approx(erf(0.4 / np.sqrt(2 * full * (0.5 + 0.5 * area))), rel=1e-12)
+
+
+@pytest.mark.parametrize("variant", ["persson", "yang_persson", "wang_mueser", "xu"])
+def test_variants_reach_their_light_load_limit_and_full_contact(variant):
+    """The correction dies out like the logarithm of the load over the load: 1e-3 at p* = 1e-5."""
+    p = 1e-5
+    area = corrected_contact_area(p, stress_variance=0.25, variant=variant)
+    assert area / p == pytest.approx(light_load_kappa(variant), rel=2e-3)
+    assert corrected_contact_area(3.0, stress_variance=0.25, variant=variant) == pytest.approx(1, abs=1e-8)
+    plain = contact_area([0.01, 0.1, 1.0], stress_variance=0.25)
+    assert np.all(corrected_contact_area([0.01, 0.1, 1.0], stress_variance=0.25, variant=variant) >= plain)
+    assert corrected_contact_area(0.0, stress_variance=0.25, variant=variant) == 0
+    assert corrected_contact_area(1.0, stress_variance=0.0, variant=variant) == 1
+    assert light_load_kappa("persson") == KAPPA_PERSSON
+
+
+def test_mean_separation_falls_with_the_logarithm_of_light_load():
+    """p ~ exp(-u/u0) with u0 = g sqrt(2/pi) int dV / (E* q sqrt(V)); g = 0.45 puts it near 0.4-0.5 h_rms."""
+    rough = SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e8)
+    scale = Scale(rough, contact_modulus=1e11)
+    t = np.linspace(-30, 0, 20001)
+    variance = float(scale.variance(1e8)) * np.exp(t)
+    u0 = 0.45 * math.sqrt(2 / math.pi) * trapezoid(np.sqrt(variance) / (1e11 * scale.wavevector(variance)), t)
+    u = mean_separation(1e11 * np.array([1e-9, 1e-8, 1e-7]), scale=scale, energy_ratio=0.45)
+    assert -np.diff(u) / math.log(10) == pytest.approx([u0, u0], rel=1e-3)
+    assert 0.35 < u0 / rough.moments().rms_height < 0.55
+    assert mean_separation(1e12, scale=scale) < 1e-6 * rough.moments().rms_height
+
+
+@pytest.mark.parametrize("ratio", [1.0, 0.45])
+def test_work_of_the_load_is_the_elastic_energy(ratio):
+    """p du = -dU: both by central differences, whose error is of order (step/p)^2 = 1e-4."""
+    scale = Scale(STEEL, contact_modulus=1e11)
+    t = np.linspace(-30, 0, 40001)
+    variance = float(scale.variance(scale.q_short)) * np.exp(t)
+    length = variance / (1e11 * scale.wavevector(variance))
+
+    def energy(p):
+        share = erf(p / np.sqrt(2 * variance))
+        return trapezoid(length * share * (ratio + (1 - ratio) * share**2), t)
+
+    p, step = 2e9, 2e7
+    du = np.diff(mean_separation([p - step, p + step], scale=scale, energy_ratio=ratio))[0]
+    assert p * du == pytest.approx(-(energy(p + step) - energy(p - step)), rel=1e-3)
+
+
+def test_macroasperities_appear_at_magnification_one_to_five():
+    """Persson 2006, Sec. 3.6, polished steel at 10 MPa."""
+    zeta = macroasperity_magnification(STEEL, pressure=10e6, contact_modulus=1e11 / 0.91, q_reference=1e5)
+    assert 0.2 < zeta < 5
+    sharp = SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e9)
+    with pytest.raises(OutsideTheory, match="kink"):
+        macroasperity_magnification(sharp, pressure=10e6, contact_modulus=1e11, q_reference=1e5)
+
+
+def test_quadrature_over_depth_equals_the_closed_forms():
+    q = np.geomspace(1.0, 1e7, 15)
+    layers = ExponentialLayers(bulk=1e9, excess=(4e9, -2e8), depths=(1e-3, 1e-5), poisson=0.3)
+    assert GradedModulus(young=layers.young, poisson=0.3)(q) == pytest.approx(layers(q), rel=1e-10)
+    coat = SurfaceLayer(layer=7e9, bulk=1e9, thickness=2e-4, poisson=0.4)
+    step = GradedModulus(young=lambda z: np.where(z < 2e-4, 7e9, 1e9), poisson=0.4, breaks=(2e-4,))
+    assert step(q) == pytest.approx(coat(q), rel=1e-12)
+
+
+def test_uniform_grading_is_no_grading():
+    uniform = ExponentialLayers(bulk=1e9 * 0.91, excess=(), depths=(), poisson=0.3)
+    q = np.geomspace(1.1e3, 9e8, 20)
+    assert Scale(STEEL, contact_modulus=uniform).variance(q) == pytest.approx(
+        Scale(STEEL, contact_modulus=1e9).variance(q), rel=1e-12
+    )
+
+
+def test_graded_variance_is_the_integral_with_the_local_modulus():
+    coat = SurfaceLayer(layer=7e9, bulk=1e9, thickness=2e-6, poisson=0.4)
+    scale = Scale(STEEL, contact_modulus=coat)
+    for q in (2e5, 1e7):
+        exact, _ = quad(
+            lambda t: (
+                0.5 * math.pi * math.exp(4 * t) * float(STEEL(math.exp(t))) * float(coat(math.exp(t))) ** 2
+            ),
+            math.log(STEEL.q_min),
+            math.log(q),
+            epsrel=1e-10,
+            limit=300,
+        )
+        assert scale.variance(q) == pytest.approx(exact, rel=1e-6)
+
+
+def test_soft_skin_adheres_better_than_the_stiff_bulk_alone():
+    rim = SelfAffine.from_rms_height(0.5e-6, hurst=0.8, q_long=1e5, q_short=1e10)
+    soft = SurfaceLayer(layer=2e6, bulk=10e6, thickness=2e-6, poisson=0.5)
+    interface = Interface(work_of_adhesion=0.05)
+    graded = solve_adhesion(Scale(rim, contact_modulus=soft), pressure=0.5e6, interface=interface).checked()
+    plain = solve_adhesion(
+        Scale(rim, contact_modulus=10e6 / 0.75), pressure=0.5e6, interface=interface
+    ).checked()
+    assert graded.real_area > plain.real_area
+
+
+@pytest.mark.parametrize(
+    ("call", "named"),
+    [
+        (lambda: energy_factor(0.5, variant="other"), "variant"),
+        (
+            lambda: corrected_contact_area(1.0, stress_variance=1.0, variant="xu", energy_ratio=0.0),
+            "energy_ratio",
+        ),
+        (lambda: mean_separation(0.0, scale=Scale(STEEL, contact_modulus=1.0)), "pressure"),
+        (lambda: SurfaceLayer(layer=1.0, bulk=1.0, thickness=1.0, poisson=0.6), "poisson"),
+        (lambda: ExponentialLayers(bulk=1.0, excess=(1.0,), depths=(), poisson=0.3), "depths"),
+        (lambda: ExponentialLayers(bulk=1.0, excess=(-2.0,), depths=(1.0,), poisson=0.3), "excess"),
+        (lambda: Scale(STEEL, contact_modulus=lambda q: -q), "contact_modulus"),
+    ],
+)
+def test_wrong_arguments_are_refused_by_name(call, named):
+    with pytest.raises(InvalidInput, match=named):
+        call()

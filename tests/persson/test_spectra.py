@@ -1,0 +1,131 @@
+"""Capillary waves and tabulated spectra: moments, the paper's roughness values, conventions, smoothing."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from persson.capillary import BOLTZMANN, CapillaryWaves, maximum_height
+from persson.errors import InvalidInput
+from persson.spectrum import SelfAffine, Spectrum
+from persson.tabulated import Tabulated, smoothed
+
+PMMA = CapillaryWaves(
+    temperature=370.0, surface_tension=0.04, q_bend=1.7e9, q_min=2 * math.pi / 1e-4, q_short=7e9
+)
+PYREX = CapillaryWaves(
+    temperature=1100.0, surface_tension=1.0, q_bend=5e9, q_min=2 * math.pi / 1e-6, q_short=1e10
+)
+
+
+@pytest.mark.parametrize("gravity", [0.0, 3e5, 8.4e8])
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_moments_of_capillary_waves_equal_the_integrals(gravity, order):
+    waves = CapillaryWaves(
+        temperature=370.0, surface_tension=0.04, q_bend=1.7e9, q_min=6e4, q_short=7e9, q_gravity=gravity
+    )
+    for q_upper in (1e5, 1e8, 7e9):
+        exact = (waves.m0, waves.m2, waves.m4)[order](q_upper)
+        integral, _ = quad(
+            lambda t: math.exp(t) ** (2 * order + 2) * float(waves(math.exp(t))),
+            math.log(waves.q_min),
+            math.log(q_upper),
+            epsrel=1e-11,
+            epsabs=0,
+            limit=400,
+        )
+        assert exact == pytest.approx(2 * math.pi * integral, rel=1e-9)
+
+
+def test_rms_height_is_equation_3():
+    """Persson 2006, Eq. 3; the captions' 0.5 and 0.6 nm for PMMA stand for 0.455 nm."""
+    for waves in (PMMA, PYREX):
+        q0, q1, qc = waves.q_min, waves.q_short, waves.q_bend
+        log = math.log(q1 / q0 * math.sqrt((q0**2 + qc**2) / (q1**2 + qc**2)))
+        expected = math.sqrt(BOLTZMANN * waves.temperature / (2 * math.pi * waves.surface_tension) * log)
+        assert waves.moments().rms_height == pytest.approx(expected, rel=1e-12)
+    assert PMMA.moments().rms_height == pytest.approx(0.455e-9, abs=0.0005e-9)
+
+
+def test_narrow_bands_keep_their_digits():
+    width = 1e-6 * PYREX.q_min
+    band = PYREX.truncated(PYREX.q_min + width)
+    middle = PYREX.q_min + width / 2
+    for order, moment in enumerate((band.m0(), band.m2(), band.m4())):
+        expected = (
+            2 * math.pi * middle ** (2 * order + 1) * float(PYREX(middle)) * (band.q_short - band.q_min)
+        )
+        assert moment == pytest.approx(expected, rel=1e-10)
+
+
+def test_maximum_height_of_many_and_of_few_patches():
+    """Persson 2006, App. A: about 6 and 4 h_rms for N = 1e8 and 1e4."""
+    for count, rounded in ((1e8, 6), (1e4, 4)):
+        ratio = maximum_height(count)
+        assert round(ratio) == rounded
+        assert ratio == pytest.approx(
+            math.sqrt(2 * math.log(count / (ratio * math.sqrt(2 * math.pi)))), rel=1e-13
+        )
+    with pytest.raises(InvalidInput, match="independent_points"):
+        maximum_height(2.0)
+
+
+def test_table_of_a_power_law_is_the_power_law():
+    rough = SelfAffine(hurst=0.8, q_long=3.0, q_short=3e4, amplitude=0.2)
+    q = np.geomspace(3.0, 3e4, 17)
+    table = Tabulated(wavevectors=q, power=rough(q))
+    assert isinstance(table, Spectrum)
+    for upper in (3.0, 50.0, 1.7e4, 1e9):
+        assert table.m0(upper) == pytest.approx(float(rough.m0(upper)), rel=1e-12)
+        assert table.m2(upper) == pytest.approx(float(rough.m2(upper)), rel=1e-12)
+        assert table.m4(upper) == pytest.approx(float(rough.m4(upper)), rel=1e-12)
+    cut = table.truncated(100.0)
+    assert cut.m2() == pytest.approx(float(rough.m2(100.0)), rel=1e-12)
+    assert table.scaled(9.0).m0() == pytest.approx(9 * float(table.m0()), rel=1e-14)
+
+
+def test_areal_psd_makes_a_round_trip_and_differs_by_four_pi_squared():
+    q = np.array([1.0, 2.0, 7.0])
+    psd = np.array([5.0, 3.0, 0.1])
+    table = Tabulated.from_areal_psd(q, psd)
+    assert table.areal_psd() == pytest.approx(psd, rel=1e-15)
+    assert table(2.0) * 4 * math.pi**2 == pytest.approx(3.0, rel=1e-14)
+
+
+def test_smoothing_removes_short_waves_only():
+    q = np.geomspace(PYREX.q_min, PYREX.q_short, 200)
+    yielded = np.clip(np.log(q / 1e9), 0, 1)
+    gradual = smoothed(PYREX, wavevectors=q, yielded=yielded)
+    sharp = smoothed(PYREX, wavevectors=q, yielded=yielded, form="sharp")
+    low = q < 0.9e9
+    assert gradual(q[low]) == pytest.approx(PYREX(q[low]), rel=1e-12)
+    assert gradual.m2() < PYREX.m2()
+    assert sharp.q_short == pytest.approx(1e9 * math.exp(0.5), rel=0.04)
+
+
+@pytest.mark.parametrize(
+    ("call", "named"),
+    [
+        (lambda: Tabulated(wavevectors=[1.0], power=[1.0]), "n >= 2"),
+        (lambda: Tabulated(wavevectors=[2.0, 1.0], power=[1.0, 1.0]), "increasing"),
+        (lambda: Tabulated(wavevectors=[1.0, 2.0], power=[1.0, 0.0]), "power"),
+        (lambda: Tabulated(wavevectors=[1.0, 2.0], power=[1.0, 1.0]).truncated(0.5), "q_max"),
+        (lambda: PYREX.truncated(1.0), "q_max"),
+        (lambda: smoothed(PYREX, wavevectors=[1e8, 1e9], yielded=[0.5, 1.5]), "yielded"),
+        (
+            lambda: CapillaryWaves(temperature=-1, surface_tension=1, q_bend=1, q_min=1, q_short=2),
+            "temperature",
+        ),
+        (lambda: CapillaryWaves(temperature=1, surface_tension=1, q_bend=1, q_min=3, q_short=2), "q_short"),
+        (
+            lambda: CapillaryWaves(
+                temperature=1, surface_tension=1, q_bend=1, q_min=1, q_short=2, q_gravity=0.6
+            ),
+            "q_gravity",
+        ),
+    ],
+)
+def test_wrong_spectra_are_refused_by_name(call, named):
+    with pytest.raises(InvalidInput, match=named):
+        call()

@@ -1,0 +1,119 @@
+"""Smooth spheres: Hertz, adhesion between its two limits, double-Hertz distributions."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from persson.errors import InvalidInput
+from persson.spheres import (
+    DoubleHertz,
+    derjaguin_pull_off,
+    effective_radius,
+    hertz,
+    hertz_pressure_distribution,
+    jkr_load,
+    jkr_pull_off,
+    maugis_pull_off,
+    tabor_parameter,
+)
+
+
+def test_hertz_relations_hold_together():
+    """Persson 2006, Eqs. 4, 6-8; the pressure integrates to the force."""
+    radius = effective_radius(3e-3, 6e-3)
+    assert radius == pytest.approx(2e-3, rel=1e-14)
+    assert effective_radius(3e-3, math.inf) == 3e-3
+    contact = hertz(0.4, radius=radius, contact_modulus=5e9)
+    assert contact.radius**2 == pytest.approx(radius * contact.approach, rel=1e-13)
+    assert 4 / 3 * 5e9 * contact.approach**1.5 * math.sqrt(radius) == pytest.approx(0.4, rel=1e-13)
+    force, _ = quad(lambda r: 2 * math.pi * r * float(contact.pressure(r)), 0, contact.radius, epsabs=1e-14)
+    assert force == pytest.approx(0.4, rel=1e-8)
+    assert contact.pressure(2 * contact.radius) == 0
+
+
+def test_hertz_distribution_has_area_one_and_two_thirds_of_the_peak_as_mean():
+    area, _ = quad(lambda s: float(hertz_pressure_distribution(s, peak_pressure=3.0)), 0, 3)
+    mean, _ = quad(lambda s: s * float(hertz_pressure_distribution(s, peak_pressure=3.0)), 0, 3)
+    assert (area, mean) == pytest.approx((1.0, 2.0), rel=1e-12)
+
+
+def test_jkr_curve_has_its_pull_off_as_minimum():
+    a = np.linspace(1e-6, 3e-4, 200_001)
+    load = jkr_load(a, radius=1e-2, contact_modulus=1e7, work_of_adhesion=0.05)
+    assert -load.min() == pytest.approx(jkr_pull_off(1e-2, work_of_adhesion=0.05), rel=1e-8)
+
+
+def test_derjaguin_is_four_thirds_of_jkr():
+    ratio = derjaguin_pull_off(1.0, work_of_adhesion=1.0) / jkr_pull_off(1.0, work_of_adhesion=1.0)
+    assert ratio == pytest.approx(4 / 3, rel=1e-15)
+
+
+def test_pull_off_falls_from_derjaguin_to_jkr_with_the_tabor_parameter():
+    values = [maugis_pull_off(mu) for mu in (1e-4, 1e-2, 0.1, 1.0, 5.0, 100.0)]
+    assert np.all(np.diff(values) < 0)
+    assert values[0] == pytest.approx(2, abs=2e-3)
+    assert values[-1] == pytest.approx(1.5, abs=1e-3)
+    # Carpick, Ogletree and Salmeron (1999) fit Maugis by 7/4 - 1/4 (4.04 L^1.4 - 1)/(4.04 L^1.4 + 1) to about
+    # 1 %.
+    for mu in (0.1, 0.5, 1.0, 3.0):
+        power = 4.04 * (1.157 * mu) ** 1.4
+        assert maugis_pull_off(mu) == pytest.approx(1.75 - 0.25 * (power - 1) / (power + 1), rel=0.015)
+
+
+def test_tabor_parameter_does_not_know_units():
+    one = tabor_parameter(1e-2, contact_modulus=1e9, work_of_adhesion=0.05, range_=3e-10)
+    length, stress = 2.0**21, 2.0**-30
+    two = tabor_parameter(
+        1e-2 * length,
+        contact_modulus=1e9 * stress,
+        work_of_adhesion=0.05 * length * stress,
+        range_=3e-10 * length,
+    )
+    assert one == two == pytest.approx((1e-2 * 0.05**2 / (1e18 * 2.7e-29)) ** (1 / 3), rel=1e-12)
+
+
+def test_double_hertz_forces_and_distribution_are_those_of_its_stress_field():
+    """Persson 2006, App. B: sigma_max = 1, sigma_a = .3, eta = 1.1."""
+    contact = DoubleHertz(peak_pressure=1.0, tensile_limit=0.3, eta=1.1)
+    assert contact.distribution(1.0) == pytest.approx(1.77781, abs=5e-6)
+    assert contact.load(1.0) == pytest.approx(1.777670, abs=5e-7)
+    assert contact.pressure(1.0) == pytest.approx(-0.3, rel=1e-12)
+    assert contact.pressure(0.0) == pytest.approx(1.0, rel=1e-12)
+    total, _ = quad(
+        lambda r: 2 * math.pi * r * float(contact.pressure(r)), 0, 1.1, points=[1.0], epsabs=1e-12
+    )
+    inside, _ = quad(lambda r: 2 * math.pi * r * float(contact.pressure(r)), 0, 1.0, epsabs=1e-12)
+    assert total == pytest.approx(contact.load(1.0), rel=1e-8)
+    assert inside == pytest.approx(contact.contact_force(1.0), rel=1e-8)
+    area, _ = quad(lambda s: float(contact.distribution(s)), -0.3, 1.0, epsabs=1e-12)
+    mean, _ = quad(lambda s: s * float(contact.distribution(s)), -0.3, 1.0, epsabs=1e-12)
+    assert area == pytest.approx(1, rel=1e-9)
+    assert mean * math.pi == pytest.approx(contact.contact_force(1.0), rel=1e-8)
+
+
+def test_double_hertz_starts_linearly_and_contains_hertz():
+    contact = DoubleHertz(peak_pressure=1.0, tensile_limit=0.3, eta=1.1)
+    inner = 1 + 0.3 * 1.1 / math.sqrt(0.21)
+    assert contact.distribution(-0.3 + 1e-7) == pytest.approx(2e-7 / inner**2, rel=1e-5)
+    assert contact.distribution(-0.31) == 0
+    plain = DoubleHertz(peak_pressure=3.0, tensile_limit=0.0, eta=1.5)
+    s = np.linspace(0.01, 3.0, 9)
+    assert plain.distribution(s) == pytest.approx(
+        hertz_pressure_distribution(s, peak_pressure=3.0), rel=1e-12
+    )
+
+
+@pytest.mark.parametrize(
+    ("call", "named"),
+    [
+        (lambda: hertz(-1.0, radius=1.0, contact_modulus=1.0), "force"),
+        (lambda: DoubleHertz(peak_pressure=1.0, tensile_limit=0.1, eta=1.0), "eta"),
+        (lambda: jkr_load(-1.0, radius=1.0, contact_modulus=1.0, work_of_adhesion=1.0), "contact_radius"),
+        (lambda: maugis_pull_off(0.0), "tabor"),
+    ],
+)
+def test_wrong_arguments_are_refused_by_name(call, named):
+    with pytest.raises(InvalidInput, match=named):
+        call()
