@@ -5,14 +5,31 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from validation.cli_options import (
+    DryRunOption,
+    JsonOption,
+    MemoryOption,
+    OutputOption,
+    QuietOption,
+    SceneArgument,
+    SchedulerOption,
+    StoreOption,
+    WorkersOption,
+    chosen_execution,
+    print_plan,
+    say,
+    show,
+    stopping_cleanly,
+)
+from validation.cli_surface import surface_app
 from validation.errors import RunFailed, UsageError
 
 if TYPE_CHECKING:
-    from validation.jobs import Job
+    from validation.studies import Study
 
 __all__ = ["app", "main"]
 
@@ -22,52 +39,134 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
     help="Press a rough surface against an elastic solid by two solvers and compare with Persson's theory.",
-    epilog="Exit codes: 0 done, 1 a solve failed, 2 a mistake in the request, 130 interrupted.",
+    epilog="Exit codes: 0 done; 1 a solve or a check failed; 2 a mistake in the request, nothing was "
+    "computed; "
+    "130 interrupted. Shell completion: fem-contact --install-completion.",
 )
 scenes_app = typer.Typer(no_args_is_help=True, help="The scenes that come with the package.")
 app.add_typer(scenes_app, name="scenes")
-
-SceneArgument = Annotated[
-    str, typer.Argument(metavar="SCENE", help="A built-in scene by name, or a TOML file.")
-]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for scripts instead of tables.")]
+app.add_typer(surface_app, name="surface")
 
 
-@app.command(epilog="Example: fem-contact run quickstart --output results/quickstart")
+@app.command(
+    epilog="Examples: fem-contact run quickstart  |  fem-contact run mine.toml --workers 2 --store "
+    "results/solves"
+    "  |  fem-contact run mine.toml --dry-run"
+)
 def run(
     scene: SceneArgument = "quickstart",
-    output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", help="Results folder. Default: results/<name of the scene>."),
-    ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar; for logs.")] = False,
+    output: OutputOption = None,
+    store: StoreOption = None,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
+    memory: MemoryOption = None,
+    dry_run: DryRunOption = False,
+    quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
     """Run a scene: solve, compare, write table, fields and report.
 
-    Finished solves in the results folder are used again, so an interrupted run continues where it stopped.
+    Finished solves in the store are used again, so an interrupted run continues where it stopped. The options
+    may also stand in the table [run] of the scene.
     """
+    from validation.effects import check_effects
+    from validation.jobs import jobs_of
+    from validation.progress import Bar
     from validation.report import console_table
     from validation.run import run_scene
     from validation.scene import load_scene
+    from validation.store import Store
 
     loaded = load_scene(scene)
-    folder = output or Path("results") / loaded.name
-    try:
-        with _Bar(quiet=quiet or as_json) as bar:
-            outputs = run_scene(loaded, folder, progress=bar)
-    except KeyboardInterrupt:
-        _say("interrupted; every finished solve is stored, and the same command continues after it")
-        raise typer.Exit(130) from None
+    said = loaded.run
+    folder = output or said.output or Path("results") / loaded.name
+    store_folder = store or said.store or folder / "solves"
+    execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
+    if dry_run:
+        check_effects(loaded)
+        print_plan(jobs_of(loaded), Store(folder=store_folder), as_json=as_json)
+        return
+    with stopping_cleanly(), Bar(quiet=quiet or said.quiet or as_json) as bar:
+        outputs = run_scene(loaded, folder, progress=bar, execution=execution, store_folder=store_folder)
     if as_json:
         typer.echo(json.dumps(outputs.comparison.summary(), indent=2))
         return
-    _print(console_table(outputs.comparison))
+    show(console_table(outputs.comparison))
     for finding in outputs.comparison.findings:
-        _print(f"- {finding}")
+        show(f"- {finding}")
     typer.echo(f"\n{outputs.solved} solves done, {outputs.reused} found finished. Written:")
-    for path in outputs.files:
-        typer.echo(f"  {path}")
+    _list(outputs.files)
+
+
+@app.command(
+    context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
+    epilog="Examples: fem-contact study --list  |  fem-contact study pressure --seeds 3,4,5 --grid 128 "
+    "--workers 2",
+)
+def study(
+    context: typer.Context,
+    name: Annotated[str | None, typer.Argument(metavar="NAME", help="A study; see --list.")] = None,
+    list_all: Annotated[bool, typer.Option("--list", help="Name the studies and their options.")] = False,
+    scene: Annotated[str | None, typer.Option("--scene", help="Scene, for studies that take one.")] = None,
+    output: OutputOption = None,
+    store: StoreOption = None,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
+    memory: MemoryOption = None,
+    dry_run: DryRunOption = False,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Run a study: many independent solves, one dataset, figures and a report.
+
+    Whatever follows as --option VALUE is an option of the study. All studies keep their solves in
+    results/solves, so that they share them, unless --store says otherwise.
+    """
+    from validation.bench import DEFAULT_STORE, Bench, PlannedOnly
+    from validation.progress import Bar
+    from validation.scene import RunOptions, load_scene
+    from validation.store import Store, prepare_folder
+    from validation.studies import find_study, studies
+    from validation.study_report import run_study
+
+    if list_all or name is None:
+        _list_studies(list(studies().values()), as_json=as_json)
+        return
+    found = find_study(name)
+    extra = list(context.args)
+    if extra and not extra[0].startswith("-") and scene is None:
+        scene = extra.pop(0)
+    options = found.parse(extra)
+    said = RunOptions()
+    if scene is not None:
+        if not found.takes_scene:
+            raise UsageError(f"study {name}: takes no scene; leave {scene!r} out")
+        options["scene"] = load_scene(scene)
+        said = options["scene"].run
+    execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
+    folder, store_folder = (
+        output or said.output or Path("results") / name,
+        store or said.store or DEFAULT_STORE,
+    )
+    if dry_run:
+        try:
+            found.run(bench=Bench(store=Store(folder=store_folder), plan_only=True), **options)
+        except PlannedOnly as plan:
+            print_plan(plan.jobs, plan.store, as_json=as_json)
+        return
+    with stopping_cleanly(), Bar(quiet=quiet or said.quiet or as_json) as bar:
+        bench = Bench(
+            store=Store(folder=prepare_folder(store_folder, option="--store")),
+            execution=execution,
+            progress=bar,
+        )
+        outputs = run_study(found, options, prepare_folder(folder), bench=bench)
+    if as_json:
+        typer.echo(json.dumps(outputs.data.to_dict(), indent=2, default=str))
+        return
+    for finding in outputs.findings:
+        show(f"- {finding}")
+    _list(outputs.files)
 
 
 @app.command(epilog="Example: fem-contact explain quickstart")
@@ -81,19 +180,71 @@ def explain(scene: SceneArgument = "quickstart", as_json: JsonOption = False) ->
         typer.echo(json.dumps(explanation.summary(), indent=2))
     else:
         for part in explanation.parts():
-            _print(part)
+            show(part)
 
 
-@scenes_app.command("list")
-def list_scenes() -> None:
+@app.command(epilog="Examples: fem-contact validate --quick  |  fem-contact validate hertz westergaard")
+def validate(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="[CASE]...", help="Cases to run; all if not given.")
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Only what takes seconds; under three minutes.")
+    ] = False,
+    list_all: Annotated[bool, typer.Option("--list", help="Name the cases and their claims.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Check every case with a known answer; exit with 1 if any fails."""
+    from validation.cases import chosen_cases, run_cases, verdict_table
+
+    cases = chosen_cases(names or [], quick=quick)
+    if list_all:
+        for case in cases:
+            typer.echo(f"{case.name:28s} {'quick' if case.quick else 'long '}  {case.claim}")
+        return
+    with stopping_cleanly():
+        verdicts = tuple(run_cases(cases, tell=None if as_json else lambda line: say(line, prefix="")))
+    if as_json:
+        typer.echo(json.dumps([verdict.summary() for verdict in verdicts], indent=2))
+    else:
+        show(verdict_table(verdicts))
+    failed = [verdict.case for verdict in verdicts if not verdict.passed]
+    if failed:
+        raise RunFailed(f"{len(failed)} of {len(verdicts)} cases failed: {', '.join(failed)}")
+    if not as_json:
+        typer.echo(f"all {len(verdicts)} cases passed")
+
+
+@app.command(epilog="Example: fem-contact report results/quickstart")
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Results folder of a run or a study.")],
+    as_json: JsonOption = False,
+) -> None:
+    """Write the report of a finished run or study again, from stored results alone. Solves nothing."""
+    from validation.run import report_run
+    from validation.study_report import is_study, report_study
+
+    files = report_study(folder).files if is_study(folder) else report_run(folder).files
+    if as_json:
+        typer.echo(json.dumps([str(path) for path in files], indent=2))
+    else:
+        _list(files)
+
+
+@scenes_app.command("list", epilog="Example: fem-contact scenes list")
+def list_scenes(as_json: JsonOption = False) -> None:
     """Name the built-in scenes and what each shows."""
     from validation.scene import builtin_scenes, load_scene
 
-    for name in builtin_scenes():
-        typer.echo(f"{name:20s} {load_scene(name).title}")
+    titles = {name: load_scene(name).title for name in builtin_scenes()}
+    if as_json:
+        typer.echo(json.dumps(titles, indent=2))
+        return
+    for name, title in titles.items():
+        typer.echo(f"{name:20s} {title}")
 
 
-@scenes_app.command("show")
+@scenes_app.command("show", epilog="Example: fem-contact scenes show quickstart")
 def show_scene(scene: SceneArgument) -> None:
     """Print the text of a scene."""
     from validation.scene import scene_text
@@ -101,7 +252,7 @@ def show_scene(scene: SceneArgument) -> None:
     typer.echo(scene_text(scene)[0], nl=False)
 
 
-@scenes_app.command("copy")
+@scenes_app.command("copy", epilog="Example: fem-contact scenes copy quickstart mine.toml")
 def copy_scene(
     scene: SceneArgument,
     target: Annotated[Path, typer.Argument(metavar="FILE", help="TOML file to write.")],
@@ -118,57 +269,20 @@ def copy_scene(
     typer.echo(f"{target}: a copy of {scene}; run it with: fem-contact run {target}")
 
 
-def _print(what: Any) -> None:
-    from rich.console import Console
-
-    console = Console(highlight=False, soft_wrap=isinstance(what, str))
-    # A log file or a pipe has no width: a table must not be squeezed to 80 columns there.
-    if not console.is_terminal:
-        console = Console(highlight=False, width=160, soft_wrap=isinstance(what, str))
-    console.print(what, markup=False) if isinstance(what, str) else console.print(what)
+def _list(files: tuple[Path, ...]) -> None:
+    for path in files:
+        typer.echo(f"  {path}")
 
 
-class _Bar:
-    """Progress bar over the jobs of a run, weighted by their predicted cost; prints nothing when quiet."""
-
-    def __init__(self, *, quiet: bool) -> None:
-        from rich.console import Console
-        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-
-        self._progress = Progress(
-            TextColumn("{task.description}"),
-            BarColumn(),
-            TextColumn("{task.percentage:3.0f} %"),
-            TimeElapsedColumn(),
-            TimeRemainingColumn(),
-            console=Console(stderr=True),
-            disable=quiet,
-        )
-        self._weights: dict[str, float] = {}
-
-    def __enter__(self) -> _Bar:
-        self._progress.start()
-        return self
-
-    def __exit__(self, *exc: object) -> None:
-        self._progress.stop()
-
-    def start(self, missing: tuple[Job, ...], stored: int) -> None:
-        """Show the bar over the jobs still to be done."""
-        from validation.effects import predicted_cost
-
-        self._weights = {job.key: predicted_cost(job).seconds for job in missing}
-        self._task = self._progress.add_task(
-            f"{stored} solves found finished", total=sum(self._weights.values())
-        )
-
-    def begin(self, job: Job) -> None:
-        """Name the solve under way."""
-        self._progress.update(self._task, description=job.describe())
-
-    def done(self, job: Job) -> None:
-        """Advance by the job's share."""
-        self._progress.advance(self._task, self._weights[job.key])
+def _list_studies(known: list[Study], *, as_json: bool) -> None:
+    if as_json:
+        words = {s.name: [o.words for o in s.options.values()] for s in known}
+        typer.echo(json.dumps(words, indent=2))
+        return
+    for found in known:
+        typer.echo(f"{found.name}: {found.question}" + ("  [takes a SCENE]" if found.takes_scene else ""))
+        for option in found.options.values():
+            typer.echo(f"    {option.words}")
 
 
 def main() -> None:
@@ -176,15 +290,11 @@ def main() -> None:
     try:
         app()
     except UsageError as error:
-        _say(error)
+        say(error)
         sys.exit(2)
     except RunFailed as error:
-        _say(error)
+        say(error)
         sys.exit(1)
-
-
-def _say(message: Exception | str) -> None:
-    typer.echo(f"fem-contact: {message}", err=True)
 
 
 if __name__ == "__main__":

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,9 +18,19 @@ from fem_contact.surface import HeightField, resolves
 from persson import elastic
 from validation.errors import RunFailed
 from validation.jobs import Job, jobs_of, nominal_pressure
-from validation.scene import Scene, SelfAffineSurface
+from validation.scene import FileSurface, Scene, SelfAffineSurface
 from validation.store import Store
-from validation.surfaces import reference_field, shortest_wavelength, spectrum_of
+from validation.surfaces import (
+    measured_spectrum,
+    reference_field,
+    shortest_wavelength,
+    spectrum_of,
+    topography_of,
+)
+
+if TYPE_CHECKING:
+    from persson.spectrum import SelfAffine
+    from persson.tabulated import Tabulated
 
 __all__ = ["Comparison", "CrossCheck", "Row", "Scatter", "Theory", "compare", "edge_constant"]
 
@@ -158,7 +168,9 @@ class Comparison:
     rms_height, nayak : float
         h_rms [m] and Nayak parameter of the realised surface.
     continuum : dict of str to float, or None
-        h_rms [m] and h'_rms of the integrals over C(q).
+        h_rms [m] and h'_rms of the integrals over C(q), which for a measured surface is estimated.
+    treatment : tuple of str
+        What was done to a measured surface, in words; empty for a generated one.
     rows, cross : tuples
     limit : Limit or None
         Limit of A/A0 over the resolved BEM grids (FEM grids where there is no BEM); None from fewer than
@@ -175,6 +187,7 @@ class Comparison:
     rms_height: float
     nayak: float
     continuum: dict[str, float] | None
+    treatment: tuple[str, ...]
     rows: tuple[Row, ...]
     cross: tuple[CrossCheck, ...]
     limit: Limit | None
@@ -210,6 +223,7 @@ class Comparison:
                 "nayak": self.nayak,
             },
             "continuum": self.continuum,
+            "treatment": list(self.treatment),
             "rows": [asdict(row) for row in self.rows],
             "fem_against_bem": [asdict(check) for check in self.cross],
             "limit": None if self.limit is None else asdict(self.limit),
@@ -242,7 +256,13 @@ def compare(scene: Scene, store: Store) -> Comparison:
     reduced = pressure / (modulus * field.rms_gradient)
     rows = tuple(_row([(job, results[job]) for job in group], scene, reduced) for group in groups)
     continuum = None
-    if isinstance(surface, SelfAffineSurface):
+    treatment: tuple[str, ...] = ()
+    if isinstance(surface, FileSurface):
+        treatment = topography_of(surface).history
+        if surface.edges in ("tukey", "hann"):
+            moments = measured_spectrum(surface).moments()
+            continuum = {"rms_height_m": moments.rms_height, "rms_gradient": moments.rms_gradient}
+    else:
         moments = spectrum_of(surface).moments()
         continuum = {"rms_height_m": moments.rms_height, "rms_gradient": moments.rms_gradient}
     return Comparison(
@@ -253,6 +273,7 @@ def compare(scene: Scene, store: Store) -> Comparison:
         rms_height=field.rms_height,
         nayak=field.nayak if field.rms_gradient > 0 else float("nan"),
         continuum=continuum,
+        treatment=treatment,
         rows=rows,
         cross=_cross_checks(results, scene),
         limit=_limit(results, scene, rows),
@@ -365,8 +386,13 @@ def _theory(scene: Scene, field: HeightField, pressure: float, modulus: float) -
         return None
     variance = float(elastic.stress_variance(field.moments[1], contact_modulus=modulus))
     ensemble = None
+    spectrum: SelfAffine | Tabulated | None = None
     if isinstance(scene.surface, SelfAffineSurface):
-        from_spectrum = elastic.stress_variance(spectrum_of(scene.surface).m2(), contact_modulus=modulus)
+        spectrum = spectrum_of(scene.surface)
+    elif scene.surface.edges in ("tukey", "hann"):
+        spectrum = measured_spectrum(scene.surface)
+    if spectrum is not None:
+        from_spectrum = elastic.stress_variance(spectrum.m2(), contact_modulus=modulus)
         ensemble = float(elastic.contact_area(pressure, stress_variance=from_spectrum))
     return Theory(
         area=float(elastic.contact_area(pressure, stress_variance=variance)),

@@ -13,12 +13,20 @@ import numpy as np
 from validation.errors import UsageError
 from validation.jobs import Job, jobs_of, nominal_pressure
 from validation.scene import FileSurface, Scene, SelfAffineSurface
-from validation.surfaces import reference_field, shortest_wavelength, spectrum_of
+from validation.surfaces import reference_field, shortest_wavelength, spectrum_of, topography_of
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-__all__ = ["Explanation", "Prediction", "check_effects", "explain", "predicted_cost"]
+__all__ = [
+    "Explanation",
+    "Prediction",
+    "available_memory",
+    "check_effects",
+    "explain",
+    "predicted_cost",
+    "too_large",
+]
 
 #: For each effect a scene can name, the methods that handle it. A method that is not named refuses the scene.
 HANDLED_BY: dict[str, frozenset[str]] = {
@@ -110,6 +118,22 @@ def predicted_cost(job: Job, *, pair_seconds: float = 1.5e-3) -> Prediction:
         seconds=_FEM_PAIRS_PER_UNKNOWN * pair_seconds * unknowns,
         peak_bytes=_FEM_BYTES_PER_UNKNOWN * unknowns,
         unknowns=unknowns,
+    )
+
+
+def available_memory() -> int:
+    """Bytes that solves may take on this machine: nine tenths of what is free now."""
+    import psutil
+
+    return int(0.9 * psutil.virtual_memory().available)
+
+
+def too_large(job: Job, limit: int, *, where: str = "here") -> str:
+    """Say that a job does not fit into memory, and what to do."""
+    needed = predicted_cost(job).peak_bytes
+    return (
+        f"{job.describe()}: needs about {needed / 2**30:.3g} GiB; {where} {limit / 2**30:.3g} GiB are free "
+        "for it; leave the grid out, run it on a larger machine, or raise the limit with --memory"
     )
 
 
@@ -255,6 +279,8 @@ def _facts(scene: Scene) -> tuple[tuple[str, str], ...]:
                 f"lambda_long/lambda_short = {surface.lambda_long / surface.lambda_short:.3g}",
             )
         )
+    else:
+        facts.extend(("measured", words) for words in topography_of(surface).history)
     if field.rms_gradient > 0:
         facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} (realised)"))
         facts.append(

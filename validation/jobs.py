@@ -129,8 +129,15 @@ class Solved:
     block: Any = None
 
 
-def execute(job: Job) -> Solved:
-    """Do one solve. Does not touch the disk."""
+def execute(job: Job, *, threads: int | None = None) -> Solved:
+    """Do one solve. Does not touch the disk.
+
+    Parameters
+    ----------
+    job : Job
+    threads : int, optional
+        Threads of the transforms; all available processors if not given.
+    """
     solid = Solid(**job.solid.model_dump())
     settings: dict[str, Any] = dict(job.settings)
     field = job.height_field()
@@ -141,7 +148,10 @@ def execute(job: Job) -> Solved:
         from fem_contact import bem
         from fem_contact.response import HalfSpace
 
-        return Solved(contact=bem.solve(field, HalfSpace(solid=solid), mean_pressure=pressure, **settings))
+        half_space = HalfSpace(solid=solid)
+        return Solved(
+            contact=bem.solve(field, half_space, mean_pressure=pressure, threads=threads, **settings)
+        )
     from fem_contact import block
 
     solution = block.solve(field, solid, mean_pressure=pressure, **({"method": "full"} | settings))

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
+import re
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,16 +12,24 @@ import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
 
-from fem_contact.stress import pressure_distribution
-from persson import elastic
+from validation.figure_data import NEAR_ZERO
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
     from fem_contact.contact import ContactResult
     from validation.comparison import Comparison
 
-__all__ = ["area_figure", "cost_figure", "pressure_at_zero_figure", "pressure_maps_figure", "save_figure"]
+__all__ = [
+    "area_figure",
+    "cost_figure",
+    "embeddable",
+    "lines_figure",
+    "pressure_at_zero_figure",
+    "pressure_maps_figure",
+    "save_figure",
+]
 
 #: One look for every figure; markers and line styles differ, so that it reads in black and white.
 _STYLE: Any = {
@@ -51,10 +62,81 @@ _LOOK: dict[tuple[str, str], dict[str, Any]] = {
 }
 
 
+_MARKERS = [("#0b5394", "o"), ("#b45f06", "s"), ("#38761d", "^"), ("#674ea7", "D")]
+_STYLES = ["-", "--", "-.", ":"]
+_FILLS = [None, None, None, None, "white", "white", "white", "white"]
+
+
 def save_figure(figure: Figure, path: Path) -> None:
     """Write a figure; the suffix says the format."""
+    undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
     with matplotlib.rc_context(_STYLE):
-        figure.savefig(path, dpi=150, metadata={"Date": None} if path.suffix == ".svg" else None)
+        figure.savefig(path, dpi=150, metadata=undated.get(path.suffix))
+
+
+def embeddable(svg: str, name: str) -> str:
+    """Return an SVG for an HTML page: without its XML head, and with names that no other figure there has."""
+    drawing = svg[svg.index("<svg") :]
+    drawing = re.sub(r'\bid="', f'id="{name}-', drawing)
+    drawing = re.sub(r'(xlink:href="|href="|url\()#', rf"\1#{name}-", drawing)
+    return drawing.replace("<svg", f'<svg role="img" aria-label="{name}"', 1)
+
+
+def lines_figure(
+    data: xr.Dataset,
+    *,
+    x: str,
+    lines: Sequence[str],
+    along: str | None = None,
+    logarithmic: str = "",
+    reference: dict[str, float] | None = None,
+) -> Figure:
+    """Lines of a dataset with error bars, in markers and styles that read in black and white.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Variables with `units` and `long_name`; a variable `<line>_error` is its standard error.
+    x : str
+        Coordinate or variable along the axis.
+    lines : sequence of str
+        Variables to draw; their words are the legend, the words of the first are the axis.
+    along : str, optional
+        Second dimension; one line is drawn for each of its values.
+    logarithmic : str
+        "x", "y" or "xy".
+    reference : dict of str to float, optional
+        Horizontal lines, by words.
+    """
+    figure, (axes,) = _figure()
+    looks: Iterator[dict[str, Any]] = itertools.cycle(
+        {"color": colour, "marker": marker, "ls": style, "mfc": fill}
+        for (colour, marker), style, fill in zip(_MARKERS * 2, _STYLES * 2, _FILLS, strict=True)
+    )
+    for name in lines:
+        values = [None] if along is None else list(data[along].values)
+        for value in values:
+            here = data if value is None else data.sel({along: value})
+            look = next(looks)
+            words = str(data[name].attrs.get("long_name", name))
+            label = words if value is None else f"{words}, {along} = {value:g}"
+            error = here[f"{name}_error"].values if f"{name}_error" in data else None
+            axes.errorbar(here[x].values, here[name].values, yerr=error, capsize=2, label=label, **look)
+    for k, (words, level) in enumerate((reference or {}).items()):
+        axes.axhline(level, color="black", lw=1, ls=_STYLES[k % 4], label=words)
+    if "x" in logarithmic:
+        axes.set_xscale("log")
+    if "y" in logarithmic:
+        axes.set_yscale("log")
+    axes.set_xlabel(_labelled(data[x], x))
+    axes.set_ylabel(_labelled(data[lines[0]], lines[0]))
+    axes.legend(fontsize=8)
+    return figure
+
+
+def _labelled(variable: xr.DataArray, name: str) -> str:
+    words, unit = variable.attrs.get("long_name", name), variable.attrs.get("units", "1")
+    return f"{words} [{unit}]" if unit != "1" else f"{words} [-]"
 
 
 def _figure(width: float = 6.4, height: float = 4.2, columns: int = 1) -> tuple[Figure, list[Axes]]:
@@ -110,33 +192,22 @@ def _powers_of_two(axes: Axes, spacings: list[float]) -> None:
     axes.minorticks_off()
 
 
-def pressure_at_zero_figure(comparison: Comparison, results: dict[str, list[ContactResult]]) -> Figure:
-    """P(sigma) near zero on each grid against Persson's closed form.
-
-    Parameters
-    ----------
-    comparison : Comparison
-    results : dict of str to list of ContactResult
-        Solves to show, by label, coarse to fine; the shifts of one grid are averaged.
-    """
+def pressure_at_zero_figure(data: xr.Dataset) -> Figure:
+    """P(sigma) near zero on each grid against Persson's closed form, from `pressure_at_zero_data`."""
     figure, (axes,) = _figure()
-    unit = comparison.contact_modulus * comparison.rms_gradient
-    shades = np.linspace(0.75, 0.0, max(len(results), 2))
+    curve = data["curve"].values
+    labels = [label for label in dict.fromkeys(curve) if label != "Persson"]
+    shades = np.linspace(0.75, 0.0, max(len(labels), 2))
     styles = ["-", "--", "-.", ":"]
-    for k, (label, solves) in enumerate(results.items()):
-        points = sum(np.count_nonzero(result.in_contact) for result in solves)
-        bins = min(48, max(8, int(np.sqrt(points) / 2)))
-        edges = np.linspace(0, 0.6, bins + 1) * unit
-        density = np.mean([pressure_distribution(result, edges).density for result in solves], axis=0)
+    for k, label in enumerate(labels):
+        here = data.isel(bin=curve == label)
+        edges = np.append(here["lower"].values, here["upper"].values[-1])
         colour = "#b45f06" if label.startswith("FEM") else str(shades[k])
-        axes.stairs(density * unit, edges / unit, color=colour, ls=styles[k % 4], label=label, baseline=None)
-    if comparison.theory is not None:
-        stress = np.linspace(0, 0.6, 200)
-        density = elastic.pressure_distribution(
-            stress * unit, pressure=comparison.pressure, stress_variance=comparison.theory.stress_variance
-        )
-        axes.plot(stress, density * unit, color="#38761d", lw=2, label="Persson")
-    axes.set_xlim(0, 0.6)
+        axes.stairs(here["density"].values, edges, color=colour, ls=styles[k % 4], label=label, baseline=None)
+    theory = data.isel(bin=curve == "Persson")
+    if theory.sizes["bin"]:
+        axes.plot(theory["lower"], theory["density"], color="#38761d", lw=2, label="Persson")
+    axes.set_xlim(0, NEAR_ZERO)
     axes.set_ylim(bottom=0)
     axes.set_xlabel(r"pressure $\sigma / (E^* h'_{rms})$")
     axes.set_ylabel(r"$P(\sigma)\, E^* h'_{rms}$ per nominal area")

@@ -6,21 +6,26 @@ import csv
 import dataclasses
 import json
 import platform
+from collections.abc import Sequence
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from validation.drawing import Drawing, Written, write_drawings
+from validation.files import atomic_path
 from validation.jobs import Job, block_file, jobs_of
-from validation.store import atomic_path
+from validation.papers import papers
+from validation.pictures import Pictures, block_pictures
 
 if TYPE_CHECKING:
     from rich.table import Table
 
     from fem_contact.contact import ContactResult
     from validation.comparison import Comparison, Row
+    from validation.scene import Scene
     from validation.store import Store
 
-__all__ = ["console_table", "write_outputs"]
+__all__ = ["console_table", "render", "versions", "write_outputs"]
 
 _COLUMNS = (
     "method",
@@ -89,9 +94,7 @@ def console_table(comparison: Comparison) -> Table:
 
 
 def write_outputs(comparison: Comparison, store: Store, folder: Path) -> tuple[Path, ...]:
-    """Write table.csv, summary.json, the figures and report.html.
-
-    Returns what there is to open: files, and the folder of netCDF fields.
+    """Write tables, figures and report; return what there is to open: files, and the folder of fields.
 
     Parameters
     ----------
@@ -106,11 +109,13 @@ def write_outputs(comparison: Comparison, store: Store, folder: Path) -> tuple[P
         _write_csv(draft, comparison)
     with atomic_path(summary) as draft:
         draft.write_text(json.dumps(comparison.summary(), indent=2) + "\n", encoding="utf-8")
-    figures = _write_figures(comparison, store, folder)
-    with atomic_path(report) as draft:
-        draft.write_text(_html(comparison, figures), encoding="utf-8")
+    shown = _shown(comparison, store)
+    figures = write_drawings(_drawings(comparison, shown), folder)
     blocks = [block_file(store.folder, job) for job in jobs_of(comparison.scene) if job.method == "fem"]
-    return (report, table, summary, *(path for path in blocks if path.exists()), store.folder)
+    blocks = [path for path in blocks if path.exists()]
+    with atomic_path(report) as draft:
+        draft.write_text(_html(comparison, figures, blocks), encoding="utf-8")
+    return (report, table, summary, folder / "figures", *blocks, store.folder)
 
 
 def _write_csv(path: Path, comparison: Comparison) -> None:
@@ -141,30 +146,51 @@ def _label(job: Job) -> str:
     return f"{job.method.upper()} {job.grid[0]} x {job.grid[1]}"
 
 
-def _write_figures(comparison: Comparison, store: Store, folder: Path) -> dict[str, str]:
-    """Draw the four figures, write them as SVG and return the SVG texts by name."""
-    from validation import plots
+def _drawings(comparison: Comparison, shown: dict[Job, ContactResult]) -> tuple[Drawing, ...]:
+    """Draw the four figures of a comparison."""
+    from validation import figure_data, plots
 
-    shown = _shown(comparison, store)
     by_grid: dict[str, list[ContactResult]] = {}
     for job, result in shown.items():
         by_grid.setdefault(_label(job), []).append(result)
-    figures = {
-        "area": plots.area_figure(comparison),
-        "pressure-at-zero": plots.pressure_at_zero_figure(comparison, by_grid),
-        "cost": plots.cost_figure(comparison),
-        "pressure-maps": plots.pressure_maps_figure(comparison, _side_by_side(shown)),
-    }
-    target = folder / "figures"
-    target.mkdir(exist_ok=True)
-    texts = {}
-    for name, figure in figures.items():
-        path = target / f"{name}.svg"
-        with atomic_path(path) as draft:
-            plots.save_figure(figure, draft)
-        drawing = path.read_text(encoding="utf-8")
-        texts[name] = drawing[drawing.index("<svg") :]
-    return texts
+    near_zero = figure_data.pressure_at_zero_data(comparison, by_grid)
+    pair = _side_by_side(shown)
+    return (
+        Drawing(
+            name="area",
+            figure=plots.area_figure(comparison),
+            data=figure_data.area_data(comparison),
+            caption="Contact area against grid spacing; coarse grids are on the right. Filled: contact "
+            "points counted; "
+            "open: corrected at the edge; solid line and band: limit over the grids with its standard error; "
+            "dash-dotted: Persson's theory.",
+        ),
+        Drawing(
+            name="pressure-at-zero",
+            figure=plots.pressure_at_zero_figure(near_zero),
+            data=near_zero,
+            caption="Distribution of contact pressure near zero on each grid, per nominal area (the "
+            "non-contact area, a "
+            "delta at zero, is left out). The exact distribution starts at zero; what remains at zero "
+            "pressure on a "
+            "grid is the grid's.",
+        ),
+        Drawing(
+            name="cost",
+            figure=plots.cost_figure(comparison),
+            data=figure_data.cost_data(comparison),
+            caption="Error of the contact area against the limit, over the time of the solves. Grey: below "
+            "the "
+            "uncertainty of the limit, where points cannot be ranked.",
+        ),
+        Drawing(
+            name="pressure-maps",
+            figure=plots.pressure_maps_figure(comparison, pair),
+            data=figure_data.pressure_maps_data(pair),
+            caption="Contact pressure of both solvers on the same surface and grid, one colour scale; dark "
+            "is high.",
+        ),
+    )
 
 
 def _side_by_side(shown: dict[Job, ContactResult]) -> dict[str, ContactResult]:
@@ -179,12 +205,49 @@ def _side_by_side(shown: dict[Job, ContactResult]) -> dict[str, ContactResult]:
     return dict(last.values())
 
 
-def _versions() -> dict[str, str]:
+def _pictures(blocks: Sequence[Path]) -> Pictures:
+    """Return a 3-D picture of the finest deformed block, or the word why there is none."""
+    return block_pictures(max(blocks, key=lambda path: path.stat().st_size, default=None))
+
+
+def versions() -> dict[str, str]:
+    """Versions of everything that shapes a result."""
     names = ("fem-contact", "numpy", "scipy", "numba", "scikit-fem", "pyamg")
     return {"Python": platform.python_version(), **{name: metadata.version(name) for name in names}}
 
 
-def _html(comparison: Comparison, figures: dict[str, str]) -> str:
+def _html(comparison: Comparison, figures: Sequence[Written], blocks: Sequence[Path]) -> str:
+    methods = comparison.scene.methods
+    used = {name for name in ("theory", "bem", "fem") if getattr(methods, name) is not None}
+    measured = {"measured"} if comparison.treatment else set()
+    return render(
+        "report.html.j2",
+        title=comparison.scene.title or comparison.scene.name,
+        c=comparison,
+        columns=_COLUMNS,
+        rows=[_cells(row) for row in comparison.rows],
+        summary_rows=_summary_rows(comparison),
+        figures=figures,
+        pictures=_pictures(blocks),
+        settings=json.dumps(comparison.scene.model_dump(mode="json", exclude_none=True), indent=2),
+        seeds=_seeds(comparison.scene),
+        versions=versions(),
+        papers=papers(used | measured | {"perimeter"}),
+    )
+
+
+def _seeds(scene: Scene) -> str:
+    surface = scene.surface
+    if surface.kind == "file":
+        return "none: the surface was measured"
+    if scene.ensemble is None or scene.ensemble.realisations < 2:
+        return str(surface.seed)
+    last = surface.seed + scene.ensemble.realisations - 1
+    return f"{surface.seed} (the surface shown), {surface.seed} to {last} (scatter between surfaces)"
+
+
+def render(template: str, **context: Any) -> str:
+    """Fill in a template of this package; a name it needs and does not get is an error."""
     import jinja2
 
     environment = jinja2.Environment(
@@ -192,22 +255,6 @@ def _html(comparison: Comparison, figures: dict[str, str]) -> str:
         autoescape=True,
         undefined=jinja2.StrictUndefined,
         trim_blocks=True,
+        lstrip_blocks=True,
     )
-    page = environment.get_template("report.html.j2")
-    context: dict[str, Any] = {
-        "c": comparison,
-        "columns": _COLUMNS,
-        "rows": [_cells(row) for row in comparison.rows],
-        "summary_rows": _summary_rows(comparison),
-        "figures": {name: _safe(text) for name, text in figures.items()},
-        "settings": json.dumps(comparison.scene.model_dump(mode="json", exclude_none=True), indent=2),
-        "versions": _versions(),
-    }
-    return page.render(context)
-
-
-def _safe(text: str) -> Any:
-    """Mark an SVG that this package drew as safe to embed."""
-    from markupsafe import Markup
-
-    return Markup(text)
+    return environment.get_template(template).render(context)

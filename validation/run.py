@@ -2,24 +2,39 @@
 
 from __future__ import annotations
 
-import contextlib
-from collections.abc import Iterator
+import json
+import os
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
 from fem_contact.errors import FemContactError
-from validation.effects import check_effects
-from validation.errors import RunFailed
+from validation.effects import available_memory, check_effects, predicted_cost, too_large
+from validation.errors import RunFailed, UsageError
 from validation.jobs import Job, block_file, execute, jobs_of
-from validation.store import Store, atomic_path, prepare_folder
+from validation.store import Store, atomic_path, prepare_folder, remove_drafts
 from validation.surfaces import reference_field
 
 if TYPE_CHECKING:
     from validation.comparison import Comparison
     from validation.scene import Scene
 
-__all__ = ["Outputs", "Progress", "run_scene", "solve_jobs"]
+__all__ = [
+    "Execution",
+    "Outcome",
+    "Outputs",
+    "Progress",
+    "Silent",
+    "attempt",
+    "load_run",
+    "report_run",
+    "run_scene",
+    "solve_jobs",
+]
+
+_RUN_FILE = "run.json"
+_RUN_FORMAT = "fem-contact run 1"
 
 
 class Progress(Protocol):
@@ -33,6 +48,70 @@ class Progress(Protocol):
 
     def done(self, job: Job) -> None:
         """Tell that a job is solved and stored."""
+
+    def note(self, text: str) -> None:
+        """Tell something the user should know, such as a damaged file that was set aside."""
+
+
+class Silent:
+    """Progress that nobody watches."""
+
+    def start(self, missing: tuple[Job, ...], stored: int) -> None:
+        """Say nothing."""
+
+    def begin(self, job: Job) -> None:
+        """Say nothing."""
+
+    def done(self, job: Job) -> None:
+        """Say nothing."""
+
+    def note(self, text: str) -> None:
+        """Say nothing."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Execution:
+    """Where solves run.
+
+    Attributes
+    ----------
+    workers : int
+        1: in this process, with all its threads. More: that many processes of one thread each.
+    scheduler : str or None
+        Address of a Dask scheduler, which then does the work; its workers write into the same store.
+    memory : int or None
+        Bytes that all solves running at a time may take together; what is free on this machine if not given.
+    """
+
+    workers: int = 1
+    scheduler: str | None = None
+    memory: int | None = None
+
+    def __post_init__(self) -> None:
+        if self.workers < 1:
+            raise UsageError(f"workers = {self.workers}: must be at least 1")
+        if self.scheduler is not None and self.workers != 1:
+            raise UsageError(
+                f"workers = {self.workers}: cannot be combined with a scheduler, which has workers of its own"
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """How the attempt at one job ended; the result itself is in the store.
+
+    Attributes
+    ----------
+    job : Job
+    error : str or None
+        Why there is no result.
+    fatal : bool
+        Whether the others need not be tried: a full disk.
+    """
+
+    job: Job
+    error: str | None = None
+    fatal: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,8 +135,26 @@ class Outputs:
     reused: int
 
 
-def run_scene(scene: Scene, folder: Path, *, progress: Progress | None = None) -> Outputs:
-    """Run a scene into a folder; finished solves found there are used, not repeated.
+def run_scene(
+    scene: Scene,
+    folder: Path,
+    *,
+    progress: Progress | None = None,
+    execution: Execution | None = None,
+    store_folder: Path | None = None,
+) -> Outputs:
+    """Run a scene into a folder; finished solves found in the store are used, not repeated.
+
+    Parameters
+    ----------
+    scene : Scene
+    folder : Path
+        For tables, figures and report.
+    progress : Progress, optional
+    execution : Execution, optional
+        Where the solves run; in this process if not given.
+    store_folder : Path, optional
+        Where the solves are kept, to be shared with other runs and studies; `folder`/solves if not given.
 
     Raises
     ------
@@ -69,49 +166,178 @@ def run_scene(scene: Scene, folder: Path, *, progress: Progress | None = None) -
     check_effects(scene)
     reference_field(scene.surface)
     prepare_folder(folder)
-    store = Store(folder=prepare_folder(folder / "solves"))
+    store = Store(folder=prepare_folder(store_folder or folder / "solves", option="--store"))
+    _record(scene, folder, store)
     jobs = jobs_of(scene)
-    solved = solve_jobs(jobs, store, progress=progress)
-
-    from validation.comparison import compare
-    from validation.report import write_outputs
-
-    comparison = compare(scene, store)
-    files = write_outputs(comparison, store, folder)
+    solved = solve_jobs(jobs, store, progress=progress, execution=execution)
+    comparison, files = _compared(scene, store, folder)
     return Outputs(
         comparison=comparison, folder=folder, files=files, solved=solved, reused=len(jobs) - solved
     )
 
 
-def solve_jobs(jobs: tuple[Job, ...], store: Store, *, progress: Progress | None = None) -> int:
+def report_run(folder: Path) -> Outputs:
+    """Write tables, figures and report of a finished run again, from its stored solves alone.
+
+    Raises
+    ------
+    UsageError
+        For a folder that holds no run.
+    RunFailed
+        When a solve of the run is missing.
+    """
+    scene, store = load_run(folder)
+    comparison, files = _compared(scene, store, prepare_folder(folder))
+    return Outputs(comparison=comparison, folder=folder, files=files, solved=0, reused=len(jobs_of(scene)))
+
+
+def _compared(scene: Scene, store: Store, folder: Path) -> tuple[Comparison, tuple[Path, ...]]:
+    from validation.comparison import compare
+    from validation.report import write_outputs
+
+    comparison = compare(scene, store)
+    return comparison, write_outputs(comparison, store, folder)
+
+
+def _record(scene: Scene, folder: Path, store: Store) -> None:
+    """Write down what the folder is a run of, so that its report can be made again without the scene file."""
+    said = {
+        "format": _RUN_FORMAT,
+        "scene": scene.model_dump(mode="json", exclude_none=True),
+        "store": os.path.relpath(store.folder.resolve(), folder.resolve()),
+    }
+    with atomic_path(folder / _RUN_FILE) as draft:
+        draft.write_text(json.dumps(said, indent=2) + "\n", encoding="utf-8")
+
+
+def load_run(folder: Path) -> tuple[Scene, Store]:
+    """Return the scene and the store of the run in a folder.
+
+    Raises
+    ------
+    UsageError
+        When the folder holds none.
+    """
+    from validation.scene import Scene
+
+    path = folder / _RUN_FILE
+    try:
+        said = json.loads(path.read_text(encoding="utf-8"))
+        if said["format"] != _RUN_FORMAT:
+            raise ValueError
+        scene = Scene.model_validate(said["scene"])
+        return scene, Store(folder=(folder / said["store"]).resolve())
+    except OSError as error:
+        raise UsageError(
+            f"{folder}: holds no run ({_RUN_FILE}: {error.strerror}); name a results folder"
+        ) from None
+    except (ValueError, KeyError, TypeError):
+        raise UsageError(f"{path}: is not the record of a run of this version; run the scene again") from None
+
+
+def solve_jobs(
+    jobs: tuple[Job, ...],
+    store: Store,
+    *,
+    progress: Progress | None = None,
+    execution: Execution | None = None,
+) -> int:
     """Solve and store the jobs that are not stored yet; return how many that were.
 
-    Each result is on disk before the next solve begins: an interruption loses at most the solve under way.
+    Each result is on disk as soon as its solve ends, written by whoever solved it: an interruption loses at
+    most the solves under way. A solve that fails does not keep the others from being done.
+
+    Raises
+    ------
+    UsageError
+        For a job that does not fit into memory, or a scheduler that does not answer, before anything runs.
+    RunFailed
+        When solves failed, naming them, or the disk is full.
     """
-    missing = tuple(job for job in jobs if not store.holds(job))
-    if progress is not None:
-        progress.start(missing, len(jobs) - len(missing))
-    for job in missing:
-        if progress is not None:
-            progress.begin(job)
-        with _named(job):
+    execution, progress = execution or Execution(), progress or Silent()
+    remove_drafts(store.folder)
+    missing = tuple(job for job in jobs if not store.holds(job, on_damage=progress.note))
+    if execution.scheduler is None:
+        _refuse_too_large(missing, execution)
+    progress.start(missing, len(jobs) - len(missing))
+    failures = []
+    for outcome in _outcomes(missing, store, execution, progress.begin):
+        if outcome.fatal:
+            raise RunFailed(outcome.error)
+        if outcome.error is not None:
+            failures.append(outcome)
+        else:
+            progress.done(outcome.job)
+    if failures:
+        raise RunFailed(_failed(failures, len(missing)))
+    return len(missing)
+
+
+def _outcomes(
+    jobs: tuple[Job, ...], store: Store, execution: Execution, begin: Callable[[Job], None]
+) -> Iterator[Outcome]:
+    if not jobs:
+        return iter(())
+    if execution.scheduler is not None:
+        from validation.cluster import solve_on_cluster
+
+        return solve_on_cluster(jobs, store, address=execution.scheduler, begin=begin)
+    if execution.workers > 1:
+        from validation.pool import solve_in_processes
+
+        memory = available_memory() if execution.memory is None else execution.memory
+        return solve_in_processes(jobs, store, workers=execution.workers, memory=memory, begin=begin)
+    return _in_this_process(jobs, store, begin)
+
+
+def _in_this_process(jobs: Sequence[Job], store: Store, begin: Callable[[Job], None]) -> Iterator[Outcome]:
+    for job in jobs:
+        begin(job)
+        yield attempt(job, store)
+
+
+def attempt(job: Job, store: Store, *, threads: int | None = None) -> Outcome:
+    """Do one job and store its result; what a worker does.
+
+    Parameters
+    ----------
+    job : Job
+    store : Store
+    threads : int, optional
+        Threads for this solve; all that there are if not given. The result is the same bit for bit.
+    """
+    try:
+        if threads is None:
             solved = execute(job)
-            solved.contact.checked()
+        else:
+            from threadpoolctl import threadpool_limits
+
+            with threadpool_limits(threads):
+                solved = execute(job, threads=threads)
+        solved.contact.checked()
         if solved.block is not None:
             from fem_contact.export import write_block
 
             with atomic_path(block_file(store.folder, job)) as draft:
                 write_block(draft, solved.block)
         store.save(job, solved.contact)
-        if progress is not None:
-            progress.done(job)
-    return len(missing)
+    except (FemContactError, MemoryError) as error:
+        return Outcome(job=job, error=f"{job.describe()}: {error}")
+    except RunFailed as error:
+        return Outcome(job=job, error=str(error), fatal=True)
+    return Outcome(job=job)
 
 
-@contextlib.contextmanager
-def _named(job: Job) -> Iterator[None]:
-    """Say which solve failed, in one line."""
-    try:
-        yield
-    except FemContactError as error:
-        raise RunFailed(f"{job.describe()}: {error}") from error
+def _failed(failures: Sequence[Outcome], tried: int) -> str:
+    if len(failures) == 1 == tried:
+        return str(failures[0].error)
+    lines = "\n".join(f"  {failure.error}" for failure in failures[:10])
+    more = f"\n  and {len(failures) - 10} more" if len(failures) > 10 else ""
+    return f"{len(failures)} of {tried} solves failed, the others are stored:\n{lines}{more}"
+
+
+def _refuse_too_large(jobs: Sequence[Job], execution: Execution) -> None:
+    limit = available_memory() if execution.memory is None else execution.memory
+    for job in jobs:
+        if predicted_cost(job).peak_bytes > limit:
+            raise UsageError(too_large(job, limit))

@@ -24,7 +24,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from validation.errors import SceneError
+from validation.errors import SceneError, UsageError
 
 if TYPE_CHECKING:
     import pint
@@ -37,11 +37,13 @@ __all__ = [
     "FileSurface",
     "Load",
     "Methods",
+    "RunOptions",
     "Scene",
     "SelfAffineSurface",
     "SolidSpec",
     "builtin_scenes",
     "load_scene",
+    "scene_problems",
     "scene_text",
 ]
 
@@ -83,6 +85,7 @@ def _quantity(unit: str, kind: str, example: str) -> BeforeValidator:
 
 Length = Annotated[float, _quantity("m", "length", "0.5 um"), Field(gt=0)]
 Pressure = Annotated[float, _quantity("Pa", "pressure", "10 MPa"), Field(gt=0)]
+Memory = Annotated[float, _quantity("byte", "amount of memory", "4 GiB"), Field(ge=1)]
 Number = Annotated[float, Field(strict=True)]
 
 
@@ -168,12 +171,31 @@ class SelfAffineSurface(_Table):
 
 
 class FileSurface(_Table):
-    """Heights read from a file: .npy, or text that numpy.loadtxt reads, shape (nx, ny)."""
+    """Heights read from a file: .npy, text, .nc, .x3p, or what SurfaceTopography reads; shape (nx, ny).
+
+    They are levelled, filled and made periodic, in this order, as the table says.
+    """
 
     kind: Literal["file"]
     path: Path = Field(description="file of heights, relative to the scene file")
-    length: Lengths = Field(description='period L, or [Lx, Ly], e.g. "100 um"')
-    unit: Length = Field(default=1.0, description='unit of the heights, e.g. "1 nm"')
+    length: Lengths = Field(
+        description='size L, or [Lx, Ly], e.g. "100 um"; may be left out where the file says it'
+    )
+    unit: Length | None = Field(
+        default=None, description='unit of the heights, e.g. "1 nm"; that of the file, or "1 m", if not given'
+    )
+    tilt: Literal["keep", "plane", "quadratic"] = Field(
+        default="keep", description="what to take out before anything else"
+    )
+    missing: Literal["refuse", "nearest", "harmonic"] = Field(
+        default="refuse", description="what to do with points without a height"
+    )
+    edges: Literal["periodic", "tukey", "hann"] | None = Field(
+        default=None, description="taper that makes it periodic; not needed where opposite edges match"
+    )
+    margin: Number = Field(
+        default=0.1, gt=0, le=0.5, description="share of each side over which a tukey taper falls"
+    )
 
 
 Surface = Annotated[SelfAffineSurface | FileSurface, Field(discriminator="kind")]
@@ -251,6 +273,25 @@ class Ensemble(_Table):
     grids: Annotated[tuple[Grid, ...], Field(min_length=2)]
 
 
+class RunOptions(_Table):
+    """How a scene is run; nothing here changes a result. An option of the command line goes before these."""
+
+    workers: Annotated[StrictInt, Field(ge=1, le=4096)] = Field(
+        default=1, description="local processes; 1 runs everything in the process itself"
+    )
+    scheduler: str | None = Field(default=None, description='Dask scheduler, e.g. "tcp://host:8786"')
+    memory: Memory | None = Field(default=None, description='memory for all solves, e.g. "4 GiB"')
+    store: Path | None = Field(default=None, description="folder of finished solves, shared between runs")
+    output: Path | None = Field(default=None, description="results folder; default: results/<name>")
+    quiet: StrictBool = Field(default=False, description="no progress bar")
+
+    @model_validator(mode="after")
+    def _one_place(self) -> Self:
+        if self.scheduler is not None and self.workers != 1:
+            raise _wrong("give workers or a scheduler, which has workers of its own; found both")
+        return self
+
+
 class EffectSpec(_Table):
     """A physical effect beyond plain elastic contact of a half-space."""
 
@@ -273,6 +314,7 @@ class Scene(_Table):
     methods: Methods
     ensemble: Ensemble | None = None
     effects: tuple[EffectSpec, ...] = ()
+    run: RunOptions = RunOptions()
 
     @model_validator(mode="after")
     def _grids_resolve(self) -> Self:
@@ -354,16 +396,35 @@ def load_scene(scene: str) -> Scene:
     except tomllib.TOMLDecodeError as error:
         raise SceneError(scene, [f"is not valid TOML: {error}"]) from None
     try:
-        checked = Scene.model_validate(data)
+        checked = Scene.model_validate(_sized(data, folder))
     except ValidationError as error:
-        raise SceneError(scene, _problems(error)) from None
+        raise SceneError(scene, scene_problems(error)) from None
     if isinstance(checked.surface, FileSurface) and not checked.surface.path.is_absolute():
-        surface = checked.surface.model_copy(update={"path": folder / checked.surface.path})
+        # Absolute, because a worker may stand in another folder.
+        path = (folder / checked.surface.path).resolve()
+        surface = checked.surface.model_copy(update={"path": path})
         checked = checked.model_copy(update={"surface": surface})
     return checked
 
 
-def _problems(error: ValidationError) -> list[str]:
+def _sized(data: dict[str, Any], folder: Path) -> dict[str, Any]:
+    """Fill in the length of a measured surface from its file, where the scene leaves it to the file."""
+    surface = data.get("surface")
+    if not isinstance(surface, dict) or surface.get("kind") != "file" or "length" in surface:
+        return data
+    path = surface.get("path")
+    if not isinstance(path, str):
+        return data
+    from validation.topography import read_topography
+
+    try:
+        lengths = read_topography(folder / path).lengths
+    except UsageError:  # said in full when the surface is read; here the missing length is what is wrong
+        return data
+    return {**data, "surface": {**surface, "length": list(lengths)}}
+
+
+def scene_problems(error: ValidationError) -> list[str]:
     """List one line for each mistake; an array with a wrong item is not also called too short."""
     items = error.errors()
     within = {item["loc"][:depth] for item in items for depth in range(len(item["loc"]))}
@@ -388,7 +449,17 @@ def _problem(item: Any) -> str:
 
 def _described(location: list[str]) -> str:
     """Say what a missing key is, from the description of its field."""
-    tables = (Scene, SelfAffineSurface, FileSurface, SolidSpec, Load, BemMethod, FemMethod, Ensemble)
+    tables = (
+        Scene,
+        SelfAffineSurface,
+        FileSurface,
+        SolidSpec,
+        Load,
+        BemMethod,
+        FemMethod,
+        Ensemble,
+        RunOptions,
+    )
     for table in tables:
         field = table.model_fields.get(location[-1])
         if field is not None and field.description:

@@ -7,17 +7,24 @@ import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from fem_contact.errors import InvalidInput
 from fem_contact.surface import HeightField, random_surface
 from validation.errors import UsageError
 from validation.scene import FileSurface, SelfAffineSurface
+from validation.topography import Topography, read_topography
 
 if TYPE_CHECKING:
     from persson.spectrum import SelfAffine
+    from persson.tabulated import Tabulated
 
-__all__ = ["file_digest", "height_field", "reference_field", "shortest_wavelength", "spectrum_of"]
+__all__ = [
+    "file_digest",
+    "height_field",
+    "measured_spectrum",
+    "reference_field",
+    "shortest_wavelength",
+    "spectrum_of",
+    "topography_of",
+]
 
 
 def spectrum_of(surface: SelfAffineSurface) -> SelfAffine:
@@ -107,18 +114,38 @@ def file_digest(surface: FileSurface) -> str:
     return hashlib.sha256(surface.path.read_bytes()).hexdigest()
 
 
+def topography_of(surface: FileSurface, *, edges: bool = True) -> Topography:
+    """Read, level and fill a measured surface as its scene says.
+
+    It is made periodic, too, unless `edges` is False.
+
+    Raises
+    ------
+    UsageError
+        For a file or treatment that gives no surface, naming the key.
+    """
+    try:
+        patch = read_topography(surface.path, lengths=surface.length, unit=surface.unit)
+        patch = patch.levelled(surface.tilt).filled(surface.missing)
+        return patch.made_periodic(surface.edges, margin=surface.margin) if edges else patch
+    except UsageError as error:
+        raise UsageError(f"surface.path = {str(surface.path)!r}: {error}") from None
+
+
+def measured_spectrum(surface: FileSurface) -> Tabulated:
+    """C(q) of a measured surface, estimated from the patch before its edges were tapered.
+
+    A patch that is one period needs no window; any other gets a Hann window, with its loss made up for.
+    """
+    from fem_contact.spectra import estimate_spectrum
+    from persson.tabulated import Tabulated
+
+    patch = topography_of(surface, edges=False)
+    periodic = surface.edges in (None, "periodic")
+    rings = estimate_spectrum(patch.heights, patch.lengths, window="none" if periodic else "hann")
+    rough = rings.power > 0
+    return Tabulated(wavevectors=rings.q[rough], power=rings.power[rough])
+
+
 def _read(surface: FileSurface) -> HeightField:
-    path = surface.path
-    try:
-        heights = np.load(path, allow_pickle=False) if path.suffix == ".npy" else np.loadtxt(path, ndmin=2)
-    except OSError as error:
-        raise UsageError(f"surface.path = {str(path)!r}: cannot be read: {error.strerror or error}") from None
-    except ValueError as error:
-        reason = str(error).splitlines()[0]
-        raise UsageError(
-            f"surface.path = {str(path)!r}: is neither .npy nor a table for numpy.loadtxt ({reason})"
-        ) from None
-    try:
-        return HeightField(heights=heights * surface.unit, lengths=surface.length)
-    except InvalidInput as error:
-        raise UsageError(f"surface.path = {str(path)!r}: {error}") from None
+    return topography_of(surface).height_field()

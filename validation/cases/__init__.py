@@ -1,0 +1,197 @@
+"""Cases with a known answer: one module for each claim, found by name, checked by `fem-contact validate`.
+
+A module of this package names its cases in ``CASES``, a tuple of `Case`. A case says in ``claim`` what holds,
+and its ``run`` returns the checks that decide it: numbers beside a reference, with a tolerance that comes
+from an error estimate.
+"""
+
+from __future__ import annotations
+
+import importlib
+import math
+import pkgutil
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from validation.errors import UsageError
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+__all__ = ["Case", "Check", "Verdict", "all_cases", "chosen_cases", "run_cases", "verdict_table"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Check:
+    """One number beside its reference.
+
+    Attributes
+    ----------
+    quantity : str
+        What was computed, with its unit if it has one.
+    computed, reference : float
+    tolerance : float
+        Largest difference that counts as agreement, in the unit of the quantity.
+    """
+
+    quantity: str
+    computed: float
+    reference: float
+    tolerance: float
+
+    @classmethod
+    def relative(cls, quantity: str, computed: float, reference: float, tolerance: float) -> Check:
+        """Return a check whose tolerance is a part of the reference."""
+        return cls(
+            quantity=quantity,
+            computed=float(computed),
+            reference=float(reference),
+            tolerance=abs(float(reference)) * tolerance,
+        )
+
+    @classmethod
+    def below(cls, quantity: str, computed: float, bound: float) -> Check:
+        """Return a check that a size does not exceed a bound: reference 0, tolerance the bound."""
+        return cls(quantity=quantity, computed=float(computed), reference=0.0, tolerance=float(bound))
+
+    @classmethod
+    def within(cls, quantity: str, computed: float, low: float, high: float) -> Check:
+        """Return a check that a number lies between two."""
+        middle = (low + high) / 2
+        return cls(quantity=quantity, computed=float(computed), reference=middle, tolerance=(high - low) / 2)
+
+    @property
+    def passed(self) -> bool:
+        """Whether the two agree; a NaN never does."""
+        return math.isfinite(self.computed) and abs(self.computed - self.reference) <= self.tolerance
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """A claim with a known answer.
+
+    Attributes
+    ----------
+    name : str
+        Names it on the command line.
+    claim : str
+        What holds, in a sentence.
+    run : callable
+        Computes and returns the checks.
+    source : str
+        Where the reference comes from.
+    quick : bool
+        Whether it takes seconds rather than minutes.
+    """
+
+    name: str
+    claim: str
+    run: Callable[[], Sequence[Check]]
+    source: str = ""
+    quick: bool = True
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict:
+    """How a case ended.
+
+    Attributes
+    ----------
+    case, claim, source : str
+    checks : tuple of Check
+    seconds : float
+    error : str or None
+        Why it could not be computed.
+    """
+
+    case: str
+    claim: str
+    source: str
+    checks: tuple[Check, ...]
+    seconds: float
+    error: str | None = None
+
+    @property
+    def passed(self) -> bool:
+        """Whether there were checks and all of them passed."""
+        return self.error is None and bool(self.checks) and all(check.passed for check in self.checks)
+
+    def summary(self) -> dict[str, Any]:
+        """Everything as JSON-ready data."""
+        checks = [{**asdict(check), "passed": check.passed} for check in self.checks]
+        return {**asdict(self), "checks": checks, "passed": self.passed}
+
+
+def all_cases() -> tuple[Case, ...]:
+    """Return the cases of every module of this package."""
+    names = sorted(info.name for info in pkgutil.iter_modules(__path__) if not info.name.startswith("_"))
+    return tuple(case for name in names for case in importlib.import_module(f"{__name__}.{name}").CASES)
+
+
+def chosen_cases(names: Sequence[str], *, quick: bool) -> tuple[Case, ...]:
+    """Return cases by name, or all; with `quick` only those that take seconds.
+
+    A name also chooses the cases that begin with it and a hyphen.
+
+    Raises
+    ------
+    UsageError
+        For a name that chooses nothing.
+    """
+    known = all_cases()
+    for name in names:
+        if not any(_chooses(name, case) for case in known):
+            raise UsageError(f"case {name!r}: no such case; one of: {', '.join(case.name for case in known)}")
+    wanted = [case for case in known if not names or any(_chooses(name, case) for name in names)]
+    return tuple(case for case in wanted if case.quick or not quick)
+
+
+def _chooses(name: str, case: Case) -> bool:
+    return case.name == name or case.name.startswith(name + "-")
+
+
+def run_cases(cases: Iterable[Case], *, tell: Callable[[str], None] | None = None) -> Iterator[Verdict]:
+    """Run cases and yield their verdicts; a case that raises has failed, and the others go on."""
+    for case in cases:
+        began, error = time.perf_counter(), None
+        checks: tuple[Check, ...] = ()
+        try:
+            checks = tuple(case.run())
+        except Exception as problem:
+            error = f"{type(problem).__name__}: {problem}"
+        verdict = Verdict(
+            case=case.name,
+            claim=case.claim,
+            source=case.source,
+            checks=checks,
+            seconds=time.perf_counter() - began,
+            error=error,
+        )
+        if tell is not None:
+            tell(f"{'passed' if verdict.passed else 'FAILED'}  {case.name}  ({verdict.seconds:.1f} s)")
+        yield verdict
+
+
+def verdict_table(verdicts: Sequence[Verdict]) -> Table:
+    """Return the table of verdicts: a line for each check."""
+    from rich.table import Table
+
+    table = Table(title="Cases with a known answer")
+    for column in ("case", "quantity", "computed", "reference", "tolerance", "verdict", "seconds"):
+        right = column in ("computed", "reference", "tolerance", "seconds")
+        table.add_column(column, justify="right" if right else "left", overflow="fold")
+    for verdict in verdicts:
+        table.add_section()
+        table.add_row(
+            verdict.case,
+            verdict.claim if verdict.error is None else f"{verdict.claim} - {verdict.error}",
+            *("", "", ""),
+            "passed" if verdict.passed else "FAILED",
+            f"{verdict.seconds:.2g}",
+        )
+        for check in verdict.checks:
+            numbers = (f"{check.computed:.6g}", f"{check.reference:.6g}", f"{check.tolerance:.2g}")
+            table.add_row("", f"  {check.quantity}", *numbers, "" if check.passed else "FAILED", "")
+    return table

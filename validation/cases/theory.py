@@ -1,0 +1,124 @@
+"""The theory's own numbers: limits of kappa, conservation in P(sigma), figures that Persson (2006) prints."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.integrate import quad
+from scipy.special import erf
+
+from persson import elastic
+from persson.asperities import bush_gibson_thomas
+from persson.spectrum import SelfAffine, area_factor
+from validation.cases import Case, Check
+
+__all__ = ["CASES"]
+
+
+def _light_load() -> list[Check]:
+    variance = float(elastic.stress_variance(1.0, contact_modulus=1.0))
+    persson = float(elastic.contact_area(1e-7, stress_variance=variance)) / 1e-7
+    spectrum = SelfAffine.from_rms_gradient(1.0, hurst=0.8, q_long=1.0, q_short=100.0)
+    contact = bush_gibson_thomas(9.0, moments=spectrum.moments(), contact_modulus=1.0)
+    asperities = float(contact.area) / float(contact.pressure)
+    return [
+        Check.relative("kappa of Persson at p* = 1e-7", persson, math.sqrt(8 / math.pi), 1e-9),
+        # At a separation of t standard deviations the corrections are of the order 1/t^2.
+        Check.relative(
+            "kappa of Bush, Gibson and Thomas at nine standard deviations",
+            asperities,
+            math.sqrt(2 * math.pi),
+            2 / 81,
+        ),
+    ]
+
+
+def _distribution() -> list[Check]:
+    checks = []
+    for pressure in (0.01, 0.3, 1.0):
+        variance = 0.25
+
+        def density(stress: float, pressure: float = pressure, variance: float = variance) -> float:
+            return float(elastic.pressure_distribution(stress, pressure=pressure, stress_variance=variance))
+
+        top = pressure + 12 * math.sqrt(variance)
+        area = quad(density, 0, top, epsabs=0, epsrel=1e-11)[0]
+        load = quad(lambda stress: stress * density(stress), 0, top, epsabs=0, epsrel=1e-11)[0]
+        exact = float(erf(pressure / math.sqrt(2 * variance)))
+        found = float(elastic.contact_area(pressure, stress_variance=variance))
+        checks += [
+            Check.relative(f"A/A0 at p0 = {pressure}", found, exact, 1e-14),
+            Check.relative(f"integral of P at p0 = {pressure}", area, exact, 1e-9),
+            Check.relative(f"first moment of P at p0 = {pressure}", load, pressure, 1e-9),
+        ]
+    return checks
+
+
+def _variance() -> list[Check]:
+    spectrum = SelfAffine.from_rms_height(1e-6, hurst=0.8, q_long=1e5, q_short=1e8)
+    modulus, pressure = 2e6, 1e4
+    # Eq. 19: G(q) = (pi/4) (E* / p0)^2 int q^3 C dq, and V = 2 G p0^2, by a quadrature that knows no panel.
+    integral = quad(
+        lambda x: math.exp(4 * x) * float(spectrum(math.exp(x))),
+        math.log(1e5),
+        math.log(1e8),
+        epsabs=0,
+        epsrel=1e-11,
+    )[0]
+    g = math.pi / 4 * (modulus / pressure) ** 2 * integral
+    variance = elastic.stress_variance(spectrum.m2(), contact_modulus=modulus)
+    return [
+        Check.relative("V = 2 G p0^2 [Pa^2]", float(variance), 2 * g * pressure**2, 1e-9),
+        Check.relative(
+            "A/A0 = erf(1 / (2 sqrt G))",
+            float(elastic.contact_area(pressure, stress_variance=variance)),
+            math.erf(1 / (2 * math.sqrt(g))),
+            1e-9,
+        ),
+    ]
+
+
+def _area_factor() -> list[Check]:
+    # <sqrt(1 + |grad h|^2)> over a Gaussian gradient, by Gauss-Laguerre quadrature of s = |grad h|^2 / m2.
+    nodes, weights = np.polynomial.laguerre.laggauss(120)
+    average = float(np.sum(weights * np.sqrt(1 + 0.99 * nodes)))
+    found = float(area_factor(0.99))
+    return [
+        Check.relative("A*/A0 at <|grad h|^2> = 0.99", found, average, 1e-9),
+        Check(
+            quantity="increase of the area that the paper prints [%]",
+            computed=100 * (found - 1),
+            reference=38,
+            tolerance=0.5,
+        ),
+    ]
+
+
+CASES = (
+    Case(
+        name="theory-light-load",
+        claim="At light load kappa is sqrt(8/pi) in Persson's theory, and sqrt(2 pi) for independent "
+        "asperities.",
+        run=_light_load,
+        source="Persson 2006, Secs. 3.2-3.4; A. W. Bush, R. D. Gibson, T. R. Thomas, Wear 35, 87 (1975)",
+    ),
+    Case(
+        name="theory-distribution",
+        claim="P(sigma) integrates to A/A0 = erf(p0 / sqrt(2 V)) and carries the load.",
+        run=_distribution,
+        source="Persson 2006, Eqs. 16-20",
+    ),
+    Case(
+        name="theory-variance",
+        claim="V is twice G p0^2, with G by quadrature over C(q).",
+        run=_variance,
+        source="Persson 2006, Eq. 19",
+    ),
+    Case(
+        name="theory-area-factor",
+        claim="A surface of <|grad h|^2> = 0.99 has 38 % more area than its projection.",
+        run=_area_factor,
+        source="Persson 2006, Sec. 8.1",
+    ),
+)

@@ -1,0 +1,172 @@
+"""What the commands of `fem-contact` share: options, printing, and how they stop."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from validation.errors import UsageError
+
+if TYPE_CHECKING:
+    from validation.jobs import Job
+    from validation.run import Execution
+    from validation.scene import RunOptions
+    from validation.store import Store
+
+__all__ = [
+    "DryRunOption",
+    "JsonOption",
+    "MemoryOption",
+    "OutputOption",
+    "QuietOption",
+    "SceneArgument",
+    "SchedulerOption",
+    "StoreOption",
+    "WorkersOption",
+    "chosen_execution",
+    "print_plan",
+    "say",
+    "show",
+    "stopping_cleanly",
+]
+
+
+def _scene_names(incomplete: str) -> list[str]:
+    """Complete the name of a scene: built-in ones, and TOML files of the folder."""
+    from validation.scene import builtin_scenes
+
+    files = [str(path) for path in Path().glob("*.toml")]
+    return [name for name in (*builtin_scenes(), *files) if name.startswith(incomplete)]
+
+
+SceneArgument = Annotated[
+    str,
+    typer.Argument(
+        metavar="SCENE", help="A built-in scene by name, or a TOML file.", autocompletion=_scene_names
+    ),
+]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for scripts instead of tables.")]
+OutputOption = Annotated[
+    Path | None, typer.Option("--output", "-o", help="Results folder. Default: results/<name>.")
+]
+StoreOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--store",
+        envvar="FEM_CONTACT_STORE",
+        help="Folder of finished solves, which runs and studies may share.",
+    ),
+]
+WorkersOption = Annotated[
+    int | None,
+    typer.Option(
+        "--workers", "-w", min=1, help="Local processes of one thread each. Default: none but this one."
+    ),
+]
+SchedulerOption = Annotated[
+    str | None, typer.Option("--scheduler", help="Dask scheduler to run on, e.g. tcp://host:8786.")
+]
+MemoryOption = Annotated[
+    str | None,
+    typer.Option("--memory", help='Memory for all solves together, e.g. "4 GiB". Default: what is free.'),
+]
+DryRunOption = Annotated[
+    bool, typer.Option("--dry-run", help="List the solves with predicted time and memory; do none.")
+]
+QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar; for logs.")]
+
+
+def chosen_execution(
+    said: RunOptions, *, workers: int | None, scheduler: str | None, memory: str | None
+) -> Execution:
+    """Return how to run: the command line before the scene."""
+    from pydantic import TypeAdapter, ValidationError
+
+    from validation.run import Execution
+    from validation.scene import Memory
+
+    limit = said.memory
+    if memory is not None:
+        try:
+            limit = TypeAdapter(Memory).validate_python(memory)
+        except ValidationError as error:
+            raise UsageError(f"--memory = {memory!r}: {error.errors()[0]['msg']}") from None
+    if workers is not None and scheduler is not None:
+        raise UsageError(
+            f"--workers = {workers}: not together with --scheduler, which has workers of its own"
+        )
+    if workers is None and scheduler is None:
+        workers, scheduler = said.workers, said.scheduler
+    return Execution(workers=workers or 1, scheduler=scheduler, memory=None if limit is None else int(limit))
+
+
+@contextlib.contextmanager
+def stopping_cleanly() -> Iterator[None]:
+    """Turn Ctrl-C into a sentence and exit code 130."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        say("interrupted; every finished solve is stored, and the same command continues after it")
+        raise typer.Exit(130) from None
+
+
+def print_plan(jobs: Sequence[Job], store: Store, *, as_json: bool) -> None:
+    """Print every solve with its predicted cost and whether it is finished."""
+    from rich.table import Table
+
+    from validation.effects import predicted_cost, transform_seconds
+
+    pair = transform_seconds()
+    plan = [(job, predicted_cost(job, pair_seconds=pair), store.path(job).exists()) for job in jobs]
+    if as_json:
+        rows = [
+            {
+                "key": job.key,
+                "solve": job.describe(),
+                "seconds": cost.seconds,
+                "peak_bytes": cost.peak_bytes,
+                "unknowns": cost.unknowns,
+                "stored": stored,
+            }
+            for job, cost, stored in plan
+        ]
+        typer.echo(json.dumps(rows, indent=2))
+        return
+    table = Table(title="What would be solved")
+    for column in ("solve", "seconds", "peak MiB", "unknowns", "stored"):
+        table.add_column(column, justify="left" if column == "solve" else "right")
+    for job, cost, stored in plan:
+        memory = f"{cost.peak_bytes / 2**20:.3g}"
+        table.add_row(
+            job.describe(), f"{cost.seconds:.2g}", memory, f"{cost.unknowns:,}", "yes" if stored else "no"
+        )
+    show(table)
+    todo = [cost for _, cost, stored in plan if not stored]
+    show(
+        f"{len(todo)} of {len(plan)} solves are to be done: about {sum(cost.seconds for cost in todo):.2g} "
+        "s one "
+        f"after the other, {max((cost.peak_bytes for cost in todo), default=0) / 2**20:.3g} MiB for the "
+        "largest "
+        "(meant to be right within a factor of 2)."
+    )
+
+
+def show(what: Any) -> None:
+    """Print a text or a table."""
+    from rich.console import Console
+
+    console = Console(highlight=False, soft_wrap=isinstance(what, str))
+    # A log file or a pipe has no width: a table must not be squeezed to 80 columns there.
+    if not console.is_terminal:
+        console = Console(highlight=False, width=160, soft_wrap=isinstance(what, str))
+    console.print(what, markup=False) if isinstance(what, str) else console.print(what)
+
+
+def say(message: Exception | str, *, prefix: str = "fem-contact: ") -> None:
+    """Print a line for the user on stderr."""
+    typer.echo(f"{prefix}{message}", err=True)

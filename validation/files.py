@@ -1,0 +1,90 @@
+"""Files and folders: written atomically, drafts of killed processes removed, a full disk said in words."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import re
+import socket
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from validation.errors import RunFailed, UsageError
+
+__all__ = ["atomic_path", "prepare_folder", "remove_drafts"]
+
+
+def prepare_folder(folder: Path, *, option: str = "--output") -> Path:
+    """Create a results folder and prove that it can be written to.
+
+    Parameters
+    ----------
+    folder : Path
+    option : str
+        What the user named it by, for the message.
+
+    Raises
+    ------
+    UsageError
+        When it cannot.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise UsageError(
+            f"{option} = {str(folder)!r}: cannot be written to ({error.strerror}); name another folder"
+        ) from None
+    return folder
+
+
+@contextlib.contextmanager
+def atomic_path(path: Path) -> Iterator[Path]:
+    """Yield a temporary path beside `path` that takes its name only when the block ends well.
+
+    Raises
+    ------
+    RunFailed
+        When the disk is full; finished files are untouched.
+    """
+    draft = path.with_name(f".{socket.gethostname()}-{os.getpid()}-{path.name}")
+    try:
+        yield draft
+        os.replace(draft, path)
+    except OSError as error:
+        if error.errno in (errno.ENOSPC, errno.EDQUOT) or "No space left" in str(error):
+            raise RunFailed(
+                f"the disk is full: {path.name} was not written; finished solves are intact"
+            ) from None
+        raise
+    finally:
+        draft.unlink(missing_ok=True)
+
+
+def remove_drafts(folder: Path, *, of: int | None = None) -> None:
+    """Remove what killed processes of this machine left half-written.
+
+    Parameters
+    ----------
+    folder : Path
+    of : int, optional
+        Process whose drafts are meant, known to be dead; all that no longer run if not given.
+    """
+    name = re.compile(rf"\..*\b{re.escape(socket.gethostname())}-(\d+)-")
+    for path in folder.glob(".*"):
+        found = name.match("." + path.name)
+        if found and (int(found[1]) == of if of is not None else not _runs(int(found[1]))):
+            path.unlink(missing_ok=True)
+
+
+def _runs(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:
+        return True
+    return True

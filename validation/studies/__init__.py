@@ -1,0 +1,191 @@
+"""Studies: one module for each question, found by name.
+
+A study is a module of this package with
+
+- a docstring whose first line says the question,
+- ``run(*, bench: Bench | None = None, ...) -> xarray.Dataset``, whose other keyword arguments are its
+  options: each has a default and is annotated ``int``, ``float``, ``str``, ``bool``, or a tuple of ``int``,
+  ``float`` or ``str``; one called ``scene`` is a :class:`validation.scene.Scene`. It lists jobs, has them
+  solved by the bench, and returns numbers with ``units`` and ``long_name``;
+- optionally ``figures(data) -> tuple[Drawing, ...]`` and ``findings(data) -> tuple[str, ...]``, which read
+  the dataset.
+
+``fem-contact study NAME`` does the rest: options from the command line, storing, resuming, report.
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import pkgutil
+import types
+import typing
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from validation.errors import UsageError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from validation.drawing import Drawing
+
+__all__ = ["Option", "Study", "find_study", "studies"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Option:
+    """One option of a study."""
+
+    name: str
+    kind: Any
+    default: Any
+
+    @property
+    def flag(self) -> str:
+        """How it is written on the command line."""
+        return "--" + self.name.replace("_", "-")
+
+    @property
+    def words(self) -> str:
+        """Flag, kind and default."""
+        return f"{self.flag} {_kind_words(self.kind)} (default: {_default_words(self.default)})"
+
+    def parse(self, text: str) -> Any:
+        """Turn the text of the command line into a value.
+
+        Raises
+        ------
+        UsageError
+            Naming option, text and what is allowed.
+        """
+        try:
+            return _parse(self.kind, text)
+        except ValueError:
+            raise UsageError(f"{self.flag} = {text!r}: must be {_kind_words(self.kind)}") from None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """A study by name."""
+
+    name: str
+    module: ModuleType
+
+    @property
+    def question(self) -> str:
+        """First line of its docstring."""
+        return (self.module.__doc__ or "").strip().partition("\n")[0]
+
+    @property
+    def run(self) -> Callable[..., xr.Dataset]:
+        """Its `run`."""
+        found: Callable[..., xr.Dataset] = self.module.run
+        return found
+
+    @property
+    def options(self) -> dict[str, Option]:
+        """Options of `run` by name, but for the bench and the scene."""
+        hints = typing.get_type_hints(self.run)
+        parameters = inspect.signature(self.run).parameters
+        return {
+            name: Option(name=name, kind=_bare(hints[name]), default=parameter.default)
+            for name, parameter in parameters.items()
+            if name not in ("bench", "scene")
+        }
+
+    @property
+    def takes_scene(self) -> bool:
+        """Whether it accepts a scene."""
+        return "scene" in inspect.signature(self.run).parameters
+
+    def parse(self, arguments: Sequence[str]) -> dict[str, Any]:
+        """Read ``--option value`` and ``--option=value`` pairs.
+
+        Raises
+        ------
+        UsageError
+            For an unknown option, or a value it does not allow.
+        """
+        values, waiting = {}, list(arguments)
+        while waiting:
+            flag, equals, text = waiting.pop(0).partition("=")
+            option = self.options.get(flag.removeprefix("--").replace("-", "_"))
+            if option is None or not flag.startswith("--"):
+                known = ", ".join(option.flag for option in self.options.values()) or "none"
+                raise UsageError(f"study {self.name}: unknown option {flag!r}; it has: {known}")
+            if not equals:
+                if not waiting:
+                    raise UsageError(f"{flag}: needs a value, {_kind_words(option.kind)}")
+                text = waiting.pop(0)
+            values[option.name] = option.parse(text)
+        return values
+
+    def figures(self, data: xr.Dataset) -> tuple[Drawing, ...]:
+        """Return its figures of a dataset; none if it draws none."""
+        draw = getattr(self.module, "figures", None)
+        return () if draw is None else tuple(draw(data))
+
+    def findings(self, data: xr.Dataset) -> tuple[str, ...]:
+        """Return its sentences on a dataset."""
+        say = getattr(self.module, "findings", None)
+        return () if say is None else tuple(say(data))
+
+
+def studies() -> Mapping[str, Study]:
+    """Return all studies by name; a name is that of its module with hyphens."""
+    names = sorted(info.name for info in pkgutil.iter_modules(__path__) if not info.name.startswith("_"))
+    found = (importlib.import_module(f"{__name__}.{name}") for name in names)
+    return {
+        name.replace("_", "-"): Study(name=name.replace("_", "-"), module=module)
+        for name, module in zip(names, found, strict=True)
+    }
+
+
+def find_study(name: str) -> Study:
+    """Return one study.
+
+    Raises
+    ------
+    UsageError
+        For an unknown name.
+    """
+    known = studies()
+    if name not in known:
+        raise UsageError(f"study {name!r}: no such study; one of: {', '.join(known) or 'none yet'}")
+    return known[name]
+
+
+def _parse(kind: Any, text: str) -> Any:
+    item = _item(kind)
+    if item is not None:
+        return tuple(_parse(item, part.strip()) for part in text.split(",") if part.strip())
+    if kind is bool:
+        if text.lower() not in ("true", "false", "yes", "no"):
+            raise ValueError(text)
+        return text.lower() in ("true", "yes")
+    return kind(text)
+
+
+def _bare(kind: Any) -> Any:
+    """Return the kind without the None that an option which may be left out allows."""
+    kinds = [part for part in typing.get_args(kind) if part is not type(None)]
+    return kinds[0] if typing.get_origin(kind) in (typing.Union, types.UnionType) else kind
+
+
+def _item(kind: Any) -> Any:
+    """Kind of the items of a tuple; None for a single value."""
+    arguments = typing.get_args(kind)
+    return arguments[0] if typing.get_origin(kind) is tuple else None
+
+
+def _kind_words(kind: Any) -> str:
+    words = {int: "a whole number", float: "a number", str: "a text", bool: "true or false"}
+    item = _item(kind)
+    return words.get(kind, "a text") if item is None else words[item].removeprefix("a ") + "s with commas"
+
+
+def _default_words(value: Any) -> str:
+    return ",".join(map(str, value)) if isinstance(value, tuple) else str(value)

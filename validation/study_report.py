@@ -1,0 +1,139 @@
+"""What a study leaves behind: data.nc, data.csv, figures and a report, all made from its dataset."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from validation.drawing import write_drawings
+from validation.errors import UsageError
+from validation.files import atomic_path
+from validation.papers import papers
+from validation.studies import Study, find_study
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from validation.bench import Bench
+
+__all__ = ["StudyOutputs", "is_study", "report_study", "run_study"]
+
+_RECORD = "study.json"
+_FORMAT = "fem-contact study 1"
+_ROWS_SHOWN = 60
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StudyOutputs:
+    """What a study left behind; the report is the first file."""
+
+    data: xr.Dataset
+    findings: tuple[str, ...]
+    files: tuple[Path, ...]
+
+
+def run_study(study: Study, options: Mapping[str, Any], folder: Path, *, bench: Bench) -> StudyOutputs:
+    """Run a study on a bench and write its outputs into a folder."""
+    data = study.run(bench=bench, **options)
+    said = {
+        "format": _FORMAT,
+        "study": study.name,
+        "options": {name: _plain(value) for name, value in _all_options(study, options).items()},
+    }
+    with atomic_path(folder / _RECORD) as draft:
+        draft.write_text(json.dumps(said, indent=2) + "\n", encoding="utf-8")
+    with atomic_path(folder / "data.nc") as draft:
+        data.to_netcdf(draft, engine="netcdf4")
+    return report_study(folder)
+
+
+def _all_options(study: Study, options: Mapping[str, Any]) -> dict[str, Any]:
+    return {name: option.default for name, option in study.options.items()} | dict(options)
+
+
+def _plain(value: Any) -> Any:
+    return value.model_dump(mode="json", exclude_none=True) if hasattr(value, "model_dump") else value
+
+
+def is_study(folder: Path) -> bool:
+    """Whether a results folder is that of a study."""
+    return (folder / _RECORD).exists()
+
+
+def report_study(folder: Path) -> StudyOutputs:
+    """Write tables, figures and report of a study again, from its stored dataset alone.
+
+    Raises
+    ------
+    UsageError
+        For a folder that holds no finished study of this version.
+    """
+    import xarray as xr
+
+    from validation.report import render, versions
+
+    try:
+        said = json.loads((folder / _RECORD).read_text(encoding="utf-8"))
+        study = find_study(said["study"])
+        with xr.open_dataset(folder / "data.nc", engine="netcdf4") as stored:
+            data = stored.load()
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise UsageError(f"{folder}: holds no finished study ({error})") from None
+    with atomic_path(folder / "data.csv") as draft:
+        data.to_dataframe().reset_index().to_csv(draft, index=False)
+    findings = study.findings(data)
+    page = render(
+        "study.html.j2",
+        title=f"Study: {study.name}",
+        question=study.question,
+        findings=findings,
+        tables=_tables(data),
+        figures=write_drawings(study.figures(data), folder),
+        settings=json.dumps(said["options"], indent=2),
+        seeds=_seeds(said["options"]),
+        versions=versions(),
+        papers=papers(str(data.attrs.get("methods", "theory bem perimeter")).split()),
+    )
+    report = folder / "report.html"
+    with atomic_path(report) as draft:
+        draft.write_text(page, encoding="utf-8")
+    files = (report, folder / "data.csv", folder / "data.nc", folder / "figures")
+    return StudyOutputs(data=data, findings=findings, files=files)
+
+
+def _seeds(options: Mapping[str, Any]) -> str:
+    found = options.get("seeds", options.get("seed"))
+    if found is None:
+        return "see the options below"
+    return ", ".join(map(str, found)) if isinstance(found, (list, tuple)) else str(found)
+
+
+def _tables(data: xr.Dataset) -> list[dict[str, Any]]:
+    """One table for each set of dimensions, of at most 60 rows."""
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for name, variable in data.data_vars.items():
+        groups.setdefault(tuple(map(str, variable.dims)), []).append(str(name))
+    tables = []
+    for dimensions, names in groups.items():
+        if not dimensions:
+            continue
+        frame = data[names].to_dataframe().reset_index()[[*dimensions, *names]]
+        rows = [tuple(map(_cell, row)) for row in frame.head(_ROWS_SHOWN).itertuples(index=False)]
+        columns = [_column(data, name) for name in frame.columns]
+        tables.append({"columns": columns, "rows": rows, "left_out": max(0, len(frame) - _ROWS_SHOWN)})
+    return tables
+
+
+def _column(data: xr.Dataset, name: str) -> str:
+    unit = data[name].attrs.get("units", "1") if name in data.variables else "1"
+    return name if unit == "1" else f"{name} [{unit}]"
+
+
+def _cell(value: Any) -> str:
+    if isinstance(value, float):
+        return "" if math.isnan(value) else f"{value:.5g}"
+    return str(value)
