@@ -1,7 +1,7 @@
 """Measures one plain elastic solve of a scene in a fresh interpreter; run as a script, prints JSON.
 
 Kept free of test code so that it can be run against any version of the packages:
-``PYTHONPATH=<checkout> python tests/absent_probe.py``. An argument may give the effects of the scene, as JSON.
+``PYTHONPATH=<checkout> python tests/absent_probe.py``. An argument gives the effects of the scene as JSON.
 """
 
 import json

@@ -52,7 +52,8 @@ def check_effects(scene: Scene) -> None:
     UsageError
         Naming the key, the method, and what is allowed.
     """
-    if scene.methods.fem is not None and scene.solid.poisson > 0.49:
+    fem = scene.methods.fem
+    if fem is not None and fem.method == "full" and scene.solid.poisson > 0.49:
         raise UsageError(
             f"solid.poisson = {scene.solid.poisson!r}: method 'fem' locks above 0.49 with elements of "
             "displacement alone; leave [methods.fem] out or lower it"
@@ -110,7 +111,7 @@ def predicted_cost(job: Job, *, pair_seconds: float = 1.5e-3) -> Prediction:
         )
     from fem_contact.block import estimate
 
-    settings = dict(job.settings)
+    settings: dict[str, Any] = dict(job.settings)
     unknowns = estimate(
         job.grid, job.surface.length, depth=settings.get("depth"), growth=settings["growth"]
     ).unknowns

@@ -37,7 +37,7 @@ class Job:
         Sub-grid shift of the surface, in parts of a cell.
     surface, solid, load
         Tables of the scene.
-    settings : tuple of (str, float)
+    settings : tuple of (str, value)
         What else the method was told, such as its tolerance; only what was said.
     """
 
@@ -48,7 +48,7 @@ class Job:
     surface: SelfAffineSurface | FileSurface
     solid: SolidSpec
     load: Load
-    settings: tuple[tuple[str, float], ...] = ()
+    settings: tuple[tuple[str, float | str], ...] = ()
 
     @cached_property
     def recipe(self) -> dict[str, Any]:
@@ -96,7 +96,7 @@ def jobs_of(scene: Scene) -> tuple[Job, ...]:
     jobs: list[Job] = []
     bem, fem = scene.methods.bem, scene.methods.fem
     if bem is not None:
-        settings: tuple[tuple[str, float], ...] = (("tolerance", bem.tolerance),)
+        settings: tuple[tuple[str, float | str], ...] = (("tolerance", bem.tolerance),)
         steps = [k / bem.shifts for k in range(bem.shifts)]
         for grid, shift in itertools.product(sorted(bem.grids), itertools.product(steps, steps)):
             jobs.append(Job(method="bem", grid=grid, shift=shift, settings=settings, **common))
@@ -106,7 +106,7 @@ def jobs_of(scene: Scene) -> tuple[Job, ...]:
             ):
                 jobs.append(Job(method="bem", grid=grid, realisation=k, settings=settings, **common))
     if fem is not None:
-        said = {"tolerance": fem.tolerance, "growth": fem.growth, "depth": fem.depth}
+        said = {"method": fem.method, "tolerance": fem.tolerance, "growth": fem.growth, "depth": fem.depth}
         settings = tuple((name, value) for name, value in said.items() if value is not None)
         jobs.extend(Job(method="fem", grid=grid, settings=settings, **common) for grid in sorted(fem.grids))
     return tuple({job.key: job for job in jobs}.values())

@@ -242,6 +242,9 @@ class BemMethod(_Gridded):
 class FemMethod(_Gridded):
     """Finite-element block on these surface grids."""
 
+    method: Literal["full", "reduced"] = Field(
+        default="full", description="the whole system, or its exact reduction to the surface"
+    )
     depth: Length | None = Field(default=None, description="depth of the block; default: the longer period")
     growth: Number = Field(
         default=1.2, ge=1, le=4, description="ratio of the thicknesses of successive layers"
