@@ -131,7 +131,19 @@ class ExponentialSolid:
 
     def compliance(self, qx: Array, qy: Array) -> Array:
         """Return C(q) [m/Pa], 0 at q = 0."""
-        return _on_distinct(np.hypot(qx, qy), self._compliance)
+        return _on_distinct(np.hypot(qx, qy), self._smooth)
+
+    def _smooth(self, q: Array) -> Array:
+        """Compliance of many waves, from a spline through q C(q) of fewer."""
+        if q.size <= _TABULATED:
+            return self._compliance(q)
+        from scipy.interpolate import CubicSpline
+
+        # The spline's error, (step / 10)^4 or so, is far below that of the sublayers.
+        place = np.log(q / q[0])
+        nodes = np.linspace(0.0, place[-1], _TABULATED)
+        table = q[0] * np.exp(nodes)
+        return np.asarray(CubicSpline(nodes, table * self._compliance(table))(place) / q)
 
     def _compliance(self, q: Array) -> Array:
         # What lies below min(30 d, 30 / q) is bulk, or out of reach of the wave. Depths are denser near the
@@ -148,6 +160,10 @@ class ExponentialSolid:
             thickness = q * reach * (bottom - top)
             impedance = young * _through(bulk, thickness, impedance / young)
         return _surface(impedance) / q
+
+
+#: Waves up to which every one is computed, and the number a spline goes through beyond.
+_TABULATED = 512
 
 
 def _on_distinct(q: Array, compliance: Callable[[Array], Array]) -> Array:

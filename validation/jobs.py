@@ -13,6 +13,7 @@ from typing import Any
 from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
+from validation.effect_tables import EffectSpec
 from validation.scene import FileSurface, Load, Scene, SelfAffineSurface, SolidSpec
 from validation.surfaces import file_digest, height_field, reference_field
 
@@ -49,6 +50,7 @@ class Job:
     solid: SolidSpec
     load: Load
     settings: tuple[tuple[str, float | str], ...] = ()
+    effects: tuple[EffectSpec, ...] = ()
 
     @cached_property
     def recipe(self) -> dict[str, Any]:
@@ -58,7 +60,7 @@ class Job:
             surface["path"] = file_digest(self.surface)
         else:
             surface["seed"] = self.surface.seed + self.realisation
-        return {
+        recipe = {
             "results_version": RESULTS_VERSION,
             "method": self.method,
             "grid": list(self.grid),
@@ -68,6 +70,10 @@ class Job:
             "load": self.load.model_dump(mode="json"),
             "settings": dict(self.settings),
         }
+        if self.effects:
+            # Left out otherwise, so that plain solves keep their names.
+            recipe["effects"] = [effect.model_dump(mode="json") for effect in self.effects]
+        return recipe
 
     @cached_property
     def key(self) -> str:
@@ -92,7 +98,12 @@ class Job:
 
 def jobs_of(scene: Scene) -> tuple[Job, ...]:
     """List the solves of a scene, coarse grids first; one that is asked for twice is listed once."""
-    common: dict[str, Any] = {"surface": scene.surface, "solid": scene.solid, "load": scene.load}
+    common: dict[str, Any] = {
+        "surface": scene.surface,
+        "solid": scene.solid,
+        "load": scene.load,
+        "effects": scene.effects,
+    }
     jobs: list[Job] = []
     bem, fem = scene.methods.bem, scene.methods.fem
     if bem is not None:
@@ -144,6 +155,14 @@ def execute(job: Job, *, threads: int | None = None) -> Solved:
     pressure = nominal_pressure(
         job.load, job.solid, reference_field(job.surface, realisation=job.realisation)
     )
+    if job.method == "bem" and job.effects:
+        from validation.slots import solve_bem
+
+        return Solved(
+            contact=solve_bem(
+                field, solid, effects=job.effects, mean_pressure=pressure, threads=threads, **settings
+            )
+        )
     if job.method == "bem":
         from fem_contact import bem
         from fem_contact.response import HalfSpace
@@ -154,6 +173,10 @@ def execute(job: Job, *, threads: int | None = None) -> Solved:
         )
     from fem_contact import block
 
+    if job.effects:
+        from validation.slots import block_arguments
+
+        settings |= block_arguments(solid, job.effects)
     solution = block.solve(field, solid, mean_pressure=pressure, **({"method": "full"} | settings))
     return Solved(contact=solution.contact, block=solution)
 

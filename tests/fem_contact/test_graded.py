@@ -127,6 +127,13 @@ def test_other_units_of_length_and_pressure_change_no_bit():
         )
 
 
+def test_many_waves_are_interpolated_to_far_below_the_error_of_the_sublayers():
+    q = np.geomspace(0.1, 1e4, 5000)
+    many = exponential().compliance(q, np.zeros_like(q))
+    few = exponential().compliance(q[::50], np.zeros(100))
+    np.testing.assert_allclose(many[::50], few, rtol=1e-8)
+
+
 def test_the_mean_is_left_out_and_directions_do_not_matter():
     graded = exponential()
     values = graded.compliance(np.array([0.0, 3.0, -3.0]), np.array([0.0, 4.0, -4.0]))

@@ -27,8 +27,8 @@ def compared(q, ratio):
 def test_where_the_profile_changes_little_over_a_wave_the_weighting_errs_by_four_and_eleven_percent(
     ratio, found
 ):
-    # The range the theory claims, max E'/(E q) < 1: waves of about the depth of the profile feel a modulus that
-    # is taken 4 % too soft when the bulk is twice as stiff as the surface, 11 % too stiff when it is half.
+    # The range the theory claims is max E'/(E q) < 1. Waves as long as the profile is deep feel a modulus
+    # that is taken 4 % too soft when the bulk is twice as stiff as the surface, 11 % too stiff if it is half.
     share, grading = compared(np.geomspace(0.2, 100, 25), ratio)
     inside = grading < 1
     assert inside.sum() > 10
