@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import sys
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,6 +16,7 @@ from validation.cli_options import (
     JsonOption,
     MemoryOption,
     OutputOption,
+    PicturesOption,
     QuietOption,
     SceneArgument,
     SchedulerOption,
@@ -29,6 +32,7 @@ from validation.cli_surface import surface_app
 from validation.errors import RunFailed, UsageError
 
 if TYPE_CHECKING:
+    from validation.paper.claims import ClaimRow
     from validation.studies import Study
 
 __all__ = ["app", "main"]
@@ -61,6 +65,7 @@ def run(
     scheduler: SchedulerOption = None,
     memory: MemoryOption = None,
     dry_run: DryRunOption = False,
+    pictures: PicturesOption = None,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -87,7 +92,14 @@ def run(
         print_plan(jobs_of(loaded), Store(folder=store_folder), as_json=as_json)
         return
     with stopping_cleanly(), Bar(quiet=quiet or said.quiet or as_json) as bar:
-        outputs = run_scene(loaded, folder, progress=bar, execution=execution, store_folder=store_folder)
+        outputs = run_scene(
+            loaded,
+            folder,
+            progress=bar,
+            execution=execution,
+            store_folder=store_folder,
+            pictures=said.pictures if pictures is None else pictures,
+        )
     if as_json:
         typer.echo(json.dumps(outputs.comparison.summary(), indent=2))
         return
@@ -215,16 +227,47 @@ def validate(
         typer.echo(f"all {len(verdicts)} cases passed")
 
 
+@app.command(epilog="Examples: fem-contact reproduce  |  fem-contact reproduce --no-figures --json")
+def reproduce(
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder for figures and claims.")
+    ] = None,
+    figures: Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the figures, too.")] = True,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Recompute Persson (2006): every calculated figure and every claim with a number, and say what holds."""
+    from validation import reproduce as reproduction
+    from validation.files import prepare_folder
+    from validation.progress import steps_bar
+
+    folder = prepare_folder(output or Path("results") / "persson-2006")
+    with (
+        stopping_cleanly(),
+        steps_bar(reproduction.steps() if figures else None, quiet=quiet or as_json) as tell,
+    ):
+        rows = reproduction.run(folder, figures=figures, progress=tell)
+    if as_json:
+        typer.echo(json.dumps([dataclasses.asdict(row) for row in rows], indent=2))
+        return
+    show(_claims_table(rows))
+    typer.echo(f"Written: {folder}")
+
+
 @app.command(epilog="Example: fem-contact report results/quickstart")
 def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="Results folder of a run or a study.")],
+    pictures: PicturesOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Write the report of a finished run or study again, from stored results alone. Solves nothing."""
     from validation.run import report_run
     from validation.study_report import is_study, report_study
 
-    files = report_study(folder).files if is_study(folder) else report_run(folder).files
+    if is_study(folder):
+        files = report_study(folder).files
+    else:
+        files = report_run(folder, pictures=pictures is not False).files
     if as_json:
         typer.echo(json.dumps([str(path) for path in files], indent=2))
     else:
@@ -283,6 +326,19 @@ def _list_studies(known: list[Study], *, as_json: bool) -> None:
         typer.echo(f"{found.name}: {found.question}" + ("  [takes a SCENE]" if found.takes_scene else ""))
         for option in found.options.values():
             typer.echo(f"    {option.words}")
+
+
+def _claims_table(rows: Sequence[ClaimRow]) -> Any:
+    from rich.table import Table
+
+    table = Table(title="Numbers of Persson (2006)")
+    names = [field.name for field in dataclasses.fields(rows[0])]
+    for name in names:
+        table.add_column(name, overflow="fold")
+    for row in rows:
+        values = (getattr(row, name) for name in names)
+        table.add_row(*(v if isinstance(v, str) else f"{v:.4g}" for v in values))
+    return table
 
 
 def main() -> None:

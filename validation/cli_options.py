@@ -23,6 +23,7 @@ __all__ = [
     "JsonOption",
     "MemoryOption",
     "OutputOption",
+    "PicturesOption",
     "QuietOption",
     "SceneArgument",
     "SchedulerOption",
@@ -77,6 +78,9 @@ MemoryOption = Annotated[
 ]
 DryRunOption = Annotated[
     bool, typer.Option("--dry-run", help="List the solves with predicted time and memory; do none.")
+]
+PicturesOption = Annotated[
+    bool | None, typer.Option("--pictures/--no-pictures", help="3-D pictures in the report; some seconds.")
 ]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar; for logs.")]
 

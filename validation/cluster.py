@@ -56,7 +56,7 @@ def solve_on_cluster(
         store = replace(store, folder=store.folder.resolve())
         waiting = list(jobs)
         submitted: dict[str, Job] = {}
-        pending: Any = distributed.as_completed(raise_errors=False)
+        pending: Any = distributed.as_completed(loop=client.loop, raise_errors=False)
 
         def hand_out() -> None:
             while waiting and len(submitted) < _AHEAD * len(limits):
@@ -76,7 +76,7 @@ def solve_on_cluster(
         client.close()
 
 
-def _connected(address: str) -> Any:
+def _connected(address: str, *, timeout: float = 10) -> Any:
     try:
         from distributed import Client
     except ImportError:
@@ -84,7 +84,7 @@ def _connected(address: str) -> Any:
             f"--scheduler = {address!r}: needs Dask; install it with: pip install 'fem-contact[cluster]'"
         ) from None
     try:
-        return Client(address, timeout=10, set_as_default=False)
+        return Client(address, timeout=timeout, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise UsageError(

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-__all__ = ["Drawing", "Written", "write_drawings"]
+__all__ = ["Drawing", "Written", "frames", "write_csv", "write_drawings"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -47,6 +47,29 @@ class Written:
     files: tuple[str, ...]
 
 
+def frames(data: xr.Dataset) -> dict[tuple[str, ...], Any]:
+    """Return one data frame for each set of dimensions: together they would be multiplied out."""
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for name, variable in data.data_vars.items():
+        if variable.dims:
+            groups.setdefault(tuple(map(str, variable.dims)), []).append(str(name))
+    return {
+        dimensions: data[names].to_dataframe().reset_index()[[*dimensions, *names]]
+        for dimensions, names in groups.items()
+    }
+
+
+def write_csv(data: xr.Dataset, path: Path) -> tuple[Path, ...]:
+    """Write a dataset as CSV; variables of other dimensions than the first go into files of their own."""
+    written = []
+    for k, (dimensions, frame) in enumerate(frames(data).items()):
+        target = path if k == 0 else path.with_stem(f"{path.stem}-{'-'.join(dimensions)}")
+        with atomic_path(target) as draft:
+            frame.to_csv(draft, index=False)
+        written.append(target)
+    return tuple(written)
+
+
 def write_drawings(drawings: Sequence[Drawing], folder: Path) -> tuple[Written, ...]:
     """Write figures and their data into `folder`/figures; return what a report embeds."""
     from markupsafe import Markup
@@ -61,8 +84,7 @@ def write_drawings(drawings: Sequence[Drawing], folder: Path) -> tuple[Written, 
         for suffix in ("svg", "pdf"):
             with atomic_path(paths[suffix]) as draft:
                 plots.save_figure(drawing.figure, draft)
-        with atomic_path(paths["csv"]) as draft:
-            drawing.data.to_dataframe().reset_index().to_csv(draft, index=False)
+        write_csv(drawing.data, paths["csv"])
         with atomic_path(paths["nc"]) as draft:
             drawing.data.to_netcdf(draft, engine="netcdf4")
         text = paths["svg"].read_text(encoding="utf-8")

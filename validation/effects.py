@@ -40,12 +40,19 @@ HANDLED_BY: dict[str, frozenset[str]] = {
     "cracks": frozenset(),
 }
 
-#: FFT pairs of a boundary-element solve at tolerance 1e-8 and A/A0 of a few percent (measured).
-_PAIRS_PER_SOLVE = 150
-#: Seconds of a finite-element solve per unknown, in units of one pair of 256^2 transforms (measured).
-_FEM_PAIRS_PER_UNKNOWN = 0.13
-_BEM_ARRAYS = 12
-_FEM_BYTES_PER_UNKNOWN = 4700
+# Measured on one thread, in units of a pair of real 256 x 256 transforms, which tells one machine from
+# another.
+#: What a solve costs whatever its grid: surface, set-up, storing.
+_FIXED_PAIRS = 20.0
+#: Boundary elements, per pair of transforms on the grid; 25 to 30 are needed, and the passes between them
+#: cost.
+_BEM_PAIRS = 80.0
+#: The reduced block takes as many, and makes its compliance first.
+_REDUCED_PAIRS = 110.0
+#: The whole block, per unknown: assembly, active sets, export.
+_FULL_PAIRS_PER_UNKNOWN = 0.17
+_SURFACE_BYTES_PER_POINT, _FIXED_BYTES = 15 * 8, 3 * 2**19
+_FULL_BYTES_PER_UNKNOWN = 4900
 
 
 def check_effects(scene: Scene) -> None:
@@ -100,8 +107,8 @@ def transform_seconds(n: int = 256) -> float:
     return sorted(times)[2]
 
 
-def predicted_cost(job: Job, *, pair_seconds: float = 1.5e-3) -> Prediction:
-    """Predict the cost of a job.
+def predicted_cost(job: Job, *, pair_seconds: float = 0.5e-3) -> Prediction:
+    """Predict the cost of a job on one thread, storing included, beyond what an idle process takes.
 
     Parameters
     ----------
@@ -110,26 +117,23 @@ def predicted_cost(job: Job, *, pair_seconds: float = 1.5e-3) -> Prediction:
         Time of one pair of 256 x 256 transforms on this machine, from `transform_seconds` [s].
     """
     points = job.grid[0] * job.grid[1]
-    if job.method == "bem":
-        scale = points * math.log2(points) / (256**2 * 16)
-        for effect in job.effects:
-            scale *= COST.get(effect.kind, 1.0)
-        return Prediction(
-            seconds=2e-3 + _PAIRS_PER_SOLVE * pair_seconds * scale,
-            peak_bytes=_BEM_ARRAYS * 8 * points,
-            unknowns=points,
-        )
-    from fem_contact.block import estimate
+    scale = points * math.log2(points) / (256**2 * 16)
+    dearer = math.prod(COST.get(effect.kind, 1.0) for effect in job.effects)
+    pairs, unknowns = _FIXED_PAIRS + _BEM_PAIRS * dearer * scale, points
+    size = _FIXED_BYTES + _SURFACE_BYTES_PER_POINT * points
+    if job.method == "fem":
+        from fem_contact.block import estimate
 
-    settings: dict[str, Any] = dict(job.settings)
-    unknowns = estimate(
-        job.grid, job.surface.length, depth=settings.get("depth"), growth=settings["growth"]
-    ).unknowns
-    return Prediction(
-        seconds=_FEM_PAIRS_PER_UNKNOWN * pair_seconds * unknowns,
-        peak_bytes=_FEM_BYTES_PER_UNKNOWN * unknowns,
-        unknowns=unknowns,
-    )
+        settings: dict[str, Any] = dict(job.settings)
+        method = settings.get("method", "full")
+        mesh = {name: settings[name] for name in ("depth", "growth") if name in settings}
+        unknowns = estimate(job.grid, job.surface.length, method=method, **mesh).unknowns
+        if method == "full":
+            pairs = _FIXED_PAIRS + _FULL_PAIRS_PER_UNKNOWN * unknowns
+            size = _FIXED_BYTES + _FULL_BYTES_PER_UNKNOWN * unknowns
+        else:
+            pairs = _FIXED_PAIRS + _REDUCED_PAIRS * scale
+    return Prediction(seconds=pairs * pair_seconds, peak_bytes=size, unknowns=unknowns)
 
 
 def available_memory() -> int:
@@ -139,12 +143,22 @@ def available_memory() -> int:
     return int(0.9 * psutil.virtual_memory().available)
 
 
+def memory_words(size: float) -> str:
+    """Return an amount of memory in words.
+
+    >>> memory_words(3 * 2**20), memory_words(2.5 * 2**30)
+    ('3 MiB', '2.5 GiB')
+    """
+    return f"{size / 2**30:.3g} GiB" if size >= 2**30 else f"{size / 2**20:.3g} MiB"
+
+
 def too_large(job: Job, limit: int, *, where: str = "here") -> str:
     """Say that a job does not fit into memory, and what to do."""
     needed = predicted_cost(job).peak_bytes
     return (
-        f"{job.describe()}: needs about {needed / 2**30:.3g} GiB; {where} {limit / 2**30:.3g} GiB are free "
-        "for it; leave the grid out, run it on a larger machine, or raise the limit with --memory"
+        f"{job.describe()}: needs about {memory_words(needed)} and {where} {memory_words(limit)} are free "
+        "for it; "
+        "leave the grid out, run it on a larger machine, or raise the limit with --memory"
     )
 
 

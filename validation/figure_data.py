@@ -112,13 +112,21 @@ def pressure_at_zero_data(c: Comparison, results: dict[str, list[ContactResult]]
 
 
 def pressure_maps_data(results: dict[str, ContactResult]) -> xr.Dataset:
-    """Pressure [Pa] of each solver on its points; NaN outside contact."""
-    import xarray as xr
-
-    data, coords = {}, {}
-    for k, (label, result) in enumerate(results.items()):
-        pressure = np.where(result.in_contact, result.pressure, np.nan)
-        data[f"pressure_{k}"] = ((f"x_{k}", f"y_{k}"), pressure, {"units": "Pa", "long_name": label})
-        for axis, count, step in zip("xy", result.shape, result.spacing, strict=True):
-            coords[f"{axis}_{k}"] = (f"{axis}_{k}", np.arange(count) * step, {"units": "m"})
-    return xr.Dataset(data, coords=coords)
+    """Pressure [Pa] of each solver at its points, one after the other; NaN outside contact."""
+    solvers: list[str] = []
+    x, y, pressure = [], [], []
+    for label, result in results.items():
+        (nx, ny), (dx, dy) = result.shape, result.spacing
+        solvers += [label] * (nx * ny)
+        x.append(np.repeat(np.arange(nx) * dx, ny))
+        y.append(np.tile(np.arange(ny) * dy, nx))
+        pressure.append(np.where(result.in_contact, result.pressure, np.nan).ravel())
+    return _table(
+        "point",
+        {
+            "solver": (solvers, "1", "solver and grid"),
+            "x": (np.concatenate(x), "m", "position"),
+            "y": (np.concatenate(y), "m", "position"),
+            "pressure": (np.concatenate(pressure), "Pa", "contact pressure, none where there is no contact"),
+        },
+    )

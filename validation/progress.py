@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from validation.jobs import Job
 
-__all__ = ["Bar"]
+__all__ = ["Bar", "steps_bar"]
 
 
 class Bar:
@@ -58,3 +60,19 @@ class Bar:
     def note(self, text: str) -> None:
         """Print a line above the bar."""
         self._console.print(f"fem-contact: {text}", markup=False, soft_wrap=True)
+
+
+@contextlib.contextmanager
+def steps_bar(count: int | None, *, quiet: bool) -> Iterator[Callable[[str], None]]:
+    """Progress bar over named steps; yields what is to be called before each."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+    columns = (TextColumn("{task.description:.60}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), disable=quiet) as progress:
+        task = progress.add_task("", total=count, completed=-1)
+
+        def tell(name: str) -> None:
+            progress.update(task, advance=1, description=name)
+
+        yield tell

@@ -6,7 +6,7 @@ import csv
 import dataclasses
 import json
 import platform
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,7 @@ from validation.drawing import Drawing, Written, write_drawings
 from validation.files import atomic_path
 from validation.jobs import Job, block_file, jobs_of
 from validation.papers import papers
-from validation.pictures import Pictures, block_pictures
+from validation.pictures import Pictures, render_stored
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -93,7 +93,9 @@ def console_table(comparison: Comparison) -> Table:
     return table
 
 
-def write_outputs(comparison: Comparison, store: Store, folder: Path) -> tuple[Path, ...]:
+def write_outputs(
+    comparison: Comparison, store: Store, folder: Path, *, pictures: bool = False
+) -> tuple[Path, ...]:
     """Write tables, figures and report; return what there is to open: files, and the folder of fields.
 
     Parameters
@@ -103,6 +105,8 @@ def write_outputs(comparison: Comparison, store: Store, folder: Path) -> tuple[P
         Where the solves are; fields for the figures are read from it.
     folder : Path
         Results folder.
+    pictures : bool
+        Whether to render 3-D pictures, too; that takes seconds.
     """
     table, summary, report = folder / "table.csv", folder / "summary.json", folder / "report.html"
     with atomic_path(table) as draft:
@@ -113,8 +117,9 @@ def write_outputs(comparison: Comparison, store: Store, folder: Path) -> tuple[P
     figures = write_drawings(_drawings(comparison, shown), folder)
     blocks = [block_file(store.folder, job) for job in jobs_of(comparison.scene) if job.method == "fem"]
     blocks = [path for path in blocks if path.exists()]
+    images = _pictures(shown, store, folder) if pictures else Pictures(missing="not asked for")
     with atomic_path(report) as draft:
-        draft.write_text(_html(comparison, figures, blocks), encoding="utf-8")
+        draft.write_text(_html(comparison, figures, images), encoding="utf-8")
     return (report, table, summary, folder / "figures", *blocks, store.folder)
 
 
@@ -205,9 +210,13 @@ def _side_by_side(shown: dict[Job, ContactResult]) -> dict[str, ContactResult]:
     return dict(last.values())
 
 
-def _pictures(blocks: Sequence[Path]) -> Pictures:
-    """Return a 3-D picture of the finest deformed block, or the word why there is none."""
-    return block_pictures(max(blocks, key=lambda path: path.stat().st_size, default=None))
+def _pictures(shown: Iterable[Job], store: Store, folder: Path) -> Pictures:
+    """Render the finest finite-element solve, or the finest of all, of the surface as it stands."""
+    solves = [job for job in shown if job.shift == (0.0, 0.0)]
+    if not solves:
+        return Pictures(missing="no solve of the surface as it stands")
+    job = max(solves, key=lambda job: (job.method == "fem", job.grid[0] * job.grid[1]))
+    return render_stored(store.path(job), folder / "figures" / "surface-3d.png", label=_label(job))
 
 
 def versions() -> dict[str, str]:
@@ -216,7 +225,7 @@ def versions() -> dict[str, str]:
     return {"Python": platform.python_version(), **{name: metadata.version(name) for name in names}}
 
 
-def _html(comparison: Comparison, figures: Sequence[Written], blocks: Sequence[Path]) -> str:
+def _html(comparison: Comparison, figures: Sequence[Written], pictures: Pictures) -> str:
     methods = comparison.scene.methods
     used = {name for name in ("theory", "bem", "fem") if getattr(methods, name) is not None}
     measured = {"measured"} if comparison.treatment else set()
@@ -228,7 +237,7 @@ def _html(comparison: Comparison, figures: Sequence[Written], blocks: Sequence[P
         rows=[_cells(row) for row in comparison.rows],
         summary_rows=_summary_rows(comparison),
         figures=figures,
-        pictures=_pictures(blocks),
+        pictures=pictures,
         settings=json.dumps(comparison.scene.model_dump(mode="json", exclude_none=True), indent=2),
         seeds=_seeds(comparison.scene),
         versions=versions(),

@@ -142,6 +142,7 @@ def run_scene(
     progress: Progress | None = None,
     execution: Execution | None = None,
     store_folder: Path | None = None,
+    pictures: bool = False,
 ) -> Outputs:
     """Run a scene into a folder; finished solves found in the store are used, not repeated.
 
@@ -155,6 +156,8 @@ def run_scene(
         Where the solves run; in this process if not given.
     store_folder : Path, optional
         Where the solves are kept, to be shared with other runs and studies; `folder`/solves if not given.
+    pictures : bool
+        Whether the report gets 3-D pictures, rendered off screen in some seconds.
 
     Raises
     ------
@@ -170,13 +173,13 @@ def run_scene(
     _record(scene, folder, store)
     jobs = jobs_of(scene)
     solved = solve_jobs(jobs, store, progress=progress, execution=execution)
-    comparison, files = _compared(scene, store, folder)
+    comparison, files = _compared(scene, store, folder, pictures=pictures)
     return Outputs(
         comparison=comparison, folder=folder, files=files, solved=solved, reused=len(jobs) - solved
     )
 
 
-def report_run(folder: Path) -> Outputs:
+def report_run(folder: Path, *, pictures: bool = False) -> Outputs:
     """Write tables, figures and report of a finished run again, from its stored solves alone.
 
     Raises
@@ -187,16 +190,18 @@ def report_run(folder: Path) -> Outputs:
         When a solve of the run is missing.
     """
     scene, store = load_run(folder)
-    comparison, files = _compared(scene, store, prepare_folder(folder))
+    comparison, files = _compared(scene, store, prepare_folder(folder), pictures=pictures)
     return Outputs(comparison=comparison, folder=folder, files=files, solved=0, reused=len(jobs_of(scene)))
 
 
-def _compared(scene: Scene, store: Store, folder: Path) -> tuple[Comparison, tuple[Path, ...]]:
+def _compared(
+    scene: Scene, store: Store, folder: Path, *, pictures: bool
+) -> tuple[Comparison, tuple[Path, ...]]:
     from validation.comparison import compare
     from validation.report import write_outputs
 
     comparison = compare(scene, store)
-    return comparison, write_outputs(comparison, store, folder)
+    return comparison, write_outputs(comparison, store, folder, pictures=pictures)
 
 
 def _record(scene: Scene, folder: Path, store: Store) -> None:
@@ -315,7 +320,8 @@ def attempt(job: Job, store: Store, *, threads: int | None = None) -> Outcome:
             with threadpool_limits(threads):
                 solved = execute(job, threads=threads)
         solved.contact.checked()
-        if solved.block is not None:
+        # The reduced method never holds the inside of the block, which may be a thousand times the surface.
+        if solved.block is not None and dict(job.settings).get("method", "full") == "full":
             from fem_contact.export import write_block
 
             with atomic_path(block_file(store.folder, job)) as draft:
@@ -338,6 +344,6 @@ def _failed(failures: Sequence[Outcome], tried: int) -> str:
 
 def _refuse_too_large(jobs: Sequence[Job], execution: Execution) -> None:
     limit = available_memory() if execution.memory is None else execution.memory
-    for job in jobs:
-        if predicted_cost(job).peak_bytes > limit:
-            raise UsageError(too_large(job, limit))
+    largest = max(jobs, key=lambda job: predicted_cost(job).peak_bytes, default=None)
+    if largest is not None and predicted_cost(largest).peak_bytes > limit:
+        raise UsageError(too_large(largest, limit))

@@ -18,7 +18,7 @@ from fem_contact.contact import ContactResult, Cost, Residuals, Status
 from validation.files import atomic_path, prepare_folder, remove_drafts
 from validation.jobs import Job, recipe_text
 
-__all__ = ["Store", "atomic_path", "prepare_folder", "remove_drafts"]
+__all__ = ["Store", "atomic_path", "prepare_folder", "read_result", "remove_drafts"]
 
 _FIELDS = {
     "pressure": ("Pa", "contact pressure, compression positive"),
@@ -68,7 +68,7 @@ class Store:
         if not path.exists():
             return None
         try:
-            return _from_file(path)
+            return read_result(path)
         except Exception as error:
             # What a damaged HDF5 file raises depends on the byte: anything but a result is damage.
             if isinstance(error, OSError) and error.errno in _NOT_DAMAGE:
@@ -142,7 +142,8 @@ def _attributes(job: Job, result: ContactResult) -> dict[str, Any]:
     }
 
 
-def _from_file(path: Path) -> ContactResult:
+def read_result(path: Path) -> ContactResult:
+    """Read one stored solve; whatever is wrong with the file raises."""
     import netCDF4
 
     with netCDF4.Dataset(path) as file:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from validation.drawing import write_drawings
+from validation.drawing import frames, write_csv, write_drawings
 from validation.errors import UsageError
 from validation.files import atomic_path
 from validation.papers import papers
@@ -83,8 +83,7 @@ def report_study(folder: Path) -> StudyOutputs:
             data = stored.load()
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{folder}: holds no finished study ({error})") from None
-    with atomic_path(folder / "data.csv") as draft:
-        data.to_dataframe().reset_index().to_csv(draft, index=False)
+    tables = write_csv(data, folder / "data.csv")
     findings = study.findings(data)
     page = render(
         "study.html.j2",
@@ -101,7 +100,7 @@ def report_study(folder: Path) -> StudyOutputs:
     report = folder / "report.html"
     with atomic_path(report) as draft:
         draft.write_text(page, encoding="utf-8")
-    files = (report, folder / "data.csv", folder / "data.nc", folder / "figures")
+    files = (report, *tables, folder / "data.nc", folder / "figures")
     return StudyOutputs(data=data, findings=findings, files=files)
 
 
@@ -114,14 +113,8 @@ def _seeds(options: Mapping[str, Any]) -> str:
 
 def _tables(data: xr.Dataset) -> list[dict[str, Any]]:
     """One table for each set of dimensions, of at most 60 rows."""
-    groups: dict[tuple[str, ...], list[str]] = {}
-    for name, variable in data.data_vars.items():
-        groups.setdefault(tuple(map(str, variable.dims)), []).append(str(name))
     tables = []
-    for dimensions, names in groups.items():
-        if not dimensions:
-            continue
-        frame = data[names].to_dataframe().reset_index()[[*dimensions, *names]]
+    for frame in frames(data).values():
         rows = [tuple(map(_cell, row)) for row in frame.head(_ROWS_SHOWN).itertuples(index=False)]
         columns = [_column(data, name) for name in frame.columns]
         tables.append({"columns": columns, "rows": rows, "left_out": max(0, len(frame) - _ROWS_SHOWN)})

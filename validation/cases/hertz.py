@@ -28,7 +28,7 @@ def _press(method: str, case: HertzInPeriod, n: int, shift: tuple[float, float])
     surface = case.surface(n, shift)
     if method == "bem":
         return bem.solve(surface, HalfSpace(solid=_SOLID), mean_pressure=case.load).checked()
-    return block.solve(surface, _SOLID, mean_pressure=case.load).contact.checked()
+    return block.solve(surface, _SOLID, method="full", mean_pressure=case.load).contact.checked()
 
 
 def _pressure(method: str, n: int, radius: float) -> list[Check]:

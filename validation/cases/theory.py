@@ -19,18 +19,20 @@ __all__ = ["CASES"]
 def _light_load() -> list[Check]:
     variance = float(elastic.stress_variance(1.0, contact_modulus=1.0))
     persson = float(elastic.contact_area(1e-7, stress_variance=variance)) / 1e-7
-    spectrum = SelfAffine.from_rms_gradient(1.0, hurst=0.8, q_long=1.0, q_short=100.0)
-    contact = bush_gibson_thomas(9.0, moments=spectrum.moments(), contact_modulus=1.0)
-    asperities = float(contact.area) / float(contact.pressure)
+    moments = SelfAffine.from_rms_gradient(1.0, hurst=0.8, q_long=1.0, q_short=2.0).moments()
+    asperities = []
+    for deviations in (6, 12):
+        contact = bush_gibson_thomas(deviations * moments.rms_height, moments=moments, contact_modulus=1.0)
+        asperities.append(float(contact.area) / float(contact.pressure))
+    limit = math.sqrt(2 * math.pi)
+    # The first correction is of the order of one over the square of the separation in standard deviations.
+    approach = (limit - asperities[0]) / (limit - asperities[1])
     return [
         Check.relative("kappa of Persson at p* = 1e-7", persson, math.sqrt(8 / math.pi), 1e-9),
-        # At a separation of t standard deviations the corrections are of the order 1/t^2.
         Check.relative(
-            "kappa of Bush, Gibson and Thomas at nine standard deviations",
-            asperities,
-            math.sqrt(2 * math.pi),
-            2 / 81,
+            "kappa of independent asperities at 12 standard deviations", asperities[1], limit, 0.5 / 144
         ),
+        Check.relative("its distance to sqrt(2 pi) at 6 over that at 12", approach, 4.0, 0.1),
     ]
 
 

@@ -88,12 +88,18 @@ class Study:
     @property
     def options(self) -> dict[str, Option]:
         """Options of `run` by name, but for the bench and the scene."""
-        hints = typing.get_type_hints(self.run)
-        parameters = inspect.signature(self.run).parameters
+        said = {
+            name: parameter
+            for name, parameter in inspect.signature(self.run).parameters.items()
+            if name not in ("bench", "scene")
+        }
+        # Only the options are looked up: the other annotations may name what is imported for type checkers
+        # alone.
+        namespace = {"__annotations__": {name: parameter.annotation for name, parameter in said.items()}}
+        hints = typing.get_type_hints(type("Options", (), namespace | {"__module__": self.module.__name__}))
         return {
             name: Option(name=name, kind=_bare(hints[name]), default=parameter.default)
-            for name, parameter in parameters.items()
-            if name not in ("bench", "scene")
+            for name, parameter in said.items()
         }
 
     @property

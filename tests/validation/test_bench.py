@@ -1,0 +1,336 @@
+"""Many independent solves: the same tables wherever they run, whatever is killed, full or damaged."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+from contextlib import contextmanager
+
+import numpy as np
+import psutil
+import pytest
+
+from validation import pool
+from validation.bench import Bench, PlannedOnly
+from validation.effects import available_memory, predicted_cost
+from validation.errors import RunFailed, UsageError
+from validation.jobs import execute
+from validation.run import Execution, Silent, solve_jobs
+from validation.store import Store, prepare_folder
+from validation.studies import find_study, pressure, studies
+
+#: 10 loads x 5 surfaces x 4 grids: 200 solves of milliseconds.
+CASES = {
+    "pressures": tuple(np.geomspace(0.01, 1.0, 10).tolist()),
+    "seeds": (21, 22, 23, 24, 25),
+    "grids": (12, 14, 16, 20),
+    "periods": 2.0,
+    "bandwidth": 2.0,
+    "hurst": 0.7,
+}
+FEW = {**CASES, "pressures": (0.05, 0.2), "seeds": (21, 22)}
+
+
+class Notes(Silent):
+    """Progress that remembers."""
+
+    def __init__(self):
+        self.notes, self.begun, self.finished, self.missing = [], [], [], None
+
+    def start(self, missing, stored):
+        self.missing = len(missing)
+
+    def begin(self, job):
+        self.begun.append(job.key)
+
+    def done(self, job):
+        self.finished.append(job.key)
+
+    def note(self, text):
+        self.notes.append(text)
+
+
+def bench_at(folder, progress=None, **execution):
+    return Bench.at(folder, execution=Execution(**execution), progress=progress or Silent())
+
+
+@pytest.fixture(scope="module")
+def serial(tmp_path_factory):
+    """The 200 cases, one after the other in this process."""
+    folder = tmp_path_factory.mktemp("serial")
+    return folder, pressure.run(bench=bench_at(folder), **CASES)
+
+
+def kill_when(stored, folder, find):
+    """Kill the process that `find` returns once so many results are in the folder; return what happened."""
+    happened = {}
+
+    def watch():
+        deadline = time.monotonic() + 100
+        while time.monotonic() < deadline:
+            count = len(list(folder.glob("bem-*.nc")))
+            if count >= stored:
+                happened.update(stored=count, pid=find())
+                os.kill(happened["pid"], signal.SIGKILL)
+                return
+            time.sleep(0.002)
+
+    thread = threading.Thread(target=watch, daemon=True)
+    thread.start()
+    return thread, happened
+
+
+def test_two_workers_give_the_same_bits_although_one_is_killed(serial, tmp_path):
+    progress, me = Notes(), psutil.Process()
+    thread, killed = kill_when(
+        40, tmp_path, lambda: max(c.pid for c in me.children() if "validation.worker" in c.cmdline())
+    )
+    data = pressure.run(bench=bench_at(tmp_path, progress, workers=2), **CASES)
+    thread.join()
+    assert 40 <= killed["stored"] < 200
+    assert data.identical(serial[1])
+    assert len(progress.finished) == len(set(progress.finished)) == 200
+    # Whoever was killed was at one job at most; only that one was begun twice.
+    assert len(progress.begun) - 200 in (0, 1)
+    assert not list(tmp_path.glob(".*")), "drafts of the dead"
+
+
+@contextmanager
+def dask_cluster(folder, workers=2):
+    """A scheduler and workers of one thread, each a process of its own."""
+    address = folder / "scheduler.json"
+    paths = os.pathsep.join(entry for entry in sys.path if entry)
+    environment = {**os.environ, **pool.ONE_THREAD, "PYTHONPATH": paths}
+    quiet = {"env": environment, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
+    here = ("--host", "127.0.0.1", "--no-dashboard")
+    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", "0", *here]
+    scheduler = subprocess.Popen([*command, "--scheduler-file", str(address)], **quiet)
+    command = [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", str(address), *here]
+    command += ["--nthreads", "1", "--no-nanny", "--memory-limit", "1GiB"]
+    team = []
+    try:
+        for _ in range(600):
+            if address.exists():
+                break
+            time.sleep(0.05)
+        team += [subprocess.Popen(command, **quiet) for _ in range(workers)]
+        import json
+
+        yield json.loads(address.read_text())["address"], team
+    finally:
+        for process in (*team, scheduler):
+            process.kill()
+            process.wait()
+
+
+@pytest.mark.filterwarnings("default")  # of dask's own threads and sockets when a worker is killed
+def test_a_dask_cluster_gives_the_same_bits_although_a_worker_is_killed(serial, tmp_path):
+    pytest.importorskip("distributed", reason="LOUD: no Dask installed, the cluster is not tested")
+    store = tmp_path / "store"
+    with dask_cluster(prepare_folder(tmp_path / "cluster")) as (address, team):
+        progress = Notes()
+        bench = bench_at(store, progress, scheduler=address)
+        thread, killed = kill_when(40, store, lambda: team[0].pid)
+        data = pressure.run(bench=bench, **CASES)
+        thread.join()
+        assert 40 <= killed["stored"] < 200
+        assert team[0].wait() == -signal.SIGKILL
+        assert team[1].poll() is None
+        too_large = pressure.jobs(**{**FEW, "grids": (8192,), "seeds": (21,), "pressures": (0.1,)})
+        with pytest.raises(UsageError, match=r"8192x8192: needs about .* GiB and on any worker 1 GiB"):
+            bench.solve(too_large)
+    assert data.identical(serial[1])
+    assert sorted(progress.finished) == sorted(set(progress.finished))
+    assert len(progress.finished) == 200
+
+
+def test_without_an_answering_scheduler_nothing_is_computed(tmp_path, monkeypatch):
+    pytest.importorskip("distributed")
+    from validation import cluster
+
+    real = cluster._connected
+    monkeypatch.setattr(cluster, "_connected", lambda address: real(address, timeout=1))
+    with pytest.raises(UsageError, match=r"--scheduler = 'tcp://127.0.0.1:9': no scheduler answers"):
+        pressure.run(bench=bench_at(tmp_path, scheduler="tcp://127.0.0.1:9"), **FEW)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_study_killed_half_way_repeats_no_finished_case(serial, tmp_path):
+    command = [sys.executable, "-m", "validation.cli", "study", "pressure", "--quiet", "--workers", "2"]
+    command += ["--store", str(tmp_path / "store"), "--output", str(tmp_path / "out")]
+    for name, value in CASES.items():
+        command += [f"--{name}", ",".join(map(str, value)) if isinstance(value, tuple) else str(value)]
+    store = tmp_path / "store"
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    thread, killed = kill_when(60, store, lambda: process.pid)
+    thread.join()
+    assert process.wait() == -signal.SIGKILL
+    # The orphans finish and store the solve they are at, and end.
+    deadline = time.monotonic() + 20
+    while [p for p in psutil.process_iter(["cmdline", "ppid"]) if _orphan_of(p, store)]:
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    finished = {path.name: path.stat().st_mtime_ns for path in store.glob("bem-*.nc")}
+    assert 60 <= len(finished) < 200
+    progress = Notes()
+    data = pressure.run(bench=bench_at(store, progress), **CASES)
+    assert progress.missing == 200 - len(finished)
+    assert not {f"{key}.nc" for key in progress.begun} & set(finished)
+    assert finished == {name: (store / name).stat().st_mtime_ns for name in finished}
+    assert data.identical(serial[1])
+    assert killed["stored"] <= len(finished)
+
+
+def _orphan_of(process, store):
+    try:
+        return "validation.worker" in process.info["cmdline"] and process.ppid() == 1
+    except (psutil.Error, TypeError):
+        return False
+
+
+def test_two_studies_share_their_cases(tmp_path):
+    first, second = Notes(), Notes()
+    pressure.run(bench=bench_at(tmp_path, first), **FEW)
+    pressure.run(bench=bench_at(tmp_path, second), **{**FEW, "pressures": (0.2, 0.4)})
+    assert first.missing == 16
+    assert second.missing == 8
+
+
+def test_a_damaged_case_is_named_set_aside_and_computed_again(tmp_path):
+    before = pressure.run(bench=bench_at(tmp_path), **FEW)
+    path = sorted(tmp_path.glob("bem-*.nc"))[3]
+    path.write_bytes(path.read_bytes()[:-2000])
+    progress = Notes()
+    after = pressure.run(bench=bench_at(tmp_path, progress), **FEW)
+    (note,) = progress.notes
+    assert str(path) in note
+    assert "damaged" in note
+    assert path.with_suffix(".nc.corrupt").exists()
+    assert progress.begun == [path.stem]
+    assert after.identical(before)
+
+
+@contextmanager
+def small_disk(folder, kilobytes):
+    """A real file system of its own size; skipped where it cannot be mounted."""
+    folder.mkdir()
+    mount = shutil.which("mount")
+    command = [str(mount), "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", str(folder)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False) if mount else None
+    if done is None or done.returncode:
+        why = "no mount" if done is None else done.stderr.strip()
+        pytest.skip(f"LOUD: a full disk is not tested: no small file system can be mounted here ({why})")
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", "-l", str(folder)], check=True)
+
+
+@pytest.mark.parametrize("workers", [1, 2])
+def test_a_full_disk_is_a_clear_error_and_leaves_finished_cases_intact(tmp_path, workers):
+    with small_disk(tmp_path / "disk", 600) as disk:
+        with pytest.raises(RunFailed, match=r"the disk is full: .*finished solves are intact"):
+            pressure.run(bench=bench_at(disk, workers=workers), **CASES)
+        store, jobs = Store(folder=disk), pressure.jobs(**CASES)
+        kept = [job for job in jobs if store.path(job).exists()]
+        assert 3 <= len(kept) < 200
+        assert all(store.holds(job) for job in kept)
+        names = {path.name for path in disk.iterdir()}
+        assert names == {store.path(job).name for job in kept}, "half-written files"
+
+
+def test_a_case_that_fails_does_not_keep_the_others_from_being_done(tmp_path, monkeypatch):
+    from fem_contact.errors import NotConverged
+    from validation import run
+
+    jobs = pressure.jobs(**FEW)
+
+    def fails_once(job):
+        if job is jobs[2]:
+            raise NotConverged("stopped at the iteration limit")
+        return execute(job)
+
+    monkeypatch.setattr(run, "execute", fails_once)
+    store = Store(folder=prepare_folder(tmp_path / "store"))
+    with pytest.raises(RunFailed, match=r"1 of 16 solves failed, the others are stored:\n.*BEM 16x16"):
+        solve_jobs(jobs, store)
+    assert [job for job in jobs if not store.holds(job)] == [jobs[2]]
+
+
+def test_a_job_whose_workers_always_die_is_given_up_by_name(tmp_path, monkeypatch):
+    monkeypatch.setattr(pool, "_start", _dying)
+    with pytest.raises(RunFailed, match=r"its worker died 3 times"):
+        pressure.run(bench=bench_at(tmp_path, workers=2), **{**FEW, "grids": (12,), "seeds": (21,)})
+
+
+def _dying():
+    from multiprocessing.connection import Pipe
+
+    ours, theirs = Pipe()
+    process = subprocess.Popen([sys.executable, "-c", "pass"])
+    theirs.close()
+    return pool._Worker(process=process, connection=ours)
+
+
+def test_cases_that_do_not_fit_together_wait_and_one_that_never_fits_is_refused(tmp_path, monkeypatch):
+    jobs = pressure.jobs(**FEW)
+    largest = max(predicted_cost(job).peak_bytes for job in jobs)
+    running, most = set(), []
+    monkeypatch.setattr(pool, "_IDLE_BYTES", 0)
+
+    class Watch(Notes):
+        def begin(self, job):
+            running.add(job.key)
+            most.append(sum(predicted_cost(j).peak_bytes for j in jobs if j.key in running))
+
+        def done(self, job):
+            running.discard(job.key)
+
+    bench = bench_at(tmp_path / "narrow", Watch(), workers=2, memory=int(1.2 * largest))
+    bench.solve(jobs)
+    assert max(most) <= 1.2 * largest
+    with pytest.raises(UsageError, match=r"BEM 20x20: needs about .* raise the limit with --memory"):
+        bench_at(tmp_path / "refused", memory=largest // 2).solve(jobs)
+    assert list((tmp_path / "refused").iterdir()) == []
+    assert available_memory() > 0
+
+
+def test_a_bench_that_only_plans_solves_nothing(tmp_path):
+    store = Store(folder=tmp_path / "store")
+    with pytest.raises(PlannedOnly) as planned:
+        pressure.run(bench=Bench(store=store, plan_only=True), **CASES)
+    assert len(planned.value.jobs) == 200
+    assert not store.folder.exists()
+
+
+def test_every_study_has_a_question_and_options_with_defaults():
+    assert "pressure" in studies()
+    for study in studies().values():
+        assert study.question.endswith("?")
+        for option in study.options.values():
+            default = option.default
+            text = ",".join(map(str, default)) if isinstance(default, tuple) else str(default)
+            assert default is None or option.parse(text) == default
+    with pytest.raises(UsageError, match=r"--seeds = 'x': must be whole numbers with commas"):
+        find_study("pressure").parse(["--seeds", "x"])
+
+
+@pytest.mark.benchmark
+def test_overhead_of_the_bench_is_below_20_milliseconds_per_case(tmp_path):
+    # Median over repetitions, because other processes share the machine; the solve itself is timed inside.
+    overheads = []
+    for k in range(3):
+        store = Store(folder=prepare_folder(tmp_path / f"store{k}"))
+        jobs = pressure.jobs(**{**CASES, "grids": (64,)})
+        began = time.perf_counter()
+        solve_jobs(jobs, store)
+        total = time.perf_counter() - began
+        solves = sum(store.load(job).cost.wall_seconds for job in jobs)
+        overheads.append((total - solves) / len(jobs))
+    print(f"overhead per case: {1e3 * np.median(overheads):.1f} ms")
+    assert np.median(overheads) < 20e-3

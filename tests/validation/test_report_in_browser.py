@@ -1,0 +1,187 @@
+"""The report as people see it: in a real headless Chromium, on a desk and on a phone."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+
+import numpy as np
+import pytest
+
+from validation.bench import Bench
+from validation.report import write_outputs
+from validation.run import report_run
+from validation.store import Store
+from validation.studies import find_study
+from validation.study_report import report_study, run_study
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+FLAGS = [
+    "--headless",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--hide-scrollbars",
+    "--enable-logging=stderr",
+    "--v=0",
+]
+needs_browser = pytest.mark.skipif(
+    CHROMIUM is None,
+    reason="LOUD: no Chromium (apt install chromium): the report was not looked at in a browser",
+)
+
+#: Asks the page, in the browser, what is on it; appended to a copy of the report.
+QUESTION = """
+<script>
+addEventListener("load", () => {
+  const box = e => { const b = e.getBoundingClientRect(); return [b.width, b.height]; };
+  const told = {
+    width: innerWidth, page: document.documentElement.scrollWidth, height:
+    document.documentElement.scrollHeight, images: [...document.images].map(i => [i.complete, i.naturalWidth,
+    i.naturalHeight]), figures: [...document.querySelectorAll("figure svg")].map(box),
+    captions: [...document.querySelectorAll("figcaption")].map(c => c.innerText.length),
+    text: parseFloat(getComputedStyle(document.querySelector("li")).fontSize),
+    outside: [...document.querySelectorAll("[src],link[href]")].map(e => e.src || e.href)
+  };
+  const answer = document.createElement("pre");
+  answer.id = "answer"; answer.textContent = JSON.stringify(told); document.body.append(answer);
+});
+</script>
+"""
+
+
+def browse(page, folder, *, width, height, screenshot=None):
+    """Open a page in a fresh browser; return its log and what it printed."""
+    command = [CHROMIUM, *FLAGS, f"--user-data-dir={folder}", f"--window-size={width},{height}"]
+    command += [f"--screenshot={screenshot}"] if screenshot else ["--dump-dom"]
+    done = subprocess.run([*command, page.as_uri()], capture_output=True, text=True, timeout=120, check=False)
+    assert done.returncode == 0, done.stderr
+    return done.stderr, done.stdout
+
+
+@pytest.fixture(scope="module")
+def pages(small_run, tmp_path_factory):
+    """The report of a run, with a 3-D picture where one can be rendered, and that of a study."""
+    folder = tmp_path_factory.mktemp("pages")
+    shutil.copytree(small_run.folder, folder / "run")
+    write_outputs(
+        small_run.comparison, Store(folder=folder / "run" / "solves"), folder / "run", pictures=True
+    )
+    bench = Bench.at(folder / "solves")
+    options = {"pressures": (0.02, 0.1, 0.5), "seeds": (3, 4), "grids": (16, 24, 32), "bandwidth": 2.0}
+    (folder / "study").mkdir()
+    run_study(find_study("pressure"), options, folder / "study", bench=bench)
+    return {name: folder / name / "report.html" for name in ("run", "study")}
+
+
+@needs_browser
+@pytest.mark.parametrize("name", ["run", "study"])
+@pytest.mark.parametrize(("width", "height"), [(1280, 900), (500, 900)], ids=["desk", "phone"])
+def test_the_report_is_whole_in_a_browser(pages, tmp_path, name, width, height):
+    copy = pages[name].with_name(f"asked-{width}.html")
+    copy.write_text(pages[name].read_text(encoding="utf-8") + QUESTION, encoding="utf-8")
+    log, dom = browse(copy, tmp_path / "profile", width=width, height=height)
+    assert "CONSOLE" not in log, log
+    told = json.loads(re.search(r'<pre id="answer">(.*?)</pre>', dom, re.DOTALL)[1].replace("&amp;", "&"))
+    assert told["width"] == width
+    assert told["page"] <= width, "the page scrolls sideways"
+    assert all(complete and w > 0 and h > 0 for complete, w, h in told["images"])
+    assert len(told["figures"]) == {"run": 4, "study": 2}[name]
+    assert all(w > 250 and h > 150 for w, h in told["figures"])
+    assert len(told["captions"]) == len(told["figures"]) + len(told["images"])
+    assert min(told["captions"]) > 40
+    assert told["text"] >= 15
+    assert all(link.startswith("data:") for link in told["outside"]), "not self-contained"
+
+
+@needs_browser
+@pytest.mark.parametrize(("width", "height"), [(1280, 3600), (500, 5200)], ids=["desk", "phone"])
+def test_a_screenshot_of_the_report_is_not_blank(pages, tmp_path, width, height):
+    from matplotlib.image import imread
+
+    picture = tmp_path / "report.png"
+    browse(pages["run"], tmp_path / "profile", width=width, height=height, screenshot=picture)
+    pixels = imread(picture)[..., :3]
+    assert pixels.shape[:2] == (height, width)
+    ink = np.any(pixels < 0.9, axis=-1)
+    # Something in every tenth of the page down to where it ends, and more than text can be.
+    rows = np.flatnonzero(ink.any(axis=1))
+    bands = ink[: rows[-1]].reshape(-1)[: 10 * (rows[-1] * width // 10)].reshape(10, -1)
+    assert rows[-1] > 1500
+    assert np.all(bands.mean(axis=1) > 0.003)
+    coloured = np.ptp(pixels, axis=-1) > 0.3
+    assert coloured.mean() > 0.002
+
+
+def test_figures_come_with_pdf_and_their_data(pages):
+    import xarray as xr
+
+    for name, figures in (
+        ("run", ("area", "pressure-at-zero", "cost", "pressure-maps")),
+        ("study", ("area", "kappa")),
+    ):
+        folder = pages[name].parent / "figures"
+        for figure in figures:
+            assert (folder / f"{figure}.pdf").read_bytes().startswith(b"%PDF")
+            with xr.open_dataset(folder / f"{figure}.nc") as data:
+                data.load()
+            lines = (folder / f"{figure}.csv").read_text().splitlines()
+            assert len(lines) == 1 + max(data.sizes.values())
+            for variable in data.data_vars.values():
+                assert {"units", "long_name"} <= set(variable.attrs)
+
+
+def test_the_data_behind_a_figure_are_the_numbers_of_the_run(small_run):
+    import xarray as xr
+
+    with xr.open_dataset(small_run.folder / "figures" / "area.nc") as data:
+        assert data["pixel"].values.tolist() == [row.pixel for row in small_run.comparison.rows]
+        assert data.attrs["limit"] == small_run.comparison.limit.value
+    with xr.open_dataset(small_run.folder / "figures" / "pressure-maps.nc") as data:
+        here = data.isel(point=data["solver"].values == "BEM 24 x 24")
+        area = float(np.isfinite(here["pressure"]).mean())
+        assert area == pytest.approx(
+            next(r.pixel for r in small_run.comparison.rows if r.grid == (24, 24)), rel=0.2
+        )
+
+
+def test_the_report_names_papers_seeds_versions_and_answers_first(pages):
+    page = pages["run"].read_text()
+    for words in (
+        "Persson, Surf. Sci. Rep.",
+        "scikit-fem",
+        "Yastrebov",
+        "Seeds: 77",
+        "numpy 2",
+        "fem-contact 0",
+    ):
+        assert words in page, words
+    first = [page.index(words) for words in ("How large", "How sure", "How far from", "What did it cost")]
+    assert first == sorted(first)
+    assert first[-1] < page.index("What was found") < page.index("Every grid") < page.index("<figure")
+    assert "surface-3d" in str(list(pages["run"].parent.glob("figures/*.png"))) or "No 3-D picture" in page
+
+
+def test_a_report_is_made_again_from_stored_results_alone(small_run, tmp_path, monkeypatch):
+    from validation import run
+
+    monkeypatch.setattr(run, "execute", lambda *a, **k: pytest.fail("solved"))
+    folder = tmp_path / "copy"
+    shutil.copytree(small_run.folder, folder)
+    before = (folder / "report.html").read_text()
+    (folder / "report.html").unlink()
+    shutil.rmtree(folder / "figures")
+    outputs = report_run(folder)
+    assert outputs.comparison.rows == small_run.comparison.rows
+    assert (folder / "report.html").read_text() == before
+
+
+def test_the_report_of_a_study_is_made_again_from_its_dataset(pages):
+    before = pages["study"].read_text()
+    assert report_study(pages["study"].parent).files[0].read_text() == before

@@ -1,0 +1,299 @@
+"""Measured surfaces: read from any format, levelled, filled, made periodic, through theory and solvers."""
+
+from __future__ import annotations
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from fem_contact.spectra import estimate_spectrum, window_weights
+from fem_contact.surface import HeightField, radial_spectrum, random_surface
+from persson.spectrum import SelfAffine
+from validation.errors import UsageError
+from validation.run import run_scene
+from validation.scene import load_scene
+from validation.surfaces import measured_spectrum, topography_of
+from validation.topography import Topography, read_topography, write_topography
+
+LENGTH = 1e-5
+SPECTRUM = SelfAffine.from_rms_gradient(
+    0.1, hurst=0.8, q_long=2 * math.pi / 1e-5, q_short=2 * math.pi / 0.625e-6, rolloff="plateau"
+)
+
+
+def patch(n: int = 96, *, seed: int = 31) -> np.ndarray:
+    """A quarter of a periodic surface of twice the size: its opposite edges do not match."""
+    whole = random_surface(
+        SPECTRUM, q_short=SPECTRUM.q_short, lengths=(2 * LENGTH,) * 2, shape=(2 * n, 2 * n), seed=seed
+    )
+    return np.array(whole.heights[:n, :n])
+
+
+def measured(n: int = 96) -> tuple[np.ndarray, np.ndarray]:
+    """A patch as it comes from an instrument, with tilt and holes; and the mask of the holes."""
+    heights = patch(n)
+    x = np.arange(n) * LENGTH / n
+    tilted = heights + 0.05 * x[:, None] - 0.02 * x[None, :] + 3e-6
+    holes = np.zeros(heights.shape, dtype=bool)
+    holes[10:16, 40:45] = True
+    holes[np.random.default_rng(8).integers(0, n, 60), np.random.default_rng(9).integers(0, n, 60)] = True
+    return np.where(holes, np.nan, tilted), holes
+
+
+@pytest.mark.parametrize("suffix", [".npy", ".txt", ".nc", ".x3p"])
+def test_every_format_is_written_and_read_back_exactly(tmp_path, suffix):
+    field = HeightField(heights=patch(48)[:24, :18], lengths=(2.4e-6, 1.8e-6))
+    path = tmp_path / f"surface{suffix}"
+    write_topography(path, field)
+    says_size = suffix in (".nc", ".x3p")
+    found = read_topography(path, lengths=None if says_size else field.lengths)
+    np.testing.assert_array_equal(found.heights, field.heights)
+    np.testing.assert_allclose(found.lengths, field.lengths, rtol=1e-14)
+    if not says_size:
+        with pytest.raises(UsageError, match="does not say how large the patch is"):
+            read_topography(path)
+
+
+def test_netcdf_units_are_converted(tmp_path):
+    import netCDF4
+
+    path = tmp_path / "afm.nc"
+    with netCDF4.Dataset(path, "w") as file:
+        for axis, count in (("x", 4), ("y", 3)):
+            file.createDimension(axis, count)
+            positions = file.createVariable(axis, "f8", (axis,))
+            positions.units = "um"
+            positions[...] = np.arange(count) * 0.5
+        heights = file.createVariable("height", "f4", ("x", "y"), fill_value=-9999.0)
+        heights.units = "nm"
+        heights[...] = np.ma.masked_equal(np.arange(12.0).reshape(4, 3), 5.0)
+    found = read_topography(path)
+    np.testing.assert_allclose(found.lengths, (2e-6, 1.5e-6), rtol=1e-14)
+    assert found.missing == 1
+    assert np.isnan(found.heights[1, 2])
+    assert found.heights[3, 2] == pytest.approx(11e-9, rel=1e-7)
+
+
+def test_integer_x3p_with_invalid_points_is_read(tmp_path):
+    import zipfile
+
+    from validation import topography
+
+    heights = HeightField(heights=np.zeros((3, 2)), lengths=(3e-6, 2e-6))
+    path = tmp_path / "made.x3p"
+    topography.write_topography(path, heights)
+    with zipfile.ZipFile(path) as archive:
+        xml = archive.read("main.xml").decode()
+    xml = xml.replace(
+        "<AxisType>A</AxisType><DataType>D</DataType><Increment>1.0",
+        "<AxisType>A</AxisType><DataType>I</DataType><Increment>1e-9",
+    ).replace("</PointDataLink>", "</PointDataLink><ValidPointsLink>bindata/valid.bin</ValidPointsLink>")
+    with zipfile.ZipFile(path, "w") as archive:
+        archive.writestr("main.xml", xml)
+        archive.writestr("bindata/data.bin", np.arange(6, dtype="<i2").tobytes())
+        archive.writestr("bindata/valid.bin", bytes([0b111011]))
+    found = read_topography(path).heights
+    # x runs fastest: the third point is x = 2, y = 0.
+    assert np.isnan(found[2, 0])
+    np.testing.assert_allclose(
+        found[[0, 1, 0, 1, 2], [0, 0, 1, 1, 1]], [0, 1e-9, 3e-9, 4e-9, 5e-9], rtol=1e-14
+    )
+
+
+def test_other_formats_are_read_by_surfacetopography_or_refused_by_name(tmp_path, monkeypatch):
+    path = tmp_path / "scan.al3d"
+    with pytest.raises(UsageError, match="No such file"):
+        read_topography(path)
+    path.write_bytes(b"nonsense")
+    library = pytest.importorskip("SurfaceTopography", reason="LOUD: SurfaceTopography is not installed")
+    with pytest.raises(UsageError, match="is no topography of its kind"):
+        read_topography(path)
+    heights = patch(48)[:16, :16]
+    other = tmp_path / "scan.asc_xyz"
+    library.Topography(heights * 1e9, (1e4, 1e4), unit="nm").to_netcdf(str(other))
+    found = read_topography(other)
+    np.testing.assert_allclose(found.heights, heights, rtol=1e-9)
+    np.testing.assert_allclose(found.lengths, (1e-5, 1e-5), rtol=1e-12)
+
+
+def test_a_plane_is_found_from_the_known_points_alone():
+    heights, holes = measured()
+    flat = Topography(heights=heights, lengths=(LENGTH, LENGTH))
+    x = np.arange(96) * LENGTH / 96
+    plane = 0.05 * x[:, None] - 0.02 * x[None, :] + 3e-6
+    only_plane = Topography(heights=np.where(holes, np.nan, plane), lengths=(LENGTH, LENGTH))
+    assert only_plane.slope == pytest.approx((0.05, -0.02), rel=1e-12)
+    left = only_plane.levelled("plane").heights
+    assert np.nanmax(np.abs(left)) < 1e-12 * 3e-6
+    levelled = flat.levelled("plane")
+    assert np.abs(levelled.slope).max() < 1e-12
+    assert "plane taken out" in levelled.history[-1]
+    assert np.nanstd(flat.levelled("quadratic").heights) <= np.nanstd(levelled.heights)
+
+
+def test_holes_are_refused_or_filled_by_choice():
+    heights, holes = measured()
+    levelled = Topography(heights=heights, lengths=(LENGTH, LENGTH)).levelled("plane")
+    with pytest.raises(UsageError, match=r"of 9216 heights are NaN or infinite: say how to fill them"):
+        levelled.filled("refuse")
+    truth = Topography(heights=patch(), lengths=(LENGTH, LENGTH)).levelled("plane").heights
+    error = {}
+    for choice in ("nearest", "harmonic"):
+        filled = levelled.filled(choice)
+        assert filled.missing == 0
+        np.testing.assert_array_equal(filled.heights[~holes], levelled.heights[~holes])
+        error[choice] = np.std((filled.heights - truth)[holes])
+        assert f"filled: {choice}" in filled.history[-1]
+    # The membrane follows the rim of a hole; the nearest point is off by the slope.
+    assert error["harmonic"] < 0.1 * np.std(truth)
+    assert error["harmonic"] < error["nearest"]
+
+
+def test_the_membrane_continues_a_plane_exactly():
+    x = np.arange(12.0)
+    plane = 2 * x[:, None] - x[None, :]
+    holed = plane.copy()
+    holed[3:7, 4:9] = np.nan
+    found = Topography(heights=holed, lengths=(1.0, 1.0)).filled("harmonic").heights
+    np.testing.assert_allclose(found, plane, atol=1e-12 * 20)
+
+
+def test_edges_that_do_not_match_are_refused_unless_a_taper_is_named():
+    rough = Topography(heights=patch(), lengths=(LENGTH, LENGTH)).levelled("plane")
+    assert rough.edge_jump > 4
+    with pytest.raises(UsageError, match=r"opposite edges differ .* choose edges = 'tukey' or 'hann'"):
+        rough.made_periodic(None)
+    for edges in ("tukey", "hann"):
+        periodic = rough.made_periodic(edges, margin=0.15)
+        assert periodic.edge_jump < 1.5
+        assert f"{edges} taper" in periodic.history[-1]
+    middle = slice(20, -20)
+    kept = rough.made_periodic("tukey", margin=0.15).heights[middle, middle]
+    np.testing.assert_allclose(
+        kept, (rough.heights - rough.heights.mean())[middle, middle], rtol=1e-12, atol=1e-20
+    )
+    assert rough.made_periodic("periodic").edge_jump == rough.edge_jump
+
+
+def test_a_periodic_surface_needs_no_taper():
+    whole = random_surface(SPECTRUM, q_short=SPECTRUM.q_short, lengths=(2e-5, 2e-5), shape=(96, 96), seed=13)
+    topography = Topography(heights=whole.heights, lengths=whole.lengths)
+    assert topography.edge_jump < 2
+    assert topography.made_periodic(None) is topography
+
+
+def test_windows_are_one_inside_fall_to_the_edges_and_are_symmetric():
+    for window in ("hann", "tukey"):
+        weights = window_weights((20, 31), window=window, margin=0.2)
+        assert weights.min() > 0
+        assert weights.max() <= 1
+        np.testing.assert_allclose(weights, weights[::-1, ::-1], atol=1e-15)
+    assert np.all(window_weights((40, 40), window="tukey", margin=0.1)[5:-5, 5:-5] == 1)
+
+
+def test_without_a_window_the_estimate_of_a_periodic_surface_is_its_spectrum():
+    whole = random_surface(SPECTRUM, q_short=SPECTRUM.q_short, lengths=(2e-5, 2e-5), shape=(72, 72), seed=13)
+    found, exact = estimate_spectrum(whole.heights, whole.lengths, window="none"), radial_spectrum(whole)
+    kept = exact.power[: found.power.size]
+    np.testing.assert_allclose(found.power, kept, rtol=1e-12, atol=1e-15 * kept.max())
+
+
+def test_a_windowed_patch_gives_back_the_spectrum_it_was_cut_from():
+    powers = []
+    for seed in range(100, 116):
+        levelled = Topography(heights=patch(seed=seed), lengths=(LENGTH, LENGTH)).levelled("plane")
+        rings = estimate_spectrum(levelled.heights, levelled.lengths, window="hann")
+        powers.append(rings.power)
+    unit = 2 * math.pi / LENGTH
+    inside = (rings.q > 5.5 * unit) & (rings.q < 0.85 * SPECTRUM.q_short)
+    ratio = np.mean(powers, axis=0)[inside] / SPECTRUM(rings.q[inside])
+    # Sixteen patches of `count` waves, of which a Hann window leaves one in (3/2)^2 independent.
+    scatter = 4 / np.sqrt(16 * rings.count[inside] / 2.25)
+    # The window blurs C ~ q^-3.6 by a third of a ring squared on each axis: (1/6) (C'' + C'/q) / C = 2.2 /
+    # q^2.
+    blur = 2.2 / (rings.q[inside] / unit) ** 2
+    assert np.all(np.abs(ratio - 1 - blur) < scatter + 0.02), ratio
+    # Without a window the jump at the edges fills the spectrum beyond the cut-off, where there is nothing.
+    raw = estimate_spectrum(levelled.heights, levelled.lengths, window="none")
+    beyond = rings.q > 1.5 * SPECTRUM.q_short
+    assert rings.power[beyond].sum() < 1e-2 * raw.power[raw.q > 1.5 * SPECTRUM.q_short].sum()
+
+
+SCENE = """
+name = "measured"
+[surface]
+kind = "file"
+path = "{path}"
+tilt = "plane"
+missing = "harmonic"
+edges = "tukey"
+margin = 0.15
+{length}
+[solid]
+young = "2 MPa"
+poisson = 0.3
+[load]
+reduced_pressure = 0.1
+[methods.theory]
+[methods.bem]
+grids = [96, 144]
+shifts = 2
+[methods.fem]
+grids = [24]
+under_resolved = true
+depth = "5 um"
+"""
+
+
+def test_a_measured_topography_goes_through_theory_and_solvers(tmp_path):
+    heights, _ = measured()
+    np.save(tmp_path / "afm.npy", heights * 1e9)
+    (tmp_path / "scene.toml").write_text(
+        SCENE.format(path="afm.npy", length='length = "10 um"\nunit = "1 nm"')
+    )
+    scene = load_scene(str(tmp_path / "scene.toml"))
+    outputs = run_scene(scene, tmp_path / "results")
+    c = outputs.comparison
+    assert [row.method for row in c.rows] == ["bem", "bem", "fem"]
+    for words in ("plane taken out", "filled: harmonic", "tukey taper"):
+        assert any(words in step for step in c.treatment)
+    # The estimate from the untapered patch, and the surface that was pressed, are of one roughness.
+    estimated = measured_spectrum(scene.surface).moments().rms_gradient
+    slopes = np.gradient(patch(), LENGTH / 96, edge_order=2)
+    assert estimated == pytest.approx(float(np.hypot(np.std(slopes[0]), np.std(slopes[1]))), rel=0.1)
+    assert c.rms_gradient == pytest.approx(estimated, rel=0.25)
+    assert 0.05 < c.theory.ensemble_area < 0.3
+    assert all(row.residual < 1e-6 for row in c.rows)
+    report = (tmp_path / "results" / "report.html").read_text()
+    assert "The measured surface" in report
+    assert "tukey taper" in report
+    summary = json.loads((tmp_path / "results" / "summary.json").read_text())
+    assert summary["treatment"] == list(c.treatment)
+
+
+def test_a_file_that_says_its_size_needs_no_length_in_the_scene(tmp_path):
+    field = HeightField(heights=patch()[:24, :24], lengths=(LENGTH / 4, LENGTH / 4))
+    write_topography(tmp_path / "scan.x3p", field)
+    (tmp_path / "scene.toml").write_text(SCENE.format(path="scan.x3p", length=""))
+    surface = load_scene(str(tmp_path / "scene.toml")).surface
+    np.testing.assert_allclose(surface.length, field.lengths, rtol=1e-14)
+    assert topography_of(surface).height_field().shape == (24, 24)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("scan.txt", b"1 2 3\n4 5", "is no topography of its kind"),
+        ("scan.npy", b"no array", "is no topography of its kind"),
+        ("scan.x3p", b"no archive", "cannot be read"),
+        ("scan.nc", b"no netcdf", "cannot be read"),
+        ("scan.txt", b"1 2 3 4", "at least 2 x 2 heights"),
+    ],
+)
+def test_a_file_that_is_no_topography_is_refused_in_one_line(tmp_path, name, content, words):
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(UsageError, match=words) as caught:
+        read_topography(tmp_path / name, lengths=(1.0, 1.0))
+    assert str(caught.value).count("\n") == 0
