@@ -272,12 +272,13 @@ class AdhesionProblem:
         displacement = minimum.gap + surface.heights - minimum.offset
         scale = modulus * surface.rms_gradient or self.law.strength
         length = surface.rms_height or self.law.reach
-        total = float(np.sum(np.abs(pressure)))
+        # Parted bodies carry no load in which the residuals could be measured; their attraction can.
+        stress = max(self.law.strength, float(np.sqrt(np.mean(pressure**2))))
         residuals = Residuals(
             penetration=max(-float(minimum.gap.min()), 0.0) / length,
             tension=max(-float(wall.min()), 0.0) / scale,
-            complementarity=float(np.sum(np.abs(wall) * minimum.gap)) / (total * length) if total else 0.0,
-            load=abs(float(np.mean(minimum.force))) / float(np.mean(np.abs(pressure))) if total else 0.0,
+            complementarity=float(np.mean(np.abs(wall) * minimum.gap)) / (stress * length),
+            load=abs(float(np.mean(minimum.force))) / stress,
         )
         contact = ContactResult(
             pressure=pressure,
