@@ -210,7 +210,7 @@ def _sticky(maugis: float) -> Measured:
 
 
 def _contrast(ratio: float) -> Measured:
-    """Compare the compliance of a coating of this modulus, over the base's, with the same one cut in three."""
+    """Compare a coating of this modulus (over that of the base) with the same coating cut in three."""
     from fem_contact.graded import LayeredSolid
 
     coating, q = Solid(young=ratio, poisson=0.3), np.geomspace(1e-2, 1e3, 200)
@@ -232,7 +232,7 @@ def _block_error(*, poisson: float = 0.3, depth: float = 1.0, first: float | Non
         BondedLayer(solid=solid, thickness=depth).compliance(np.array([2 * np.pi]), np.zeros(1))[0]
     )
     contact = block.solve(
-        surface, solid, mean_pressure=1.5 * exact, depth=depth, growth=1.1, first_layer=first or 1 / 32
+        surface, solid, mean_pressure=1.5 * exact, depth=depth, growth=1.1, first_layer=first
     ).contact
     found = 2 * float(np.mean(contact.pressure[:, 0] * np.cos(2 * np.pi * np.arange(32) / 32)))
     return _judged(contact, abs(found / exact - 1))
