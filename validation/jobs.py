@@ -5,10 +5,13 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
@@ -17,7 +20,7 @@ from validation.effect_tables import EffectSpec
 from validation.scene import FileSurface, Load, Scene, SelfAffineSurface, SolidSpec
 from validation.surfaces import file_digest, height_field, reference_field
 
-__all__ = ["Job", "execute", "jobs_of", "nominal_pressure"]
+__all__ = ["Job", "execute", "jobs_of", "nominal_pressure", "warm_up"]
 
 #: Raised when a change of the code changes results, so that stored ones are not mistaken for new ones.
 RESULTS_VERSION = 1
@@ -179,6 +182,16 @@ def execute(job: Job, *, threads: int | None = None) -> Solved:
         settings |= block_arguments(solid, job.effects)
     solution = block.solve(field, solid, mean_pressure=pressure, **({"method": "full"} | settings))
     return Solved(contact=solution.contact, block=solution)
+
+
+def warm_up(jobs: Sequence[Job]) -> None:
+    """Load the compiled passes of the methods that jobs use, so that no solve is charged with it."""
+    if any(job.method == "bem" for job in jobs):
+        from fem_contact import bem
+        from fem_contact.response import HalfSpace
+
+        bump = HeightField(heights=np.pad([[1.0]], ((0, 7), (0, 7))), lengths=(1.0, 1.0))
+        bem.solve(bump, HalfSpace(solid=Solid(young=1.0, poisson=0.0)), mean_pressure=0.01, threads=1)
 
 
 def block_file(folder: Path, job: Job) -> Path:

@@ -39,7 +39,8 @@ _STYLE: Any = {
     "axes.spines.top": False,
     "axes.spines.right": False,
     "legend.frameon": False,
-    "svg.fonttype": "none",
+    # Letters as shapes: as text, a prime comes out as whatever the reader's font has in its place.
+    "svg.fonttype": "path",
     "svg.hashsalt": "fem-contact",
 }
 _LOOK: dict[tuple[str, str], dict[str, Any]] = {
@@ -130,7 +131,7 @@ def lines_figure(
         axes.set_yscale("log")
     axes.set_xlabel(_labelled(data[x], x))
     axes.set_ylabel(_labelled(data[lines[0]], lines[0]))
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=7)
     return figure
 
 
@@ -139,7 +140,7 @@ def _labelled(variable: xr.DataArray, name: str) -> str:
     return f"{words} [{unit}]" if unit != "1" else f"{words} [-]"
 
 
-def _figure(width: float = 6.4, height: float = 4.2, columns: int = 1) -> tuple[Figure, list[Axes]]:
+def _figure(width: float = 5.0, height: float = 3.7, columns: int = 1) -> tuple[Figure, list[Axes]]:
     with matplotlib.rc_context(_STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
         axes = figure.subplots(1, columns, squeeze=False)[0]
@@ -181,7 +182,7 @@ def area_figure(comparison: Comparison) -> Figure:
     _powers_of_two(axes, [1 / row.points_per_wave for row in comparison.rows])
     axes.set_xlabel(r"grid spacing over shortest wavelength, $\Delta x/\lambda_{short}$")
     axes.set_ylabel(r"relative contact area $A/A_0$")
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=7)
     return figure
 
 
@@ -211,7 +212,7 @@ def pressure_at_zero_figure(data: xr.Dataset) -> Figure:
     axes.set_ylim(bottom=0)
     axes.set_xlabel(r"pressure $\sigma / (E^* h'_{rms})$")
     axes.set_ylabel(r"$P(\sigma)\, E^* h'_{rms}$ per nominal area")
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=7)
     return figure
 
 
@@ -238,13 +239,13 @@ def cost_figure(comparison: Comparison) -> Figure:
     axes.set_yscale("log")
     axes.set_xlabel("wall time of the solves behind a point [s]")
     axes.set_ylabel(r"$|A/A_{limit} - 1|$")
-    axes.legend(fontsize=8)
+    axes.legend(fontsize=7)
     return figure
 
 
 def pressure_maps_figure(comparison: Comparison, results: dict[str, ContactResult]) -> Figure:
     """Pressure maps of the solvers on the same surface, on one colour scale."""
-    figure, axes = _figure(width=4.2 * max(len(results), 1), height=4.0, columns=max(len(results), 1))
+    figure, axes = _figure(width=3.3 * max(len(results), 1), height=3.1, columns=max(len(results), 1))
     unit = comparison.contact_modulus * comparison.rms_gradient
     top = max((float(result.pressure.max()) for result in results.values()), default=unit) / unit
     image = None

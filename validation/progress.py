@@ -35,11 +35,11 @@ class Bar:
         self._weights: dict[str, float] = {}
 
     def __enter__(self) -> Bar:
-        self._progress.start()
         return self
 
     def __exit__(self, *exc: object) -> None:
-        self._progress.stop()
+        if self._progress.tasks:
+            self._progress.stop()
 
     def start(self, missing: tuple[Job, ...], stored: int) -> None:
         """Show the bar over the jobs still to be done."""
@@ -47,6 +47,8 @@ class Bar:
 
         self._weights = {job.key: predicted_cost(job).seconds for job in missing}
         total = sum(self._weights.values())
+        # Not earlier: what is refused before anything runs leaves no empty bar behind.
+        self._progress.start()
         self._task = self._progress.add_task(f"{stored} solves found finished", total=total)
 
     def begin(self, job: Job) -> None:

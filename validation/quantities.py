@@ -25,6 +25,7 @@ __all__ = [
     "Work",
     "exactly_one",
     "quantity",
+    "unit_registry",
     "wrong",
 ]
 
@@ -56,7 +57,7 @@ def quantity(unit: str, kind: str, example: str) -> BeforeValidator:
         import pint
 
         try:
-            return float(_units().Quantity(Fraction(number), symbol).to(unit).magnitude)
+            return float(unit_registry().Quantity(Fraction(number), symbol).to(unit).magnitude)
         except pint.DimensionalityError:
             raise wrong(f"is not a {kind}; {allowed}") from None
         except Exception:  # the parser of unit names raises whatever its tokens lead to
@@ -68,12 +69,12 @@ def quantity(unit: str, kind: str, example: str) -> BeforeValidator:
 Length = Annotated[float, quantity("m", "length", "0.5 um"), Field(gt=0)]
 Pressure = Annotated[float, quantity("Pa", "pressure", "10 MPa"), Field(gt=0)]
 Work = Annotated[float, quantity("J/m^2", "work of adhesion", "50 mJ/m^2"), Field(gt=0)]
-Memory = Annotated[float, quantity("byte", "amount of memory", "4 GiB"), Field(ge=1)]
+Memory = Annotated[float, quantity("byte", "memory size", "4 GiB"), Field(ge=1)]
 Number = Annotated[float, Field(strict=True)]
 
 
 @functools.cache
-def _units() -> pint.UnitRegistry[Fraction]:
+def unit_registry() -> pint.UnitRegistry[Fraction]:
     """Return the unit registry, built on the first unit read; exact, so that "100 um" is 1e-4."""
     import pint
 

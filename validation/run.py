@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 from fem_contact.errors import FemContactError
 from validation.effects import available_memory, check_effects, predicted_cost, too_large
 from validation.errors import RunFailed, UsageError
-from validation.jobs import Job, block_file, execute, jobs_of
+from validation.jobs import Job, block_file, execute, jobs_of, warm_up
 from validation.store import Store, atomic_path, prepare_folder, remove_drafts
 from validation.surfaces import reference_field
 
@@ -296,6 +296,7 @@ def _outcomes(
 
 
 def _in_this_process(jobs: Sequence[Job], store: Store, begin: Callable[[Job], None]) -> Iterator[Outcome]:
+    warm_up(jobs)
     for job in jobs:
         begin(job)
         yield attempt(job, store)

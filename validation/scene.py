@@ -12,7 +12,7 @@ from pydantic import BaseModel, Field, StrictBool, StrictInt, ValidationError, m
 
 from validation.effect_tables import EFFECT_KINDS, EFFECT_TABLES, EffectSpec, clash
 from validation.errors import SceneError, UsageError
-from validation.quantities import Grid, Length, Lengths, Memory, Number, Pressure, exactly_one
+from validation.quantities import Grid, Length, Lengths, Memory, Number, Pressure, exactly_one, unit_registry
 from validation.quantities import Table as _Table
 from validation.quantities import wrong as _wrong
 
@@ -32,6 +32,7 @@ __all__ = [
     "load_scene",
     "scene_problems",
     "scene_text",
+    "unit_registry",
 ]
 
 

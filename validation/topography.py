@@ -287,10 +287,12 @@ def _read_netcdf(path: Path) -> _Raw:
 
 
 def _metres(unit: str) -> float:
-    import pint
+    if unit.strip() in ("", "m"):
+        return 1.0
+    from validation.scene import unit_registry
 
     try:
-        return float(pint.UnitRegistry().Quantity(1, unit.strip() or "m").to("m").magnitude)
+        return float(unit_registry().Quantity(1, unit.strip()).to("m").magnitude)
     except Exception:
         raise ValueError(f"unit {unit!r} is not a length") from None
 

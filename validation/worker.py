@@ -13,13 +13,18 @@ __all__ = ["main", "serve"]
 
 def serve(connection: Connection[Any, Any]) -> None:
     """Do jobs until the other end is closed."""
+    from validation.jobs import warm_up
     from validation.run import Outcome, attempt
 
+    warm: set[str] = set()
     while True:
         try:
             job, store = connection.recv()
         except EOFError:
             return
+        if job.method not in warm:
+            warm_up([job])
+            warm.add(job.method)
         try:
             outcome = attempt(job, store, threads=1)
         except Exception as error:

@@ -1,0 +1,114 @@
+"""The cases with a known answer: quick ones pass, a wrong one fails loudly, more are found by being there."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from validation import cases
+from validation.cases import Case, Check, all_cases, chosen_cases, run_cases
+from validation.closed_forms import HertzInPeriod, westergaard_mean_pressure, westergaard_pressure
+from validation.errors import UsageError
+
+#: Full finite-element cases take longer than the fast suite allows; `fem-contact validate` runs them.
+SECONDS = [case for case in all_cases() if case.quick and "fem" not in case.name]
+
+
+@pytest.mark.parametrize("case", SECONDS, ids=lambda case: case.name)
+def test_a_quick_case_passes(case):
+    (verdict,) = run_cases([case])
+    assert verdict.error is None, verdict.error
+    assert verdict.passed, [check for check in verdict.checks if not check.passed]
+    assert verdict.source or case.name.startswith("units")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", [c for c in all_cases() if c not in SECONDS], ids=lambda case: case.name)
+def test_a_long_case_passes(case):
+    (verdict,) = run_cases([case])
+    assert verdict.passed, (verdict.error, [check for check in verdict.checks if not check.passed])
+
+
+def test_names_are_unique_and_claims_are_sentences():
+    names = [case.name for case in all_cases()]
+    assert len(set(names)) == len(names)
+    for case in all_cases():
+        assert case.claim.endswith(".")
+    for topic in ("hertz", "westergaard", "full-contact", "fem-against-bem", "units", "theory"):
+        assert chosen_cases([topic], quick=False), topic
+
+
+def test_a_case_is_chosen_by_name_or_by_the_beginning_of_its_name():
+    assert {case.name for case in chosen_cases(["hertz"], quick=True)} == {
+        "hertz-bem",
+        "hertz-fem",
+        "hertz-radius-bem",
+    }
+    with pytest.raises(UsageError, match=r"case 'hert': no such case; one of: .*hertz-bem"):
+        chosen_cases(["hert"], quick=False)
+
+
+@pytest.mark.parametrize(
+    ("check", "passed"),
+    [
+        (Check.relative("x", 1.0, 1.01, 0.01), True),
+        (Check.relative("x", 1.0, 1.02, 0.01), False),
+        (Check.below("x", 0.5, 0.5), True),
+        (Check.below("x", -0.6, 0.5), False),
+        (Check.within("x", 1.5, 0.5, 1.5), True),
+        (Check.within("x", float("nan"), 0.0, 1.0), False),
+        (Check.below("x", float("inf"), float("inf")), False),
+    ],
+)
+def test_a_check_passes_within_its_tolerance_and_never_on_nan(check, passed):
+    assert check.passed is passed
+
+
+def _raises():
+    raise RuntimeError("broken")
+
+
+def test_a_case_that_raises_or_checks_nothing_has_failed_and_the_others_go_on():
+    found = list(
+        run_cases(
+            [
+                Case(name="a", claim="A.", run=_raises),
+                Case(name="b", claim="B.", run=lambda: []),
+                Case(name="c", claim="C.", run=lambda: [Check.below("x", 0.0, 1.0)]),
+            ]
+        )
+    )
+    assert [verdict.passed for verdict in found] == [False, False, True]
+    assert found[0].error == "RuntimeError: broken"
+
+
+def test_validate_exits_with_1_and_names_what_failed(monkeypatch, capsys):
+    from validation.cli import main
+
+    wrong = Case(name="wrong", claim="Two is three.", run=lambda: [Check.relative("two", 2.0, 3.0, 0.01)])
+    right = Case(name="right", claim="Two is two.", run=lambda: [Check.relative("two", 2.0, 2.0, 0.01)])
+    monkeypatch.setattr(cases, "all_cases", lambda: (right, wrong))
+    for arguments, code in ((["validate"], 1), (["validate", "right"], 0), (["validate", "--json"], 1)):
+        monkeypatch.setattr("sys.argv", ["fem-contact", *arguments])
+        with pytest.raises(SystemExit) as exit_:
+            main()
+        assert (exit_.value.code or 0) == code
+        printed = capsys.readouterr()
+        if code:
+            assert "1 of 2 cases failed: wrong" in printed.err
+    assert [row["passed"] for row in json.loads(printed.out)] == [True, False]
+
+
+def test_hertz_and_westergaard_carry_their_load():
+    hertz = HertzInPeriod(radius=0.13, contact_modulus=7.0)
+    r = hertz.distance(1500)
+    assert np.mean(hertz.pressure(r)) == pytest.approx(hertz.load, rel=1e-4)
+    assert hertz.pressure(r).max() == pytest.approx(hertz.peak, rel=1e-4)
+    load = westergaard_mean_pressure(0.02, half_width=0.21, contact_modulus=3.0)
+    x = (np.arange(200_000) + 0.5) / 200_000 - 0.5
+    assert np.mean(westergaard_pressure(x, half_width=0.21, mean_pressure=load)) == pytest.approx(
+        load, rel=1e-6
+    )
+    assert westergaard_mean_pressure(0.02, half_width=0.5, contact_modulus=3.0) == pytest.approx(0.06 * np.pi)

@@ -1,0 +1,245 @@
+"""The command line as one tool: commands, exit codes, JSON, help with examples, no traceback for mistakes."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from validation import cli
+from validation.errors import RunFailed, UsageError
+
+COMMANDS = ("run", "study", "validate", "reproduce", "report", "explain", "surface", "scenes")
+
+
+def call(*arguments, monkeypatch, capsys, cwd):
+    """Run the command in this process; return exit code, stdout and stderr."""
+    monkeypatch.chdir(cwd)
+    monkeypatch.setattr("sys.argv", ["fem-contact", *map(str, arguments)])
+    with pytest.raises(SystemExit) as exit_:
+        cli.main()
+    printed = capsys.readouterr()
+    return exit_.value.code or 0, printed.out, printed.err
+
+
+@pytest.fixture
+def tool(monkeypatch, capsys, tmp_path):
+    return lambda *arguments: call(*arguments, monkeypatch=monkeypatch, capsys=capsys, cwd=tmp_path)
+
+
+def test_help_names_every_command_with_examples_and_the_exit_codes(tool):
+    code, out, _ = tool("--help")
+    assert code == 0
+    for command in COMMANDS:
+        assert command in out
+    assert "Exit codes" in out
+    assert "--install-completion" in out
+    for command in COMMANDS:
+        if command not in ("surface", "scenes"):
+            assert "Example" in tool(command, "--help")[1], command
+    for group, names in (
+        ("surface", ("generate", "inspect", "convert")),
+        ("scenes", ("list", "show", "copy")),
+    ):
+        for name in names:
+            assert "Example" in tool(group, name, "--help")[1], name
+
+
+def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatch):
+    from validation.cli_options import _scene_names
+
+    shown = CliRunner().invoke(cli.app, ["--show-completion", "bash"])
+    assert shown.exit_code == 0
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "quiet.toml").write_text("")
+    assert _scene_names("qui") == ["quickstart", "quiet.toml"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("run", "quickstart", "--memory", "4 kg"), "--memory = '4 kg': is not a memory size"),
+        (
+            ("run", "quickstart", "--workers", "2", "--scheduler", "tcp://x:1"),
+            "not together with --scheduler",
+        ),
+        (("run", "quickstart", "--memory", "1 MiB"), "raise the limit with --memory"),
+        (("study", "nothing"), "no such study; one of: "),
+        (("study", "pressure", "--seeds"), "--seeds: needs a value"),
+        (("study", "pressure", "--hurts", "1"), "unknown option '--hurts'; it has: "),
+        (("study", "pressure", "quickstart"), "takes no scene"),
+        (("validate", "nothing"), "no such case"),
+        (("report", "nowhere"), "holds no run"),
+        (("surface", "inspect", "nowhere.npy"), "cannot be read"),
+        (
+            ("surface", "generate", "quickstart", "rough.docx"),
+            "the suffix must be one of .npy, .txt, .nc, .x3p",
+        ),
+        (("surface", "generate", "quickstart", "no/where.npy"), "not written"),
+        (
+            ("run", "quickstart", "--store", "/proc/nothing"),
+            "--store = '/proc/nothing': cannot be written to",
+        ),
+    ],
+)
+def test_a_mistake_is_one_line_on_stderr_and_exit_code_2(tool, arguments, words):
+    code, out, err = tool(*arguments)
+    assert code == 2
+    assert words in err
+    assert err.count("\n") == 1
+    assert out == ""
+
+
+def test_a_failed_solve_is_exit_code_1(tool, monkeypatch):
+    def fails(*args, **kwargs):
+        raise RunFailed("BEM 8x8: stopped")
+
+    monkeypatch.setattr("validation.run.run_scene", fails)
+    code, _, err = tool("run", "quickstart", "-q")
+    assert (code, err) == (1, "fem-contact: BEM 8x8: stopped\n")
+
+
+def test_ctrl_c_is_exit_code_130_and_a_sentence(tool, monkeypatch):
+    def interrupted(*args, **kwargs):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("validation.run.run_scene", interrupted)
+    code, _, err = tool("run", "quickstart", "-q")
+    assert code == 130
+    assert "every finished solve is stored" in err
+
+
+def test_a_dry_run_lists_solves_and_does_none(tool, tmp_path):
+    code, out, _ = tool("run", "quickstart", "--dry-run")
+    assert code == 0
+    assert "56 of 56 solves are to be done" in out
+    rows = json.loads(tool("run", "quickstart", "--dry-run", "--json")[1])
+    assert len(rows) == 56
+    assert all(row["seconds"] > 0 and row["peak_bytes"] > 0 and not row["stored"] for row in rows)
+    plan = json.loads(tool("study", "pressure", "--seeds", "5,6", "--dry-run", "--json")[1])
+    assert len(plan) == 8 * 2 * 3
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(write_scene, tool, tmp_path):
+    path = write_scene(
+        ("[solid]", '[run]\noutput = "there"\nstore = "kept"\nquiet = true\npictures = false\n[solid]'),
+        fem=False,
+    )
+    code, _, err = tool("run", path)
+    assert code == 0, err
+    assert err == ""
+    assert (tmp_path / "there" / "report.html").exists()
+    assert len(list((tmp_path / "kept").glob("bem-*.nc"))) == 12
+    assert not (tmp_path / "there" / "solves").exists()
+    code, out, err = tool("run", path, "--output", "here", "--no-pictures")
+    assert code == 0, err
+    assert "0 solves done, 12 found finished" in out
+    assert (tmp_path / "here" / "report.html").exists()
+    code, out, _ = tool("report", "here", "--no-pictures", "--json")
+    assert code == 0
+    assert json.loads(out)[0] == "here/report.html"
+
+
+@pytest.mark.parametrize(
+    ("line", "words"),
+    [
+        ("workers = 0", "run.workers = 0"),
+        ('memory = "3 m"', "run.memory = '3 m'"),
+        ('workers = 2\nscheduler = "tcp://x:1"', "workers or a scheduler"),
+        ("worker = 2", "did you mean 'workers'"),
+    ],
+)
+def test_a_wrong_option_in_the_scene_is_named(write_scene, tool, line, words):
+    code, _, err = tool("run", write_scene(("[solid]", f"[run]\n{line}\n[solid]")))
+    assert code == 2
+    assert words in err
+
+
+def test_surfaces_are_generated_inspected_and_converted(tool, tmp_path):
+    code, out, err = tool("surface", "generate", "quickstart", "rough.nc", "--grid", "48")
+    assert code == 0, err
+    assert "48 x 48 heights" in out
+    assert tool("surface", "generate", "quickstart", "rough.nc")[0] == 2
+    facts = json.loads(tool("surface", "inspect", "rough.nc", "--json")[1])
+    scene = json.loads(tool("surface", "inspect", "quickstart", "--json")[1])
+    assert facts["h'_rms (spectral)"] == pytest.approx(scene["h'_rms (spectral)"], rel=1e-9)
+    assert facts["missing points"] == 0
+    assert "C(q)" in tool("surface", "inspect", "rough.nc")[1]
+    assert tool("surface", "convert", "rough.nc", "rough.x3p")[0] == 0
+    assert tool("surface", "convert", "rough.x3p", "rough.npy")[0] == 0
+    from validation.topography import read_topography
+
+    np.testing.assert_array_equal(
+        np.load(tmp_path / "rough.npy"), read_topography(tmp_path / "rough.nc").heights
+    )
+
+
+def test_a_conversion_levels_fills_and_tapers_and_says_so(tool, tmp_path):
+    x = np.linspace(0, 1, 40)
+    heights = 100 * np.sin(9 * x)[:, None] * np.cos(7 * x)[None, :] + 500 * x[:, None]
+    heights[5:8, 9] = np.nan
+    np.savetxt(tmp_path / "scan.txt", heights)
+    code, _, err = tool("surface", "convert", "scan.txt", "out.nc", "--length", "10 um")
+    assert code == 2
+    assert "3 of 1600 heights are NaN" in err
+    said = (
+        "--length",
+        "10 um",
+        "--unit",
+        "1 nm",
+        "--tilt",
+        "plane",
+        "--missing",
+        "nearest",
+        "--edges",
+        "hann",
+    )
+    code, out, err = tool("surface", "convert", "scan.txt", "out.nc", *said)
+    assert code == 0, err
+    for words in ("plane taken out", "filled: nearest", "hann taper"):
+        assert words in err
+    assert "40 x 40 heights" in out
+    assert tool("surface", "convert", "scan.txt", "o.nc", "--length", "1 kg")[0] == 2
+
+
+def test_studies_and_cases_and_scenes_are_listed_for_people_and_scripts(tool):
+    assert "--pressures numbers with commas" in tool("study", "--list")[1]
+    assert "pressure" in json.loads(tool("study", "--list", "--json")[1])
+    listed = tool("validate", "--list", "--quick")[1]
+    assert "hertz-bem" in listed
+    assert "hertz-radius-fem" not in listed
+    assert "quickstart" in json.loads(tool("scenes", "list", "--json")[1])
+
+
+def test_reproduce_prints_the_claims(tool, monkeypatch, tmp_path):
+    from validation import reproduce
+    from validation.paper.claims import ClaimRow
+
+    row = ClaimRow(
+        claim="area",
+        section="4",
+        stated=1.0,
+        tolerance="5 %",
+        computed=1.01,
+        convention="",
+        verdict="reproduced",
+        note="",
+    )
+
+    def run(output, *, figures, progress):
+        progress("claim: area")
+        return (row,)
+
+    monkeypatch.setattr(reproduce, "run", run)
+    code, out, err = tool("reproduce", "--no-figures", "-q")
+    assert code == 0, err
+    assert "reproduced" in out
+    assert json.loads(tool("reproduce", "--json")[1])[0]["computed"] == 1.01
+
+
+def test_every_mistake_is_of_a_kind_the_command_line_turns_into_a_line():
+    assert not issubclass(UsageError, RunFailed)
+    assert not issubclass(RunFailed, UsageError)

@@ -1,0 +1,107 @@
+"""Predicted time and memory, within a factor of two over a committed list of cases."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+
+from validation.effects import predicted_cost
+from validation.jobs import Job
+from validation.pool import ONE_THREAD
+from validation.scene import Load, SelfAffineSurface, SolidSpec
+
+#: method, points along a side, p*, settings
+LIST = [
+    ("bem", 64, 0.05, {}),
+    ("bem", 256, 0.005, {}),
+    ("bem", 256, 0.5, {}),
+    ("bem", 512, 0.05, {}),
+    ("bem", 1024, 0.05, {}),
+    ("fem", 32, 0.05, {"method": "full", "growth": 1.2}),
+    ("fem", 48, 0.05, {"method": "full", "growth": 1.2}),
+    ("fem", 256, 0.05, {"method": "reduced", "growth": 1.2}),
+    ("fem", 512, 0.05, {"method": "reduced", "growth": 1.2}),
+]
+
+
+def job_of(number: int, *, small: bool = False) -> Job:
+    method, n, pressure, settings = LIST[number]
+    surface = SelfAffineSurface(
+        kind="self-affine",
+        length=(1e-4, 1e-4),
+        hurst=0.8,
+        lambda_long=5e-5,
+        lambda_short=2.5e-5 if small or n < 64 else 1e-4 / 16,
+        rms_gradient=0.1,
+        seed=12,
+    )
+    side = 16 if small else n
+    return Job(
+        method=method,
+        grid=(side, side),
+        surface=surface,
+        solid=SolidSpec(young=1e9, poisson=0.3),
+        load=Load(reduced_pressure=pressure),
+        settings=tuple(settings.items()),
+    )
+
+
+MEASURE = """
+import importlib.util, json, pathlib, resource, sys, tempfile, time
+spec = importlib.util.spec_from_file_location("listed", sys.argv[1])
+listed = importlib.util.module_from_spec(spec)
+spec.loader.exec_module(listed)
+from validation.effects import predicted_cost, transform_seconds
+from validation.run import attempt
+from validation.store import Store
+number = int(sys.argv[2])
+with tempfile.TemporaryDirectory() as folder:
+    store = Store(folder=pathlib.Path(folder))
+    attempt(listed.job_of(number, small=True), store, threads=1)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    pair, began = transform_seconds(), time.process_time()
+    attempt(listed.job_of(number), store, threads=1)
+    seconds = time.process_time() - began
+memory = 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
+predicted = predicted_cost(listed.job_of(number), pair_seconds=pair)
+print(json.dumps([seconds / predicted.seconds, memory / predicted.peak_bytes]))
+"""
+
+
+@pytest.mark.benchmark
+@pytest.mark.parametrize("number", range(len(LIST)), ids=["-".join(map(str, case[:3])) for case in LIST])
+def test_prediction_is_right_within_a_factor_of_two(number):
+    # Processor time, because the prediction is for a machine that does nothing else; the better of two
+    # trials.
+    path = os.pathsep.join(entry for entry in sys.path if entry)
+    environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": path}
+    ratios = []
+    for _ in range(2):
+        done = subprocess.run(
+            [sys.executable, "-c", MEASURE, __file__, str(number)],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+        ratios.append(json.loads(done.stdout))
+    time, memory = (min((r[k] for r in ratios), key=lambda x: abs(x - 1)) for k in (0, 1))
+    print(f"{LIST[number]}: measured over predicted: time {time:.2f}, memory {memory:.2f}")
+    assert 0.5 < time < 2
+    assert 0.5 < memory < 2
+
+
+def test_prediction_grows_with_the_grid_and_knows_the_reduction():
+    bem = [predicted_cost(job_of(k)) for k in (0, 1, 3, 4)]
+    for smaller, larger in itertools.pairwise(bem):
+        assert larger.seconds > smaller.seconds
+        assert larger.peak_bytes > smaller.peak_bytes
+    full, reduced = predicted_cost(job_of(6)), predicted_cost(job_of(7))
+    assert reduced.unknowns > full.unknowns
+    assert reduced.seconds < full.seconds
+    assert predicted_cost(job_of(0), pair_seconds=2e-3).seconds == pytest.approx(4 * bem[0].seconds)
