@@ -278,6 +278,8 @@ def scene_text(scene: str) -> tuple[str, Path]:
             raise SceneError(scene, ["is not UTF-8 text; a scene is a TOML file"]) from None
         except OSError as error:
             raise SceneError(scene, [f"cannot be read: {error.strerror}"]) from None
+        except ValueError:  # a zero byte in the name
+            raise SceneError(scene, ["is no name of a file"]) from None
     if scene in builtin_scenes():
         entry = resources.files("validation") / "scenes" / f"{scene}.toml"
         return entry.read_text(encoding="utf-8"), Path()

@@ -287,3 +287,44 @@ def test_an_offset_below_full_contact_is_refused():
 def test_an_empty_path_is_refused():
     with pytest.raises(InvalidInput, match="empty"):
         adhesion_path.follow(rough(32, waves=4), ELASTIC, law=law_for(32), offsets=[])
+
+
+def challenge(points, length=0.5e-6):
+    """The contact-mechanics challenge (Mueser et al. 2017), one two-hundredth of its period."""
+    low = 2 * np.pi / 0.2e-6
+    surface = random_surface(
+        lambda q: np.where(q < low, 1.0, (q / low) ** -3.6),
+        q_short=2 * np.pi / 0.1e-6,
+        lengths=(length, length),
+        shape=(points, points),
+        seed=5,
+    )
+    surface = HeightField(heights=surface.heights / surface.rms_gradient, lengths=(length, length))
+    return surface, HalfSpace(solid=Solid(young=25e6, poisson=0.0)), Exponential(work=0.05, reach=2.071e-9)
+
+
+@pytest.mark.slow
+def test_the_challenge_at_reduced_size_is_a_minimum_on_two_grids_and_from_two_starts():
+    areas, energies = [], []
+    for points in (512, 1024):
+        surface, solid, law = challenge(points)
+        elastic = bem.solve(surface, solid, mean_pressure=0.25e6).checked()
+        state = adhesion.solve(surface, solid, law=law, mean_pressure=0.25e6).checked()
+        other = adhesion.solve(
+            surface, solid, law=law, mean_pressure=0.25e6, start=np.maximum(elastic.gap, 0)
+        ).checked()
+        # With the work of the load the energy is stationary, and so alike to twice the digits of the fields.
+        whole = [one.energy + 0.25e6 * one.contact.gap.mean() for one in (state, other)]
+        assert whole[1] == pytest.approx(whole[0], rel=1e-10)
+        assert adhesion.stability(state, solid).is_minimum
+        assert state.contact.in_contact.mean() > 2 * elastic.in_contact.mean()
+        areas.append(state.contact.in_contact.mean())
+        energies.append(whole[0])
+    assert areas[1] == pytest.approx(areas[0], rel=0.02)
+    assert energies[1] == pytest.approx(energies[0], rel=1e-4)
+
+
+def test_the_grid_of_the_challenge_itself_must_be_near_a_nanometre():
+    surface, solid, law = challenge(64)
+    with pytest.raises(InvalidInput, match=r"spans 0\.274 cells of the grid.*use 467 x 467 points"):
+        adhesion.solve(surface, solid, law=law, mean_pressure=0.25e6)
