@@ -35,8 +35,40 @@ __all__ = [
 
 #: Excess of the counted area over the true one, per counted edge length and spacing: "bem" for pressures
 #: collocated at the points of a Fourier grid, from Hertzian contacts 18 to 38 cells in radius (standard error
-#: .0015); "fem" for nodal forces on linear hexahedra.
-EDGE_CONSTANTS = MappingProxyType({"bem": 0.103, "fem": 0.159})
+#: .0015); "fem" for nodal forces on trilinear hexahedra as deep as wide at nu = .3 (.002; from .17 at nu = 0).
+EDGE_CONSTANTS = MappingProxyType({"bem": 0.103, "fem": 0.198})
+
+
+#: Scatter of the place of an edge on the grid [cells], per edge, as counted areas of Hertzian contacts show.
+_SCATTER = 0.2
+
+#: Width [cells] over which the contact map is smoothed to find the direction of an edge.
+_SMOOTHING = 1.5
+
+#: Degrees of the edge map in v = 1 / (1 + rho^(2/3)) and in the squared cosine of the edge's direction.
+_DEGREES = (5, 2)
+
+#: Coefficients of the edge map per discretisation, by degree in v and then in cos^2; see `subcell_area`.
+EDGE_MAPS = MappingProxyType(
+    {
+        "bem": (
+            *(-0.57804, 1.22766, -0.82019),
+            *(1.27074, -2.94378, 1.77380),
+            *(4.62251, -4.40885, 3.91618),
+            *(-7.25598, 13.76495, -10.79373),
+            *(0.11590, -1.55225, 1.97152),
+            *(2.48050, -5.54267, 3.60049),
+        ),
+        "fem": (
+            *(-0.80964, 1.19420, -0.59937),
+            *(1.18308, -3.23205, 2.33648),
+            *(8.82923, 1.46119, -6.37755),
+            *(-24.18399, 10.60298, 9.26356),
+            *(23.07463, -14.80453, -7.69385),
+            *(-7.79529, 5.62695, 2.72969),
+        ),
+    }
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,6 +92,8 @@ class ContactAreas:
         (dx, dy) [m].
     subcell : float or None
         Area with the edge located inside the cells (`subcell_area`), where that was asked for.
+    cells : int
+        Number of cells of the nominal area.
     """
 
     pixel: float
@@ -69,10 +103,20 @@ class ContactAreas:
     edge_constant: float
     spacing: tuple[float, float]
     subcell: float | None = None
+    cells: int = 1
+
+    @property
+    def cell_share(self) -> float:
+        """Share of one cell in the nominal area."""
+        return 1 / self.cells
 
 
 def contact_areas(
-    result: ContactResult, *, edge_constant: float = EDGE_CONSTANTS["bem"], subcell: bool = False
+    result: ContactResult,
+    *,
+    edge_constant: float = EDGE_CONSTANTS["bem"],
+    subcell: bool = False,
+    edge_map: Sequence[float] = EDGE_MAPS["bem"],
 ) -> ContactAreas:
     r"""Contact area of a result: counted, and with the perimeter correction.
 
@@ -85,7 +129,9 @@ def contact_areas(
     edge_constant : float
         c, for the discretisation that made the result; see `EDGE_CONSTANTS`.
     subcell : bool
-        Also locate the edge inside the cells, by the map of the boundary-element discretisation.
+        Also locate the edge inside the cells.
+    edge_map : sequence of float
+        For the discretisation that made the result, if the edge is located; see `EDGE_MAPS`.
 
     Notes
     -----
@@ -106,7 +152,8 @@ def contact_areas(
         edge_fraction=fraction,
         edge_constant=edge_constant,
         spacing=(dx, dy),
-        subcell=subcell_area(result) if subcell else None,
+        subcell=subcell_area(result, edge_map=edge_map) if subcell else None,
+        cells=contact.size,
     )
 
 
@@ -132,13 +179,18 @@ class Limit:
     grids: int
 
 
-def limit_area(areas: Sequence[ContactAreas], *, definition: Literal["pixel", "subcell"] = "pixel") -> Limit:
+def limit_area(
+    areas: Sequence[ContactAreas],
+    *,
+    definition: Literal["pixel", "subcell"] = "pixel",
+    known_constant: tuple[float, float] | None = None,
+) -> Limit:
     """Limit of the contact area of one surface over its grids, by regression of fixed order.
 
     The pixel area is fitted as A + c (P_edge dx), the located one as A + c (P_edge dx) dx; the order is not
     fitted, since the order observed on a few grids scatters too much to extrapolate with. Where an edge falls
-    between grid points is random, so the area of one grid scatters like (number of edge cells)^(1/2) dx dy,
-    and each grid is weighted accordingly.
+    between grid points is random, so the area of one grid scatters like (number of edges)^(1/2) dx dy, and
+    each grid is weighted accordingly.
 
     Parameters
     ----------
@@ -147,6 +199,9 @@ def limit_area(areas: Sequence[ContactAreas], *, definition: Literal["pixel", "s
         may appear.
     definition : {"pixel", "subcell"}
         Which area is extrapolated.
+    known_constant : tuple of float, optional
+        What is known of c beforehand, and its standard deviation, as ``(EDGE_CONSTANTS["bem"], 0.01)``. It
+        enters like a measurement, and steadies the limit of a few coarse grids. Pixel areas only.
 
     Raises
     ------
@@ -158,8 +213,10 @@ def limit_area(areas: Sequence[ContactAreas], *, definition: Literal["pixel", "s
         raise InvalidInput(
             f"{len(areas)} areas on {len(sizes)} spacings: a limit needs three areas on at least two spacings"
         )
-    if definition == "subcell" and any(area.subcell is None for area in areas):
-        raise InvalidInput("definition = 'subcell': was not measured; ask contact_areas for it")
+    if definition == "subcell" and (
+        known_constant is not None or any(area.subcell is None for area in areas)
+    ):
+        raise InvalidInput("definition = 'subcell': not measured by contact_areas, or given a constant")
     fraction = np.array([area.edge_fraction for area in areas])
     cell = np.array([area.spacing[0] * area.spacing[1] for area in areas])
     value = np.array([area.pixel if definition == "pixel" else area.subcell for area in areas], dtype=float)
@@ -169,7 +226,15 @@ def limit_area(areas: Sequence[ContactAreas], *, definition: Literal["pixel", "s
     deviation = np.sqrt(fraction) * size
     deviation = np.maximum(deviation / deviation.max(), 1e-3)
     excess = fraction if definition == "pixel" else fraction * size
-    limit, constant, error = _weighted_line(excess, value, deviation)
+    design = np.stack([np.ones_like(excess), excess], axis=1) / deviation[:, None]
+    target = value / deviation
+    if known_constant is not None:
+        # In units of the scatter of the coarsest grid: .2 cells per edge, as Hertzian contacts show.
+        coarsest = int(np.argmax(np.sqrt(fraction) * size))
+        scatter = _SCATTER * np.sqrt(fraction[coarsest] * areas[coarsest].cell_share)
+        design = np.vstack([design, [0.0, scatter / known_constant[1]]])
+        target = np.append(target, known_constant[0] * scatter / known_constant[1])
+    limit, constant, error = _least_squares(design, target)
     return Limit(value=limit, uncertainty=error, edge_constant=constant, grids=len(areas))
 
 
@@ -208,40 +273,17 @@ def mean_areas(areas: Sequence[ContactAreas]) -> ContactAreas:
         edge_constant=areas[0].edge_constant,
         spacing=areas[0].spacing,
         subcell=float(np.mean(located)) if len(located) == len(areas) else None,
+        cells=areas[0].cells,
     )
 
 
-def _weighted_line(
-    x: NDArray[np.float64], y: NDArray[np.float64], deviation: NDArray[np.float64]
-) -> tuple[float, float, float]:
-    """Intercept and slope of y = a + b x, errors proportional to `deviation`; and the standard error of a."""
-    design = np.stack([np.ones_like(x), x], axis=1) / deviation[:, None]
-    (intercept, slope), *_ = np.linalg.lstsq(design, y / deviation)
-    rest = y / deviation - design @ np.array([intercept, slope])
-    variance = float(rest @ rest) / (x.size - 2)
+def _least_squares(design: NDArray[np.float64], target: NDArray[np.float64]) -> tuple[float, float, float]:
+    """Intercept and slope of equations of equal weight, and the standard error of the intercept."""
+    (intercept, slope), *_ = np.linalg.lstsq(design, target)
+    rest = target - design @ np.array([intercept, slope])
+    variance = float(rest @ rest) / (target.size - 2)
     covariance = variance * np.linalg.pinv(design.T @ design)
     return float(intercept), float(slope), float(np.sqrt(covariance[0, 0]))
-
-
-#: Width [cells] over which the contact map is smoothed to find the direction of an edge.
-_SMOOTHING = 1.5
-
-#: Degrees of the edge map in v = 1 / (1 + rho^(2/3)) and in the squared cosine of the edge's direction.
-_DEGREES = (5, 2)
-
-#: Coefficients of the edge map per discretisation, by degree in v and then in cos^2; see `subcell_area`.
-EDGE_MAPS = MappingProxyType(
-    {
-        "bem": (
-            *(-0.57804, 1.22766, -0.82019),
-            *(1.27074, -2.94378, 1.77380),
-            *(4.62251, -4.40885, 3.91618),
-            *(-7.25598, 13.76495, -10.79373),
-            *(0.11590, -1.55225, 1.97152),
-            *(2.48050, -5.54267, 3.60049),
-        )
-    }
-)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -44,7 +44,7 @@ from numpy.typing import NDArray
 
 from fem_contact.contact import Status
 from fem_contact.fourier import coarsened, refined
-from fem_contact.passes import Passes
+from fem_contact.passes import Errors, Passes
 
 __all__ = ["Operator", "Solution", "polonsky_keer", "solve_bounded", "solve_nested"]
 
@@ -194,6 +194,7 @@ def solve_bounded(
     start: Array | None = None,
     bound: Array | None = None,
     threads: int = 1,
+    single: bool = False,
 ) -> Solution:
     """Preconditioned conjugate gradients under bounds; two operator applications per step.
 
@@ -216,6 +217,9 @@ def solve_bounded(
         Upper bound of x [Pa]; its mean must exceed `mean_force`.
     threads : int
         Threads that share the passes over the arrays.
+    single : bool
+        Precondition in single precision: the operator is handed arrays of that kind. Directions then differ
+        in the seventh digit; residuals, and what is returned, are of double precision as ever.
 
     Notes
     -----
@@ -229,7 +233,9 @@ def solve_bounded(
     inverse (a half derivative) answers with a logarithm of the resolution; extended, the number of steps
     hardly depends on the grid.
     """
-    passes = Passes(heights, bound=bound, stiffness=_CAUTION * operator.stiffness, threads=threads)
+    passes = Passes(
+        heights, bound=bound, stiffness=_CAUTION * operator.stiffness, threads=threads, single=single
+    )
     return _iterate(
         operator,
         passes,
@@ -270,10 +276,12 @@ def _iterate(
     applications, iteration, length, curvature = 1, 0, _FIRST, 0.0
     least, patience, status = np.inf, _PATIENCE, Status.ITERATION_LIMIT
     verified, plain = False, False
+    errors: Errors | None = None
     while True:
-        # phi . g = 0: the offset is the gap below the load, so that scaling phi is no descent.
-        offset = -moment / total if total > 0 else _offset_between(passes)
-        errors = passes.residual(offset)
+        if errors is None:
+            # phi . g = 0: the offset is the gap below the load, so that scaling phi is no descent.
+            offset = -moment / total if total > 0 else _offset_between(passes)
+            errors = passes.residual(offset, total)
         if errors.within(tolerance * length_scale):
             if verified:
                 status = Status.CONVERGED
@@ -282,7 +290,7 @@ def _iterate(
             # additions, is computed afresh: the answer is judged by what is returned.
             _settle(passes, mean_force)
             operator.apply(passes.force, passes.displacement)
-            applications, verified = applications + 1, True
+            applications, verified, errors = applications + 1, True, None
             total, moment = passes.weigh()
             continue
         patience = _PATIENCE if errors.size < 0.9 * least else patience - 1
@@ -305,16 +313,25 @@ def _iterate(
         operator.apply(passes.step, passes.image)
         applications += 1 if plain else 2
         verified = False
-        slope, curvature, room = passes.search(offset)
-        best = -slope / curvature if curvature > 0 else 0.0
-        factor = min(best, room)
+        along = passes.search(offset)
+        best = -along.slope / along.curvature if along.curvature > 0 else 0.0
+        factor = min(best, along.room)
         plain = best <= 0
         if plain:
             # Clipping has turned the direction uphill: the plain projected gradient points down.
-            curvature = 0.0
+            curvature, errors = 0.0, passes.residual(offset, total)
             continue
-        total, moment = passes.advance(factor)
-        length = min(max(length * (best if best < room else 0.9 * max(best, 0.3)), _LEAST), _GREATEST)
+        curvature = along.plain
+        if passes.bound is None:
+            # The load is kept, so the next offset follows from sums along the step: one pass does for two.
+            moment += factor * (along.slope + along.lift) + factor**2 * along.curvature
+            offset = -moment / total
+            errors, moment = passes.advance_residual(factor, offset)
+            total = errors.total
+        else:
+            total, moment = passes.advance(factor)
+            errors = None
+        length = min(max(length * (best if best < along.room else 0.9 * max(best, 0.3)), _LEAST), _GREATEST)
     return _solution(
         operator, passes, offset=offset, status=status, iterations=iteration, applications=applications
     )
@@ -397,6 +414,7 @@ def solve_nested(
     bound: Array | None = None,
     weights: Array | None = None,
     threads: int = 1,
+    single: bool = False,
 ) -> Solution:
     """Solve from coarse to fine: each grid starts from the interpolated forces of the one before.
 
@@ -409,7 +427,7 @@ def solve_nested(
         Forces [Pa] to start from; the coarser grids are then left out.
     weights : (nx, ny) array, optional
         Weights of the nodes of the finest grid, where they differ.
-    operator, heights, mean_force, length_scale, tolerance, max_iterations, bound, threads
+    operator, heights, mean_force, length_scale, tolerance, max_iterations, bound, threads, single
         As in `solve_bounded`. Coarse grids are solved to `_COARSE` at best.
 
     Notes
@@ -418,8 +436,11 @@ def solve_nested(
     of all grids, each by its share of points.
     """
     given, pairs = start is not None, 0.0
-    for shape in [] if given else reversed(_coarse_shapes(heights.shape)):
-        smooth = coarsened(heights, shape)
+    levels = [heights]
+    for shape in [] if given else _coarse_shapes(heights.shape):
+        levels.append(coarsened(levels[-1], shape, threads=threads))
+    for smooth in reversed(levels[1:]):
+        shape = (smooth.shape[0], smooth.shape[1])
         solution = solve_bounded(
             coarse(shape),
             smooth,
@@ -430,6 +451,7 @@ def solve_nested(
             start=None if start is None else refined(start, shape),
             bound=None if bound is None else _nearest(bound, shape),
             threads=threads,
+            single=single,
         )
         start = solution.force
         pairs += solution.fft_pairs * start.size / heights.size
@@ -446,6 +468,7 @@ def solve_nested(
         start=start,
         bound=bound,
         threads=threads,
+        single=single,
     )
     return replace(solution, fft_pairs=solution.fft_pairs + pairs)
 

@@ -18,8 +18,12 @@ from numba import njit
 
 _OPTIONS = {"cache": True, "nogil": True, "fastmath": {"reassoc", "contract", "nsz"}}
 
+#: Reciprocals of the possible numbers of occupied cells in a cell of the next level; nothing comes from an
+#: empty one.
+_PARTS = (0.0, 1.0, 1 / 2, 1 / 3, 1 / 4)
+
 #: Share of a value that the extension keeps per level; see `complementarity`.
-DECAY = 0.77
+DECAY = 0.74
 
 
 @njit(**_OPTIONS)
@@ -52,46 +56,100 @@ def residual(lo, hi, x, u, h, offset, bound, stiffness, r, work, sums, counts):
     highest = -np.inf
     free = 0.0
     for row in range(lo, hi):
-        for col in range(counts.shape[1]):
-            sums[row, col] = 0
-            counts[row, col] = 0
         for i in range(2 * row, min(2 * row + 2, nx)):
             for j in range(ny):
                 g = u[i, j] - h[i, j] + offset
                 force = x[i, j]
-                if bound is not None and force >= bound[i, j]:
-                    highest = max(highest, g)
-                else:
-                    moment += force * abs(g)
-                    total += force
-                    lowest = min(lowest, g)
                 aim = force - stiffness * g
-                if bound is None or force < 0.5 * bound[i, j]:  # noqa: SIM108
+                if bound is None:
+                    moment += force * abs(g)
+                    lowest = g if g < lowest else lowest
                     inside = aim > 0
+                    weight = force
                 else:
-                    inside = aim < bound[i, j]
+                    weight = force * (1 - force / bound[i, j])
+                    inside = aim > 0 if force < 0.5 * bound[i, j] else aim < bound[i, j]
+                    if force >= bound[i, j]:
+                        highest = g if g > highest else highest
+                    else:
+                        moment += force * abs(g)
+                        lowest = g if g < lowest else lowest
+                        total += force
                 work[i, j] = inside
-                if inside:
-                    free += force if bound is None else force * (1 - force / bound[i, j])
+                free += weight if inside else 0.0
                 r[i, j] = -g if inside else 0.0
-            for j in range(ny):
-                if work[i, j]:
-                    sums[row, j // 2] += r[i, j]
-                    counts[row, j // 2] += 1
+        _sum_cells(row, r, work, sums, counts)
     return moment, total, lowest, highest, free
+
+
+@njit(**_OPTIONS)
+def _sum_cells(row, r, work, sums, counts):
+    """Sum a field and count its occupied points over the cells of one row of the coarser level."""
+    nx, ny = r.shape
+    last = 2 * row + 1 < nx
+    for col in range(ny // 2):
+        value = r[2 * row, 2 * col] + r[2 * row, 2 * col + 1]
+        count = (work[2 * row, 2 * col] > 0) + (work[2 * row, 2 * col + 1] > 0)
+        if last:
+            value += r[2 * row + 1, 2 * col] + r[2 * row + 1, 2 * col + 1]
+            count += (work[2 * row + 1, 2 * col] > 0) + (work[2 * row + 1, 2 * col + 1] > 0)
+        sums[row, col] = value
+        counts[row, col] = count
+    if ny % 2:
+        value = r[2 * row, ny - 1]
+        count = int(work[2 * row, ny - 1] > 0)
+        if last:
+            value += r[2 * row + 1, ny - 1]
+            count += int(work[2 * row + 1, ny - 1] > 0)
+        sums[row, ny // 2] = value
+        counts[row, ny // 2] = count
+
+
+@njit(**_OPTIONS)
+def advance_residual(lo, hi, x, u, h, s, v, share, pull_back, offset, stiffness, r, work, sums, counts):
+    """Move force and displacement, and write the residual there, in one pass; without bound.
+
+    The step is share * s - pull_back * x, with image share * v - pull_back * u. Returns sum x |g|, sum x, sum
+    x (u - h), the least gap, and the sum of x over the working set.
+    """
+    nx, ny = x.shape
+    keep = 1 - pull_back
+    moment = 0.0
+    total = 0.0
+    torque = 0.0
+    lowest = np.inf
+    free = 0.0
+    for row in range(lo, hi):
+        for i in range(2 * row, min(2 * row + 2, nx)):
+            for j in range(ny):
+                force = keep * x[i, j] + share * s[i, j]
+                force = force if force > 0 else 0.0
+                shift = keep * u[i, j] + share * v[i, j]
+                x[i, j] = force
+                u[i, j] = shift
+                level = shift - h[i, j]
+                g = level + offset
+                torque += force * level
+                total += force
+                moment += force * abs(g)
+                lowest = g if g < lowest else lowest
+                inside = force - stiffness * g > 0
+                work[i, j] = inside
+                free += force if inside else 0.0
+                r[i, j] = -g if inside else 0.0
+        _sum_cells(row, r, work, sums, counts)
+    return moment, total, torque, lowest, free
 
 
 @njit(**_OPTIONS)
 def pull(fine, counts, sums, coarse_counts):
     """Average the occupied cells of a level, in place, and sum them into the next coarser one."""
-    sums[:] = 0
-    coarse_counts[:] = 0
-    for i in range(fine.shape[0]):
-        for j in range(fine.shape[1]):
-            if counts[i, j] > 0:
-                fine[i, j] /= counts[i, j]
-                sums[i // 2, j // 2] += fine[i, j]
-                coarse_counts[i // 2, j // 2] += 1
+    nx, ny = fine.shape
+    for row in range(sums.shape[0]):
+        for i in range(2 * row, min(2 * row + 2, nx)):
+            for j in range(ny):
+                fine[i, j] *= _PARTS[counts[i, j]]
+        _sum_cells(row, fine, counts, sums, coarse_counts)
 
 
 @njit(**_OPTIONS)
@@ -155,10 +213,7 @@ def pull_transposed(fine, counts, coarse):
     """Transpose of `pull` in place: occupied cells take up the coarser level, divided by their count."""
     for i in range(fine.shape[0]):
         for j in range(fine.shape[1]):
-            if counts[i, j] > 0:
-                fine[i, j] = (fine[i, j] + coarse[i // 2, j // 2]) / counts[i, j]
-            else:
-                fine[i, j] = 0
+            fine[i, j] = (fine[i, j] + coarse[i // 2, j // 2]) * _PARTS[counts[i, j]]
 
 
 @njit(**_OPTIONS)
@@ -186,7 +241,24 @@ def finish(lo, hi, z, work, coarse, x, s, v, bound):
 
 
 @njit(**_OPTIONS)
-def trial(lo, hi, x, z, s, work, bound, step, beta, shift):
+def trial(lo, hi, x, z, s, work, step, beta, shift):
+    """Write the step to the trial force max(x + step (z + beta s - shift x), 0) over s; sum that force.
+
+    Points off the working set lose their force.
+    """
+    total = 0.0
+    for i in range(lo, hi):
+        for j in range(x.shape[1]):
+            force = x[i, j]
+            y = force + step * (z[i, j] + beta * s[i, j] - shift * force)
+            y = y if work[i, j] and y > 0 else 0.0
+            total += y
+            s[i, j] = y - force
+    return (total,)
+
+
+@njit(**_OPTIONS)
+def trial_bounded(lo, hi, x, z, s, work, bound, step, beta, shift):
     """Write the trial force over s; sum it between the bounds, at the bound, and the room above the first.
 
     It is clip(x + step (z + beta s - shift phi)) on the working set, and the bound the point has run into
@@ -199,30 +271,21 @@ def trial(lo, hi, x, z, s, work, bound, step, beta, shift):
         for j in range(x.shape[1]):
             y = x[i, j]
             if work[i, j]:
-                phi = y if bound is None else y * (1 - y / bound[i, j])
+                phi = y * (1 - y / bound[i, j])
                 y = max(y + step * (z[i, j] + beta * s[i, j] - shift * phi), 0.0)
-            elif bound is None or y < 0.5 * bound[i, j]:
+            elif y < 0.5 * bound[i, j]:
                 y = 0.0
             else:
                 y = bound[i, j]
-            if bound is not None and y >= bound[i, j]:
+            if y >= bound[i, j]:
                 y = bound[i, j]
                 at += y
             else:
                 below += y
-                if bound is not None and y > 0:
+                if y > 0:
                     room += bound[i, j] - y
             s[i, j] = y
     return below, at, room
-
-
-@njit(**_OPTIONS)
-def subtract(lo, hi, s, x, factor):
-    """Turn the trial force into the step s = factor * trial - x."""
-    for i in range(lo, hi):
-        for j in range(x.shape[1]):
-            s[i, j] = factor * s[i, j] - x[i, j]
-    return (0.0,)
 
 
 @njit(**_OPTIONS)
@@ -241,21 +304,31 @@ def subtract_bounded(lo, hi, s, x, bound, toward):
 
 
 @njit(**_OPTIONS)
-def line(lo, hi, x, u, h, offset, s, v, bound):
-    """Sum g s and s v, and find the largest multiple of s that keeps the force within its bounds."""
+def line(lo, hi, x, u, h, offset, s, v, bound, share, pull_back):
+    """Sum along the step t = share * s - pull_back * x with image w; find the room the bounds leave.
+
+    Returns sum g t, sum t w, sum u t, the largest multiple of t that keeps the force within its bounds, and
+    sum s v.
+    """
     slope = 0.0
     curvature = 0.0
+    lift = 0.0
     room = np.inf
+    plain = 0.0
     for i in range(lo, hi):
         for j in range(x.shape[1]):
-            step = s[i, j]
-            slope += (u[i, j] - h[i, j] + offset) * step
-            curvature += step * v[i, j]
-            if step < 0 and x[i, j] < -step * room:
-                room = x[i, j] / -step
-            if bound is not None and step > 0 and bound[i, j] - x[i, j] < step * room:
-                room = (bound[i, j] - x[i, j]) / step
-    return slope, curvature, room
+            force = x[i, j]
+            level = u[i, j]
+            step = share * s[i, j] - pull_back * force
+            slope += (level - h[i, j] + offset) * step
+            curvature += step * (share * v[i, j] - pull_back * level)
+            lift += level * step
+            plain += s[i, j] * v[i, j]
+            if step < 0 and force < -step * room:
+                room = force / -step
+            if bound is not None and step > 0 and bound[i, j] - force < step * room:
+                room = (bound[i, j] - force) / step
+    return slope, curvature, lift, room, plain
 
 
 @njit(**_OPTIONS)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +13,32 @@ from fem_contact.rows import Rows
 if TYPE_CHECKING:
     from fem_contact.complementarity import Operator
 
-__all__ = ["Errors", "Passes"]
+__all__ = ["Errors", "Passes", "Slopes"]
 
 Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Slopes:
+    """The energy along the step.
+
+    Attributes
+    ----------
+    slope, curvature : float
+        First and second derivative per step.
+    lift : float
+        Sum of displacement times step.
+    room : float
+        Largest multiple of the step within the bounds.
+    plain : float
+        Curvature along the trial step, before it was scaled to the load.
+    """
+
+    slope: float
+    curvature: float
+    lift: float
+    room: float
+    plain: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,19 +74,24 @@ class Errors:
 class Passes:
     """The arrays of one problem and the compiled passes over them, shared out over threads."""
 
-    def __init__(self, heights: Array, *, bound: Array | None, stiffness: float, threads: int) -> None:
+    def __init__(
+        self, heights: Array, *, bound: Array | None, stiffness: float, threads: int, single: bool = False
+    ) -> None:
         from fem_contact import kernels
 
         self.kernels, self.heights, self.bound, self.stiffness = kernels, heights, bound, stiffness
         nx, ny = heights.shape
         self.force, self.displacement = np.empty((nx, ny)), np.empty((nx, ny))
-        self.step, self.image, self.buffer = np.zeros((nx, ny)), np.zeros((nx, ny)), np.empty((nx, ny))
+        self.step, self.image = np.zeros((nx, ny)), np.zeros((nx, ny))
+        precision = np.float32 if single else np.float64
+        self.buffer: NDArray[Any] = np.empty((nx, ny), dtype=precision)
         self.working = np.zeros((nx, ny), dtype=bool)
-        self.sums: list[Array] = []
+        self.share, self.pull_back = 1.0, 0.0
+        self.sums: list[NDArray[Any]] = []
         self.counts: list[NDArray[np.uint8]] = []
         while max(nx, ny) > 4 or not self.sums:
             nx, ny = -(-nx // 2), -(-ny // 2)
-            self.sums.append(np.empty((nx, ny)))
+            self.sums.append(np.empty((nx, ny), dtype=precision))
             self.counts.append(np.empty((nx, ny), dtype=np.uint8))
         self.rows = Rows(heights.shape[0], threads=threads)
         self.coarse_rows = Rows(self.sums[0].shape[0], threads=threads)
@@ -89,8 +117,11 @@ class Passes:
         )
         return total, moment
 
-    def residual(self, offset: float) -> Errors:
-        """Write the residual and the working set; measure by how much the conditions are missed."""
+    def residual(self, offset: float, load: float) -> Errors:
+        """Write the residual and the working set; measure by how much the conditions are missed.
+
+        `load`, the sum of x, is taken as the total where nothing bounds x.
+        """
         parts = self.coarse_rows.run(
             self.kernels.residual,
             self.force,
@@ -106,7 +137,11 @@ class Passes:
         )
         moments, totals, lowest, highest, free = zip(*parts, strict=True)
         return Errors(
-            moment=sum(moments), total=sum(totals), lowest=min(lowest), highest=max(highest), free=sum(free)
+            moment=sum(moments),
+            total=sum(totals) if self.bound is not None else load,
+            lowest=min(lowest),
+            highest=max(highest),
+            free=sum(free),
         )
 
     def precondition(self, operator: Operator) -> tuple[float, float, float, float]:
@@ -134,13 +169,18 @@ class Passes:
     def trial(self, mean_force: float, *, offset: float, length: float, beta: float, shift: float) -> None:
         """Write the step to the clipped trial force of the prescribed load."""
         k, target = self.kernels, mean_force * self.force.size
-        inside, rest, room = self.rows.add(
-            k.trial, self.force, self.buffer, self.step, self.working, self.bound, length, beta, shift
-        )
+        self.share, self.pull_back = 1.0, 0.0
         if self.bound is None:
-            factor = target / inside if inside > 0 else 1.0
-            self.rows.run(k.subtract, self.step, self.force, 1.0 if abs(factor - 1) < 1e-13 else factor)
+            (total,) = self.rows.add(
+                k.trial, self.force, self.buffer, self.step, self.working, length, beta, shift
+            )
+            # The trial force times `share` carries the load; its step is share * step - pull_back * force.
+            if total > 0 and abs(target / total - 1) > 1e-13:
+                self.share, self.pull_back = target / total, 1 - target / total
             return
+        inside, rest, room = self.rows.add(
+            k.trial_bounded, self.force, self.buffer, self.step, self.working, self.bound, length, beta, shift
+        )
         missing = target - inside - rest
         limit = room if missing > 0 else inside
         if abs(missing) > limit:
@@ -154,6 +194,7 @@ class Passes:
 
         Whatever the state, it is a direction of descent; it is slow and used where the other is none.
         """
+        self.share, self.pull_back = 1.0, 0.0
         aim = self.force - self.stiffness * (self.displacement - self.heights + offset)
         top = np.inf if self.bound is None else self.bound
         low = mean_force - float(np.max(aim))
@@ -168,14 +209,49 @@ class Passes:
                 high = middle
         np.subtract(np.clip(aim + high, 0.0, top), self.force, out=self.step)
 
-    def search(self, offset: float) -> tuple[float, float, float]:
+    def search(self, offset: float) -> Slopes:
         """Slope and curvature of the energy along the step, and how many steps the bounds leave room for."""
         k = self.kernels
         parts = self.rows.run(
-            k.line, self.force, self.displacement, self.heights, offset, self.step, self.image, self.bound
+            k.line,
+            self.force,
+            self.displacement,
+            self.heights,
+            offset,
+            self.step,
+            self.image,
+            self.bound,
+            self.share,
+            self.pull_back,
         )
-        slopes, curvatures, rooms = zip(*parts, strict=True)
-        return sum(slopes), sum(curvatures), min(rooms)
+        slopes, curvatures, lifts, rooms, plains = zip(*parts, strict=True)
+        return Slopes(
+            slope=sum(slopes), curvature=sum(curvatures), lift=sum(lifts), room=min(rooms), plain=sum(plains)
+        )
+
+    def advance_residual(self, factor: float, offset: float) -> tuple[Errors, float]:
+        """Move by `factor` steps, write the residual for that offset, and sum x (u - h); without bound."""
+        parts = self.coarse_rows.run(
+            self.kernels.advance_residual,
+            self.force,
+            self.displacement,
+            self.heights,
+            self.step,
+            self.image,
+            factor * self.share,
+            factor * self.pull_back,
+            offset,
+            self.stiffness,
+            self.buffer,
+            self.working,
+            self.sums[0],
+            self.counts[0],
+        )
+        moments, totals, torques, lowest, free = zip(*parts, strict=True)
+        errors = Errors(
+            moment=sum(moments), total=sum(totals), lowest=min(lowest), highest=-np.inf, free=sum(free)
+        )
+        return errors, sum(torques)
 
     def advance(self, factor: float) -> tuple[float, float]:
         """Move by `factor` steps; sum phi and phi (u - h) there."""

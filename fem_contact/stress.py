@@ -1,7 +1,8 @@
-"""Distribution of the contact pressure, P(sigma), and its value at vanishing pressure."""
+"""What is read off a result: P(sigma) and its start at zero, gap distribution, energy and stiffness."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,9 +10,25 @@ from numpy.typing import ArrayLike, NDArray
 
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
+from fem_contact.patches import find_patches
 from fem_contact.surface import HeightField
 
-__all__ = ["DensityAtZero", "PressureDistribution", "density_at_zero", "pressure_distribution"]
+__all__ = [
+    "DensityAtZero",
+    "DensityLimit",
+    "GapDistribution",
+    "InitialSlope",
+    "PressureDistribution",
+    "contact_stiffness",
+    "density_at_zero",
+    "elastic_energy",
+    "gap_distribution",
+    "initial_slope",
+    "limit_density",
+    "loading_work",
+    "pressure_distribution",
+    "refined_edges",
+]
 
 Array = NDArray[np.float64]
 
@@ -60,9 +77,7 @@ def pressure_distribution(result: ContactResult, edges: ArrayLike) -> PressureDi
     InvalidInput
         For edges that do not increase.
     """
-    edges = np.asarray(edges, dtype=float)
-    if edges.ndim != 1 or edges.size < 2 or not np.all(np.diff(edges) > 0):
-        raise InvalidInput("edges: must be at least two increasing pressures in Pa")
+    edges = _checked_edges(edges, "pressures in Pa")
     pressure, share = _contact_pressures(result)
     counts, _ = np.histogram(pressure, bins=edges, weights=share)
     return PressureDistribution(edges=edges, density=counts / np.diff(edges), area=float(share.sum()))
@@ -82,12 +97,15 @@ class DensityAtZero:
         The small pressure [Pa].
     points : int
         Contact points below it.
+    spacing : float
+        Geometric mean of dx and dy [m].
     """
 
     density: float
     reduced: float
     threshold: float
     points: int
+    spacing: float
 
 
 def density_at_zero(result: ContactResult, *, factor: float = 0.2) -> DensityAtZero:
@@ -126,7 +144,222 @@ def density_at_zero(result: ContactResult, *, factor: float = 0.2) -> DensityAtZ
         reduced=float(density * stress),
         threshold=threshold,
         points=int(np.count_nonzero(below)),
+        spacing=float(np.sqrt(dx * dy)),
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class DensityLimit:
+    """P(0+) extrapolated to vanishing spacing, by a straight line in the square root of the spacing.
+
+    Attributes
+    ----------
+    value, uncertainty : float
+        Intercept and its standard error, times E* h'_rms; 0 within the error means that P starts from zero.
+    growth : float
+        Slope against (spacing / finest spacing)^(1/2).
+    exponent : float
+        Order of the fall observed between the grids, d ln P / d ln dx; about 1/2 where the value is 0.
+    """
+
+    value: float
+    uncertainty: float
+    growth: float
+    exponent: float
+
+
+def limit_density(densities: Sequence[DensityAtZero]) -> DensityLimit:
+    """Limit of P(0+) of one surface over its grids.
+
+    Weights follow from the number of points that each estimate rests on.
+
+    Raises
+    ------
+    InvalidInput
+        For fewer than three estimates, a single spacing, or estimates that rest on no point.
+    """
+    spacing = np.array([one.spacing for one in densities])
+    if len(densities) < 3 or np.unique(spacing).size < 2:
+        raise InvalidInput(f"{len(densities)} densities: a limit needs three on at least two spacings")
+    points = np.array([one.points for one in densities], dtype=float)
+    if points.min() < 1:
+        raise InvalidInput("a density rests on no point: widen its window or leave that grid out")
+    value = np.array([one.reduced for one in densities])
+    root = np.sqrt(spacing / spacing.min())
+    deviation = value / np.sqrt(points)
+    design = np.stack([np.ones_like(root), root], axis=1) / deviation[:, None]
+    covariance = np.linalg.inv(design.T @ design)
+    intercept, growth = covariance @ (design.T @ (value / deviation))
+    # Counting noise is the least; where the points scatter more about the line, that counts.
+    rest = value / deviation - design @ np.array([intercept, growth])
+    scatter = max(1.0, float(rest @ rest) / (len(densities) - 2))
+    exponent = np.polyfit(np.log(spacing), np.log(value), 1, w=np.sqrt(points))[0]
+    return DensityLimit(
+        value=float(intercept),
+        uncertainty=float(np.sqrt(covariance[0, 0] * scatter)),
+        growth=float(growth),
+        exponent=float(exponent),
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class InitialSlope:
+    """Slope of P(sigma) at small pressure, and the patches it rests on.
+
+    Attributes
+    ----------
+    slope : float
+        P'(0+) [1/Pa^2].
+    reduced : float
+        slope * (E* h'_rms)^2.
+    uncertainty : float
+        Standard error of `reduced`, from the counts in the bins.
+    patches : int
+        Contact patches of the result. Each adds to the slope whatever its size, so a slope is converged only
+        where their number is.
+    """
+
+    slope: float
+    reduced: float
+    uncertainty: float
+    patches: int
+
+
+def initial_slope(
+    result: ContactResult, *, window: tuple[float, float] = (0.1, 0.4), bins: int = 6
+) -> InitialSlope:
+    """Fit a straight line through zero to P(sigma) between two pressures above the reach of the grid.
+
+    Parameters
+    ----------
+    result : ContactResult
+        Of a rough surface.
+    window : tuple of float
+        Range of the fit in units of E* h'_rms; its lower end should lie above the window of
+        `density_at_zero`.
+    bins : int
+        Bins of the fit.
+
+    Raises
+    ------
+    InvalidInput
+        For a flat surface, or a window that is not increasing.
+    """
+    stress = result.contact_modulus * HeightField(heights=result.heights, lengths=result.lengths).rms_gradient
+    if not stress > 0:
+        raise InvalidInput("a flat surface has no scale of pressure: the slope of P is undefined")
+    if not 0 <= window[0] < window[1]:
+        raise InvalidInput(f"window = {window!r}: must be two increasing pressures in units of E* h'_rms")
+    edges = stress * np.linspace(window[0], window[1], bins + 1)
+    distribution = pressure_distribution(result, edges)
+    centres, density = distribution.centres / stress, distribution.density * stress
+    # Poisson counts: the variance of a bin goes with its density, which here goes with the pressure.
+    slope = float(np.sum(density) / np.sum(centres))
+    count = float(np.sum(density)) * (window[1] - window[0]) / bins * result.pressure.size
+    return InitialSlope(
+        slope=slope / float(stress) ** 2,
+        reduced=slope,
+        uncertainty=slope / np.sqrt(count) if count > 0 else np.inf,
+        patches=find_patches(result.in_contact, result.spacing).count,
+    )
+
+
+def refined_edges(top: float, *, bins: int = 40, power: float = 2.0) -> Array:
+    """Bin edges from 0 to `top` [Pa] that crowd near zero, like (k / bins)^power.
+
+    Examples
+    --------
+    >>> refined_edges(16.0, bins=4)
+    array([ 0.,  1.,  4.,  9., 16.])
+    """
+    if not (np.isfinite(top) and top > 0) or bins < 1 or not power > 0:
+        raise InvalidInput(f"top = {top!r}, bins = {bins!r}, power = {power!r}: must all be positive")
+    return np.asarray(top * np.linspace(0.0, 1.0, bins + 1) ** power)
+
+
+@dataclass(frozen=True, kw_only=True)
+class GapDistribution:
+    """Histogram of the gap over the points out of contact, per nominal area.
+
+    Attributes
+    ----------
+    edges : (n + 1,) array
+        Bin edges [m].
+    density : (n,) array
+        Share of the nominal area per gap [1/m]; it integrates to 1 - A/A0 over all gaps.
+    mean : float
+        Mean gap over the whole area [m].
+    """
+
+    edges: Array
+    density: Array
+    mean: float
+
+
+def gap_distribution(result: ContactResult, edges: ArrayLike) -> GapDistribution:
+    """Distribution of the gap.
+
+    Parameters
+    ----------
+    result : ContactResult
+    edges : (n + 1,) array
+        Increasing bin edges [m].
+
+    Raises
+    ------
+    InvalidInput
+        For edges that do not increase.
+    """
+    edges = _checked_edges(edges, "lengths in m")
+    weights = np.ones(result.shape) if result.weights is None else result.weights
+    apart = ~result.in_contact
+    counts, _ = np.histogram(result.gap[apart], bins=edges, weights=weights[apart])
+    density = counts / (result.gap.size * np.diff(edges))
+    return GapDistribution(edges=edges, density=density, mean=float(np.mean(weights * result.gap)))
+
+
+def elastic_energy(result: ContactResult) -> float:
+    """Elastic energy per nominal area [J/m^2], half the mean of p u.
+
+    On a half-space u has zero mean, so this is the energy of the roughness alone (Persson 2006, Eq. 43 refers
+    to the same).
+    """
+    weighted = result.pressure if result.weights is None else result.pressure * result.weights
+    return 0.5 * float(np.mean(weighted * result.displacement))
+
+
+def loading_work(results: Sequence[ContactResult]) -> Array:
+    """Work per nominal area [J/m^2] done by the load along a path, from its first state to the others.
+
+    The work is the integral of p0 over the approach, -offset. Between two states p0 is taken to be
+    exponential in the approach, as it nearly is, which makes the logarithmic mean of both loads the mean
+    load. Between elastic states the work equals the difference of their energies, with an error of second
+    order in the steps.
+    """
+    load = np.array([result.mean_pressure for result in results])
+    approach = -np.array([result.offset for result in results])
+    growth = np.log(load[1:] / load[:-1])
+    # Near equal loads the logarithmic mean is 0 / 0; its series there is the plain mean.
+    steady = np.abs(growth) < 1e-6
+    exact = np.diff(load) / np.where(steady, 1.0, growth)
+    mean = np.where(steady, 0.5 * (load[1:] + load[:-1]), exact)
+    return np.concatenate([[0.0], np.cumsum(mean * np.diff(approach))])
+
+
+def contact_stiffness(results: Sequence[ContactResult]) -> Array:
+    """Contact stiffness d p0 / d(approach) [Pa/m] at each state of a path, by differences of second order.
+
+    Raises
+    ------
+    InvalidInput
+        For fewer than three states.
+    """
+    if len(results) < 3:
+        raise InvalidInput(f"{len(results)} states: the stiffness needs at least three")
+    load = np.array([result.mean_pressure for result in results])
+    approach = -np.array([result.offset for result in results])
+    # In ln p0 the approach is nearly straight, so differences are taken there.
+    return np.asarray(load / np.gradient(approach, np.log(load)))
 
 
 def _contact_pressures(result: ContactResult) -> tuple[Array, Array]:
@@ -136,3 +369,10 @@ def _contact_pressures(result: ContactResult) -> tuple[Array, Array]:
     if result.weights is None:
         return pressure, np.full(pressure.shape, 1 / contact.size)
     return pressure, result.weights[contact] / contact.size
+
+
+def _checked_edges(edges: ArrayLike, kind: str) -> Array:
+    values = np.asarray(edges, dtype=float)
+    if values.ndim != 1 or values.size < 2 or not np.all(np.diff(values) > 0):
+        raise InvalidInput(f"edges: must be at least two increasing {kind}")
+    return values

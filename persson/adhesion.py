@@ -297,6 +297,8 @@ def solve_adhesion(
     adhesion sets in under load sigma_a starts like a square root; nodes are dense there and the steps are
     even in its argument.
     """
+    if pressure < 0 and scale.spectrum.q_min == 0:
+        raise InvalidInput("q_min = 0: under tension the size L of the sample matters; give q_min = 2 pi / L")
     reference = float(scale.variance(scale.q_short))
     case = _Case(
         scale=scale,

@@ -11,7 +11,7 @@ from typing import Protocol, Self
 
 from persson._checks import Array, positive
 from persson.adhesion import AdhesionStatus, Interface, solve_adhesion
-from persson.errors import OutsideTheory
+from persson.errors import InvalidInput, OutsideTheory
 from persson.scale import Scale
 from persson.spectrum import Spectrum
 
@@ -41,6 +41,10 @@ def pull_off_stress(scale: Scale, *, interface: Interface, tolerance: float = 1e
     >>> pull_off_stress(stiff, interface=Interface(work_of_adhesion=0.05))
     0.0
     """
+    if scale.spectrum.q_min == 0:
+        raise InvalidInput(
+            "q_min = 0: the size L of the sample sets the pull-off stress; give q_min = 2 pi / L"
+        )
     held = solve_adhesion(scale, pressure=0.0, interface=interface)
     if held.status is AdhesionStatus.NO_CONTACT:
         return 0.0

@@ -44,14 +44,17 @@ class Scale:
 
     def __init__(self, spectrum: Spectrum, *, contact_modulus: float | Callable[[Array], Array]) -> None:
         self.spectrum = spectrum
-        low = spectrum.q_min if spectrum.q_min > 0 else spectrum.q_long * 1e-9
-        self.q_min, self.q_short = float(low), float(spectrum.q_short)
+        # A roll-off that reaches q = 0 starts where nothing of it is felt.
+        self.q_min = float(spectrum.q_min if spectrum.q_min > 0 else spectrum.q_long * 1e-9)
+        self.q_short = float(spectrum.q_short)
         if not self.q_short > self.q_min:
             raise InvalidInput("the spectrum holds no roughness: q_short must exceed q_min")
-        span = (self.q_short - self.q_min) / self.q_min
-        count = max(int(_DENSITY * np.log(span / _START)), 64)
-        offsets = np.append(np.geomspace(_START, span, count)[:-1], span)
-        self._q = self.q_min * (1 + offsets)
+        self._origin = float(spectrum.q_min)
+        span = (self.q_short - self._origin) / self.q_min
+        start = _START if self._origin > 0 else 1.0
+        count = max(int(_DENSITY * np.log(span / start)), 64)
+        offsets = np.append(np.geomspace(start, span, count)[:-1], span)
+        self._q = self._origin + self.q_min * offsets
         self._q[-1] = self.q_short
         self.graded = callable(contact_modulus)
         if callable(contact_modulus):
@@ -66,7 +69,7 @@ class Scale:
         if keep.sum() < 2:
             raise InvalidInput("the spectrum holds no roughness: C(q) vanishes")
         top = self._variance[-1]
-        x = np.log((self._q[keep] - self.q_min) / self.q_min)
+        x = np.log((self._q[keep] - self._origin) / self.q_min)
         self._inverse = PchipInterpolator(np.log(self._variance[keep] / top), x, extrapolate=False)
         self._first, self._top = float(self._variance[keep][0]), float(top)
 
@@ -111,12 +114,13 @@ class Scale:
         """Q [1/m] at which V(q) equals `variance` [Pa^2]; q_min below the first, q_short above the last."""
         asked = np.asarray(variance, dtype=float)
         value = np.clip(asked, self._first, self._top)
-        q = self.q_min * (1 + np.exp(self._inverse(np.log(value / self._top))))
+        q = self._origin + self.q_min * np.exp(self._inverse(np.log(value / self._top)))
         for _ in range(2):
             # The table is good to 1e-5; Newton makes the inverse as smooth as the spectrum, which moving
             # walls need.
             half = self.modulus(q) / 2
             rate = 2 * np.pi * q * q * q * self.spectrum(q) * half * half
             step = np.where(rate > 0, (self.variance(q) - value) / np.where(rate > 0, rate, 1.0), 0.0)
-            q = np.clip(q - step, self.q_min + (q - self.q_min) / 2, self.q_min + (q - self.q_min) * 2)
+            offset = q - self._origin
+            q = self._origin + np.clip(offset - step, offset / 2, offset * 2)
         return np.where(asked < self._first, self.q_min, np.minimum(q, self.q_short))[()]

@@ -76,7 +76,8 @@ def hertz(force: float, *, radius: float, contact_modulus: float) -> HertzContac
     """
     load = positive("force", force, unit="N")
     big = positive("radius", radius, unit="m")
-    circle = math.cbrt(0.75 * load * big / positive("contact_modulus", contact_modulus, unit="Pa"))
+    modulus = positive("contact_modulus", contact_modulus, unit="Pa")
+    circle = big * math.cbrt(0.75 * load / (modulus * big * big))
     return HertzContact(
         radius=circle,
         approach=circle * (circle / big),

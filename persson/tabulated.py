@@ -83,7 +83,9 @@ class Tabulated(SpectrumMoments):
 
     @property
     def _exponents(self) -> Array:
-        return np.asarray(np.diff(np.log(self.power)) / np.diff(np.log(self.wavevectors)))
+        q, c = self.wavevectors, self.power
+        # Ratios before logarithms: no digit of the exponents may depend on the unit of length.
+        return np.asarray(np.log(c[1:] / c[:-1]) / np.log(q[1:] / q[:-1]))
 
     def __call__(self, q: ArrayLike) -> Array:
         """C(q) [m^4]; 0 outside the table."""

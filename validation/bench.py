@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
-from fem_contact.contact import ContactResult
 from validation.errors import RunFailed
-from validation.jobs import Job
+from validation.jobs import AnyJob
 from validation.run import Execution, Progress, Silent, solve_jobs
 from validation.store import Store, prepare_folder
 
@@ -22,26 +22,26 @@ DEFAULT_STORE = Path("results") / "solves"
 class PlannedOnly(Exception):
     """Raised by a bench that only plans, in place of the first solve; carries the jobs."""
 
-    def __init__(self, jobs: tuple[Job, ...], store: Store) -> None:
+    def __init__(self, jobs: tuple[AnyJob, ...], store: Store) -> None:
         self.jobs, self.store = jobs, store
         super().__init__(f"{len(jobs)} solves planned")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Solves(Mapping[Job, ContactResult]):
-    """Stored results by job; each is read when it is asked for, so thousands need no memory."""
+class Solves(Mapping[AnyJob, Any]):
+    """Stored results by job, fields or numbers; each is read when asked for: thousands need no memory."""
 
-    jobs: tuple[Job, ...]
+    jobs: tuple[AnyJob, ...]
     store: Store
 
-    def __getitem__(self, job: Job) -> ContactResult:
+    def __getitem__(self, job: AnyJob) -> Any:
         """Read a result from the store."""
         result = self.store.load(job)
         if result is None:
             raise RunFailed(f"{job.describe()}: its result in {self.store.folder} vanished or was damaged")
         return result
 
-    def __iter__(self) -> Iterator[Job]:
+    def __iter__(self) -> Iterator[AnyJob]:
         """Jobs in the order they were asked for."""
         return iter(self.jobs)
 
@@ -90,7 +90,7 @@ class Bench:
         store = Store(folder=prepare_folder(Path(folder), option="--store"))
         return cls(store=store, execution=execution or Execution(), progress=progress or Silent())
 
-    def solve(self, jobs: Iterable[Job]) -> Solves:
+    def solve(self, jobs: Iterable[AnyJob]) -> Solves:
         """Solve what is not stored yet and return all results, in the order of the jobs.
 
         Raises

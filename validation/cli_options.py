@@ -13,7 +13,7 @@ import typer
 from validation.errors import UsageError
 
 if TYPE_CHECKING:
-    from validation.jobs import Job
+    from validation.jobs import AnyJob
     from validation.run import Execution
     from validation.scene import RunOptions
     from validation.store import Store
@@ -119,7 +119,7 @@ def stopping_cleanly() -> Iterator[None]:
         raise typer.Exit(130) from None
 
 
-def print_plan(jobs: Sequence[Job], store: Store, *, as_json: bool) -> None:
+def print_plan(jobs: Sequence[AnyJob], store: Store, *, as_json: bool) -> None:
     """Print every solve with its predicted cost and whether it is finished."""
     from rich.table import Table
 

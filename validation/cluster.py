@@ -15,7 +15,7 @@ from validation.run import Outcome, attempt
 from validation.store import Store
 
 if TYPE_CHECKING:
-    from validation.jobs import Job
+    from validation.jobs import AnyJob
 
 __all__ = ["solve_on_cluster"]
 
@@ -25,7 +25,7 @@ _PATIENCE = 60.0
 
 
 def solve_on_cluster(
-    jobs: tuple[Job, ...], store: Store, *, address: str, begin: Callable[[Job], None]
+    jobs: tuple[AnyJob, ...], store: Store, *, address: str, begin: Callable[[AnyJob], None]
 ) -> Iterator[Outcome]:
     """Do jobs on a Dask cluster; yield each outcome when it is known.
 
@@ -34,7 +34,7 @@ def solve_on_cluster(
 
     Parameters
     ----------
-    jobs : tuple of Job
+    jobs : tuple of AnyJob
     store : Store
     address : str
         Of the scheduler, such as "tcp://host:8786".
@@ -55,7 +55,7 @@ def solve_on_cluster(
         allowed = {job.key: _fitting(job, limits) for job in jobs}
         store = replace(store, folder=store.folder.resolve())
         waiting = list(jobs)
-        submitted: dict[str, Job] = {}
+        submitted: dict[str, AnyJob] = {}
         pending: Any = distributed.as_completed(loop=client.loop, raise_errors=False)
 
         def hand_out() -> None:
@@ -115,7 +115,7 @@ def _described(dask_scheduler: Any) -> dict[str, tuple[int, int]]:
     return {name: (state.nthreads, state.memory_limit) for name, state in dask_scheduler.workers.items()}
 
 
-def _fitting(job: Job, limits: dict[str, int | None]) -> list[str] | None:
+def _fitting(job: AnyJob, limits: dict[str, int | None]) -> list[str] | None:
     """Return the workers a job fits on; None if on all, so that workers that come later may take it."""
     needed = predicted_cost(job).peak_bytes
     fitting = [name for name, limit in limits.items() if limit is None or needed <= limit]
@@ -124,13 +124,13 @@ def _fitting(job: Job, limits: dict[str, int | None]) -> list[str] | None:
     return None if len(fitting) == len(limits) else fitting
 
 
-def _remote(job: Job, folder: Path) -> Outcome:
+def _remote(job: AnyJob, folder: Path) -> Outcome:
     from validation.store import prepare_folder
 
     return attempt(job, Store(folder=prepare_folder(folder)), threads=1)
 
 
-def _outcome(future: Any, job: Job, store: Store) -> Outcome:
+def _outcome(future: Any, job: AnyJob, store: Store) -> Outcome:
     if future.status != "finished":
         return Outcome(job=job, error=f"{job.describe()}: {_reason(future)}")
     outcome: Outcome = future.result()

@@ -285,7 +285,7 @@ def compare(scene: Scene, store: Store) -> Comparison:
 
 
 def _stored(store: Store, job: Job) -> ContactResult:
-    result = store.load(job)
+    result: ContactResult | None = store.load(job)
     if result is None:
         raise RunFailed(f"{job.describe()}: no result in {store.folder}; run the scene first")
     return result

@@ -84,6 +84,8 @@ def write_drawings(drawings: Sequence[Drawing], folder: Path) -> tuple[Written, 
         for suffix in ("svg", "pdf"):
             with atomic_path(paths[suffix]) as draft:
                 plots.save_figure(drawing.figure, draft)
+            # Laid out once; doing it again for the second format would cost as much as drawing.
+            drawing.figure.set_layout_engine("none")
         write_csv(drawing.data, paths["csv"])
         with atomic_path(paths["nc"]) as draft:
             drawing.data.to_netcdf(draft, engine="netcdf4")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.errors import UsageError
-from validation.jobs import Job, jobs_of, nominal_pressure
+from validation.jobs import AnyJob, Job, NumbersJob, Prediction, jobs_of, nominal_pressure
 from validation.neglect import COST, Judgement, Roughness, judge, unlisted
 from validation.scene import FileSurface, Scene, SelfAffineSurface
 from validation.surfaces import reference_field, shortest_wavelength, spectrum_of, topography_of
@@ -43,7 +43,7 @@ HANDLED_BY: dict[str, frozenset[str]] = {
 # Measured on one thread, in units of a pair of real 256 x 256 transforms, which tells one machine from
 # another.
 #: What a solve costs whatever its grid: surface, set-up, storing.
-_FIXED_PAIRS = 20.0
+_FIXED_PAIRS = 26.0
 #: Boundary elements, per pair of transforms on the grid; 25 to 30 are needed, and the passes between them
 #: cost.
 _BEM_PAIRS = 80.0
@@ -85,15 +85,6 @@ def check_effects(scene: Scene) -> None:
         check_slots(scene)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Prediction:
-    """Predicted cost of a solve: seconds, peak bytes, unknowns."""
-
-    seconds: float
-    peak_bytes: int
-    unknowns: int
-
-
 def transform_seconds(n: int = 256) -> float:
     """Median time of a pair of real n x n transforms on this machine, on one thread [s]."""
     import scipy.fft
@@ -107,15 +98,17 @@ def transform_seconds(n: int = 256) -> float:
     return sorted(times)[2]
 
 
-def predicted_cost(job: Job, *, pair_seconds: float = 0.5e-3) -> Prediction:
+def predicted_cost(job: AnyJob, *, pair_seconds: float = 0.5e-3) -> Prediction:
     """Predict the cost of a job on one thread, storing included, beyond what an idle process takes.
 
     Parameters
     ----------
-    job : Job
+    job : AnyJob
     pair_seconds : float
         Time of one pair of 256 x 256 transforms on this machine, from `transform_seconds` [s].
     """
+    if isinstance(job, NumbersJob):
+        return job.predict()
     points = job.grid[0] * job.grid[1]
     scale = points * math.log2(points) / (256**2 * 16)
     dearer = math.prod(COST.get(effect.kind, 1.0) for effect in job.effects)
@@ -152,7 +145,7 @@ def memory_words(size: float) -> str:
     return f"{size / 2**30:.3g} GiB" if size >= 2**30 else f"{size / 2**20:.3g} MiB"
 
 
-def too_large(job: Job, limit: int, *, where: str = "here") -> str:
+def too_large(job: AnyJob, limit: int, *, where: str = "here") -> str:
     """Say that a job does not fit into memory, and what to do."""
     needed = predicted_cost(job).peak_bytes
     return (

@@ -5,11 +5,12 @@ from __future__ import annotations
 import hashlib
 import itertools
 import json
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -20,7 +21,10 @@ from validation.effect_tables import EffectSpec
 from validation.scene import FileSurface, Load, Scene, SelfAffineSurface, SolidSpec
 from validation.surfaces import file_digest, height_field, reference_field
 
-__all__ = ["Job", "execute", "jobs_of", "nominal_pressure", "warm_up"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["AnyJob", "Job", "NumbersJob", "Prediction", "execute", "jobs_of", "nominal_pressure", "warm_up"]
 
 #: Raised when a change of the code changes results, so that stored ones are not mistaken for new ones.
 RESULTS_VERSION = 1
@@ -97,6 +101,55 @@ class Job:
     def height_field(self) -> HeightField:
         """Return the heights this job presses."""
         return height_field(self.surface, self.grid, realisation=self.realisation, shift=self.shift)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Prediction:
+    """Predicted cost of a solve: seconds, peak bytes, unknowns."""
+
+    seconds: float
+    peak_bytes: int
+    unknowns: int
+
+
+class NumbersJob(ABC):
+    """A job of a study whose result is a small dataset of numbers rather than fields.
+
+    Subclasses are frozen dataclasses of plain data, so that worker processes can be sent them.
+    """
+
+    @property
+    @abstractmethod
+    def recipe(self) -> dict[str, Any]:
+        """Everything that determines the numbers, as JSON-ready data, and nothing else."""
+
+    @property
+    @abstractmethod
+    def prefix(self) -> str:
+        """Readable start of the name on disk."""
+
+    @property
+    def key(self) -> str:
+        """Name on disk: readable, then the hash of the recipe."""
+        recipe = {"results_version": RESULTS_VERSION, "kind": type(self).__name__, **self.recipe}
+        digest = hashlib.sha256(json.dumps(recipe, sort_keys=True).encode()).hexdigest()[:16]
+        return f"{self.prefix}-{digest}"
+
+    @abstractmethod
+    def describe(self) -> str:
+        """Return a few words for a progress bar."""
+
+    @abstractmethod
+    def predict(self) -> Prediction:
+        """Predict what the job takes."""
+
+    @abstractmethod
+    def measure(self) -> xr.Dataset:
+        """Solve, and keep the numbers."""
+
+
+#: What a store keeps and a bench runs.
+AnyJob: TypeAlias = "Job | NumbersJob"
 
 
 def jobs_of(scene: Scene) -> tuple[Job, ...]:
@@ -184,9 +237,9 @@ def execute(job: Job, *, threads: int | None = None) -> Solved:
     return Solved(contact=solution.contact, block=solution)
 
 
-def warm_up(jobs: Sequence[Job]) -> None:
+def warm_up(jobs: Sequence[AnyJob]) -> None:
     """Load the compiled passes of the methods that jobs use, so that no solve is charged with it."""
-    if any(job.method == "bem" for job in jobs):
+    if any(isinstance(job, NumbersJob) or job.method == "bem" for job in jobs):
         from fem_contact import bem
         from fem_contact.response import HalfSpace
 
@@ -199,6 +252,6 @@ def block_file(folder: Path, job: Job) -> Path:
     return folder / f"{job.key}.vtu"
 
 
-def recipe_text(job: Job) -> str:
+def recipe_text(job: AnyJob) -> str:
     """Return the recipe as text, stored beside the result."""
     return json.dumps(job.recipe, sort_keys=True)

@@ -109,7 +109,7 @@ def lines_figure(
     reference : dict of str to float, optional
         Horizontal lines, by words.
     """
-    figure, (axes,) = _figure()
+    figure, (axes,) = new_figure()
     looks: Iterator[dict[str, Any]] = itertools.cycle(
         {"color": colour, "marker": marker, "ls": style, "mfc": fill}
         for (colour, marker), style, fill in zip(_MARKERS * 2, _STYLES * 2, _FILLS, strict=True)
@@ -140,7 +140,7 @@ def _labelled(variable: xr.DataArray, name: str) -> str:
     return f"{words} [{unit}]" if unit != "1" else f"{words} [-]"
 
 
-def _figure(width: float = 5.0, height: float = 3.7, columns: int = 1) -> tuple[Figure, list[Axes]]:
+def new_figure(width: float = 5.0, height: float = 3.7, columns: int = 1) -> tuple[Figure, list[Axes]]:
     with matplotlib.rc_context(_STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
         axes = figure.subplots(1, columns, squeeze=False)[0]
@@ -149,7 +149,7 @@ def _figure(width: float = 5.0, height: float = 3.7, columns: int = 1) -> tuple[
 
 def area_figure(comparison: Comparison) -> Figure:
     """Contact area against grid spacing: pixel, corrected, limit and theory, FEM beside BEM."""
-    figure, (axes,) = _figure()
+    figure, (axes,) = new_figure()
     for (method, name), look in _LOOK.items():
         rows = comparison.rows_of(method)
         if rows:
@@ -195,7 +195,7 @@ def _powers_of_two(axes: Axes, spacings: list[float]) -> None:
 
 def pressure_at_zero_figure(data: xr.Dataset) -> Figure:
     """P(sigma) near zero on each grid against Persson's closed form, from `pressure_at_zero_data`."""
-    figure, (axes,) = _figure()
+    figure, (axes,) = new_figure()
     curve = data["curve"].values
     labels = [label for label in dict.fromkeys(curve) if label != "Persson"]
     shades = np.linspace(0.75, 0.0, max(len(labels), 2))
@@ -218,7 +218,7 @@ def pressure_at_zero_figure(data: xr.Dataset) -> Figure:
 
 def cost_figure(comparison: Comparison) -> Figure:
     """Error of the area against seconds for every method and definition, the theory included."""
-    figure, (axes,) = _figure()
+    figure, (axes,) = new_figure()
     limit = comparison.limit
     if limit is None or limit.value == 0:
         axes.text(0.5, 0.5, "no limit: the error is not determinable", ha="center", transform=axes.transAxes)
@@ -245,7 +245,7 @@ def cost_figure(comparison: Comparison) -> Figure:
 
 def pressure_maps_figure(comparison: Comparison, results: dict[str, ContactResult]) -> Figure:
     """Pressure maps of the solvers on the same surface, on one colour scale."""
-    figure, axes = _figure(width=3.3 * max(len(results), 1), height=3.1, columns=max(len(results), 1))
+    figure, axes = new_figure(width=3.3 * max(len(results), 1), height=3.1, columns=max(len(results), 1))
     unit = comparison.contact_modulus * comparison.rms_gradient
     top = max((float(result.pressure.max()) for result in results.values()), default=unit) / unit
     image = None

@@ -17,7 +17,7 @@ from validation.run import Outcome
 from validation.store import remove_drafts
 
 if TYPE_CHECKING:
-    from validation.jobs import Job
+    from validation.jobs import AnyJob
     from validation.store import Store
 
 __all__ = ["ONE_THREAD", "solve_in_processes"]
@@ -43,7 +43,7 @@ _IDLE_BYTES = 250 * 2**20
 class _Worker:
     process: subprocess.Popen[bytes]
     connection: Connection[Any, Any]
-    job: Job | None = None
+    job: AnyJob | None = None
 
 
 @dataclass(eq=False, kw_only=True)
@@ -52,14 +52,14 @@ class _Pool:
 
     store: Store
     memory: int
-    waiting: list[Job]
+    waiting: list[AnyJob]
     workers: list[_Worker] = field(default_factory=list)
     tries: Counter[str] = field(default_factory=Counter)
 
     def busy(self) -> list[_Worker]:
         return [worker for worker in self.workers if worker.job is not None]
 
-    def next_job(self) -> Job | None:
+    def next_job(self) -> AnyJob | None:
         """Take the first waiting job that fits beside those under way; one always runs."""
         taken = sum(predicted_cost(w.job).peak_bytes for w in self.busy() if w.job is not None)
         free = self.memory - len(self.workers) * _IDLE_BYTES - taken
@@ -69,7 +69,7 @@ class _Pool:
                 return job
         return None
 
-    def hand_out(self, begin: Callable[[Job], None]) -> None:
+    def hand_out(self, begin: Callable[[AnyJob], None]) -> None:
         for worker in self.workers:
             if worker.job is None:
                 job = self.next_job()
@@ -108,13 +108,13 @@ class _Pool:
 
 
 def solve_in_processes(
-    jobs: tuple[Job, ...], store: Store, *, workers: int, memory: int, begin: Callable[[Job], None]
+    jobs: tuple[AnyJob, ...], store: Store, *, workers: int, memory: int, begin: Callable[[AnyJob], None]
 ) -> Iterator[Outcome]:
     """Do jobs on local processes, the longest first; yield each outcome when it is known.
 
     Parameters
     ----------
-    jobs : tuple of Job
+    jobs : tuple of AnyJob
     store : Store
         Where the workers put their results.
     workers : int

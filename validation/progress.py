@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from validation.jobs import Job
+    from validation.jobs import AnyJob
 
 __all__ = ["Bar", "steps_bar"]
 
@@ -41,7 +41,7 @@ class Bar:
         if self._progress.tasks:
             self._progress.stop()
 
-    def start(self, missing: tuple[Job, ...], stored: int) -> None:
+    def start(self, missing: tuple[AnyJob, ...], stored: int) -> None:
         """Show the bar over the jobs still to be done."""
         from validation.effects import predicted_cost
 
@@ -51,11 +51,11 @@ class Bar:
         self._progress.start()
         self._task = self._progress.add_task(f"{stored} solves found finished", total=total)
 
-    def begin(self, job: Job) -> None:
+    def begin(self, job: AnyJob) -> None:
         """Name the solve under way."""
         self._progress.update(self._task, description=job.describe())
 
-    def done(self, job: Job) -> None:
+    def done(self, job: AnyJob) -> None:
         """Advance by the job's share."""
         self._progress.advance(self._task, self._weights[job.key])
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Protocol
 from fem_contact.errors import FemContactError
 from validation.effects import available_memory, check_effects, predicted_cost, too_large
 from validation.errors import RunFailed, UsageError
-from validation.jobs import Job, block_file, execute, jobs_of, warm_up
+from validation.jobs import AnyJob, NumbersJob, block_file, execute, jobs_of, warm_up
 from validation.store import Store, atomic_path, prepare_folder, remove_drafts
 from validation.surfaces import reference_field
 
@@ -40,13 +40,13 @@ _RUN_FORMAT = "fem-contact run 1"
 class Progress(Protocol):
     """What a run tells the person who watches it."""
 
-    def start(self, missing: tuple[Job, ...], stored: int) -> None:
+    def start(self, missing: tuple[AnyJob, ...], stored: int) -> None:
         """Tell which jobs are to be done, and how many were found finished."""
 
-    def begin(self, job: Job) -> None:
+    def begin(self, job: AnyJob) -> None:
         """Tell that a job starts."""
 
-    def done(self, job: Job) -> None:
+    def done(self, job: AnyJob) -> None:
         """Tell that a job is solved and stored."""
 
     def note(self, text: str) -> None:
@@ -56,13 +56,13 @@ class Progress(Protocol):
 class Silent:
     """Progress that nobody watches."""
 
-    def start(self, missing: tuple[Job, ...], stored: int) -> None:
+    def start(self, missing: tuple[AnyJob, ...], stored: int) -> None:
         """Say nothing."""
 
-    def begin(self, job: Job) -> None:
+    def begin(self, job: AnyJob) -> None:
         """Say nothing."""
 
-    def done(self, job: Job) -> None:
+    def done(self, job: AnyJob) -> None:
         """Say nothing."""
 
     def note(self, text: str) -> None:
@@ -102,14 +102,14 @@ class Outcome:
 
     Attributes
     ----------
-    job : Job
+    job : AnyJob
     error : str or None
         Why there is no result.
     fatal : bool
         Whether the others need not be tried: a full disk.
     """
 
-    job: Job
+    job: AnyJob
     error: str | None = None
     fatal: bool = False
 
@@ -241,7 +241,7 @@ def load_run(folder: Path) -> tuple[Scene, Store]:
 
 
 def solve_jobs(
-    jobs: tuple[Job, ...],
+    jobs: tuple[AnyJob, ...],
     store: Store,
     *,
     progress: Progress | None = None,
@@ -279,7 +279,7 @@ def solve_jobs(
 
 
 def _outcomes(
-    jobs: tuple[Job, ...], store: Store, execution: Execution, begin: Callable[[Job], None]
+    jobs: tuple[AnyJob, ...], store: Store, execution: Execution, begin: Callable[[AnyJob], None]
 ) -> Iterator[Outcome]:
     if not jobs:
         return iter(())
@@ -295,24 +295,29 @@ def _outcomes(
     return _in_this_process(jobs, store, begin)
 
 
-def _in_this_process(jobs: Sequence[Job], store: Store, begin: Callable[[Job], None]) -> Iterator[Outcome]:
+def _in_this_process(
+    jobs: Sequence[AnyJob], store: Store, begin: Callable[[AnyJob], None]
+) -> Iterator[Outcome]:
     warm_up(jobs)
     for job in jobs:
         begin(job)
         yield attempt(job, store)
 
 
-def attempt(job: Job, store: Store, *, threads: int | None = None) -> Outcome:
+def attempt(job: AnyJob, store: Store, *, threads: int | None = None) -> Outcome:
     """Do one job and store its result; what a worker does.
 
     Parameters
     ----------
-    job : Job
+    job : AnyJob
     store : Store
     threads : int, optional
         Threads for this solve; all that there are if not given. The result is the same bit for bit.
     """
     try:
+        if isinstance(job, NumbersJob):
+            store.save(job, job.measure())
+            return Outcome(job=job)
         if threads is None:
             solved = execute(job)
         else:
@@ -343,7 +348,7 @@ def _failed(failures: Sequence[Outcome], tried: int) -> str:
     return f"{len(failures)} of {tried} solves failed, the others are stored:\n{lines}{more}"
 
 
-def _refuse_too_large(jobs: Sequence[Job], execution: Execution) -> None:
+def _refuse_too_large(jobs: Sequence[AnyJob], execution: Execution) -> None:
     limit = available_memory() if execution.memory is None else execution.memory
     largest = max(jobs, key=lambda job: predicted_cost(job).peak_bytes, default=None)
     if largest is not None and predicted_cost(largest).peak_bytes > limit:

@@ -9,14 +9,17 @@ import os
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact.contact import ContactResult, Cost, Residuals, Status
 from validation.files import atomic_path, prepare_folder, remove_drafts
-from validation.jobs import Job, recipe_text
+from validation.jobs import AnyJob, NumbersJob, recipe_text
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["Store", "atomic_path", "prepare_folder", "read_result", "remove_drafts"]
 
@@ -44,11 +47,11 @@ class Store:
 
     folder: Path
 
-    def path(self, job: Job) -> Path:
+    def path(self, job: AnyJob) -> Path:
         """Return where the result of a job is, or will be."""
         return self.folder / f"{job.key}.nc"
 
-    def save(self, job: Job, result: ContactResult) -> None:
+    def save(self, job: AnyJob, result: ContactResult | xr.Dataset) -> None:
         """Write a finished solve.
 
         Raises
@@ -57,9 +60,13 @@ class Store:
             When the disk is full.
         """
         with atomic_path(self.path(job)) as draft:
-            _to_file(draft, job, result)
+            if isinstance(result, ContactResult):
+                _to_file(draft, job, result)
+            else:
+                result.attrs["recipe"] = recipe_text(job)
+                result.to_netcdf(draft, engine="netcdf4")
 
-    def load(self, job: Job, *, on_damage: Callable[[str], None] | None = None) -> ContactResult | None:
+    def load(self, job: AnyJob, *, on_damage: Callable[[str], None] | None = None) -> Any:
         """Read a finished solve; None if there is none.
 
         A damaged file is set aside as `*.corrupt`, counts as none, and is told to `on_damage` in a sentence.
@@ -68,7 +75,7 @@ class Store:
         if not path.exists():
             return None
         try:
-            return read_result(path)
+            return _numbers(path) if isinstance(job, NumbersJob) else read_result(path)
         except Exception as error:
             # What a damaged HDF5 file raises depends on the byte: anything but a result is damage.
             if isinstance(error, OSError) and error.errno in _NOT_DAMAGE:
@@ -80,12 +87,19 @@ class Store:
                 on_damage(f"{path}: damaged; set aside as {aside.name}, to be computed again")
             return None
 
-    def holds(self, job: Job, *, on_damage: Callable[[str], None] | None = None) -> bool:
+    def holds(self, job: AnyJob, *, on_damage: Callable[[str], None] | None = None) -> bool:
         """Whether an intact result of the job is stored."""
         return self.load(job, on_damage=on_damage) is not None
 
 
-def _to_file(path: Path, job: Job, result: ContactResult) -> None:
+def _numbers(path: Path) -> xr.Dataset:
+    import xarray as xr
+
+    with xr.open_dataset(path, engine="netcdf4") as dataset:
+        return dataset.load()
+
+
+def _to_file(path: Path, job: AnyJob, result: ContactResult) -> None:
     # netCDF4 itself: through xarray the same file takes five times as long, and a study writes thousands.
     import netCDF4
 
@@ -115,8 +129,8 @@ def _to_file(path: Path, job: Job, result: ContactResult) -> None:
                 variable = file.createVariable(name, values[name].dtype, ("x", "y"), **options)
                 variable.setncatts({"units": unit, "long_name": words})
                 variable[...] = values[name]
-    except RuntimeError as error:
-        # The library says "HDF error" for whatever the system refused it.
+    except (RuntimeError, PermissionError) as error:
+        # The library says "HDF error" or "Permission denied" for whatever the system refused it.
         if _is_full(path.parent, 2 * sum(array.nbytes for array in values.values())):
             raise OSError(errno.ENOSPC, "No space left on device") from error
         raise
@@ -127,7 +141,7 @@ def _is_full(folder: Path, wanted: int) -> bool:
     return space.f_bavail * space.f_frsize < wanted
 
 
-def _attributes(job: Job, result: ContactResult) -> dict[str, Any]:
+def _attributes(job: AnyJob, result: ContactResult) -> dict[str, Any]:
     return {
         "format": _FORMAT,
         "recipe": recipe_text(job),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import json
 import math
 from collections.abc import Mapping
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from validation.bench import Bench
+    from validation.studies._common import ResultTable
 
 __all__ = ["StudyOutputs", "is_study", "report_study", "run_study"]
 
@@ -85,12 +87,19 @@ def report_study(folder: Path) -> StudyOutputs:
         raise UsageError(f"{folder}: holds no finished study ({error})") from None
     tables = write_csv(data, folder / "data.csv")
     findings = study.findings(data)
+    table = study.table(data)
+    if table is not None:
+        with (
+            atomic_path(folder / "table.csv") as draft,
+            draft.open("w", newline="", encoding="utf-8") as file,
+        ):
+            csv.writer(file).writerows([table.columns, *table.rows])
     page = render(
         "study.html.j2",
         title=f"Study: {study.name}",
         question=study.question,
         findings=findings,
-        tables=_tables(data),
+        tables=_tables(data) if table is None else [_shown(table)],
         figures=write_drawings(study.figures(data), folder),
         settings=json.dumps(said["options"], indent=2),
         seeds=_seeds(said["options"]),
@@ -119,6 +128,11 @@ def _tables(data: xr.Dataset) -> list[dict[str, Any]]:
         columns = [_column(data, name) for name in frame.columns]
         tables.append({"columns": columns, "rows": rows, "left_out": max(0, len(frame) - _ROWS_SHOWN)})
     return tables
+
+
+def _shown(table: ResultTable) -> dict[str, Any]:
+    rows = [tuple(map(_cell, row)) for row in table.rows]
+    return {"columns": list(table.columns), "rows": rows, "left_out": 0}
 
 
 def _column(data: xr.Dataset, name: str) -> str:

@@ -2,6 +2,7 @@
 
 from fem_contact.block.accuracy import WaveError, wave_errors
 from fem_contact.block.elements import ELEMENTS, Element
+from fem_contact.block.equilibrium import Equilibrium
 from fem_contact.block.mesh import BlockMesh, MeshOptions, graded_layers, plan_mesh
 from fem_contact.block.reduced import BlockResponse
 from fem_contact.block.solution import BlockSolution, CellStress
@@ -14,6 +15,7 @@ __all__ = [
     "BlockSolution",
     "CellStress",
     "Element",
+    "Equilibrium",
     "Estimate",
     "MeshOptions",
     "WaveError",

@@ -84,11 +84,17 @@ def _functions(phase: Array) -> Array:
     return np.stack([np.ones_like(phase), np.cos(half), np.cos(phase), np.sin(half), np.sin(phase)], axis=1)
 
 
-def element_matrices(mesh: BlockMesh, poisson: float) -> tuple[Array, Array]:
-    """Element matrices (nz, m, m) of the column, and the local nodes' offsets (n, 3) in half cells."""
+def element_matrices(
+    mesh: BlockMesh, poisson: float, *, condensed: bool = False
+) -> tuple[Array, NDArray[np.int64]]:
+    """Element matrices (nz, m, m) of the column, and the local nodes' offsets (n, 3) in half cells.
+
+    Discontinuous linear pressures are unknowns of their own behind the displacements, unless they are
+    `condensed`.
+    """
     basis, element = mesh.column(), mesh.element
     forms = LocalForms.integrate(basis, element)
-    nodes, mixed = basis.Nbfun, element.pressures == 4
+    nodes, mixed = basis.Nbfun, element.pressures == 4 and not condensed
     pressures = element.pressures if mixed else 0
     matrices = np.zeros((mesh.nz, 3 * nodes + pressures, 3 * nodes + pressures))
     second = 0.5 / (1 + poisson)
@@ -235,7 +241,7 @@ def surface_response(folded: FoldedLayers, states: SurfaceStates) -> Array:
     return np.asarray(answer[:, : folded.plane])
 
 
-def surface_compliance(folded: FoldedLayers, phases: Array, *, chunk: int = 2048) -> Array:
+def surface_compliance(folded: FoldedLayers, phases: Array) -> Array:
     """Vertical displacement under unit vertical nodal forces, no tangential ones, (n, types, types).
 
     Parameters
@@ -243,11 +249,19 @@ def surface_compliance(folded: FoldedLayers, phases: Array, *, chunk: int = 2048
     folded : FoldedLayers
     phases : (n, 2) array
         Phases per cell.
-    chunk : int
-        Phases treated at a time.
     """
-    parts = []
-    for first in range(0, len(phases), chunk):
-        states = eliminate(folded, phases[first : first + chunk])
-        parts.append(surface_response(folded, states)[:, 2::3])
-    return np.concatenate(parts)
+    from fem_contact.block.dense_kernels import compliances, plan_folding
+
+    plane, inner, pressures = folded.plane, folded.inner, folded.pressures
+    eliminated, size = plane + inner + pressures, plane + pressures
+    # Rows of a layer are bottom, inner, pressures, top; eliminated are bottom, inner, the pressures below.
+    bottom, middle = np.arange(plane), np.arange(plane, plane + inner)
+    top = eliminated + np.arange(plane)
+    modes = eliminated + plane + np.arange(pressures)
+    places = np.concatenate([bottom, middle, modes, top])
+    state_places = np.concatenate([bottom, plane + inner + np.arange(pressures)])
+    out = np.empty((len(phases), folded.types, folded.types))
+    counts = np.array([eliminated, size, folded.types])
+    plan = plan_folding(folded.coefficients)
+    compliances(*plan, places, state_places, counts, np.ascontiguousarray(phases), out)
+    return out

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from fem_contact.block.column import eliminate, split_layer
 from fem_contact.block.elements import Element
 from fem_contact.block.reduced import BlockResponse, phase_pairs
+from fem_contact.errors import InsufficientMemory
 
 __all__ = ["ArraySource", "CellLayer", "FieldSource", "FourierSource"]
 
@@ -172,6 +173,7 @@ class FourierSource:
         turns = np.stack(
             [np.exp(0.5j * (x[:, None] * a + y * b)).ravel() for a in (0, 1) for b in (0, 1)], axis=1
         )
+        _refuse_beyond_memory(len(phases), plane + modes, mesh.nz)
         states = eliminate(folded, phases, keep=True)
         loads = np.zeros((len(phases), states.top.shape[1]), dtype=complex)
         for kind, lattice in enumerate(
@@ -205,3 +207,18 @@ class FourierSource:
             turned = turned.reshape(nx, -1, 3)
             plane[a::2, b::2] = scipy.fft.irfft2(turned, s=(nx, ny), axes=(0, 1), workers=self.threads)
         return plane * self.width
+
+
+def _refuse_beyond_memory(waves: int, state: int, layers: int) -> None:
+    import psutil
+
+    # The states at all boundaries, and a few work matrices of one layer.
+    needed, available = (
+        8 * waves * (state**2 * layers + 20 * state**2),
+        int(psutil.virtual_memory().available),
+    )
+    if needed > available:
+        raise InsufficientMemory(
+            f"the field of triquadratic cells needs {needed / 2**30:.3g} GiB on the way, "
+            f"{available / 2**30:.2g} GiB are available: take a coarser grid or trilinear cells"
+        )

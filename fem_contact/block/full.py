@@ -37,7 +37,11 @@ _LINEAR_STEPS = 1000
 
 def solve_full(problem: Problem, start: Mask | Found | None, matrix: sp.bsr_array) -> Found:
     """Solve the assembled block from a first set or solution, by default from a coarser grid's."""
-    found = _iterate(problem, start, matrix)
+    from threadpoolctl import threadpool_limits
+
+    # Vectors are short and everything else is serial: more BLAS threads only wait for each other.
+    with threadpool_limits(limits=1, user_api="blas"):
+        found = _iterate(problem, start, matrix)
     field = np.zeros((*problem.mesh.shape, problem.mesh.planes.size, 3))
     field[:, :, 1:] = found.displacement
     return Found(

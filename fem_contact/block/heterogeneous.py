@@ -217,7 +217,7 @@ def _first_guess(
     if problem.pressure is None:
         assert start is not None
         return start, 0.0, None, 0.0
-    layered = solve_reduced(problem, block.layered, block.operator, start)
+    layered = solve_reduced(problem, block.layered, block.operator, start=start)
     field = np.empty((*mesh.shape, mesh.planes.size, 3))
     for layer in FourierSource(response=block.layered, force=layered.force, width=1.0).descend():
         field[:, :, layer.index : layer.index + 2] = np.moveaxis(layer.nodes, 0, 2)

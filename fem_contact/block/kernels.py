@@ -114,6 +114,36 @@ def _climb(s: Any, m: Any) -> None:
         s[5, p] = m[20, p] - u2 * u2 * i0 - v2 * v2 * i1 - w2 * w2 * i2
 
 
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _sweep_block(packed: Any, parity: Any, phases: Any, states: Any, response: Any, start: int) -> None:
+    layers = packed.shape[0]
+    size = min(_SIDE_BY_SIDE, phases.shape[0] - start)
+    f, m, s = np.zeros((16, size)), np.empty((21, size)), np.empty((6, size))
+    for p in range(size):
+        _write_functions(phases[start + p, 0], phases[start + p, 1], f, p)
+    for layer in range(layers):
+        for e in range(15 if layer == 0 else 0, 21):
+            _combine(packed[layer, e], f[4 * parity[e] : 4 * parity[e] + 4], m[e])
+        if layer == 0:
+            s[:] = m[15:]
+            continue
+        if states.shape[0] > 0:
+            for e in range(6):
+                for p in range(size):
+                    states[layer - 1, start + p, e] = s[e, p]
+        _climb(s, m)
+    for p in range(size):
+        # Unit vertical force: the last column of the inverse.
+        l1, l2 = s[1, p] / s[0, p], s[2, p] / s[0, p]
+        d1 = s[3, p] - l1 * s[1, p]
+        l3 = (s[4, p] - l1 * s[2, p]) / d1
+        d2 = s[5, p] - l2 * s[2, p] - l3 * l3 * d1
+        z = 1.0 / d2
+        response[start + p, 2] = z
+        response[start + p, 1] = -l3 * z
+        response[start + p, 0] = -l2 * z + l1 * l3 * z
+
+
 @njit(cache=True, parallel=True)  # type: ignore[untyped-decorator]
 def sweep(packed: Any, parity: Any, phases: Any, states: Any, response: Any) -> None:
     """Eliminate columns from the bottom upwards.
@@ -133,34 +163,32 @@ def sweep(packed: Any, parity: Any, phases: Any, states: Any, response: Any) -> 
     Columns are treated in blocks whose numbers lie side by side, so that one instruction serves several of
     them.
     """
-    layers, count = packed.shape[0], phases.shape[0]
-    for block in prange((count + _SIDE_BY_SIDE - 1) // _SIDE_BY_SIDE):
-        start = block * _SIDE_BY_SIDE
-        size = min(_SIDE_BY_SIDE, count - start)
-        f, m, s = np.zeros((16, size)), np.empty((21, size)), np.empty((6, size))
-        for p in range(size):
-            _write_functions(phases[start + p, 0], phases[start + p, 1], f, p)
-        for layer in range(layers):
-            for e in range(15 if layer == 0 else 0, 21):
-                _combine(packed[layer, e], f[4 * parity[e] : 4 * parity[e] + 4], m[e])
-            if layer == 0:
-                s[:] = m[15:]
-                continue
-            if states.shape[0] > 0:
-                for e in range(6):
-                    for p in range(size):
-                        states[layer - 1, start + p, e] = s[e, p]
-            _climb(s, m)
-        for p in range(size):
-            # Unit vertical force: the last column of the inverse.
-            l1, l2 = s[1, p] / s[0, p], s[2, p] / s[0, p]
-            d1 = s[3, p] - l1 * s[1, p]
-            l3 = (s[4, p] - l1 * s[2, p]) / d1
-            d2 = s[5, p] - l2 * s[2, p] - l3 * l3 * d1
-            z = 1.0 / d2
-            response[start + p, 2] = z
-            response[start + p, 1] = -l3 * z
-            response[start + p, 0] = -l2 * z + l1 * l3 * z
+    for block in prange((phases.shape[0] + _SIDE_BY_SIDE - 1) // _SIDE_BY_SIDE):
+        _sweep_block(packed, parity, phases, states, response, block * _SIDE_BY_SIDE)
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _descend_row(packed: Any, parity: Any, phases: Any, state: Any, quadrant: Any, amplitudes: Any) -> None:
+    f = np.zeros((16, 1))
+    m, a = np.empty((15, 1)), np.empty(6)
+    x = np.empty((3, 3))
+    for j in range(amplitudes.shape[0]):
+        mirrored = quadrant[j] < 0
+        point = -1 - quadrant[j] if mirrored else quadrant[j]
+        _write_functions(phases[point, 0], phases[point, 1], f, 0)
+        for e in range(15):
+            _combine(packed[e], f[4 * parity[e] : 4 * parity[e] + 4], m[e])
+        for e in range(6):
+            a[e] = state[point, e] + m[e, 0]
+        sign = -1.0 if mirrored else 1.0
+        u, v, w = sign * amplitudes[j, 0], amplitudes[j, 1], amplitudes[j, 2]
+        for r in range(3):
+            force = m[6 + 3 * r, 0] * u + m[7 + 3 * r, 0] * v + m[8 + 3 * r, 0] * w
+            x[r, 0], x[r, 1], x[r, 2] = force.real, force.imag, 0.0
+        _solve3(a, x)
+        amplitudes[j, 0] = -sign * complex(x[0, 0], x[0, 1])
+        amplitudes[j, 1] = -complex(x[1, 0], x[1, 1])
+        amplitudes[j, 2] = -complex(x[2, 0], x[2, 1])
 
 
 @njit(cache=True, parallel=True)  # type: ignore[untyped-decorator]
@@ -182,26 +210,64 @@ def descend(packed: Any, parity: Any, phases: Any, state: Any, quadrant: Any, am
         Amplitudes of the top plane on entry, of the bottom plane on return.
     """
     for i in prange(amplitudes.shape[0]):
-        f = np.zeros((16, 1))
-        m, a = np.empty((15, 1)), np.empty(6)
-        x = np.empty((3, 3))
-        for j in range(amplitudes.shape[1]):
-            mirrored = quadrant[i, j] < 0
-            point = -1 - quadrant[i, j] if mirrored else quadrant[i, j]
-            _write_functions(phases[point, 0], phases[point, 1], f, 0)
-            for e in range(15):
-                _combine(packed[e], f[4 * parity[e] : 4 * parity[e] + 4], m[e])
+        _descend_row(packed, parity, phases, state, quadrant[i], amplitudes[i])
+
+
+@njit(cache=True)  # type: ignore[untyped-decorator]
+def _solve_row(packed: Any, parity: Any, phase_x: float, phases_y: Any, waves: Any) -> None:
+    layers = packed.shape[0]
+    f = np.zeros((16, 1))
+    m, s = np.empty((21, 1)), np.empty(6)
+    a, coupling = np.empty((layers, 6)), np.empty((layers, 3, 3))
+    x, y = np.empty((3, 3)), np.empty((3, 3))
+    g = np.empty((layers, 3), dtype=np.complex128)
+    for j in range(waves.shape[0]):
+        _write_functions(phase_x, phases_y[j], f, 0)
+        for k in range(layers):
+            g[k, 0], g[k, 1] = waves[j, k, 0], waves[j, k, 1]
+            g[k, 2] = -1j * waves[j, k, 2]
+        for layer in range(layers):
+            for e in range(21):
+                _combine(packed[layer, e], f[4 * parity[e] : 4 * parity[e] + 4], m[e])
+            if layer == 0:
+                for e in range(6):
+                    s[e] = m[15 + e, 0]
+                continue
+            # Plane layer - 1 is complete: what lies below it, and the bottom of this layer.
             for e in range(6):
-                a[e] = state[point, e] + m[e, 0]
-            sign = -1.0 if mirrored else 1.0
-            u, v, w = sign * amplitudes[i, j, 0], amplitudes[i, j, 1], amplitudes[i, j, 2]
+                a[layer - 1, e] = s[e] + m[e, 0]
             for r in range(3):
-                force = m[6 + 3 * r, 0] * u + m[7 + 3 * r, 0] * v + m[8 + 3 * r, 0] * w
-                x[r, 0], x[r, 1], x[r, 2] = force.real, force.imag, 0.0
-            _solve3(a, x)
-            amplitudes[i, j, 0] = -sign * complex(x[0, 0], x[0, 1])
-            amplitudes[i, j, 1] = -complex(x[1, 0], x[1, 1])
-            amplitudes[i, j, 2] = -complex(x[2, 0], x[2, 1])
+                for c in range(3):
+                    coupling[layer, r, c] = m[6 + 3 * r + c, 0]
+                    x[r, c] = coupling[layer, r, c]
+            _solve3(a[layer - 1], x)
+            for r in range(3):
+                g[layer, r] -= (
+                    x[0, r] * g[layer - 1, 0] + x[1, r] * g[layer - 1, 1] + x[2, r] * g[layer - 1, 2]
+                )
+            e = 0
+            for r in range(3):
+                for c in range(r, 3):
+                    s[e] = m[15 + e, 0] - (
+                        coupling[layer, 0, r] * x[0, c]
+                        + coupling[layer, 1, r] * x[1, c]
+                        + coupling[layer, 2, r] * x[2, c]
+                    )
+                    e += 1
+        for e in range(6):
+            a[layers - 1, e] = s[e]
+        for k in range(layers - 1, -1, -1):
+            if k < layers - 1:
+                for r in range(3):
+                    for c in range(3):
+                        g[k, r] -= coupling[k + 1, r, c] * g[k + 1, c]
+            for r in range(3):
+                y[r, 0], y[r, 1], y[r, 2] = g[k, r].real, g[k, r].imag, 0.0
+            _solve3(a[k], y)
+            for r in range(3):
+                g[k, r] = complex(y[r, 0], y[r, 1])
+            waves[j, k, 0], waves[j, k, 1] = g[k, 0], g[k, 1]
+            waves[j, k, 2] = 1j * g[k, 2]
 
 
 @njit(cache=True, parallel=True)  # type: ignore[untyped-decorator]
@@ -217,60 +283,8 @@ def solve_columns(packed: Any, parity: Any, phases_x: Any, phases_y: Any, waves:
     waves : (nx, m, nz, 3) complex array
         Forces above the clamped plane on entry, displacement on return; vertical components as they are.
     """
-    layers = packed.shape[0]
     for i in prange(waves.shape[0]):
-        f = np.zeros((16, 1))
-        m, s = np.empty((21, 1)), np.empty(6)
-        a, coupling = np.empty((layers, 6)), np.empty((layers, 3, 3))
-        x, y = np.empty((3, 3)), np.empty((3, 3))
-        g = np.empty((layers, 3), dtype=np.complex128)
-        for j in range(waves.shape[1]):
-            _write_functions(phases_x[i], phases_y[j], f, 0)
-            for k in range(layers):
-                g[k, 0], g[k, 1] = waves[i, j, k, 0], waves[i, j, k, 1]
-                g[k, 2] = -1j * waves[i, j, k, 2]
-            for layer in range(layers):
-                for e in range(21):
-                    _combine(packed[layer, e], f[4 * parity[e] : 4 * parity[e] + 4], m[e])
-                if layer == 0:
-                    for e in range(6):
-                        s[e] = m[15 + e, 0]
-                    continue
-                # Plane layer - 1 is complete: what lies below it, and the bottom of this layer.
-                for e in range(6):
-                    a[layer - 1, e] = s[e] + m[e, 0]
-                for r in range(3):
-                    for c in range(3):
-                        coupling[layer, r, c] = m[6 + 3 * r + c, 0]
-                        x[r, c] = coupling[layer, r, c]
-                _solve3(a[layer - 1], x)
-                for r in range(3):
-                    g[layer, r] -= (
-                        x[0, r] * g[layer - 1, 0] + x[1, r] * g[layer - 1, 1] + x[2, r] * g[layer - 1, 2]
-                    )
-                e = 0
-                for r in range(3):
-                    for c in range(r, 3):
-                        s[e] = m[15 + e, 0] - (
-                            coupling[layer, 0, r] * x[0, c]
-                            + coupling[layer, 1, r] * x[1, c]
-                            + coupling[layer, 2, r] * x[2, c]
-                        )
-                        e += 1
-            for e in range(6):
-                a[layers - 1, e] = s[e]
-            for k in range(layers - 1, -1, -1):
-                if k < layers - 1:
-                    for r in range(3):
-                        for c in range(3):
-                            g[k, r] -= coupling[k + 1, r, c] * g[k + 1, c]
-                for r in range(3):
-                    y[r, 0], y[r, 1], y[r, 2] = g[k, r].real, g[k, r].imag, 0.0
-                _solve3(a[k], y)
-                for r in range(3):
-                    g[k, r] = complex(y[r, 0], y[r, 1])
-                waves[i, j, k, 0], waves[i, j, k, 1] = g[k, 0], g[k, 1]
-                waves[i, j, k, 2] = 1j * g[k, 2]
+        _solve_row(packed, parity, phases_x[i], phases_y, waves[i])
 
 
 @njit(cache=True, fastmath={"reassoc", "contract"})  # type: ignore[untyped-decorator]

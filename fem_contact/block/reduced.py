@@ -193,6 +193,7 @@ def solve_reduced(
     problem: Problem,
     response: BlockResponse,
     operator: FourierOperator | SurfaceOperator,
+    *,
     start: NDArray[np.bool_] | Found | None,
 ) -> Found:
     """Solve the contact of the surface nodes at a mean pressure."""
@@ -251,7 +252,7 @@ def solve_reduced_offset(
     def excess(logarithm: float) -> float:
         nonlocal found
         pressure = high * math.exp(logarithm)
-        found = solve_reduced(replace(tight, pressure=pressure), response, operator, found)
+        found = solve_reduced(replace(tight, pressure=pressure), response, operator, start=found)
         return found.offset - target
 
     low, top = -1.0, 0.0

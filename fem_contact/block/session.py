@@ -46,7 +46,10 @@ _METHODS = {
 }
 
 #: Peak bytes per unknown of the full system, by order: stiffness, its reduced copy, hierarchy, assembly.
-_BYTES_PER_UNKNOWN = {1: 4800, 2: 14000}
+_BYTES_PER_UNKNOWN = {1: 5100, 2: 11_500}
+
+#: Libraries, and what does not grow with the block.
+_BASE_BYTES = 250_000_000
 
 #: Peak bytes per unknown of a block whose modulus varies sideways: some twenty fields.
 _BYTES_PER_FREE_UNKNOWN = 200
@@ -77,7 +80,7 @@ def needed_bytes(mesh: BlockMesh, method: Method, *, lateral: bool = False) -> i
     """Estimate the memory of a solve."""
     order = mesh.element.order
     if method == "full":
-        return _BYTES_PER_UNKNOWN[order] * mesh.unknowns
+        return _BASE_BYTES + _BYTES_PER_UNKNOWN[order] * mesh.unknowns
     if lateral:
         return _BYTES_PER_FREE_UNKNOWN * mesh.unknowns
     return _BYTES_PER_NODE[order] * mesh.shape[0] * mesh.shape[1]
@@ -165,7 +168,7 @@ class Session:
 
             found = solve_heterogeneous(problem, self.free_block, start)
         else:
-            found = solve_reduced(problem, self.response, self.operator, start)
+            found = solve_reduced(problem, self.response, self.operator, start=start)
         self._latest = found
         return found
 

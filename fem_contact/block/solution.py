@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -10,9 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact.block.elements import lame
+from fem_contact.block.equilibrium import Equilibrium, measure_equilibrium
 from fem_contact.block.fields import CellLayer, FieldSource
 from fem_contact.block.mesh import BlockMesh
 from fem_contact.contact import ContactResult
+from fem_contact.errors import InsufficientMemory
 from fem_contact.solid import Solid
 
 __all__ = ["BlockSolution", "CellStress"]
@@ -91,9 +94,17 @@ class BlockSolution:
 
     @cached_property
     def field(self) -> Array:
-        """Displacement (u_x, u_y, u_z) [m] of all nodes, (nx, ny, planes, 3); u_z is positive upwards."""
+        """Displacement (u_x, u_y, u_z) [m] of all nodes, (nx, ny, planes, 3); u_z is positive upwards.
+
+        Raises
+        ------
+        InsufficientMemory
+            If it does not fit; `stress_layers` needs a layer at a time.
+        """
         order = self.mesh.element.order
-        field = np.empty((*self.mesh.shape, self.mesh.planes.size, 3))
+        shape = (*self.mesh.shape, self.mesh.planes.size, 3)
+        _refuse_beyond_memory(shape, "displacement field")
+        field = np.empty(shape)
         for layer in self.source.descend():
             first = order * layer.index
             field[:, :, first : first + order + 1] = np.moveaxis(layer.nodes, 0, 2)
@@ -101,8 +112,16 @@ class BlockSolution:
         return field
 
     def stress(self) -> CellStress:
-        """Stress at the centres of the cells, (nx, ny, nz, 6), where derivatives are most accurate."""
-        tensor = np.empty((*self.mesh.cells, self.mesh.nz, 6))
+        """Stress at the centres of the cells, (nx, ny, nz, 6), where derivatives are most accurate.
+
+        Raises
+        ------
+        InsufficientMemory
+            If it does not fit; `stress_layers` needs a layer at a time.
+        """
+        shape = (*self.mesh.cells, self.mesh.nz, 6)
+        _refuse_beyond_memory(shape, "stress field")
+        tensor = np.empty(shape)
         for index, layer in self.stress_layers():
             tensor[:, :, index] = layer.tensor
         return CellStress(tensor=tensor)
@@ -114,7 +133,9 @@ class BlockSolution:
 
     def strain(self) -> Array:
         """Tensor strain xx, yy, zz, yz, xz, xy at the centres of the cells, (nx, ny, nz, 6)."""
-        strain = np.empty((*self.mesh.cells, self.mesh.nz, 6))
+        shape = (*self.mesh.cells, self.mesh.nz, 6)
+        _refuse_beyond_memory(shape, "strain field")
+        strain = np.empty(shape)
         for layer in self.source.descend():
             strain[:, :, layer.index] = _symmetric(layer.gradient(self._size(layer), self.mesh.element))
         return strain
@@ -124,6 +145,16 @@ class BlockSolution:
         """Elastic energy per nominal area [J/m^2]: half of pressure times displacement."""
         work = self.contact.pressure * self.contact.displacement
         return 0.5 * float(np.mean(work if self.contact.weights is None else work * self.contact.weights))
+
+    def equilibrium(self) -> Equilibrium:
+        """Check the field against the element matrices: forces that nothing balances, and the energy stored.
+
+        Raises
+        ------
+        InvalidInput
+            For the incompressible solid, whose element matrices are not finite.
+        """
+        return measure_equilibrium(self)
 
     def _size(self, layer: CellLayer) -> tuple[float, float, float]:
         return *self.cell_size, float(self.layers[layer.index])
@@ -142,6 +173,17 @@ class BlockSolution:
         if self.modulus is not None:
             tensor = tensor * self.modulus[:, :, layer.index, None]
         return tensor * self.solid.young
+
+
+def _refuse_beyond_memory(shape: tuple[int, ...], what: str) -> None:
+    import psutil
+
+    needed, available = 8 * math.prod(shape), int(psutil.virtual_memory().available)
+    if needed > available:
+        raise InsufficientMemory(
+            f"the {what} of {shape} numbers needs {needed / 2**30:.3g} GiB, {available / 2**30:.2g} GiB are "
+            "available: walk through it with stress_layers()"
+        )
 
 
 def _symmetric(gradient: Array) -> Array:

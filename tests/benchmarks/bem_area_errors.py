@@ -12,7 +12,7 @@ import sys
 
 import numpy as np
 
-from fem_contact.area import contact_areas, limit_area, subcell_area, subgrid_shifts
+from fem_contact.area import EDGE_CONSTANTS, contact_areas, limit_area, subcell_area, subgrid_shifts
 from fem_contact.bem import solve
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
@@ -20,7 +20,7 @@ from fem_contact.surface import HeightField, random_surface
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 RESOLUTIONS = (4, 6, 8, 12, 16, 24, 48)
-NAMES = ("pixel", "perimeter", "subcell", "subcell, 4 shifts", "limit of 3 pixel")
+NAMES = ("pixel", "perimeter", "subcell", "subcell, 4 shifts", "limit of 3 grids", "same, c known")
 
 
 def surface_of(seed: int, hurst: float) -> HeightField:
@@ -51,7 +51,10 @@ def errors_of(seed: int, *, pressure: float, hurst: float) -> dict[int, list[flo
         values[resolution].append(np.mean([values[resolution][2], *map(subcell_area, moved)]))
     for k, resolution in enumerate(RESOLUTIONS):
         used = [areas[r] for r in RESOLUTIONS[max(k - 2, 0) : k + 1]]
-        values[resolution].append(limit_area(used).value if len(used) == 3 else np.nan)
+        full = len(used) == 3
+        known = (EDGE_CONSTANTS["bem"], 0.01)
+        values[resolution].append(limit_area(used).value if full else np.nan)
+        values[resolution].append(limit_area(used, known_constant=known).value if full else np.nan)
     reference = values[RESOLUTIONS[-1]][2]
     return {r: [100 * (v / reference - 1) for v in row] for r, row in values.items()}
 

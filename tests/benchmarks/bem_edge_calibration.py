@@ -1,18 +1,20 @@
-"""Calibrate the edge constant and the edge map of the boundary-element discretisation.
+"""Calibrate the edge constant and the edge map of a discretisation: boundary elements, or linear hexahedra.
 
 Contacts whose edge is known, with many cells across: paraboloids (all directions) and waves in oblique
 directions (straight edges), at random places on the grid. Prints the constants that `fem_contact.area` holds.
 
-Run as ``python tests/benchmarks/bem_edge_calibration.py``.
+Run as ``python tests/benchmarks/bem_edge_calibration.py [bem | fem] [cases]``.
 """
 
 from __future__ import annotations
 
+import sys
+
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact import bem, block
 from fem_contact.area import contact_areas, contact_edges
-from fem_contact.bem import solve
 from fem_contact.contact import ContactResult
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
@@ -25,14 +27,26 @@ LATTICE_CUBE = 9.03362168
 Array = NDArray[np.float64]
 
 
-def paraboloid(n: int, radius: float, shift: tuple[float, float]) -> tuple[ContactResult, Array, float]:
+def press(surface: HeightField, load: float, method: str) -> ContactResult:
+    """Solve by one of the discretisations; slow grading makes the block a half-space within 1e-3."""
+    if method == "bem":
+        return bem.solve(surface, SOFT, mean_pressure=load, tolerance=1e-9).checked()
+    solution = block.solve(
+        surface, SOFT.solid, mean_pressure=load, tolerance=1e-9, growth=1.1, element="Hex1"
+    )
+    return solution.contact.checked()
+
+
+def paraboloid(
+    n: int, radius: float, shift: tuple[float, float], method: str
+) -> tuple[ContactResult, Array, float]:
     """A Hertzian contact of given radius [period]; the true place of each edge pair, and the true area."""
     load = 4 * radius**3 / 3
     curvature = 1 - load * LATTICE_CUBE / (2 * np.pi)
     x, y = ((np.arange(n) + part) / n - 0.5 for part in shift)
     heights = -(x[:, None] ** 2 + y[None, :] ** 2) * curvature / 2
-    result = solve(HeightField(heights=heights, lengths=(1.0, 1.0)), SOFT, mean_pressure=load, tolerance=1e-9)
-    edges = contact_edges(result.checked())
+    result = press(HeightField(heights=heights, lengths=(1.0, 1.0)), load, method)
+    edges = contact_edges(result)
     i, j = np.unravel_index(edges.inside, (n, n))
     along = np.where(edges.axis == 0, x[i], y[j]) * edges.sign
     across = np.where(edges.axis == 0, y[j], x[i])
@@ -41,15 +55,17 @@ def paraboloid(n: int, radius: float, shift: tuple[float, float]) -> tuple[Conta
     return result, place, float(np.pi * radius**2)
 
 
-def wave(n: int, numbers: tuple[int, int], share: float, phase: float) -> tuple[ContactResult, Array, float]:
+def wave(
+    n: int, numbers: tuple[int, int], share: float, phase: float, method: str
+) -> tuple[ContactResult, Array, float]:
     """Contact with a sinusoidal profile in an oblique direction (Westergaard), of given contact share."""
     x = np.arange(n) / n
     turns = numbers[0] * x[:, None] + numbers[1] * x[None, :] + phase
     wavelength = 1 / np.hypot(*numbers)
     load = np.pi / wavelength * np.sin(np.pi * share / 2) ** 2
     surface = HeightField(heights=np.cos(2 * np.pi * turns), lengths=(1.0, 1.0))
-    result = solve(surface, SOFT, mean_pressure=load, tolerance=1e-9)
-    edges = contact_edges(result.checked())
+    result = press(surface, load, method)
+    edges = contact_edges(result)
     distance = np.abs((turns.ravel()[edges.inside] + 0.5) % 1 - 0.5)
     pace = np.abs(np.asarray(numbers))[edges.axis] / n
     with np.errstate(divide="ignore"):
@@ -57,19 +73,20 @@ def wave(n: int, numbers: tuple[int, int], share: float, phase: float) -> tuple[
     return result, np.where(edges.cosine > 0.1, place, np.nan), share
 
 
-def main() -> None:
+def main(method: str = "bem", cases: int = 100) -> None:
     """Print constants and the errors they leave."""
     generator = np.random.default_rng(2024)
     features, places, weights = [], [], []
     constants: dict[str, list[tuple[float, float]]] = {"paraboloid": [], "wave": []}
-    jobs = [("paraboloid", k) for k in range(100)] + [("wave", k) for k in range(40)]
+    jobs = [("paraboloid", k) for k in range(cases)] + [("wave", k) for k in range(cases // 3)]
     for kind, k in jobs:
         if kind == "paraboloid":
             radius = 0.035 + 0.04 * generator.random()
-            case = paraboloid(512, radius, tuple(generator.random(2)))
+            shift = (float(generator.random()), float(generator.random()))
+            case = paraboloid(512 if method == "bem" else 384, radius, shift, method)
         else:
             numbers = [(2, 1), (3, 1), (3, 2), (4, 1), (1, 3), (2, 3), (1, 4), (4, 3)][k % 8]
-            case = wave(251, numbers, 0.2 + 0.3 * generator.random(), generator.random())
+            case = wave(251, numbers, 0.2 + 0.3 * generator.random(), generator.random(), method)
         result, place, area = case
         areas, edges = contact_areas(result), contact_edges(result)
         constants[kind].append((areas.pixel - area, areas.edge_fraction))
@@ -95,4 +112,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(*(kind(text) for kind, text in zip((str, int), sys.argv[1:], strict=False)))

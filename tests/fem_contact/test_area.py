@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from fem_contact import block
 from fem_contact.area import (
     EDGE_CONSTANTS,
+    EDGE_MAPS,
     ContactAreas,
     contact_areas,
     contact_edges,
@@ -92,6 +94,7 @@ def areas_on(
         edge_fraction=fraction,
         edge_constant=0.1,
         spacing=(1 / n, 1 / n),
+        cells=n * n,
     )
 
 
@@ -170,7 +173,7 @@ def test_edge_constant_removes_the_excess_of_counted_discs() -> None:
     assert excess / fraction == pytest.approx(EDGE_CONSTANTS["bem"], abs=3 * 0.02 / np.sqrt(24))
 
 
-def rough_areas(seed: int, resolution: int) -> ContactAreas:
+def rough_surface(seed: int) -> HeightField:
     surface = random_surface(
         lambda q: np.where(q > 12.0, q**-3.6, 0.0),
         q_short=32 * np.pi,
@@ -178,8 +181,11 @@ def rough_areas(seed: int, resolution: int) -> ContactAreas:
         shape=(64, 64),
         seed=seed,
     )
-    surface = HeightField(heights=surface.heights / surface.rms_gradient, lengths=(1.0, 1.0))
-    surface = surface.resampled((16 * resolution, 16 * resolution))
+    return HeightField(heights=surface.heights / surface.rms_gradient, lengths=(1.0, 1.0))
+
+
+def rough_areas(seed: int, resolution: int) -> ContactAreas:
+    surface = rough_surface(seed).resampled((16 * resolution, 16 * resolution))
     return contact_areas(solve(surface, SOFT, mean_pressure=0.05).checked(), subcell=True)
 
 
@@ -244,3 +250,39 @@ def test_shifts_average_out_the_noise_of_the_lattice() -> None:
         mean_areas([values[0], areas_on(32, limit=0.1, constant=0.1)])
     with pytest.raises(InvalidInput, match="per_axis"):
         subgrid_shifts(0)
+
+
+def test_known_constant_steadies_the_limit_of_coarse_grids() -> None:
+    known = (EDGE_CONSTANTS["bem"], 0.01)
+    free_errors, known_errors = [], []
+    for seed in (305, 306, 307, 308):
+        areas = [rough_areas(seed, resolution) for resolution in (6, 8, 12)]
+        true = rough_areas(seed, 32).subcell
+        assert true is not None
+        free_errors.append(limit_area(areas).value / true - 1)
+        known_errors.append(limit_area(areas, known_constant=known).value / true - 1)
+    assert np.sqrt(np.mean(np.square(known_errors))) < 0.5 * np.sqrt(np.mean(np.square(free_errors)))
+
+
+def test_known_constant_of_great_certainty_is_kept() -> None:
+    areas = [areas_on(n, limit=0.2, constant=0.13, noise=1e-4 / n) for n in (32, 64, 128)]
+    limit = limit_area(areas, known_constant=(0.1, 1e-9))
+    assert limit.edge_constant == pytest.approx(0.1, abs=1e-6)
+
+
+@pytest.mark.parametrize("pressure", [0.05, 0.01])
+def test_located_areas_of_finite_and_boundary_elements_agree(pressure: float) -> None:
+    surface = rough_surface(309).resampled((256, 256))
+    solid = SOFT.solid
+    by_boundary = solve(surface, SOFT, mean_pressure=pressure).checked()
+    by_finite = block.solve(
+        surface, solid, mean_pressure=pressure, growth=1.1, element="Hex1"
+    ).contact.checked()
+    one = contact_areas(by_boundary, subcell=True)
+    other = contact_areas(
+        by_finite, subcell=True, edge_map=EDGE_MAPS["fem"], edge_constant=EDGE_CONSTANTS["fem"]
+    )
+    assert one.subcell is not None
+    assert other.subcell is not None
+    assert other.pixel > 1.015 * one.pixel
+    assert other.subcell == pytest.approx(one.subcell, rel=4e-3)

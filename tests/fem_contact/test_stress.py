@@ -1,14 +1,26 @@
 """Distribution of pressure."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from fem_contact.bem import solve
+from fem_contact.bem import solve, solve_path
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
-from fem_contact.response import HalfSpace
+from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.solid import Solid
-from fem_contact.stress import density_at_zero, pressure_distribution
+from fem_contact.stress import (
+    contact_stiffness,
+    density_at_zero,
+    elastic_energy,
+    gap_distribution,
+    initial_slope,
+    limit_density,
+    loading_work,
+    pressure_distribution,
+    refined_edges,
+)
 from fem_contact.surface import HeightField, random_surface
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
@@ -22,7 +34,7 @@ def paraboloid(n: int) -> ContactResult:
     ).checked()
 
 
-def rough_contact(n: int) -> ContactResult:
+def rough(n: int) -> HeightField:
     surface = random_surface(
         lambda q: np.where(q > 10.0, q**-3.6, 0.0),
         q_short=2 * np.pi * 8,
@@ -30,8 +42,11 @@ def rough_contact(n: int) -> ContactResult:
         shape=(n, n),
         seed=3,
     )
-    surface = HeightField(heights=surface.heights / surface.rms_gradient, lengths=(1.0, 1.0))
-    return solve(surface, SOFT, mean_pressure=0.1).checked()
+    return HeightField(heights=surface.heights / surface.rms_gradient, lengths=(1.0, 1.0))
+
+
+def rough_contact(n: int) -> ContactResult:
+    return solve(rough(n), SOFT, mean_pressure=0.1).checked()
 
 
 def test_distribution_integrates_to_the_contact_area() -> None:
@@ -79,3 +94,112 @@ def test_flat_surface_and_wrong_edges_are_refused() -> None:
         density_at_zero(flat)
     with pytest.raises(InvalidInput, match="edges"):
         pressure_distribution(flat, [1.0, 0.5])
+
+
+def test_density_at_zero_extrapolates_to_zero_like_the_root_of_the_spacing() -> None:
+    limit = limit_density([density_at_zero(rough_contact(n)) for n in (64, 96, 128, 192, 256, 384)])
+    assert abs(limit.value) < 3 * limit.uncertainty
+    assert 0.3 < limit.exponent < 0.7
+    assert limit.growth > 0
+
+
+def test_limit_of_densities_recovers_a_known_line() -> None:
+    model = density_at_zero(rough_contact(64))
+    made = [
+        replace(model, reduced=0.3 + 0.2 * np.sqrt(step), spacing=step * 1e-6, points=1000)
+        for step in (1.0, 2.0, 5.0)
+    ]
+    limit = limit_density(made)
+    assert limit.value == pytest.approx(0.3, rel=1e-10)
+    assert limit.growth == pytest.approx(0.2, rel=1e-10)
+    with pytest.raises(InvalidInput, match="three"):
+        limit_density(made[:2])
+    with pytest.raises(InvalidInput, match="no point"):
+        limit_density([replace(made[0], points=0), *made[1:]])
+
+
+def test_initial_slope_of_one_hertzian_contact_is_the_closed_form() -> None:
+    """One patch: P' = pi^3 R^2 / (2 E*^2 A0), whatever its size."""
+    for n, shift in ((384, 0.37), (512, 0.11)):
+        x = (np.arange(n) + shift) / n - 0.5
+        heights = -(x[:, None] ** 2 + x[None, :] ** 2) / 2
+        result = solve(HeightField(heights=heights, lengths=(1.0, 1.0)), SOFT, mean_pressure=4 * 0.1**3 / 3)
+        stress = HeightField(heights=heights, lengths=(1.0, 1.0)).rms_gradient
+        slope = initial_slope(result, window=(0.015 / stress, 0.055 / stress), bins=4)
+        assert slope.slope == pytest.approx(np.pi**3 / 2, rel=0.04)
+        assert slope.reduced == pytest.approx(slope.slope * stress**2)
+        assert slope.patches == 1
+
+
+def test_refined_edges_crowd_near_zero() -> None:
+    edges = refined_edges(3.0, bins=10)
+    assert edges[0] == 0
+    assert edges[-1] == 3.0
+    assert np.all(np.diff(edges, 2) > 0)
+    with pytest.raises(InvalidInput, match="positive"):
+        refined_edges(-1.0)
+
+
+def test_gap_distribution_integrates_to_the_non_contact_area() -> None:
+    result = rough_contact(64)
+    edges = np.linspace(-1e-6, result.gap.max() * 1.0001, 50)
+    distribution = gap_distribution(result, edges)
+    assert np.sum(distribution.density * np.diff(edges)) == pytest.approx(
+        1 - result.in_contact.mean(), rel=1e-12
+    )
+    centres = 0.5 * (edges[1:] + edges[:-1])
+    assert np.sum(distribution.density * np.diff(edges) * centres) == pytest.approx(
+        distribution.mean, rel=5e-3
+    )
+    with pytest.raises(InvalidInput, match="edges"):
+        gap_distribution(result, [0.0])
+
+
+@pytest.mark.parametrize(
+    "response",
+    [SOFT, BondedLayer(solid=Solid(young=1.0, poisson=0.3), thickness=0.1)],
+    ids=["half-space", "layer"],
+)
+def test_work_of_loading_is_the_elastic_energy_to_second_order(response: HalfSpace | BondedLayer) -> None:
+    misses = []
+    for count in (9, 17):
+        loads = np.geomspace(0.02, 0.5, count)
+        path = solve_path(rough(64), response, mean_pressures=loads, tolerance=1e-10)
+        gained = elastic_energy(path[-1]) - elastic_energy(path[0])
+        misses.append(abs(loading_work(path)[-1] / gained - 1))
+    # Where the approach is no longer exponential at all the rule errs like the trapezoidal one, (step of ln
+    # p0)^2 / 12.
+    assert misses[1] < np.log(25) ** 2 / 16**2 / 12
+    assert np.log2(misses[0] / misses[1]) > 1.7
+
+
+def test_energy_of_full_contact_is_the_sum_over_waves() -> None:
+    """U = (E*/4) sum q |h(q)|^2 per area at full contact (Persson 2006, Eq. 43 with P = 1)."""
+    surface = rough(48)
+    result = solve(surface, SOFT, mean_pressure=5.0).checked()
+    assert result.in_contact.all()
+    numbers = np.fft.fftfreq(48) * 48
+    q = 2 * np.pi * np.hypot(numbers[:, None], numbers[None, :])
+    power = np.abs(np.fft.fft2(surface.heights, norm="forward")) ** 2
+    assert elastic_energy(result) == pytest.approx(0.25 * np.sum(q * power), rel=1e-12)
+
+
+def test_stiffness_is_the_slope_of_load_against_approach() -> None:
+    loads = np.geomspace(0.05, 0.06, 5)
+    path = solve_path(rough(64), SOFT, mean_pressures=loads, tolerance=1e-10)
+    stiffness = contact_stiffness(path)
+    difference = (loads[3] - loads[1]) / (path[1].offset - path[3].offset)
+    assert stiffness[2] == pytest.approx(difference, rel=1e-3)
+    with pytest.raises(InvalidInput, match="three"):
+        contact_stiffness(path[:2])
+
+
+def test_stiffness_of_a_periodic_hertzian_contact_is_two_modulus_radius() -> None:
+    """dF/d(approach) = 2 E* a, less the share of the periodic images."""
+    n, radius = 256, 0.06
+    x = (np.arange(n) + 0.41) / n - 0.5
+    surface = HeightField(heights=-(x[:, None] ** 2 + x[None, :] ** 2) / 2, lengths=(1.0, 1.0))
+    loads = 4 / 3 * radius**3 * np.array([0.8, 0.9, 1.0, 1.1, 1.2])
+    stiffness = contact_stiffness(solve_path(surface, SOFT, mean_pressures=loads, tolerance=1e-10))[2]
+    # The lattice of images lowers the displacement at the origin by 3.90026 F / (pi E* L).
+    assert 1 / stiffness == pytest.approx(1 / (2 * radius) - 3.90026492 / np.pi, rel=0.01)

@@ -250,6 +250,75 @@ def test_compiled_linear_solver_equals_numpy():
     assert x == pytest.approx(np.linalg.solve(full, right), rel=1e-12)
 
 
+def numpy_twin(steps, edges, diffusion, upper_wall, start, modes):
+    """The compiled kernel in dense matrices: every stage is one solve for density and plastic area."""
+    mass, shift, stretch, d = _galerkin.matrices(modes)
+    m, s0, s1 = (
+        sum(np.diag(r[o, max(0, 2 - o) : modes - max(0, o - 2)], o - 2) for o in range(5))
+        for r in (mass, shift, stretch)
+    )
+    k = np.arange(modes)
+    ramp = np.zeros(modes)
+    ramp[:2] = d[0], d[1] / 3
+    advected = np.array([d[0], d[1] / 3])
+    lower = _galerkin._LOWER
+    c, ledger, height = start.copy(), np.zeros(4), 0.0
+    rows = [np.append(c, ledger)]
+    for n, h in enumerate(steps):
+        moments, plastic = m @ c + ramp * height, ledger[3]
+        rates, gains, losses = [], [], []
+        for i in range(5):
+            left, right, left_rate, right_rate = edges[:, n, i]
+            width = right - left
+            b0, b1 = (left_rate + right_rate) / width, (right_rate - left_rate) / width
+            flow, lift, wall = diffusion[n, i] / width, upper_wall[n, i + 1], upper_wall[n, 0]
+            right_side = np.zeros(modes + 1)
+            right_side[:modes] = moments + h * sum(
+                (lower[i, j] * rates[j] for j in range(i)), np.zeros(modes)
+            )
+            right_side[modes] = plastic + h * sum(lower[i, j] * gains[j] for j in range(i))
+            full = np.zeros((modes + 1, modes + 1))
+            storage = np.zeros_like(full)
+            storage[:modes, :modes], storage[modes, modes] = m, 1.0
+            storage[:modes, modes] = ramp * lift * width**2 * wall
+            full[:modes, :modes] = b0 * s0 + b1 * s1 + 2 * b1 * m - 2 * flow / width * np.eye(modes)
+            full[:2, modes] = advected * np.array([b0 + 2 * b1, 3 * b1]) * lift * width**2 * wall
+            full[modes, :modes] = flow / width**2 * (2 * k + 3) * d * wall
+            full[modes, modes] = -lift * (right_rate + flow / 2) * wall
+            x = np.linalg.solve(storage - h / 4 * full, right_side)
+            c, area = x[:modes], x[modes]
+            rate = (storage @ x - right_side) / (h / 4)
+            rates.append(rate[:modes])
+            gains.append(rate[modes])
+            height = lift * width**2 * area * wall
+            low = height / 2 + np.sum((-1.0) ** k * (2 * k + 3) * d * c)
+            high = height / 2 - np.sum((2 * k + 3) * d * c)
+            flux = flow / width**2 * low
+            losses.append([flux, flux * left, 0.0 if wall else -flow / width**2 * high, rate[modes]])
+        ledger = ledger + h * lower[4] @ np.array(losses)
+        rows.append(np.append(c, ledger))
+    return np.array(rows)
+
+
+@pytest.mark.parametrize("wall", [0.0, 1.0])
+def test_compiled_kernel_equals_its_numpy_twin(wall):
+    rng = np.random.default_rng(23)
+    n, modes = 6, 14
+    steps = rng.uniform(0.02, 0.1, n)
+    edges = np.empty((4, n, 5))
+    edges[0], edges[1] = -1 - rng.random((n, 5)) / 9, 2 + rng.random((n, 5)) / 9
+    edges[2:] = rng.normal(size=(2, n, 5)) / 3
+    diffusion = rng.uniform(0.2, 0.5, (n, 5))
+    upper_wall = np.zeros((n, 6))
+    upper_wall[:, 0] = wall
+    upper_wall[1:, 1:] = wall * rng.uniform(0.1, 0.4, (n - 1, 5))
+    start = rng.normal(size=modes) / (1 + np.arange(modes)) ** 2
+    history = np.empty((n + 1, modes + 4))
+    _galerkin.advance(steps, edges, diffusion, upper_wall, start, _galerkin.matrices(modes), history)
+    twin = numpy_twin(steps, edges, diffusion, upper_wall, start, modes)
+    assert history == pytest.approx(twin, rel=1e-9, abs=1e-11)
+
+
 @pytest.mark.benchmark
 def test_speed_of_one_solve():
     solve_diffusion([1.0], pressure=1.0)

@@ -22,7 +22,7 @@ from validation.errors import RunFailed, UsageError
 from validation.jobs import execute
 from validation.run import Execution, Silent, solve_jobs
 from validation.store import Store, prepare_folder
-from validation.studies import find_study, pressure, studies
+from validation.studies import area, find_study, studies
 
 #: 10 loads x 5 surfaces x 4 grids: 200 solves of milliseconds.
 CASES = {
@@ -63,7 +63,7 @@ def bench_at(folder, progress=None, **execution):
 def serial(tmp_path_factory):
     """The 200 cases, one after the other in this process."""
     folder = tmp_path_factory.mktemp("serial")
-    return folder, pressure.run(bench=bench_at(folder), **CASES)
+    return folder, area.run(bench=bench_at(folder), **CASES)
 
 
 def kill_when(stored, folder, find):
@@ -90,7 +90,7 @@ def test_two_workers_give_the_same_bits_although_one_is_killed(serial, tmp_path)
     thread, killed = kill_when(
         40, tmp_path, lambda: max(c.pid for c in me.children() if "validation.worker" in c.cmdline())
     )
-    data = pressure.run(bench=bench_at(tmp_path, progress, workers=2), **CASES)
+    data = area.run(bench=bench_at(tmp_path, progress, workers=2), **CASES)
     thread.join()
     assert 40 <= killed["stored"] < 200
     assert data.identical(serial[1])
@@ -136,12 +136,12 @@ def test_a_dask_cluster_gives_the_same_bits_although_a_worker_is_killed(serial, 
         progress = Notes()
         bench = bench_at(store, progress, scheduler=address)
         thread, killed = kill_when(40, store, lambda: team[0].pid)
-        data = pressure.run(bench=bench, **CASES)
+        data = area.run(bench=bench, **CASES)
         thread.join()
         assert 40 <= killed["stored"] < 200
         assert team[0].wait() == -signal.SIGKILL
         assert team[1].poll() is None
-        too_large = pressure.jobs(**{**FEW, "grids": (8192,), "seeds": (21,), "pressures": (0.1,)})
+        too_large = area.jobs(**{**FEW, "grids": (8192,), "seeds": (21,), "pressures": (0.1,)})
         with pytest.raises(UsageError, match=r"8192x8192: needs about .* GiB and on any worker 1 GiB"):
             bench.solve(too_large)
     assert data.identical(serial[1])
@@ -156,12 +156,12 @@ def test_without_an_answering_scheduler_nothing_is_computed(tmp_path, monkeypatc
     real = cluster._connected
     monkeypatch.setattr(cluster, "_connected", lambda address: real(address, timeout=1))
     with pytest.raises(UsageError, match=r"--scheduler = 'tcp://127.0.0.1:9': no scheduler answers"):
-        pressure.run(bench=bench_at(tmp_path, scheduler="tcp://127.0.0.1:9"), **FEW)
+        area.run(bench=bench_at(tmp_path, scheduler="tcp://127.0.0.1:9"), **FEW)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_study_killed_half_way_repeats_no_finished_case(serial, tmp_path):
-    command = [sys.executable, "-m", "validation.cli", "study", "pressure", "--quiet", "--workers", "2"]
+    command = [sys.executable, "-m", "validation.cli", "study", "area", "--quiet", "--workers", "2"]
     command += ["--store", str(tmp_path / "store"), "--output", str(tmp_path / "out")]
     for name, value in CASES.items():
         command += [f"--{name}", ",".join(map(str, value)) if isinstance(value, tuple) else str(value)]
@@ -178,7 +178,7 @@ def test_a_study_killed_half_way_repeats_no_finished_case(serial, tmp_path):
     finished = {path.name: path.stat().st_mtime_ns for path in store.glob("bem-*.nc")}
     assert 60 <= len(finished) < 200
     progress = Notes()
-    data = pressure.run(bench=bench_at(store, progress), **CASES)
+    data = area.run(bench=bench_at(store, progress), **CASES)
     assert progress.missing == 200 - len(finished)
     assert not {f"{key}.nc" for key in progress.begun} & set(finished)
     assert finished == {name: (store / name).stat().st_mtime_ns for name in finished}
@@ -195,18 +195,18 @@ def _orphan_of(process, store):
 
 def test_two_studies_share_their_cases(tmp_path):
     first, second = Notes(), Notes()
-    pressure.run(bench=bench_at(tmp_path, first), **FEW)
-    pressure.run(bench=bench_at(tmp_path, second), **{**FEW, "pressures": (0.2, 0.4)})
+    area.run(bench=bench_at(tmp_path, first), **FEW)
+    area.run(bench=bench_at(tmp_path, second), **{**FEW, "pressures": (0.2, 0.4)})
     assert first.missing == 16
     assert second.missing == 8
 
 
 def test_a_damaged_case_is_named_set_aside_and_computed_again(tmp_path):
-    before = pressure.run(bench=bench_at(tmp_path), **FEW)
+    before = area.run(bench=bench_at(tmp_path), **FEW)
     path = sorted(tmp_path.glob("bem-*.nc"))[3]
     path.write_bytes(path.read_bytes()[:-2000])
     progress = Notes()
-    after = pressure.run(bench=bench_at(tmp_path, progress), **FEW)
+    after = area.run(bench=bench_at(tmp_path, progress), **FEW)
     (note,) = progress.notes
     assert str(path) in note
     assert "damaged" in note
@@ -235,8 +235,8 @@ def small_disk(folder, kilobytes):
 def test_a_full_disk_is_a_clear_error_and_leaves_finished_cases_intact(tmp_path, workers):
     with small_disk(tmp_path / "disk", 600) as disk:
         with pytest.raises(RunFailed, match=r"the disk is full: .*finished solves are intact"):
-            pressure.run(bench=bench_at(disk, workers=workers), **CASES)
-        store, jobs = Store(folder=disk), pressure.jobs(**CASES)
+            area.run(bench=bench_at(disk, workers=workers), **CASES)
+        store, jobs = Store(folder=disk), area.jobs(**CASES)
         kept = [job for job in jobs if store.path(job).exists()]
         assert 3 <= len(kept) < 200
         assert all(store.holds(job) for job in kept)
@@ -248,7 +248,7 @@ def test_a_case_that_fails_does_not_keep_the_others_from_being_done(tmp_path, mo
     from fem_contact.errors import NotConverged
     from validation import run
 
-    jobs = pressure.jobs(**FEW)
+    jobs = area.jobs(**FEW)
 
     def fails_once(job):
         if job is jobs[2]:
@@ -265,7 +265,7 @@ def test_a_case_that_fails_does_not_keep_the_others_from_being_done(tmp_path, mo
 def test_a_job_whose_workers_always_die_is_given_up_by_name(tmp_path, monkeypatch):
     monkeypatch.setattr(pool, "_start", _dying)
     with pytest.raises(RunFailed, match=r"its worker died 3 times"):
-        pressure.run(bench=bench_at(tmp_path, workers=2), **{**FEW, "grids": (12,), "seeds": (21,)})
+        area.run(bench=bench_at(tmp_path, workers=2), **{**FEW, "grids": (12,), "seeds": (21,)})
 
 
 def _dying():
@@ -278,7 +278,7 @@ def _dying():
 
 
 def test_cases_that_do_not_fit_together_wait_and_one_that_never_fits_is_refused(tmp_path, monkeypatch):
-    jobs = pressure.jobs(**FEW)
+    jobs = area.jobs(**FEW)
     largest = max(predicted_cost(job).peak_bytes for job in jobs)
     running, most = set(), []
     monkeypatch.setattr(pool, "_IDLE_BYTES", 0)
@@ -303,13 +303,13 @@ def test_cases_that_do_not_fit_together_wait_and_one_that_never_fits_is_refused(
 def test_a_bench_that_only_plans_solves_nothing(tmp_path):
     store = Store(folder=tmp_path / "store")
     with pytest.raises(PlannedOnly) as planned:
-        pressure.run(bench=Bench(store=store, plan_only=True), **CASES)
+        area.run(bench=Bench(store=store, plan_only=True), **CASES)
     assert len(planned.value.jobs) == 200
     assert not store.folder.exists()
 
 
 def test_every_study_has_a_question_and_options_with_defaults():
-    assert "pressure" in studies()
+    assert "area" in studies()
     for study in studies().values():
         assert study.question.endswith("?")
         for option in study.options.values():
@@ -317,7 +317,7 @@ def test_every_study_has_a_question_and_options_with_defaults():
             text = ",".join(map(str, default)) if isinstance(default, tuple) else str(default)
             assert default is None or option.parse(text) == default
     with pytest.raises(UsageError, match=r"--seeds = 'x': must be whole numbers with commas"):
-        find_study("pressure").parse(["--seeds", "x"])
+        find_study("area").parse(["--seeds", "x"])
 
 
 @pytest.mark.benchmark
@@ -326,7 +326,7 @@ def test_overhead_of_the_bench_is_below_20_milliseconds_per_case(tmp_path):
     overheads = []
     for k in range(3):
         store = Store(folder=prepare_folder(tmp_path / f"store{k}"))
-        jobs = pressure.jobs(**{**CASES, "grids": (64,)})
+        jobs = area.jobs(**{**CASES, "grids": (64,)})
         began = time.perf_counter()
         solve_jobs(jobs, store)
         total = time.perf_counter() - began

@@ -67,9 +67,9 @@ def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatc
         ),
         (("run", "quickstart", "--memory", "1 MiB"), "raise the limit with --memory"),
         (("study", "nothing"), "no such study; one of: "),
-        (("study", "pressure", "--seeds"), "--seeds: needs a value"),
-        (("study", "pressure", "--hurts", "1"), "unknown option '--hurts'; it has: "),
-        (("study", "pressure", "quickstart"), "takes no scene"),
+        (("study", "area", "--seeds"), "--seeds: needs a value"),
+        (("study", "area", "--hurts", "1"), "unknown option '--hurts'; it has: "),
+        (("study", "area", "quickstart"), "takes no scene"),
         (("validate", "nothing"), "no such case"),
         (("report", "nowhere"), "holds no run"),
         (("surface", "inspect", "nowhere.npy"), "cannot be read"),
@@ -118,7 +118,7 @@ def test_a_dry_run_lists_solves_and_does_none(tool, tmp_path):
     rows = json.loads(tool("run", "quickstart", "--dry-run", "--json")[1])
     assert len(rows) == 56
     assert all(row["seconds"] > 0 and row["peak_bytes"] > 0 and not row["stored"] for row in rows)
-    plan = json.loads(tool("study", "pressure", "--seeds", "5,6", "--dry-run", "--json")[1])
+    plan = json.loads(tool("study", "area", "--seeds", "5,6", "--dry-run", "--json")[1])
     assert len(plan) == 8 * 2 * 3
     assert list(tmp_path.iterdir()) == []
 
@@ -207,7 +207,7 @@ def test_a_conversion_levels_fills_and_tapers_and_says_so(tool, tmp_path):
 
 def test_studies_and_cases_and_scenes_are_listed_for_people_and_scripts(tool):
     assert "--pressures numbers with commas" in tool("study", "--list")[1]
-    assert "pressure" in json.loads(tool("study", "--list", "--json")[1])
+    assert "area" in json.loads(tool("study", "--list", "--json")[1])
     listed = tool("validate", "--list", "--quick")[1]
     assert "hertz-bem" in listed
     assert "hertz-radius-fem" not in listed

@@ -7,6 +7,7 @@ A study is a module of this package with
   options: each has a default and is annotated ``int``, ``float``, ``str``, ``bool``, or a tuple of ``int``,
   ``float`` or ``str``; one called ``scene`` is a :class:`validation.scene.Scene`. It lists jobs, has them
   solved by the bench, and returns numbers with ``units`` and ``long_name``;
+- optionally ``table(data) -> ResultTable``, one row for each thing compared;
 - optionally ``figures(data) -> tuple[Drawing, ...]`` and ``findings(data) -> tuple[str, ...]``, which read
   the dataset.
 
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from validation.drawing import Drawing
+    from validation.studies._common import ResultTable
 
 __all__ = ["Option", "Study", "find_study", "studies"]
 
@@ -133,6 +135,11 @@ class Study:
         """Return its figures of a dataset; none if it draws none."""
         draw = getattr(self.module, "figures", None)
         return () if draw is None else tuple(draw(data))
+
+    def table(self, data: xr.Dataset) -> ResultTable | None:
+        """Return the table it makes of a dataset; None if it leaves that to the report."""
+        make = getattr(self.module, "table", None)
+        return None if make is None else make(data)
 
     def findings(self, data: xr.Dataset) -> tuple[str, ...]:
         """Return its sentences on a dataset."""

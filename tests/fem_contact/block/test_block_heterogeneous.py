@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from fem_contact.block import BlockSolution, plan_mesh, solve
+from fem_contact.block import BlockSolution, plan_mesh, solve, solve_displacement, solve_path
 from fem_contact.block.assembly import assemble
 from fem_contact.block.heterogeneous import HeterogeneousBlock
 from fem_contact.errors import InvalidInput
@@ -92,3 +92,18 @@ def test_fourier_solve_inverts_a_layered_block() -> None:
 def test_quadratic_cells_are_refused_by_name() -> None:
     with pytest.raises(InvalidInput, match=r"Hex2.*trilinear"):
         press(rough(16), 10.0, element="Hex2")
+
+
+def test_paths_and_approaches_agree_with_single_loads() -> None:
+    surface = rough(14)
+    modulus = particle(surface, 5.0)
+    unit = SOLID.contact_modulus * surface.rms_gradient
+    loads = [0.03 * unit, 0.2 * unit, 0.05 * unit]
+    path = list(solve_path(surface, SOLID, mean_pressures=loads, modulus=modulus, tolerance=1e-10))
+    alone = solve(surface, SOLID, mean_pressure=loads[-1], modulus=modulus, tolerance=1e-10).contact
+    last = path[-1].contact.checked()
+    np.testing.assert_array_equal(last.in_contact, alone.checked().in_contact)
+    np.testing.assert_allclose(last.pressure, alone.pressure, atol=1e-7 * alone.pressure.max())
+    placed = solve_displacement(surface, SOLID, offset=last.offset, modulus=modulus, tolerance=1e-10).contact
+    np.testing.assert_array_equal(placed.checked().in_contact, last.in_contact)
+    np.testing.assert_allclose(placed.pressure, last.pressure, atol=1e-6 * last.pressure.max())

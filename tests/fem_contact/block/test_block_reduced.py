@@ -1,8 +1,20 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from fem_contact.block import BlockSolution, solve, solve_displacement, solve_path
-from fem_contact.errors import InvalidInput
+from fem_contact import bem
+from fem_contact.block import (
+    ELEMENTS,
+    BlockResponse,
+    BlockSolution,
+    plan_mesh,
+    solve,
+    solve_displacement,
+    solve_path,
+)
+from fem_contact.block.fields import ArraySource
+from fem_contact.errors import InsufficientMemory, InvalidInput
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 
@@ -65,17 +77,29 @@ def test_depth_dependent_modulus_reduces_to_the_same_solution() -> None:
     assert np.abs(full.field - reduced.field).max() < 1e-9 * np.abs(full.field).max()
 
 
-@pytest.mark.parametrize("element", ["Hex1", "Hex2/P1disc"])
-def test_energy_is_half_of_the_work_stored_as_strain(element: str) -> None:
-    from fem_contact.block.assembly import assemble
+@pytest.mark.parametrize("element", ["Hex1", "Hex1/P0", "Hex2", "Hex2/P1disc"])
+def test_field_balances_the_contact_forces_and_stores_their_work(element: str) -> None:
+    solution = press(rough((14, 12), (1e-5, 0.9e-5)), element=element)
+    found = solution.equilibrium()
+    assert found.residual < 1e-12
+    assert found.energy == pytest.approx(solution.energy, rel=1e-11)
 
-    solution = press(rough((12, 12)), element=element)
-    field = solution.field / solution.cell_size[0]
-    stiffness = assemble(solution.mesh, poisson=SOLID.poisson).matrix
-    stored = (
-        0.5 * float(field.ravel() @ (stiffness @ field.ravel())) * SOLID.young * solution.cell_size[0] ** 3
+
+def test_imbalance_of_a_wrong_field_is_seen() -> None:
+    solution = press(rough((12, 12)))
+    field = solution.field.copy()
+    field[3, 4, -2, 2] += 1e-6 * np.abs(field).max()
+    wrong = replace(solution, source=ArraySource(field=field))
+    assert wrong.equilibrium().residual > 1e-9
+
+
+def test_field_of_graded_and_of_patchy_blocks_balances() -> None:
+    surface = rough((12, 12))
+    assert press(surface, modulus=_crust).equilibrium().residual < 1e-10
+    patchy = press(
+        surface, modulus=lambda x, y, z: 1.5 + np.sin(2e5 * np.pi * x) * np.cos(2e5 * np.pi * y) + 0 * z
     )
-    assert solution.energy * 1e-10 == pytest.approx(stored, rel=1e-9)
+    assert patchy.equilibrium().residual < 1e-10
 
 
 def test_incompressible_block_keeps_its_volume_and_transmits_the_load() -> None:
@@ -247,3 +271,82 @@ def test_a_path_up_and_down_equals_its_single_solves(method: str) -> None:
 def test_a_load_that_cannot_be_is_refused_before_the_path_starts() -> None:
     with pytest.raises(InvalidInput, match="mean_pressure"):
         solve_path(rough((10, 10)), SOLID, mean_pressures=[1e5, -1.0])
+
+
+def _crust(x, y, z):
+    return np.where(z > -2e-6, 1e4, 1.0)
+
+
+def _alternating(x, y, z):
+    return np.where(np.arange(z.size) % 2 == 0, 1e4, 1.0)[None, None]
+
+
+HARD = {
+    "stiff crust, contrast 1e4": {"modulus": _crust},
+    "alternating layers, contrast 1e4": {"modulus": _alternating},
+    "depth L/100": {"depth": 1e-7},
+    "depth 10 L": {"depth": 1e-4},
+    "nearly no load": {"reduced": 1e-5},
+    "nearly full contact": {"reduced": 0.9},
+    "locking element, nearly incompressible": {"solid": Solid(young=3e9, poisson=0.4999), "element": "Hex1"},
+    "negative Poisson ratio": {"solid": Solid(young=3e9, poisson=-0.9)},
+}
+
+
+@pytest.mark.parametrize("name", HARD)
+def test_hard_cases_have_one_solution_by_both_methods(name: str) -> None:
+    surface = rough((12, 10), (1e-5, 1e-5))
+    full = press(surface, **(HARD[name] | {"method": "full", "tolerance": 1e-10})).contact.checked()
+    reduced = press(surface, **HARD[name]).contact.checked()
+    assert np.linalg.norm(full.pressure - reduced.pressure) < 1e-8 * np.linalg.norm(full.pressure)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("element", ["Hex1", "Hex2"])
+def test_flat_cells_have_one_solution_by_both_methods(element: str) -> None:
+    surface = rough((12, 10), (1e-5, 1e-5))
+    flat = {"depth": 1e-6, "first_layer": 1e-8, "growth": 2.0, "element": element}
+    full = press(surface, method="full", **(flat | {"tolerance": 1e-10})).contact.checked()
+    reduced = press(surface, **flat).contact.checked()
+    assert np.linalg.norm(full.pressure - reduced.pressure) < 1e-8 * np.linalg.norm(full.pressure)
+
+
+def test_quantised_heights_with_ties_agree() -> None:
+    surface = rough((20, 20))
+    step = surface.rms_height / 2
+    quantised = HeightField(heights=np.round(surface.heights / step) * step, lengths=surface.lengths)
+    full = press(quantised, method="full", tolerance=1e-10).contact.checked()
+    reduced = press(quantised).contact.checked()
+    assert np.linalg.norm(full.pressure - reduced.pressure) < 1e-8 * np.linalg.norm(full.pressure)
+
+
+def test_field_beyond_memory_is_refused_while_layers_still_flow(monkeypatch: pytest.MonkeyPatch) -> None:
+    import psutil
+
+    solution = press(rough((16, 16)))
+    scarce = psutil.virtual_memory()._replace(available=1000)
+    monkeypatch.setattr(psutil, "virtual_memory", lambda: scarce)
+    for ask in (lambda: solution.field, solution.stress, solution.strain):
+        with pytest.raises(InsufficientMemory, match="stress_layers"):
+            ask()
+    assert sum(1 for _ in solution.stress_layers()) == solution.layers.size
+    quadratic = replace(solution, source=replace(solution.source, response=_quadratic_response((16, 16))))
+    with pytest.raises(InsufficientMemory, match="trilinear"):
+        next(quadratic.stress_layers())
+
+
+def _quadratic_response(shape: tuple[int, int]) -> BlockResponse:
+    mesh = plan_mesh(shape, (1.0, 1.0), element=ELEMENTS["Hex2"])
+    return BlockResponse(mesh=mesh, solid=Solid(young=1.0, poisson=0.3), width=1.0)
+
+
+def test_boundary_element_solver_accepts_the_block_as_its_response() -> None:
+    surface = rough((40, 36), (1e-5, 0.9e-5))
+    mesh = plan_mesh(surface.shape, surface.lengths)
+    response = BlockResponse(mesh=mesh, solid=SOLID, width=surface.spacing[0])
+    pressure = 0.05 * SOLID.contact_modulus * surface.rms_gradient
+    through = bem.solve(surface, response, mean_pressure=pressure, tolerance=1e-12).checked()
+    direct = solve(surface, SOLID, mean_pressure=pressure, tolerance=1e-12).contact.checked()
+    np.testing.assert_array_equal(through.in_contact, direct.in_contact)
+    assert np.linalg.norm(through.pressure - direct.pressure) < 1e-9 * np.linalg.norm(direct.pressure)
+    assert through.offset == pytest.approx(direct.offset, abs=1e-9 * np.ptp(surface.heights))

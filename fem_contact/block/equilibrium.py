@@ -1,0 +1,86 @@
+"""Whether a displacement field balances the forces on it: an independent check, element by element."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.block.column import element_matrices
+from fem_contact.block.mesh import BlockMesh, node_weights
+
+if TYPE_CHECKING:
+    from fem_contact.block.solution import BlockSolution
+
+__all__ = ["Equilibrium", "measure_equilibrium"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Equilibrium:
+    """What the element matrices say about a field.
+
+    Attributes
+    ----------
+    residual : float
+        Norm of the nodal forces that nothing balances, over the norm of the contact forces.
+    energy : float
+        Elastic energy per nominal area, summed over the cells [J/m^2].
+    """
+
+    residual: float
+    energy: float
+
+
+def measure_equilibrium(solution: BlockSolution) -> Equilibrium:
+    """Apply the element matrices to the field, layer by layer from the surface down.
+
+    Nothing of the Fourier reduction enters but the field it produced.
+
+    Raises
+    ------
+    InvalidInput
+        For the incompressible solid, whose element matrices are not finite.
+    """
+    mesh, contact = solution.mesh, solution.contact
+    matrices, offsets = element_matrices(mesh, solution.solid.poisson, condensed=True)
+    width, young = solution.cell_size[0], solution.solid.young
+    weights = node_weights(mesh)
+    area = mesh.aspect / mesh.element.types
+    applied = contact.pressure / young * area * (1.0 if weights is None else weights)
+    squared, energy = 0.0, 0.0
+    # Forces on the upper plane of the layer at hand from what lies above it; on the surface, the contact's.
+    above = np.zeros((*mesh.shape, 3))
+    above[..., 2] = applied
+    for layer in solution.source.descend():
+        nodes = layer.nodes / width
+        modulus = 1.0 if solution.modulus is None else solution.modulus[:, :, layer.index].reshape(-1, 1)
+        forces, stored = _layer_forces(mesh, nodes, matrices[layer.index], offsets=offsets, modulus=modulus)
+        energy += stored
+        forces[-1] += above
+        squared += float(np.sum(forces[1:] ** 2))
+        above = forces[0]
+    return Equilibrium(
+        residual=float(np.sqrt(squared)) / float(np.linalg.norm(applied)),
+        energy=energy * young * width / (mesh.cells[0] * mesh.cells[1] * mesh.aspect),
+    )
+
+
+def _layer_forces(
+    mesh: BlockMesh, nodes: Array, matrix: Array, *, offsets: NDArray[np.int64], modulus: Array | float
+) -> tuple[Array, float]:
+    """Nodal forces of one layer of cells, and the energy it stores."""
+    order, step = mesh.element.order, 2 // mesh.element.order
+    places = offsets // step
+    local = [np.roll(nodes[c], (-a, -b), axis=(0, 1))[::order, ::order].reshape(-1, 3) for a, b, c in places]
+    gathered = np.concatenate(local, axis=1)
+    answer = (gathered @ matrix) * modulus
+    forces = np.zeros_like(nodes)
+    for number, (a, b, c) in enumerate(places):
+        part = np.zeros(nodes.shape[1:])
+        part[::order, ::order] = answer[:, 3 * number : 3 * number + 3].reshape(*mesh.cells, 3)
+        forces[c] += np.roll(part, (a, b), axis=(0, 1))
+    return forces, 0.5 * float(np.sum(gathered * answer))

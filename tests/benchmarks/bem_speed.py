@@ -1,0 +1,129 @@
+"""Cost of the boundary-element solver per grid, and against tamaas where that is installed.
+
+Surface: H = .8, lambda_long = L/4, lambda_short = 8 dx, p* = .05; stopped at a complementarity of 1e-8,
+measured by `fem_contact.contact.measure_residuals` on the fields of either code. "ratio" is seconds over
+pairs times the seconds of one pair, by the wall clock and by processor time: the latter is the one to trust
+on a machine that is not idle.
+
+Run as ``python tests/benchmarks/bem_speed.py [sizes, comma separated] [threads] [method] [tamaas]``.
+"""
+
+from __future__ import annotations
+
+import resource
+import sys
+import time
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.bem import FourierOperator, Method, solve
+from fem_contact.contact import Residuals, measure_residuals
+from fem_contact.response import HalfSpace
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField, random_surface
+
+SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
+PRESSURE = 0.05
+
+
+def benchmark_surface(n: int, seed: int = 7) -> HeightField:
+    """Unit rms gradient."""
+    q_long = 8 * np.pi
+    surface = random_surface(
+        lambda q: np.where(q > 0.999 * q_long, q**-3.6, 0.0),
+        q_short=2 * np.pi * n / 8,
+        lengths=(1.0, 1.0),
+        shape=(n, n),
+        seed=seed,
+    )
+    return HeightField(heights=surface.heights / surface.rms_gradient, lengths=(1.0, 1.0))
+
+
+def pair_seconds(n: int, threads: int) -> tuple[float, float]:
+    """Least wall and processor time of one pair of transforms with the multiplication between them."""
+    operator = FourierOperator(SOFT, (n, n), (1.0, 1.0), threads=threads)
+    field = np.random.default_rng(3).standard_normal((n, n))
+    out = np.empty_like(field)
+    times = []
+    for _ in range(9 if n <= 2048 else 3):
+        wall, processor = time.perf_counter(), time.process_time()
+        operator.apply(field, out)
+        times.append((time.perf_counter() - wall, time.process_time() - processor))
+    walls, processors = zip(*times, strict=True)
+    return min(walls), min(processors)
+
+
+def run_ours(n: int, threads: int, method: Method) -> float:
+    """Print one line of the table; the seconds of the solve."""
+    surface = benchmark_surface(n)
+    pair, pair_processor = pair_seconds(n, threads)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024
+    costs = []
+    for _ in range(3 if n <= 2048 else 1):
+        result = solve(surface, SOFT, mean_pressure=PRESSURE, threads=threads, method=method).checked()
+        residuals = result.residuals
+        costs.append(result.cost)
+        del result
+    grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 - before
+    cost = min(costs, key=lambda one: one.wall_seconds)
+    processor = min(one.cpu_seconds for one in costs)
+    print(
+        f"{n:6d} {cost.iterations:6d} {cost.fft_pairs:7.1f} {cost.wall_seconds:8.3f} {1e3 * pair:9.2f} "
+        f"{cost.wall_seconds / (cost.fft_pairs * pair):6.2f} "
+        f"{processor / (cost.fft_pairs * pair_processor):6.2f} "
+        f"{cost.peak_bytes / (8 * n * n):7.2f} {grown / (8 * n * n):7.2f} "
+        f"{residuals.complementarity:9.1e} {residuals.penetration:9.1e}",
+        flush=True,
+    )
+    return cost.wall_seconds
+
+
+def run_tamaas(n: int) -> tuple[float, Residuals]:
+    """Seconds and residuals of tamaas' PolonskyKeerRey on the same surface."""
+    import tamaas
+
+    surface = benchmark_surface(n)
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [1.0, 1.0], [n, n])
+    model.E, model.nu = 1.0, 0.0
+    heights: NDArray[np.float64] = surface.heights.copy()
+    kind = tamaas.PolonskyKeerRey
+    for tolerance in (1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11):
+        solver = kind(model, heights, tolerance, kind.pressure, kind.pressure)
+        solver.max_iter = 100_000
+        model.traction[:] = 0
+        clock = time.perf_counter()
+        solver.solve(PRESSURE)
+        seconds = time.perf_counter() - clock
+        pressure = np.array(model.traction)
+        gap = np.array(model.displacement) - heights
+        gap -= np.sum(pressure * gap) / np.sum(pressure)
+        residuals = measure_residuals(
+            pressure=pressure,
+            gap=gap,
+            heights=heights,
+            lengths=(1.0, 1.0),
+            contact_modulus=1.0,
+            rms_gradient=surface.rms_gradient,
+            target_pressure=PRESSURE,
+        )
+        if residuals.complementarity <= 1e-8:
+            break
+    return seconds, residuals
+
+
+def main(
+    sizes: str = "512,1024,2048", threads: int = 2, method: Method = "preconditioned", peer: str = ""
+) -> None:
+    """Print the table."""
+    solve(benchmark_surface(64), SOFT, mean_pressure=PRESSURE, threads=threads, method=method)
+    print("     n  steps   pairs  seconds  pair [ms]  ratio    cpu  arrays     RSS  complem.  penetr.")
+    for n in (int(text) for text in sizes.split(",")):
+        ours = run_ours(n, threads, method)
+        if peer == "tamaas":
+            seconds, residuals = run_tamaas(n)
+            print(f"       tamaas {seconds:.2f} s, {seconds / ours:.1f} times ours; {residuals}", flush=True)
+
+
+if __name__ == "__main__":
+    main(*(kind(text) for kind, text in zip((str, int, str, str), sys.argv[1:], strict=False)))

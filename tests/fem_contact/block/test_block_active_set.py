@@ -1,0 +1,94 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem_contact.block import active_set, full, plan_mesh, solve
+from fem_contact.block.active_set import AssembledBlock, Settings, solve_contact
+from fem_contact.block.assembly import assemble
+from fem_contact.block.linear import LinearSolution
+from fem_contact.contact import Status
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+
+SETTINGS = Settings(tolerance=1e-9, max_iterations=30, max_linear_iterations=100)
+
+
+def bumpy_block() -> AssembledBlock:
+    mesh = plan_mesh((4, 4), (1.0, 1.0))
+    heights = -np.random.default_rng(21).random((4, 4))
+    return AssembledBlock(matrix=assemble(mesh, poisson=0.3).free(), mesh=mesh, heights=heights)
+
+
+class _Flipping:
+    """A linear problem whose answer always asks for the opposite set."""
+
+    class preconditioner:  # noqa: N801
+        nbytes = 0
+
+    def __init__(self, block, nodes):
+        self.nodes = nodes
+
+    def advance(self, state, **settings):
+        solution = LinearSolution(x=np.zeros(1), relative_residual=0.0, iterations=1, converged=True)
+        return replace(state, following=~self.nodes), solution
+
+
+@pytest.mark.parametrize(("violation", "status"), [(1.0, Status.CYCLING), (1e-12, Status.CONVERGED)])
+def test_a_set_that_returns_is_a_cycle_unless_nothing_is_violated(
+    monkeypatch: pytest.MonkeyPatch, violation: float, status: Status
+) -> None:
+    monkeypatch.setattr(active_set, "_SetProblem", _Flipping)
+    start = np.zeros((4, 4), dtype=bool)
+    start[0] = True
+    found = solve_contact(
+        bumpy_block(),
+        load=0.1,
+        offset=0.0,
+        start=start,
+        settings=SETTINGS,
+        violation=lambda force, gap: violation,
+    )
+    assert found.status is status
+    assert found.sets < 6
+
+
+def test_linear_systems_that_do_not_converge_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(full, "_LINEAR_STEPS", 2)
+    x = np.arange(8) / 8
+    surface = HeightField(
+        heights=1e-3 * np.cos(2 * np.pi * x)[:, None] * np.cos(2 * np.pi * x), lengths=(1.0, 1.0)
+    )
+    contact = solve(surface, Solid(young=1.0, poisson=0.3), mean_pressure=1e-3, method="full").contact
+    assert contact.status is Status.ITERATION_LIMIT
+    assert "linear residual" in contact.provenance["tolerance"]
+
+
+def test_updated_set_is_contact_under_pressure_and_penetrating_nodes() -> None:
+    block = bumpy_block()
+    start = np.ones((4, 4), dtype=bool)
+    settings = replace(SETTINGS, max_iterations=1)
+    first = solve_contact(
+        block, load=0.05, offset=0.0, start=start, settings=settings, violation=lambda force, gap: 1.0
+    )
+    assert first.status is Status.ITERATION_LIMIT
+    assert first.force.sum() == pytest.approx(0.05, rel=1e-2)
+    assert first.force.min() < 0
+    last = solve_contact(
+        block, load=0.05, offset=0.0, start=start, settings=SETTINGS, violation=lambda force, gap: 1.0
+    )
+    assert last.status is Status.CONVERGED
+    assert last.force[last.in_contact].min() > 0
+    assert last.gap[~last.in_contact].min() >= 0
+    assert last.force.sum() == pytest.approx(0.05, rel=1e-8)
+
+
+def test_the_matrix_is_left_as_it_was() -> None:
+    block = bumpy_block()
+    before = block.matrix.data.copy(), block.matrix.indices.copy(), block.matrix.indptr.copy()
+    start = np.ones((4, 4), dtype=bool)
+    solve_contact(
+        block, load=0.05, offset=0.0, start=start, settings=SETTINGS, violation=lambda force, gap: 1.0
+    )
+    for old, new in zip(before, (block.matrix.data, block.matrix.indices, block.matrix.indptr), strict=True):
+        np.testing.assert_array_equal(old, new)

@@ -1,0 +1,111 @@
+import numpy as np
+import pytest
+
+from fem_contact.area import contact_areas
+from fem_contact.block import ELEMENTS, solve
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+
+#: Sum of 1 / r^3 over the points of a unit square lattice other than the origin.
+LATTICE_SUM = 9.03362168
+
+#: Where the apex falls within a cell, and how many of the sixteen quarter shifts look like it.
+SHIFTS = (((0.0, 0.0), 1), ((0.5, 0.5), 1), ((0.25, 0.5), 2), ((0.25, 0.25), 4))
+
+
+def press_paraboloid(
+    n: int, edge: float, *, shift: tuple[float, float] = (0.0, 0.0), poisson: float = 0.3, **changes: object
+):
+    """Contact of radius `edge` on a paraboloid of radius 1 in a unit period, the distances, and the peak.
+
+    The periodic images add F / (2 pi E*) sum 1 / r^3 to the curvature, which the paraboloid is given less.
+    """
+    solid = Solid(young=1.0, poisson=poisson)
+    load = 4 * solid.contact_modulus * edge**3 / 3
+    curvature = 1 - load / (2 * np.pi * solid.contact_modulus) * LATTICE_SUM
+    x, y = (((np.arange(n) + s) / n + 0.5) % 1 - 0.5 for s in shift)
+    r = np.hypot(x[:, None], y[None, :])
+    surface = HeightField(heights=-curvature * r**2 / 2, lengths=(1.0, 1.0))
+    contact = solve(surface, solid, mean_pressure=load, **changes).contact.checked()
+    return contact, r, 3 * load / (2 * np.pi * edge**2)
+
+
+@pytest.mark.parametrize(("element", "poisson"), [("Hex1", 0.3), ("Hex1/P0", 0.49)])
+def test_hertz_peak_and_profile_at_six_cells_per_radius(element: str, poisson: float) -> None:
+    contact, r, peak = press_paraboloid(60, 0.1, element=element, poisson=poisson)
+    assert contact.pressure.max() == pytest.approx(peak, rel=4e-3)
+    inside = r < 0.1 - 1.5 / 60
+    assert (
+        np.abs(contact.pressure - peak * np.sqrt(np.maximum(1 - (r / 0.1) ** 2, 0)))[inside].max()
+        < 5e-3 * peak
+    )
+
+
+@pytest.mark.parametrize("element", ["Hex1", "Hex2"])
+def test_counted_hertz_radius_converges_in_first_order(element: str) -> None:
+    sizes, excess = (30, 60, 120), []
+    for n in sizes:
+        radii = []
+        for shift, _ in SHIFTS:
+            contact = press_paraboloid(n, 0.1, shift=shift, element=element)[0]
+            weights = 1.0 if contact.weights is None else contact.weights
+            radii.append(np.sqrt(np.mean(weights * contact.in_contact) / np.pi))
+        excess.append(np.average(radii, weights=[weight for _, weight in SHIFTS]) / 0.1 - 1)
+    order = -np.polyfit(np.log(sizes), np.log(excess), 1)[0]
+    assert 0.6 < order < 1.5
+    assert 0 < excess[-1] < 0.5 / 12
+
+
+def test_quadratic_peak_pressure_converges() -> None:
+    # Corner, edge and centre nodes share the load by shape functions: a steep profile makes them differ.
+    errors = []
+    for n in (60, 120):
+        contact, _, peak = press_paraboloid(n, 0.1, element="Hex2")
+        errors.append(abs(contact.pressure.max() / peak - 1))
+    assert errors[1] < 0.4 * errors[0] < 0.4 * 2e-2
+
+
+def test_partial_contact_of_a_wave_follows_westergaard() -> None:
+    n, half, amplitude, solid = 256, 0.3, 0.01, Solid(young=1.0, poisson=0.3)
+    x = (np.arange(n) + 0.5) / n - 0.5
+    surface = HeightField(
+        heights=amplitude * np.cos(2 * np.pi * x)[:, None] * np.ones(3), lengths=(1.0, 3 / n)
+    )
+    mean = np.pi * solid.contact_modulus * amplitude * np.sin(np.pi * half) ** 2
+    contact = solve(surface, solid, mean_pressure=mean, growth=1.05, depth=1.5).contact.checked()
+    under = np.maximum(np.sin(np.pi * half) ** 2 - np.sin(np.pi * x) ** 2, 0)
+    exact = 2 * mean * np.cos(np.pi * x) / np.sin(np.pi * half) ** 2 * np.sqrt(under)
+    inside = np.abs(x) < 0.95 * half
+    assert np.abs(contact.pressure[:, 1] - exact)[inside].max() < 3e-3 * exact.max()
+    assert contact.in_contact[:, 1].mean() == pytest.approx(2 * half, abs=2 / n)
+
+
+def test_one_row_of_nodes_is_plane_strain() -> None:
+    n, solid = 64, Solid(young=1.0, poisson=0.3)
+    wave = 0.01 * np.cos(2 * np.pi * np.arange(n) / n)[:, None]
+    pressures = []
+    for rows in (1, 4):
+        surface = HeightField(heights=wave * np.ones(rows), lengths=(1.0, rows / n))
+        pressures.append(
+            solve(surface, solid, mean_pressure=0.01, tolerance=1e-11).contact.checked().pressure[:, 0]
+        )
+    np.testing.assert_allclose(pressures[0], pressures[1], atol=1e-9 * pressures[1].max())
+
+
+@pytest.mark.parametrize(
+    ("name", "poisson"),
+    [("Hex1", 0.3), ("Hex1/P0", 0.45), pytest.param("Hex2", 0.3, marks=pytest.mark.slow)],
+)
+def test_edge_constant_makes_the_counted_area_right_on_average(name: str, poisson: float) -> None:
+    excess, fraction, places = [], [], 16
+    for shift in 2 * np.random.default_rng(23).random((places, 2)):
+        contact = press_paraboloid(96, 1 / 8, shift=tuple(shift), poisson=poisson, element=name, growth=1.05)[
+            0
+        ]
+        areas = contact_areas(contact)
+        excess.append(areas.pixel - np.pi / 64)
+        fraction.append(areas.edge_fraction)
+    scatter = np.std(excess, ddof=1) / np.mean(fraction) / np.sqrt(places)
+    constant = np.mean(excess) / np.mean(fraction)
+    assert constant == pytest.approx(ELEMENTS[name].edge_constant, abs=3.5 * scatter)
+    assert scatter < 0.015

@@ -1,0 +1,138 @@
+"""Another unit system changes no bit of a dimensionless result: lengths times 2^20, pressures times 2^-30."""
+
+import math
+
+import numpy as np
+import pytest
+
+from persson.asperities import FullerTabor, bush_gibson_thomas, nayak_asperities
+from persson.capillary import CapillaryWaves
+from persson.graded import ExponentialLayers
+from persson.hardness import size_dependent_hardness
+from persson.limits import critical_roughness
+from persson.scale import Scale
+from persson.separation import macroasperity_magnification, mean_separation
+from persson.spectrum import SelfAffine
+from persson.spheres import hertz, maugis_pull_off, tabor_parameter
+from persson.tabulated import Tabulated
+from persson.variants import corrected_contact_area
+
+SI = (1.0, 1.0)
+OTHER = (2.0**20, 2.0**-30)
+
+
+def rough(units, rolloff="smooth"):
+    length, _ = units
+    return SelfAffine.from_rms_gradient(
+        0.2, hurst=0.7, q_long=1e5 / length, q_short=3e8 / length, rolloff=rolloff
+    )
+
+
+def separation(units):
+    length, stress = units
+    scale = Scale(rough(units), contact_modulus=2e9 * stress)
+    return mean_separation(np.array([1e3, 1e6]) * stress, scale=scale, energy_ratio=0.45) / length
+
+
+def macroasperities(units):
+    length, stress = units
+    return macroasperity_magnification(
+        rough(units), pressure=1e6 * stress, contact_modulus=2e9 * stress, q_reference=1e5 / length
+    )
+
+
+def variants(units):
+    _, stress = units
+    return corrected_contact_area(
+        np.array([1e5, 1e8]) * stress, stress_variance=1e16 * stress**2, variant="wang_mueser"
+    )
+
+
+def yielding(units):
+    length, stress = units
+    result = size_dependent_hardness(
+        Scale(rough(units, "sharp"), contact_modulus=2e9 * stress),
+        pressure=1e6 * stress,
+        yield_stress=lambda q: 1e8 * stress * np.sqrt(1 + q * length / 1e7),
+        wavevectors=np.array([2e5, 1e7, 3e8]) / length,
+    )
+    return np.concatenate([result.area_elastic, result.area_plastic])
+
+
+def asperities(units):
+    length, stress = units
+    moments = rough(units).moments()
+    found = bush_gibson_thomas(2 * moments.rms_height, moments=moments, contact_modulus=2e9 * stress)
+    sticky = FullerTabor(
+        asperities=nayak_asperities(moments),
+        contact_modulus=2e7 * stress,
+        work_of_adhesion=0.05 * stress * length,
+    )
+    return np.array(
+        [found.area, found.pressure / stress, sticky.pull_off() / stress, sticky.adhesion_parameter]
+    )
+
+
+def graded(units):
+    length, stress = units
+    layers = ExponentialLayers(
+        bulk=1e9 * stress, excess=(3e9 * stress,), depths=(1e-6 * length,), poisson=0.3
+    )
+    scale = Scale(rough(units, "plateau"), contact_modulus=layers)
+    return scale.variance(np.array([1e4, 1e6, 1e8]) / length) / stress**2
+
+
+def tables(units):
+    length, _ = units
+    spectrum = rough(units, "sharp")
+    q = np.geomspace(1.0, 3e3, 20) * (1e5 / length)
+    table = Tabulated(wavevectors=q, power=spectrum(q))
+    return np.array(
+        [table.moments().rms_gradient, table.moments().nayak, table.moments().rms_height / length]
+    )
+
+
+def spheres(units):
+    length, stress = units
+    contact = hertz(0.3 * stress * length**2, radius=2e-3 * length, contact_modulus=5e9 * stress)
+    mu = tabor_parameter(
+        2e-3 * length,
+        contact_modulus=5e9 * stress,
+        work_of_adhesion=0.05 * stress * length,
+        range_=3e-10 * length,
+    )
+    return np.array([contact.radius / length, contact.peak_pressure / stress, mu, maugis_pull_off(mu)])
+
+
+@pytest.mark.parametrize(
+    "quantity", [separation, macroasperities, variants, yielding, asperities, graded, tables, spheres]
+)
+def test_another_unit_system_changes_no_bit(quantity):
+    one, two = np.asarray(quantity(SI)), np.asarray(quantity(OTHER))
+    assert np.all(np.isfinite(one))
+    assert np.array_equal(one, two)
+
+
+def test_capillary_waves_scale_with_the_thermal_length():
+    """k_B T sets their only stress: q times 1/s and gamma times 1/s^2 keep every slope."""
+    s = 2.0**20
+    shape = {"q_bend": 1.7e9, "q_min": 6e4, "q_short": 7e9}
+    one = CapillaryWaves(temperature=370.0, surface_tension=0.04, **shape)
+    two = CapillaryWaves(
+        temperature=370.0, surface_tension=0.04 / s**2, **{name: q / s for name, q in shape.items()}
+    )
+    assert two.moments().rms_gradient == one.moments().rms_gradient
+    assert two.moments().rms_height == one.moments().rms_height * s
+
+
+def test_critical_roughness_does_not_depend_on_where_it_starts():
+    from persson.adhesion import Interface
+
+    surface = SelfAffine.from_rms_gradient(0.2, hurst=0.8, q_long=1e5, q_short=1e8)
+    interface = Interface(work_of_adhesion=0.05)
+    first = critical_roughness(surface, contact_modulus=1e7, interface=interface, tolerance=0.03)
+    second = critical_roughness(
+        surface.scaled(25.0), contact_modulus=1e7, interface=interface, tolerance=0.03
+    )
+    assert first == pytest.approx(5 * second, rel=0.06)
+    assert math.isfinite(first)

@@ -1,0 +1,230 @@
+"""The studies: their measurements are right, their sentences are computed, their options are checked."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from validation.bench import Bench
+from validation.errors import UsageError
+from validation.scene import SolidSpec
+from validation.studies import (
+    cross,
+    hurst,
+    magnification,
+    refinement,
+    stress_near_zero,
+    studies,
+    theory_verdict,
+)
+from validation.studies._common import base_surface, persson_area
+from validation.studies._grid_roughness import GridRoughness
+from validation.studies._measurement import Measurement, area_limits, grid_for
+
+SOLID = SolidSpec(young=3e8, poisson=0.25)
+SMALL = {"size": 2.0, "ratio": 2.0}
+
+
+def measurement(**changes: object) -> Measurement:
+    settings = {
+        "surface": base_surface(hurst=0.6, seed=61, **SMALL),
+        "solid": SOLID,
+        "reduced_pressures": (0.05, 0.2),
+        "grids": ((16, 16), (24, 24), (32, 32)),
+        "shifts": 2,
+    }
+    return Measurement(**{**settings, **changes})
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory) -> Bench:
+    return Bench.at(tmp_path_factory.mktemp("solves"))
+
+
+@pytest.fixture(scope="module")
+def measured():
+    return measurement().measure()
+
+
+def test_area_grows_with_load_and_falls_with_refinement(measured):
+    pixel = measured.pixel.mean("shift").values
+    assert np.all(np.diff(pixel, axis=1) > 0)
+    assert np.all(pixel[0] > pixel[-1])
+    assert float(measured.residual.max()) < 1e-6
+
+
+def test_numbers_do_not_depend_on_the_modulus(measured):
+    other = measurement(solid=SolidSpec(young=7e10, poisson=0.4)).measure()
+    np.testing.assert_allclose(other.pixel.values, measured.pixel.values, rtol=1e-12)
+    np.testing.assert_allclose(other.mean_gap.values, measured.mean_gap.values, rtol=1e-6)
+
+
+def test_energy_tends_to_that_of_full_contact():
+    full = measurement(reduced_pressures=(8.0,), grids=((24, 24),), shifts=1).measure()
+    assert float(full.pixel[0, 0, 0]) == 1.0
+    # The mean pressure stores nothing here: u has no mean in a half-space.
+    assert float(full.energy[0, 0, 0]) == pytest.approx(full.attrs["full_contact_energy"], rel=1e-9)
+
+
+def test_the_inverted_surface_has_the_same_gradient_and_another_area(measured):
+    inverted = measurement(inverted=True)
+    assert inverted.key != measurement().key
+    found = inverted.measure()
+    assert found.attrs["rms_gradient"] == measured.attrs["rms_gradient"]
+    assert not np.allclose(found.pixel.values, measured.pixel.values)
+
+
+def test_a_truncated_surface_keeps_the_waves_that_remain():
+    whole, part = measurement(), measurement(truncation=2 * np.pi / 0.45e-3)
+    grid = (32, 32)
+    spectra = [np.fft.fft2(m.field(grid).heights) for m in (whole, part)]
+    kept = np.abs(spectra[1]) > 1e-9 * np.abs(spectra[0]).max()
+    assert 0 < kept.sum() < (np.abs(spectra[0]) > 1e-9 * np.abs(spectra[0]).max()).sum()
+    np.testing.assert_allclose(spectra[1][kept], spectra[0][kept], rtol=1e-9)
+
+
+def test_limits_lie_below_the_counted_areas(measured):
+    values, errors = area_limits(measured)
+    assert np.all(values < measured.pixel.mean("shift").values[-1])
+    assert np.all(errors > 0)
+
+
+def test_a_recipe_holds_everything_and_nothing_else():
+    base = measurement()
+    assert base.key == measurement().key
+    assert len({base.key, measurement(shifts=1).key, measurement(realisation=1).key}) == 3
+    # Realisation 1 of seed 61 is realisation 0 of seed 62.
+    moved = measurement(surface=base_surface(hurst=0.6, seed=62, **SMALL))
+    assert moved.key == measurement(realisation=1).key
+
+
+def test_the_grid_scale_protocol_depends_on_the_slope_in_the_known_order():
+    surface = base_surface(hurst=0.8, seed=61, **SMALL)
+    found = GridRoughness(
+        surface=surface, realisation=0, solid=SOLID, reduced_pressure=0.1, points=32
+    ).measure()
+    spectral, forward, central = found.kappa.values
+    assert spectral > forward > central
+
+
+def test_refinement_tells_the_grid_from_the_theory(bench):
+    options = {"surfaces": 2, "points_per_wave": (2.0, 4.0, 6.0, 8.0), "grid_scale_points": (24,), **SMALL}
+    data = refinement.run(bench=bench, **options)
+    error = refinement.overestimate(data, "pixel").mean("surface").values
+    assert error[0] > error[1] > error[-1] > 0
+    text = " ".join(refinement.findings(data))
+    assert "The pixel area differs from the limit by +" in text
+    reverse = data.assign(limit=data.limit * 2)
+    assert "The pixel area differs from the limit by -" in " ".join(refinement.findings(reverse))
+    assert "under-resolved" in str(refinement.table(data).rows[0][0])
+
+
+def test_hurst_study_reports_change_by_surface_and_finds_the_bandwidth_of_equal_nayak(bench):
+    data = hurst.run(
+        bench=bench,
+        hursts=(0.2, 0.8),
+        ratios=(2.0,),
+        equal_nayak=2.2,
+        reduced_pressures=(0.1,),
+        size=2.0,
+        pairs=2,
+        points_per_wave=(4.0, 6.0),
+        shifts=2,
+    )
+    assert data.family.values.tolist() == ["ratio 2", "ratio 2", "alpha 2.2", "alpha 2.2"]
+    same = data.isel(spectrum=[2, 3])
+    assert same.ratio.values[0] != same.ratio.values[1]
+    trend = hurst.findings(data)[0]
+    assert "from H = 0.2 to 0.8" in trend
+    flat = data.assign(kappa=data.kappa * 0 + 2.0)
+    assert "+0.0 +- 0.0 %" in hurst.findings(flat)[0]
+
+
+def test_an_impossible_nayak_parameter_is_refused_by_name(bench):
+    with pytest.raises(UsageError, match=r"equal_nayak = 1\.2: no bandwidth gives it"):
+        hurst.run(bench=bench, equal_nayak=1.2)
+
+
+def test_magnification_ends_at_the_theory_of_the_whole_surface(bench):
+    data = magnification.run(
+        bench=bench,
+        reduced_pressures=(0.1,),
+        magnifications=(1.0, 2.0),
+        surfaces=2,
+        points_per_wave=(4.0, 6.0),
+        shifts=2,
+        **SMALL,
+    )
+    np.testing.assert_allclose(data.theory.values[:, -1, 0], persson_area(0.1), rtol=1e-9)
+    assert np.all(data.area.values[:, 0, 0] > data.area.values[:, -1, 0])
+
+
+def test_the_density_of_small_pressures_falls_with_the_grid(bench):
+    data = stress_near_zero.run(bench=bench, surfaces=2, points_per_wave=(8.0, 16.0, 24.0), **SMALL)
+    mean = data.density_at_zero.mean("surface").values
+    assert mean[0] > mean[-1]
+    # A P that starts at a value of its own gets that value as intercept.
+    shifted = data.assign(density_at_zero=data.density_at_zero + 1.0)
+    np.testing.assert_allclose(
+        stress_near_zero.intercepts(shifted), stress_near_zero.intercepts(data) + 1.0, rtol=1e-9
+    )
+    assert "different from zero" in stress_near_zero.findings(shifted)[0]
+
+
+def test_the_independent_leg_is_named_and_agrees_better_on_the_finer_grid(bench):
+    data = cross.run(
+        bench=bench,
+        surfaces=1,
+        size=1.0,
+        ratio=2.0,
+        full_points_per_wave=(4.0, 8.0),
+        reduced_points_per_wave=(4.0, 8.0),
+        elements=("Hex1",),
+    )
+    full, reduced = data.isel(case=[0, 1]), data.isel(case=[2, 3])
+    assert full.leg.values.tolist() == ["full Hex1"] * 2
+    assert full.pressure_half_space.values[1, 0] < full.pressure_half_space.values[0, 0]
+    # The reduction is exact: both legs have one solution, to the tolerance of the solvers.
+    np.testing.assert_allclose(full.pressure_half_space, reduced.pressure_half_space, rtol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "interval", "words"),
+    [
+        (1.0, 0.0, "exact"),
+        (1.3, 0.02, "off by +30 %"),
+        (0.8, 0.02, "off by -20 %"),
+        (1.01, 0.5, "not determinable"),
+    ],
+)
+def test_a_verdict_follows_from_the_ratio_and_its_interval(ratio, interval, words):
+    assert theory_verdict.verdict(ratio, interval) == words
+
+
+def test_grids_have_the_points_that_are_asked_for():
+    surface = base_surface(hurst=0.5, size=4.0, ratio=8.0, seed=1)
+    assert grid_for(surface, 8.0) == (256, 256)
+    assert grid_for(surface, 3.3) == (106, 106)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"surfaces": 1}, "surfaces = 1: must be at least 2"),
+        ({"points_per_wave": (8.0, 4.0)}, "points_per_wave = 8, 4: must be positive and rising"),
+        ({"points_per_wave": (2.0, 4.0)}, "needs three solves on two grids of at least 3 points per wave"),
+        ({"hurst": 1.4}, "hurst = 1.4"),
+        ({"ratio": 0.5}, "ratio = 0.5"),
+    ],
+)
+def test_options_of_a_study_are_refused_by_name_before_anything_runs(options, words, bench):
+    with pytest.raises(UsageError) as caught:
+        refinement.run(bench=bench, **options)
+    assert words in str(caught.value)
+
+
+def test_every_study_is_found_by_name_and_asks_a_question():
+    found = studies()
+    assert {"hurst", "refinement", "pressure", "magnification", "stress-near-zero"} <= set(found)
+    assert {"cross", "depth", "accuracy-cost", "theory-verdict"} <= set(found)
+    assert all(study.question.endswith("?") for study in found.values())

@@ -1,0 +1,129 @@
+"""What happens at the edge of contact: how p grows with the distance from it, and what P(sigma) follows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy.ndimage
+
+from fem_contact.area import contact_areas
+from fem_contact.contact import ContactResult
+from fem_contact.patches import find_patches
+from fem_contact.solid import Solid
+from fem_contact.stress import pressure_distribution
+from validation.jobs import NumbersJob, Prediction
+from validation.scene import SelfAffineSurface, SolidSpec
+from validation.surfaces import height_field, reference_field
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["EdgeMeasurement", "inverse_square_coefficient"]
+
+#: Distances from the edge, in cells, between which p = B sqrt(s) is read off: beyond the cells the grid smears,
+#: and before the curvature of the patch is felt.
+_NEAR, _FAR = 1.5, 4.0
+_BINS = 60
+
+
+@dataclass(frozen=True, kw_only=True)
+class EdgeMeasurement(NumbersJob):
+    """P(sigma) of one realisation on one grid at small pressure, and the edge coefficient behind it.
+
+    Attributes
+    ----------
+    surface : SelfAffineSurface
+    realisation : int
+    solid : SolidSpec
+    reduced_pressure : float
+        p* with the realised gradient.
+    points : int
+        Grid points along each axis.
+    """
+
+    surface: SelfAffineSurface
+    realisation: int
+    solid: SolidSpec
+    reduced_pressure: float
+    points: int
+
+    @property
+    def recipe(self) -> dict[str, Any]:
+        """Everything that determines the numbers."""
+        surface = self.surface.model_dump(mode="json")
+        surface["seed"] = self.surface.seed + self.realisation
+        return {
+            "surface": surface,
+            "solid": self.solid.model_dump(mode="json"),
+            "reduced_pressure": self.reduced_pressure,
+            "points": self.points,
+        }
+
+    @property
+    def prefix(self) -> str:
+        """Readable start of the name on disk."""
+        return f"edge-{self.points}"
+
+    def describe(self) -> str:
+        """Return a few words for a progress bar."""
+        return f"edge of contact, {self.points}x{self.points}, surface {self.realisation + 1}"
+
+    def predict(self) -> Prediction:
+        """Predict the cost."""
+        n = self.points**2
+        return Prediction(seconds=5e-3 + 1.2e-6 * n, peak_bytes=160 * n, unknowns=n)
+
+    def measure(self) -> xr.Dataset:
+        """Return the density of small pressures and the edge coefficient, in units of E* h'_rms and lambda_short."""
+        import xarray as xr
+
+        from fem_contact import bem
+        from fem_contact.response import HalfSpace
+
+        response = HalfSpace(solid=Solid(**self.solid.model_dump()))
+        whole = reference_field(self.surface, realisation=self.realisation)
+        unit = response.contact_modulus * whole.rms_gradient
+        field = height_field(self.surface, (self.points, self.points), realisation=self.realisation)
+        result = bem.solve(field, response, mean_pressure=self.reduced_pressure * unit, threads=1).checked()
+        edges = np.linspace(0, 0.3, _BINS + 1)
+        density = pressure_distribution(result, edges * unit).density * unit
+        wave = self.surface.lambda_short
+        # The counted edge is 4/pi times the true contour on average.
+        contour = np.pi / 4 * contact_areas(result).edge_length * wave
+        return xr.Dataset(
+            {
+                "density": ("bin", density, {"long_name": "P(sigma) E* h'_rms per nominal area"}),
+                "contour": (
+                    (),
+                    contour,
+                    {"long_name": "true contour length per nominal area times lambda_short"},
+                ),
+                "inverse_square": ((), inverse_square_coefficient(result) * unit**2 / wave),
+                "patches": ((), find_patches(result.in_contact, result.spacing).count),
+                "area": ((), contact_areas(result).perimeter),
+                "seconds": ((), result.cost.wall_seconds),
+            },
+            coords={"stress": ("bin", (edges[1:] + edges[:-1]) / 2), "upper": ("bin", edges[1:])},
+        )
+
+
+def inverse_square_coefficient(result: ContactResult) -> float:
+    """Mean of B^-2 over the contour, with p = B sqrt(s) at the distance s inside the edge [m/Pa^2].
+
+    Each contact point between 1.5 and 4 cells from the edge gives s / p^2; points at the same distance stand for equal
+    lengths of contour. The distance to the edge is that to the nearest point out of contact, less half a cell.
+    """
+    contact = np.asarray(result.in_contact)
+    if contact.all() or not contact.any():
+        return float("nan")
+    dx = float(np.sqrt(result.spacing[0] * result.spacing[1]))
+    margin = int(_FAR) + 2
+    padded = np.pad(contact, margin, mode="wrap")
+    distance = scipy.ndimage.distance_transform_edt(padded, sampling=result.spacing)
+    inside = distance[margin:-margin, margin:-margin] - dx / 2
+    ring = contact & (inside > _NEAR * dx) & (inside < _FAR * dx)
+    if not ring.any():
+        return float("nan")
+    return float(np.mean(inside[ring] / result.pressure[ring] ** 2))

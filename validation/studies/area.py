@@ -1,0 +1,189 @@
+"""How does the contact area grow with load, when the whole field of every solve is kept?
+
+Boundary elements on surfaces of several seeds, from light load upwards, each surface and load on a ladder of grids; the
+limit over the grids beside Persson's theory with the gradient of the same surface. Its jobs are those of scenes, so that
+the two share stored solves. It is the smallest study, and the one to copy for a new one; `pressure` answers the question
+in depth, from numbers alone.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_contact.area import contact_areas, limit_area
+from persson import elastic
+from validation.bench import Bench
+from validation.comparison import edge_constant
+from validation.jobs import Job
+from validation.scene import Load, SelfAffineSurface, SolidSpec
+from validation.surfaces import reference_field
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from validation.drawing import Drawing
+
+__all__ = ["figures", "findings", "jobs", "run"]
+
+_SOLID = SolidSpec(young=1e9, poisson=0.3)
+
+
+def jobs(
+    *,
+    pressures: tuple[float, ...],
+    seeds: tuple[int, ...],
+    grids: tuple[int, ...],
+    hurst: float,
+    periods: float,
+    bandwidth: float,
+) -> tuple[Job, ...]:
+    """List the solves: every seed at every load on every grid."""
+    length = 1e-4
+    found = []
+    for seed in seeds:
+        surface = SelfAffineSurface(
+            kind="self-affine",
+            length=(length, length),
+            hurst=hurst,
+            lambda_long=length / periods,
+            lambda_short=length / periods / bandwidth,
+            rms_gradient=0.1,
+            seed=seed,
+        )
+        for pressure in pressures:
+            load = Load(reduced_pressure=pressure)
+            found += [Job(method="bem", grid=(n, n), surface=surface, solid=_SOLID, load=load) for n in grids]
+    return tuple(found)
+
+
+def run(
+    *,
+    bench: Bench | None = None,
+    pressures: tuple[float, ...] = (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0),
+    seeds: tuple[int, ...] = (11, 12, 13, 14),
+    grids: tuple[int, ...] = (64, 96, 128),
+    hurst: float = 0.8,
+    periods: float = 2.0,
+    bandwidth: float = 4.0,
+) -> xr.Dataset:
+    """Solve every seed at every load on every grid, and take the limit over the grids.
+
+    Parameters
+    ----------
+    bench : Bench, optional
+        Where the solves run and are stored; results/solves if not given.
+    pressures : tuple of float
+        p* = p0 / (E* h'_rms) with the realised gradient.
+    seeds : tuple of int
+    grids : tuple of int
+        Points along a side; at least two.
+    hurst : float
+    periods : float
+        L / lambda_long.
+    bandwidth : float
+        lambda_long / lambda_short.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over `pressure`: mean limit of A/A0 over the seeds, its standard error, the mean uncertainty of a
+        single limit, kappa, and Persson's A/A0.
+    """
+    import xarray as xr
+
+    bench = bench or Bench.at()
+    wanted = jobs(
+        pressures=pressures, seeds=seeds, grids=grids, hurst=hurst, periods=periods, bandwidth=bandwidth
+    )
+    solved = bench.solve(wanted)
+    area = np.zeros((len(pressures), len(seeds)))
+    error, theory = np.zeros_like(area), np.zeros_like(area)
+    for j, seed in enumerate(seeds):
+        for i, pressure in enumerate(pressures):
+            own = [
+                job
+                for job in wanted
+                if job.surface.kind == "self-affine"
+                and job.surface.seed == seed
+                and job.load.reduced_pressure == pressure
+            ]
+            results = [solved[job] for job in own]
+            limit = limit_area([contact_areas(r, edge_constant=edge_constant("bem")) for r in results])
+            area[i, j], error[i, j] = limit.value, limit.uncertainty
+            modulus = results[0].contact_modulus
+            moment = reference_field(own[0].surface).moments[1]
+            variance = elastic.stress_variance(moment, contact_modulus=modulus)
+            theory[i, j] = elastic.contact_area(
+                pressure * modulus * np.sqrt(moment), stress_variance=variance
+            )
+    count = len(seeds)
+    mean, spread = (
+        area.mean(axis=1),
+        area.std(axis=1, ddof=1) / np.sqrt(count) if count > 1 else 0 * area[:, 0],
+    )
+    loads = np.asarray(pressures)
+    columns = {
+        "area": (mean, "A/A0, limit over grids"),
+        "area_error": (spread, "standard error over surfaces"),
+        "grid_error": (np.sqrt(np.mean(error**2, axis=1)), "uncertainty of one limit, root mean square"),
+        "kappa": (mean / loads, "kappa = (A/A0) / p*"),
+        "kappa_error": (spread / loads, "standard error over surfaces"),
+        "persson": (theory.mean(axis=1), "A/A0, Persson with the realised gradient"),
+    }
+    return xr.Dataset(
+        {
+            name: ("pressure", values, {"units": "1", "long_name": words})
+            for name, (values, words) in columns.items()
+        },
+        coords={"pressure": ("pressure", loads, {"units": "1", "long_name": "p* = p0 / (E* h'_rms)"})},
+        attrs={"methods": "theory bem perimeter", "surfaces": count},
+    )
+
+
+def findings(data: xr.Dataset) -> tuple[str, ...]:
+    """Say how kappa and the distance to the theory change from the lightest to the heaviest load."""
+    from validation.findings import percent
+
+    distance = data["area"].values / data["persson"].values - 1
+    loads, kappa = data["pressure"].values, data["kappa"].values
+    return tuple(
+        f"At p* = {loads[k]:.3g} kappa = {kappa[k]:.3f} +- {float(data['kappa_error'].values[k]):.3f} "
+        "(standard error over "
+        f"{data.attrs['surfaces']} surfaces); the area lies {percent(abs(distance[k]))} "
+        f"{'above' if distance[k] > 0 else 'below'} Persson's theory."
+        for k in sorted({0, len(loads) // 2, len(loads) - 1})
+    )
+
+
+def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
+    """Draw area and kappa against load."""
+    from validation import plots
+    from validation.drawing import Drawing
+
+    with_theory = data.assign(
+        persson_kappa=data["persson"] / data["pressure"],
+    )
+    with_theory["persson_kappa"].attrs = {
+        "units": "1",
+        "long_name": "kappa, Persson with the realised gradient",
+    }
+    return (
+        Drawing(
+            name="area",
+            figure=plots.lines_figure(data, x="pressure", lines=("area", "persson"), logarithmic="xy"),
+            data=data[["area", "area_error", "grid_error", "persson"]],
+            caption="Contact area against load: limit over the grids, mean and standard error over "
+            "surfaces, beside "
+            "Persson's theory for the same surfaces.",
+        ),
+        Drawing(
+            name="kappa",
+            figure=plots.lines_figure(
+                with_theory, x="pressure", lines=("kappa", "persson_kappa"), logarithmic="x"
+            ),
+            data=with_theory[["kappa", "kappa_error", "persson_kappa"]],
+            caption="Area over load, kappa: constant where contact grows in proportion to load.",
+        ),
+    )

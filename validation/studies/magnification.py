@@ -1,0 +1,168 @@
+"""How does the contact area fall as shorter and shorter waves are added to one surface?"""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from validation.bench import Bench
+from validation.drawing import Drawing
+from validation.studies._common import (
+    ResultTable,
+    at_least,
+    base_surface,
+    measure,
+    over_surfaces,
+    persson_area,
+    rising,
+    solid_of,
+)
+from validation.studies._measurement import Measurement, area_limits, grid_for
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from validation.scene import Scene
+
+__all__ = ["figures", "findings", "run", "table"]
+
+
+def run(
+    *,
+    scene: Scene | None = None,
+    bench: Bench | None = None,
+    reduced_pressures: tuple[float, ...] = (0.05, 0.2),
+    magnifications: tuple[float, ...] = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0),
+    hurst: float = 0.8,
+    size: float = 4.0,
+    ratio: float = 16.0,
+    surfaces: int = 4,
+    points_per_wave: tuple[float, ...] = (3.0, 6.0),
+    shifts: int = 2,
+    seed: int = 2006,
+) -> xr.Dataset:
+    """Press every surface with its waves up to each magnification, always at the same nominal pressures.
+
+    Parameters
+    ----------
+    scene : Scene, optional
+        Gives the solid; nothing reported depends on it.
+    bench : Bench, optional
+        Where and how the cases run.
+    reduced_pressures : tuple of float
+        p* with the gradient of all waves, rising.
+    magnifications : tuple of float
+        zeta = q/q_long, rising.
+    hurst, size, ratio : float
+        H, L/lambda_long and lambda_long/lambda_short.
+    surfaces : int
+        Realisations.
+    points_per_wave : tuple of float
+        Grids, as the shortest wave of all over dx, rising.
+    shifts : int
+        Sub-grid shifts along each axis.
+    seed : int
+        Of the first surface.
+
+    Returns
+    -------
+    xarray.Dataset
+        area (limit over grids) with dimensions (surface, magnification, load), and the theory with the realised gradient
+        of the waves that are there.
+    """
+    import xarray as xr
+
+    at_least("surfaces", surfaces, 2)
+    magnifications, points_per_wave = (
+        rising("magnifications", magnifications),
+        rising("points_per_wave", points_per_wave),
+    )
+    surface = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed)
+    grids = tuple(grid_for(surface, points) for points in points_per_wave)
+    q_long = 2 * np.pi / surface.lambda_long
+    cases = [
+        Measurement(
+            surface=surface,
+            realisation=k,
+            truncation=zeta * q_long,
+            solid=solid_of(scene),
+            reduced_pressures=reduced_pressures,
+            grids=grids,
+            shifts=shifts,
+        )
+        for k, zeta in itertools.product(range(surfaces), magnifications)
+    ]
+    measured = measure(bench, cases)
+    shape = (surfaces, len(magnifications), len(reduced_pressures))
+    limits = [area_limits(data) for data in measured]
+    # p* of a truncated surface grows as its gradient shrinks, at the same nominal pressure.
+    partial = np.array([case.field(grids[0]).rms_gradient for case in cases])
+    whole = np.array([data.attrs["rms_gradient"] for data in measured])
+    pressures = np.array(reduced_pressures) * (whole / partial)[:, None]
+    return xr.Dataset(
+        {
+            "area": (("surface", "magnification", "load"), np.array([v for v, _ in limits]).reshape(shape)),
+            "area_error": (
+                ("surface", "magnification", "load"),
+                np.array([e for _, e in limits]).reshape(shape),
+            ),
+            "theory": (("surface", "magnification", "load"), persson_area(pressures).reshape(shape)),
+        },
+        coords={
+            "magnification": ("magnification", list(magnifications), {"long_name": "q / q_long"}),
+            "reduced_pressure": ("load", list(reduced_pressures)),
+        },
+        attrs={"study": "magnification", "hurst": hurst, "size": size, "ratio": ratio},
+    )
+
+
+def table(dataset: xr.Dataset) -> ResultTable:
+    """Return one row for each load and magnification."""
+    rows = []
+    for j, i in itertools.product(range(dataset.sizes["load"]), range(dataset.sizes["magnification"])):
+        area = over_surfaces(dataset.area[:, i, j])
+        theory = float(dataset.theory[:, i, j].mean())
+        rows.append(
+            (
+                float(dataset.reduced_pressure[j]),
+                float(dataset.magnification[i]),
+                area.value,
+                area.half_width,
+                theory,
+                area.value / theory,
+            )
+        )
+    return ResultTable.of(
+        ("p* (all waves)", "zeta", "A/A0 limit", "+- (95 %)", "A/A0 Persson", "ratio"), rows
+    )
+
+
+def findings(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Return how the distance to the theory builds up with magnification."""
+    sentences = []
+    for j, pressure in enumerate(dataset.reduced_pressure.values):
+        area = dataset.area[:, :, j].mean("surface").values
+        ratio = (dataset.area / dataset.theory)[:, :, j].mean("surface").values
+        zeta = dataset.magnification.values
+        falls = bool(np.all(np.diff(area) < 0))
+        sentences.append(
+            f"At p* = {pressure:g} (all waves) the area {'falls with every wave added' if falls else 'does not fall at every step'}, from {area[0]:.3f} "
+            f"at zeta = {zeta[0]:g} to {area[-1]:.4f} at {zeta[-1]:g}; over the theory it is {ratio[0]:.3f} there and {ratio[-1]:.3f} here."
+        )
+    return tuple(sentences)
+
+
+def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
+    """Draw area against magnification, simulation and theory."""
+    from validation import plots_studies
+
+    return (
+        Drawing(
+            name="area-against-magnification",
+            figure=plots_studies.area_against_magnification(dataset),
+            data=dataset[["area", "theory"]],
+            caption="Contact area of one nominal pressure as shorter waves are added, simulation (limit over grids) and theory with the gradient of the waves that are there.",
+        ),
+    )
