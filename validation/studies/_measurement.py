@@ -23,7 +23,7 @@ from validation.surfaces import height_field, reference_field, spectrum_of
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Measurement", "area_limits", "grid_for"]
+__all__ = ["Measurement", "area_limits", "areas_of", "grid_for"]
 
 Grid = tuple[int, int]
 
@@ -242,34 +242,36 @@ def _read_off(result: ContactResult) -> dict[str, float]:
     }
 
 
-def area_limits(
-    dataset: xr.Dataset, *, least_points_per_wave: float = LEAST_POINTS_PER_WAVE
-) -> tuple[np.ndarray, np.ndarray]:
-    """Limit of A/A0 over the grids of one measurement, and its standard error, for each load.
+def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0.0) -> list[ContactAreas]:
+    """Return the areas of a measurement at one load, one for each grid and shift, as `limit_area` takes them.
 
     Parameters
     ----------
     dataset : xarray.Dataset
         From `Measurement.measure`.
+    load : int
+        Which of its loads.
     least_points_per_wave : float
         Coarser grids are left out.
     """
     keep = dataset.points_per_wave.values >= least_points_per_wave * (1 - 1e-9)
-    limits, errors = [], []
-    for k in range(dataset.sizes["load"]):
-        areas = [
-            ContactAreas(
-                pixel=float(dataset.pixel[i, j, k]),
-                perimeter=float(dataset.perimeter[i, j, k]),
-                edge_length=np.nan,
-                edge_fraction=float(dataset.edge_fraction[i, j, k]),
-                edge_constant=EDGE_CONSTANTS["bem"],
-                spacing=(1 / int(dataset.points[i]), 1 / int(dataset.points[i])),
-            )
-            for i in np.flatnonzero(keep)
-            for j in range(dataset.sizes["shift"])
-        ]
-        limit = limit_area(areas)
-        limits.append(limit.value)
-        errors.append(limit.uncertainty)
-    return np.array(limits), np.array(errors)
+    return [
+        ContactAreas(
+            pixel=float(dataset.pixel[i, j, load]),
+            perimeter=float(dataset.perimeter[i, j, load]),
+            edge_length=np.nan,
+            edge_fraction=float(dataset.edge_fraction[i, j, load]),
+            edge_constant=EDGE_CONSTANTS["bem"],
+            spacing=(1 / int(dataset.points[i]), 1 / int(dataset.points[i])),
+        )
+        for i, j in itertools.product(np.flatnonzero(keep), range(dataset.sizes["shift"]))
+    ]
+
+
+def area_limits(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """Return the limit of A/A0 over the grids of one measurement and its standard error, for each load."""
+    limits = [
+        limit_area(areas_of(dataset, k, least_points_per_wave=LEAST_POINTS_PER_WAVE))
+        for k in range(dataset.sizes["load"])
+    ]
+    return np.array([limit.value for limit in limits]), np.array([limit.uncertainty for limit in limits])

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.stats
 
-from fem_contact.area import EDGE_CONSTANTS, ContactAreas, limit_area
+from fem_contact.area import limit_area
 from validation.bench import Bench
 from validation.drawing import Drawing
 from validation.studies._block import BlockMeasurement
 from validation.studies._common import ResultTable, at_least, base_surface, ladder, measure, solid_of
-from validation.studies._measurement import Measurement, area_limits, grid_for
+from validation.studies._measurement import Measurement, area_limits, areas_of, grid_for
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -168,18 +168,7 @@ def _claims(measured: list[xr.Dataset], reference: np.ndarray) -> tuple[np.ndarr
     """Half widths of the 95 % intervals of the limits over all coarse grids, and how far those limits are off."""
     half, missed = [], []
     for data, truth in zip(measured, reference, strict=True):
-        areas = [
-            ContactAreas(
-                pixel=float(data.pixel[i, j, 0]),
-                perimeter=float(data.perimeter[i, j, 0]),
-                edge_length=np.nan,
-                edge_fraction=float(data.edge_fraction[i, j, 0]),
-                edge_constant=EDGE_CONSTANTS["bem"],
-                spacing=(1 / float(data.points[i]), 1 / float(data.points[i])),
-            )
-            for i, j in itertools.product(range(data.sizes["grid"]), range(data.sizes["shift"]))
-        ]
-        limit = limit_area(areas)
+        limit = limit_area(areas_of(data, 0))
         # Shifts of one grid share the surface: grids, not solves, are the independent samples.
         factor = float(scipy.stats.t.ppf(0.975, data.sizes["grid"] - 2)) * np.sqrt(data.sizes["shift"] / 2)
         half.append(factor * limit.uncertainty / truth)
