@@ -339,11 +339,15 @@ def scene_problems(error: ValidationError) -> list[str]:
 _TAGS = {"surface": frozenset({"self-affine", "file"}), "effects": EFFECT_KINDS}
 
 
+#: The same of scenes that only the theory computes.
+_THEORY_TAGS = frozenset({"capillary", "smoothing"})
+
+
 def _keys(location: tuple[str | int, ...]) -> list[str]:
     """Keys that lead to a mistake, as the file has them."""
     parts = [str(part) for part in location]
     place = {"surface": 1, "effects": 2}.get(parts[0]) if parts else None
-    if place is not None and len(parts) > place and parts[place] in _TAGS[parts[0]]:
+    if place is not None and len(parts) > place and parts[place] in _TAGS[parts[0]] | _THEORY_TAGS:
         del parts[place]
     return parts
 
@@ -355,11 +359,11 @@ def _problem(item: Any) -> str:
     message = str(item["msg"]).replace("Input should be", "must be")
     if item["type"] == "missing":
         return f"{key}: missing; {_described(location)}"
-    if item["type"].startswith("union_tag"):
-        named = ", ".join(repr(kind) for kind in sorted(_TAGS[location[0]]))
-        if item["type"] == "union_tag_not_found":
-            return f"{key}.kind: missing; one of {named}"
-        return f"{key}.kind = {item['input'].get('kind')!r}: must be one of {named}"
+    if item["type"] == "union_tag_not_found":
+        named = ", ".join(repr(kind) for kind in sorted(_TAGS.get(location[0], ())))
+        return f"{key}.kind: missing; " + (f"one of {named}" if named else "it says which table this is")
+    if item["type"] == "union_tag_invalid":
+        return f"{key}.kind = {item['input'].get('kind')!r}: must be one of {item['ctx']['expected_tags']}"
     value = item["input"]
     if isinstance(value, (dict, BaseModel)):
         return f"{key}: {message}" if key else message
