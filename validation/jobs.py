@@ -47,6 +47,8 @@ class Job:
         Tables of the scene.
     settings : tuple of (str, value)
         What else the method was told, such as its tolerance; only what was said.
+    mirrored : bool
+        Press -h instead of h: hills become valleys, which halves much of the scatter between surfaces.
     """
 
     method: str
@@ -58,6 +60,7 @@ class Job:
     load: Load
     settings: tuple[tuple[str, float | str], ...] = ()
     effects: tuple[EffectSpec, ...] = ()
+    mirrored: bool = False
 
     @cached_property
     def recipe(self) -> dict[str, Any]:
@@ -77,10 +80,10 @@ class Job:
             "load": self.load.model_dump(mode="json"),
             "settings": dict(self.settings),
         }
+        # Only where they are said, so that what was stored without them keeps its name.
         if self.effects:
-            # Left out otherwise, so that plain solves keep their names.
             recipe["effects"] = [effect.model_dump(mode="json") for effect in self.effects]
-        return recipe
+        return recipe | {"mirrored": True} if self.mirrored else recipe
 
     @cached_property
     def key(self) -> str:
@@ -94,13 +97,16 @@ class Job:
         text = f"{self.method.upper()} {self.grid[0]}x{self.grid[1]}"
         if self.realisation:
             text += f", surface {self.realisation + 1}"
+        if self.mirrored:
+            text += ", mirrored"
         if self.shift != (0.0, 0.0):
             text += f", shift ({self.shift[0]:g}, {self.shift[1]:g})"
         return text
 
     def height_field(self) -> HeightField:
         """Return the heights this job presses."""
-        return height_field(self.surface, self.grid, realisation=self.realisation, shift=self.shift)
+        field = height_field(self.surface, self.grid, realisation=self.realisation, shift=self.shift)
+        return HeightField(heights=-field.heights, lengths=field.lengths) if self.mirrored else field
 
 
 @dataclass(frozen=True, kw_only=True)
