@@ -297,11 +297,34 @@ def _facts(scene: Scene) -> tuple[tuple[str, str], ...]:
         facts.append(
             ("load", f"p0 = {pressure:.6g} Pa, p* = {pressure / (modulus * field.rms_gradient):.4g}")
         )
+    facts.extend(_mesh_facts(scene))
     if scene.methods.theory is not None:
         facts.append(
             ("theory", "Persson 2006, elastic, without adhesion: A/A0, P(sigma), kappa; milliseconds")
         )
     return tuple(facts)
+
+
+def _mesh_facts(scene: Scene) -> Iterator[tuple[str, str]]:
+    """Yield for each finite-element grid the discretisation error that its waves are answered with."""
+    fem, solid = scene.methods.fem, scene.solid
+    if fem is None:
+        return
+    from fem_contact.block import wave_errors
+
+    shortest, longest = shortest_wavelength(scene.surface), _longest(scene)
+    for grid in sorted(fem.grids):
+        spacing = max(length / n for length, n in zip(scene.surface.length, grid, strict=True))
+        waves = [max(shortest, 2 * spacing), longest]
+        short, long = wave_errors(
+            grid, scene.surface.length, waves, poisson=solid.poisson, depth=fem.depth, growth=fem.growth
+        )
+        yield (
+            f"finite elements, {grid[0]} x {grid[1]}",
+            f"compliance off by {short.along_axis:+.2%} along the axes and {short.along_diagonal:+.2%} along "
+            f"the diagonal at {short.nodes:.3g} nodes per wave (the shortest), by {long.along_axis:+.2%} at "
+            f"{long.nodes:.3g} (the longest); + is too soft",
+        )
 
 
 def _roughness(scene: Scene) -> Roughness:

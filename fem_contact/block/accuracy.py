@@ -9,7 +9,7 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.column import fold, surface_compliance
+from fem_contact.block.column import eliminate, fold, surface_response
 from fem_contact.block.mesh import MeshOptions
 from fem_contact.block.session import planned_mesh
 from fem_contact.errors import InvalidInput
@@ -98,7 +98,9 @@ def wave_errors(
         diagonal = np.array([1.0, planned.aspect]) / np.hypot(planned.aspect, 1.0)
         waves = q * np.array([[1.0, 0.0], diagonal])
         phases = waves * np.array([1.0, planned.aspect])
-        found = planned.aspect * np.einsum("a,nab,b->n", share, surface_compliance(folded, phases), share)
+        # Two waves are not worth compiling a kernel for.
+        response = surface_response(folded, eliminate(folded, phases))[:, 2::3]
+        found = planned.aspect * np.einsum("a,nab,b->n", share, response, share)
         exact = layer.compliance(waves[:, 0], waves[:, 1])
         axis, other = (float(error) for error in found / exact - 1)
         errors.append(

@@ -41,9 +41,9 @@ def test_hertz_peak_and_profile_at_six_cells_per_radius(element: str, poisson: f
     )
 
 
-@pytest.mark.parametrize("element", ["Hex1", "Hex2"])
-def test_counted_hertz_radius_converges_in_first_order(element: str) -> None:
-    sizes, excess = (30, 60, 120), []
+@pytest.mark.parametrize(("element", "sizes"), [("Hex1", (30, 60, 120)), ("Hex2", (30, 60))])
+def test_counted_hertz_radius_converges_in_first_order(element: str, sizes: tuple[int, ...]) -> None:
+    excess = []
     for n in sizes:
         radii = []
         for shift, _ in SHIFTS:
@@ -53,7 +53,7 @@ def test_counted_hertz_radius_converges_in_first_order(element: str) -> None:
         excess.append(np.average(radii, weights=[weight for _, weight in SHIFTS]) / 0.1 - 1)
     order = -np.polyfit(np.log(sizes), np.log(excess), 1)[0]
     assert 0.6 < order < 1.5
-    assert 0 < excess[-1] < 0.5 / 12
+    assert 0 < excess[-1] < 0.5 / (0.1 * sizes[-1])
 
 
 def test_quadratic_peak_pressure_converges() -> None:

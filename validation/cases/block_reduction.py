@@ -1,0 +1,181 @@
+"""The finite-element block: its exact reduction, its elements, and moduli that vary sideways."""
+
+from __future__ import annotations
+
+import math
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact import block
+from fem_contact.area import contact_areas
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField, random_surface
+from persson.spectrum import SelfAffine
+from validation.cases import Case, Check
+from validation.closed_forms import HertzInPeriod
+
+__all__ = ["CASES"]
+
+Array = NDArray[np.float64]
+
+_LAYER = "K. L. Johnson, Contact Mechanics, Sec. 5.8: an elastic layer bonded to a rigid base"
+_SAME = "code verification: two ways to solve one discrete system"
+
+
+def _rough(shape: tuple[int, int]) -> HeightField:
+    spectrum = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=2 * math.pi, q_short=8 * math.pi)
+    lengths = (1.0, shape[1] / shape[0])
+    return random_surface(spectrum, q_short=spectrum.q_short, lengths=lengths, shape=shape, seed=31415)
+
+
+def _both_ways(element: str, shape: tuple[int, int], poisson: float) -> list[Check]:
+    surface, solid = _rough(shape), Solid(young=1.0, poisson=poisson)
+    load = 0.05 * solid.contact_modulus * surface.rms_gradient
+    full = block.solve(surface, solid, mean_pressure=load, method="full", element=element, tolerance=1e-11)
+    reduced = block.solve(surface, solid, mean_pressure=load, element=element, tolerance=1e-12)
+    a, b = full.contact.checked(), reduced.contact.checked()
+    forces = float(np.linalg.norm(a.pressure - b.pressure) / np.linalg.norm(a.pressure))
+    fields = np.max(np.abs(full.field - reduced.field)) / np.max(np.abs(full.field))
+    return [
+        Check.below("relative L2 difference of nodal forces", forces, 1e-9),
+        Check.below("nodes in contact in one solution only", np.sum(a.in_contact != b.in_contact), 0.0),
+        Check.below("largest difference of displacement in the block", fields, 1e-9),
+        Check.below("forces that nothing balances, reduced", reduced.equilibrium().residual, 1e-9),
+    ]
+
+
+#: Element, Poisson ratio, growth, nodes per wave, bounds on the errors along the axis and the diagonal.
+_WAVES = (
+    ("Hex1", 0.3, 1.2, 12, 3e-3, 1.5e-2),
+    ("Hex1/P0", 0.3, 1.2, 12, 3e-2, 3e-2),
+    ("Hex1/P0", 0.49, 1.2, 12, 3e-2, 3e-2),
+    ("Hex1/P0", 0.4999, 1.2, 12, 3e-2, 3e-2),
+    ("Hex2", 0.3, 1.5, 16, 2e-3, 2e-3),
+    ("Hex2", 0.3, 1.1, 32, 2e-4, 2e-4),
+    ("Hex2/P1disc", 0.4999, 1.5, 16, 2e-3, 2e-3),
+    ("Hex2/P1disc", 0.5, 1.5, 16, 2e-3, 2e-3),
+    ("Hex2/P1disc", 0.5, 1.1, 32, 2e-4, 2e-4),
+)
+
+
+def _waves() -> list[Check]:
+    checks = []
+    for element, poisson, growth, nodes, axis, diagonal in _WAVES:
+        (found,) = block.wave_errors(
+            (256, 256), (1.0, 1.0), [nodes / 256], poisson=poisson, growth=growth, element=element
+        )
+        name = f"{element}, nu = {poisson}, {nodes} nodes per wave, growth {growth}"
+        checks.append(Check.below(f"error along the axis: {name}", found.along_axis, axis))
+        checks.append(Check.below(f"error along the diagonal: {name}", found.along_diagonal, diagonal))
+    return checks
+
+
+def _orders() -> list[Check]:
+    checks = []
+    for element, poisson, order in (("Hex1", 0.3, 2), ("Hex1/P0", 0.49, 2), ("Hex2", 0.3, 4)):
+        sizes, errors = (32, 64, 128), []
+        for n in sizes:
+            (found,) = block.wave_errors(
+                (n, n), (1.0, 1.0), [1.0], poisson=poisson, element=element, growth=1 + 1.6 * order / 2 / n
+            )
+            errors.append(abs(found.along_diagonal))
+        observed = -np.polyfit(np.log(sizes), np.log(errors), 1)[0]
+        checks.append(Check.within(f"observed order, {element}", observed, order - 0.4, order + 0.4))
+    return checks
+
+
+def _particle(surface: HeightField, contrast: float, x: Array, y: Array, z: Array) -> Array:
+    i, j = np.unravel_index(surface.heights.argmax(), surface.shape)
+    away = (x - i / surface.shape[0] + 0.5) % 1 - 0.5, (y - j / surface.shape[1] + 0.5) % 1 - 0.5
+    inside = away[0] ** 2 + away[1] ** 2 + (z + 0.12) ** 2 < 0.1**2
+    return np.where(inside, contrast, 1.0)
+
+
+def _heterogeneous() -> list[Check]:
+    solid, checks, steps = Solid(young=1.0, poisson=0.3), [], []
+    for n in (16, 32, 64):
+        surface = _rough((n, n))
+        load = 0.05 * solid.contact_modulus * surface.rms_gradient
+        modulus = partial(_particle, surface, 10.0)
+        free = block.solve(
+            surface, solid, mean_pressure=load, modulus=modulus, tolerance=1e-10
+        ).contact.checked()
+        steps.append(float(free.provenance["tolerance"].split("at most ")[1].split(" steps")[0]))
+        if n == 32:
+            full = block.solve(
+                surface, solid, mean_pressure=load, modulus=modulus, method="full", tolerance=1e-11
+            ).contact.checked()
+            forces = float(np.linalg.norm(full.pressure - free.pressure) / np.linalg.norm(full.pressure))
+            checks.append(Check.below("relative L2 difference from the assembled system", forces, 1e-9))
+    checks.append(Check.within("conjugate-gradient steps for a set, contrast 10", max(steps), 1, 35))
+    checks.append(Check.below("more steps at n = 64 than at n = 16", max(steps[2] - steps[0], 0), 4))
+    return checks
+
+
+def _radius() -> list[Check]:
+    case = HertzInPeriod(radius=0.1, contact_modulus=Solid(young=1.0, poisson=0.3).contact_modulus)
+    shifts, weights = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.5), (0.25, 0.25)), (1, 1, 2, 4)
+    sizes, excess, peaks = (60, 120, 240, 480), [], []
+    for n in sizes:
+        radii = []
+        for shift in shifts:
+            solid = Solid(young=1.0, poisson=0.3)
+            contact = block.solve(case.surface(n, shift), solid, mean_pressure=case.load).contact.checked()
+            radii.append(math.sqrt(contact_areas(contact).pixel / math.pi))
+            if shift == (0.0, 0.0):
+                peaks.append(abs(contact.pressure.max() / case.peak - 1))
+        excess.append(float(np.average(radii, weights=weights)) / case.radius - 1)
+    order = -np.polyfit(np.log(sizes), np.log(excess), 1)[0]
+    return [
+        Check.below("largest error of the peak from six cells per radius", max(peaks), 4e-3),
+        Check.within("observed order of the counted radius", order, 0.75, 1.25),
+        Check.below(f"excess of the counted radius at n = {sizes[-1]}", excess[-1], 0.5 / (0.1 * sizes[-1])),
+    ]
+
+
+CASES = (
+    *(
+        Case(
+            name=f"block-reduction-{name}",
+            claim=f"The reduced and the assembled block have one solution: {element}, nu = {nu}.",
+            run=partial(_both_ways, element, shape, nu),
+            source=_SAME,
+            quick=quick,
+        )
+        for name, element, shape, nu, quick in (
+            ("hex1", "Hex1", (32, 32), 0.3, False),
+            ("hex1-rectangle", "Hex1", (15, 22), 0.3, True),
+            ("hex2", "Hex2", (16, 16), 0.3, False),
+            ("hex2-fine", "Hex2", (32, 32), 0.3, False),
+            ("p0", "Hex1/P0", (16, 16), 0.4999, False),
+            ("p1disc", "Hex2/P1disc", (12, 12), 0.4999, True),
+        )
+    ),
+    Case(
+        name="block-waves",
+        claim="Every element meets the compliance of the bonded layer, to the accuracy it is chosen for.",
+        run=_waves,
+        source=_LAYER,
+    ),
+    Case(
+        name="block-order",
+        claim="With growth - 1 in proportion to the cell the finite-element limit is the elastic limit.",
+        run=_orders,
+        source=_LAYER,
+    ),
+    Case(
+        name="block-particle",
+        claim="A hard particle under a contact: right, in a number of steps that the grid does not change.",
+        run=_heterogeneous,
+        source=_SAME,
+        quick=False,
+    ),
+    Case(
+        name="block-hertz",
+        claim="The reduced block gives Hertz's peak within .4 %, and a counted radius of first order.",
+        run=_radius,
+        source="H. Hertz, J. reine angew. Math. 92, 156 (1882)",
+    ),
+)
