@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 import scipy.ndimage
 
-from fem_contact.area import EDGE_CONSTANTS, contact_areas
+from fem_contact.area import contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
 from validation.jobs import NumbersJob, Prediction
@@ -86,7 +86,8 @@ class BlockMeasurement(NumbersJob):
         from fem_contact.block import estimate
 
         shape = (self.points, self.points)
-        size = estimate(shape, (1.0, 1.0), depth=self.depth, growth=self.growth, element=self.element)
+        mesh: Any = {"depth": self.depth, "growth": self.growth, "element": self.element}
+        size = estimate(shape, (1.0, 1.0), method=self.method, poisson=self.solid.poisson, **mesh)
         n = self.points**2
         if self.method == "full":
             return Prediction(seconds=1.2e-4 * size.unknowns, peak_bytes=size.bytes, unknowns=size.unknowns)
@@ -119,7 +120,9 @@ class BlockMeasurement(NumbersJob):
         ).checked()
         data = {
             "pixel": contact_areas(fem).pixel,
-            "perimeter": contact_areas(fem, edge_constant=EDGE_CONSTANTS["fem"]).perimeter,
+            "perimeter": contact_areas(
+                fem, edge_constant=block.ELEMENTS[self.element].edge_constant
+            ).perimeter,
             "pixel_bem": contact_areas(half).pixel,
             "perimeter_bem": contact_areas(half).perimeter,
             "pixel_layer": contact_areas(layer).pixel,
