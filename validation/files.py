@@ -6,6 +6,7 @@ import contextlib
 import errno
 import os
 import re
+import shutil
 import socket
 import tempfile
 from collections.abc import Iterator
@@ -14,6 +15,9 @@ from pathlib import Path
 from validation.errors import RunFailed, UsageError
 
 __all__ = ["atomic_path", "prepare_folder", "remove_drafts"]
+
+#: Bytes below which a disk counts as full when a library cannot say why it failed.
+_NOTHING_LEFT = 64 * 1024
 
 
 def prepare_folder(folder: Path, *, option: str = "--output") -> Path:
@@ -54,8 +58,10 @@ def atomic_path(path: Path) -> Iterator[Path]:
     try:
         yield draft
         os.replace(draft, path)
-    except OSError as error:
-        if error.errno in (errno.ENOSPC, errno.EDQUOT) or "No space left" in str(error):
+    except (OSError, RuntimeError) as error:
+        # The netCDF library says "HDF error" for whatever the system refused it.
+        numbers = (errno.ENOSPC, errno.EDQUOT)
+        if getattr(error, "errno", None) in numbers or shutil.disk_usage(path.parent).free < _NOTHING_LEFT:
             raise RunFailed(
                 f"the disk is full: {path.name} was not written; finished solves are intact"
             ) from None

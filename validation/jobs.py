@@ -17,6 +17,7 @@ import numpy as np
 from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
+from validation.effect_tables import EffectSpec
 from validation.scene import FileSurface, Load, Scene, SelfAffineSurface, SolidSpec
 from validation.surfaces import file_digest, height_field, reference_field
 
@@ -46,6 +47,8 @@ class Job:
         Tables of the scene.
     settings : tuple of (str, value)
         What else the method was told, such as its tolerance; only what was said.
+    mirrored : bool
+        Press -h instead of h: hills become valleys, which halves much of the scatter between surfaces.
     """
 
     method: str
@@ -56,6 +59,8 @@ class Job:
     solid: SolidSpec
     load: Load
     settings: tuple[tuple[str, float | str], ...] = ()
+    effects: tuple[EffectSpec, ...] = ()
+    mirrored: bool = False
 
     @cached_property
     def recipe(self) -> dict[str, Any]:
@@ -65,7 +70,7 @@ class Job:
             surface["path"] = file_digest(self.surface)
         else:
             surface["seed"] = self.surface.seed + self.realisation
-        return {
+        recipe = {
             "results_version": RESULTS_VERSION,
             "method": self.method,
             "grid": list(self.grid),
@@ -75,6 +80,10 @@ class Job:
             "load": self.load.model_dump(mode="json"),
             "settings": dict(self.settings),
         }
+        # Only where they are said, so that what was stored without them keeps its name.
+        if self.effects:
+            recipe["effects"] = [effect.model_dump(mode="json") for effect in self.effects]
+        return recipe | {"mirrored": True} if self.mirrored else recipe
 
     @cached_property
     def key(self) -> str:
@@ -88,13 +97,16 @@ class Job:
         text = f"{self.method.upper()} {self.grid[0]}x{self.grid[1]}"
         if self.realisation:
             text += f", surface {self.realisation + 1}"
+        if self.mirrored:
+            text += ", mirrored"
         if self.shift != (0.0, 0.0):
             text += f", shift ({self.shift[0]:g}, {self.shift[1]:g})"
         return text
 
     def height_field(self) -> HeightField:
         """Return the heights this job presses."""
-        return height_field(self.surface, self.grid, realisation=self.realisation, shift=self.shift)
+        field = height_field(self.surface, self.grid, realisation=self.realisation, shift=self.shift)
+        return HeightField(heights=-field.heights, lengths=field.lengths) if self.mirrored else field
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,7 +160,12 @@ AnyJob: TypeAlias = "Job | NumbersJob"
 
 def jobs_of(scene: Scene) -> tuple[Job, ...]:
     """List the solves of a scene, coarse grids first; one that is asked for twice is listed once."""
-    common: dict[str, Any] = {"surface": scene.surface, "solid": scene.solid, "load": scene.load}
+    common: dict[str, Any] = {
+        "surface": scene.surface,
+        "solid": scene.solid,
+        "load": scene.load,
+        "effects": scene.effects,
+    }
     jobs: list[Job] = []
     bem, fem = scene.methods.bem, scene.methods.fem
     if bem is not None:
@@ -200,6 +217,14 @@ def execute(job: Job, *, threads: int | None = None) -> Solved:
     pressure = nominal_pressure(
         job.load, job.solid, reference_field(job.surface, realisation=job.realisation)
     )
+    if job.method == "bem" and job.effects:
+        from validation.slots import solve_bem
+
+        return Solved(
+            contact=solve_bem(
+                field, solid, effects=job.effects, mean_pressure=pressure, threads=threads, **settings
+            )
+        )
     if job.method == "bem":
         from fem_contact import bem
         from fem_contact.response import HalfSpace
@@ -210,6 +235,10 @@ def execute(job: Job, *, threads: int | None = None) -> Solved:
         )
     from fem_contact import block
 
+    if job.effects:
+        from validation.slots import block_arguments
+
+        settings |= block_arguments(solid, job.effects)
     solution = block.solve(field, solid, mean_pressure=pressure, **({"method": "full"} | settings))
     return Solved(contact=solution.contact, block=solution)
 

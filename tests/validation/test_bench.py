@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import shutil
 import signal
@@ -318,6 +319,43 @@ def test_every_study_has_a_question_and_options_with_defaults():
             assert default is None or option.parse(text) == default
     with pytest.raises(UsageError, match=r"--seeds = 'x': must be whole numbers with commas"):
         find_study("area").parse(["--seeds", "x"])
+
+
+def test_a_mirrored_job_presses_the_other_side_and_has_a_name_of_its_own():
+    job = area.jobs(**FEW)[0]
+    other = dataclasses.replace(job, mirrored=True)
+    np.testing.assert_array_equal(other.height_field().heights, -job.height_field().heights)
+    assert other.key != job.key
+    assert "mirrored" not in job.recipe
+
+
+def test_the_number_of_threads_changes_no_bit():
+    job = area.jobs(**{**FEW, "grids": (300,), "seeds": (21,), "pressures": (0.05,)})[0]
+    one, two = (execute(job, threads=threads).contact for threads in (1, 2))
+    assert np.array_equal(one.pressure, two.pressure)
+    assert np.array_equal(one.gap, two.gap)
+    assert one.offset == two.offset
+
+
+def test_ctrl_c_ends_the_workers_and_keeps_what_is_finished(tmp_path):
+    store = tmp_path / "store"
+    command = [sys.executable, "-m", "validation.cli", "study", "area", "-q", "--workers", "2"]
+    command += ["--store", str(store), "--output", str(tmp_path / "out"), "--grids", "128,160,192"]
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
+    deadline = time.monotonic() + 100
+    while len(list(store.glob("bem-*.nc"))) < 5:
+        assert process.poll() is None
+        assert time.monotonic() < deadline
+        time.sleep(0.01)
+    # As a terminal does it: the whole group gets the signal.
+    os.killpg(process.pid, signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert said.count("\n") == 1
+    assert "every finished solve is stored" in said
+    assert not list(store.glob(".*")), "half-written files"
+    with pytest.raises(ProcessLookupError):
+        os.killpg(process.pid, 0)
 
 
 @pytest.mark.benchmark

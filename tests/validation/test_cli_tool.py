@@ -123,7 +123,10 @@ def test_a_dry_run_lists_solves_and_does_none(tool, tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(write_scene, tool, tmp_path):
+def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(
+    write_scene, tool, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("validation.report.write_drawings", lambda *a: ())  # drawn and tested elsewhere
     path = write_scene(
         ("[solid]", '[run]\noutput = "there"\nstore = "kept"\nquiet = true\npictures = false\n[solid]'),
         fem=False,
