@@ -168,7 +168,7 @@ def _claims(measured: list[xr.Dataset], reference: np.ndarray) -> tuple[np.ndarr
     """Half widths of the 95 % intervals of the limits over all coarse grids, and how far those limits are off."""
     half, missed = [], []
     for data, truth in zip(measured, reference, strict=True):
-        limit = limit_area(areas_of(data, 0))
+        limit = limit_area(areas_of(data, 0), definition="subcell")
         # Shifts of one grid share the surface: grids, not solves, are the independent samples.
         factor = float(scipy.stats.t.ppf(0.975, data.sizes["grid"] - 2)) * np.sqrt(data.sizes["shift"] / 2)
         half.append(factor * limit.uncertainty / truth)
