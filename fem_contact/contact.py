@@ -26,6 +26,7 @@ class Status(Enum):
     STAGNATED = "the residual no longer falls: the tolerance is below what the arithmetic can reach"
     CYCLING = "the active set repeats itself: solve the linear systems more accurately"
     TIME_LIMIT = "stopped at the time limit: allow more time or a coarser grid"
+    SEPARATED = "pulled apart: adhesion does not bear this tension, and there is no equilibrium to return"
 
 
 @dataclass(frozen=True, kw_only=True)

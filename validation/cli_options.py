@@ -91,8 +91,8 @@ def chosen_execution(
     """Return how to run: the command line before the scene."""
     from pydantic import TypeAdapter, ValidationError
 
+    from validation.quantities import Memory
     from validation.run import Execution
-    from validation.scene import Memory
 
     limit = said.memory
     if memory is not None:

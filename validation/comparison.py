@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem_contact.area import EDGE_CONSTANTS, ContactAreas, Limit, contact_areas, limit_area
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
+from fem_contact.solid import Solid
 from fem_contact.stress import density_at_zero
 from fem_contact.surface import HeightField, resolves
 from persson import elastic
@@ -233,9 +235,13 @@ class Comparison:
         }
 
 
-def edge_constant(method: str) -> float:
-    """Edge constant of the perimeter correction for a method."""
-    return EDGE_CONSTANTS[method]
+def edge_constant(job: Job, result: ContactResult) -> float:
+    """Edge constant of the perimeter correction: of boundary elements, or of the finite element used."""
+    if job.method == "bem":
+        return EDGE_CONSTANTS["bem"]
+    from fem_contact.block import ELEMENTS
+
+    return ELEMENTS[result.provenance["element"]].edge_constant
 
 
 def compare(scene: Scene, store: Store) -> Comparison:
@@ -295,7 +301,7 @@ def _asked_grids(scene: Scene, method: str) -> tuple[tuple[int, int], ...]:
 
 
 def _areas(job: Job, result: ContactResult) -> ContactAreas:
-    return contact_areas(result, edge_constant=edge_constant(job.method))
+    return contact_areas(result, edge_constant=edge_constant(job, result))
 
 
 def _points_per_wave(scene: Scene, grid: tuple[int, int]) -> float:
@@ -385,6 +391,12 @@ def _theory(scene: Scene, field: HeightField, pressure: float, modulus: float) -
     if scene.methods.theory is None:
         return None
     variance = float(elastic.stress_variance(field.moments[1], contact_modulus=modulus))
+    felt = None
+    if scene.effects:
+        from validation.slots import theory_modulus, theory_variance
+
+        felt = theory_modulus(Solid(**scene.solid.model_dump()), scene.effects)
+        variance = variance if felt is None else theory_variance(field, felt)
     ensemble = None
     spectrum: SelfAffine | Tabulated | None = None
     if isinstance(scene.surface, SelfAffineSurface):
@@ -392,13 +404,24 @@ def _theory(scene: Scene, field: HeightField, pressure: float, modulus: float) -
     elif scene.surface.edges in ("tukey", "hann"):
         spectrum = measured_spectrum(scene.surface)
     if spectrum is not None:
-        from_spectrum = elastic.stress_variance(spectrum.m2(), contact_modulus=modulus)
+        from_spectrum = (
+            elastic.stress_variance(spectrum.m2(), contact_modulus=modulus)
+            if felt is None
+            else _graded_variance(spectrum, felt)
+        )
         ensemble = float(elastic.contact_area(pressure, stress_variance=from_spectrum))
     return Theory(
         area=float(elastic.contact_area(pressure, stress_variance=variance)),
         ensemble_area=ensemble,
         stress_variance=variance,
     )
+
+
+def _graded_variance(spectrum: SelfAffine | Tabulated, felt: Callable[[Any], NDArray[np.float64]]) -> float:
+    from persson.scale import Scale
+
+    scale = Scale(spectrum, contact_modulus=felt)
+    return float(scale.variance(scale.q_short))
 
 
 def _scatter(results: dict[Job, ContactResult], scene: Scene, modulus: float) -> Scatter | None:

@@ -12,6 +12,7 @@ import numpy as np
 
 from validation.errors import UsageError
 from validation.jobs import AnyJob, Job, NumbersJob, Prediction, jobs_of, nominal_pressure
+from validation.neglect import COST, Judgement, Roughness, judge, unlisted
 from validation.scene import FileSurface, Scene, SelfAffineSurface
 from validation.surfaces import reference_field, shortest_wavelength, spectrum_of, topography_of
 
@@ -30,10 +31,13 @@ __all__ = [
 
 #: For each effect a scene can name, the methods that handle it. A method that is not named refuses the scene.
 HANDLED_BY: dict[str, frozenset[str]] = {
-    "hardness": frozenset(),
-    "adhesion": frozenset(),
-    "thickness": frozenset(),
-    "graded": frozenset(),
+    "hardness": frozenset({"bem"}),
+    "adhesion": frozenset({"bem"}),
+    "thickness": frozenset({"bem", "fem"}),
+    "coating": frozenset({"bem", "theory"}),
+    "graded": frozenset({"bem", "fem", "theory"}),
+    "size-dependent-hardness": frozenset(),
+    "cracks": frozenset(),
 }
 
 # Measured on one thread, in units of a pair of real 256 x 256 transforms, which tells one machine from
@@ -70,11 +74,15 @@ def check_effects(scene: Scene) -> None:
         handled = HANDLED_BY[effect.kind]
         for method in wanted:
             if method not in handled:
-                able = ", ".join(sorted(handled)) or "no method of this version"
+                able = ", ".join(sorted(handled)) or "the functions of the package persson alone"
                 raise UsageError(
                     f"effects.{k}.kind = {effect.kind!r}: method {method!r} does not handle it; "
                     f"handled by: {able}"
                 )
+    if scene.effects:
+        from validation.slots import check_slots
+
+        check_slots(scene)
 
 
 def transform_seconds(n: int = 256) -> float:
@@ -103,7 +111,8 @@ def predicted_cost(job: AnyJob, *, pair_seconds: float = 0.5e-3) -> Prediction:
         return job.predict()
     points = job.grid[0] * job.grid[1]
     scale = points * math.log2(points) / (256**2 * 16)
-    pairs, unknowns = _FIXED_PAIRS + _BEM_PAIRS * scale, points
+    dearer = math.prod(COST.get(effect.kind, 1.0) for effect in job.effects)
+    pairs, unknowns = _FIXED_PAIRS + _BEM_PAIRS * dearer * scale, points
     size = _FIXED_BYTES + _SURFACE_BYTES_PER_POINT * points
     if job.method == "fem":
         from fem_contact.block import estimate
@@ -160,23 +169,14 @@ class PlannedGrid:
 
 
 @dataclass(frozen=True, kw_only=True)
-class LeftOut:
-    """An effect the scene does not list, and the number its neglect rests on."""
-
-    effect: str
-    number: str
-    verdict: str
-
-
-@dataclass(frozen=True, kw_only=True)
 class Explanation:
     """What a scene runs and what it leaves out."""
 
     name: str
     facts: tuple[tuple[str, str], ...]
     grids: tuple[PlannedGrid, ...]
-    effects: tuple[str, ...]
-    left_out: tuple[LeftOut, ...]
+    effects: tuple[Judgement, ...]
+    left_out: tuple[Judgement, ...]
 
     @property
     def seconds(self) -> float:
@@ -217,7 +217,9 @@ class Explanation:
             f"About {self.seconds:.0f} s in all and {self.peak_bytes / 2**20:.0f} MiB at most on this "
             "machine (meant to be right within a factor of 2)."
         )
-        yield f"Effects that run: {', '.join(self.effects) or 'none beyond linear elasticity'}."
+        yield f"Effects that run:{'' if self.effects else ' none beyond linear elasticity.'}"
+        for item in self.effects:
+            yield f"  {item.effect}: {item.number} - {item.verdict}"
         yield "Left out:"
         for item in self.left_out:
             yield f"  {item.effect}: {item.number} - {item.verdict}"
@@ -255,7 +257,7 @@ def explain(scene: Scene) -> Explanation:
         name=scene.name,
         facts=_facts(scene),
         grids=tuple(sorted(grids, key=lambda g: (g.method, g.grid))),
-        effects=tuple(effect.kind for effect in scene.effects),
+        effects=tuple(judge(effect, _roughness(scene)) for effect in scene.effects),
         left_out=_left_out(scene),
     )
 
@@ -325,34 +327,22 @@ def _mesh_facts(scene: Scene) -> Iterator[tuple[str, str]]:
         )
 
 
-def _left_out(scene: Scene) -> tuple[LeftOut, ...]:
+def _roughness(scene: Scene) -> Roughness:
+    return Roughness.of(
+        reference_field(scene.surface),
+        modulus=scene.solid.young / (1 - scene.solid.poisson**2),
+        longest=_longest(scene),
+        shortest=shortest_wavelength(scene.surface),
+    )
+
+
+def _left_out(scene: Scene) -> tuple[Judgement, ...]:
     """Return the effects that are not listed, each with the number that decides whether it may be."""
-    field = reference_field(scene.surface)
-    modulus = scene.solid.young / (1 - scene.solid.poisson**2)
-    listed = {effect.kind for effect in scene.effects}
-    scale = f"E* h'_rms = {modulus * field.rms_gradient:.4g} Pa"
-    items = [
-        LeftOut(
-            effect="hardness",
-            number=f"typical contact pressure {scale}",
-            verdict="unknown without a hardness; negligible where it is many times that",
-        ),
-        LeftOut(
-            effect="adhesion",
-            number=f"h'_rms = {field.rms_gradient:.4g}",
-            verdict="unknown without a work of adhesion and its range",
-        ),
-        LeftOut(
-            effect="thickness",
-            number=f"longest wave {_longest(scene):.4g} m",
-            verdict="unknown without a thickness; negligible where it is at least that long",
-        ),
-        LeftOut(effect="graded", number="E(z) constant", verdict="unknown without a profile of the modulus"),
-    ]
-    items = [item for item in items if item.effect not in listed]
-    neglected = field.rms_gradient**2
+    rough = _roughness(scene)
+    items = list(unlisted(scene, rough))
+    neglected = rough.gradient**2
     items.append(
-        LeftOut(
+        Judgement(
             effect="finite slopes",
             number=f"h'_rms^2 = {neglected:.2g}, the relative size of the neglected terms",
             verdict="negligible"
@@ -362,7 +352,7 @@ def _left_out(scene: Scene) -> tuple[LeftOut, ...]:
     )
     if scene.methods.fem is None:
         items.append(
-            LeftOut(
+            Judgement(
                 effect="finite elements",
                 number="no [methods.fem]",
                 verdict="the contact algorithm is not cross-checked",

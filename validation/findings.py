@@ -158,7 +158,7 @@ def _pressure_at_zero(c: Comparison) -> list[str]:
     spacing = np.log([1 / row.points_per_wave for row in rows])
     order = float(np.polyfit(spacing, np.log([row.density_at_zero for row in rows]), 1)[0])
     if order <= 0.1:
-        return ["P(sigma) at sigma = 0 does not fall with refinement (observed exponent of dx {order:.2f})."]
+        return [f"P(sigma) at sigma = 0 does not fall with refinement (observed exponent of dx {order:.2f})."]
     return [
         f"P(sigma) at sigma -> 0 falls with refinement like dx^{order:.2f} (fit over {len(rows)} grids; 0.5 is expected of an edge "
         "where p grows like the square root of the distance): the finite value on each grid belongs to the grid."

@@ -17,6 +17,7 @@ import numpy as np
 from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
+from validation.effect_tables import EffectSpec
 from validation.scene import FileSurface, Load, Scene, SelfAffineSurface, SolidSpec
 from validation.surfaces import file_digest, height_field, reference_field
 
@@ -58,6 +59,7 @@ class Job:
     solid: SolidSpec
     load: Load
     settings: tuple[tuple[str, float | str], ...] = ()
+    effects: tuple[EffectSpec, ...] = ()
     mirrored: bool = False
 
     @cached_property
@@ -78,7 +80,9 @@ class Job:
             "load": self.load.model_dump(mode="json"),
             "settings": dict(self.settings),
         }
-        # Only where it is said, so that what was stored without it keeps its name.
+        # Only where they are said, so that what was stored without them keeps its name.
+        if self.effects:
+            recipe["effects"] = [effect.model_dump(mode="json") for effect in self.effects]
         return recipe | {"mirrored": True} if self.mirrored else recipe
 
     @cached_property
@@ -156,7 +160,12 @@ AnyJob: TypeAlias = "Job | NumbersJob"
 
 def jobs_of(scene: Scene) -> tuple[Job, ...]:
     """List the solves of a scene, coarse grids first; one that is asked for twice is listed once."""
-    common: dict[str, Any] = {"surface": scene.surface, "solid": scene.solid, "load": scene.load}
+    common: dict[str, Any] = {
+        "surface": scene.surface,
+        "solid": scene.solid,
+        "load": scene.load,
+        "effects": scene.effects,
+    }
     jobs: list[Job] = []
     bem, fem = scene.methods.bem, scene.methods.fem
     if bem is not None:
@@ -208,6 +217,14 @@ def execute(job: Job, *, threads: int | None = None) -> Solved:
     pressure = nominal_pressure(
         job.load, job.solid, reference_field(job.surface, realisation=job.realisation)
     )
+    if job.method == "bem" and job.effects:
+        from validation.slots import solve_bem
+
+        return Solved(
+            contact=solve_bem(
+                field, solid, effects=job.effects, mean_pressure=pressure, threads=threads, **settings
+            )
+        )
     if job.method == "bem":
         from fem_contact import bem
         from fem_contact.response import HalfSpace
@@ -218,6 +235,10 @@ def execute(job: Job, *, threads: int | None = None) -> Solved:
         )
     from fem_contact import block
 
+    if job.effects:
+        from validation.slots import block_arguments
+
+        settings |= block_arguments(solid, job.effects)
     solution = block.solve(field, solid, mean_pressure=pressure, **({"method": "full"} | settings))
     return Solved(contact=solution.contact, block=solution)
 

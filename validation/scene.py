@@ -2,32 +2,19 @@
 
 from __future__ import annotations
 
-import difflib
-import functools
 import math
-import re
 import tomllib
-from fractions import Fraction
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import (
-    BaseModel,
-    BeforeValidator,
-    ConfigDict,
-    Field,
-    StrictBool,
-    StrictInt,
-    ValidationError,
-    model_validator,
-)
-from pydantic_core import PydanticCustomError
+from pydantic import BaseModel, Field, StrictBool, StrictInt, ValidationError, model_validator
 
+from validation.effect_tables import EFFECT_KINDS, EFFECT_TABLES, EffectSpec, clash
 from validation.errors import SceneError, UsageError
-
-if TYPE_CHECKING:
-    import pint
+from validation.quantities import Grid, Length, Lengths, Memory, Number, Pressure, exactly_one, unit_registry
+from validation.quantities import Table as _Table
+from validation.quantities import wrong as _wrong
 
 __all__ = [
     "BemMethod",
@@ -48,97 +35,6 @@ __all__ = [
     "unit_registry",
 ]
 
-_QUANTITY = re.compile(
-    r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s][^\s]*(?:\s+[^\d\s][^\s]*)*)?\s*"
-)
-
-
-def _wrong(message: str) -> PydanticCustomError:
-    return PydanticCustomError("scene", "{message}", {"message": message})
-
-
-def _quantity(unit: str, kind: str, example: str) -> BeforeValidator:
-    """Read a number with a unit ("0.5 um") or a bare number in SI, and convert it once."""
-
-    def convert(value: object) -> float:
-        allowed = f'must be a {kind} such as "{example}", or a number in {unit}'
-        if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-            raise _wrong(allowed)
-        if not isinstance(value, str):
-            return float(value)
-        found = _QUANTITY.fullmatch(value)
-        if found is None:
-            raise _wrong(allowed)
-        number, symbol = found[1], found[2]
-        if symbol is None:
-            raise _wrong(f"has no unit; {allowed}")
-        import pint
-
-        try:
-            return float(unit_registry().Quantity(Fraction(number), symbol).to(unit).magnitude)
-        except pint.DimensionalityError:
-            raise _wrong(f"is not a {kind}; {allowed}") from None
-        except Exception:  # the parser of unit names raises whatever its tokens lead to
-            raise _wrong(f"has an unknown unit; {allowed}") from None
-
-    return BeforeValidator(convert)
-
-
-Length = Annotated[float, _quantity("m", "length", "0.5 um"), Field(gt=0)]
-Pressure = Annotated[float, _quantity("Pa", "pressure", "10 MPa"), Field(gt=0)]
-Memory = Annotated[float, _quantity("byte", "memory size", "4 GiB"), Field(ge=1)]
-Number = Annotated[float, Field(strict=True)]
-
-
-@functools.cache
-def unit_registry() -> pint.UnitRegistry[Fraction]:
-    """Return the unit registry, built on the first unit read; exact, so that "100 um" is 1e-4."""
-    import pint
-
-    return pint.UnitRegistry(non_int_type=Fraction)
-
-
-def _pair(value: object) -> object:
-    return [value, value] if not isinstance(value, (list, tuple)) else value
-
-
-def _grid(value: object) -> object:
-    pair = _pair(value)
-    if not (
-        isinstance(pair, (list, tuple)) and len(pair) == 2 and all(type(n) is int and n >= 2 for n in pair)
-    ):
-        raise _wrong("must be a whole number of points n >= 2, or [nx, ny]")
-    return pair
-
-
-Grid = Annotated[tuple[int, int], BeforeValidator(_grid)]
-Lengths = Annotated[tuple[Length, Length], BeforeValidator(_pair)]
-
-
-class _Table(BaseModel):
-    """A table of the scene file: unknown keys are errors that name the known ones."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _only_known_keys(cls, data: object) -> object:
-        if isinstance(data, dict):
-            for key in data:
-                if key not in cls.model_fields:
-                    close = difflib.get_close_matches(str(key), cls.model_fields, n=1)
-                    hint = f"; did you mean {close[0]!r}?" if close else ""
-                    raise _wrong(f"unknown key {key!r}{hint} Allowed: {', '.join(cls.model_fields)}")
-        return data
-
-
-def _exactly_one(table: BaseModel, names: tuple[str, str]) -> None:
-    given = [name for name in names if getattr(table, name) is not None]
-    if len(given) != 1:
-        raise _wrong(
-            f"give exactly one of {names[0]!r} and {names[1]!r}; found {' and '.join(given) or 'neither'}"
-        )
-
 
 class SelfAffineSurface(_Table):
     """A random periodic surface with C(q) ~ q^(-2(1+H)) between lambda_long and lambda_short."""
@@ -158,7 +54,7 @@ class SelfAffineSurface(_Table):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        _exactly_one(self, ("rms_gradient", "rms_height"))
+        exactly_one(self, ("rms_gradient", "rms_height"))
         if self.lambda_short >= self.lambda_long:
             raise _wrong(
                 f"lambda_short = {self.lambda_short:.6g} m: must be below "
@@ -217,7 +113,7 @@ class Load(_Table):
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        _exactly_one(self, ("pressure", "reduced_pressure"))
+        exactly_one(self, ("pressure", "reduced_pressure"))
         return self
 
 
@@ -297,12 +193,6 @@ class RunOptions(_Table):
         return self
 
 
-class EffectSpec(_Table):
-    """A physical effect beyond plain elastic contact of a half-space."""
-
-    kind: Literal["hardness", "adhesion", "thickness", "graded"]
-
-
 class Scene(_Table):
     """One comparison: a surface, a solid, a load, the methods, and nothing that is not listed.
 
@@ -320,6 +210,13 @@ class Scene(_Table):
     ensemble: Ensemble | None = None
     effects: tuple[EffectSpec, ...] = ()
     run: RunOptions = RunOptions()
+
+    @model_validator(mode="after")
+    def _one_effect_per_slot(self) -> Self:
+        found = clash(self.effects)
+        if found is not None:
+            raise _wrong(found)
+        return self
 
     @model_validator(mode="after")
     def _grids_resolve(self) -> Self:
@@ -381,6 +278,8 @@ def scene_text(scene: str) -> tuple[str, Path]:
             raise SceneError(scene, ["is not UTF-8 text; a scene is a TOML file"]) from None
         except OSError as error:
             raise SceneError(scene, [f"cannot be read: {error.strerror}"]) from None
+        except ValueError:  # a zero byte in the name
+            raise SceneError(scene, ["is no name of a file"]) from None
     if scene in builtin_scenes():
         entry = resources.files("validation") / "scenes" / f"{scene}.toml"
         return entry.read_text(encoding="utf-8"), Path()
@@ -436,16 +335,35 @@ def scene_problems(error: ValidationError) -> list[str]:
     return [_problem(item) for item in items if item["loc"] not in within]
 
 
+#: Values of `kind` by the table that has one; they stand in pydantic's locations, but are no keys.
+_TAGS = {"surface": frozenset({"self-affine", "file"}), "effects": EFFECT_KINDS}
+
+
+#: The same of scenes that only the theory computes.
+_THEORY_TAGS = frozenset({"capillary", "smoothing"})
+
+
+def _keys(location: tuple[str | int, ...]) -> list[str]:
+    """Keys that lead to a mistake, as the file has them."""
+    parts = [str(part) for part in location]
+    place = {"surface": 1, "effects": 2}.get(parts[0]) if parts else None
+    if place is not None and len(parts) > place and parts[place] in _TAGS[parts[0]] | _THEORY_TAGS:
+        del parts[place]
+    return parts
+
+
 def _problem(item: Any) -> str:
     """One line for one error of the schema: key = value: what is allowed."""
-    kinds = {"self-affine", "file"}
-    location = [str(part) for part in item["loc"] if part not in kinds]
+    location = _keys(item["loc"])
     key = ".".join(location)
     message = str(item["msg"]).replace("Input should be", "must be")
     if item["type"] == "missing":
         return f"{key}: missing; {_described(location)}"
     if item["type"] == "union_tag_not_found":
-        return f"{key}.kind: missing; one of {', '.join(sorted(kinds))}"
+        named = ", ".join(repr(kind) for kind in sorted(_TAGS.get(location[0], ())))
+        return f"{key}.kind: missing; " + (f"one of {named}" if named else "it says which table this is")
+    if item["type"] == "union_tag_invalid":
+        return f"{key}.kind = {item['input'].get('kind')!r}: must be one of {item['ctx']['expected_tags']}"
     value = item["input"]
     if isinstance(value, (dict, BaseModel)):
         return f"{key}: {message}" if key else message
@@ -464,6 +382,7 @@ def _described(location: list[str]) -> str:
         FemMethod,
         Ensemble,
         RunOptions,
+        *EFFECT_TABLES,
     )
     for table in tables:
         field = table.model_fields.get(location[-1])

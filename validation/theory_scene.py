@@ -19,17 +19,9 @@ from numpy.typing import NDArray
 from pydantic import Field, StrictInt, ValidationError, model_validator
 
 from validation.errors import SceneError
-from validation.scene import (
-    Length,
-    Number,
-    Pressure,
-    SolidSpec,
-    _exactly_one,
-    _quantity,
-    _Table,
-    _wrong,
-    scene_problems,
-)
+from validation.quantities import Length, Number, Pressure, exactly_one, quantity, wrong
+from validation.quantities import Table as _Table
+from validation.scene import SolidSpec, scene_problems
 
 if TYPE_CHECKING:
     from persson.scale import Scale
@@ -39,10 +31,10 @@ __all__ = ["TheoryResult", "TheoryScene", "load_theory_scene", "run_theory_scene
 
 Array = NDArray[np.float64]
 E = TypeVar("E")
-Wavevector = Annotated[float, _quantity("m^-1", "wavevector", "1e5 m^-1"), Field(gt=0)]
-Energy = Annotated[float, _quantity("J/m^2", "energy per area", "0.05 J/m^2"), Field(gt=0)]
-Temperature = Annotated[float, _quantity("K", "temperature", "370 K"), Field(gt=0)]
-Load = Annotated[float, _quantity("Pa", "pressure", "10 MPa"), Field(ge=0)]
+Wavevector = Annotated[float, quantity("m^-1", "wavevector", "1e5 m^-1"), Field(gt=0)]
+Energy = Annotated[float, quantity("J/m^2", "energy per area", "0.05 J/m^2"), Field(gt=0)]
+Temperature = Annotated[float, quantity("K", "temperature", "370 K"), Field(gt=0)]
+Load = Annotated[float, quantity("Pa", "pressure", "10 MPa"), Field(ge=0)]
 
 
 class SelfAffineSpectrum(_Table):
@@ -59,9 +51,9 @@ class SelfAffineSpectrum(_Table):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        _exactly_one(self, ("rms_gradient", "rms_height"))
+        exactly_one(self, ("rms_gradient", "rms_height"))
         if self.q_short <= self.q_long:
-            raise _wrong(f"q_short = {self.q_short:.6g} 1/m: must exceed q_long = {self.q_long:.6g} 1/m")
+            raise wrong(f"q_short = {self.q_short:.6g} 1/m: must exceed q_long = {self.q_long:.6g} 1/m")
         return self
 
     def spectrum(self) -> Spectrum:
@@ -174,9 +166,9 @@ class TheoryScene(_Table):
         kinds = [effect.kind for effect in self.effects]
         for kind in kinds:
             if kinds.count(kind) > 1:
-                raise _wrong(f"effects: {kind!r} is listed {kinds.count(kind)} times; list an effect once")
+                raise wrong(f"effects: {kind!r} is listed {kinds.count(kind)} times; list an effect once")
         if "adhesion" not in kinds and min(self.load.pressures) == 0:
-            raise _wrong("load.pressures: 0 needs the effect 'adhesion'; without it nothing touches")
+            raise wrong("load.pressures: 0 needs the effect 'adhesion'; without it nothing touches")
         return self
 
     def effect(self, table: type[E]) -> E | None:

@@ -1,0 +1,229 @@
+r"""Solids whose modulus varies with depth: the compliance of a wave of pressure, per wavevector.
+
+A wave exp(i q x) of pressure deforms the solid in plane strain. With x scaled by 1/q, the state of a depth is
+y = (u_x, u_z, s_xz, s_zz), displacements and stresses, and equilibrium is a linear system dy/dz = M(z) y.
+Passed upwards is not y, which would hold growing and decaying parts of any ratio, but the impedance Z that
+ties stress to displacement, s = Z u: it stays of order one however deep or stiff the solid.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.errors import InvalidInput
+from fem_contact.solid import Solid
+
+__all__ = ["ExponentialSolid", "LayeredSolid"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class LayeredSolid:
+    """Homogeneous layers, bonded to each other, on a half-space: exact.
+
+    Parameters
+    ----------
+    layers : sequence of Solid
+        From the surface down.
+    thicknesses : sequence of float
+        Of each layer [m], positive.
+    base : Solid
+        The half-space below. Its infinite response at q = 0 is left out, and so is the layers'.
+
+    Raises
+    ------
+    InvalidInput
+        Unless there is one thickness for each layer, all positive and finite.
+
+    Notes
+    -----
+    The layer matrix is applied to the impedance in the form of two waves, one decaying down and one decaying
+    up, neither of which overflows; incompressible solids are allowed.
+
+    Examples
+    --------
+    >>> soft, hard = Solid(young=1.0, poisson=0.3), Solid(young=10.0, poisson=0.3)
+    >>> coated = LayeredSolid(layers=[soft], thicknesses=[1.0], base=hard)
+    >>> q = np.array([1e-6, 1e3])
+    >>> stiffness = 2 / (q * coated.compliance(q, 0 * q))
+    >>> np.round(stiffness * (1 - 0.3**2), 4)
+    array([10.,  1.])
+    """
+
+    layers: Sequence[Solid]
+    thicknesses: Sequence[float]
+    base: Solid
+
+    def __post_init__(self) -> None:
+        if len(self.layers) != len(self.thicknesses):
+            raise InvalidInput(
+                f"{len(self.thicknesses)} thicknesses for {len(self.layers)} layers: give one for each"
+            )
+        for thickness in self.thicknesses:
+            if not (np.isfinite(thickness) and thickness > 0):
+                raise InvalidInput(f"thicknesses: {thickness!r} must be a positive, finite length in m")
+
+    @property
+    def contact_modulus(self) -> float:
+        """E* [Pa] of the material at the surface, which sets the scale of the shortest waves."""
+        return (self.layers[0] if self.layers else self.base).contact_modulus
+
+    def compliance(self, qx: Array, qy: Array) -> Array:
+        """Return C(q) [m/Pa], 0 at q = 0."""
+        q = np.hypot(qx, qy)
+        return _on_distinct(q, self._compliance)
+
+    def _compliance(self, q: Array) -> Array:
+        impedance = np.broadcast_to(_half_space(self.base), (q.size, 2, 2))
+        for solid, thickness in zip(reversed(self.layers), reversed(self.thicknesses), strict=True):
+            impedance = _through(solid, q * thickness, impedance)
+        return _surface(impedance) / q
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExponentialSolid:
+    r"""A modulus that relaxes exponentially with depth: E(z) = E_inf + (E_0 - E_inf) exp(-z / d).
+
+    Parameters
+    ----------
+    surface : Solid
+        E_0 and nu, which is that of all depths.
+    bulk_young : float
+        E_inf [Pa].
+    depth : float
+        d [m].
+    sublayers : int
+        Homogeneous layers that stand for the profile, per wave: each carries the modulus of its middle. The
+        error falls with the square of their number.
+
+    Raises
+    ------
+    InvalidInput
+        For a modulus or depth that is not positive and finite, or less than 4 sublayers.
+    """
+
+    surface: Solid
+    bulk_young: float
+    depth: float
+    sublayers: int = 64
+
+    def __post_init__(self) -> None:
+        for name in ("bulk_young", "depth"):
+            value = getattr(self, name)
+            if not (np.isfinite(value) and value > 0):
+                raise InvalidInput(f"{name} = {value!r}: must be positive and finite")
+        if self.sublayers < 4:
+            raise InvalidInput(f"sublayers = {self.sublayers!r}: must be at least 4")
+
+    @property
+    def contact_modulus(self) -> float:
+        """E* [Pa] of the material at the surface."""
+        return self.surface.contact_modulus
+
+    def young(self, depth: Array) -> Array:
+        """Return E(z) [Pa] at depths [m]."""
+        return self.bulk_young + (self.surface.young - self.bulk_young) * np.exp(-depth / self.depth)
+
+    def compliance(self, qx: Array, qy: Array) -> Array:
+        """Return C(q) [m/Pa], 0 at q = 0."""
+        return _on_distinct(np.hypot(qx, qy), self._smooth)
+
+    def _smooth(self, q: Array) -> Array:
+        """Compliance of many waves, from a spline through q C(q) of fewer."""
+        if q.size <= _TABULATED:
+            return self._compliance(q)
+        from scipy.interpolate import CubicSpline
+
+        # The spline's error, (step / 10)^4 or so, is far below that of the sublayers.
+        place = np.log(q / q[0])
+        nodes = np.linspace(0.0, place[-1], _TABULATED)
+        table = q[0] * np.exp(nodes)
+        return np.asarray(CubicSpline(nodes, table * self._compliance(table))(place) / q)
+
+    def _compliance(self, q: Array) -> Array:
+        # What lies below min(30 d, 30 / q) is bulk, or out of reach of the wave. Depths are denser near the
+        # surface: equal steps of 1 - exp(-z / s) with s of the shorter of both lengths.
+        reach = 1 / (1 / self.depth + q)
+        steps = np.linspace(0, 1, self.sublayers + 1)
+        edges = -3 * np.log1p(-steps * (1 - np.exp(-10.0)))
+        nu = self.surface.poisson
+        bulk = Solid(young=1.0, poisson=nu)
+        deepest = self.young(reach * edges[-1])
+        impedance = _half_space(bulk) * deepest[:, None, None]
+        for top, bottom in zip(edges[-2::-1], edges[:0:-1], strict=True):
+            young = self.young(reach * (top + bottom) / 2)[:, None, None]
+            thickness = q * reach * (bottom - top)
+            impedance = young * _through(bulk, thickness, impedance / young)
+        return _surface(impedance) / q
+
+
+#: Waves up to which every one is computed, and the number a spline goes through beyond.
+_TABULATED = 512
+
+
+def _on_distinct(q: Array, compliance: Callable[[Array], Array]) -> Array:
+    """Evaluate at the distinct |q| only, by far fewer than the wavevectors of a grid; 0 at q = 0."""
+    values, places = np.unique(q, return_inverse=True)
+    out = np.zeros(values.shape)
+    out[values > 0] = compliance(values[values > 0])
+    return np.asarray(out[places].reshape(q.shape))
+
+
+def _waves(solid: Solid, x: Array) -> tuple[Array, Array]:
+    r"""Displacements and stresses [over G q] of the two waves that decay over the scaled depth x = q z.
+
+    Papkovich's form in plane strain, with the phase of u_x taken out: for the waves exp(-x) and x exp(-x),
+    u_x = (1, x), u_z = (1, x + 3 - 4 nu), s_xz = -2 (1, x + 1 - 2 nu), s_zz = -2 (1, x + 2 - 2 nu), without
+    the factor exp(-x).
+    """
+    nu = solid.poisson
+    one = np.ones_like(x)
+    displacement = np.stack([np.stack([one, x], -1), np.stack([one, x + 3 - 4 * nu], -1)], -2)
+    stress = -2 * np.stack([np.stack([one, x + 1 - 2 * nu], -1), np.stack([one, x + 2 - 2 * nu], -1)], -2)
+    return displacement, stress * solid.shear_modulus
+
+
+#: Waves that decay upwards have the same form with u_z and s_xz of the other sign.
+_MIRROR = np.diag([1.0, -1.0])
+
+
+def _half_space(solid: Solid) -> Array:
+    """Impedance s = Z u of a half-space, over q."""
+    displacement, stress = _waves(solid, np.zeros(()))
+    return np.asarray(stress @ np.linalg.inv(displacement))
+
+
+def _through(solid: Solid, thickness: Array, below: Array) -> Array:
+    """Impedance at the top of a layer of scaled thickness q d from that at its bottom.
+
+    The amplitudes of the wave that decays upwards are found from the bottom condition; they come multiplied
+    by exp(-q d) once on the way down and once on the way up, so that thick layers forget what is below.
+    """
+    decay = np.exp(-thickness)[:, None, None]
+    zero = np.zeros_like(thickness)
+    down_u, down_s = _waves(solid, thickness)
+    up_u, up_s = (part for part in _waves(solid, zero))
+    up_u, up_s = _MIRROR @ up_u, -_MIRROR @ up_s
+    # (s - Z u) = 0 at the bottom: [down_s - Z down_u] e^-t a + [up_s - Z up_u] b = 0.
+    reflected = np.linalg.solve(up_s - below @ up_u, -(down_s - below @ down_u)) * decay
+    top_u, top_s = _waves(solid, zero)
+    back_u, back_s = _waves(solid, thickness)
+    back_u, back_s = _MIRROR @ back_u, -_MIRROR @ back_s
+    displacement = top_u + back_u @ reflected * decay
+    stress = top_s + back_s @ reflected * decay
+    return np.asarray(np.swapaxes(np.linalg.solve(_t(displacement), _t(stress)), -1, -2))
+
+
+def _t(matrix: Array) -> Array:
+    return np.swapaxes(matrix, -1, -2)
+
+
+def _surface(impedance: Array) -> Array:
+    """Displacement per pressure without shear: q C of the impedance over q."""
+    compliance = np.linalg.inv(impedance)
+    return np.asarray(-compliance[:, 1, 1])

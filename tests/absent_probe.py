@@ -1,0 +1,64 @@
+"""Measures one plain elastic solve of a scene in a fresh interpreter; run as a script, prints JSON.
+
+Kept free of test code so that it can be run against any version of the packages:
+``PYTHONPATH=<checkout> python tests/absent_probe.py``. An argument gives the effects of the scene as JSON.
+"""
+
+import json
+import sys
+import tracemalloc
+
+SCENE = {
+    "name": "plain",
+    "surface": {
+        "kind": "self-affine",
+        "length": 1e-4,
+        "hurst": 0.8,
+        "lambda_long": 5e-5,
+        "lambda_short": 1.25e-5,
+        "rms_gradient": 0.1,
+        "seed": 17,
+    },
+    "solid": {"young": 1e9, "poisson": 0.3},
+    "load": {"reduced_pressure": 0.05},
+    "methods": {"bem": {"grids": [128], "tolerance": 1e-6}},
+}
+
+
+def main(effects: list[dict[str, object]]) -> None:
+    """Solve twice: once to load and compile, once to measure."""
+    # Where ducc0 is installed it transforms in place; without it every installation allocates the same.
+    sys.modules["ducc0"] = None  # type: ignore[assignment]
+    from fem_contact import fourier
+    from validation.jobs import execute, jobs_of
+    from validation.scene import Scene
+
+    (job,) = jobs_of(Scene.model_validate(SCENE | {"effects": effects}))
+    execute(job)
+    transforms = 0
+    plain = fourier.FourierOperator._filter
+
+    def counted(self: fourier.FourierOperator, *arguments: object) -> None:
+        nonlocal transforms
+        transforms += 1
+        plain(self, *arguments)  # type: ignore[arg-type]
+
+    fourier.FourierOperator._filter = counted  # type: ignore[method-assign, assignment]
+    tracemalloc.start()
+    contact = execute(job).contact.checked()
+    peak = tracemalloc.get_traced_memory()[1]
+    packages = ("fem_contact", "persson", "validation")
+    print(
+        json.dumps(
+            {
+                "modules": sorted(name for name in sys.modules if name.split(".")[0] in packages),
+                "transforms": transforms,
+                "arrays": peak / contact.pressure.nbytes,
+                "area": float(contact.in_contact.mean()),
+            }
+        )
+    )
+
+
+if __name__ == "__main__":
+    main(json.loads(sys.argv[1]) if len(sys.argv) > 1 else [])

@@ -1,0 +1,330 @@
+import numpy as np
+import pytest
+from scipy.optimize import minimize_scalar
+
+from fem_contact import adhesion, adhesion_path, bem
+from fem_contact.contact import Status
+from fem_contact.descent import Landscape, Point, descend, least_curvature
+from fem_contact.errors import InvalidInput, NotConverged
+from fem_contact.gap_laws import Dugdale, Exponential
+from fem_contact.response import BondedLayer, HalfSpace
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField, random_surface
+
+ELASTIC = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
+
+
+def rough(points=48, seed=11, gradient=0.1, *, waves=6):
+    """A surface of wavelengths 1/2 to 1/waves of the period."""
+    surface = random_surface(
+        lambda q: q ** (-3.6) * (q > 1.9 * 2 * np.pi),
+        q_short=waves * 2 * np.pi,
+        lengths=(1.0, 1.0),
+        shape=(points, points),
+        seed=seed,
+    )
+    return HeightField(heights=surface.heights * (gradient / surface.rms_gradient), lengths=(1.0, 1.0))
+
+
+def sticky_tips(points=64, *, seed=11):
+    """Four blunt tips of slightly different height, with a law of Tabor parameter about 2 at each."""
+    x = np.arange(points) / points
+    heights = 0.0025 * (np.cos(4 * np.pi * x)[:, None] + np.cos(4 * np.pi * x)[None, :])
+    heights = heights + rough(points, seed, 0.004, waves=5).heights
+    surface = HeightField(heights=heights, lengths=(1.0, 1.0))
+    return surface, law_for(points, work=6e-4)
+
+
+def law_for(points, *, work=1e-4, cells=2.5, kind=Exponential):
+    """A law whose length E* w / sigma^2 spans some cells of a grid of period 1."""
+    return kind(work=work, reach=np.sqrt(cells / points * work))
+
+
+def test_uniform_layer_snaps_exactly_where_a_spring_with_that_law_does():
+    # One degree of freedom: (offset - g) / C0 = tau(g). It is unstable at tau' = -1 / C0, where
+    # g = rho ln(w C0 / rho^2) and offset = g + rho; the wall lets go at tau(0) C0 = offset.
+    layer = BondedLayer(solid=Solid(young=1.0, poisson=0.0), thickness=1.0)
+    c0 = float(layer.compliance(np.zeros(1), np.zeros(1))[0])
+    rho = 0.02
+    law = Exponential(work=5 * rho**2 / c0, reach=rho)
+    flat = HeightField(heights=np.zeros((8, 6)), lengths=(0.05, 0.05))
+    offsets = np.concatenate([np.arange(10, -1, -0.5), np.arange(-1, 10, 0.5)]) * rho
+    path = adhesion_path.follow(flat, layer, law=law, offsets=offsets, tolerance=1e-9, threads=1)
+    snap, part = path.jumps
+    assert (snap.kind, part.kind) == ("snap-in", "pull-off")
+    assert snap.after.offset / rho < np.log(5) + 1 < snap.before.offset / rho
+    assert part.before.offset / rho <= 5 * (1 + 1e-9) < part.after.offset / rho
+    # Energy lost at the wall's release: the branch g = 0 against the open one at the same offset.
+    o = part.after.offset
+    g = part.after.mean_gap
+    lost = 0.5 * o**2 / c0 - law.work - (0.5 * (o - g) ** 2 / c0 - law.work * np.exp(-g / rho))
+    assert part.dissipated == pytest.approx(lost, rel=2e-3)
+
+
+def wavy(points, alpha):
+    """A wave with Johnson's (1995) adhesion parameter alpha, and its pressure scale p* = pi E* Delta / L."""
+    amplitude = 0.01
+    scale = np.pi * amplitude
+    work = alpha**2 * scale**2 / 2
+    x = np.arange(points) / points
+    heights = np.repeat(amplitude * np.cos(2 * np.pi * x)[:, None], 2, axis=1)
+    surface = HeightField(heights=heights, lengths=(1.0, 2.0 / points))
+    return surface, Exponential(work=work, reach=np.sqrt(2.1 / points * work)), scale
+
+
+def johnson(psi, alpha):
+    """Mean pressure over p* where the contact covers the share 2 psi / pi of the wave (Johnson 1995)."""
+    return np.sin(psi) ** 2 - alpha * np.sqrt(np.tan(psi))
+
+
+def test_wavy_surface_snaps_to_full_contact_and_pulls_off_where_johnson_says():
+    alpha = 0.3
+    surface, law, scale = wavy(512, alpha)
+    top = minimize_scalar(lambda s: -johnson(s, alpha), bounds=(0.8, 1.5), method="bounded")
+    low = minimize_scalar(lambda s: johnson(s, alpha), bounds=(0.01, 0.8), method="bounded")
+    up = adhesion_path.follow(
+        surface, ELASTIC, law=law, mean_pressures=np.arange(0, 0.5, 0.05) * scale, threads=1
+    )
+    (snap,) = up.jumps
+    assert snap.kind == "snap-in"
+    assert snap.before.mean_pressure / scale == pytest.approx(-top.fun, rel=0.02)
+    assert snap.after is not None
+    assert snap.after.contact == 1.0
+    down = adhesion_path.follow(
+        surface,
+        ELASTIC,
+        law=law,
+        mean_pressures=np.concatenate([np.arange(0, 0.2, 0.05), np.arange(0.1, -0.2, -0.02)]) * scale,
+        threads=1,
+    )
+    assert down.greatest_tension / scale == pytest.approx(-low.fun, rel=0.03)
+
+
+@pytest.mark.parametrize("points", [128, 512])
+def test_contact_of_a_wavy_surface_is_johnsons_within_its_process_zone(points):
+    alpha, reduced = 0.3, 0.15
+    psi = np.linspace(0.3, 1.0, 4000)
+    width = 2 / np.pi * np.interp(reduced, johnson(psi, alpha), psi)
+    surface, law, scale = wavy(points, alpha)
+    state = adhesion.solve(surface, ELASTIC, law=law, mean_pressure=reduced * scale, threads=1).checked()
+    # At both edges the wall ends somewhere in the process zone, (pi / 4) 2.1 dx, and on a whole cell.
+    assert np.mean(state.contact.in_contact) == pytest.approx(width, abs=2 * (np.pi / 4 * 2.1 + 1) / points)
+
+
+@pytest.mark.parametrize("kind", [Exponential, Dugdale])
+def test_what_is_returned_is_a_minimum(kind):
+    surface = rough()
+    law = law_for(48, kind=kind, cells=3.0)
+    state = adhesion.solve(surface, ELASTIC, law=law, mean_pressure=0.01, threads=1).checked()
+    assert state.imbalance < 1e-6
+    assert state.contact.residuals.worst < 1e-5
+    land = Landscape(surface.heights, response=ELASTIC, lengths=surface.lengths, law=state.law, threads=1)
+    gap, load = state.contact.gap, state.contact.mean_pressure
+    least = land.energy(gap) + load * float(np.mean(gap))
+    assert land.energy(gap) == pytest.approx(state.energy, rel=1e-10)
+    rng = np.random.default_rng(23)
+    for size in (1e-3, 1e-2, 1e-1):
+        for _ in range(6):
+            noise = rng.standard_normal(gap.shape)
+            noise = np.real(np.fft.ifft2(np.fft.fft2(noise) * (rng.random(gap.shape) < 0.3)))
+            other = np.maximum(gap + size * law.reach * noise, 0)
+            assert land.energy(other) + load * float(np.mean(other)) > least
+    curved = adhesion.stability(state, ELASTIC)
+    assert curved.is_minimum
+
+
+def test_least_curvature_has_the_sign_and_size_of_the_dense_eigenvalue():
+    surface = rough(12, waves=4)
+    law = law_for(12, work=3e-4)
+    land = Landscape(surface.heights, response=ELASTIC, lengths=(1.0, 1.0), law=law, threads=1)
+    point = Point(mean_pressure=0.002)
+    found = descend(land, point, float(surface.heights.max()) - surface.heights)
+    assert found.status is Status.CONVERGED
+    gap = found.gap
+    free = np.flatnonzero(gap > 0)
+    dense, metric = np.empty((free.size, free.size)), np.empty((free.size, free.size))
+    for column, place in enumerate(free):
+        unit = np.zeros(gap.size)
+        unit[place] = 1
+        unit = unit.reshape(gap.shape)
+        dense[:, column] = (land.stiff(unit) + law.slope(gap) * unit).ravel()[free]
+        metric[:, column] = land.soften(unit).ravel()[free]
+    exact = np.linalg.eigvals(metric @ dense).real.min()
+    value, uncertainty = least_curvature(land, point, gap, steps=80)
+    assert value == pytest.approx(exact, abs=max(uncertainty, 1e-8))
+
+
+def test_curvature_falls_to_zero_where_the_surfaces_snap():
+    surface, law = sticky_tips()
+    top = float(surface.heights.max())
+    path = adhesion_path.follow(
+        surface, ELASTIC, law=law, offsets=np.arange(top + 6 * law.reach, top, -law.reach / 2), threads=1
+    )
+    snap = path.jumps[0]
+    near = adhesion.solve(surface, ELASTIC, law=law, offset=snap.before.offset, threads=1).checked()
+    away = adhesion.solve(
+        surface, ELASTIC, law=law, offset=snap.before.offset + law.reach, threads=1
+    ).checked()
+    far_curvature = adhesion.stability(away, ELASTIC)
+    near_curvature = adhesion.stability(near, ELASTIC)
+    assert near_curvature.is_minimum
+    assert near_curvature.curvature < 0.3 * far_curvature.curvature
+
+
+def test_energy_lost_in_a_cycle_is_the_area_of_its_loop():
+    surface, law = sticky_tips()
+    top = float(surface.heights.max())
+    inward = np.arange(top + 5 * law.reach, top - 0.8 * law.reach, -law.reach / 6)
+    path = adhesion_path.follow(
+        surface, ELASTIC, law=law, offsets=np.concatenate([inward, inward[::-1]]), least_jump=0.002, threads=1
+    )
+    pressure = np.array([p.mean_pressure for p in path.points])
+    offset = np.array([p.offset for p in path.points])
+    loop = -np.sum(0.5 * (pressure[1:] + pressure[:-1]) * np.diff(offset))
+    assert {jump.kind for jump in path.jumps} == {"snap-in", "pull-off"}
+    assert path.dissipated == pytest.approx(loop, rel=0.03)
+    assert path.points[-1].energy == pytest.approx(path.points[0].energy, abs=1e-3 * abs(loop))
+
+
+def test_contact_is_larger_on_the_way_out_than_on_the_way_in_and_than_without_adhesion():
+    surface, law, scale = wavy(128, 0.3)
+    up = np.arange(0.1, 0.55, 0.1) * scale
+    path = adhesion_path.follow(
+        surface, ELASTIC, law=law, mean_pressures=np.concatenate([up, up[::-1]]), threads=1
+    )
+    inward, outward = path.points[0], path.points[-1]
+    assert inward.mean_pressure == outward.mean_pressure
+    assert outward.contact == 1.0
+    elastic = bem.solve(surface, ELASTIC, mean_pressure=up[0], threads=1).checked()
+    assert 1.2 * np.mean(elastic.in_contact) < inward.contact < 0.6
+
+
+def test_vanishing_adhesion_recovers_the_elastic_contact():
+    surface = rough()
+    elastic = bem.solve(surface, ELASTIC, mean_pressure=0.01, threads=1).checked()
+    differences = []
+    for work in (1e-9, 1e-10):
+        law = Exponential(work=work, reach=1e-3)
+        state = adhesion.solve(
+            surface, ELASTIC, law=law, mean_pressure=0.01, tolerance=1e-4, threads=1
+        ).checked()
+        differences.append(np.linalg.norm(state.contact.pressure - elastic.pressure))
+        assert state.contact.offset == pytest.approx(elastic.offset, rel=1e-4)
+    assert differences[0] < 1e-3 * np.linalg.norm(elastic.pressure)
+    assert differences[1] < 0.2 * differences[0]
+
+
+def test_other_units_of_length_and_pressure_change_no_bit():
+    length, pressure = 2.0**20, 2.0**-30
+    surface = rough(32, waves=4)
+    scaled = HeightField(heights=surface.heights * length, lengths=(length, length))
+    soft = HalfSpace(solid=Solid(young=pressure, poisson=0.0))
+    law = law_for(32, kind=Dugdale, cells=3.0)
+    other = Dugdale(work=law.work * length * pressure, reach=law.reach * length)
+    one = adhesion.solve(surface, ELASTIC, law=law, mean_pressure=0.005, threads=1).checked()
+    two = adhesion.solve(scaled, soft, law=other, mean_pressure=0.005 * pressure, threads=1).checked()
+    np.testing.assert_array_equal(two.contact.pressure, one.contact.pressure * pressure)
+    np.testing.assert_array_equal(two.contact.gap, one.contact.gap * length)
+    assert two.contact.residuals == one.contact.residuals
+
+
+def test_a_grid_that_does_not_resolve_the_process_zone_is_refused_with_the_grid_that_does():
+    surface = rough(32, waves=4)
+    law = law_for(32, cells=0.8)
+    with pytest.raises(InvalidInput, match=r"spans 0\.8 cells.*use 80 x 80 points"):
+        adhesion.solve(surface, ELASTIC, law=law, mean_pressure=0.01)
+    adhesion.solve(surface.resampled((80, 80)), ELASTIC, law=law, mean_pressure=0.01, threads=1).checked()
+
+
+def test_the_offset_of_a_given_pressure_gives_that_pressure_back():
+    surface = rough(32, waves=4)
+    law = law_for(32, cells=3.0)
+    one = adhesion.solve(surface, ELASTIC, law=law, mean_pressure=0.01, threads=1).checked()
+    two = adhesion.solve(
+        surface, ELASTIC, law=law, offset=one.contact.offset, start=one.contact.gap, threads=1
+    ).checked()
+    assert two.contact.mean_pressure == pytest.approx(0.01, rel=1e-5)
+    np.testing.assert_allclose(two.contact.gap, one.contact.gap, atol=1e-4 * law.reach)
+
+
+def test_a_limit_on_iterations_or_time_is_a_status():
+    surface = rough(32, waves=4)
+    law = law_for(32)
+    state = adhesion.solve(surface, ELASTIC, law=law, mean_pressure=0.01, max_iterations=1, threads=1)
+    assert state.contact.status is Status.ITERATION_LIMIT
+    state = adhesion.solve(surface, ELASTIC, law=law, mean_pressure=0.01, time_limit=1e-9, threads=1)
+    assert state.contact.status is Status.TIME_LIMIT
+    with pytest.raises(NotConverged, match="iteration limit"):
+        adhesion_path.follow(surface, ELASTIC, law=law, mean_pressures=[0.01], max_iterations=1, threads=1)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({}, "exactly one"),
+        ({"mean_pressure": 1.0, "offset": 1.0}, "exactly one"),
+        ({"mean_pressure": np.nan}, "finite"),
+        ({"offset": np.inf}, "finite"),
+        ({"offset": 0.0, "tolerance": 0.0}, "tolerance"),
+        ({"offset": 0.0, "max_iterations": 0}, "max_iterations"),
+        ({"offset": 0.0, "time_limit": -1.0}, "time_limit"),
+        ({"offset": 0.0, "start": np.zeros((3, 3))}, "start"),
+    ],
+)
+def test_bad_arguments_are_refused(arguments, message):
+    with pytest.raises(InvalidInput, match=message):
+        adhesion.solve(rough(32, waves=4), ELASTIC, law=law_for(32), **arguments)
+
+
+def test_an_offset_below_full_contact_is_refused():
+    surface, law = sticky_tips()
+    with pytest.raises(InvalidInput, match="below the mean height"):
+        adhesion.solve(surface, ELASTIC, law=law, offset=-1e-4)
+    with pytest.raises(InvalidInput, match="below the mean height"):
+        adhesion_path.follow(surface, ELASTIC, law=law, offsets=[0.01, -1e-4])
+
+
+def test_an_empty_path_is_refused():
+    with pytest.raises(InvalidInput, match="empty"):
+        adhesion_path.follow(rough(32, waves=4), ELASTIC, law=law_for(32), offsets=[])
+
+
+def challenge(points, length=0.5e-6):
+    """The contact-mechanics challenge (Mueser et al. 2017), one two-hundredth of its period."""
+    low = 2 * np.pi / 0.2e-6
+    surface = random_surface(
+        lambda q: np.where(q < low, 1.0, (q / low) ** -3.6),
+        q_short=2 * np.pi / 0.1e-6,
+        lengths=(length, length),
+        shape=(points, points),
+        seed=5,
+    )
+    surface = HeightField(heights=surface.heights / surface.rms_gradient, lengths=(length, length))
+    return surface, HalfSpace(solid=Solid(young=25e6, poisson=0.0)), Exponential(work=0.05, reach=2.071e-9)
+
+
+@pytest.mark.slow
+def test_the_challenge_at_reduced_size_is_a_minimum_on_two_grids_and_from_two_starts():
+    areas, energies = [], []
+    for points in (512, 1024):
+        surface, solid, law = challenge(points)
+        elastic = bem.solve(surface, solid, mean_pressure=0.25e6).checked()
+        state = adhesion.solve(surface, solid, law=law, mean_pressure=0.25e6).checked()
+        other = adhesion.solve(
+            surface, solid, law=law, mean_pressure=0.25e6, start=np.maximum(elastic.gap, 0)
+        ).checked()
+        # With the work of the load the energy is stationary, and so alike to twice the digits of the fields.
+        whole = [one.energy + 0.25e6 * one.contact.gap.mean() for one in (state, other)]
+        assert whole[1] == pytest.approx(whole[0], rel=1e-10)
+        assert adhesion.stability(state, solid).is_minimum
+        assert state.contact.in_contact.mean() > 2 * elastic.in_contact.mean()
+        areas.append(state.contact.in_contact.mean())
+        energies.append(whole[0])
+    assert areas[1] == pytest.approx(areas[0], rel=0.02)
+    assert energies[1] == pytest.approx(energies[0], rel=1e-4)
+
+
+def test_the_grid_of_the_challenge_itself_must_be_near_a_nanometre():
+    surface, solid, law = challenge(64)
+    with pytest.raises(InvalidInput, match=r"spans 0\.274 cells of the grid.*use 467 x 467 points"):
+        adhesion.solve(surface, solid, law=law, mean_pressure=0.25e6)

@@ -1,0 +1,131 @@
+import itertools
+
+import numpy as np
+import pytest
+
+from fem_contact import bem
+from fem_contact.errors import InvalidInput
+from fem_contact.hardness import Hardness, press, unload, yielded
+from fem_contact.response import HalfSpace
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField, random_surface
+
+ELASTIC = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
+LOAD = 0.01
+
+
+def rough(points=64, *, waves=8, gradient=0.1):
+    surface = random_surface(
+        lambda q: q ** (-3.6),
+        q_short=waves * 2 * np.pi,
+        lengths=(1.0, 1.0),
+        shape=(points, points),
+        seed=31,
+    )
+    return HeightField(heights=surface.heights * (gradient / surface.rms_gradient), lengths=(1.0, 1.0))
+
+
+def pressed(hardness, load=LOAD, **options):
+    return press(
+        rough(), ELASTIC, hardness=Hardness(pressure=hardness), mean_pressure=load, threads=1, **options
+    ).checked()
+
+
+@pytest.mark.parametrize("hardness", [0.011, 0.03, 0.1, 0.3])
+def test_areas_add_up_to_the_nominal_area_and_loads_to_the_load(hardness):
+    found = yielded(pressed(hardness))
+    assert found.elastic_area + found.plastic_area + found.open_area == pytest.approx(1, abs=1e-14)
+    assert found.elastic_load + found.plastic_load == pytest.approx(LOAD, rel=1e-12)
+    assert found.plastic_load == pytest.approx(hardness * found.plastic_area, rel=1e-12)
+
+
+def test_a_hardness_above_every_pressure_changes_nothing():
+    elastic = bem.solve(rough(), ELASTIC, mean_pressure=LOAD, threads=1).checked()
+    found = pressed(2 * float(elastic.pressure.max()))
+    assert yielded(found).plastic_area == 0
+    assert yielded(found).volume == 0
+    np.testing.assert_allclose(found.pressure, elastic.pressure, atol=1e-6 * elastic.pressure.max())
+
+
+def test_plastic_area_tends_to_load_over_hardness_as_the_solid_gets_softer():
+    shares = [yielded(pressed(hardness)).plastic_area * hardness / LOAD for hardness in (0.2, 0.05, 0.0125)]
+    assert shares == sorted(shares)
+    assert shares[-1] == pytest.approx(1, abs=0.05)
+
+
+def test_plastic_area_grows_and_elastic_area_falls_when_the_solid_gets_softer():
+    found = [yielded(pressed(hardness)) for hardness in (0.15, 0.08, 0.04, 0.02)]
+    assert all(b.plastic_area > a.plastic_area for a, b in itertools.pairwise(found))
+    assert all(b.elastic_area < a.elastic_area for a, b in itertools.pairwise(found))
+    assert all(b.volume > a.volume for a, b in itertools.pairwise(found))
+
+
+def test_pressing_the_smoothed_surface_again_is_elastic_and_gives_the_same_pressure():
+    first = pressed(0.05, tolerance=1e-10)
+    smooth = yielded(first).surface
+    again = bem.solve(smooth, ELASTIC, mean_pressure=LOAD, tolerance=1e-10, threads=1).checked()
+    np.testing.assert_allclose(again.pressure, first.pressure, atol=1e-4 * 0.05)
+    assert again.offset == pytest.approx(first.offset, rel=1e-6)
+
+
+def test_smoothing_lowers_every_summit_and_no_valley():
+    first = pressed(0.05)
+    found = yielded(first)
+    assert np.all(found.surface.heights <= first.heights)
+    assert np.all(found.indentation[~first.at_bound] == 0)
+    assert found.surface.heights.max() < first.heights.max()
+    assert found.surface.rms_gradient < rough().rms_gradient
+
+
+def test_unloading_is_elastic_and_has_more_contact_than_loading():
+    first = pressed(0.05)
+    (back,) = unload(first, ELASTIC, mean_pressures=[LOAD / 4], threads=1)
+    loading = pressed(0.05, load=LOAD / 4)
+    assert back.checked().pressure.max() < 0.05
+    assert back.in_contact.mean() > loading.in_contact.mean()
+    with pytest.raises(InvalidInput, match="yielded under"):
+        unload(first, ELASTIC, mean_pressures=[1.1 * LOAD])
+
+
+def test_a_field_of_hardness_bounds_every_point_by_its_own():
+    points = np.linspace(0, 2 * np.pi, 64, endpoint=False)
+    field = 0.06 * (1.5 + np.sin(points))[:, None] * np.ones(64)
+    contact = pressed(field)
+    assert np.all(contact.pressure <= field * (1 + 1e-12))
+    assert contact.at_bound.any()
+    np.testing.assert_allclose(contact.pressure[contact.at_bound], field[contact.at_bound], rtol=1e-12)
+    found = yielded(contact)
+    assert found.elastic_load + found.plastic_load == pytest.approx(LOAD, rel=1e-12)
+
+
+def test_load_equal_to_hardness_yields_everywhere_and_above_it_is_refused():
+    found = yielded(pressed(LOAD))
+    assert found.plastic_area == 1
+    assert found.surface.rms_height < rough().rms_height
+    with pytest.raises(InvalidInput, match="pressure_bound"):
+        pressed(0.9 * LOAD)
+
+
+def test_other_units_of_length_and_pressure_change_no_bit():
+    length, pressure = 2.0**20, 2.0**-30
+    surface = rough()
+    scaled = HeightField(heights=surface.heights * length, lengths=(length, length))
+    soft = HalfSpace(solid=Solid(young=pressure, poisson=0.0))
+    one = yielded(pressed(0.05))
+    two = yielded(
+        press(
+            scaled,
+            soft,
+            hardness=Hardness(pressure=0.05 * pressure),
+            mean_pressure=LOAD * pressure,
+            threads=1,
+        )
+    )
+    assert (two.plastic_area, two.elastic_area) == (one.plastic_area, one.elastic_area)
+    np.testing.assert_array_equal(two.indentation, one.indentation * length)
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf, np.array([1.0, 0.0]), np.array([])])
+def test_a_hardness_that_is_not_positive_and_finite_is_refused(value):
+    with pytest.raises(InvalidInput, match="hardness"):
+        Hardness(pressure=value)

@@ -1,0 +1,220 @@
+"""Effects that a scene lists: read, refused or handed to the slots of the solvers, explained, and stored."""
+
+import json
+import tomllib
+
+import numpy as np
+import pytest
+
+from fem_contact import bem
+from fem_contact.response import BondedLayer, HalfSpace
+from fem_contact.solid import Solid
+from validation.effects import check_effects, explain
+from validation.errors import SceneError, UsageError
+from validation.jobs import execute, jobs_of
+from validation.neglect import Roughness, full_contact_energy, judge
+from validation.scene import Scene, load_scene
+from validation.slots import response_of, theory_modulus, theory_variance
+from validation.surfaces import reference_field
+
+HARD = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n'
+STICKY = '[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "40 nm"\n'
+LAYER = '[[effects]]\nkind = "thickness"\nthickness = "1 um"\n'
+COATED = '[[effects]]\nkind = "coating"\nyoung = "6 MPa"\nthickness = "0.4 um"\n'
+GRADED = '[[effects]]\nkind = "graded"\nbulk_young = "6 MPa"\ndepth = "0.4 um"\n'
+CRACKS = '[[effects]]\nkind = "cracks"\ndissipation = 0.5\n'
+SIZED = '[[effects]]\nkind = "size-dependent-hardness"\nhardness = "1 MPa"\nlength = "1 um"\n'
+
+
+@pytest.fixture
+def with_effects(write_scene):
+    def make(*effects, theory=False, fem=False, extra=()):
+        changes = [("[solid]", "\n".join(effects) + "\n[solid]")]
+        if not theory:
+            changes.append(("[methods.theory]", ""))
+        return load_scene(str(write_scene(*changes, *extra, fem=fem)))
+
+    return make
+
+
+def solved(scene, grid=48):
+    return execute(
+        next(job for job in jobs_of(scene) if job.grid == (grid, grid)), threads=1
+    ).contact.checked()
+
+
+def test_hardness_bounds_the_pressure(with_effects):
+    contact = solved(with_effects(HARD))
+    assert contact.pressure.max() == 40e3
+    assert contact.at_bound.any()
+
+
+def test_adhesion_pulls_beside_the_contact(with_effects):
+    contact = solved(with_effects(STICKY))
+    assert contact.pressure.min() < 0
+    assert contact.in_contact.mean() > solved(with_effects()).in_contact.mean()
+
+
+@pytest.mark.parametrize("effect", [LAYER, COATED])
+def test_a_stiffer_response_has_less_contact(with_effects, effect):
+    assert solved(with_effects(effect)).in_contact.mean() < 0.95 * solved(with_effects()).in_contact.mean()
+
+
+def test_thickness_is_the_layer_of_the_library(with_effects):
+    scene = with_effects(LAYER)
+    (job,) = (job for job in jobs_of(scene) if job.grid == (24, 24) and job.shift == (0.0, 0.0))
+    field = job.height_field()
+    layer = BondedLayer(solid=Solid(young=2e6, poisson=0.3), thickness=1e-6)
+    pressure = 0.1 * layer.contact_modulus * reference_field(scene.surface).rms_gradient
+    direct = bem.solve(field, layer, mean_pressure=pressure, threads=1)
+    np.testing.assert_array_equal(execute(job, threads=1).contact.pressure, direct.pressure)
+
+
+def test_finite_elements_and_boundary_elements_agree_on_a_graded_solid(with_effects):
+    scene = with_effects(GRADED, fem=True)
+    one, two = (
+        next(job for job in jobs_of(scene) if job.method == method and job.grid == (24, 24))
+        for method in ("bem", "fem")
+    )
+    fine, block = execute(one, threads=1).contact, execute(two).contact
+    difference = np.linalg.norm(block.pressure - fine.pressure) / np.linalg.norm(fine.pressure)
+    plain = execute(next(job for job in jobs_of(with_effects()) if job.grid == (24, 24)), threads=1).contact
+    grading = np.linalg.norm(plain.pressure - fine.pressure) / np.linalg.norm(fine.pressure)
+    # Trilinear elements with 6 nodes on the shortest wave, in a block as deep as the longest.
+    assert difference < 0.12
+    assert grading > 3 * difference
+
+
+def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
+    plain, hard = jobs_of(with_effects())[0], jobs_of(with_effects(HARD))[0]
+    assert "effects" not in plain.recipe
+    assert json.loads(json.dumps(hard.recipe))["effects"] == [{"kind": "hardness", "hardness": 40e3}]
+    assert plain.key != hard.key
+
+
+@pytest.mark.parametrize(
+    ("effects", "options", "message"),
+    [
+        ((HARD,), {"theory": True}, r"effects\.0\.kind = 'hardness': method 'theory' does not handle it"),
+        ((STICKY,), {"fem": True}, r"effects\.0\.kind = 'adhesion': method 'fem' does not handle it"),
+        ((HARD,), {"fem": True}, r"method 'fem' does not handle it; handled by: bem"),
+        ((COATED,), {"fem": True}, r"'coating': method 'fem'"),
+        ((LAYER,), {"theory": True}, r"'thickness': method 'theory'"),
+        (
+            (CRACKS,),
+            {},
+            r"'cracks': method 'bem' does not handle it; handled by: the functions of the package",
+        ),
+        ((SIZED,), {}, r"'size-dependent-hardness': method 'bem' does not handle it"),
+        ((HARD, STICKY), {}, r"no solver handles 'hardness' together with 'adhesion'"),
+        ((HARD.replace("40 kPa", "9 kPa"),), {}, r"effects\.0\.hardness = 9000 Pa: must not be below"),
+        ((STICKY.replace("40 nm", "2 nm"),), {}, r"effects\.0\.reach = 2e-09 m: grid \[12, 12\] has"),
+        ((LAYER,), {"fem": True}, r"methods\.fem\.depth: effects\.0\.thickness says the depth"),
+        (
+            (LAYER + 'base = "frictionless"\n',),
+            {"fem": True, "extra": [('depth = "5 um"', "")]},
+            r"effects\.0\.base = 'frictionless': must be 'bonded'",
+        ),
+        ((COATED + "poisson = 0.4\n",), {"theory": True}, r"effects\.0\.poisson = 0\.4: method 'theory'"),
+    ],
+)
+def test_what_a_method_lacks_is_refused_by_name_before_computing(with_effects, effects, options, message):
+    with pytest.raises(UsageError, match=message):
+        check_effects(with_effects(*effects, **options))
+
+
+@pytest.mark.parametrize(
+    ("effect", "message"),
+    [
+        ('[[effects]]\nkind = "hardness"\n', "effects.0.hardness: missing"),
+        ("[[effects]]\nhardness = 1.0\n", "effects.0.kind: missing; one of 'adhesion', 'coating', 'cracks'"),
+        (HARD.replace("kPa", "nm"), "effects.0.hardness = '40 nm': is not a pressure"),
+        (STICKY.replace("mJ/m^2", "mJ"), "is not a work of adhesion"),
+        (STICKY + 'law = "spring"\n', "effects.0.law = 'spring': must be 'exponential' or 'dugdale'"),
+        (HARD + "work = 1.0\n", "unknown key 'work'"),
+        (LAYER + GRADED, "'thickness' and 'graded' both fill the slot 'response'"),
+    ],
+)
+def test_a_wrong_effect_is_one_line_naming_the_key(with_effects, effect, message):
+    with pytest.raises(SceneError) as error:
+        with_effects(effect)
+    assert message in str(error.value)
+
+
+def test_theory_of_a_graded_solid_uses_the_modulus_each_wave_feels(with_effects):
+    scene = with_effects(GRADED)
+    field = reference_field(scene.surface)
+    solid = Solid(young=2e6, poisson=0.3)
+    modulus = theory_modulus(solid, scene.effects)
+    constant = theory_variance(field, lambda q: np.full(np.shape(q), solid.contact_modulus))
+    assert constant == pytest.approx(solid.contact_modulus**2 / 4 * field.rms_gradient**2, rel=1e-12)
+    assert constant < theory_variance(field, modulus) < 9 * constant
+    assert theory_modulus(solid, ()) is None
+    assert isinstance(response_of(solid, ()), HalfSpace)
+
+
+def rough(gradient=0.1):
+    return Roughness(
+        modulus=1e9, gradient=gradient, curvature=1e5, longest=1e-5, shortest=1e-6, full_energy=10.0
+    )
+
+
+def effect(text):
+    return Scene.model_validate(
+        {
+            "name": "x",
+            "surface": {
+                "kind": "self-affine",
+                "length": 1.0,
+                "hurst": 0.5,
+                "lambda_long": 0.5,
+                "lambda_short": 0.3,
+                "rms_gradient": 0.1,
+                "seed": 3,
+            },
+            "solid": {"young": 1.0, "poisson": 0.3},
+            "load": {"pressure": 1.0},
+            "methods": {"bem": {"grids": [32]}},
+            **tomllib.loads(text),
+        }
+    ).effects[0]
+
+
+@pytest.mark.parametrize(
+    ("template", "matters", "negligible"),
+    [
+        ('[[effects]]\nkind = "hardness"\nhardness = "{}"\n', "100 MPa", "1 GPa"),
+        ('[[effects]]\nkind = "adhesion"\nwork = "{}"\nreach = "1 nm"\n', "2 J/m^2", "1 uJ/m^2"),
+        ('[[effects]]\nkind = "thickness"\nthickness = "{}"\n', "5 um", "50 um"),
+        ('[[effects]]\nkind = "coating"\nyoung = "1 MPa"\nthickness = "{}"\n', "1 um", "1 nm"),
+        ('[[effects]]\nkind = "graded"\nbulk_young = "2 GPa"\ndepth = "{}"\n', "1 um", "1 mm"),
+    ],
+)
+def test_the_word_of_a_listed_effect_turns_with_its_parameter(template, matters, negligible):
+    assert judge(effect(template.format(matters)), rough()).matters
+    word = judge(effect(template.format(negligible)), rough())
+    assert word.verdict.startswith("negligible")
+    assert not judge(effect(template.format(matters)), rough(gradient=0.0)).matters
+
+
+def test_explain_gives_numbers_for_what_is_listed_and_what_is_not(with_effects):
+    scene = with_effects(HARD)
+    said = explain(scene)
+    (hard,) = said.effects
+    assert hard.effect == "hardness"
+    assert hard.number.startswith("E* h'_rms / H = ")
+    words = {item.effect: item for item in said.left_out}
+    assert "hardness" not in words
+    assert words["adhesion"].verdict.startswith("unknown without a work of adhesion")
+    assert words["thickness"].verdict.startswith("unknown without a thickness")
+    assert {"finite slopes", "finite elements"} <= set(words)
+    assert any("E* h'_rms / H" in part for part in said.parts() if isinstance(part, str))
+
+
+def test_the_energy_of_full_contact_is_that_of_the_pressure_that_makes_it(with_effects):
+    field = reference_field(with_effects().surface)
+    half = HalfSpace(solid=Solid(young=2e6, poisson=0.3))
+    contact = bem.solve(field, half, mean_pressure=1e6, threads=1).checked()
+    assert contact.in_contact.all()
+    stored = 0.5 * np.mean(contact.pressure * (field.heights - field.heights.mean()))
+    assert full_contact_energy(field, modulus=half.contact_modulus) == pytest.approx(stored, rel=1e-10)

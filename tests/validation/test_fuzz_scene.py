@@ -1,0 +1,223 @@
+"""Whatever a scene file holds, it is a scene or a refusal that names the mistake: never another error."""
+
+import contextlib
+import math
+import tomllib
+
+import pytest
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+
+from validation.effects import check_effects
+from validation.errors import SceneError, UsageError
+from validation.scene import Scene, load_scene, scene_text
+
+BASE = """
+name = "fuzz"
+[surface]
+kind = "self-affine"
+length = ["100 um", 1e-4]
+hurst = 0.8
+lambda_long = "50 um"
+lambda_short = "12.5 um"
+rms_gradient = 0.1
+seed = 5
+[solid]
+young = "1 GPa"
+poisson = 0.3
+[load]
+reduced_pressure = 0.05
+[methods.bem]
+grids = [32, [32, 48]]
+[methods.theory]
+[ensemble]
+realisations = 2
+grids = [32, 48]
+[[effects]]
+kind = "coating"
+young = "2 GPa"
+thickness = "1 um"
+"""
+TREE = tomllib.loads(BASE)
+
+WORDS = st.sampled_from(
+    [
+        "0.5 um",
+        "10 MPa",
+        "-1 m",
+        "1e400 m",
+        "nan m",
+        "1 m m",
+        "1 kg*m/s^2",
+        "5",
+        " m",
+        "1 um**2",
+        "1 (",
+        "1 __import__",
+        "self-affine",
+        "file",
+        "hardness",
+        "adhesion",
+        "thickness",
+        "graded",
+        "cracks",
+        "size-dependent-hardness",
+        "sharp",
+        "50 mJ/m^2",
+        "\x00",
+        "ä" * 40,
+    ]
+)
+LEAVES = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.integers(-(10**30), 10**30),
+    st.floats(allow_nan=True, allow_infinity=True),
+    st.text(max_size=12),
+    WORDS,
+)
+VALUES = st.recursive(
+    LEAVES,
+    lambda inner: st.one_of(
+        st.lists(inner, max_size=4), st.dictionaries(st.sampled_from(["kind", "length", "work", "x"]), inner)
+    ),
+    max_leaves=6,
+)
+
+
+def places(tree, path=()):
+    """Every key of the scene, and one that is not there."""
+    found = [(*path, "unknown")]
+    items = tree.items() if isinstance(tree, dict) else enumerate(tree)
+    for key, value in items:
+        found.append((*path, key))
+        if isinstance(value, (dict, list)):
+            found.extend(places(value, (*path, key)))
+    return found
+
+
+PLACES = [
+    place
+    for place in [*places(TREE), ("load", "pressure"), ("methods", "fem"), ("run",), ("surface", "path")]
+    if not isinstance(place[-2] if len(place) > 1 else None, int) or isinstance(place[-1], str)
+]
+
+
+def changed(tree, place, value):
+    """A copy of the tree with one place set; places that do not exist any more are left alone."""
+    key, *rest = place
+    if isinstance(tree, dict):
+        copy = dict(tree)
+        copy[key] = changed(tree.get(key, {}), rest, value) if rest else value
+        return copy
+    if isinstance(tree, list) and isinstance(key, int) and key < len(tree):
+        copy = list(tree)
+        copy[key] = changed(tree[key], rest, value) if rest else value
+        return copy
+    return tree
+
+
+def judged(tree):
+    """Read a scene as the command line does; None where it is refused in words."""
+    from pydantic import ValidationError
+
+    from validation.scene import scene_problems
+
+    try:
+        scene = Scene.model_validate(tree)
+    except ValidationError as error:
+        lines = scene_problems(error)
+        assert lines
+        assert all(isinstance(line, str) and line for line in lines)
+        return None
+    try:
+        check_effects(scene)
+    except UsageError:
+        return None
+    return scene
+
+
+def finite(value):
+    """Whether every number of a checked scene is finite."""
+    if isinstance(value, float):
+        return math.isfinite(value)
+    if isinstance(value, dict):
+        return all(finite(inner) for inner in value.values())
+    if isinstance(value, (list, tuple)):
+        return all(finite(inner) for inner in value)
+    return True
+
+
+@settings(max_examples=300, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@given(st.lists(st.tuples(st.sampled_from(PLACES), VALUES), min_size=1, max_size=3))
+@example([(("surface", "kind"), ["file"])])
+@example([(("effects", 0, "kind"), {"kind": None})])
+@example([(("surface", "length"), "1e400 m")])
+@example([(("effects",), {"kind": "hardness"})])
+@example([(("effects",), ["hardness"])])
+@example([(("surface",), None)])
+def test_a_changed_scene_is_a_scene_of_finite_numbers_or_a_refusal_in_words(changes):
+    tree = TREE
+    for place, value in changes:
+        tree = changed(tree, place, value)
+    scene = judged(tree)
+    assert scene is None or finite(scene.model_dump())
+
+
+@settings(
+    max_examples=150,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
+)
+@given(place=st.integers(0, len(BASE)), cut=st.integers(0, 12), text=st.binary(max_size=8))
+def test_a_file_of_damaged_text_is_read_or_refused(tmp_path, place, cut, text):
+    path = tmp_path / "scene.toml"
+    raw = BASE.encode()
+    path.write_bytes(raw[:place] + text + raw[place + cut :])
+    with contextlib.suppress(SceneError):
+        load_scene(str(path))
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(st.text(max_size=30))
+@example("")
+@example(".")
+@example("/")
+@example("\x00.toml")
+@example("a" * 5000 + ".toml")
+def test_a_name_that_is_no_scene_is_refused(name):
+    try:
+        scene_text(name)
+    except SceneError:
+        return
+    pytest.fail(f"{name!r} was taken for a scene")
+
+
+WORDS_OF_THE_COMMAND = (
+    "explain study run scenes list show --json --quiet --list --cases none.toml quickstart stability "
+    "--workers -1 nonsense --help --dry-run"
+)
+
+
+@settings(
+    max_examples=40,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.function_scoped_fixture],
+)
+@given(st.lists(st.sampled_from(WORDS_OF_THE_COMMAND.split(" ")), max_size=4))
+def test_the_command_line_ends_with_an_exit_code_and_no_traceback(tmp_path, arguments):
+    from typer.testing import CliRunner
+
+    from validation import cli
+
+    if "run" in arguments and "quickstart" in arguments:
+        arguments = [*arguments, "--dry-run"]
+    if "study" in arguments and "stability" in arguments:
+        arguments = [*arguments, "--cases", "nonsense"]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path)
+        result = CliRunner().invoke(cli.app, arguments)
+    expected = (SystemExit, UsageError, SceneError)
+    assert result.exception is None or isinstance(result.exception, expected), result.exception

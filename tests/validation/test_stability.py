@@ -1,0 +1,99 @@
+"""The study of hard cases: what it calls right, refused and wrong, and that nothing is wrong."""
+
+import math
+
+import numpy as np
+import pytest
+
+from fem_contact.contact import Status
+from fem_contact.errors import InvalidInput
+from validation.errors import UsageError
+from validation.studies import find_study, stability
+from validation.studies._hard_cases import HARD_CASES, HardCase, Measured
+
+#: Cases of a second or less; the others run with the slow tests.
+QUICK = ("load", "gradient", "hurst", "ties", "precision", "hardness", "contrast", "depth")
+
+
+def outcomes(data):
+    return data["outcome"].values
+
+
+def check(data):
+    wrong = data.isel(row=outcomes(data) == "WRONG")
+    assert wrong.sizes["row"] == 0, list(zip(wrong["case"].values, wrong["value"].values, strict=True))
+    right = data.isel(row=outcomes(data) == "right")
+    assert np.all(right["error"].values <= right["bound"].values)
+    refused = data.isel(row=outcomes(data) == "refused")
+    assert all(": must" in words or "needed" in words for words in refused["words"].values)
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_no_quick_case_gives_a_silent_wrong_number(name):
+    check(stability.run(cases=(name,)))
+
+
+@pytest.mark.slow
+def test_no_case_gives_a_silent_wrong_number():
+    check(stability.run())
+
+
+def test_every_method_has_a_hard_case_and_each_says_what_is_right_beforehand():
+    assert {case.method for case in HARD_CASES} == {"bem", "fem", "theory"}
+    assert all(case.reference and case.bound > 0 and len(case.values) > 4 for case in HARD_CASES)
+
+
+def fake(measure, *, refusable=lambda value: False):
+    return HardCase(
+        name="fake",
+        method="bem",
+        dial="nothing",
+        values=(1.0,),
+        reference="nothing",
+        bound=0.1,
+        measure=measure,
+        refusable=refusable,
+    )
+
+
+def refusing(value):
+    raise InvalidInput("value: must be another")
+
+
+def crashing(value):
+    raise ZeroDivisionError("division by zero")
+
+
+@pytest.mark.parametrize(
+    ("case", "outcome"),
+    [
+        (fake(lambda value: Measured(error=0.05)), "right"),
+        (fake(lambda value: Measured(error=0.2)), "WRONG"),
+        (fake(lambda value: Measured(error=math.nan)), "WRONG"),
+        (fake(lambda value: Measured(error=9.0, status=Status.STAGNATED)), "not converged"),
+        (fake(refusing), "WRONG"),
+        (fake(refusing, refusable=lambda value: True), "refused"),
+        (fake(crashing, refusable=lambda value: True), "WRONG"),
+    ],
+)
+def test_an_outcome_is_right_only_for_a_small_error_of_a_converged_solve(monkeypatch, case, outcome):
+    monkeypatch.setattr(stability, "HARD_CASES", (case,))
+    data = stability.run()
+    assert list(outcomes(data)) == [outcome]
+    said = stability.findings(data)
+    assert (outcome == "WRONG") == ("gave a wrong number, a crash or a hang" in said[-1])
+
+
+def test_a_hang_is_wrong(monkeypatch):
+    monkeypatch.setattr(stability, "HARD_CASES", (fake(lambda value: Measured(error=0.0)),))
+    assert list(outcomes(stability.run(slowest=0.0))) == ["WRONG"]
+
+
+def test_the_study_is_found_by_name_with_its_options_and_draws_every_case():
+    study = find_study("stability")
+    assert set(study.options) == {"cases", "slowest"}
+    data = study.run(cases=("hardness", "ties"))
+    assert [drawing.name for drawing in study.figures(data)] == ["stability-hardness", "stability-ties"]
+    assert "refused at 0.99 (InvalidInput: pressure_bound" in study.findings(data)[0]
+    with pytest.raises(UsageError, match="no such case; one of: load"):
+        study.run(cases=("nonsense",))

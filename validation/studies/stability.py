@@ -1,0 +1,181 @@
+"""How far can each method be pushed before it breaks, and does it say so when it does?
+
+Every hard case turns one dial. At each value a method may be right (its error below a bound written down
+beforehand), refuse by name, or say that it did not converge. Anything else - a wrong number that calls itself
+converged, a NaN, an error that is no refusal - is a failure of the method.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_contact.contact import Status
+from fem_contact.errors import FemContactError
+from persson.errors import PerssonError
+from validation.errors import UsageError
+from validation.studies._hard_cases import HARD_CASES, HardCase
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from validation.bench import Bench
+    from validation.drawing import Drawing
+
+__all__ = ["OUTCOMES", "figures", "findings", "run"]
+
+#: What can happen at one value of a dial, from good to bad.
+OUTCOMES = ("right", "refused", "not converged", "WRONG")
+
+_WORDS = {
+    "case": "hard case",
+    "method": "method",
+    "dial": "what is turned",
+    "reference": "what is right",
+    "outcome": "what happened",
+    "words": "refusal or status, in the method's own words",
+}
+
+
+def run(*, bench: Bench | None = None, cases: tuple[str, ...] = (), slowest: float = 60.0) -> xr.Dataset:
+    """Turn every dial.
+
+    Parameters
+    ----------
+    bench : Bench, optional
+        Not used: the cases are small, and what is studied is how a solve ends.
+    cases : tuple of str
+        Names of cases; all if empty.
+    slowest : float
+        Seconds that one value may take; beyond it counts as a hang.
+
+    Returns
+    -------
+    xarray.Dataset
+        One row for each value of each dial: error, bound, residual, outcome, seconds.
+
+    Raises
+    ------
+    UsageError
+        For an unknown case.
+    """
+    import xarray as xr
+
+    del bench
+    known = {case.name: case for case in HARD_CASES}
+    for name in cases:
+        if name not in known:
+            raise UsageError(f"--cases = {name!r}: no such case; one of: {', '.join(known)}")
+    chosen = [known[name] for name in cases] or list(HARD_CASES)
+    rows = [_turned(case, value, slowest) for case in chosen for value in case.values]
+    columns: dict[str, tuple[str, list[str | float], dict[str, str]]] = {
+        name: ("row", [row[name] for row in rows], {"units": "", "long_name": _WORDS[name]})
+        for name in _WORDS
+    }
+    for name, words, unit in (
+        ("value", "value of the dial", "1"),
+        ("error", "error, as the case defines it", "1"),
+        ("bound", "largest error that counts as right", "1"),
+        ("residual", "residual", "1"),
+        ("seconds", "wall time", "s"),
+    ):
+        columns[name] = ("row", [row[name] for row in rows], {"units": unit, "long_name": words})
+    return xr.Dataset(columns, attrs={"methods": "bem fem theory"})
+
+
+def _turned(case: HardCase, value: float, slowest: float) -> dict[str, str | float]:
+    clock = time.perf_counter()
+    error, residual, words = math.nan, math.nan, ""
+    try:
+        measured = case.measure(value)
+    except (FemContactError, PerssonError) as refusal:
+        words = f"{type(refusal).__name__}: {refusal}"
+        outcome = "refused" if case.refusable(value) else "WRONG"
+    except Exception as crash:  # whatever it is, it is what this study looks for
+        outcome, words = "WRONG", f"{type(crash).__name__}: {crash}"
+    else:
+        error, residual = measured.error, measured.residual
+        outcome = "right" if error <= case.bound else "WRONG"
+        if measured.status is not Status.CONVERGED:
+            outcome, words = "not converged", measured.status.value
+    seconds = time.perf_counter() - clock
+    if seconds > slowest:
+        outcome, words = "WRONG", f"took {seconds:.0f} s. {words}"
+    return {
+        "case": case.name,
+        "method": case.method,
+        "dial": case.dial,
+        "reference": case.reference,
+        "value": value,
+        "error": error,
+        "bound": case.bound,
+        "residual": residual,
+        "outcome": outcome,
+        "words": words,
+        "seconds": seconds,
+    }
+
+
+def findings(data: xr.Dataset) -> tuple[str, ...]:
+    """Say for every case how far it is right, what it refuses, and what is wrong."""
+    sentences = []
+    for name in dict.fromkeys(data["case"].values):
+        own = data.isel(row=data["case"].values == name)
+        outcomes = own["outcome"].values
+        right = own["value"].values[outcomes == "right"]
+        errors = own["error"].values[outcomes == "right"]
+        method, dial = str(own["method"].values[0]), str(own["dial"].values[0])
+        text = f"{method}, {name} ({dial}): right at {right.size} of {outcomes.size} values"
+        if right.size:
+            text += (
+                f", from {right[0]:g} to {right[-1]:g}, largest error {errors.max():.2g} "
+                f"(allowed {float(own['bound'].values[0]):.2g})"
+            )
+        for outcome in OUTCOMES[1:]:
+            where = own["value"].values[outcomes == outcome]
+            if where.size:
+                first = str(own["words"].values[outcomes == outcome][0])
+                text += f"; {outcome} at {', '.join(f'{v:g}' for v in where)}"
+                text += f" ({first})" if first else ""
+        sentences.append(text + ".")
+    wrong = int(np.count_nonzero(data["outcome"].values == "WRONG"))
+    total = data.sizes["row"]
+    sentences.append(
+        f"Of {total} values {wrong} gave a wrong number, a crash or a hang."
+        if wrong
+        else f"None of the {total} values gave a silent wrong number, a NaN, a crash or a hang."
+    )
+    return tuple(sentences)
+
+
+def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
+    """Draw the error along every dial beside what is allowed."""
+    from validation import plots
+    from validation.drawing import Drawing
+
+    drawings = []
+    for name in dict.fromkeys(data["case"].values):
+        own = data.isel(row=(data["case"].values == name) & np.isfinite(data["error"].values))
+        if own.sizes["row"] == 0:
+            continue
+        # An error of exactly 0 is drawn at rounding size, so that a logarithmic axis has it.
+        drawn = own.assign(error=np.maximum(own["error"], np.finfo(float).eps))
+        drawn["error"].attrs = own["error"].attrs
+        drawn["value"].attrs["long_name"] = str(own["dial"].values[0])
+        drawings.append(
+            Drawing(
+                name=f"stability-{name}",
+                figure=plots.lines_figure(
+                    drawn,
+                    x="value",
+                    lines=("error", "bound"),
+                    logarithmic="xy" if float(own["value"].min()) > 0 else "y",
+                ),
+                data=own[["value", "error", "bound", "residual", "seconds"]],
+                caption=f"{own['method'].values[0]}, {name}: error against {own['reference'].values[0]}.",
+            )
+        )
+    return tuple(drawings)
