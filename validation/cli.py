@@ -112,7 +112,7 @@ def run(
 
 @app.command(
     context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
-    epilog="Examples: fem-contact study --list  |  fem-contact study pressure --seeds 3,4,5 --grid 128 "
+    epilog="Examples: fem-contact study --list  |  fem-contact study area --seeds 3,4,5 --grids 128,192 "
     "--workers 2",
 )
 def study(

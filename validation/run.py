@@ -318,7 +318,8 @@ def attempt(job: AnyJob, store: Store, *, threads: int | None = None) -> Outcome
     """
     try:
         if isinstance(job, NumbersJob):
-            store.save(job, job.measure())
+            with one_blas_thread():
+                store.save(job, job.measure())
             return Outcome(job=job)
         # Sparse solvers gain nothing from a threaded BLAS, whose idle threads spin on cores that others need.
         with one_blas_thread():

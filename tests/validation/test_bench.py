@@ -161,6 +161,7 @@ def test_without_an_answering_scheduler_nothing_is_computed(tmp_path, monkeypatc
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_a_study_killed_half_way_repeats_no_finished_case(serial, tmp_path):
     command = [sys.executable, "-m", "validation.cli", "study", "area", "--quiet", "--workers", "2"]
     command += ["--store", str(tmp_path / "store"), "--output", str(tmp_path / "out")]
@@ -232,7 +233,7 @@ def small_disk(folder, kilobytes):
         subprocess.run(["umount", "-l", str(folder)], check=True)
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [1, pytest.param(2, marks=pytest.mark.slow)])
 def test_a_full_disk_is_a_clear_error_and_leaves_finished_cases_intact(tmp_path, workers):
     with small_disk(tmp_path / "disk", 600) as disk:
         with pytest.raises(RunFailed, match=r"the disk is full: .*finished solves are intact"):
@@ -337,6 +338,7 @@ def test_the_number_of_threads_changes_no_bit():
     assert one.offset == two.offset
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_the_workers_and_keeps_what_is_finished(tmp_path):
     store = tmp_path / "store"
     command = [sys.executable, "-m", "validation.cli", "study", "area", "-q", "--workers", "2"]
