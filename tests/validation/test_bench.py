@@ -322,7 +322,7 @@ def test_every_study_has_a_question_and_options_with_defaults():
 
 
 def test_a_mirrored_job_presses_the_other_side_and_has_a_name_of_its_own():
-    job = pressure.jobs(**FEW)[0]
+    job = area.jobs(**FEW)[0]
     other = dataclasses.replace(job, mirrored=True)
     np.testing.assert_array_equal(other.height_field().heights, -job.height_field().heights)
     assert other.key != job.key
@@ -330,7 +330,7 @@ def test_a_mirrored_job_presses_the_other_side_and_has_a_name_of_its_own():
 
 
 def test_the_number_of_threads_changes_no_bit():
-    job = pressure.jobs(**{**FEW, "grids": (300,), "seeds": (21,), "pressures": (0.05,)})[0]
+    job = area.jobs(**{**FEW, "grids": (300,), "seeds": (21,), "pressures": (0.05,)})[0]
     one, two = (execute(job, threads=threads).contact for threads in (1, 2))
     assert np.array_equal(one.pressure, two.pressure)
     assert np.array_equal(one.gap, two.gap)
@@ -339,7 +339,7 @@ def test_the_number_of_threads_changes_no_bit():
 
 def test_ctrl_c_ends_the_workers_and_keeps_what_is_finished(tmp_path):
     store = tmp_path / "store"
-    command = [sys.executable, "-m", "validation.cli", "study", "pressure", "-q", "--workers", "2"]
+    command = [sys.executable, "-m", "validation.cli", "study", "area", "-q", "--workers", "2"]
     command += ["--store", str(store), "--output", str(tmp_path / "out"), "--grids", "128,160,192"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
     deadline = time.monotonic() + 100

@@ -76,7 +76,7 @@ def pages(small_run, tmp_path_factory):
     bench = Bench.at(folder / "solves")
     options = {"pressures": (0.02, 0.1, 0.5), "seeds": (3, 4), "grids": (16, 24, 32), "bandwidth": 2.0}
     (folder / "study").mkdir()
-    run_study(find_study("pressure"), options, folder / "study", bench=bench)
+    run_study(find_study("area"), options, folder / "study", bench=bench)
     return {name: folder / name / "report.html" for name in ("run", "study")}
 
 
