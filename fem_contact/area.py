@@ -35,7 +35,7 @@ __all__ = [
 
 #: Excess of the counted area over the true one, per counted edge length and spacing: "bem" for pressures
 #: collocated at the points of a Fourier grid, from Hertzian contacts 18 to 38 cells in radius (standard error
-#: .0015); "fem" for nodal forces on trilinear hexahedra as deep as wide, nu = .3 (.002; from .17 at nu = 0).
+#: .0015); "fem" for nodal forces on trilinear hexahedra as deep as wide at nu = .3 (.002; .17 at nu = 0).
 EDGE_CONSTANTS = MappingProxyType({"bem": 0.103, "fem": 0.198})
 
 

@@ -235,9 +235,13 @@ class Comparison:
         }
 
 
-def edge_constant(method: str) -> float:
-    """Edge constant of the perimeter correction for a method."""
-    return EDGE_CONSTANTS[method]
+def edge_constant(job: Job, result: ContactResult) -> float:
+    """Edge constant of the perimeter correction: of boundary elements, or of the finite element used."""
+    if job.method == "bem":
+        return EDGE_CONSTANTS["bem"]
+    from fem_contact.block import ELEMENTS
+
+    return ELEMENTS[result.provenance["element"]].edge_constant
 
 
 def compare(scene: Scene, store: Store) -> Comparison:
@@ -297,7 +301,7 @@ def _asked_grids(scene: Scene, method: str) -> tuple[tuple[int, int], ...]:
 
 
 def _areas(job: Job, result: ContactResult) -> ContactAreas:
-    return contact_areas(result, edge_constant=edge_constant(job.method))
+    return contact_areas(result, edge_constant=edge_constant(job, result))
 
 
 def _points_per_wave(scene: Scene, grid: tuple[int, int]) -> float:

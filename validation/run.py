@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 from collections.abc import Callable, Iterator, Sequence
@@ -28,6 +29,7 @@ __all__ = [
     "Silent",
     "attempt",
     "load_run",
+    "one_blas_thread",
     "report_run",
     "run_scene",
     "solve_jobs",
@@ -316,15 +318,12 @@ def attempt(job: AnyJob, store: Store, *, threads: int | None = None) -> Outcome
     """
     try:
         if isinstance(job, NumbersJob):
-            store.save(job, job.measure())
+            with one_blas_thread():
+                store.save(job, job.measure())
             return Outcome(job=job)
-        if threads is None:
-            solved = execute(job)
-        else:
-            from threadpoolctl import threadpool_limits
-
-            with threadpool_limits(threads):
-                solved = execute(job, threads=threads)
+        # Sparse solvers gain nothing from a threaded BLAS, whose idle threads spin on cores that others need.
+        with one_blas_thread():
+            solved = execute(job) if threads is None else execute(job, threads=threads)
         solved.contact.checked()
         # The reduced method never holds the inside of the block, which may be a thousand times the surface.
         if solved.block is not None and dict(job.settings).get("method", "full") == "full":
@@ -338,6 +337,14 @@ def attempt(job: AnyJob, store: Store, *, threads: int | None = None) -> Outcome
     except RunFailed as error:
         return Outcome(job=job, error=str(error), fatal=True)
     return Outcome(job=job)
+
+
+def one_blas_thread() -> contextlib.AbstractContextManager[object]:
+    """Keep the dense linear algebra inside to one thread."""
+    from threadpoolctl import threadpool_limits
+
+    limits: contextlib.AbstractContextManager[object] = threadpool_limits(1, user_api="blas")
+    return limits
 
 
 def _failed(failures: Sequence[Outcome], tried: int) -> str:

@@ -20,7 +20,15 @@ from fem_contact.surface import HeightField, random_surface
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 RESOLUTIONS = (4, 6, 8, 12, 16, 24, 48)
-NAMES = ("pixel", "perimeter", "subcell", "subcell, 4 shifts", "limit of 3 grids", "same, c known")
+NAMES = (
+    "pixel",
+    "perimeter",
+    "subcell",
+    "subcell, 4 shifts",
+    "3 grids, pixel",
+    "same, c known",
+    "3 grids, subcell",
+)
 
 
 def surface_of(seed: int, hurst: float) -> HeightField:
@@ -44,17 +52,19 @@ def errors_of(seed: int, *, pressure: float, hurst: float) -> dict[int, list[flo
         n = 16 * resolution
         sampled = surface.resampled((n, n))
         result = solve(sampled, SOFT, mean_pressure=pressure).checked()
-        areas[resolution] = contact_areas(result)
-        values[resolution] = [areas[resolution].pixel, areas[resolution].perimeter, subcell_area(result)]
+        areas[resolution] = contact_areas(result, subcell=True)
+        located = subcell_area(result)
+        values[resolution] = [areas[resolution].pixel, areas[resolution].perimeter, located]
         shifts = subgrid_shifts(2)[1:] if resolution <= 16 else []
         moved = [solve(sampled.shifted(shift), SOFT, mean_pressure=pressure).checked() for shift in shifts]
-        values[resolution].append(np.mean([values[resolution][2], *map(subcell_area, moved)]))
+        values[resolution].append(np.mean([located, *map(subcell_area, moved)]))
     for k, resolution in enumerate(RESOLUTIONS):
         used = [areas[r] for r in RESOLUTIONS[max(k - 2, 0) : k + 1]]
         full = len(used) == 3
         known = (EDGE_CONSTANTS["bem"], 0.01)
         values[resolution].append(limit_area(used).value if full else np.nan)
         values[resolution].append(limit_area(used, known_constant=known).value if full else np.nan)
+        values[resolution].append(limit_area(used, definition="subcell").value if full else np.nan)
     reference = values[RESOLUTIONS[-1]][2]
     return {r: [100 * (v / reference - 1) for v in row] for r, row in values.items()}
 

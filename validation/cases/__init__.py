@@ -16,6 +16,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from validation.errors import UsageError
+from validation.run import one_blas_thread
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -158,7 +159,8 @@ def run_cases(cases: Iterable[Case], *, tell: Callable[[str], None] | None = Non
         began, error = time.perf_counter(), None
         checks: tuple[Check, ...] = ()
         try:
-            checks = tuple(case.run())
+            with one_blas_thread():
+                checks = tuple(case.run())
         except Exception as problem:
             error = f"{type(problem).__name__}: {problem}"
         verdict = Verdict(

@@ -1,0 +1,277 @@
+"""What the boundary-element solver alone can be held against: punch, egg box, layers, grids, energy, area."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.area import contact_areas, subcell_area
+from fem_contact.bem import solve, solve_displacement, solve_path
+from fem_contact.contact import ContactResult
+from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace
+from fem_contact.solid import Solid
+from fem_contact.stress import elastic_energy, loading_work
+from fem_contact.surface import HeightField, random_surface
+from validation.cases import Case, Check
+from validation.closed_forms import HertzInPeriod
+
+__all__ = ["CASES"]
+
+_SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
+_JOHNSON = "K. L. Johnson, J. A. Greenwood, J. G. Higginson, Int. J. Mech. Sci. 27, 383 (1985)"
+Array = NDArray[np.float64]
+
+
+def _order(sizes: Sequence[int], errors: Sequence[float]) -> float:
+    """Order at which errors fall with the spacing."""
+    return -float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])
+
+
+def _rough(n: int, *, seed: int = 2718) -> HeightField:
+    surface = random_surface(
+        lambda q: np.where(q > 12.0, q**-3.6, 0.0),
+        q_short=16 * math.pi,
+        lengths=(1.0, 1.0),
+        shape=(n, n),
+        seed=seed,
+    )
+    return HeightField(heights=surface.heights / surface.rms_gradient, lengths=(1.0, 1.0))
+
+
+def _punch() -> list[Check]:
+    """Press a periodic flat punch, half width b: p = p0 cos(pi x) / (sin^2(pi b) - sin^2(pi x))^(1/2)."""
+    sizes, errors, half_width = (65, 129, 257, 513), [], 0.2
+    for n in sizes:
+        x = np.arange(n) / n - (n // 2) / n
+        # The discrete edge lies half a cell outside the outermost point of the punch.
+        inside = np.abs(x) < half_width
+        edge = (np.count_nonzero(inside) / 2) / n
+        surface = HeightField(heights=np.where(inside, 0.0, -1.0)[:, None] * np.ones(3), lengths=(1.0, 3 / n))
+        result = solve(surface, _SOFT, mean_pressure=1e-3).checked()
+        exact = 1e-3 / math.sin(math.pi * edge)
+        errors.append(abs(result.pressure[n // 2, 0] / exact - 1))
+    return [
+        Check.below("relative error of the pressure at the middle, finest grid", errors[-1], 2e-3),
+        Check.within("its observed order", _order(sizes, errors), 0.8, 2.5),
+    ]
+
+
+def _egg_box(n: int) -> HeightField:
+    x = np.cos(2 * np.pi * (np.arange(n) + 0.5) / n)
+    return HeightField(heights=0.01 * x[:, None] * x[None, :], lengths=(1.0, 1.0))
+
+
+#: Mean pressure at which h = D cos(2 pi x) cos(2 pi y) is pressed flat: E* q D / 2 with q = 2 pi sqrt 2.
+_FLAT = math.sqrt(2) * math.pi * 0.01
+
+
+def _egg_box_light() -> list[Check]:
+    """Each peak is a sphere of radius 1 / (4 pi^2 D): two contacts of Hertz in a period."""
+    checks = []
+    for share, allowed in ((2e-3, 0.03), (2e-4, 0.015)):
+        result = solve(_egg_box(512), _SOFT, mean_pressure=share * _FLAT).checked()
+        curvature = 4 * math.pi**2 * 0.01
+        radius = (3 * share * _FLAT / 2 / (4 * curvature)) ** (1 / 3)
+        area = subcell_area(result)
+        # Neighbours add to the curvature in the third power of a over their distance, 1/sqrt 2.
+        checks.append(
+            Check.relative(
+                f"A/A0 at {share:g} of the flattening load", area, 2 * math.pi * radius**2, allowed
+            )
+        )
+    return checks
+
+
+def _egg_box_full() -> list[Check]:
+    """1 - A/A0 = (3 / 2 pi) (1 - p0 / p*) near full contact."""
+    checks = []
+    for miss in (0.04, 0.02):
+        result = solve(_egg_box(384), _SOFT, mean_pressure=(1 - miss) * _FLAT).checked()
+        apart = 1 - subcell_area(result)
+        expected = 3 / (2 * math.pi) * miss
+        checks.append(
+            Check.relative(f"1 - A/A0 at {1 - miss:g} of the flattening load", apart, expected, 0.05 + miss)
+        )
+    full = solve(_egg_box(96), _SOFT, mean_pressure=1.0001 * _FLAT).checked()
+    checks.append(
+        Check(quantity="A/A0 above it", computed=full.in_contact.mean(), reference=1.0, tolerance=0.0)
+    )
+    return checks
+
+
+def _layers() -> list[Check]:
+    """Full contact under a wave: the pressure amplitude is the height over the compliance, exactly."""
+    checks = []
+    x = np.cos(2 * np.pi * np.arange(48) / 48)
+    surface = HeightField(heights=0.01 * x[:, None] * np.ones(4), lengths=(1.0, 1.0))
+    for poisson in (0.3, 0.5):
+        solid = Solid(young=1.0, poisson=poisson)
+        a, k = 2 * math.pi * 0.1, 3 - 4 * poisson
+        bonded = (k * math.sinh(2 * a) - 2 * a) / (k * math.cosh(2 * a) + 2 * a**2 + (k**2 + 1) / 2)
+        sliding = (math.cosh(2 * a) - 1) / (math.sinh(2 * a) + 2 * a)
+        for kind, layer, ratio in (
+            ("bonded", BondedLayer(solid=solid, thickness=0.1), bonded),
+            ("frictionless", FrictionlessLayer(solid=solid, thickness=0.1), sliding),
+        ):
+            result = solve(surface, layer, mean_pressure=10.0).checked()
+            amplitude = (result.pressure.max() - result.pressure.min()) / 2
+            exact = 0.01 * math.pi * solid.contact_modulus / ratio
+            checks.append(
+                Check.relative(f"pressure amplitude, {kind}, nu = {poisson}", amplitude, exact, 1e-10)
+            )
+    return checks
+
+
+def _grids() -> list[Check]:
+    """Refine one surface: pressure and mean gap converge."""
+    sizes = (64, 128, 256)
+    finest = solve(_rough(768), _SOFT, mean_pressure=0.1).checked()
+    pressures, gaps = [], []
+    for n in sizes:
+        result = solve(_rough(n), _SOFT, mean_pressure=0.1).checked()
+        stride = 768 // n
+        other = finest.pressure[::stride, ::stride]
+        pressures.append(float(np.linalg.norm(result.pressure - other) / np.linalg.norm(other)))
+        gaps.append(abs(float(np.mean(result.gap) / np.mean(finest.gap)) - 1))
+    return [
+        Check.within("order of the pressure in L2", _order(sizes, pressures), 0.8, 2.0),
+        Check.below("relative L2 difference of pressure at 32 points per wave", pressures[-1], 0.02),
+        Check.below("relative difference of the mean gap there", gaps[-1], 2e-3),
+    ]
+
+
+def _energy() -> list[Check]:
+    """Work of loading against the energy stored."""
+    misses = []
+    for count in (9, 17, 33):
+        path = solve_path(_rough(96), _SOFT, mean_pressures=np.geomspace(0.02, 0.5, count), tolerance=1e-10)
+        stored = elastic_energy(path[-1].checked()) - elastic_energy(path[0])
+        misses.append(abs(loading_work(path)[-1] / stored - 1))
+    return [
+        Check.below("relative difference in 32 steps", misses[-1], 1e-3),
+        Check.within("its observed order in the step", _order((8, 16, 32), misses), 1.7, 2.3),
+    ]
+
+
+def _controls() -> list[Check]:
+    """Load, gap and offset control meet at the same state."""
+    surface = _rough(96)
+    by_load = solve(surface, _SOFT, mean_pressure=0.2, tolerance=1e-10).checked()
+    gap, offset = float(np.mean(by_load.gap)), by_load.offset
+    by_gap = solve_displacement(surface, _SOFT, mean_gap=gap, tolerance=1e-10).checked()
+    by_offset = solve_displacement(surface, _SOFT, offset=offset, tolerance=1e-10).checked()
+    return [
+        Check.relative("mean pressure at the prescribed gap", by_gap.mean_pressure, 0.2, 1e-7),
+        Check.relative("mean pressure at the prescribed offset", by_offset.mean_pressure, 0.2, 1e-7),
+    ]
+
+
+def _disc_area() -> list[Check]:
+    """Area of a Hertzian contact, counted and with the edge located, over random places of the grid."""
+    generator = np.random.default_rng(61)
+    sizes = (64, 128, 256)
+    located: list[float] = []
+    counted: list[float] = []
+    for n in sizes:
+        squares = []
+        for _ in range(8):
+            case = HertzInPeriod(radius=0.1 * (0.9 + 0.2 * float(generator.random())))
+            shift = (float(generator.random()), float(generator.random()))
+            result = solve(case.surface(n, shift), _SOFT, mean_pressure=case.load).checked()
+            true = math.pi * case.radius**2
+            squares.append((_miss(subcell_area(result), true), _miss(contact_areas(result).pixel, true)))
+        for errors, column in zip((located, counted), zip(*squares, strict=True), strict=True):
+            errors.append(math.sqrt(float(np.mean(np.square(column)))))
+    return [
+        Check.below("located: error at 6 cells of radius", located[0], 5e-3),
+        Check.below("located: error at 26 cells of radius", located[-1], 1e-3),
+        Check.within("located: observed order", _order(sizes, located), 1.3, 3.0),
+        Check.within("counted: observed order", _order(sizes, counted), 0.7, 1.4),
+    ]
+
+
+def _miss(value: float, true: float) -> float:
+    return value / true - 1
+
+
+def _symmetries() -> list[Check]:
+    """Move, turn and mirror the surface."""
+    surface = _rough(80)
+
+    def pressure(heights: Array) -> Array:
+        moved = HeightField(heights=heights, lengths=(1.0, 1.0))
+        result: ContactResult = solve(moved, _SOFT, mean_pressure=0.1, tolerance=1e-11).checked()
+        return result.pressure
+
+    plain = pressure(surface.heights)
+    checks = []
+    for name, change in (
+        ("moved by (7, 23) points", lambda field: np.roll(field, (7, 23), axis=(0, 1))),
+        ("turned by 90 degrees", np.rot90),
+        ("mirrored", np.transpose),
+    ):
+        other = pressure(np.ascontiguousarray(change(surface.heights)))
+        miss = float(np.linalg.norm(other - change(plain)) / np.linalg.norm(plain))
+        checks.append(Check.below(f"relative L2 difference, {name}", miss, 1e-8))
+    return checks
+
+
+CASES = (
+    Case(
+        name="bem-punch",
+        claim="Boundary elements converge to the pressure under periodic flat punches.",
+        run=_punch,
+        source="K. L. Johnson, Contact Mechanics, Sec. 13.2; edge half a cell outside the last point",
+    ),
+    Case(
+        name="bem-egg-box-light",
+        claim="An egg box under light load touches like isolated spheres.",
+        run=_egg_box_light,
+        source=_JOHNSON,
+    ),
+    Case(
+        name="bem-egg-box-full",
+        claim="An egg box near full contact leaves the non-contact area of Johnson, Greenwood and Higginson.",
+        run=_egg_box_full,
+        source=_JOHNSON,
+    ),
+    Case(
+        name="bem-layers",
+        claim="At full contact the pressure on a layer is the height over the compliance of the layer.",
+        run=_layers,
+        source="K. L. Johnson, Contact Mechanics, Sec. 5.8",
+    ),
+    Case(
+        name="bem-grids",
+        claim="Pressure and mean gap of one rough surface converge with the grid.",
+        run=_grids,
+        source="self-consistency over nested grids",
+    ),
+    Case(
+        name="bem-energy",
+        claim="The work of loading equals the elastic energy, to second order in the steps.",
+        run=_energy,
+        source="conservation of energy",
+    ),
+    Case(
+        name="bem-controls",
+        claim="Load, mean-gap and offset control find the same state.",
+        run=_controls,
+        source="uniqueness of the elastic solution",
+    ),
+    Case(
+        name="bem-disc-area",
+        claim="The located area of a disc converges faster than the counted one, of first order.",
+        run=_disc_area,
+        source="H. Hertz, J. reine angew. Math. 92, 156 (1882)",
+    ),
+    Case(
+        name="bem-symmetries",
+        claim="Moving, turning or mirroring a surface does the same to its pressure.",
+        run=_symmetries,
+        source="symmetry",
+    ),
+)
