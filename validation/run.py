@@ -314,7 +314,8 @@ def attempt(job: AnyJob, store: Store, *, threads: int | None = None) -> Outcome
     job : AnyJob
     store : Store
     threads : int, optional
-        Threads for this solve; all that there are if not given. The result is the same bit for bit.
+        Threads for this solve; all that there are if not given. Their number changes the result by rounding:
+        the transforms group their sums by it.
     """
     try:
         if isinstance(job, NumbersJob):
