@@ -19,8 +19,8 @@ def available_processors() -> int:
 class Rows:
     """Blocks of rows, and the threads that work on them.
 
-    The blocks depend on the number of rows alone, and their sums are added in order: these passes give the same
-    bits whatever the number of threads (the transforms between them do not).
+    The blocks depend on the number of rows alone, and their sums are added in order: these passes give the
+    same bits whatever the number of threads (the transforms between them do not).
 
     Parameters
     ----------

@@ -333,8 +333,8 @@ def test_a_mirrored_job_presses_the_other_side_and_has_a_name_of_its_own():
 def test_the_number_of_threads_changes_nothing_but_rounding():
     job = area.jobs(**{**FEW, "grids": (300,), "seeds": (21,), "pressures": (0.05,)})[0]
     one, two = (execute(job, threads=threads).contact for threads in (1, 2))
-    # The transforms group their sums by the number of threads: rounding of 2e-16, times the condition of the contact
-    # problem (the square root of that of the response, about the number of points along a side) and some 30 steps.
+    # The transforms group their sums by the number of threads: rounding of 2e-16, times the condition of the
+    # response (about the number of points along a side) and some 30 steps.
     assert np.abs(one.pressure - two.pressure).max() < 2e-16 * 300 * 30 * one.pressure.max()
     assert np.array_equal(one.in_contact, two.in_contact)
     assert one.offset == pytest.approx(two.offset, rel=1e-11)
