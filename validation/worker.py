@@ -22,10 +22,11 @@ def serve(connection: Connection[Any, Any]) -> None:
             job, store = connection.recv()
         except EOFError:
             return
-        if job.method not in warm:
-            warm_up([job])
-            warm.add(job.method)
         try:
+            kind = job.key.partition("-")[0]
+            if kind not in warm:
+                warm_up([job])
+                warm.add(kind)
             outcome = attempt(job, store, threads=1)
         except Exception as error:
             traceback.print_exc()

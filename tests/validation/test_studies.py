@@ -7,6 +7,7 @@ import pytest
 
 from validation.bench import Bench
 from validation.errors import UsageError
+from validation.run import Execution
 from validation.scene import SolidSpec
 from validation.studies import (
     cross,
@@ -117,6 +118,13 @@ def test_refinement_tells_the_grid_from_the_theory(bench):
     reverse = data.assign(limit=data.limit * 2)
     assert "The pixel area differs from the limit by -" in " ".join(refinement.findings(reverse))
     assert "under-resolved" in str(refinement.table(data).rows[0][0])
+
+
+def test_two_workers_measure_the_same_as_this_process(bench, tmp_path):
+    options = {"surfaces": 2, "points_per_wave": (4.0, 6.0), "grid_scale_points": (24,), **SMALL}
+    workers = Bench.at(tmp_path, execution=Execution(workers=2))
+    found, expected = refinement.run(bench=workers, **options), refinement.run(bench=bench, **options)
+    assert found.drop_vars("seconds").identical(expected.drop_vars("seconds"))
 
 
 def test_hurst_study_reports_change_by_surface_and_finds_the_bandwidth_of_equal_nayak(bench):
