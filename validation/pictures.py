@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import subprocess
 import sys
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from types import SimpleNamespace
@@ -42,17 +43,21 @@ def render_stored(solve: Path, target: Path, *, label: str) -> Pictures:
     path = [entry for entry in sys.path if entry]
     code = f"import sys; sys.path[:0] = {path!r}; from validation.pictures import _main; _main()"
     command = [sys.executable, "-c", code, str(solve)]
-    try:
-        with atomic_path(target) as draft:
+    with tempfile.TemporaryDirectory() as folder:
+        image = Path(folder) / target.name
+        try:
             done = subprocess.run(
-                [*command, str(draft)], capture_output=True, text=True, timeout=_PATIENCE, check=False
+                [*command, str(image)], capture_output=True, text=True, timeout=_PATIENCE, check=False
             )
-            if done.returncode:
-                last = done.stderr.strip().splitlines()[-1:] or [f"it ended with {done.returncode}"]
-                return Pictures(missing=f"off-screen rendering does not work here ({last[0][:200]})")
-            data = base64.b64encode(draft.read_bytes()).decode("ascii")
-    except subprocess.TimeoutExpired:
-        return Pictures(missing=f"off-screen rendering took more than {_PATIENCE} s")
+        except subprocess.TimeoutExpired:
+            return Pictures(missing=f"off-screen rendering took more than {_PATIENCE} s")
+        if done.returncode or not image.exists():
+            last = done.stderr.strip().splitlines()[-1:] or [f"it ended with {done.returncode}"]
+            return Pictures(missing=f"off-screen rendering does not work here ({last[0][:200]})")
+        drawn = image.read_bytes()
+    with atomic_path(target) as draft:
+        draft.write_bytes(drawn)
+    data = base64.b64encode(drawn).decode("ascii")
     caption = (
         f"The deformed surface of the elastic body ({label}), coloured by contact pressure: dark is low, "
         "light is "
@@ -67,5 +72,5 @@ def _main() -> None:
 
     # Drawing asks for the contact alone, whichever solver it came from.
     solution: Any = SimpleNamespace(contact=read_result(Path(sys.argv[1])))
-    # The renderer chooses the format by the suffix, which the name of a draft keeps.
+    # The renderer chooses the format by the suffix.
     render_surface(Path(sys.argv[2]), solution)
