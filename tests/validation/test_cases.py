@@ -112,3 +112,9 @@ def test_hertz_and_westergaard_carry_their_load():
         load, rel=1e-6
     )
     assert westergaard_mean_pressure(0.02, half_width=0.5, contact_modulus=3.0) == pytest.approx(0.06 * np.pi)
+
+
+def test_numbers_of_numpy_do_not_keep_a_verdict_from_json():
+    check = Check.relative("two", np.float64(2.0), np.float64(2.0), 0.01)
+    assert check.passed is True
+    assert json.loads(json.dumps(check.passed)) is True

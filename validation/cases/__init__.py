@@ -66,7 +66,8 @@ class Check:
     @property
     def passed(self) -> bool:
         """Whether the two agree; a NaN never does."""
-        return math.isfinite(self.computed) and abs(self.computed - self.reference) <= self.tolerance
+        # A case may hand in a NumPy number, whose comparisons are not Python's booleans.
+        return math.isfinite(self.computed) and bool(abs(self.computed - self.reference) <= self.tolerance)
 
 
 @dataclass(frozen=True, kw_only=True)
