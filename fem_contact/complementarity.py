@@ -271,8 +271,7 @@ def _iterate(
     max_iterations: int,
 ) -> Solution:
     _set_start(passes, start, mean_force)
-    operator.apply(passes.force, passes.displacement)
-    total, moment = passes.weigh()
+    total, moment, energy = passes.start(operator)
     applications, iteration, length, curvature = 1, 0, _FIRST, 0.0
     least, patience, status = np.inf, _PATIENCE, Status.ITERATION_LIMIT
     verified, plain = False, False
@@ -281,7 +280,7 @@ def _iterate(
         if errors is None:
             # phi . g = 0: the offset is the gap below the load, so that scaling phi is no descent.
             offset = -moment / total if total > 0 else _offset_between(passes)
-            errors = passes.residual(offset, total)
+            errors = passes.residual(offset)
         if errors.within(tolerance * length_scale):
             if verified:
                 status = Status.CONVERGED
@@ -289,9 +288,8 @@ def _iterate(
             # Forces that were on their way out are taken away, and the displacement, so far carried along by
             # additions, is computed afresh: the answer is judged by what is returned.
             _settle(passes, mean_force)
-            operator.apply(passes.force, passes.displacement)
+            total, moment, energy = passes.start(operator)
             applications, verified, errors = applications + 1, True, None
-            total, moment = passes.weigh()
             continue
         patience = _PATIENCE if errors.size < 0.9 * least else patience - 1
         least = min(least, errors.size)
@@ -304,34 +302,36 @@ def _iterate(
         if plain:
             passes.project(mean_force, offset)
         else:
-            z_sum, z_image, s_sum, phi_image = passes.precondition(operator)
+            z_sum, z_image = passes.precondition(operator)
             free, beta = errors.free, 0.0
             if curvature > 0 and free > 0:
-                beta = max(0.0, -(z_image - z_sum / free * phi_image) / curvature)
-            shift = (z_sum + beta * s_sum) / free if free > 0 else 0.0
+                beta = max(0.0, -(z_image - z_sum / free * errors.image) / curvature)
+            shift = (z_sum + beta * errors.last) / free if free > 0 else 0.0
             passes.trial(mean_force, offset=offset, length=length, beta=beta, shift=shift)
         operator.apply(passes.step, passes.image)
         applications += 1 if plain else 2
         verified = False
-        along = passes.search(offset)
+        along = passes.search(offset, energy)
         best = -along.slope / along.curvature if along.curvature > 0 else 0.0
-        factor = min(best, along.room)
+        # The trial force keeps the bounds: a single step does.
+        room = passes.room() if best > 1 else 1.0
+        factor = min(best, room)
         plain = best <= 0
         if plain:
             # Clipping has turned the direction uphill: the plain projected gradient points down.
-            curvature, errors = 0.0, passes.residual(offset, total)
+            curvature, errors = 0.0, passes.residual(offset)
             continue
         curvature = along.plain
         if passes.bound is None:
             # The load is kept, so the next offset follows from sums along the step: one pass does for two.
             moment += factor * (along.slope + along.lift) + factor**2 * along.curvature
             offset = -moment / total
-            errors, moment = passes.advance_residual(factor, offset)
+            errors, moment, energy = passes.advance_residual(factor, offset)
             total = errors.total
         else:
             total, moment = passes.advance(factor)
             errors = None
-        length = min(max(length * (best if best < along.room else 0.9 * max(best, 0.3)), _LEAST), _GREATEST)
+        length = min(max(length * (best if best <= room else 0.9 * best), _LEAST), _GREATEST)
     return _solution(
         operator, passes, offset=offset, status=status, iterations=iteration, applications=applications
     )

@@ -18,6 +18,9 @@ from numba import njit
 
 _OPTIONS = {"cache": True, "nogil": True, "fastmath": {"reassoc", "contract", "nsz"}}
 
+#: With these, loops that look for a least value are vectorised; heights and forces are finite by then.
+_FINITE = {**_OPTIONS, "fastmath": {"reassoc", "contract", "nsz", "nnan"}}
+
 #: Reciprocals of the possible numbers of occupied cells in a cell of the next level; nothing comes from an
 #: empty one.
 _PARTS = (0.0, 1.0, 1 / 2, 1 / 3, 1 / 4)
@@ -28,26 +31,28 @@ DECAY = 0.74
 
 @njit(**_OPTIONS)
 def weigh(lo, hi, x, u, h, bound):
-    """Sum phi and phi (u - h); phi, the weight of a point in the load, is x, or x (1 - x / bound)."""
+    """Sum phi, phi (u - h) and x u; phi, the weight of a point in the load, is x, or x (1 - x / bound)."""
     total = 0.0
     moment = 0.0
+    energy = 0.0
     for i in range(lo, hi):
         for j in range(x.shape[1]):
             phi = x[i, j]
+            energy += phi * u[i, j]
             if bound is not None:
                 phi *= 1 - phi / bound[i, j]
             total += phi
             moment += phi * (u[i, j] - h[i, j])
-    return total, moment
+    return total, moment, energy
 
 
 @njit(**_OPTIONS)
-def residual(lo, hi, x, u, h, offset, bound, stiffness, r, work, sums, counts):
+def residual_bounded(lo, hi, x, u, h, offset, bound, stiffness, r, work, sums, counts, s, v):
     """Residual -g on the working set and its sums over 2 x 2 cells, for rows lo..hi of the coarser level.
 
     A point leaves the working set where x - stiffness g reaches the bound that x is nearer to. Returns sum x
-    |g| and sum x below the bound, the least gap there, the greatest gap at the bound, and the sum of x over
-    the working set.
+    |g| and sum x below the bound, the least gap there, the greatest gap at the bound, and over the working
+    set the sums of phi, s and phi v.
     """
     nx, ny = x.shape
     moment = 0.0
@@ -55,31 +60,30 @@ def residual(lo, hi, x, u, h, offset, bound, stiffness, r, work, sums, counts):
     lowest = np.inf
     highest = -np.inf
     free = 0.0
+    last = 0.0
+    image = 0.0
     for row in range(lo, hi):
         for i in range(2 * row, min(2 * row + 2, nx)):
             for j in range(ny):
                 g = u[i, j] - h[i, j] + offset
                 force = x[i, j]
                 aim = force - stiffness * g
-                if bound is None:
+                inside = aim > 0 if force < 0.5 * bound[i, j] else aim < bound[i, j]
+                if force >= bound[i, j]:
+                    highest = g if g > highest else highest
+                else:
                     moment += force * abs(g)
                     lowest = g if g < lowest else lowest
-                    inside = aim > 0
-                    weight = force
-                else:
-                    weight = force * (1 - force / bound[i, j])
-                    inside = aim > 0 if force < 0.5 * bound[i, j] else aim < bound[i, j]
-                    if force >= bound[i, j]:
-                        highest = g if g > highest else highest
-                    else:
-                        moment += force * abs(g)
-                        lowest = g if g < lowest else lowest
-                        total += force
+                    total += force
                 work[i, j] = inside
-                free += weight if inside else 0.0
                 r[i, j] = -g if inside else 0.0
+                if inside:
+                    weight = force * (1 - force / bound[i, j])
+                    free += weight
+                    last += s[i, j]
+                    image += weight * v[i, j]
         _sum_cells(row, r, work, sums, counts)
-    return moment, total, lowest, highest, free
+    return moment, total, lowest, highest, free, last, image
 
 
 @njit(**_OPTIONS)
@@ -105,20 +109,24 @@ def _sum_cells(row, r, work, sums, counts):
         counts[row, ny // 2] = count
 
 
-@njit(**_OPTIONS)
+@njit(**_FINITE)
 def advance_residual(lo, hi, x, u, h, s, v, share, pull_back, offset, stiffness, r, work, sums, counts):
     """Move force and displacement, and write the residual there, in one pass; without bound.
 
-    The step is share * s - pull_back * x, with image share * v - pull_back * u. Returns sum x |g|, sum x, sum
-    x (u - h), the least gap, and the sum of x over the working set.
+    The step is share * s - pull_back * x, with image share * v - pull_back * u. Rows lo..hi are those of the
+    coarser level, whose sums over 2 x 2 cells are written as well. Returns sum x |g|, sum x, sum x (u - h),
+    sum x u, the least gap, and over the working set the sums of x, s and x v.
     """
     nx, ny = x.shape
     keep = 1 - pull_back
     moment = 0.0
     total = 0.0
     torque = 0.0
+    energy = 0.0
     lowest = np.inf
     free = 0.0
+    last = 0.0
+    image = 0.0
     for row in range(lo, hi):
         for i in range(2 * row, min(2 * row + 2, nx)):
             for j in range(ny):
@@ -130,15 +138,19 @@ def advance_residual(lo, hi, x, u, h, s, v, share, pull_back, offset, stiffness,
                 level = shift - h[i, j]
                 g = level + offset
                 torque += force * level
+                energy += force * shift
                 total += force
                 moment += force * abs(g)
                 lowest = g if g < lowest else lowest
                 inside = force - stiffness * g > 0
                 work[i, j] = inside
-                free += force if inside else 0.0
                 r[i, j] = -g if inside else 0.0
+                last += s[i, j] if inside else 0.0
+                force = force if inside else 0.0
+                free += force
+                image += force * v[i, j]
         _sum_cells(row, r, work, sums, counts)
-    return moment, total, torque, lowest, free
+    return moment, total, torque, energy, lowest, free, last, image
 
 
 @njit(**_OPTIONS)
@@ -157,21 +169,21 @@ def push(lo, hi, fine, occupied, coarse, decay):
     """Fill the empty cells of a level with `decay` times the bilinear interpolant of the next coarser one."""
     ny = fine.shape[1]
     mx, my = coarse.shape
-    line = np.empty(my, coarse.dtype)
+    line = np.empty(my + 2, coarse.dtype)
     for i in range(lo, hi):
         parent = i // 2
         other = (parent + (1 if i % 2 else -1)) % mx
         for j in range(my):
-            line[j] = decay * (0.75 * coarse[parent, j] + 0.25 * coarse[other, j])
-        for j in range(ny):
-            if not occupied[i, j]:
-                p = j // 2
-                q = p + 1 if j % 2 else p - 1
-                if q < 0:
-                    q = my - 1
-                elif q >= my:
-                    q = 0
-                fine[i, j] = 0.75 * line[p] + 0.25 * line[q]
+            line[j + 1] = decay * (0.75 * coarse[parent, j] + 0.25 * coarse[other, j])
+        line[0] = line[my]
+        line[my + 1] = line[1]
+        for p in range(ny // 2):
+            left = 0.75 * line[p + 1] + 0.25 * line[p]
+            right = 0.75 * line[p + 1] + 0.25 * line[p + 2]
+            fine[i, 2 * p] = fine[i, 2 * p] if occupied[i, 2 * p] else left
+            fine[i, 2 * p + 1] = fine[i, 2 * p + 1] if occupied[i, 2 * p + 1] else right
+        if ny % 2 and not occupied[i, ny - 1]:
+            fine[i, ny - 1] = 0.75 * line[my] + 0.25 * line[my - 1]
 
 
 @njit(**_OPTIONS)
@@ -179,7 +191,7 @@ def push_transposed(lo, hi, fine, occupied, coarse, decay):
     """Transpose of `push`: gather the empty cells of a level on rows lo..hi of the next coarser one."""
     nx, ny = fine.shape
     mx, my = coarse.shape
-    line = np.empty(ny, coarse.dtype)
+    line = np.zeros(2 * my + 2, coarse.dtype)
     for row in range(lo, hi):
         line[:] = 0
         for k in range(4):
@@ -194,18 +206,12 @@ def push_transposed(lo, hi, fine, occupied, coarse, decay):
                 weight = 0.25 * decay
             if i < nx:
                 for j in range(ny):
-                    if not occupied[i, j]:
-                        line[j] += weight * fine[i, j]
+                    line[j + 1] += 0.0 if occupied[i, j] else weight * fine[i, j]
+        line[0] = line[2 * my]
+        line[2 * my + 1] = line[1]
         for col in range(my):
-            value = 0.75 * line[2 * col]
-            if 2 * col + 1 < ny:
-                value += 0.75 * line[2 * col + 1]
-            right = 2 * (col + 1) if col + 1 < my else 0
-            left = 2 * col - 1 if col > 0 else 2 * my - 1
-            value += 0.25 * line[right]
-            if left < ny:
-                value += 0.25 * line[left]
-            coarse[row, col] = value
+            near = line[2 * col + 1] + line[2 * col + 2]
+            coarse[row, col] = 0.75 * near + 0.25 * (line[2 * col] + line[2 * col + 3])
 
 
 @njit(**_OPTIONS)
@@ -217,44 +223,47 @@ def pull_transposed(fine, counts, coarse):
 
 
 @njit(**_OPTIONS)
-def finish(lo, hi, z, work, coarse, x, s, v, bound):
-    """Complete the preconditioned residual z in place; sum z, z v, s and phi v over the working set."""
+def finish(lo, hi, z, work, coarse, v):
+    """Complete the preconditioned residual z in place; sum z and z v over the working set."""
+    ny = z.shape[1]
     total = 0.0
     image = 0.0
-    last = 0.0
-    weight = 0.0
     for i in range(lo, hi):
-        for j in range(z.shape[1]):
-            if work[i, j]:
-                value = z[i, j] + coarse[i // 2, j // 2]
-                z[i, j] = value
-                total += value
-                image += value * v[i, j]
-                last += s[i, j]
-                phi = x[i, j]
-                if bound is not None:
-                    phi *= 1 - phi / bound[i, j]
-                weight += phi * v[i, j]
-            else:
-                z[i, j] = 0
-    return total, image, last, weight
+        for p in range(ny // 2):
+            left = z[i, 2 * p] + coarse[i // 2, p] if work[i, 2 * p] else 0.0
+            right = z[i, 2 * p + 1] + coarse[i // 2, p] if work[i, 2 * p + 1] else 0.0
+            z[i, 2 * p] = left
+            z[i, 2 * p + 1] = right
+            total += left + right
+            image += left * v[i, 2 * p] + right * v[i, 2 * p + 1]
+        if ny % 2:
+            left = z[i, ny - 1] + coarse[i // 2, ny // 2] if work[i, ny - 1] else 0.0
+            z[i, ny - 1] = left
+            total += left
+            image += left * v[i, ny - 1]
+    return total, image
 
 
 @njit(**_OPTIONS)
-def trial(lo, hi, x, z, s, work, step, beta, shift):
-    """Write the step to the trial force max(x + step (z + beta s - shift x), 0) over s; sum that force.
+def trial(lo, hi, x, z, s, work, u, h, offset, step, beta, shift):
+    """Write the step to the trial force max(x + step (z + beta s - shift x), 0) over s.
 
-    Points off the working set lose their force.
+    Points off the working set lose their force. Returns the sums of that force, of g s and of u s.
     """
     total = 0.0
+    slope = 0.0
+    lift = 0.0
     for i in range(lo, hi):
         for j in range(x.shape[1]):
             force = x[i, j]
-            y = force + step * (z[i, j] + beta * s[i, j] - shift * force)
-            y = y if work[i, j] and y > 0 else 0.0
+            y = max(force + step * (z[i, j] + beta * s[i, j] - shift * force), 0.0)
+            y = y if work[i, j] else 0.0
             total += y
-            s[i, j] = y - force
-    return (total,)
+            y -= force
+            s[i, j] = y
+            slope += (u[i, j] - h[i, j] + offset) * y
+            lift += u[i, j] * y
+    return total, slope, lift
 
 
 @njit(**_OPTIONS)
@@ -304,35 +313,46 @@ def subtract_bounded(lo, hi, s, x, bound, toward):
 
 
 @njit(**_OPTIONS)
-def line(lo, hi, x, u, h, offset, s, v, bound, share, pull_back):
-    """Sum along the step t = share * s - pull_back * x with image w; find the room the bounds leave.
-
-    Returns sum g t, sum t w, sum u t, the largest multiple of t that keeps the force within its bounds, and
-    sum s v.
-    """
+def line(lo, hi, x, u, h, offset, s, v):
+    """Sum g s, s v and u s along the step s with image v."""
     slope = 0.0
-    curvature = 0.0
+    bend = 0.0
     lift = 0.0
-    room = np.inf
-    plain = 0.0
     for i in range(lo, hi):
         for j in range(x.shape[1]):
-            force = x[i, j]
-            level = u[i, j]
-            step = share * s[i, j] - pull_back * force
-            slope += (level - h[i, j] + offset) * step
-            curvature += step * (share * v[i, j] - pull_back * level)
-            lift += level * step
-            plain += s[i, j] * v[i, j]
-            if step < 0 and force < -step * room:
-                room = force / -step
-            if bound is not None and step > 0 and bound[i, j] - force < step * room:
-                room = (bound[i, j] - force) / step
-    return slope, curvature, lift, room, plain
+            slope += (u[i, j] - h[i, j] + offset) * s[i, j]
+            bend += s[i, j] * v[i, j]
+            lift += u[i, j] * s[i, j]
+    return slope, bend, lift
 
 
 @njit(**_OPTIONS)
-def advance(lo, hi, x, u, h, s, v, factor, bound):
+def bend(lo, hi, s, v):
+    """Sum s v."""
+    total = 0.0
+    for i in range(lo, hi):
+        for j in range(s.shape[1]):
+            total += s[i, j] * v[i, j]
+    return (total,)
+
+
+@njit(**_OPTIONS)
+def room(lo, hi, x, s, bound, share, pull_back):
+    """Largest multiple of the step share * s - pull_back * x that keeps the force within its bounds."""
+    most = np.inf
+    for i in range(lo, hi):
+        for j in range(x.shape[1]):
+            force = x[i, j]
+            step = share * s[i, j] - pull_back * force
+            if step < 0 and force < -step * most:
+                most = force / -step
+            if bound is not None and step > 0 and bound[i, j] - force < step * most:
+                most = (bound[i, j] - force) / step
+    return (most,)
+
+
+@njit(**_OPTIONS)
+def advance_bounded(lo, hi, x, u, h, s, v, factor, bound):
     """Move force and displacement by `factor` steps; sums of phi and phi (u - h)."""
     total = 0.0
     moment = 0.0
@@ -340,14 +360,12 @@ def advance(lo, hi, x, u, h, s, v, factor, bound):
         for j in range(x.shape[1]):
             force = max(x[i, j] + factor * s[i, j], 0.0)
             shift = u[i, j] + factor * v[i, j]
+            # x + (bound - x) may round to just below the bound.
+            if force >= bound[i, j] * (1 - 1e-14):
+                force = bound[i, j]
             x[i, j] = force
             u[i, j] = shift
-            if bound is not None:
-                # x + (bound - x) may round to just below the bound.
-                if force >= bound[i, j] * (1 - 1e-14):
-                    force = bound[i, j]
-                    x[i, j] = force
-                force *= 1 - force / bound[i, j]
+            force *= 1 - force / bound[i, j]
             total += force
             moment += force * (shift - h[i, j])
     return total, moment

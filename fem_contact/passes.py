@@ -28,8 +28,6 @@ class Slopes:
         First and second derivative per step.
     lift : float
         Sum of displacement times step.
-    room : float
-        Largest multiple of the step within the bounds.
     plain : float
         Curvature along the trial step, before it was scaled to the load.
     """
@@ -37,7 +35,6 @@ class Slopes:
     slope: float
     curvature: float
     lift: float
-    room: float
     plain: float
 
 
@@ -51,8 +48,9 @@ class Errors:
         sum x |g| and sum x over points below the bound.
     lowest, highest : float
         Least gap of these points, greatest gap of points at the bound [m].
-    free : float
-        Sum of x over the working set.
+    free, last, image : float
+        Sums over the working set of phi (x, or x (1 - x / bound)), of the last step, and of phi times the
+        image of that step.
     """
 
     moment: float
@@ -60,6 +58,8 @@ class Errors:
     lowest: float
     highest: float
     free: float
+    last: float
+    image: float
 
     def within(self, tolerance: float) -> bool:
         """Whether complementarity and penetration are met to a tolerance [m]."""
@@ -87,6 +87,7 @@ class Passes:
         self.buffer: NDArray[Any] = np.empty((nx, ny), dtype=precision)
         self.working = np.zeros((nx, ny), dtype=bool)
         self.share, self.pull_back = 1.0, 0.0
+        self._trial: tuple[float, float] | None = None
         self.sums: list[NDArray[Any]] = []
         self.counts: list[NDArray[np.uint8]] = []
         while max(nx, ny) > 4 or not self.sums:
@@ -94,7 +95,7 @@ class Passes:
             self.sums.append(np.empty((nx, ny), dtype=precision))
             self.counts.append(np.empty((nx, ny), dtype=np.uint8))
         self.rows = Rows(heights.shape[0], threads=threads)
-        self.coarse_rows = Rows(self.sums[0].shape[0], threads=threads)
+        self.coarse_rows = Rows(self.sums[0].shape[0], threads=threads, least=32)
 
     @property
     def nbytes(self) -> int:
@@ -110,20 +111,20 @@ class Passes:
         )
         return sum(array.nbytes for array in (*fields, *self.sums, *self.counts))
 
-    def weigh(self) -> tuple[float, float]:
-        """Sum phi and phi (u - h)."""
-        total, moment = self.rows.add(
+    def start(self, operator: Operator) -> tuple[float, float, float]:
+        """Apply the response afresh; sum phi, phi (u - h) and x u."""
+        operator.apply(self.force, self.displacement)
+        total, moment, energy = self.rows.add(
             self.kernels.weigh, self.force, self.displacement, self.heights, self.bound
         )
-        return total, moment
+        return total, moment, energy
 
-    def residual(self, offset: float, load: float) -> Errors:
-        """Write the residual and the working set; measure by how much the conditions are missed.
-
-        `load`, the sum of x, is taken as the total where nothing bounds x.
-        """
+    def residual(self, offset: float) -> Errors:
+        """Write the residual and the working set; measure by how much the conditions are missed."""
+        if self.bound is None:
+            return self._move(0.0, 0.0, offset)[0]
         parts = self.coarse_rows.run(
-            self.kernels.residual,
+            self.kernels.residual_bounded,
             self.force,
             self.displacement,
             self.heights,
@@ -134,18 +135,22 @@ class Passes:
             self.working,
             self.sums[0],
             self.counts[0],
+            self.step,
+            self.image,
         )
-        moments, totals, lowest, highest, free = zip(*parts, strict=True)
+        moments, totals, lowest, highest, free, last, images = zip(*parts, strict=True)
         return Errors(
             moment=sum(moments),
-            total=sum(totals) if self.bound is not None else load,
+            total=sum(totals),
             lowest=min(lowest),
             highest=max(highest),
             free=sum(free),
+            last=sum(last),
+            image=sum(images),
         )
 
-    def precondition(self, operator: Operator) -> tuple[float, float, float, float]:
-        """Turn the residual into E' M E residual; the sums of `kernels.finish`."""
+    def precondition(self, operator: Operator) -> tuple[float, float]:
+        """Turn the residual into z = E' M E residual; sum z, and z times the image of the last step."""
         k, sums, counts = self.kernels, self.sums, self.counts
         for fine in range(len(sums) - 1):
             k.pull(sums[fine], counts[fine], sums[fine + 1], counts[fine + 1])
@@ -161,19 +166,28 @@ class Passes:
         sums[-1] *= (counts[-1] > 0) / np.maximum(counts[-1], 1)
         for fine in range(len(sums) - 2, -1, -1):
             k.pull_transposed(sums[fine], counts[fine], sums[fine + 1])
-        total, image, last, weight = self.rows.add(
-            k.finish, self.buffer, self.working, sums[0], self.force, self.step, self.image, self.bound
-        )
-        return total, image, last, weight
+        total, image = self.rows.add(k.finish, self.buffer, self.working, sums[0], self.image)
+        return total, image
 
     def trial(self, mean_force: float, *, offset: float, length: float, beta: float, shift: float) -> None:
         """Write the step to the clipped trial force of the prescribed load."""
         k, target = self.kernels, mean_force * self.force.size
-        self.share, self.pull_back = 1.0, 0.0
+        self.share, self.pull_back, self._trial = 1.0, 0.0, None
         if self.bound is None:
-            (total,) = self.rows.add(
-                k.trial, self.force, self.buffer, self.step, self.working, length, beta, shift
+            total, slope, lift = self.rows.add(
+                k.trial,
+                self.force,
+                self.buffer,
+                self.step,
+                self.working,
+                self.displacement,
+                self.heights,
+                offset,
+                length,
+                beta,
+                shift,
             )
+            self._trial = slope, lift
             # The trial force times `share` carries the load; its step is share * step - pull_back * force.
             if total > 0 and abs(target / total - 1) > 1e-13:
                 self.share, self.pull_back = target / total, 1 - target / total
@@ -194,7 +208,7 @@ class Passes:
 
         Whatever the state, it is a direction of descent; it is slow and used where the other is none.
         """
-        self.share, self.pull_back = 1.0, 0.0
+        self.share, self.pull_back, self._trial = 1.0, 0.0, None
         aim = self.force - self.stiffness * (self.displacement - self.heights + offset)
         top = np.inf if self.bound is None else self.bound
         low = mean_force - float(np.max(aim))
@@ -209,28 +223,37 @@ class Passes:
                 high = middle
         np.subtract(np.clip(aim + high, 0.0, top), self.force, out=self.step)
 
-    def search(self, offset: float) -> Slopes:
-        """Slope and curvature of the energy along the step, and how many steps the bounds leave room for."""
+    def search(self, offset: float, energy: float) -> Slopes:
+        """Slope and curvature of the energy, now sum x u / 2 - h x, along the step with its image."""
         k = self.kernels
-        parts = self.rows.run(
-            k.line,
-            self.force,
-            self.displacement,
-            self.heights,
-            offset,
-            self.step,
-            self.image,
-            self.bound,
-            self.share,
-            self.pull_back,
-        )
-        slopes, curvatures, lifts, rooms, plains = zip(*parts, strict=True)
+        if self._trial is None:
+            slope, bend, lift = self.rows.add(
+                k.line, self.force, self.displacement, self.heights, offset, self.step, self.image
+            )
+            return Slopes(slope=slope, curvature=bend, lift=lift, plain=bend)
+        (bend,) = self.rows.add(k.bend, self.step, self.image)
+        slope, lift = self._trial
+        share, back = self.share, self.pull_back
+        # The offset makes sum g x vanish, and x times the image of s is s times that of x.
         return Slopes(
-            slope=sum(slopes), curvature=sum(curvatures), lift=sum(lifts), room=min(rooms), plain=sum(plains)
+            slope=share * slope,
+            curvature=share**2 * bend - 2 * share * back * lift + back**2 * energy,
+            lift=share * lift - back * energy,
+            plain=bend,
         )
 
-    def advance_residual(self, factor: float, offset: float) -> tuple[Errors, float]:
-        """Move by `factor` steps, write the residual for that offset, and sum x (u - h); without bound."""
+    def room(self) -> float:
+        """How many steps the bounds leave room for; never less than one, since the trial force keeps them."""
+        parts = self.rows.run(
+            self.kernels.room, self.force, self.step, self.bound, self.share, self.pull_back
+        )
+        return min(most for (most,) in parts)
+
+    def advance_residual(self, factor: float, offset: float) -> tuple[Errors, float, float]:
+        """Move by `factor` steps and write the residual for that offset; sum x (u - h) and x u; no bound."""
+        return self._move(factor * self.share, factor * self.pull_back, offset)
+
+    def _move(self, share: float, pull_back: float, offset: float) -> tuple[Errors, float, float]:
         parts = self.coarse_rows.run(
             self.kernels.advance_residual,
             self.force,
@@ -238,8 +261,8 @@ class Passes:
             self.heights,
             self.step,
             self.image,
-            factor * self.share,
-            factor * self.pull_back,
+            share,
+            pull_back,
             offset,
             self.stiffness,
             self.buffer,
@@ -247,16 +270,22 @@ class Passes:
             self.sums[0],
             self.counts[0],
         )
-        moments, totals, torques, lowest, free = zip(*parts, strict=True)
+        moments, totals, torques, energies, lowest, free, last, images = zip(*parts, strict=True)
         errors = Errors(
-            moment=sum(moments), total=sum(totals), lowest=min(lowest), highest=-np.inf, free=sum(free)
+            moment=sum(moments),
+            total=sum(totals),
+            lowest=min(lowest),
+            highest=-np.inf,
+            free=sum(free),
+            last=sum(last),
+            image=sum(images),
         )
-        return errors, sum(torques)
+        return errors, sum(torques), sum(energies)
 
     def advance(self, factor: float) -> tuple[float, float]:
-        """Move by `factor` steps; sum phi and phi (u - h) there."""
+        """Move by `factor` steps; sum phi and phi (u - h) there; under a bound."""
         total, moment = self.rows.add(
-            self.kernels.advance,
+            self.kernels.advance_bounded,
             self.force,
             self.displacement,
             self.heights,
