@@ -18,9 +18,6 @@ from numba import njit
 
 _OPTIONS = {"cache": True, "nogil": True, "fastmath": {"reassoc", "contract", "nsz"}}
 
-#: With these, loops that look for a least value are vectorised; heights and forces are finite by then.
-_FINITE = {**_OPTIONS, "fastmath": {"reassoc", "contract", "nsz", "nnan"}}
-
 #: Reciprocals of the possible numbers of occupied cells in a cell of the next level; nothing comes from an
 #: empty one.
 _PARTS = (0.0, 1.0, 1 / 2, 1 / 3, 1 / 4)
@@ -109,7 +106,7 @@ def _sum_cells(row, r, work, sums, counts):
         counts[row, ny // 2] = count
 
 
-@njit(**_FINITE)
+@njit(**_OPTIONS)
 def advance_residual(lo, hi, x, u, h, s, v, share, pull_back, offset, stiffness, r, work, sums, counts):
     """Move force and displacement, and write the residual there, in one pass; without bound.
 
@@ -129,26 +126,29 @@ def advance_residual(lo, hi, x, u, h, s, v, share, pull_back, offset, stiffness,
     image = 0.0
     for row in range(lo, hi):
         for i in range(2 * row, min(2 * row + 2, nx)):
+            # Three loops over a row that stays in the cache, each simple enough to be vectorised.
             for j in range(ny):
-                force = keep * x[i, j] + share * s[i, j]
-                force = force if force > 0 else 0.0
+                force = max(keep * x[i, j] + share * s[i, j], 0.0)
                 shift = keep * u[i, j] + share * v[i, j]
                 x[i, j] = force
                 u[i, j] = shift
                 level = shift - h[i, j]
                 g = level + offset
-                torque += force * level
-                energy += force * shift
+                r[i, j] = g
+                lowest = min(lowest, g)
                 total += force
                 moment += force * abs(g)
-                lowest = g if g < lowest else lowest
-                inside = force - stiffness * g > 0
-                work[i, j] = inside
-                r[i, j] = -g if inside else 0.0
-                last += s[i, j] if inside else 0.0
-                force = force if inside else 0.0
+                torque += force * level
+                energy += force * shift
+            for j in range(ny):
+                work[i, j] = x[i, j] > stiffness * r[i, j]
+            for j in range(ny):
+                inside = 1.0 if work[i, j] else 0.0
+                force = inside * x[i, j]
                 free += force
                 image += force * v[i, j]
+                last += inside * s[i, j]
+                r[i, j] *= -inside
         _sum_cells(row, r, work, sums, counts)
     return moment, total, torque, energy, lowest, free, last, image
 

