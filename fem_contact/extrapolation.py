@@ -6,12 +6,12 @@ The area with its edge located inside the cells (`fem_contact.area.subcell_area`
    \qquad z = \frac{f}{A (1 - A)^{5/4}}
 
 where f is the edge fraction, in proportion to the spacing, z is the spacing in units of the width of the
-contact patches (near full contact, of a little less than that of the gaps), n the number of cells and nu a random number. The first
-order is taken out by the edge map; the half power follows from the square-root fields of the edge. The
-coefficients k depend on surface and load, and that is the point: on a few grids they cannot all be fitted,
-and leaving one out makes any fit look better than it is. They are therefore taken as random numbers of zero
-mean, whose size was measured, and the limit is what the areas of the grids at hand then say of A, with the
-spread that remains.
+contact patches (near full contact, of a little less than that of the gaps), n the number of cells and nu a
+random number. The first order is taken out by the edge map; the half power follows from the square-root
+fields of the edge. The coefficients k depend on surface and load, and that is the point: on a few grids they
+cannot all be fitted, and leaving one out makes any fit look better than it is. They are therefore taken as
+random numbers of zero mean, whose size was measured, and the limit is what the areas of the grids at hand
+then say of A, with the spread that remains.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ __all__ = ["PlannedGrid", "located_limit", "predicted_uncertainty"]
 
 Array = NDArray[np.float64]
 
-#: Powers of z of the error law, and the standard deviations of their coefficients, for boundary elements.
-#: Those of largest likelihood on 24 surfaces of H = .1, .3, .8, .9, each at three of the loads p* = .005 to .6,
-#: on grids of 3 to 48 or 64 points per shortest wave, rounded upwards; likewise the power of 1 - A.
+#: Powers of z of the error law, and standard deviations of their coefficients, for boundary elements.
+#: Those of largest likelihood on 24 surfaces of H = .1, .3, .8, .9, each at three of the loads p* = .005 to
+#: .6, on grids of 3 to 48 or 64 points per shortest wave, rounded upwards; likewise the power of 1 - A.
 _LAW = ((1.0, 0.02), (1.5, 0.008), (2.0, 0.003), (3.0, 0.001))
 _GAP_POWER = 1.25
 

@@ -246,3 +246,31 @@ def test_reproduce_prints_the_claims(tool, monkeypatch, tmp_path):
 def test_every_mistake_is_of_a_kind_the_command_line_turns_into_a_line():
     assert not issubclass(UsageError, RunFailed)
     assert not issubclass(RunFailed, UsageError)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--accuracy", "one"), "--accuracy = 'one': must be a share such as 1% or 0.01"),
+        (("--accuracy", "1%", "--time-limit", "3 m"), "--time-limit = '3 m': is not a time"),
+        (("--time-limit", "3 s"), "--time-limit = '3 s': belongs to --accuracy"),
+        (("--accuracy", "1%", "--dry-run"), "--dry-run: not together with --accuracy"),
+        (("--accuracy", "1%", "--scheduler", "tcp://x:1"), "--scheduler: not together with --accuracy"),
+    ],
+)
+def test_an_accuracy_that_cannot_be_asked_for_is_one_line(tool, options, words):
+    code, _, err = tool("run", "quickstart", *options)
+    assert code == 2
+    assert words in err
+    assert len(err.strip().splitlines()) == 1
+
+
+def test_an_accuracy_is_reached_and_told(tool, write_scene):
+    code, out, err = tool("run", write_scene(fem=False), "--accuracy", "5%", "--no-pictures", "-q")
+    assert (code, err) == (0, "")
+    assert "Asked for 5 %: A/A0 = " in out
+    found = json.loads(
+        tool("run", write_scene(fem=False), "--accuracy", "0.05", "--json", "--no-pictures")[1]
+    )["accuracy"]
+    assert found["error"] <= found["target"] == 0.05
+    assert found["solves"] == 0
