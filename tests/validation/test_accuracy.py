@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import json
 import math
 
 import pytest
 
 from fem_contact.area import contact_areas
 from fem_contact.extrapolation import located_limit
-from validation.accuracy import parse_accuracy, reach, run_accurate
+from validation.accuracy import parse_accuracy, reach
 from validation.bench import Bench
 from validation.errors import RunFailed, UsageError
 from validation.jobs import jobs_of
@@ -70,20 +69,6 @@ def test_the_claimed_error_holds_on_finer_grids(scene, bench, tmp_path):
         assert abs(reached.area / truth - 1) < reached.error + 2 * uncertainty / truth
         costs.append(max(nx * ny for nx, ny in reached.grids))
     assert costs[0] < costs[1] < costs[2]
-
-
-def test_what_was_found_is_told_and_stored_and_not_solved_again(scene, tmp_path):
-    run = run_accurate(scene, tmp_path / "results", target=0.02)
-    outputs, reached = run.outputs, run.reached
-    assert [row.grid for row in outputs.comparison.rows] == list(reached.grids)
-    assert outputs.comparison.limit is not None
-    assert outputs.comparison.limit.value == reached.area
-    assert json.loads((tmp_path / "results" / "accuracy.json").read_text())["error"] == reached.error
-    text = " ".join(reached.sentences())
-    assert "Asked for 2 %" in text
-    assert f"{reached.solves} solves" in text
-    again = reach(scene, Bench.at(tmp_path / "results" / "solves"), target=0.02)
-    assert (again.solves, again.area, again.error) == (0, reached.area, reached.error)
 
 
 def test_the_mean_over_surfaces_is_as_accurate_as_asked(ensemble, bench):

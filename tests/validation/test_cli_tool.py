@@ -9,7 +9,10 @@ import pytest
 from typer.testing import CliRunner
 
 from validation import cli
+from validation.accuracy import reach
+from validation.bench import Bench
 from validation.errors import RunFailed, UsageError
+from validation.scene import load_scene
 
 COMMANDS = ("run", "study", "validate", "reproduce", "report", "explain", "surface", "scenes")
 
@@ -265,12 +268,17 @@ def test_an_accuracy_that_cannot_be_asked_for_is_one_line(tool, options, words):
     assert len(err.strip().splitlines()) == 1
 
 
-def test_an_accuracy_is_reached_and_told(tool, write_scene):
-    code, out, err = tool("run", write_scene(fem=False), "--accuracy", "5%", "--no-pictures", "-q")
+def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write_scene, tmp_path):
+    path = write_scene(fem=False)
+    code, out, err = tool("run", path, "--accuracy", "5%", "--no-pictures", "-q")
     assert (code, err) == (0, "")
     assert "Asked for 5 %: A/A0 = " in out
-    found = json.loads(
-        tool("run", write_scene(fem=False), "--accuracy", "0.05", "--json", "--no-pictures")[1]
-    )["accuracy"]
-    assert found["error"] <= found["target"] == 0.05
-    assert found["solves"] == 0
+    told = json.loads((tmp_path / "results" / "small" / "accuracy.json").read_text())
+    assert told["error"] <= told["target"] == 0.05
+    summary = json.loads((tmp_path / "results" / "small" / "summary.json").read_text())
+    assert [row["grid"] for row in summary["rows"]] == told["grids"]
+    assert summary["limit"]["value"] == told["area"]
+    again = reach(
+        load_scene(str(path)), Bench.at(tmp_path / "results" / "small" / "solves"), target=told["target"]
+    )
+    assert (again.solves, again.area, again.error) == (0, told["area"], told["error"])
