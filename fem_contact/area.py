@@ -172,12 +172,15 @@ class Limit:
         Fitted excess per edge fraction; of the located area, on the coarsest grid.
     grids : int
         Number of areas that went into the fit.
+    definition : str
+        Which area was extrapolated: "pixel" or "subcell".
     """
 
     value: float
     uncertainty: float
     edge_constant: float
     grids: int
+    definition: str = "pixel"
 
 
 def limit_area(
@@ -222,7 +225,8 @@ def limit_area(
     cell = np.array([area.spacing[0] * area.spacing[1] for area in areas])
     value = np.array([area.pixel if definition == "pixel" else area.subcell for area in areas], dtype=float)
     if not np.any(fraction):
-        return Limit(value=float(value.mean()), uncertainty=0.0, edge_constant=0.0, grids=len(areas))
+        mean = float(value.mean())
+        return Limit(value=mean, uncertainty=0.0, edge_constant=0.0, grids=len(areas), definition=definition)
     size = np.sqrt(cell / cell.max())
     deviation = np.sqrt(fraction) * size
     deviation = np.maximum(deviation / deviation.max(), 1e-3)
@@ -236,7 +240,9 @@ def limit_area(
         design = np.vstack([design, [0.0, scatter / known_constant[1]]])
         target = np.append(target, known_constant[0] * scatter / known_constant[1])
     limit, constant, error = _least_squares(design, target)
-    return Limit(value=limit, uncertainty=error, edge_constant=constant, grids=len(areas))
+    return Limit(
+        value=limit, uncertainty=error, edge_constant=constant, grids=len(areas), definition=definition
+    )
 
 
 def subgrid_shifts(per_axis: int = 2) -> list[tuple[float, float]]:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from validation.cli_options import (
+    AccuracyOption,
     DryRunOption,
     JsonOption,
     MemoryOption,
@@ -21,7 +22,9 @@ from validation.cli_options import (
     SceneArgument,
     SchedulerOption,
     StoreOption,
+    TimeLimitOption,
     WorkersOption,
+    chosen_accuracy,
     chosen_execution,
     print_plan,
     say,
@@ -65,6 +68,8 @@ def run(
     scheduler: SchedulerOption = None,
     memory: MemoryOption = None,
     dry_run: DryRunOption = False,
+    accuracy: AccuracyOption = None,
+    time_limit: TimeLimitOption = None,
     pictures: PicturesOption = None,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
@@ -72,7 +77,8 @@ def run(
     """Run a scene: solve, compare, write table, fields and report.
 
     Finished solves in the store are used again, so an interrupted run continues where it stopped. The options
-    may also stand in the table [run] of the scene.
+    may also stand in the table [run] of the scene. With --accuracy, grids, tolerance and number of surfaces
+    are chosen instead of read from the scene.
     """
     from validation.effects import check_effects
     from validation.jobs import jobs_of
@@ -87,26 +93,39 @@ def run(
     folder = output or said.output or Path("results") / loaded.name
     store_folder = store or said.store or folder / "solves"
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
+    chosen = chosen_accuracy(accuracy, time_limit=time_limit, dry_run=dry_run, execution=execution)
     if dry_run:
         check_effects(loaded)
         print_plan(jobs_of(loaded), Store(folder=store_folder), as_json=as_json)
         return
+    reached = None
     with stopping_cleanly(), Bar(quiet=quiet or said.quiet or as_json) as bar:
-        outputs = run_scene(
-            loaded,
-            folder,
-            progress=bar,
-            execution=execution,
-            store_folder=store_folder,
-            pictures=said.pictures if pictures is None else pictures,
-        )
+        options: dict[str, Any] = {
+            "progress": bar,
+            "execution": execution,
+            "store_folder": store_folder,
+            "pictures": said.pictures if pictures is None else pictures,
+        }
+        if chosen is None:
+            outputs = run_scene(loaded, folder, **options)
+        else:
+            from validation.accuracy import run_accurate
+
+            accurate = run_accurate(loaded, folder, **chosen, **options)
+            outputs, reached = accurate.outputs, accurate.reached
     if as_json:
-        typer.echo(json.dumps(outputs.comparison.summary(), indent=2))
+        summary = outputs.comparison.summary()
+        if reached is not None:
+            summary["accuracy"] = reached.summary()
+        typer.echo(json.dumps(summary, indent=2))
         return
     show(console_table(outputs.comparison))
     for finding in outputs.comparison.findings:
         show(f"- {finding}")
-    typer.echo(f"\n{outputs.solved} solves done, {outputs.reused} found finished. Written:")
+    for sentence in () if reached is None else reached.sentences():
+        show(f"- {sentence}")
+    solved = outputs.solved if reached is None else reached.solves
+    typer.echo(f"\n{solved} solves done, {outputs.solved + outputs.reused - solved} found finished. Written:")
     _list(outputs.files)
 
 

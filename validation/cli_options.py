@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from validation.store import Store
 
 __all__ = [
+    "AccuracyOption",
     "DryRunOption",
     "JsonOption",
     "MemoryOption",
@@ -28,7 +29,9 @@ __all__ = [
     "SceneArgument",
     "SchedulerOption",
     "StoreOption",
+    "TimeLimitOption",
     "WorkersOption",
+    "chosen_accuracy",
     "chosen_execution",
     "print_plan",
     "say",
@@ -76,6 +79,18 @@ MemoryOption = Annotated[
     str | None,
     typer.Option("--memory", help='Memory for all solves together, e.g. "4 GiB". Default: what is free.'),
 ]
+AccuracyOption = Annotated[
+    str | None,
+    typer.Option(
+        "--accuracy",
+        metavar="SHARE",
+        help="Choose grids, tolerance and number of surfaces for this error of A/A0 (95 %), e.g. 1% or 0.01.",
+    ),
+]
+TimeLimitOption = Annotated[
+    str | None,
+    typer.Option("--time-limit", help='With --accuracy: what solving may take, e.g. "10 min".'),
+]
 DryRunOption = Annotated[
     bool, typer.Option("--dry-run", help="List the solves with predicted time and memory; do none.")
 ]
@@ -107,6 +122,31 @@ def chosen_execution(
     if workers is None and scheduler is None:
         workers, scheduler = said.workers, said.scheduler
     return Execution(workers=workers or 1, scheduler=scheduler, memory=None if limit is None else int(limit))
+
+
+def chosen_accuracy(
+    accuracy: str | None, *, time_limit: str | None, dry_run: bool, execution: Execution
+) -> dict[str, Any] | None:
+    """Return what is asked of `run_accurate`, or None if no accuracy is asked for."""
+    if accuracy is None:
+        if time_limit is not None:
+            raise UsageError(f"--time-limit = {time_limit!r}: belongs to --accuracy, which is not given")
+        return None
+    from pydantic import TypeAdapter, ValidationError
+
+    from validation.accuracy import parse_accuracy
+    from validation.quantities import Duration
+
+    target = parse_accuracy(accuracy)
+    if dry_run:
+        raise UsageError("--dry-run: not together with --accuracy, whose grids are chosen from first solves")
+    if execution.scheduler is not None:
+        raise UsageError("--scheduler: not together with --accuracy, which measures this machine")
+    try:
+        seconds = None if time_limit is None else TypeAdapter(Duration).validate_python(time_limit)
+    except ValidationError as error:
+        raise UsageError(f"--time-limit = {time_limit!r}: {error.errors()[0]['msg']}") from None
+    return {"target": target, "time_limit": seconds}
 
 
 @contextlib.contextmanager

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from fem_contact.area import EDGE_CONSTANTS, ContactAreas, Limit, contact_areas, limit_area
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
+from fem_contact.extrapolation import located_limit
 from fem_contact.solid import Solid
 from fem_contact.stress import density_at_zero
 from fem_contact.surface import HeightField, resolves
@@ -175,8 +176,8 @@ class Comparison:
         What was done to a measured surface, in words; empty for a generated one.
     rows, cross : tuples
     limit : Limit or None
-        Limit of A/A0 over the resolved BEM grids (FEM grids where there is no BEM); None from fewer than
-        three areas.
+        Limit of A/A0 over the resolved BEM grids (FEM grids where there is no BEM); None from a single grid,
+        or fewer than three counted areas.
     theory : Theory or None
         None unless the scene asks for it.
     scatter : Scatter or None
@@ -301,7 +302,10 @@ def _asked_grids(scene: Scene, method: str) -> tuple[tuple[int, int], ...]:
 
 
 def _areas(job: Job, result: ContactResult) -> ContactAreas:
-    return contact_areas(result, edge_constant=edge_constant(job, result))
+    dx, dy = result.spacing
+    # The place of an edge is known for the bare half-space, by boundary elements, on square cells.
+    located = job.method == "bem" and not job.effects and abs(dx / dy - 1) <= 0.05
+    return contact_areas(result, edge_constant=edge_constant(job, result), subcell=located)
 
 
 def _points_per_wave(scene: Scene, grid: tuple[int, int]) -> float:
@@ -382,9 +386,12 @@ def _is_own(job: Job, method: str) -> bool:
 
 
 def _limit_over(areas: Sequence[ContactAreas]) -> Limit | None:
-    if len(areas) < 3 or len({area.spacing for area in areas}) < 2:
+    """Limit over at least two grids: of the located area where there is one, else of the counted."""
+    if len({area.spacing for area in areas}) < 2:
         return None
-    return limit_area(areas)
+    if all(area.subcell is not None for area in areas):
+        return located_limit(areas)
+    return limit_area(areas) if len(areas) >= 3 else None
 
 
 def _theory(scene: Scene, field: HeightField, pressure: float, modulus: float) -> Theory | None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 if TYPE_CHECKING:
+    from fem_contact.area import Limit
     from validation.comparison import Comparison, Row
 
 __all__ = ["findings"]
@@ -52,16 +53,21 @@ def _limit(c: Comparison) -> list[str]:
     if c.limit is None:
         return [
             "The limit of the contact area for vanishing grid spacing is not determinable: "
-            "it needs three solves on two grids."
+            "it needs two grids of boundary elements with square cells, or three solves on two grids."
         ]
     if c.limit.value >= 1 - 1e-12:
         return ["Contact is complete: A/A0 = 1 on the resolved grids, and refinement changes nothing."]
     return [
         f"In the limit of vanishing grid spacing A/A0 = {c.limit.value:.5f} +- {c.limit.uncertainty:.5f} "
-        f"for this surface (regression of the pixel area on edge length times dx, {c.limit.grids} solves; "
-        "one standard error, grid only), "
+        f"for this surface ({_how(c.limit)}, {c.limit.grids} solves; one standard error, grid only), "
         f"that is kappa = {c.limit.value / c.reduced_pressure:.3f} at p* = {c.reduced_pressure:.4g}."
     ]
+
+
+def _how(limit: Limit) -> str:
+    if limit.definition == "subcell":
+        return "area with the edge located inside the cells, extrapolated by its law of error"
+    return "regression of the pixel area on edge length times dx"
 
 
 def _theory(c: Comparison) -> list[str]:

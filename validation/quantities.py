@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import pint
 
 __all__ = [
+    "Duration",
     "Grid",
     "Length",
     "Lengths",
@@ -70,6 +71,7 @@ Length = Annotated[float, quantity("m", "length", "0.5 um"), Field(gt=0)]
 Pressure = Annotated[float, quantity("Pa", "pressure", "10 MPa"), Field(gt=0)]
 Work = Annotated[float, quantity("J/m^2", "work of adhesion", "50 mJ/m^2"), Field(gt=0)]
 Memory = Annotated[float, quantity("byte", "memory size", "4 GiB"), Field(ge=1)]
+Duration = Annotated[float, quantity("s", "time", "10 min"), Field(gt=0)]
 Number = Annotated[float, Field(strict=True)]
 
 

@@ -9,7 +9,10 @@ import pytest
 from typer.testing import CliRunner
 
 from validation import cli
+from validation.accuracy import reach
+from validation.bench import Bench
 from validation.errors import RunFailed, UsageError
+from validation.scene import load_scene
 
 COMMANDS = ("run", "study", "validate", "reproduce", "report", "explain", "surface", "scenes")
 
@@ -246,3 +249,36 @@ def test_reproduce_prints_the_claims(tool, monkeypatch, tmp_path):
 def test_every_mistake_is_of_a_kind_the_command_line_turns_into_a_line():
     assert not issubclass(UsageError, RunFailed)
     assert not issubclass(RunFailed, UsageError)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--accuracy", "one"), "--accuracy = 'one': must be a share such as 1% or 0.01"),
+        (("--accuracy", "1%", "--time-limit", "3 m"), "--time-limit = '3 m': is not a time"),
+        (("--time-limit", "3 s"), "--time-limit = '3 s': belongs to --accuracy"),
+        (("--accuracy", "1%", "--dry-run"), "--dry-run: not together with --accuracy"),
+        (("--accuracy", "1%", "--scheduler", "tcp://x:1"), "--scheduler: not together with --accuracy"),
+    ],
+)
+def test_an_accuracy_that_cannot_be_asked_for_is_one_line(tool, options, words):
+    code, _, err = tool("run", "quickstart", *options)
+    assert code == 2
+    assert words in err
+    assert len(err.strip().splitlines()) == 1
+
+
+def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write_scene, tmp_path):
+    path = write_scene(fem=False)
+    code, out, err = tool("run", path, "--accuracy", "5%", "--no-pictures", "-q")
+    assert (code, err) == (0, "")
+    assert "Asked for 5 %: A/A0 = " in out
+    told = json.loads((tmp_path / "results" / "small" / "accuracy.json").read_text())
+    assert told["error"] <= told["target"] == 0.05
+    summary = json.loads((tmp_path / "results" / "small" / "summary.json").read_text())
+    assert [row["grid"] for row in summary["rows"]] == told["grids"]
+    assert summary["limit"]["value"] == told["area"]
+    again = reach(
+        load_scene(str(path)), Bench.at(tmp_path / "results" / "small" / "solves"), target=told["target"]
+    )
+    assert (again.solves, again.area, again.error) == (0, told["area"], told["error"])

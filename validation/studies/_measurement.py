@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_contact.area import EDGE_CONSTANTS, ContactAreas, contact_areas, limit_area
+from fem_contact.area import EDGE_CONSTANTS, ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
+from fem_contact.extrapolation import located_limit
 from fem_contact.patches import find_patches
 from fem_contact.solid import Solid
 from fem_contact.stress import density_at_zero
@@ -23,7 +24,7 @@ from validation.surfaces import height_field, reference_field, spectrum_of
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Measurement", "area_limits", "areas_of", "grid_for", "located_limit"]
+__all__ = ["Measurement", "area_limits", "areas_of", "grid_for"]
 
 Grid = tuple[int, int]
 
@@ -243,7 +244,7 @@ def _read_off(result: ContactResult) -> dict[str, float]:
 
 
 def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0.0) -> list[ContactAreas]:
-    """Return the areas of a measurement at one load, one for each grid and shift, as `limit_area` takes them.
+    """Return the areas of a measurement at one load, one for each grid and shift, as `located_limit` takes them.
 
     Parameters
     ----------
@@ -264,33 +265,20 @@ def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0
             edge_constant=EDGE_CONSTANTS["bem"],
             spacing=(1 / int(dataset.points[i]), 1 / int(dataset.points[i])),
             subcell=float(dataset.subcell[i, j, load]),
+            cells=int(dataset.points[i]) ** 2,
         )
         for i, j in itertools.product(np.flatnonzero(keep), range(dataset.sizes["shift"]))
     ]
 
 
 def area_limits(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
-    """Return the limit of A/A0 over the grids of one measurement and its uncertainty, for each load.
+    """Return the limit of A/A0 over the grids of one measurement and its standard error, for each load.
 
-    It is extrapolated from the areas located inside the cells, whose error is of second order: counted areas on the
-    same grids lead to limits several times less certain.
+    It is that of the areas located inside the cells (`fem_contact.extrapolation`); grids of less than
+    `LEAST_POINTS_PER_WAVE` are left out.
     """
-    limits = [located_limit(dataset, k) for k in range(dataset.sizes["load"])]
-    return np.array([value for value, *_ in limits]), np.array(
-        [np.hypot(fit, drift) for _, fit, drift in limits]
-    )
-
-
-def located_limit(dataset: xr.Dataset, load: int) -> tuple[float, float, float]:
-    """Return the limit of the located area at one load, the standard error of its fit, and its drift.
-
-    The drift is by how much the limit moves when the coarsest grid is left out: what the fitted order misses is
-    systematic, and no scatter about the fit shows it. It is 0 where only two grids remain.
-    """
-    areas = areas_of(dataset, load, least_points_per_wave=LEAST_POINTS_PER_WAVE)
-    limit = limit_area(areas, definition="subcell")
-    coarsest = max(area.spacing for area in areas)
-    finer = [area for area in areas if area.spacing != coarsest]
-    if len(finer) < 3 or len({area.spacing for area in finer}) < 2:
-        return limit.value, limit.uncertainty, 0.0
-    return limit.value, limit.uncertainty, abs(limit_area(finer, definition="subcell").value - limit.value)
+    limits = [
+        located_limit(areas_of(dataset, k, least_points_per_wave=LEAST_POINTS_PER_WAVE))
+        for k in range(dataset.sizes["load"])
+    ]
+    return np.array([limit.value for limit in limits]), np.array([limit.uncertainty for limit in limits])

@@ -6,13 +6,12 @@ import itertools
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.stats
 
 from validation.bench import Bench
 from validation.drawing import Drawing
 from validation.studies._block import BlockMeasurement
 from validation.studies._common import ResultTable, at_least, base_surface, ladder, measure, solid_of
-from validation.studies._measurement import Measurement, area_limits, grid_for, located_limit
+from validation.studies._measurement import Measurement, area_limits, grid_for
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -167,10 +166,8 @@ def _claims(measured: list[xr.Dataset], reference: np.ndarray) -> tuple[np.ndarr
     """Half widths of the 95 % intervals of the limits over all coarse grids, and how far those limits are off."""
     half, missed = [], []
     for data, truth in zip(measured, reference, strict=True):
-        value, fit, drift = located_limit(data, 0)
-        # Shifts of one grid share the surface: grids, not solves, are the independent samples.
-        factor = float(scipy.stats.t.ppf(0.975, data.sizes["grid"] - 2)) * np.sqrt(data.sizes["shift"] / 2)
-        half.append(float(np.hypot(factor * fit, 2 * drift)) / truth)
+        (value,), (error,) = area_limits(data)
+        half.append(2 * error / truth)
         missed.append(value / truth - 1)
     return np.array(half), np.array(missed)
 

@@ -1,0 +1,114 @@
+"""The limit of the located area: known answers of its law, and whether its uncertainty holds."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from fem_contact.area import ContactAreas, contact_areas
+from fem_contact.bem import solve
+from fem_contact.errors import InvalidInput
+from fem_contact.extrapolation import PlannedGrid, located_limit, predicted_uncertainty
+from fem_contact.response import HalfSpace
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+
+SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
+
+
+def areas_on(n: int, *, limit: float = 0.1, terms: dict[float, float], edge: float = 6.0) -> ContactAreas:
+    """Areas that follow the law exactly: f = `edge`/n, with its terms by power of the width in cells."""
+    fraction = edge / n
+    width = fraction / (limit * (1 - limit) ** 1.25)
+    error = sum(c * fraction * width**power for power, c in terms.items())
+    return ContactAreas(
+        pixel=limit + 0.1 * fraction,
+        perimeter=limit,
+        edge_length=edge,
+        edge_fraction=fraction,
+        edge_constant=0.103,
+        spacing=(1 / n, 1 / n),
+        subcell=limit + error,
+        cells=n * n,
+    )
+
+
+GRIDS = (48, 64, 96, 128, 192, 256)
+
+
+@pytest.mark.parametrize("terms", [{1.0: 0.02}, {1.0: -0.02, 1.5: 0.008}, {1.0: 0.01, 2.0: 0.003, 3.0: 5e-4}])
+def test_the_limit_finds_what_a_law_of_several_orders_hides(terms):
+    limit = located_limit([areas_on(n, terms=terms) for n in GRIDS])
+    assert abs(limit.value - 0.1) < 2 * limit.uncertainty
+    # The noise that real areas have, and these not, keeps the fit from following them to the last digit.
+    assert abs(limit.value - 0.1) < 0.2 * abs(areas_on(256, terms=terms).subcell - 0.1)
+    assert (limit.definition, limit.grids) == ("subcell", 6)
+
+
+def test_each_further_grid_narrows_the_limit():
+    areas = [areas_on(n, terms={1.0: 0.02}) for n in GRIDS]
+    errors = [located_limit(areas[:k]).uncertainty for k in range(1, 7)]
+    assert all(np.diff(errors) < 0)
+
+
+def test_a_single_grid_is_known_to_its_law_of_error():
+    area = areas_on(128, terms={})
+    limit = located_limit([area])
+    assert limit.value == area.subcell
+    width = area.edge_fraction / (0.1 * 0.9**1.25)
+    leading = 0.02 * area.edge_fraction * width
+    assert leading < limit.uncertainty < 1.2 * leading
+
+
+def test_shifts_of_a_grid_are_averaged_and_count_as_one_grid():
+    pair = [areas_on(64, terms={}), dataclasses.replace(areas_on(64, terms={}), subcell=0.1004)]
+    mean = dataclasses.replace(pair[0], subcell=0.1002)
+    fine = areas_on(96, terms={})
+    assert located_limit([*pair, fine]).value == pytest.approx(located_limit([mean, fine]).value, rel=1e-4)
+
+
+def test_grids_that_disagree_widen_the_limit():
+    good = [areas_on(n, terms={1.0: 0.02}) for n in GRIDS]
+    bad = [*good[:-1], dataclasses.replace(good[-1], subcell=good[-1].subcell + 1e-3)]
+    assert located_limit(bad).uncertainty > 5 * located_limit(good).uncertainty
+
+
+def test_what_is_predicted_from_a_coarse_grid_is_what_fine_ones_claim():
+    areas = [areas_on(n, terms={}) for n in GRIDS]
+    plan = [PlannedGrid(spacing=area.spacing, cells=area.cells) for area in areas]
+    assert predicted_uncertainty(areas[0], plan) == pytest.approx(located_limit(areas).uncertainty, rel=1e-9)
+    single = predicted_uncertainty(areas[0], plan[:1])
+    assert single == pytest.approx(located_limit(areas[:1]).uncertainty, rel=1e-9)
+
+
+def test_full_contact_is_certain():
+    area = dataclasses.replace(areas_on(64, terms={}), subcell=1.0, edge_fraction=0.0)
+    limit = located_limit([area, dataclasses.replace(area, spacing=(1 / 32, 1 / 32))])
+    assert (limit.value, limit.uncertainty) == (1.0, 0.0)
+
+
+def test_units_do_not_change_the_limit():
+    areas = [areas_on(n, terms={1.0: 0.02}) for n in GRIDS]
+    scaled = [dataclasses.replace(a, spacing=(2.0**20 * a.spacing[0],) * 2) for a in areas]
+    assert located_limit(scaled) == located_limit(areas)
+
+
+def test_areas_without_located_edge_have_no_such_limit():
+    with pytest.raises(InvalidInput, match="edge located"):
+        located_limit([dataclasses.replace(areas_on(64, terms={}), subcell=None)])
+    with pytest.raises(InvalidInput, match="0 areas"):
+        located_limit([])
+
+
+def test_the_limit_of_a_wavy_surface_holds_a_finer_grid():
+    """Westergaard contacts of two crossed waves, no surface of the kind the law was measured on."""
+
+    def areas(n: int) -> ContactAreas:
+        x = np.cos(2 * np.pi * (np.arange(n) + 0.3) / n)
+        field = HeightField(heights=0.1 * (x[:, None] + x[None, :]), lengths=(1.0, 1.0))
+        return contact_areas(solve(field, SOFT, mean_pressure=0.05, threads=1).checked(), subcell=True)
+
+    limit = located_limit([areas(n) for n in (20, 32, 50)])
+    truth = located_limit([areas(n) for n in (144, 180, 256)])
+    assert abs(limit.value - truth.value) < 2 * np.hypot(limit.uncertainty, truth.uncertainty)
+    assert 2 * limit.uncertainty < 0.01 * limit.value
