@@ -31,7 +31,7 @@ __all__ = [
 
 #: For each effect a scene can name, the methods that handle it. A method that is not named refuses the scene.
 HANDLED_BY: dict[str, frozenset[str]] = {
-    "hardness": frozenset({"bem"}),
+    "hardness": frozenset({"bem", "fem"}),
     "adhesion": frozenset({"bem"}),
     "thickness": frozenset({"bem", "fem"}),
     "coating": frozenset({"bem", "theory"}),
