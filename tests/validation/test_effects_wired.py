@@ -112,7 +112,6 @@ def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
 @pytest.mark.parametrize(
     ("effects", "options", "message"),
     [
-        ((HARD,), {"theory": True}, r"effects\.0\.kind = 'hardness': method 'theory' does not handle it"),
         ((STICKY,), {"fem": True}, r"effects\.0\.kind = 'adhesion': method 'fem' does not handle it"),
         ((COATED,), {"fem": True}, r"'coating': method 'fem'"),
         ((LAYER,), {"theory": True}, r"'thickness': method 'theory'"),
@@ -233,3 +232,10 @@ def test_the_energy_of_full_contact_is_that_of_the_pressure_that_makes_it(with_e
     assert contact.in_contact.all()
     stored = 0.5 * np.mean(contact.pressure * (field.heights - field.heights.mean()))
     assert full_contact_energy(field, modulus=half.contact_modulus) == pytest.approx(stored, rel=1e-10)
+
+
+def test_the_pastewka_robbins_number_is_the_printed_one():
+    # h' = .1, half Laplacian: rms curvature of a profile is sqrt(3/2) of it, 1e5 / sqrt(3/2) = 8.165e4 /m;
+    # E* = 1 GPa, w = 1 J/m^2, rho = 1 nm: (.1 * 1e-9 / (2 * 1e-9)) (.1^2 / 8.165e4 / 1e-9)^(2/3).
+    word = judge(effect('[[effects]]\nkind = "adhesion"\nwork = "1 J/m^2"\nreach = "1 nm"\n'), rough())
+    assert "Pastewka-Robbins number 1.23 " in word.number

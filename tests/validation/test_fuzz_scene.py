@@ -233,14 +233,15 @@ def test_the_command_line_ends_with_an_exit_code_and_no_traceback(tmp_path, argu
         ("hardness --periods 0", "division by zero"),
     ],
 )
-def test_options_of_a_study_that_make_no_case_are_refused_in_words(tmp_path, arguments, message):
+def test_options_of_a_study_that_make_no_case_are_refused_in_words(monkeypatch, tmp_path, arguments, message):
     from typer.testing import CliRunner
 
     from validation import cli
 
-    with pytest.MonkeyPatch.context() as patch, pytest.raises(UsageError, match=message):
-        patch.chdir(tmp_path)
-        CliRunner().invoke(cli.app, ["study", *arguments.split(), "--dry-run"], catch_exceptions=False)
+    monkeypatch.chdir(tmp_path)
+    words = ["study", *arguments.split(), "--dry-run"]
+    with pytest.raises(UsageError, match=message):
+        CliRunner().invoke(cli.app, words, catch_exceptions=False)
 
 
 @pytest.mark.parametrize("text", ["a = " + "[" * 3000, "a = " + "9" * 5000, "a = 1\nb"])
