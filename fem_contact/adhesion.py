@@ -113,6 +113,7 @@ def solve(
     law: GapLaw,
     mean_pressure: float | None = None,
     offset: float | None = None,
+    hardness: float | Array | None = None,
     start: Array | None = None,
     tolerance: float = 1e-6,
     max_iterations: int = 500,
@@ -132,6 +133,10 @@ def solve(
     mean_pressure, offset : float
         p0 [Pa], which may be zero or negative, or the distance of the mean planes before deformation [m];
         exactly one of them.
+    hardness : float or (nx, ny) array, optional
+        Largest pressure H [Pa], at a given mean pressure only. Where p = H the solid yields: the gap is then
+        negative, -g the plastic indentation, and the yielded contact adheres (Persson 2006, Sec. 9). The
+        answer holds for a load that has only grown.
     start : (nx, ny) array, optional
         Gap [m] to start from. Without it: at a given offset the undeformed surfaces pushed to it, at a given
         pressure the surfaces at first touch. Both lie on the approaching branch.
@@ -148,7 +153,8 @@ def solve(
     ------
     InvalidInput
         Unless exactly one of pressure and offset is given and finite; where the grid does not resolve the
-        process zone of the law, with the cells it needs; for a start that is no gap field.
+        process zone of the law, with the cells it needs; for a start that is no gap field; for a hardness
+        that is not positive or below the mean pressure.
     """
     problem = AdhesionProblem(
         surface,
@@ -158,6 +164,7 @@ def solve(
         max_iterations=max_iterations,
         time_limit=time_limit,
         threads=threads,
+        hardness=hardness,
     )
     point = checked_point(mean_pressure, offset)
     return problem.packed(problem.at(point, problem.first_gap(point, start)))
@@ -207,6 +214,7 @@ class AdhesionProblem:
         max_iterations: int,
         time_limit: float | None,
         threads: int | None,
+        hardness: float | Array | None = None,
     ) -> None:
         if not (np.isfinite(tolerance) and 0 < tolerance < 1):
             raise InvalidInput(f"tolerance = {tolerance!r}: must lie in (0, 1), relative to the stresses")
@@ -226,8 +234,15 @@ class AdhesionProblem:
         self.surface, self.response = surface, response
         self.law = law.on_grid(spacing=spacing, contact_modulus=modulus)
         self.tolerance, self.max_iterations, self.time_limit = tolerance, max_iterations, time_limit
+        if hardness is not None:
+            _check_hardness(hardness, surface)
         self.land = Landscape(
-            surface.heights, response=response, lengths=surface.lengths, law=self.law, threads=threads
+            surface.heights,
+            response=response,
+            lengths=surface.lengths,
+            law=self.law,
+            threads=threads,
+            hardness=hardness,
         )
         self.clock, self.processor = time.perf_counter(), time.process_time()
 
@@ -244,7 +259,18 @@ class AdhesionProblem:
         return np.asarray(float(heights.max()) - heights)
 
     def check(self, point: Point) -> None:
-        """Refuse an offset that no load can reach."""
+        """Refuse an offset that no load can reach, and a load that nothing carries."""
+        hardness = self.land.hardness
+        if hardness is not None:
+            if point.mean_pressure is None:
+                raise InvalidInput(
+                    "hardness: needs a mean pressure; an offset is not unique where all yields"
+                )
+            if not point.mean_pressure < float(np.mean(hardness)):
+                raise InvalidInput(
+                    f"hardness with mean {float(np.mean(hardness)):.6g} Pa: must be above the mean pressure "
+                    f"{point.mean_pressure:.6g} Pa, or nothing carries the load"
+                )
         least = self.land.mean_height
         if point.offset is not None and self.land.mean_compliance == 0 and point.offset < least:
             raise InvalidInput(
@@ -267,17 +293,20 @@ class AdhesionProblem:
         """Fields and residuals of a minimum."""
         surface, modulus = self.surface, self.response.contact_modulus
         pressure = minimum.force + minimum.mean_pressure
-        wall = pressure + self.law.traction(minimum.gap)
-        on_wall = minimum.gap == 0
+        wall = pressure + self.law.traction(np.maximum(minimum.gap, 0.0))
+        on_wall, yielded = minimum.gap <= 0, minimum.gap < 0
+        off = wall
+        if self.land.hardness is not None:
+            off = np.where(yielded, pressure - self.land.hardness, wall)
         displacement = minimum.gap + surface.heights - minimum.offset
         scale = modulus * surface.rms_gradient or self.law.strength
         length = surface.rms_height or self.law.reach
         # Parted bodies carry no load in which the residuals could be measured; their attraction can.
         stress = max(self.law.strength, float(np.sqrt(np.mean(pressure**2))))
         residuals = Residuals(
-            penetration=max(-float(minimum.gap.min()), 0.0) / length,
+            penetration=max(-float(np.min(minimum.gap, where=~yielded, initial=0.0)), 0.0) / length,
             tension=max(-float(wall.min()), 0.0) / scale,
-            complementarity=float(np.mean(np.abs(wall) * minimum.gap)) / (stress * length),
+            complementarity=float(np.mean(np.abs(off * minimum.gap))) / (stress * length),
             load=abs(float(np.mean(minimum.force))) / stress,
         )
         contact = ContactResult(
@@ -285,7 +314,7 @@ class AdhesionProblem:
             gap=minimum.gap,
             displacement=displacement,
             in_contact=on_wall,
-            at_bound=np.zeros(on_wall.shape, dtype=bool),
+            at_bound=yielded,
             heights=surface.heights,
             lengths=surface.lengths,
             contact_modulus=modulus,
@@ -310,6 +339,14 @@ class AdhesionProblem:
         return AdhesiveContact(
             contact=contact, law=self.law, energy=minimum.energy, imbalance=minimum.imbalance
         )
+
+
+def _check_hardness(hardness: float | Array, surface: HeightField) -> None:
+    values = np.asarray(hardness, dtype=float)
+    if values.ndim != 0 and values.shape != surface.shape:
+        raise InvalidInput(f"hardness of shape {values.shape}: must be one pressure or {surface.shape}")
+    if not (np.all(np.isfinite(values)) and np.all(values > 0)):
+        raise InvalidInput("hardness: must be positive and finite everywhere, in Pa")
 
 
 #: Arrays of the size of the grid that a descent holds at its peak.

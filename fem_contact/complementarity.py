@@ -449,7 +449,7 @@ def solve_nested(
             tolerance=max(tolerance, _COARSE),
             max_iterations=max_iterations,
             start=None if start is None else refined(start, shape),
-            bound=None if bound is None else _nearest(bound, shape),
+            bound=None if bound is None else _nearest(bound if weights is None else bound / weights, shape),
             threads=threads,
             single=single,
         )

@@ -5,7 +5,9 @@ The unknown is the gap itself, g >= 0. With u = g + h - offset and the stiffness
 .. math:: E(g) = \tfrac12\, (g + h)\cdot K (g + h) + \sum \phi(g) + p_0 \sum g ,\qquad g \ge 0
 
 at a given mean pressure p0 (K leaves the mean out); at a given offset p0 is the multiplier of the mean gap.
-The gradient is the force of the wall, p + tau(g), which is zero where g > 0 and not negative where g = 0.
+The gradient is the force of the wall, p + tau(g), which is zero where g > 0 and not negative where g = 0. A
+solid of hardness H yields where p reaches it: the wall gives way, g < 0 costs H |g|, and p = H there. At
+g = 0 the energy then has a kink that a step may reach from either side and does not cross.
 """
 
 from __future__ import annotations
@@ -56,6 +58,8 @@ class Landscape:
         Periods [m].
     law : GapLaw
     threads : int, optional
+    hardness : float or (nx, ny) array, optional
+        Largest pressure H [Pa]; gaps may then be negative.
     """
 
     def __init__(
@@ -66,9 +70,10 @@ class Landscape:
         lengths: tuple[float, float],
         law: GapLaw,
         threads: int | None = None,
+        hardness: float | Array | None = None,
     ) -> None:
         self.heights = heights
-        self.law = law
+        self.law, self.hardness = law, hardness
         shape = (heights.shape[0], heights.shape[1])
         self.operator = FourierOperator(response, shape, lengths, threads=threads)
         compliance = self.operator.compliance.ravel()
@@ -97,7 +102,19 @@ class Landscape:
     def energy(self, gap: Array) -> float:
         """Elastic energy and energy of the law per area [J/m^2], that of a uniform displacement left out."""
         shape = gap + self.heights
-        return 0.5 * float(np.mean(self.stiff(shape) * shape)) + float(np.mean(self.law.energy(gap)))
+        return 0.5 * float(np.mean(self.stiff(shape) * shape)) + float(np.mean(self.stored(gap)))
+
+    def stored(self, gap: Array) -> Array:
+        """Energy of the law, and of what has yielded, at every point [J/m^2]."""
+        if self.hardness is None:
+            return self.law.energy(gap)
+        return self.law.energy(np.maximum(gap, 0.0)) - self.hardness * np.minimum(gap, 0.0)
+
+    def slope(self, gap: Array, sunk: Mask | None) -> Array:
+        """Slope of the attraction at every point, none where the solid yields [Pa/m]."""
+        if sunk is None:
+            return self.law.slope(gap)
+        return np.where(sunk, 0.0, self.law.slope(np.maximum(gap, 0.0)))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,11 +169,16 @@ class _State:
         # A body of finite thickness resists a uniform displacement; K without its mean does not know.
         self.base = 1 / land.mean_compliance if point.offset is not None and land.mean_compliance > 0 else 0.0
         self.target = 0.0 if point.offset is None else point.offset - land.mean_height
-        self.gap = self.projected(gap)
+        # Points below the wall, or at it and about to sink; None where the wall is hard.
+        self.sunk: Mask | None = None
+        self.gap = gap.copy() if land.hardness is not None else self.projected(gap)
         self.force = land.stiff(self.gap + land.heights)
         self.update()
 
     def update(self) -> None:
+        if self.land.hardness is not None:
+            self._update_yielding(self.land.hardness)
+            return
         law = self.land.law
         self.attraction = law.traction(self.gap)
         self.total = self.force + self.attraction
@@ -175,20 +197,37 @@ class _State:
             assert self.point.mean_pressure is not None
             self.load = self.point.mean_pressure
         self.gradient = self.total + self.load
-        self.free = open_ | (self.gradient < 0)
-        self.rest = np.where(self.free, self.gradient, 0.0)
+        self._judge(open_ | (self.gradient < 0))
+
+    def _update_yielding(self, hardness: float | Array) -> None:
+        assert self.point.mean_pressure is not None
+        self.load = self.point.mean_pressure
+        pressure = self.force + self.load
+        at_wall = self.gap == 0
+        self.sunk = (self.gap < 0) | (at_wall & (pressure > hardness))
+        attraction = self.land.law.traction(np.maximum(self.gap, 0.0))
+        self.attraction = np.where(self.sunk, -hardness, attraction)
+        self.total = self.force + self.attraction
+        self.gradient = self.total + self.load
+        self._judge(~at_wall | self.sunk | (self.gradient < 0))
+
+    def _judge(self, free: Mask) -> None:
+        self.free = free
+        self.rest = np.where(free, self.gradient, 0.0)
         # Weak adhesion is judged by the stresses of the contact, not by its own.
-        scale = max(law.strength, float(np.sqrt(np.mean(self.force**2))))
+        scale = max(self.land.law.strength, float(np.sqrt(np.mean(self.force**2))))
         self.imbalance = float(np.max(np.abs(self.rest))) / scale
 
     @property
     def separated(self) -> bool:
         """Whether a tension pulls on surfaces that no longer attract each other enough to resist it."""
         tension = self.point.mean_pressure is not None and self.load < 0
-        return tension and float(np.max(self.attraction)) < -self.load and not np.any(self.gap == 0)
+        return tension and float(np.max(self.attraction)) < -self.load and not np.any(self.gap <= 0)
 
     def projected(self, gap: Array) -> Array:
-        """Nearest gap that is not negative and, where the offset is held, has the mean that belongs to it."""
+        """Nearest gap that is allowed and, where the offset is held, has the mean that belongs to it."""
+        if self.sunk is not None:
+            return np.where(self.sunk, np.minimum(gap, 0.0), np.maximum(gap, 0.0))
         if not self.held:
             return np.maximum(gap, 0.0)
         shift = 0.0
@@ -295,13 +334,13 @@ def _energy(state: _State) -> float:
     land = state.land
     elastic = 0.5 * float(np.mean(state.force * (state.gap + land.heights)))
     elastic += 0.5 * land.mean_compliance * state.load**2
-    return elastic + float(np.mean(land.law.energy(state.gap)))
+    return elastic + float(np.mean(land.stored(state.gap)))
 
 
 def _newton_direction(state: _State, step_limit: float) -> Array:
     """Conjugate gradients on the Newton system, stopped where the energy curves down."""
     land = state.land
-    curvature = land.law.slope(state.gap)
+    curvature = land.slope(state.gap, state.sunk)
     residual = -state.restricted(state.rest)
     goal = min(0.1, np.sqrt(state.imbalance)) * float(np.sqrt(np.sum(residual**2)))
     step = np.zeros_like(residual)
@@ -330,6 +369,9 @@ def _farthest(state: _State, direction: Array, step_limit: float) -> float:
     reach = state.land.law.reach
     # Nearest point first: surfaces far apart may come as close as that point is.
     allowed = step_limit * reach + np.maximum(state.gap - 4 * reach, 0.0)
+    if state.sunk is not None:
+        # Below the wall nothing attracts, and the energy is quadratic.
+        allowed[state.sunk] = np.inf
     fastest = float(np.max(np.abs(direction) / allowed))
     return 1 / fastest if fastest > 0 else 1.0
 
@@ -340,11 +382,11 @@ _INNER = 100
 
 def _search(state: _State, direction: Array, *, step_limit: float) -> bool:
     """Backtrack along the projected direction until the energy falls; False where it never does."""
-    land, law = state.land, state.land.law
+    land = state.land
     if not np.any(direction):
         return False
     factor = min(1.0, _farthest(state, direction, step_limit))
-    energy = law.energy(state.gap)
+    energy = land.stored(state.gap)
     floor = 1e-15 * float(np.sum(np.abs(energy)))
     for _ in range(30):
         gap = state.projected(state.gap + factor * direction)
@@ -354,7 +396,7 @@ def _search(state: _State, direction: Array, *, step_limit: float) -> bool:
         # The attraction's part of the gradient is replaced by the exact change of its energy.
         rise = slope - float(np.sum(state.attraction * change)) + 0.5 * float(np.sum(change * force))
         rise += 0.5 * state.base * float(np.mean(change)) ** 2 * change.size
-        rise += float(np.sum(law.energy(gap) - energy))
+        rise += float(np.sum(land.stored(gap) - energy))
         if rise <= 1e-4 * slope + floor and slope < 0:
             state.gap = gap
             state.force = state.force + force
@@ -379,7 +421,7 @@ def least_curvature(
     state = _State(land, point, gap)
     if np.count_nonzero(state.free) <= (1 if state.held else 0):
         return np.inf, 0.0
-    curvature = land.law.slope(state.gap)
+    curvature = land.slope(state.gap, state.sunk)
     rng = np.random.default_rng(seed)
     v = state.restricted(rng.standard_normal(gap.shape))
     image = state.restricted(land.soften(v))

@@ -181,7 +181,7 @@ def study(
     )
     if dry_run:
         try:
-            found.run(bench=Bench(store=Store(folder=store_folder), plan_only=True), **options)
+            found.compute(bench=Bench(store=Store(folder=store_folder), plan_only=True), options=options)
         except PlannedOnly as plan:
             print_plan(plan.jobs, plan.store, as_json=as_json)
         return

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -166,7 +167,7 @@ def print_plan(jobs: Sequence[AnyJob], store: Store, *, as_json: bool) -> None:
     from validation.effects import predicted_cost, transform_seconds
 
     pair = transform_seconds()
-    plan = [(job, predicted_cost(job, pair_seconds=pair), store.path(job).exists()) for job in jobs]
+    plan = [(job, predicted_cost(job, pair_seconds=pair), os.path.exists(store.path(job))) for job in jobs]
     if as_json:
         rows = [
             {

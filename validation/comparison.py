@@ -67,6 +67,8 @@ class Row:
         Wall time of all the solves.
     unknowns : int
         Of one solve.
+    plastic : float or None
+        A_pl/A0, points at the pressure bound counted; None without a hardness.
     """
 
     method: str
@@ -82,6 +84,7 @@ class Row:
     residual: float
     seconds: float
     unknowns: int
+    plastic: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,11 +121,26 @@ class Theory:
         A/A0 from C(q) alone; None for a surface read from a file.
     stress_variance : float
         V [Pa^2] of the realised surface at full contact.
+    plastic : float or None
+        A_pl/A0 with a hardness.
+    other : float or None
+        A/A0 with the other reading of the elastic energy (Eq. 43), with adhesion.
+    note : str
+        Which part of the theory, where it is not that of elastic contact without adhesion; or why `area` is
+        NaN.
     """
 
     area: float
     ensemble_area: float | None
     stress_variance: float
+    plastic: float | None = None
+    other: float | None = None
+    note: str = ""
+
+    @property
+    def answers(self) -> bool:
+        """Whether the theory has an answer."""
+        return bool(np.isfinite(self.area))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -333,7 +351,15 @@ def _row(solves: Sequence[tuple[Job, ContactResult]], scene: Scene, reduced_pres
         residual=max(result.residuals.worst for _, result in solves),
         seconds=sum(result.cost.wall_seconds for _, result in solves),
         unknowns=solves[0][1].cost.unknowns,
+        plastic=_plastic(scene, [result for _, result in solves]),
     )
+
+
+def _plastic(scene: Scene, results: Sequence[ContactResult]) -> float | None:
+    if not any(effect.kind == "hardness" for effect in scene.effects):
+        return None
+    shares = [np.mean(r.at_bound if r.weights is None else r.weights * r.at_bound) for r in results]
+    return float(np.mean(shares))
 
 
 def _reduced_density(result: ContactResult) -> float:
@@ -410,12 +436,12 @@ def _theory(scene: Scene, field: HeightField, pressure: float, modulus: float) -
         spectrum = spectrum_of(scene.surface)
     elif scene.surface.edges in ("tukey", "hann"):
         spectrum = measured_spectrum(scene.surface)
-    if spectrum is not None:
-        from_spectrum = (
-            elastic.stress_variance(spectrum.m2(), contact_modulus=modulus)
-            if felt is None
-            else _graded_variance(spectrum, felt)
+    if any(effect.kind in ("hardness", "adhesion") for effect in scene.effects):
+        return _theory_of_effects(
+            scene, field, pressure, modulus=felt or modulus, variance=variance, spectrum=spectrum
         )
+    if spectrum is not None:
+        from_spectrum = _spectral_variance(spectrum, felt or modulus)
         ensemble = float(elastic.contact_area(pressure, stress_variance=from_spectrum))
     return Theory(
         area=float(elastic.contact_area(pressure, stress_variance=variance)),
@@ -424,10 +450,47 @@ def _theory(scene: Scene, field: HeightField, pressure: float, modulus: float) -
     )
 
 
-def _graded_variance(spectrum: SelfAffine | Tabulated, felt: Callable[[Any], NDArray[np.float64]]) -> float:
+def _theory_of_effects(
+    scene: Scene,
+    field: HeightField,
+    pressure: float,
+    *,
+    modulus: float | Callable[[Any], NDArray[np.float64]],
+    variance: float,
+    spectrum: SelfAffine | Tabulated | None,
+) -> Theory:
+    """Theory of a scene that yields or adheres, with the realised gradient and from C(q) alone."""
+    from validation.effect_theory import predicted
+
+    ensemble = None
+    if spectrum is not None:
+        alone = _spectral_variance(spectrum, modulus)
+        found = predicted(scene.effects, pressure, variance=alone, spectrum=spectrum, modulus=modulus)
+        ensemble = found.area if np.isfinite(found.area) else None
+    elif isinstance(scene.surface, FileSurface):
+        spectrum = measured_spectrum(scene.surface)
+    assert spectrum is not None
+    own = spectrum.scaled(float(field.rms_gradient**2 / spectrum.m2()))
+    found = predicted(scene.effects, pressure, variance=variance, spectrum=own, modulus=modulus)
+    return Theory(
+        area=found.area,
+        ensemble_area=ensemble,
+        stress_variance=variance,
+        plastic=found.plastic,
+        other=found.other,
+        note=found.note,
+    )
+
+
+def _spectral_variance(
+    spectrum: SelfAffine | Tabulated, modulus: float | Callable[[Any], NDArray[np.float64]]
+) -> float:
+    """Full-contact stress variance of C(q) [Pa^2], on a solid whose modulus may depend on the wave."""
+    if not callable(modulus):
+        return float(elastic.stress_variance(spectrum.m2(), contact_modulus=modulus))
     from persson.scale import Scale
 
-    scale = Scale(spectrum, contact_modulus=felt)
+    scale = Scale(spectrum, contact_modulus=modulus)
     return float(scale.variance(scale.q_short))
 
 
@@ -451,7 +514,7 @@ def _scatter(results: dict[Job, ContactResult], scene: Scene, modulus: float) ->
         pressure = nominal_pressure(scene.load, scene.solid, field)
         theory = _theory(scene, field, pressure, modulus)
         areas.append(limit.value)
-        ratios.append(limit.value / theory.area if theory is not None else limit.value)
+        ratios.append(limit.value / theory.area if theory is not None and theory.answers else limit.value)
         errors.append(limit.uncertainty / limit.value)
     return Scatter(
         areas=tuple(areas), ratios=tuple(ratios), grid_error=float(np.sqrt(np.mean(np.square(errors))))

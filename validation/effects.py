@@ -31,8 +31,8 @@ __all__ = [
 
 #: For each effect a scene can name, the methods that handle it. A method that is not named refuses the scene.
 HANDLED_BY: dict[str, frozenset[str]] = {
-    "hardness": frozenset({"bem"}),
-    "adhesion": frozenset({"bem"}),
+    "hardness": frozenset({"bem", "fem", "theory"}),
+    "adhesion": frozenset({"bem", "theory"}),
     "thickness": frozenset({"bem", "fem"}),
     "coating": frozenset({"bem", "theory"}),
     "graded": frozenset({"bem", "fem", "theory"}),
@@ -299,10 +299,16 @@ def _facts(scene: Scene) -> tuple[tuple[str, str], ...]:
         )
     facts.extend(_mesh_facts(scene))
     if scene.methods.theory is not None:
-        facts.append(
-            ("theory", "Persson 2006, elastic, without adhesion: A/A0, P(sigma), kappa; milliseconds")
-        )
+        facts.append(("theory", _theory_words(scene)))
     return tuple(facts)
+
+
+def _theory_words(scene: Scene) -> str:
+    if not scene.effects:
+        return "Persson 2006, elastic, without adhesion: A/A0, P(sigma), kappa; milliseconds"
+    from validation.effect_theory import words
+
+    return words(scene.effects)
 
 
 def _mesh_facts(scene: Scene) -> Iterator[tuple[str, str]]:

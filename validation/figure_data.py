@@ -48,7 +48,7 @@ def area_data(c: Comparison) -> xr.Dataset:
         },
         limit=None if limit is None else limit.value,
         limit_error=None if limit is None else limit.uncertainty,
-        persson=None if theory is None else theory.area,
+        persson=None if theory is None or not theory.answers else theory.area,
         persson_from_spectrum=None if theory is None else theory.ensemble_area,
     )
 
@@ -90,7 +90,8 @@ def pressure_at_zero_data(c: Comparison, results: dict[str, list[ContactResult]]
         lower += list(edges[:-1])
         upper += list(edges[1:])
         density += list(found * unit)
-    if c.theory is not None:
+    # The closed form is that of elastic contact without adhesion.
+    if c.theory is not None and not c.theory.note:
         stress = np.linspace(0, NEAR_ZERO, 201)
         exact = elastic.pressure_distribution(
             stress * unit, pressure=c.pressure, stress_variance=c.theory.stress_variance

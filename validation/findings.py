@@ -18,6 +18,7 @@ def findings(comparison: Comparison) -> tuple[str, ...]:
     sentences = [
         *_limit(comparison),
         *_theory(comparison),
+        *_yielded(comparison),
         *_scatter(comparison),
         *_grids(comparison),
         *_cross(comparison),
@@ -73,12 +74,18 @@ def _how(limit: Limit) -> str:
 def _theory(c: Comparison) -> list[str]:
     if c.theory is None:
         return []
+    if not c.theory.answers:
+        return [f"Persson's theory gives {c.theory.note}."]
     text = (
         f"Persson's theory gives A/A0 = {c.theory.area:.5f} with the realised gradient "
         f"h'_rms = {c.rms_gradient:.4g} of this surface"
     )
     if c.theory.ensemble_area is not None:
         text += f", {c.theory.ensemble_area:.5f} from C(q) alone"
+    if c.theory.other is not None and np.isfinite(c.theory.other):
+        text += f", {c.theory.other:.5f} with the elastic energy of Eq. 43"
+    if c.theory.note:
+        text += f" ({c.theory.note})"
     if c.limit is None:
         return [text + "; without a limit its distance to the simulation is not determinable."]
     difference = c.limit.value / c.theory.area - 1
@@ -90,6 +97,21 @@ def _theory(c: Comparison) -> list[str]:
     return [text + f". The limit lies {_side(difference)} it (grid uncertainty {percent(error)})."]
 
 
+def _yielded(c: Comparison) -> list[str]:
+    rows = [row for row in c.rows if not row.under_resolved and row.plastic is not None]
+    if not rows:
+        return []
+    finest = max(rows, key=lambda row: row.points_per_wave)
+    assert finest.plastic is not None
+    text = f"Yielded, A_pl/A0 = {finest.plastic:.5f} by {finest.method.upper()} on {_grid(finest)} (points counted)"
+    if c.theory is None or c.theory.plastic is None:
+        return [text + "."]
+    distance = ""
+    if finest.plastic > 0:
+        distance = f", {_side(c.theory.plastic / finest.plastic - 1)} it"
+    return [text + f"; {c.theory.plastic:.5f} by the theory{distance}."]
+
+
 def _scatter(c: Comparison) -> list[str]:
     if c.scatter is None:
         return ["One surface proves little: without an ensemble the scatter between realisations is unknown."]
@@ -98,7 +120,7 @@ def _scatter(c: Comparison) -> list[str]:
         f"Between {len(s.ratios)} realisations of the same spectrum the area scatters by {percent(s.relative)} "
         f"(standard deviation, of which the grids explain {percent(s.grid_error)})"
     )
-    if c.theory is None:
+    if c.theory is None or not c.theory.answers:
         return [text + "."]
     distance = s.mean_ratio - 1
     if s.mean_error == 0:
@@ -142,8 +164,11 @@ def _cross(c: Comparison) -> list[str]:
             return ["FEM and BEM share no grid, so their pressures are not compared point by point."]
         return []
     first, last = c.cross[0], c.cross[-1]
+    fem = c.scene.methods.fem
+    reduced = fem is not None and fem.method == "reduced"
+    name = "reduced finite-element block" if reduced else "full finite-element system"
     text = (
-        f"On the same surface and {last.grid[0]} x {last.grid[1]} grid the full finite-element system and the "
+        f"On the same surface and {last.grid[0]} x {last.grid[1]} grid the {name} and the "
         f"boundary elements differ by {percent(last.pressure)} in pressure (relative L2) and {percent(last.pixel)} in pixel area"
     )
     if first is last:

@@ -148,25 +148,36 @@ def _hardness(effect: HardnessEffect, rough: Roughness) -> Judgement:
 def _adhesion(effect: Adhesion, rough: Roughness) -> Judgement:
     radius = 2 / rough.curvature
     tabor = (radius * effect.work**2 / rough.modulus**2 / effect.reach**3) ** (1 / 3)
-    stick = _stickiness(effect, rough)
+    parting = _parting(effect, rough)
     stored = rough.full_energy / effect.work
     number = (
-        f"attraction around contacts over repulsion in them {stick:.3g} (after Pastewka and Robbins 2014), "
+        f"Pastewka-Robbins number {parting:.3g} (sticky below 1; Pastewka and Robbins 2014, Eq. 10), "
         f"U_full/w = {stored:.3g} (Persson 2006, Sec. 8), Tabor parameter of a summit {tabor:.3g}"
     )
-    return _said(effect.kind, number, stick > 0.02 or stored < 10)
+    return _said(effect.kind, number, parting < _FELT or stored < 10)
 
 
-def _stickiness(effect: Adhesion, rough: Roughness) -> float:
-    """Attraction in the rim around a contact of typical width over the repulsion in it.
+#: Pastewka-Robbins number below which attraction takes more than 2 % off what repulsion carries.
+_FELT = 50.0
 
-    A contact of diameter 4 h'/h'' on a summit of radius 2/h'' carries E* h'/2 per area. By Hertz the gap
-    beside its edge grows as (8 sqrt(2) / 3 pi) a^2/R (s/a)^(3/2), so that the attraction w/reach acts over a
-    rim whose width s is where it has grown to the range.
+
+def _parting(effect: Adhesion, rough: Roughness) -> float:
+    r"""Repulsion in the contacts over the attraction around them.
+
+    .. math:: \frac{h' \rho}{\kappa_\mathrm{rep}\, \ell_a}\left(\frac{h' d_\mathrm{rep}}{4\rho}\right)^{2/3},
+              \qquad \ell_a = w/E^*,\quad d_\mathrm{rep} = 4 h'/h'',\quad \kappa_\mathrm{rep} = 2
+
+    L. Pastewka, M. O. Robbins, PNAS 111 (2014) 3298, Eq. 10, with h'' half of the rms Laplacian.
     """
-    a, radius = 2 * rough.gradient / rough.curvature, 2 / rough.curvature
-    rim = (3 * math.pi / (8 * math.sqrt(2)) * effect.reach / (a * a / radius)) ** (2 / 3)
-    return float(effect.work / effect.reach * (2 * rim + rim * rim) / (rough.modulus * rough.gradient / 2))
+    laplacian = rough.curvature * math.sqrt(8 / 3)
+    width = 4 * rough.gradient / (laplacian / 2)
+    length = effect.work / rough.modulus
+    bare = rough.gradient * effect.reach / (_KAPPA_REPULSIVE * length)
+    return float(bare * (rough.gradient * width / (4 * effect.reach)) ** (2 / 3))
+
+
+#: Contact area over load / (E* h'_rms) without adhesion.
+_KAPPA_REPULSIVE = 2.0
 
 
 def _graded(effect: Graded, rough: Roughness) -> Judgement:

@@ -164,7 +164,7 @@ def area_figure(comparison: Comparison) -> Figure:
         axes.axhspan(
             limit.value - limit.uncertainty, limit.value + limit.uncertainty, color="black", alpha=0.12, lw=0
         )
-    if theory is not None:
+    if theory is not None and theory.answers:
         axes.axhline(
             theory.area,
             color="#38761d",
@@ -229,9 +229,9 @@ def cost_figure(comparison: Comparison) -> Figure:
         if rows:
             errors = [max(abs(getattr(row, name) / limit.value - 1), 1e-6) for row in rows]
             axes.plot([row.seconds for row in rows], errors, **look)
-    if comparison.theory is not None:
+    if comparison.theory is not None and comparison.theory.answers:
         distance = max(abs(comparison.theory.area / limit.value - 1), 1e-6)
-        axes.axhline(distance, color="#38761d", ls="-.", label="Persson (under a millisecond)")
+        axes.axhline(distance, color="#38761d", ls="-.", label="Persson")
     axes.axhspan(
         axes.get_ylim()[0], floor, color="black", alpha=0.12, lw=0, label="below the uncertainty of the limit"
     )

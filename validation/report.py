@@ -63,11 +63,17 @@ def _summary_rows(comparison: Comparison) -> list[tuple[str, ...]]:
         value, error = comparison.limit.value, comparison.limit.uncertainty
         kappa = f"{value / comparison.reduced_pressure:.3f}"
         rows.append(("limit", "dx -> 0", "", f"{value:.5f} +- {error:.5f}", "", kappa, "0", "", ""))
-    if comparison.theory is not None:
-        area = comparison.theory.area
-        rows.append(
-            ("Persson", "", "", f"{area:.5f}", "", f"{area / comparison.reduced_pressure:.3f}", "0", "", "")
-        )
+    theory = comparison.theory
+    if theory is not None and theory.answers:
+        kappa = f"{theory.area / comparison.reduced_pressure:.3f}"
+        zero = "" if theory.note else "0"
+        rows.append(("Persson", "", "", f"{theory.area:.5f}", "", kappa, zero, "", ""))
+    for row in comparison.rows:
+        if row.plastic is not None:
+            method, grid = f"{row.method.upper()}, yielded", f"{row.grid[0]} x {row.grid[1]}"
+            rows.append((method, grid, "", f"{row.plastic:.5f}", "", "", "", "", ""))
+    if theory is not None and theory.plastic is not None:
+        rows.append(("Persson, yielded", "", "", f"{theory.plastic:.5f}", "", "", "", "", ""))
     return rows
 
 

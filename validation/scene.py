@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 import tomllib
 from importlib import resources
 from pathlib import Path
@@ -271,7 +272,8 @@ def scene_text(scene: str) -> tuple[str, Path]:
         For a name that is neither.
     """
     path = Path(scene)
-    if path.suffix == ".toml" or path.is_file():
+    # os.path, because pathlib raises for a name that is too long.
+    if path.suffix == ".toml" or os.path.isfile(scene):
         try:
             return path.read_text(encoding="utf-8"), path.parent
         except UnicodeDecodeError:
@@ -286,6 +288,22 @@ def scene_text(scene: str) -> tuple[str, Path]:
     raise SceneError(scene, [f"no such scene; give a .toml file or one of: {', '.join(builtin_scenes())}"])
 
 
+def parsed_toml(text: str, scene: str) -> dict[str, Any]:
+    """Parse the text of a scene.
+
+    Raises
+    ------
+    SceneError
+        For text that is not TOML, and for what the parser gives up on.
+    """
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise SceneError(scene, ["is nested too deeply; a scene has tables within lists at most"]) from None
+    except ValueError as error:  # of which TOMLDecodeError is one; a number of thousands of digits another
+        raise SceneError(scene, [f"is not valid TOML: {error}"]) from None
+
+
 def load_scene(scene: str) -> Scene:
     """Read and check a scene, built-in by name or from a TOML file by path.
 
@@ -295,10 +313,7 @@ def load_scene(scene: str) -> Scene:
         With one line for each problem: key, value, what is allowed.
     """
     text, folder = scene_text(scene)
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise SceneError(scene, [f"is not valid TOML: {error}"]) from None
+    data = parsed_toml(text, scene)
     try:
         checked = Scene.model_validate(_sized(data, folder))
     except ValidationError as error:

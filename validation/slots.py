@@ -95,6 +95,14 @@ def solve_bem(
             from fem_contact import adhesion
 
             return adhesion.solve(field, response, law=gap_law(sticky), **said).contact
+        case [HardnessEffect() as hard, Adhesion() as sticky] | [
+            Adhesion() as sticky,
+            HardnessEffect() as hard,
+        ]:
+            from fem_contact import adhesion
+
+            law = gap_law(sticky)
+            return adhesion.solve(field, response, law=law, hardness=hard.hardness, **said).contact
     names = " and ".join(repr(effect.kind) for effect in others)
     raise UnsupportedEffect(f"boundary elements do not handle {names}; leave it out, or split the scene")
 
@@ -126,6 +134,8 @@ def block_arguments(solid: Solid, effects: tuple[EffectSpec, ...]) -> dict[str, 
             arguments["depth"] = effect.thickness
         elif isinstance(effect, Graded):
             arguments["modulus"] = _Profile(effect, solid.young)
+        elif isinstance(effect, HardnessEffect):
+            arguments["pressure_bound"] = effect.hardness
         else:
             raise UnsupportedEffect(
                 f"finite elements do not handle {effect.kind!r} as this scene has it; use boundary elements"
@@ -141,12 +151,6 @@ def check_slots(scene: Scene) -> None:
     UsageError
         Naming the key and what is allowed.
     """
-    kinds = [effect.kind for effect in scene.effects]
-    if "hardness" in kinds and "adhesion" in kinds:
-        raise UsageError(
-            "effects: no solver handles 'hardness' together with 'adhesion'; persson.adhesion does "
-            "(solve_adhesion with a yield_stress)"
-        )
     fem, theory = scene.methods.fem, scene.methods.theory
     for k, effect in enumerate(scene.effects):
         key = f"effects.{k}"

@@ -40,7 +40,7 @@ class StudyOutputs:
 
 def run_study(study: Study, options: Mapping[str, Any], folder: Path, *, bench: Bench) -> StudyOutputs:
     """Run a study on a bench and write its outputs into a folder."""
-    data = study.run(bench=bench, **options)
+    data = study.compute(bench=bench, options=options)
     said = {
         "format": _FORMAT,
         "study": study.name,

@@ -7,7 +7,7 @@ exist for the run: none of its code is imported.
 from __future__ import annotations
 
 import csv
-import tomllib
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import resources
@@ -21,7 +21,7 @@ from pydantic import Field, StrictInt, ValidationError, model_validator
 from validation.errors import SceneError
 from validation.quantities import Length, Number, Pressure, exactly_one, quantity, wrong
 from validation.quantities import Table as _Table
-from validation.scene import SolidSpec, scene_problems
+from validation.scene import SolidSpec, parsed_toml, scene_problems
 
 if TYPE_CHECKING:
     from persson.scale import Scale
@@ -193,7 +193,7 @@ def load_theory_scene(scene: str) -> TheoryScene:
     """
     path = Path(scene)
     try:
-        if path.suffix == ".toml" or path.is_file():
+        if path.suffix == ".toml" or os.path.isfile(scene):
             text = path.read_text(encoding="utf-8")
         elif scene in theory_scenes():
             folder = resources.files("validation") / "scenes" / "theory"
@@ -201,11 +201,14 @@ def load_theory_scene(scene: str) -> TheoryScene:
         else:
             names = ", ".join(theory_scenes())
             raise SceneError(scene, [f"no such scene; give a .toml file or one of: {names}"])
-        return TheoryScene.model_validate(tomllib.loads(text))
     except OSError as error:
         raise SceneError(scene, [f"cannot be read: {error.strerror}"]) from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise SceneError(scene, [f"is not valid TOML: {error}"]) from None
+    except UnicodeDecodeError:
+        raise SceneError(scene, ["is not UTF-8 text; a scene is a TOML file"]) from None
+    except ValueError:  # a zero byte in the name
+        raise SceneError(scene, ["is no name of a file"]) from None
+    try:
+        return TheoryScene.model_validate(parsed_toml(text, scene))
     except ValidationError as error:
         raise SceneError(scene, scene_problems(error)) from None
 

@@ -1,8 +1,9 @@
 """Primal-dual active set on the surface nodes of a block whose inside is kept.
 
 On the set, u_z follows the rigid profile; the profile's height above the undeformed surface is one more
-unknown, tied to the nodes of the set, whose equation is the balance of the load. Lengths are in cell widths
-and stresses in Young's modulus throughout.
+unknown, tied to the nodes of the set, whose equation is the balance of the load. Nodes at a bound of the
+pressure are a set of their own: they carry a known force and are free to move. Lengths are in cell widths and
+stresses in Young's modulus throughout.
 """
 
 from __future__ import annotations
@@ -69,13 +70,13 @@ class ActiveSetSolution:
     ----------
     displacement : (nx, ny, nz, 3) array
         u over the cell width above the clamped plane.
-    force : (nx, ny) array
-        Downward nodal force on the contact nodes over E times the cell width squared; 0 elsewhere.
-    gap : (nx, ny) array
-        g over the cell width.
+    force, gap : (nx, ny) arrays
+        Downward force on the contact nodes over E times the cell width squared; g over the cell width.
     in_contact : (nx, ny) array of bool
     offset : float
         Offset over the cell width.
+    at_bound : (nx, ny) array of bool or None
+        Contact nodes held at the bound; None where there is none.
     """
 
     displacement: Array
@@ -89,6 +90,7 @@ class ActiveSetSolution:
     linear_residual: float
     matrix_bytes: int
     most_linear_iterations: int
+    at_bound: Mask | None = None
 
 
 class SetPreconditioner(Protocol):
@@ -116,10 +118,13 @@ class Block(ABC):
     mesh : BlockMesh
     heights : (nx, ny) array
         Profile over the cell width, positive into the block.
+    bound : (nx, ny) array or None
+        Largest nodal force, over E times the cell width squared.
     """
 
     mesh: BlockMesh
     heights: Array
+    bound: Array | None = None
 
     @abstractmethod
     def apply(self, field: Array) -> Array:
@@ -245,7 +250,13 @@ class _AssembledPreconditioner:
 
 @dataclass(frozen=True, kw_only=True)
 class _State:
-    """Displacement, and what it says about the surface nodes."""
+    """Displacement, and what it says about the surface nodes.
+
+    Attributes
+    ----------
+    nodes, plastic, following, sinking : (nx, ny) arrays of bool
+        Nodes on the profile, and others at the bound (None without one); the same for the next set.
+    """
 
     displacement: Array
     offset: float
@@ -253,6 +264,8 @@ class _State:
     following: Mask
     force: Array
     gap: Array
+    plastic: Mask | None = None
+    sinking: Mask | None = None
 
     @classmethod
     def initial(cls, block: Block, *, start: Mask, offset: float, displacement: Array | None) -> _State:
@@ -262,35 +275,75 @@ class _State:
             else displacement.ravel()
         )
         zero = np.zeros(block.mesh.shape)
-        return cls(displacement=field, offset=offset, nodes=start, following=start, force=zero, gap=zero)
+        none = None if block.bound is None else np.zeros(block.mesh.shape, dtype=bool)
+        return cls(
+            displacement=field,
+            offset=offset,
+            nodes=start,
+            following=start,
+            force=zero,
+            gap=zero,
+            plastic=none,
+            sinking=none,
+        )
 
-    @classmethod
-    def read(cls, block: Block, *, nodes: Mask, offset: float, displacement: Array) -> _State:
+    def read(self, block: Block, *, offset: float, displacement: Array) -> _State:
+        """Take over the displacement of the linear problem of this set."""
+        nodes, plastic = self.nodes, self.plastic
         force = -block.surface(block.apply(displacement))
         gap = offset - block.heights - block.surface(displacement)
-        return cls(
+        sinking = None
+        if plastic is None or block.bound is None:
+            following = np.where(nodes, force > 0, gap < 0)
+            # Off the set the nodal force is the linear residual, on it the gap is rounding.
+            force = np.where(nodes, force, 0.0)
+        else:
+            sinking = np.where(plastic, gap <= 0, nodes & (force > block.bound))
+            following = np.where(plastic, gap > 0, np.where(nodes, force > 0, gap < 0)) & ~sinking
+            force = np.where(nodes, force, np.where(plastic, block.bound, 0.0))
+        return replace(
+            self,
             displacement=displacement,
             offset=offset,
-            nodes=nodes,
-            following=np.where(nodes, force > 0, gap < 0),
-            # Off the set the nodal force is the linear residual, on it the gap is rounding.
-            force=np.where(nodes, force, 0.0),
+            following=following,
+            sinking=sinking,
+            force=force,
             gap=np.where(nodes, 0.0, gap),
         )
+
+    def anchored(self, block: Block, load: float | None) -> _State:
+        """Return a next set that leaves the profile a node to rest on, whose equation the load is.
+
+        Where all contact is at its bound, the nodes nearest to its edge make up for what the load misses.
+        """
+        bound, sinking = block.bound, self.sinking
+        if bound is None or sinking is None or load is None or self.following.any():
+            return self
+        missing = load - float(bound[sinking].sum())
+        some = np.flatnonzero(~sinking if missing > 0 else sinking)
+        near = some[np.argsort(self.gap.flat[some] if missing > 0 else -self.gap.flat[some], kind="stable")]
+        count = int(np.searchsorted(np.cumsum(bound.flat[near]), abs(missing))) + 1
+        following = self.following.copy()
+        following.flat[near[:count]] = True
+        return replace(self, following=following, sinking=sinking & ~following)
 
     @property
     def settled(self) -> bool:
         """Whether the set reproduces itself."""
-        return bool(np.array_equal(self.nodes, self.following))
+        return self.key == _key(self.nodes, self.plastic)
 
     @property
     def key(self) -> bytes:
         """The next set, hashable."""
-        return self.following.tobytes()
+        return _key(self.following, self.sinking)
 
     def moved(self) -> _State:
         """Return the same displacement with the next set."""
-        return replace(self, nodes=self.following)
+        return replace(self, nodes=self.following, plastic=self.sinking)
+
+
+def _key(nodes: Mask, plastic: Mask | None) -> bytes:
+    return nodes.tobytes() if plastic is None else nodes.tobytes() + plastic.tobytes()
 
 
 class _SetProblem:
@@ -329,6 +382,10 @@ class _SetProblem:
         if load is None:
             prescribed[self.tied] += state.offset
         right = -self.block.apply(prescribed)
+        bound, plastic, whole = self.block.bound, state.plastic, load
+        if bound is not None and plastic is not None:
+            right[self.block.vertical(plastic)] -= bound[plastic]
+            load = None if load is None else load - float(bound[plastic].sum())
         total = float(right[self.tied].sum())
         right[self.tied] = 0
         guess = state.displacement.copy()
@@ -339,7 +396,9 @@ class _SetProblem:
             np.append(right, total - load) if load is not None else right,
             precondition=self._precondition if tied_offset else self._precondition_free,
             start=np.append(guess, state.offset) if tied_offset else guess,
-            scale=self.block.force_scale(state.nodes, state.offset, load=load),
+            scale=self.block.force_scale(
+                state.nodes if plastic is None else state.nodes | plastic, state.offset, load=whole
+            ),
             tolerance=tolerance,
             max_iterations=settings.max_linear_iterations,
         )
@@ -349,7 +408,8 @@ class _SetProblem:
             displacement[self.tied] += offset
         else:
             offset, displacement = state.offset, solution.x + prescribed
-        return _State.read(self.block, nodes=state.nodes, offset=offset, displacement=displacement), solution
+        found = state.read(self.block, offset=offset, displacement=displacement)
+        return found.anchored(self.block, whole), solution
 
 
 def solve_contact(
@@ -359,7 +419,7 @@ def solve_contact(
     offset: float,
     start: Mask,
     settings: Settings,
-    violation: Callable[[Array, Array], float],
+    violation: Callable[[Array, Array, Mask | None], float],
     displacement: Array | None = None,
 ) -> ActiveSetSolution:
     """Press a rigid profile into the block.
@@ -375,16 +435,17 @@ def solve_contact(
         First active set.
     settings : Settings
     violation : callable
-        Dimensionless measure of what nodal forces and gaps violate.
+        Dimensionless measure of what nodal forces and gaps violate, given the nodes at the bound.
     displacement : (nx, ny, nz, 3) array, optional
         First guess of u over the cell width.
 
     Notes
     -----
     The set is updated to {contact nodes under pressure} and {other nodes that penetrate}: a semi-smooth
-    Newton step. With the linear systems solved, complementarity holds exactly, and a set that reproduces
-    itself is the solution. The first sets are found with loosely solved systems. A set seen before means a
-    cycle; it is accepted where what it violates is below the tolerance (ties), and reported otherwise.
+    Newton step; {contact nodes pressed beyond a bound} and {nodes at it that do not open} go to the bound.
+    With the linear systems solved, complementarity holds exactly, and a set that reproduces itself is the
+    solution. The first sets are found with loosely solved systems. A set seen before means a cycle; it is
+    accepted where what it violates is below the tolerance (ties), and reported otherwise.
     """
     state = _State.initial(block, start=start, offset=offset, displacement=displacement)
     seen: set[bytes] = set()
@@ -406,20 +467,20 @@ def solve_contact(
                 limited = solution.iterations >= settings.max_linear_iterations
                 status = Status.ITERATION_LIMIT if limited else Status.STAGNATED
                 break
-            if state.settled or violation(state.force, state.gap) <= settings.tolerance:
+            if state.settled or violation(state.force, state.gap, state.plastic) <= settings.tolerance:
                 status = Status.CONVERGED
                 break
             if state.key in seen:
                 status = Status.CYCLING
                 break
         if sets < settings.max_iterations:
-            seen.add(state.nodes.tobytes())
+            seen.add(_key(state.nodes, state.plastic))
             state = state.moved()
     return ActiveSetSolution(
         displacement=state.displacement.reshape(*block.mesh.shape, block.levels, 3),
         force=state.force,
         gap=state.gap,
-        in_contact=state.nodes,
+        in_contact=state.nodes if state.plastic is None else state.nodes | state.plastic,
         offset=state.offset,
         status=status,
         sets=sets,
@@ -427,4 +488,12 @@ def solve_contact(
         linear_residual=solution.relative_residual,
         matrix_bytes=peak,
         most_linear_iterations=most,
+        at_bound=_at_bound(state, block, settings.tolerance),
     )
+
+
+def _at_bound(state: _State, block: Block, tolerance: float) -> Mask | None:
+    """Nodes whose force is that of the bound; one that the profile rests on may be among them."""
+    if block.bound is None or state.plastic is None:
+        return None
+    return np.asarray(state.plastic | (state.nodes & (state.force >= (1 - tolerance) * block.bound)))

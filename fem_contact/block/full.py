@@ -27,6 +27,9 @@ _COARSEST = 16
 #: A coarser grid only proposes a set.
 _COARSE_TOLERANCE = 1e-3
 
+#: Least ratio of mean bound and mean pressure on a coarser grid.
+_CARRYING = 1.01
+
 #: Above this Poisson ratio smoothed aggregation needs hundreds of steps; small blocks are then factorised.
 _CRAWLING = 0.49
 _DIRECT_UNKNOWNS = 40_000
@@ -58,6 +61,7 @@ def solve_full(problem: Problem, start: Mask | Found | None, matrix: sp.bsr_arra
         method="full",
         note=f"linear residual {found.linear_residual:.3g} of the contact forces",
         field=field,
+        at_bound=found.at_bound,
     )
 
 
@@ -77,7 +81,9 @@ def _iterate(problem: Problem, start: Mask | Found | None, matrix: sp.bsr_array)
         nodes = highest_nodes(problem)
     direct = problem.poisson > _CRAWLING and mesh.unknowns <= _DIRECT_UNKNOWNS
     return solve_contact(
-        AssembledBlock(matrix=matrix, mesh=mesh, heights=problem.heights, direct=direct),
+        AssembledBlock(
+            matrix=matrix, mesh=mesh, heights=problem.heights, bound=problem.force_bound, direct=direct
+        ),
         load=problem.load,
         offset=offset if problem.offset is None else problem.offset,
         start=nodes,
@@ -85,7 +91,7 @@ def _iterate(problem: Problem, start: Mask | Found | None, matrix: sp.bsr_array)
         settings=Settings(
             tolerance=problem.tolerance, max_iterations=problem.steps, max_linear_iterations=_LINEAR_STEPS
         ),
-        violation=lambda force, gap: problem.residuals(force, gap).worst,
+        violation=problem.violation,
     )
 
 
@@ -113,6 +119,7 @@ def _from_coarser(problem: Problem) -> tuple[Mask, float]:
             element=mesh.element,
         ),
         modulus=None,
+        bound=_coarse_bound(problem),
         tolerance=max(_COARSE_TOLERANCE, problem.tolerance),
     )
     found = _iterate(coarse, None, assemble(coarse.mesh, poisson=coarse.poisson).free())
@@ -120,6 +127,14 @@ def _from_coarser(problem: Problem) -> tuple[Mask, float]:
     touching = offset - problem.heights - _refined(2 * found.displacement[:, :, -1, 2]) < 0
     touching[::2, ::2] |= found.in_contact
     return touching, offset
+
+
+def _coarse_bound(problem: Problem) -> Array | None:
+    """Bound on every second node, raised where those alone could not carry the load."""
+    if problem.bound is None or problem.pressure is None:
+        return problem.bound
+    bound = problem.bound[::2, ::2]
+    return bound * max(1.0, _CARRYING * problem.pressure / float(bound.mean()))
 
 
 def _refined(values: Array) -> Array:

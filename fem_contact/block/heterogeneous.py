@@ -183,7 +183,7 @@ def solve_heterogeneous(problem: Problem, block: HeterogeneousBlock, start: Mask
         settings=Settings(
             tolerance=problem.tolerance, max_iterations=problem.steps, max_linear_iterations=_LINEAR_STEPS
         ),
-        violation=lambda force, gap: problem.residuals(force, gap).worst,
+        violation=problem.violation,
         displacement=guess,
     )
     field = np.zeros((*mesh.shape, mesh.planes.size, 3))
@@ -203,6 +203,7 @@ def solve_heterogeneous(problem: Problem, block: HeterogeneousBlock, start: Mask
         note=f"linear residual {found.linear_residual:.3g} of the contact forces, "
         f"at most {found.most_linear_iterations} steps for a set",
         field=field,
+        at_bound=found.at_bound,
     )
 
 

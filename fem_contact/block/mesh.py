@@ -206,6 +206,13 @@ def nodal_pressure(force: Array, mesh: BlockMesh) -> Array:
     return pressure if weights is None else pressure / weights
 
 
+def nodal_force(pressure: Array, mesh: BlockMesh) -> Array:
+    """Nodal forces over E times the cell width squared from pressures over E; inverts `nodal_pressure`."""
+    force: Array = pressure * (mesh.aspect / mesh.element.order**2)
+    weights = node_weights(mesh)
+    return force if weights is None else force * weights
+
+
 class MeshOptions(TypedDict, total=False):
     """Options of `plan_mesh`, except that the element goes by its name."""
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.mesh import BlockMesh, nodal_pressure, node_weights
+from fem_contact.block.mesh import BlockMesh, nodal_force, nodal_pressure, node_weights
 from fem_contact.contact import Residuals, Status, measure_residuals
 
 __all__ = ["Found", "Problem"]
@@ -39,6 +39,8 @@ class Found:
         What the solver reached, in words.
     field : (nx, ny, planes, 3) array or None
         Displacement of all nodes over the cell width, where it was solved for.
+    at_bound : (nx, ny) array of bool or None
+        Nodes at the pressure bound; None where there is none.
     """
 
     force: Array
@@ -54,6 +56,7 @@ class Found:
     method: str
     note: str
     field: Array | None = None
+    at_bound: Mask | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,6 +82,8 @@ class Problem:
         Iterations allowed.
     growth : float
         Largest ratio of neighbouring layers, for coarser meshes.
+    bound : (nx, ny) array or None
+        Largest pressure at the surface nodes over E.
     """
 
     mesh: BlockMesh
@@ -91,6 +96,7 @@ class Problem:
     tolerance: float
     steps: int
     growth: float
+    bound: Array | None = None
 
     @property
     def load(self) -> float | None:
@@ -98,6 +104,19 @@ class Problem:
         if self.pressure is None:
             return None
         return self.pressure * self.mesh.cells[0] * self.mesh.cells[1] * self.mesh.aspect
+
+    @property
+    def force_bound(self) -> Array | None:
+        """Largest nodal forces over E times the cell width squared."""
+        return None if self.bound is None else nodal_force(self.bound, self.mesh)
+
+    @property
+    def mean_bound(self) -> float:
+        """Largest mean pressure over E that can be carried."""
+        if self.bound is None:
+            return np.inf
+        weights = node_weights(self.mesh)
+        return float(np.mean(self.bound if weights is None else self.bound * weights))
 
     @property
     def lateral(self) -> bool:
@@ -114,7 +133,7 @@ class Problem:
             return abs(self.offset or 0.0)
         return self.pressure * (1 - self.poisson**2) * max(nx, ny * self.mesh.aspect)
 
-    def residuals(self, force: Array, gap: Array) -> Residuals:
+    def residuals(self, force: Array, gap: Array, at_bound: Mask | None = None) -> Residuals:
         """Measure what nodal forces and gaps violate."""
         nx, ny = self.mesh.cells
         return measure_residuals(
@@ -125,5 +144,15 @@ class Problem:
             contact_modulus=1 / (1 - self.poisson**2),
             rms_gradient=self.gradient,
             target_pressure=self.pressure,
+            at_bound=at_bound,
             weights=node_weights(self.mesh),
         )
+
+    def violation(self, force: Array, gap: Array, at_bound: Mask | None) -> float:
+        """Largest of what nodal forces and gaps violate, bounds included."""
+        worst = self.residuals(force, gap, at_bound).worst
+        if self.bound is None or at_bound is None:
+            return worst
+        beyond = float(np.max(nodal_pressure(force, self.mesh) / self.bound)) - 1
+        opening = float(np.max(gap[at_bound], initial=0.0)) / self.roughness
+        return float(np.max((worst, beyond, opening)))

@@ -204,7 +204,8 @@ def solve_reduced(
     else:
         # Some force everywhere: one loaded node alone leaves no direction to search.
         first = None if start is None else np.where(start, 1.0, _SPREAD)
-    solution = _touching_everywhere(problem, operator)
+    weights, bound = node_weights(mesh), problem.bound
+    solution = _bound_everywhere(problem, operator) or _touching_everywhere(problem, operator)
     if solution is None:
         lengths = float(mesh.cells[0]), mesh.cells[1] * mesh.aspect
         # Coarser grids only lead to a first guess, for which the homogeneous layer is near enough.
@@ -218,7 +219,8 @@ def solve_reduced(
             tolerance=problem.tolerance,
             max_iterations=problem.steps,
             start=first,
-            weights=node_weights(mesh),
+            bound=bound if bound is None or weights is None else bound * weights,
+            weights=weights,
             threads=threads,
         )
     return Found(
@@ -234,6 +236,7 @@ def solve_reduced(
         bytes=max(solution.peak_bytes + operator.nbytes, 4 * solution.force.nbytes + operator.nbytes),
         method="reduced",
         note=f"{solution.iterations} iterations",
+        at_bound=None if bound is None else solution.at_bound,
     )
 
 
@@ -266,6 +269,31 @@ def solve_reduced_offset(
     return found
 
 
+#: Relative difference at which a load counts as equal to the bound: means differ by rounding.
+_SLACK = 1e-12
+
+
+def _bound_everywhere(problem: Problem, operator: Operator) -> Solution | None:
+    """Return the answer where the bound leaves no choice, at the offset of least indentation."""
+    assert problem.pressure is not None
+    if problem.bound is None or problem.mean_bound > problem.pressure * (1 + _SLACK):
+        return None
+    weights, displacement = node_weights(problem.mesh), np.empty(problem.mesh.shape)
+    force = problem.bound * (1.0 if weights is None else weights)
+    operator.apply(force, displacement)
+    everywhere = np.ones(force.shape, dtype=bool)
+    return Solution(
+        force=force,
+        displacement=displacement,
+        offset=float(np.min(problem.heights - displacement)),
+        in_contact=everywhere,
+        at_bound=everywhere,
+        status=Status.CONVERGED,
+        iterations=0,
+        fft_pairs=operator.pairs,
+    )
+
+
 def _touching_everywhere(problem: Problem, operator: Operator) -> Solution | None:
     """Return the exact answer where all nodes touch; None where that needs tension."""
     assert problem.pressure is not None
@@ -274,7 +302,9 @@ def _touching_everywhere(problem: Problem, operator: Operator) -> Solution | Non
     operator.precondition(problem.heights, force)
     # A uniform pressure moves all nodes alike, so it can be added.
     force += (problem.pressure - force.mean()) * (1.0 if weights is None else weights)
-    if force.min() < 0:
+    if force.min() < 0 or (
+        problem.bound is not None and np.any(force > problem.bound * (1.0 if weights is None else weights))
+    ):
         return None
     operator.apply(force, displacement)
     return Solution(

@@ -58,6 +58,9 @@ _BYTES_PER_FREE_UNKNOWN = 200
 _BYTES_PER_NODE = {1: 120, 2: 400}
 
 
+#: Relative difference at which a load counts as equal to the bound: means differ by rounding.
+_SLACK = 1e-12
+
 #: Active sets, and steps of the surface iteration, allowed by default.
 _SETS, _STEPS = 60, 10_000
 
@@ -109,6 +112,7 @@ class Session:
         tolerance: float,
         max_iterations: int | None,
         options: MeshOptions,
+        pressure_bound: float | Array | None = None,
     ) -> Session:
         """Refuse what no computation can start from."""
         began = time.perf_counter(), time.process_time()
@@ -135,6 +139,7 @@ class Session:
             tolerance=tolerance,
             steps=max_iterations or (_SETS if sets else _STEPS),
             growth=options.get("growth", 1.2),
+            bound=_checked_bound(pressure_bound, surface.shape, young=solid.young),
         )
         return cls(
             surface=surface, solid=solid, problem=problem, method=method, width=width, top=top, began=began
@@ -144,6 +149,11 @@ class Session:
         """Solve at a mean pressure [Pa], from a first set or a solution of this session."""
         check_pressure(mean_pressure)
         problem = replace(self.problem, pressure=mean_pressure / self.solid.young)
+        if problem.mean_bound < mean_pressure / self.solid.young * (1 - _SLACK):
+            raise InvalidInput(
+                f"pressure_bound with mean {problem.mean_bound * self.solid.young:.6g} Pa: must not be below "
+                f"the mean pressure {mean_pressure:.6g} Pa, or nothing carries the load"
+            )
         return self._dressed(self._find(problem, self._guess(start)), target=mean_pressure)
 
     def at_offset(self, offset: float) -> BlockSolution:
@@ -216,7 +226,11 @@ class Session:
         assert self.problem.modulus is not None
         modulus = np.ascontiguousarray(np.broadcast_to(self.problem.modulus, (*mesh.cells, mesh.nz)))
         return HeterogeneousBlock(
-            mesh=mesh, heights=self.problem.heights, poisson=self.problem.poisson, modulus=modulus
+            mesh=mesh,
+            heights=self.problem.heights,
+            bound=self.problem.force_bound,
+            poisson=self.problem.poisson,
+            modulus=modulus,
         )
 
     def _source(self, found: Found) -> FieldSource:
@@ -240,12 +254,13 @@ class Session:
         weights = node_weights(mesh)
         pressure = nodal_pressure(found.force, mesh) * self.solid.young
         gap = found.gap * self.width
+        nowhere = np.zeros(surface.shape, dtype=bool)
         return ContactResult(
             pressure=pressure,
             gap=gap,
             displacement=found.displacement * self.width,
             in_contact=found.in_contact,
-            at_bound=np.zeros(surface.shape, dtype=bool),
+            at_bound=nowhere if found.at_bound is None else found.at_bound,
             heights=surface.heights,
             lengths=surface.lengths,
             contact_modulus=self.solid.contact_modulus,
@@ -260,6 +275,7 @@ class Session:
                 contact_modulus=self.solid.contact_modulus,
                 rms_gradient=surface.rms_gradient,
                 target_pressure=target,
+                at_bound=found.at_bound,
                 weights=weights,
             ),
             cost=Cost(
@@ -342,6 +358,20 @@ def _cell_moduli(modulus: Modulus | None, mesh: BlockMesh, width: float) -> Arra
         raise InvalidInput(f"modulus: {bad} of {full.size} cells are not positive and finite")
     deep = full[:1, :1]
     return deep.copy() if np.array_equal(full, np.broadcast_to(deep, full.shape)) else full.copy()
+
+
+def _checked_bound(bound: float | Array | None, shape: tuple[int, int], *, young: float) -> Array | None:
+    """Return the bound on the pressure at every node over E."""
+    if bound is None:
+        return None
+    values = np.asarray(bound, dtype=float)
+    if values.ndim != 0 and values.shape != shape:
+        raise InvalidInput(
+            f"pressure_bound of shape {values.shape}: must be one pressure or of shape {shape}"
+        )
+    if not (np.all(np.isfinite(values)) and np.all(values > 0)):
+        raise InvalidInput("pressure_bound: must be positive and finite everywhere, in Pa")
+    return np.full(shape, values / young) if values.ndim == 0 else values / young
 
 
 def _checked_start(start: Mask | None, shape: tuple[int, int]) -> Mask | None:

@@ -17,6 +17,7 @@ from fem_contact.surface import HeightField
 
 __all__ = ["Estimate", "estimate", "solve", "solve_displacement", "solve_path"]
 
+Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 
@@ -65,6 +66,7 @@ def solve(
     mean_pressure: float,
     method: Method = "reduced",
     modulus: Modulus | None = None,
+    pressure_bound: float | Array | None = None,
     tolerance: float = 1e-8,
     max_iterations: int | None = None,
     start: Mask | None = None,
@@ -90,6 +92,10 @@ def solve(
         Young's modulus of the block over `solid.young`, evaluated at the cells' centres x (nx, 1, 1), y (1,
         ny, 1), z (1, 1, nz) [m]. Where it varies sideways, the reduced method keeps the whole block, with a
         layered one as preconditioner.
+    pressure_bound : float or (nx, ny) array, optional
+        Hardness H [Pa]: the pressure obeys 0 <= p <= H, and where p = H the gap may be negative, which is
+        plastic indentation (`fem_contact.hardness.yielded` reads it). Its mean must not be below
+        `mean_pressure`.
     tolerance : float
         "full": bound on the linear residual over the norm of the contact forces. "reduced": bound on the
         complementarity over h_rms.
@@ -124,6 +130,7 @@ def solve(
         tolerance=tolerance,
         max_iterations=max_iterations,
         options=mesh,
+        pressure_bound=pressure_bound,
     )
     return session.at_pressure(mean_pressure, start)
 

@@ -85,6 +85,23 @@ def test_finite_elements_and_boundary_elements_agree_on_a_graded_solid(with_effe
     assert grading > 3 * difference
 
 
+def test_finite_elements_yield_under_the_same_hardness(with_effects):
+    scene = with_effects(HARD, fem=True)
+    job = next(job for job in jobs_of(scene) if job.method == "fem" and job.grid == (24, 24))
+    contact = execute(job).contact.checked()
+    assert contact.pressure.max() == pytest.approx(40e3, rel=1e-12)
+    assert contact.at_bound.any()
+
+
+@pytest.mark.parametrize("order", [(HARD, STICKY), (STICKY, HARD)])
+def test_adhesion_and_hardness_act_together(with_effects, order):
+    both, sticky = solved(with_effects(*order)), solved(with_effects(STICKY))
+    # Where it yields the pressure is H to the tolerance of the solve.
+    np.testing.assert_allclose(both.pressure[both.at_bound], 40e3, rtol=1e-5)
+    assert both.pressure.min() < 0
+    assert both.in_contact.mean() > sticky.in_contact.mean()
+
+
 def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
     plain, hard = jobs_of(with_effects())[0], jobs_of(with_effects(HARD))[0]
     assert "effects" not in plain.recipe
@@ -95,9 +112,7 @@ def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
 @pytest.mark.parametrize(
     ("effects", "options", "message"),
     [
-        ((HARD,), {"theory": True}, r"effects\.0\.kind = 'hardness': method 'theory' does not handle it"),
         ((STICKY,), {"fem": True}, r"effects\.0\.kind = 'adhesion': method 'fem' does not handle it"),
-        ((HARD,), {"fem": True}, r"method 'fem' does not handle it; handled by: bem"),
         ((COATED,), {"fem": True}, r"'coating': method 'fem'"),
         ((LAYER,), {"theory": True}, r"'thickness': method 'theory'"),
         (
@@ -106,7 +121,6 @@ def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
             r"'cracks': method 'bem' does not handle it; handled by: the functions of the package",
         ),
         ((SIZED,), {}, r"'size-dependent-hardness': method 'bem' does not handle it"),
-        ((HARD, STICKY), {}, r"no solver handles 'hardness' together with 'adhesion'"),
         ((HARD.replace("40 kPa", "9 kPa"),), {}, r"effects\.0\.hardness = 9000 Pa: must not be below"),
         ((STICKY.replace("40 nm", "2 nm"),), {}, r"effects\.0\.reach = 2e-09 m: grid \[12, 12\] has"),
         ((LAYER,), {"fem": True}, r"methods\.fem\.depth: effects\.0\.thickness says the depth"),
@@ -218,3 +232,10 @@ def test_the_energy_of_full_contact_is_that_of_the_pressure_that_makes_it(with_e
     assert contact.in_contact.all()
     stored = 0.5 * np.mean(contact.pressure * (field.heights - field.heights.mean()))
     assert full_contact_energy(field, modulus=half.contact_modulus) == pytest.approx(stored, rel=1e-10)
+
+
+def test_the_pastewka_robbins_number_is_the_printed_one():
+    # h' = .1, half Laplacian: rms curvature of a profile is sqrt(3/2) of it, 1e5 / sqrt(3/2) = 8.165e4 /m;
+    # E* = 1 GPa, w = 1 J/m^2, rho = 1 nm: (.1 * 1e-9 / (2 * 1e-9)) (.1^2 / 8.165e4 / 1e-9)^(2/3).
+    word = judge(effect('[[effects]]\nkind = "adhesion"\nwork = "1 J/m^2"\nreach = "1 nm"\n'), rough())
+    assert "Pastewka-Robbins number 1.23 " in word.number

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from validation.effects import check_effects
 from validation.errors import SceneError, UsageError
 from validation.scene import Scene, load_scene, scene_text
+from validation.theory_scene import load_theory_scene
 
 BASE = """
 name = "fuzz"
@@ -221,3 +222,38 @@ def test_the_command_line_ends_with_an_exit_code_and_no_traceback(tmp_path, argu
         result = CliRunner().invoke(cli.app, arguments)
     expected = (SystemExit, UsageError, SceneError)
     assert result.exception is None or isinstance(result.exception, expected), result.exception
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ("hardness --pressures 0.0 --grids 64,32", "reduced_pressure = 0.0: must be greater than 0"),
+        ("hardness --grids ,", "at least one"),
+        ("adhesion --works nan", "must be finite"),
+        ("hardness --periods 0", "division by zero"),
+    ],
+)
+def test_options_of_a_study_that_make_no_case_are_refused_in_words(monkeypatch, tmp_path, arguments, message):
+    from typer.testing import CliRunner
+
+    from validation import cli
+
+    monkeypatch.chdir(tmp_path)
+    words = ["study", *arguments.split(), "--dry-run"]
+    with pytest.raises(UsageError, match=message):
+        CliRunner().invoke(cli.app, words, catch_exceptions=False)
+
+
+@pytest.mark.parametrize("text", ["a = " + "[" * 3000, "a = " + "9" * 5000, "a = 1\nb"])
+def test_what_the_parser_gives_up_on_is_no_scene(tmp_path, text):
+    path = tmp_path / "scene.toml"
+    path.write_text(text)
+    for load in (load_scene, load_theory_scene):
+        with pytest.raises(SceneError, match=r"not valid TOML|nested too deeply"):
+            load(str(path))
+
+
+@pytest.mark.parametrize("name", ["\x00.toml", "a" * 5000, "a" * 5000 + ".toml"])
+def test_a_name_that_no_file_can_have_is_no_theory_scene(name):
+    with pytest.raises(SceneError):
+        load_theory_scene(name)

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import importlib
 import inspect
+import math
 import pkgutil
 import types
 import typing
@@ -26,11 +27,17 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from validation.errors import UsageError
+from pydantic import ValidationError
+
+from fem_contact import errors as fem_errors
+from persson import errors as persson_errors
+from validation.errors import RunFailed, UsageError
+from validation.scene import scene_problems
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from validation.bench import Bench
     from validation.drawing import Drawing
     from validation.studies._common import ResultTable
 
@@ -64,9 +71,15 @@ class Option:
             Naming option, text and what is allowed.
         """
         try:
-            return _parse(self.kind, text)
+            value = _parse(self.kind, text)
         except ValueError:
             raise UsageError(f"{self.flag} = {text!r}: must be {_kind_words(self.kind)}") from None
+        values = value if isinstance(value, tuple) else (value,)
+        if not values and self.default != ():
+            raise UsageError(f"{self.flag} = {text!r}: must be {_kind_words(self.kind)}, at least one")
+        if any(isinstance(item, float) and not math.isfinite(item) for item in values):
+            raise UsageError(f"{self.flag} = {text!r}: must be finite")
+        return value
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,6 +99,26 @@ class Study:
         """Its `run`."""
         found: Callable[..., xr.Dataset] = self.module.run
         return found
+
+    def compute(self, *, bench: Bench, options: Mapping[str, Any]) -> xr.Dataset:
+        """Run it on a bench.
+
+        Raises
+        ------
+        UsageError
+            For options that make no surface, solid or load.
+        RunFailed
+            For a solve whose answer cannot be used.
+        """
+        try:
+            return self.run(bench=bench, **options)
+        except ValidationError as error:
+            problems = "; ".join(scene_problems(error))
+            raise UsageError(f"study {self.name}: its options make no case: {problems}") from None
+        except (fem_errors.InvalidInput, persson_errors.InvalidInput, ArithmeticError) as error:
+            raise UsageError(f"study {self.name}: {error}") from None
+        except (fem_errors.FemContactError, persson_errors.PerssonError) as error:
+            raise RunFailed(f"study {self.name}: {error}") from error
 
     @property
     def options(self) -> dict[str, Option]:

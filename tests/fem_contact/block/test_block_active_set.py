@@ -47,7 +47,7 @@ def test_a_set_that_returns_is_a_cycle_unless_nothing_is_violated(
         offset=0.0,
         start=start,
         settings=SETTINGS,
-        violation=lambda force, gap: violation,
+        violation=lambda *_: violation,
     )
     assert found.status is status
     assert found.sets < 6
@@ -69,13 +69,13 @@ def test_updated_set_is_contact_under_pressure_and_penetrating_nodes() -> None:
     start = np.ones((4, 4), dtype=bool)
     settings = replace(SETTINGS, max_iterations=1)
     first = solve_contact(
-        block, load=0.05, offset=0.0, start=start, settings=settings, violation=lambda force, gap: 1.0
+        block, load=0.05, offset=0.0, start=start, settings=settings, violation=lambda *_: 1.0
     )
     assert first.status is Status.ITERATION_LIMIT
     assert first.force.sum() == pytest.approx(0.05, rel=1e-2)
     assert first.force.min() < 0
     last = solve_contact(
-        block, load=0.05, offset=0.0, start=start, settings=SETTINGS, violation=lambda force, gap: 1.0
+        block, load=0.05, offset=0.0, start=start, settings=SETTINGS, violation=lambda *_: 1.0
     )
     assert last.status is Status.CONVERGED
     assert last.force[last.in_contact].min() > 0
@@ -87,8 +87,6 @@ def test_the_matrix_is_left_as_it_was() -> None:
     block = bumpy_block()
     before = block.matrix.data.copy(), block.matrix.indices.copy(), block.matrix.indptr.copy()
     start = np.ones((4, 4), dtype=bool)
-    solve_contact(
-        block, load=0.05, offset=0.0, start=start, settings=SETTINGS, violation=lambda force, gap: 1.0
-    )
+    solve_contact(block, load=0.05, offset=0.0, start=start, settings=SETTINGS, violation=lambda *_: 1.0)
     for old, new in zip(before, (block.matrix.data, block.matrix.indices, block.matrix.indptr), strict=True):
         np.testing.assert_array_equal(old, new)

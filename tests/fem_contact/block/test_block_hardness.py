@@ -1,0 +1,138 @@
+"""Hardness in the block: pressures between 0 and H, by an active set of three kinds of nodes or reduced."""
+
+import numpy as np
+import pytest
+
+from fem_contact import bem, block
+from fem_contact.errors import InvalidInput
+from fem_contact.hardness import yielded
+from fem_contact.response import BondedLayer
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField, random_surface
+
+SOLID = Solid(young=1.0, poisson=0.3)
+LOAD = 0.01
+MESH = {"depth": 0.3, "growth": 1.5}
+
+
+def rough(points=16, *, waves=4):
+    surface = random_surface(
+        lambda q: q**-3.6,
+        q_short=waves * 2 * np.pi,
+        lengths=(1.0, 1.0),
+        shape=(points, points),
+        seed=31,
+    )
+    return HeightField(heights=surface.heights * (0.1 / surface.rms_gradient), lengths=(1.0, 1.0))
+
+
+def pressed(hardness, *, surface=None, load=LOAD, method="reduced", **options):
+    found = block.solve(
+        surface or rough(),
+        SOLID,
+        mean_pressure=load,
+        method=method,
+        pressure_bound=hardness,
+        **({"tolerance": 1e-9} | MESH | options),
+    )
+    return found.contact.checked()
+
+
+@pytest.mark.parametrize("ratio", [1.01, 1.5, 4.0])
+def test_the_active_set_and_the_reduction_solve_the_same_bounded_problem(ratio):
+    full, reduced = (pressed(ratio * LOAD, method=method) for method in ("full", "reduced"))
+    # Both stop at 1e-9 of their own residuals; displacements follow forces within a few times that.
+    assert np.max(np.abs(full.pressure - reduced.pressure)) < 1e-6 * ratio * LOAD
+    assert full.offset == pytest.approx(reduced.offset, abs=1e-7 * rough().rms_height)
+    np.testing.assert_array_equal(full.at_bound, reduced.at_bound)
+    np.testing.assert_array_equal(full.in_contact, reduced.in_contact)
+    for contact in (full, reduced):
+        found = yielded(contact)
+        assert found.plastic_area > 0
+        assert found.elastic_area + found.plastic_area + found.open_area == pytest.approx(1, abs=1e-14)
+        assert found.elastic_load + found.plastic_load == pytest.approx(LOAD, rel=1e-8)
+        assert found.plastic_load == pytest.approx(ratio * LOAD * found.plastic_area, rel=1e-8)
+        assert contact.pressure.max() <= ratio * LOAD * (1 + 1e-9)
+        assert contact.residuals.worst < 1e-7
+
+
+def test_a_hardness_above_every_pressure_changes_no_bit_of_the_active_set():
+    plain, bounded = pressed(None, method="full"), pressed(10.0, method="full")
+    np.testing.assert_array_equal(bounded.pressure, plain.pressure)
+    np.testing.assert_array_equal(bounded.gap, plain.gap)
+    assert bounded.offset == plain.offset
+    assert not bounded.at_bound.any()
+
+
+@pytest.mark.parametrize("method", ["full", "reduced"])
+def test_a_load_equal_to_the_hardness_yields_everywhere_and_above_it_is_refused(method):
+    found = pressed(LOAD, method=method)
+    assert yielded(found).plastic_area == 1
+    # The offset of least indentation: one node is just touched.
+    assert np.max(found.gap) == pytest.approx(0, abs=1e-7 * rough().rms_height)
+    with pytest.raises(InvalidInput, match=r"pressure_bound with mean 0\.0099"):
+        pressed(0.99 * LOAD, method=method)
+
+
+@pytest.mark.parametrize("method", ["full", "reduced"])
+def test_a_field_of_hardness_bounds_every_node_by_its_own(method):
+    x = 2 * np.pi * np.arange(16) / 16
+    field = 0.03 * (1.2 + np.sin(x))[:, None] * np.ones(16)
+    contact = pressed(field, method=method)
+    assert np.all(contact.pressure <= field * (1 + 1e-8))
+    assert contact.at_bound.any()
+    np.testing.assert_allclose(contact.pressure[contact.at_bound], field[contact.at_bound], rtol=1e-8)
+    with pytest.raises(InvalidInput, match="shape"):
+        pressed(field[:8], method=method)
+
+
+def test_quadratic_cells_count_areas_and_loads_by_the_weights_of_their_nodes():
+    found = yielded(pressed(0.03, element="Hex2"))
+    assert found.plastic_area > 0
+    assert found.plastic_load == pytest.approx(0.03 * found.plastic_area, rel=1e-9)
+    assert found.elastic_load + found.plastic_load == pytest.approx(LOAD, rel=1e-9)
+
+
+def test_a_modulus_that_varies_sideways_yields_by_the_same_sets():
+    def modulus(x, y, z):
+        return 1 + 0 * x * y * z + 0.3 * np.sin(2 * np.pi * x)
+
+    kept, full = (pressed(0.03, method=method, modulus=modulus) for method in ("reduced", "full"))
+    assert kept.at_bound.any()
+    assert np.max(np.abs(kept.pressure - full.pressure)) < 1e-6 * 0.03
+
+
+def test_elements_approach_boundary_elements_as_the_grid_is_refined():
+    hardness = 0.05
+    layer = BondedLayer(solid=SOLID, thickness=1.0)
+    differences = []
+    for points in (16, 32, 64):
+        surface = rough(points)
+        finite = pressed(hardness, surface=surface, depth=1.0, growth=1.2)
+        boundary = bem.solve(surface, layer, mean_pressure=LOAD, pressure_bound=hardness, threads=1).checked()
+        differences.append(
+            np.linalg.norm(finite.pressure - boundary.pressure) / np.linalg.norm(boundary.pressure)
+        )
+    # The pressure has kinks where it meets its bounds: better than first order in dx is not to be expected,
+    # and cells that change sides scatter about it.
+    assert differences[1] < 0.7 * differences[0]
+    assert differences[2] < 0.7 * differences[1]
+    assert differences[2] < 0.05
+
+
+def test_other_units_of_length_and_pressure_change_no_bit():
+    length, pressure = 2.0**20, 2.0**-30
+    scaled = HeightField(heights=rough().heights * length, lengths=(length, length))
+    one = pressed(0.03, method="full")
+    two = block.solve(
+        scaled,
+        Solid(young=pressure, poisson=0.3),
+        mean_pressure=LOAD * pressure,
+        method="full",
+        pressure_bound=0.03 * pressure,
+        tolerance=1e-9,
+        depth=0.3 * length,
+        growth=1.5,
+    ).contact
+    np.testing.assert_array_equal(two.pressure, one.pressure * pressure)
+    np.testing.assert_array_equal(two.gap, one.gap * length)
