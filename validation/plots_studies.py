@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from persson.elastic import KAPPA_BGT, KAPPA_PERSSON
 from validation.plots import new_figure
@@ -20,10 +20,8 @@ if TYPE_CHECKING:
 
 __all__ = [
     "area_against_magnification",
-    "area_against_pressure",
     "error_against_cells",
     "error_against_resolution",
-    "gap_and_energy",
     "grid_scale_protocol",
     "kappa_against_nayak",
 ]
@@ -56,6 +54,16 @@ def kappa_against_nayak(dataset: xr.Dataset, limits: Sequence[Sequence[Estimate]
             axes.errorbar(
                 alpha[rows], value, yerr=error, ls="-", lw=0.7, label=f"{family}, p* = {pressure:g}", **shape
             )
+    for k in range(dataset.sizes.get("ladder", 0)):
+        label = f"bandwidth at equal H = {float(dataset.ladder_hurst[k]):g}, p* = {dataset.attrs['ladder_pressure']:g}"
+        style: dict[str, Any] = {
+            "color": str(0.75 - 0.15 * (k % 5)),
+            "ls": "--",
+            "lw": 0.8,
+            "marker": ".",
+            "ms": 4,
+        }
+        axes.plot(dataset.bandwidth_nayak[k], dataset.bandwidth_kappa[k], label=label, **style)
     _kappa_lines(axes)
     axes.set_xscale("log")
     axes.set_xlabel(r"Nayak parameter $\alpha = \frac{3}{2} m_0 m_4/m_2^2$ (realised)")
@@ -140,52 +148,6 @@ def grid_scale_protocol(dataset: xr.Dataset, theory: float) -> Figure:
     return figure
 
 
-def area_against_pressure(dataset: xr.Dataset, theory: Callable[[ArrayLike], NDArray[np.float64]]) -> Figure:
-    """A/A0 against p*, and its ratio to the theory."""
-    figure, (left, right) = new_figure(width=9.0, columns=2)
-    pressure = dataset.reduced_pressure.values
-    area = dataset.area.mean("surface")
-    spread = dataset.area.std("surface", ddof=1)
-    left.errorbar(pressure, area, yerr=spread, ls="", label="simulation, limit", **look(0))
-    dense = np.geomspace(pressure[0], pressure[-1], 200)
-    left.plot(dense, theory(dense), label="Persson", **THEORY)
-    left.set_xscale("log")
-    left.set_yscale("log")
-    left.set_ylabel(r"$A/A_0$")
-    right.errorbar(
-        pressure,
-        area / theory(pressure),
-        yerr=spread / theory(pressure),
-        ls="-",
-        label="simulation / Persson",
-        **look(0),
-    )
-    right.axhline(1, **THEORY)
-    right.set_xscale("log")
-    right.set_ylabel("simulated area over Persson's")
-    for axes in (left, right):
-        axes.set_xlabel(r"$p^* = p_0/(E^* h'_{rms})$")
-        axes.legend(fontsize=8)
-    return figure
-
-
-def gap_and_energy(dataset: xr.Dataset) -> Figure:
-    """Mean gap and elastic energy against load."""
-    figure, (left, right) = new_figure(width=9.0, columns=2)
-    pressure = dataset.reduced_pressure.values
-    left.errorbar(pressure, dataset.gap.mean("surface"), yerr=dataset.gap.std("surface", ddof=1), **look(0))
-    left.set_ylabel(r"mean gap $/ h_{rms}$")
-    right.errorbar(
-        pressure, dataset.energy.mean("surface"), yerr=dataset.energy.std("surface", ddof=1), **look(1)
-    )
-    right.set_yscale("log")
-    right.set_ylabel("elastic energy over that of full contact")
-    for axes in (left, right):
-        axes.set_xscale("log")
-        axes.set_xlabel(r"$p^* = p_0/(E^* h'_{rms})$")
-    return figure
-
-
 def area_against_magnification(dataset: xr.Dataset) -> Figure:
     """A/A0 against magnification at each load, simulation and theory."""
     figure, (axes,) = new_figure()
@@ -213,7 +175,7 @@ def area_against_magnification(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def pressure_near_zero(dataset: xr.Dataset) -> Figure:
+def pressure_near_zero(dataset: xr.Dataset, *, window: float, contour: float) -> Figure:
     """P(sigma) below 0.3 E* h' on every grid, mean over surfaces, with the slopes."""
     figure, (axes,) = new_figure()
     shades = np.linspace(0.75, 0.0, dataset.sizes["grid"])
@@ -229,11 +191,8 @@ def pressure_near_zero(dataset: xr.Dataset) -> Figure:
     top = float(dataset.density.max())
     stress = np.linspace(0, 0.3, 50)
     for slope, label, style in (
-        (
-            float(dataset.contour_slope[:, -1].mean()),
-            r"$2 S\langle B^{-2}\rangle\sigma$",
-            {"color": "#b45f06", "ls": "--"},
-        ),
+        (window, "slope at 0, closing window", {"color": "#0b5394", "ls": "--"}),
+        (contour, r"$2 S\langle B^{-2}\rangle\sigma$", {"color": "#b45f06", "ls": ":"}),
         (float(dataset.attrs["persson_slope"]), "Persson's slope", THEORY),
     ):
         axes.plot(stress, slope * stress, label=label, lw=2, **style)
@@ -253,10 +212,9 @@ def density_at_zero(dataset: xr.Dataset, intercepts: NDArray[np.float64]) -> Fig
         axes.plot(root, row, marker=MARKERS[k % 8], ms=4, lw=0.6, color="0.5")
     mean = dataset.density_at_zero.mean("surface").values
     axes.plot(root, mean, marker="o", color="black", lw=1.5, label="mean over surfaces")
-    slope, start = np.polyfit(root, mean, 1)
-    axes.plot(
-        [0, root[0]], [start, start + slope * root[0]], ls="--", color="black", lw=1, label="line in dx^(1/2)"
-    )
+    bend = np.polyfit(root, mean, 2 if root.size > 3 else 1)
+    dense = np.linspace(0, root[0], 50)
+    axes.plot(dense, np.polyval(bend, dense), ls="--", color="black", lw=1, label="polynomial in dx^(1/2)")
     axes.errorbar(
         [0],
         [intercepts.mean()],
@@ -318,21 +276,6 @@ def block_depth(dataset: xr.Dataset) -> Figure:
         axes.set_xlabel(label)
         axes.set_ylabel("relative L2 difference of pressure [%]")
     panels[0].legend(fontsize=8)
-    return figure
-
-
-def theory_verdict(dataset: xr.Dataset) -> Figure:
-    """Draw simulated over predicted area against the simulated area, for the theory and its variants."""
-    figure, (axes,) = new_figure()
-    for k, variant in enumerate(dataset.variant.values):
-        axes.errorbar(
-            dataset.area, dataset.area_ratio[k], yerr=dataset.interval[k], label=str(variant), **look(k)
-        )
-    axes.axhline(1, color="black", lw=1)
-    axes.set_xscale("log")
-    axes.set_xlabel(r"simulated $A/A_0$")
-    axes.set_ylabel("simulated over predicted area")
-    axes.legend(fontsize=8)
     return figure
 
 

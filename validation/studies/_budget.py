@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -17,6 +18,9 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["SOURCES", "Budget", "budget_table", "grid_drift", "grid_share", "solver_error"]
+
+#: What belongs to the step from one spectrum and period to all of them.
+_SPECTRAL = ("finite size", "bandwidth")
 
 #: Where uncertainty comes from, in the order in which it is listed.
 SOURCES = ("grid", "solver", "surfaces", "finite size", "bandwidth", "depth")
@@ -51,9 +55,9 @@ class Budget:
         return combined(*self.shares.values())
 
     @property
-    def largest(self) -> str:
-        """The source that matters most."""
-        return max(self.shares, key=lambda name: self.shares[name])
+    def own(self) -> float:
+        """The same without finite size and bandwidth: what is uncertain about the value for its own spectrum."""
+        return combined(*(share for name, share in self.shares.items() if name not in _SPECTRAL))
 
 
 def budget_table(budgets: Sequence[Budget]) -> ResultTable:
@@ -61,11 +65,21 @@ def budget_table(budgets: Sequence[Budget]) -> ResultTable:
     rows: list[tuple[float | str, ...]] = []
     for budget in budgets:
         shares = [
-            100 * abs(budget.shares[name]) if name in budget.shares else "does not enter" for name in SOURCES
+            _per_cent(budget.shares[name]) if name in budget.shares else "does not enter" for name in SOURCES
         ]
-        rows.append((budget.quantity, budget.value, *shares, 100 * budget.total))
-    columns = ("number", "value", *(f"{name} [%]" for name in SOURCES), "together [%]")
+        rows.append((budget.quantity, budget.value, *shares, _per_cent(budget.own), _per_cent(budget.total)))
+    columns = (
+        "number",
+        "value",
+        *(f"{name} [%]" for name in SOURCES),
+        "for this spectrum and period [%]",
+        "for any [%]",
+    )
     return ResultTable.of(columns, rows)
+
+
+def _per_cent(share: float) -> float | str:
+    return 100 * abs(share) if math.isfinite(share) else "not determinable"
 
 
 def grid_drift(dataset: xr.Dataset) -> NDArray[np.float64]:

@@ -13,6 +13,7 @@ from validation.statistics import combined, mean_over_surfaces, pair_means
 from validation.studies._common import base_surface
 from validation.studies._ladders import SIZE_ORDER, Rungs, bandwidth_order, rungs_limit
 from validation.studies._measurement import Measurement, area_limits, grid_for
+from validation.surfaces import reference_field
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -107,6 +108,12 @@ class Ladders:
             for name in rows[0] if rows else ():
                 dims = ("ladder", f"{kind}_rung") if name in ("kappa", "half_width") else ("ladder",)
                 data[f"{kind}_{name}"] = (dims, np.array([row[name] for row in rows]))
+        nayak = [[self._nayak(hurst, ratio) for ratio in self.ratios] for hurst in self.hursts]
+        data["bandwidth_nayak"] = (
+            ("ladder", "bandwidth_rung"),
+            np.array(nayak).reshape(len(self.hursts), len(self.ratios)),
+            {"long_name": "Nayak parameter of the realised surfaces"},
+        )
         return xr.Dataset(
             data,
             coords={
@@ -115,6 +122,10 @@ class Ladders:
                 "size_step": ("size_rung", [1 / s for s in self.sizes]),
             },
         )
+
+    def _nayak(self, hurst: float, ratio: float) -> float:
+        surface = base_surface(hurst=hurst, size=self.size, ratio=ratio, seed=self.seed)
+        return reference_field(surface).nayak
 
     @staticmethod
     def _rows(

@@ -364,6 +364,9 @@ def _ladder_sentence(dataset: xr.Dataset, kind: str, k: int) -> str:
     line, hurst = rungs_of(dataset, kind, k), float(dataset.ladder_hurst[k])
     kappa, steps = dataset[f"{kind}_kappa"][k].values, dataset[f"{kind}_step"].values
     change = f"kappa goes from {kappa[0]:.3f} to {kappa[-1]:.3f} as {LADDERS[kind]} falls from 1/{1 / steps[0]:g} to 1/{1 / steps[-1]:g}"
+    if kind == "bandwidth":
+        alpha = dataset.bandwidth_nayak[k].values
+        change += f" (at equal H, with the Nayak parameter from {alpha[0]:.2g} to {alpha[-1]:.2g})"
     start = f"H = {hurst:g}, p* = {dataset.attrs['ladder_pressure']:g}: {change}"
     if not line.determinable:
         return (
