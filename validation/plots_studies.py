@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from persson.elastic import KAPPA_BGT, KAPPA_PERSSON
 from validation.plots import new_figure
-from validation.references import KAPPA_LITERATURE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,69 +20,24 @@ if TYPE_CHECKING:
 
 __all__ = [
     "area_against_magnification",
-    "area_against_pressure",
     "error_against_cells",
     "error_against_resolution",
-    "gap_and_energy",
     "grid_scale_protocol",
-    "kappa_against_hurst",
     "kappa_against_nayak",
 ]
 
-_MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
-_COLOURS = ("#0b5394", "#b45f06", "#38761d", "#741b47", "#134f5c", "#7f6000", "#444444", "#990000")
-_THEORY: dict[str, Any] = {"color": "#38761d", "ls": "-."}
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
+COLOURS = ("#0b5394", "#b45f06", "#38761d", "#741b47", "#134f5c", "#7f6000", "#444444", "#990000")
+THEORY: dict[str, Any] = {"color": "#38761d", "ls": "-."}
 
 
-def _look(k: int) -> dict[str, Any]:
-    return {"marker": _MARKERS[k % 8], "color": _COLOURS[k % 8], "capsize": 2, "ms": 5}
+def look(k: int) -> dict[str, Any]:
+    return {"marker": MARKERS[k % 8], "color": COLOURS[k % 8], "capsize": 2, "ms": 5}
 
 
 def _kappa_lines(axes: Axes) -> None:
     axes.axhline(KAPPA_BGT, color="black", ls=":", lw=1, label=f"Bush-Gibson-Thomas {KAPPA_BGT:.3f}")
-    axes.axhline(KAPPA_PERSSON, lw=1, label=f"Persson {KAPPA_PERSSON:.3f} (light load)", **_THEORY)
-
-
-def kappa_against_hurst(
-    dataset: xr.Dataset, limits: Sequence[Sequence[Estimate]], pixels: Sequence[Sequence[Estimate]]
-) -> Figure:
-    """Kappa against H for every load at the first ratio: limit, raw count, theory and literature."""
-    figure, (axes,) = new_figure(height=4.8)
-    rows = [int(i) for i in np.flatnonzero(dataset.family.values == dataset.family.values[0])]
-    hurst = dataset.hurst.values[rows]
-    for j, pressure in enumerate(dataset.reduced_pressure.values):
-        value = [limits[i][j].value for i in rows]
-        error = [limits[i][j].half_width for i in rows]
-        axes.errorbar(
-            hurst + 0.004 * j, value, yerr=error, ls="-", label=f"limit, p* = {pressure:g}", **_look(j)
-        )
-        raw = [pixels[i][j].value for i in rows]
-        axes.plot(
-            hurst + 0.004 * j, raw, marker=_MARKERS[j], mfc="white", color=_COLOURS[j], ls=":", lw=0.8, ms=4
-        )
-    _kappa_lines(axes)
-    for published in KAPPA_LITERATURE:
-        low, high = published.hurst
-        if low == high:
-            axes.plot(low, published.kappa[0], marker="x", color="black", ls="", label=published.source)
-        else:
-            axes.fill_between(
-                [low, high],
-                *published.kappa,
-                color="black",
-                alpha=0.08,
-                lw=0,
-                label=_wrapped(published.source),
-            )
-    axes.set_xlabel("Hurst exponent H")
-    axes.set_ylabel(r"$\kappa = (A/A_0)\,/\,p^*$")
-    axes.set_ylim(bottom=1.4)
-    axes.legend(fontsize=7, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.14))
-    return figure
-
-
-def _wrapped(text: str) -> str:
-    return "\n".join(part.strip() for part in text.split(";")[:3]) + ("\n..." if text.count(";") > 2 else "")
+    axes.axhline(KAPPA_PERSSON, lw=1, label=f"Persson {KAPPA_PERSSON:.3f} (light load)", **THEORY)
 
 
 def kappa_against_nayak(dataset: xr.Dataset, limits: Sequence[Sequence[Estimate]]) -> Figure:
@@ -94,12 +48,22 @@ def kappa_against_nayak(dataset: xr.Dataset, limits: Sequence[Sequence[Estimate]
     for f, family in enumerate(families):
         rows = [int(i) for i in np.flatnonzero(dataset.family.values == family)]
         for j, pressure in enumerate(dataset.reduced_pressure.values):
-            look = {**_look(j), "marker": _MARKERS[f]}
+            shape = {**look(j), "marker": MARKERS[f]}
             value = [limits[i][j].value for i in rows]
             error = [limits[i][j].half_width for i in rows]
             axes.errorbar(
-                alpha[rows], value, yerr=error, ls="-", lw=0.7, label=f"{family}, p* = {pressure:g}", **look
+                alpha[rows], value, yerr=error, ls="-", lw=0.7, label=f"{family}, p* = {pressure:g}", **shape
             )
+    for k in range(dataset.sizes.get("ladder", 0)):
+        label = f"bandwidth at equal H = {float(dataset.ladder_hurst[k]):g}, p* = {dataset.attrs['ladder_pressure']:g}"
+        style: dict[str, Any] = {
+            "color": str(0.75 - 0.15 * (k % 5)),
+            "ls": "--",
+            "lw": 0.8,
+            "marker": ".",
+            "ms": 4,
+        }
+        axes.plot(dataset.bandwidth_nayak[k], dataset.bandwidth_kappa[k], label=label, **style)
     _kappa_lines(axes)
     axes.set_xscale("log")
     axes.set_xlabel(r"Nayak parameter $\alpha = \frac{3}{2} m_0 m_4/m_2^2$ (realised)")
@@ -119,7 +83,15 @@ def error_against_resolution(dataset: xr.Dataset, errors: Mapping[str, xr.DataAr
             dataset.points_per_wave, np.abs(100 * error.mean("surface")), label=f"{name}, |mean|", **_plain(k)
         )
         for values in size:
-            axes.plot(dataset.points_per_wave, values, ls="", marker=".", ms=3, color=_COLOURS[k], alpha=0.5)
+            axes.plot(dataset.points_per_wave, values, ls="", marker=".", ms=3, color=COLOURS[k], alpha=0.5)
+    for e in range(dataset.sizes.get("element", 0)):
+        for k, name in enumerate(("fem_pixel", "fem_perimeter")):
+            error = 100 * np.abs((dataset[name][e] / dataset.limit - 1).mean("surface"))
+            style = {**_plain(4 + e), "mfc": "white", "ls": ("-", ":")[k], "lw": 0.9}
+            words = ("nodes", "corrected")[k]
+            axes.plot(
+                dataset.fem_points_per_wave, error, label=f"FEM {dataset.element.values[e]}, {words}", **style
+            )
     per_wave = dataset.points_per_wave.values
     start = 100 * float(np.abs(errors["pixel"].mean("surface"))[0])
     axes.plot(
@@ -136,7 +108,7 @@ def error_against_resolution(dataset: xr.Dataset, errors: Mapping[str, xr.DataAr
 
 
 def _plain(k: int) -> dict[str, Any]:
-    return {"marker": _MARKERS[k], "color": _COLOURS[k], "ms": 5}
+    return {"marker": MARKERS[k], "color": COLOURS[k], "ms": 5}
 
 
 def error_against_cells(dataset: xr.Dataset, error: xr.DataArray) -> Figure:
@@ -163,62 +135,16 @@ def grid_scale_protocol(dataset: xr.Dataset, theory: float) -> Figure:
             values.mean("surface"),
             yerr=values.std("surface", ddof=1),
             label=f"slope: {slope}",
-            **_look(k),
+            **look(k),
         )
     limit = float(dataset.limit.mean()) / float(dataset.attrs["reduced_pressure"])
     axes.axhline(limit, color="black", lw=1, label=f"converged, resolved surfaces: {limit:.2f}")
-    axes.axhline(theory, label=f"Persson at this load: {theory:.2f}", **_THEORY)
+    axes.axhline(theory, label=f"Persson at this load: {theory:.2f}", **THEORY)
     axes.set_xscale("log", base=2)
     axes.set_xticks(dataset.protocol_points.values, [str(n) for n in dataset.protocol_points.values])
     axes.set_xlabel("grid points along one side")
     axes.set_ylabel(r"$\kappa$, nodes counted")
     axes.legend(fontsize=8)
-    return figure
-
-
-def area_against_pressure(dataset: xr.Dataset, theory: Callable[[ArrayLike], NDArray[np.float64]]) -> Figure:
-    """A/A0 against p*, and its ratio to the theory."""
-    figure, (left, right) = new_figure(width=9.0, columns=2)
-    pressure = dataset.reduced_pressure.values
-    area = dataset.area.mean("surface")
-    spread = dataset.area.std("surface", ddof=1)
-    left.errorbar(pressure, area, yerr=spread, ls="", label="simulation, limit", **_look(0))
-    dense = np.geomspace(pressure[0], pressure[-1], 200)
-    left.plot(dense, theory(dense), label="Persson", **_THEORY)
-    left.set_xscale("log")
-    left.set_yscale("log")
-    left.set_ylabel(r"$A/A_0$")
-    right.errorbar(
-        pressure,
-        area / theory(pressure),
-        yerr=spread / theory(pressure),
-        ls="-",
-        label="simulation / Persson",
-        **_look(0),
-    )
-    right.axhline(1, **_THEORY)
-    right.set_xscale("log")
-    right.set_ylabel("simulated area over Persson's")
-    for axes in (left, right):
-        axes.set_xlabel(r"$p^* = p_0/(E^* h'_{rms})$")
-        axes.legend(fontsize=8)
-    return figure
-
-
-def gap_and_energy(dataset: xr.Dataset) -> Figure:
-    """Mean gap and elastic energy against load."""
-    figure, (left, right) = new_figure(width=9.0, columns=2)
-    pressure = dataset.reduced_pressure.values
-    left.errorbar(pressure, dataset.gap.mean("surface"), yerr=dataset.gap.std("surface", ddof=1), **_look(0))
-    left.set_ylabel(r"mean gap $/ h_{rms}$")
-    right.errorbar(
-        pressure, dataset.energy.mean("surface"), yerr=dataset.energy.std("surface", ddof=1), **_look(1)
-    )
-    right.set_yscale("log")
-    right.set_ylabel("elastic energy over that of full contact")
-    for axes in (left, right):
-        axes.set_xscale("log")
-        axes.set_xlabel(r"$p^* = p_0/(E^* h'_{rms})$")
     return figure
 
 
@@ -232,13 +158,13 @@ def area_against_magnification(dataset: xr.Dataset) -> Figure:
             area.mean("surface"),
             yerr=area.std("surface", ddof=1),
             label=f"limit, p* = {pressure:g}",
-            **_look(j),
+            **look(j),
         )
         axes.plot(
             dataset.magnification,
             dataset.theory[:, :, j].mean("surface"),
             ls="-.",
-            color=_COLOURS[j],
+            color=COLOURS[j],
             label=f"Persson, p* = {pressure:g}",
         )
     axes.set_xscale("log", base=2)
@@ -249,7 +175,7 @@ def area_against_magnification(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def pressure_near_zero(dataset: xr.Dataset) -> Figure:
+def pressure_near_zero(dataset: xr.Dataset, *, window: float, contour: float) -> Figure:
     """P(sigma) below 0.3 E* h' on every grid, mean over surfaces, with the slopes."""
     figure, (axes,) = new_figure()
     shades = np.linspace(0.75, 0.0, dataset.sizes["grid"])
@@ -265,12 +191,9 @@ def pressure_near_zero(dataset: xr.Dataset) -> Figure:
     top = float(dataset.density.max())
     stress = np.linspace(0, 0.3, 50)
     for slope, label, style in (
-        (
-            float(dataset.contour_slope[:, -1].mean()),
-            r"$2 S\langle B^{-2}\rangle\sigma$",
-            {"color": "#b45f06", "ls": "--"},
-        ),
-        (float(dataset.attrs["persson_slope"]), "Persson's slope", _THEORY),
+        (window, "slope at 0, closing window", {"color": "#0b5394", "ls": "--"}),
+        (contour, r"$2 S\langle B^{-2}\rangle\sigma$", {"color": "#b45f06", "ls": ":"}),
+        (float(dataset.attrs["persson_slope"]), "Persson's slope", THEORY),
     ):
         axes.plot(stress, slope * stress, label=label, lw=2, **style)
     axes.set_ylim(0, 1.1 * top)
@@ -286,13 +209,12 @@ def density_at_zero(dataset: xr.Dataset, intercepts: NDArray[np.float64]) -> Fig
     figure, (axes,) = new_figure()
     root = np.sqrt(dataset.spacing.values)
     for k, row in enumerate(dataset.density_at_zero.values):
-        axes.plot(root, row, marker=_MARKERS[k % 8], ms=4, lw=0.6, color="0.5")
+        axes.plot(root, row, marker=MARKERS[k % 8], ms=4, lw=0.6, color="0.5")
     mean = dataset.density_at_zero.mean("surface").values
     axes.plot(root, mean, marker="o", color="black", lw=1.5, label="mean over surfaces")
-    slope, start = np.polyfit(root, mean, 1)
-    axes.plot(
-        [0, root[0]], [start, start + slope * root[0]], ls="--", color="black", lw=1, label="line in dx^(1/2)"
-    )
+    bend = np.polyfit(root, mean, 2 if root.size > 3 else 1)
+    dense = np.linspace(0, root[0], 50)
+    axes.plot(dense, np.polyval(bend, dense), ls="--", color="black", lw=1, label="polynomial in dx^(1/2)")
     axes.errorbar(
         [0],
         [intercepts.mean()],
@@ -322,7 +244,7 @@ def fem_against_bem(dataset: xr.Dataset, legs: Sequence[str]) -> Figure:
             part = dataset.isel(case=np.flatnonzero(dataset.leg.values == leg))
             axes.plot(part.points_per_wave, 100 * np.abs(part[name].mean("surface")), label=leg, **_plain(k))
             axes.plot(
-                part.points_per_wave, 100 * np.abs(part[name]), ls="", marker=".", ms=3, color=_COLOURS[k]
+                part.points_per_wave, 100 * np.abs(part[name]), ls="", marker=".", ms=3, color=COLOURS[k]
             )
         axes.set_xscale("log", base=2)
         axes.set_yscale("log")
@@ -357,21 +279,6 @@ def block_depth(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def theory_verdict(dataset: xr.Dataset) -> Figure:
-    """Draw simulated over predicted area against the simulated area, for the theory and its variants."""
-    figure, (axes,) = new_figure()
-    for k, variant in enumerate(dataset.variant.values):
-        axes.errorbar(
-            dataset.area, dataset.area_ratio[k], yerr=dataset.interval[k], label=str(variant), **_look(k)
-        )
-    axes.axhline(1, color="black", lw=1)
-    axes.set_xscale("log")
-    axes.set_xlabel(r"simulated $A/A_0$")
-    axes.set_ylabel("simulated over predicted area")
-    axes.legend(fontsize=8)
-    return figure
-
-
 def accuracy_cost(dataset: xr.Dataset, error: NDArray[np.float64], front: Sequence[int]) -> Figure:
     """Error against seconds for every way, with the Pareto front."""
     figure, (axes,) = new_figure(height=4.8)
@@ -381,8 +288,8 @@ def accuracy_cost(dataset: xr.Dataset, error: NDArray[np.float64], front: Sequen
             label.split(",")[0] + (", 4 shifts" if label.endswith("shifts") else ""), []
         ).append(k)
     for g, (name, ways) in enumerate(groups.items()):
-        look = {**_plain(g % 8), "mfc": "white" if g >= 8 else _COLOURS[g % 8]}
-        axes.plot(dataset.seconds[ways], 100 * error[ways], ls="", label=name, **look)
+        shape = {**_plain(g % 8), "mfc": "white" if g >= 8 else COLOURS[g % 8]}
+        axes.plot(dataset.seconds[ways], 100 * error[ways], ls="", label=name, **shape)
     axes.plot(
         dataset.seconds[list(front)], 100 * error[list(front)], color="black", lw=0.8, label="Pareto front"
     )

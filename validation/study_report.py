@@ -87,19 +87,17 @@ def report_study(folder: Path) -> StudyOutputs:
         raise UsageError(f"{folder}: holds no finished study ({error})") from None
     tables = write_csv(data, folder / "data.csv")
     findings = study.findings(data)
-    table = study.table(data)
-    if table is not None:
-        with (
-            atomic_path(folder / "table.csv") as draft,
-            draft.open("w", newline="", encoding="utf-8") as file,
-        ):
-            csv.writer(file).writerows([table.columns, *table.rows])
+    table, budget = study.table(data), study.budget(data)
+    for name, made in (("table", table), ("budget", budget)):
+        if made is not None:
+            _write_table(made, folder / f"{name}.csv")
     page = render(
         "study.html.j2",
         title=f"Study: {study.name}",
         question=study.question,
         findings=findings,
         tables=_tables(data) if table is None else [_shown(table)],
+        budget=None if budget is None else _shown(budget),
         figures=write_drawings(study.figures(data), folder),
         settings=json.dumps(said["options"], indent=2),
         seeds=_seeds(said["options"]),
@@ -111,6 +109,11 @@ def report_study(folder: Path) -> StudyOutputs:
         draft.write_text(page, encoding="utf-8")
     files = (report, *tables, folder / "data.nc", folder / "figures")
     return StudyOutputs(data=data, findings=findings, files=files)
+
+
+def _write_table(table: ResultTable, path: Path) -> None:
+    with atomic_path(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
+        csv.writer(file).writerows([table.columns, *table.rows])
 
 
 def _seeds(options: Mapping[str, Any]) -> str:

@@ -8,6 +8,7 @@ A study is a module of this package with
   ``float`` or ``str``; one called ``scene`` is a :class:`validation.scene.Scene`. It lists jobs, has them
   solved by the bench, and returns numbers with ``units`` and ``long_name``;
 - optionally ``table(data) -> ResultTable``, one row for each thing compared;
+- optionally ``budget(data) -> ResultTable``: what is uncertain about its numbers, source by source;
 - optionally ``figures(data) -> tuple[Drawing, ...]`` and ``findings(data) -> tuple[str, ...]``, which read
   the dataset.
 
@@ -172,6 +173,11 @@ class Study:
     def table(self, data: xr.Dataset) -> ResultTable | None:
         """Return the table it makes of a dataset; None if it leaves that to the report."""
         make = getattr(self.module, "table", None)
+        return None if make is None else make(data)
+
+    def budget(self, data: xr.Dataset) -> ResultTable | None:
+        """Return its uncertainties source by source; None if it lists none."""
+        make = getattr(self.module, "budget", None)
         return None if make is None else make(data)
 
     def findings(self, data: xr.Dataset) -> tuple[str, ...]:

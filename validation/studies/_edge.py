@@ -25,7 +25,9 @@ __all__ = ["EdgeMeasurement", "inverse_square_coefficient"]
 #: Distances from the edge, in cells, between which p = B sqrt(s) is read off: beyond the cells the grid smears,
 #: and before the curvature of the patch is felt.
 _NEAR, _FAR = 1.5, 4.0
-_BINS = 60
+_BINS = 120
+#: Largest pressure, over E* h'_rms.
+_TOP = 0.6
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,6 +61,7 @@ class EdgeMeasurement(NumbersJob):
             "solid": self.solid.model_dump(mode="json"),
             "reduced_pressure": self.reduced_pressure,
             "points": self.points,
+            "top": _TOP,
         }
 
     @property
@@ -87,11 +90,12 @@ class EdgeMeasurement(NumbersJob):
         unit = response.contact_modulus * whole.rms_gradient
         field = height_field(self.surface, (self.points, self.points), realisation=self.realisation)
         result = bem.solve(field, response, mean_pressure=self.reduced_pressure * unit, threads=1).checked()
-        edges = np.linspace(0, 0.3, _BINS + 1)
+        edges = np.linspace(0, _TOP, _BINS + 1)
         density = pressure_distribution(result, edges * unit).density * unit
         wave = self.surface.lambda_short
         # The counted edge is 4/pi times the true contour on average.
-        contour = np.pi / 4 * contact_areas(result).edge_length * wave
+        areas = contact_areas(result)
+        contour = np.pi / 4 * areas.edge_length * wave
         return xr.Dataset(
             {
                 "density": ("bin", density, {"long_name": "P(sigma) E* h'_rms per nominal area"}),
@@ -102,7 +106,12 @@ class EdgeMeasurement(NumbersJob):
                 ),
                 "inverse_square": ((), inverse_square_coefficient(result) * unit**2 / wave),
                 "patches": ((), find_patches(result.in_contact, result.spacing).count),
-                "area": ((), contact_areas(result).perimeter),
+                "area": ((), areas.perimeter),
+                "excess": (
+                    (),
+                    areas.pixel - areas.perimeter,
+                    {"long_name": "counted area above the corrected one, per nominal area"},
+                ),
                 "seconds": ((), result.cost.wall_seconds),
             },
             coords={"stress": ("bin", (edges[1:] + edges[:-1]) / 2), "upper": ("bin", edges[1:])},

@@ -155,15 +155,20 @@ class Measurement(NumbersJob):
         offsets = list(itertools.product(steps, steps))
         shape = (len(self.grids), len(offsets), len(self.reduced_pressures))
         values = {name: np.empty(shape) for name in QUANTITIES}
+        profiles: dict[str, np.ndarray] = {}
         for (i, grid), (j, shift) in itertools.product(enumerate(self.grids), enumerate(offsets)):
             for k, result in enumerate(self._path(grid, shift)):
                 for name, value in _read_off(result).items():
                     values[name][i, j, k] = value
+                for name, profile in self.profiles(result).items():
+                    profiles.setdefault(name, np.zeros((shape[0], shape[2], profile.size)))[i, k] += profile
         whole = reference_field(self.surface, realisation=self.realisation)
-        data = {
+        data: dict[str, Any] = {
             name: (("grid", "shift", "load"), values[name], {"units": unit, "long_name": words})
             for name, (unit, words) in QUANTITIES.items()
         }
+        for name, profile in profiles.items():
+            data[f"{name}_profile"] = (("grid", "load", f"{name}_bin"), profile / len(offsets))
         wave = self.surface.lambda_short
         per_wave = [
             wave / max(x / n for x, n in zip(self.surface.length, g, strict=True)) for g in self.grids
@@ -183,6 +188,10 @@ class Measurement(NumbersJob):
                 "full_contact_energy": _full_contact_energy(whole, self._modulus),
             },
         )
+
+    def profiles(self, result: ContactResult) -> dict[str, np.ndarray]:
+        """Return distributions to keep of one solve, by name; they are averaged over the shifts. None here."""
+        return {}
 
     @property
     def _modulus(self) -> float:

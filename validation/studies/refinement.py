@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING, Any
+from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from validation.bench import Bench
 from validation.drawing import Drawing
-from validation.statistics import mean_over_surfaces, order_of_convergence
+from validation.statistics import combined, mean_over_surfaces, order_of_convergence
+from validation.studies._block import BlockMeasurement
+from validation.studies._budget import Budget, budget_table, grid_share, solver_error
 from validation.studies._common import (
     ResultTable,
     at_least,
@@ -17,19 +20,22 @@ from validation.studies._common import (
     ladder,
     measure,
     persson_area,
+    rising,
     solid_of,
 )
+from validation.studies._distributions import Distributions
 from validation.studies._grid_roughness import GridRoughness
-from validation.studies._measurement import Measurement, area_limits, grid_for
+from validation.studies._measurement import grid_for
+from validation.studies._refinement_data import AREAS, finite_elements, on_grids
+from validation.studies._spectrum_limits import spectral_share, usual_ladders
+from validation.studies._theory import ensemble_area, modes_sentence
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from validation.scene import Scene
 
-__all__ = ["figures", "findings", "run", "table"]
-
-_AREAS = ("pixel", "perimeter", "subcell")
+__all__ = ["budget", "figures", "findings", "run", "table"]
 
 
 def run(
@@ -44,9 +50,12 @@ def run(
     points_per_wave: tuple[float, ...] = (2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0),
     shifts: int = 2,
     grid_scale_points: tuple[int, ...] = (64, 128, 256),
+    elements: tuple[str, ...] = ("Hex1", "Hex2"),
+    fem_points_per_wave: tuple[float, ...] = (4.0, 8.0, 16.0),
+    ladders: bool = True,
     seed: int = 2006,
 ) -> xr.Dataset:
-    """Measure the area on every grid, and the same surfaces with roughness down to the grid scale.
+    """Measure the area on every grid, by boundary and by finite elements, and with roughness down to the grid scale.
 
     Parameters
     ----------
@@ -66,76 +75,90 @@ def run(
         Sub-grid shifts along each axis.
     grid_scale_points : tuple of int
         Grids of the same surfaces with roughness down to the grid scale.
+    elements : tuple of str
+        Finite elements of a block one period deep, reduced to its surface; none to leave them out.
+    fem_points_per_wave : tuple of float
+        Their grids, as lambda_short/dx, rising, at least three.
+    ladders : bool
+        Also measure how kappa moves with bandwidth and sample, for the budget.
     seed : int
         Of the first surface.
 
     Returns
     -------
     xarray.Dataset
-        Areas with dimensions (surface, grid), means over the shifts; `limit` per surface; kappa of the grid-scale
-        protocol with dimensions (surface, protocol_grid, slope).
+        Areas with dimensions (surface, grid), means over the shifts; `limit` per surface; moments of P(sigma) and sizes of
+        patches; areas of finite elements with dimensions (element, surface, fem_grid); kappa of the grid-scale protocol
+        with dimensions (surface, protocol_grid, slope).
     """
-    import xarray as xr
-
     at_least("surfaces", surfaces, 2)
+    if elements:
+        at_least("number of fem_points_per_wave", len(rising("fem_points_per_wave", fem_points_per_wave)), 3)
     points_per_wave = ladder("points_per_wave", points_per_wave, shifts=shifts)
     surface, solid = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed), solid_of(scene)
     grids = tuple(grid_for(surface, points) for points in points_per_wave)
-    pressures = (reduced_pressure,)
     cases = [
-        Measurement(
+        Distributions(
             surface=surface,
             realisation=k,
             solid=solid,
-            reduced_pressures=pressures,
+            reduced_pressures=(reduced_pressure,),
             grids=grids,
             shifts=shifts,
         )
         for k in range(surfaces)
     ]
+    # What the stopping of the solver does shows on coarse grids, too.
+    few = max(2, sum(points <= _SOLVER_POINTS for points in points_per_wave))
+    strict = replace(cases[0], grids=grids[:few], tolerance=cases[0].tolerance / 100)
     protocol = [
         GridRoughness(
             surface=surface, realisation=k, solid=solid, reduced_pressure=reduced_pressure, points=n
         )
         for k, n in itertools.product(range(surfaces), grid_scale_points)
     ]
-    results = measure(bench, [*cases, *protocol])
-    measured, rough = results[: len(cases)], results[len(cases) :]
-    names = (*_AREAS, "density_at_zero", "patches", "cells_per_patch", "edge_fraction", "residual")
-    data: dict[str, Any] = {
-        name: (("surface", "grid"), np.array([d[name].isel(load=0).mean("shift").values for d in measured]))
-        for name in names
-    }
-    data["seconds"] = (
-        ("surface", "grid"),
-        np.array([d.seconds.isel(load=0).sum("shift").values for d in measured]),
+    blocks = [
+        BlockMeasurement(
+            surface=surface,
+            realisation=k,
+            solid=solid,
+            reduced_pressure=reduced_pressure,
+            points=grid_for(surface, n)[0],
+            element=element,
+        )
+        for element, k, n in itertools.product(elements, range(surfaces), fem_points_per_wave)
+    ]
+    climbed = usual_ladders(hurst=hurst, size=size, reduced_pressure=reduced_pressure, solid=solid, seed=seed)
+    rungs = climbed.cases if ladders else []
+    results = iter(measure(bench, [*cases, strict, *protocol, *blocks, *rungs]))
+    measured, strictly, rough, fem, climbed_to = (
+        list(itertools.islice(results, n)) for n in (surfaces, 1, len(protocol), len(blocks), len(rungs))
     )
-    limits = [area_limits(d) for d in measured]
-    data["limit"] = (("surface",), np.array([value[0] for value, _ in limits]))
-    data["limit_error"] = (("surface",), np.array([error[0] for _, error in limits]))
+    data = on_grids(measured).assign_coords(slope=["spectral", "forward", "central"])
+    data["ensemble"] = ensemble_area(
+        surface, [reduced_pressure], rms_gradients=[d.attrs["rms_gradient"] for d in measured]
+    ).mean()
     kappa = np.array([d.kappa.values for d in rough]).reshape(surfaces, len(grid_scale_points), 3)
     data["kappa_grid_scale"] = (("surface", "protocol_grid", "slope"), kappa)
-    return xr.Dataset(
-        data,
-        coords={
-            "points_per_wave": (
-                "grid",
-                measured[0].points_per_wave.values,
-                {"long_name": "lambda_short / dx"},
-            ),
-            "points": ("grid", measured[0].points.values),
-            "protocol_points": ("protocol_grid", list(grid_scale_points)),
-            "slope": ("slope", ["spectral", "forward", "central"]),
-        },
-        attrs={
-            "study": "refinement",
-            "reduced_pressure": reduced_pressure,
-            "hurst": hurst,
-            "size": size,
-            "ratio": ratio,
-            "shifts": shifts,
-        },
+    data["solver_error"] = solver_error(measured[0].isel(grid=slice(0, few)), strictly[0])
+    data = data.assign_coords(protocol_points=("protocol_grid", list(grid_scale_points)))
+    if elements:
+        data = data.merge(finite_elements(fem, elements, fem_points_per_wave, surfaces=surfaces))
+    if ladders:
+        data = data.merge(climbed.dataset(climbed_to))
+    return data.assign_attrs(
+        study="refinement",
+        reduced_pressure=reduced_pressure,
+        hurst=hurst,
+        size=size,
+        ratio=ratio,
+        shifts=shifts,
+        methods="theory bem fem perimeter" if elements else "theory bem perimeter",
     )
+
+
+#: Finest grid of the check of the solver, as lambda_short/dx.
+_SOLVER_POINTS = 8.0
 
 
 def overestimate(dataset: xr.Dataset, name: str) -> xr.DataArray:
@@ -150,7 +173,7 @@ def table(dataset: xr.Dataset) -> ResultTable:
     for i, per_wave in enumerate(dataset.points_per_wave.values):
         label = "" if per_wave > 2 * (1 + 1e-9) else " (under-resolved)"
         errors = []
-        for name in _AREAS:
+        for name in AREAS:
             values = overestimate(dataset, name)[:, i].values
             errors += [100 * float(values.mean()), 100 * mean_over_surfaces(values).half_width]
         rows.append(
@@ -160,22 +183,92 @@ def table(dataset: xr.Dataset) -> ResultTable:
                 float(dataset.cells_per_patch[:, i].mean()),
                 float(dataset.pixel[:, i].mean()) / pressure,
                 *errors,
+                float(dataset.first_moment[:, i].mean()),
                 float(dataset.density_at_zero[:, i].mean()),
                 float(dataset.patches[:, i].mean()),
+                *(float(dataset.cells[:, i, m].mean()) for m in range(dataset.sizes["part"])),
                 float(dataset.seconds[:, i].mean()),
             )
         )
+    if "element" in dataset.dims:
+        rows += _fem_rows(dataset)
     columns = (
         "grid",
         "lambda_short/dx",
         "cells in the median patch",
-        "kappa pixel",
-        *(f"{name} {what} [%]" for name in _AREAS for what in ("- limit", "+- (95 %)")),
+        "kappa, counted (zeroth moment / p*)",
+        *(f"{name} {what} [%]" for name in AREAS for what in ("- limit", "+- (95 %)")),
+        "first moment / p0",
         "P(0+) E*h'",
         "patches",
+        *(f"cells at {100 * float(part):g} % of the area" for part in dataset.part.values),
         "seconds",
     )
     return ResultTable.of(columns, rows)
+
+
+def _fem_rows(dataset: xr.Dataset) -> list[tuple[float | str, ...]]:
+    """Rows of the finite elements, with both countings against the limit of the boundary elements."""
+    pressure, nan = float(dataset.attrs["reduced_pressure"]), float("nan")
+    rows: list[tuple[float | str, ...]] = []
+    for e, g in itertools.product(range(dataset.sizes["element"]), range(dataset.sizes["fem_grid"])):
+        counted = (dataset.fem_pixel[e, :, g] / dataset.limit - 1).values
+        corrected = (dataset.fem_perimeter[e, :, g] / dataset.limit - 1).values
+        errors = []
+        for values in (counted, corrected):
+            errors += [100 * float(values.mean()), 100 * mean_over_surfaces(values).half_width]
+        rows.append(
+            (
+                f"FEM {dataset.element.values[e]}",
+                float(dataset.fem_points_per_wave[g]),
+                nan,
+                float(dataset.fem_pixel[e, :, g].mean()) / pressure,
+                *errors,
+                *([nan] * (6 + dataset.sizes["part"])),
+            )
+        )
+    return rows
+
+
+def budget(dataset: xr.Dataset) -> ResultTable:
+    """Return what is uncertain about kappa in the limit, by boundary and by finite elements."""
+    pressure = float(dataset.attrs["reduced_pressure"])
+    spectral: dict[str, float] = {}
+    if "ladder" in dataset.dims:
+        steps = {"size": 1 / float(dataset.attrs["size"]), "bandwidth": 1 / float(dataset.attrs["ratio"])}
+        size, band = (
+            spectral_share(dataset, kind, hurst=float(dataset.attrs["hurst"]), step=step)
+            for kind, step in steps.items()
+        )
+        spectral = {"finite size": size, "bandwidth": band}
+    limit = mean_over_surfaces(dataset.limit.values)
+    solver = float(dataset.solver_error)
+    shares = {
+        "grid": grid_share(
+            dataset.limit.values, errors=dataset.limit_error.values, drifts=dataset.limit_drift.values
+        ),
+        "solver": solver,
+        "surfaces": limit.half_width / limit.value,
+    }
+    budgets = [
+        Budget(quantity="kappa, boundary elements", value=limit.value / pressure, shares=shares | spectral)
+    ]
+    for e in range(dataset.sizes.get("element", 0)):
+        found = mean_over_surfaces(dataset.fem_limit[e].values)
+        # How far two discretisations of the same surfaces are apart in the limit is a part of their grids' error.
+        apart = float((dataset.fem_limit[e] / dataset.limit).mean()) - 1
+        random = grid_share(
+            dataset.fem_limit[e].values, errors=dataset.fem_limit_error[e].values, drifts=[0.0]
+        )
+        fem_shares = {
+            "grid": combined(random, apart),
+            "solver": solver,
+            "surfaces": found.half_width / found.value,
+            "depth": float(dataset.depth_error),
+        }
+        name = f"kappa, finite elements {dataset.element.values[e]}"
+        budgets.append(Budget(quantity=name, value=found.value / pressure, shares=fem_shares | spectral))
+    return budget_table(budgets)
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -188,8 +281,11 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
     sentences = [
         f"kappa in the limit of vanishing spacing is {limit} (95 %, {limit.samples} surfaces) at p* = {pressure:g}; Persson's theory "
         f"gives {theory:.4g}: {100 * (1 - theory / limit.value):.0f} % of the simulated area is not explained by the grid.",
+        _verdict(resolved, limit.value, theory),
+        modes_sentence([theory * pressure], [float(dataset.ensemble)]),
+        _load_identity(resolved),
     ]
-    for name in _AREAS:
+    for name in AREAS:
         error = overestimate(resolved, name).mean("surface").values
         if not np.all(np.isfinite(error)):
             continue
@@ -211,7 +307,65 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
             f"of at least {cells:.0f} cells (Persson's criterion asks for 100 to 10000)."
         )
     sentences.append(_protocol(dataset, limit.value, theory))
+    sentences += [_element_sentence(dataset, e) for e in range(dataset.sizes.get("element", 0))]
     return tuple(sentences)
+
+
+def _verdict(resolved: xr.Dataset, limit: float, theory: float) -> str:
+    """Say how much of a counted kappa is the grid, and what remains to the theory without it."""
+    pressure = float(resolved.attrs["reduced_pressure"])
+    words = []
+    for g in range(resolved.sizes["grid"]):
+        counted = float(resolved.pixel[:, g].mean()) / pressure
+        words.append(
+            f"{100 * (counted - limit) / (counted - theory):.0f} % at {float(resolved.points_per_wave[g]):g}"
+        )
+    coarse = float(resolved.pixel[:, 0].mean()) / pressure
+    return (
+        f"Verdict: counted on {float(resolved.points_per_wave[0]):g} points per shortest wave kappa is {coarse:.2f}, of which {coarse - limit:+.2f} is "
+        f"the grid; without it {limit:.2f} remains, {limit - theory:+.2f} ({100 * (limit / theory - 1):+.0f} %) from the theory. The grid's part "
+        f"of the distance between counted value and theory is {', '.join(words)} points per wave."
+    )
+
+
+def _load_identity(resolved: xr.Dataset) -> str:
+    """Say what the grid does to P(sigma) at fixed load: Persson 2006, Sec. 12."""
+    first = float(np.abs(resolved.first_moment - 1).max())
+    coarse, fine = (resolved.density.isel(grid=g).values for g in (0, -1))
+    stress = resolved.stress.values
+    # Above the last pressure at which the coarse grid has more, it must have less: the load is the same.
+    small = stress < _SMALL
+    excess = float((coarse - fine).sum())
+    low = float((coarse - fine)[small].sum())
+    change = float(coarse[~small].sum() / fine[~small].sum() - 1)
+    zeroth = float((resolved.pixel[:, 0] / resolved.pixel[:, -1]).mean() - 1)
+    return (
+        f"The first moment of P(sigma) is p0 on every grid (to {first:.1g}); the zeroth, the area, is {100 * zeroth:+.1f} % on "
+        f"{float(resolved.points_per_wave[0]):g} against {float(resolved.points_per_wave[-1]):g} points per wave. Of that excess {100 * low / excess:.0f} % lies at "
+        f"sigma < {_SMALL:g} E* h'_rms, and above it the coarse grid holds {100 * change:+.1f} %: what is too much at small pressure is "
+        "balanced by too little at large pressure."
+    )
+
+
+#: Pressure, over E* h'_rms, below which the excess of a coarse grid is looked for.
+_SMALL = 0.2
+
+
+def _element_sentence(dataset: xr.Dataset, e: int) -> str:
+    """Say how finite elements count, corrected and in the limit."""
+    counted = (dataset.fem_pixel[e] / dataset.limit - 1).mean("surface").values
+    corrected = (dataset.fem_perimeter[e] / dataset.limit - 1).mean("surface").values
+    apart = mean_over_surfaces((dataset.fem_limit[e] / dataset.limit - 1).values)
+    points = dataset.fem_points_per_wave.values
+    rows = ", ".join(
+        f"{100 * a:+.2g} ({100 * b:+.2g}) % at {p:g}"
+        for a, b, p in zip(counted, corrected, points, strict=True)
+    )
+    return (
+        f"Finite elements {dataset.element.values[e]}, nodes counted (with the element's edge constant), differ from the limit of the boundary elements by {rows}; "
+        f"their own limit differs by {100 * apart.value:+.2f} +- {100 * apart.half_width:.2f} %, of which a block one period deep can explain "
+        f"{100 * float(dataset.depth_error):.2f} %."
+    )
 
 
 def _protocol(dataset: xr.Dataset, limit: float, theory: float) -> str:
@@ -234,22 +388,34 @@ def _protocol(dataset: xr.Dataset, limit: float, theory: float) -> str:
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw error against resolution, error against cells per patch, and kappa of the grid-scale protocol."""
-    from validation import plots_studies
+    from validation import plots_limits, plots_studies
 
-    errors = {name: overestimate(dataset, name) for name in _AREAS}
+    errors = {name: overestimate(dataset, name) for name in AREAS}
     theory = float(persson_area(dataset.attrs["reduced_pressure"])) / float(dataset.attrs["reduced_pressure"])
     return (
         Drawing(
             name="error-against-resolution",
             figure=plots_studies.error_against_resolution(dataset, errors),
-            data=dataset[["pixel", "perimeter", "subcell", "limit"]],
-            caption="Distance of each definition of the area from the limit of its own surface: lines, mean over surfaces; dots, single surfaces; dashed, first order in dx.",
+            data=dataset[[*AREAS, "limit", *(n for n in ("fem_pixel", "fem_perimeter") if n in dataset)]],
+            caption="Distance of each definition of the area from the limit of its own surface: lines, mean over surfaces; dots, single surfaces; dashed, first order in dx; open, finite elements by element, counted and with the edge constant of the element.",
         ),
         Drawing(
             name="error-against-cells",
             figure=plots_studies.error_against_cells(dataset, errors["pixel"]),
             data=dataset[["pixel", "limit", "cells_per_patch"]],
             caption="Overestimate by counting against the size of the contact patches in cells, the criterion of Persson 2006, Sec. 12; grey, what it asks for.",
+        ),
+        Drawing(
+            name="stress-on-grids",
+            figure=plots_limits.stress_on_grids(dataset),
+            data=dataset[["density", "first_moment", "pixel"]],
+            caption="P(sigma) on every grid, mean over surfaces (left), with Persson's; its first and zeroth moment over those of the limit (right): the load is kept, the area is not.",
+        ),
+        Drawing(
+            name="patches-on-grids",
+            figure=plots_limits.patches_on_grids(dataset),
+            data=dataset[["patches", "cells"]],
+            caption="Number of contact patches against the grid (left), and the cells of the patches that hold 10, 50 and 90 % of the area (right); grey, what Persson 2006, Sec. 12, asks for.",
         ),
         Drawing(
             name="grid-scale-protocol",
