@@ -70,6 +70,7 @@ class BlockMeasurement(NumbersJob):
             "element": self.element,
             "depth": self.depth,
             "growth": self.growth,
+            "version": 2,
         }
 
     @property
@@ -133,6 +134,7 @@ class BlockMeasurement(NumbersJob):
             "gap": float((fem.gap.mean() - half.gap.mean()) / whole.rms_height),
             "residual": fem.residuals.worst,
             "seconds": fem.cost.wall_seconds,
+            "peak_bytes": fem.cost.peak_bytes,
             "seconds_bem": half.cost.wall_seconds,
             "unknowns": fem.cost.unknowns,
         }
