@@ -300,7 +300,7 @@ def accuracy_cost(
         axes.axhspan(min(floor, 100 * float(error.min())) / 3, floor, color="black", alpha=0.1, lw=0)
         axes.set_xscale("log")
         axes.set_yscale("log")
-    panels[0].set_xlabel("wall time for one surface [s]")
+    panels[0].set_xlabel("processor time for one surface [s]")
     panels[1].set_xlabel("memory of the largest solve [MiB]")
     panels[0].set_ylabel("rms error of the contact area [%]")
     handles, names = panels[0].get_legend_handles_labels()
@@ -312,7 +312,7 @@ def cost_against_points(dataset: xr.Dataset, lines: Mapping[str, tuple[float, fl
     """Seconds, transforms and memory against N, with the powers fitted to them (coefficient, exponent)."""
     figure, panels = new_figure(width=9.5, columns=3, height=3.4)
     labels = {
-        "seconds": ("wall time [s]", 1.0),
+        "seconds": ("processor time [s]", 1.0),
         "fft_pairs": ("pairs of transforms", 1.0),
         "peak_bytes": ("memory [MiB]", 2.0**20),
     }

@@ -77,9 +77,9 @@ def main(arguments: list[str]) -> dict[str, Any]:
     solve(np.ascontiguousarray(heights[::4, ::4]), float(pressure), 1e-3)
     before = _peak_bytes()
     for tolerance in _TOLERANCES:
-        clock = time.perf_counter()
+        clock = time.process_time()
         found = float(np.mean(solve(heights.copy(), float(pressure), tolerance) > 0))
-        seconds = time.perf_counter() - clock
+        seconds = time.process_time() - clock
         error = abs(found - float(pixel))
         if error <= float(allowed):
             break

@@ -55,7 +55,7 @@ def run(
     scene : Scene, optional
         Gives the solid.
     bench : Bench, optional
-        Where and how the cases run. Times mean something only if nothing else runs: use one worker.
+        Where and how the cases run. Times are of the processor; use one worker all the same.
     reduced_pressure : float
         p*.
     hurst, size, ratio : float
@@ -81,7 +81,7 @@ def run(
 
     Notes
     -----
-    All run on one thread. Memory is that of the arrays of a solve; of a peer, by how much its process grew. A peer's
+    All run on one thread; seconds are of its processor, which other work on the machine disturbs least. Memory is that of the arrays of a solve; of a peer, by how much its process grew. A peer's
     solver is stopped as soon as the area it counts is within a tenth of its grid error of the converged count: equal
     error, not equal residual.
     """
@@ -365,6 +365,6 @@ def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
             name="accuracy-cost",
             figure=plots_studies.accuracy_cost(dataset, root_mean_square(dataset), fronts),
             data=dataset[["error", "seconds", "peak_bytes"]],
-            caption="Root mean square error of the contact area over the surfaces against the wall time of one surface on one thread (left) and against the memory of the arrays of its largest solve (right; of other codes, by how much their process grew), for every method, grid and definition of the area; the lines join the ways that no other beats; grey, the error of the reference.",
+            caption="Root mean square error of the contact area over the surfaces against the processor time of one surface on one thread (left) and against the memory of the arrays of its largest solve (right; of other codes, by how much their process grew), for every method, grid and definition of the area; the lines join the ways that no other beats; grey, the error of the reference.",
         ),
     )

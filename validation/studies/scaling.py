@@ -93,7 +93,7 @@ class SolveCost(NumbersJob):
         result = bem.solve(field, response, mean_pressure=pressure, threads=1).checked()
         areas = contact_areas(result, subcell=True)
         data = {
-            "seconds": result.cost.wall_seconds,
+            "seconds": result.cost.cpu_seconds,
             "fft_pairs": result.cost.fft_pairs,
             "peak_bytes": result.cost.peak_bytes,
             "area": np.nan if areas.subcell is None else areas.subcell,
@@ -285,6 +285,6 @@ def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
             name="cost-against-points",
             figure=plots_studies.cost_against_points(dataset, lines),
             data=dataset[list(_COSTS)],
-            caption="Wall time on one thread, pairs of transforms, and memory of a cold solve against the number of grid points, for surfaces whose bandwidth grows with the grid; lines: fitted powers of N.",
+            caption="Processor time on one thread, pairs of transforms, and memory of a cold solve against the number of grid points, for surfaces whose bandwidth grows with the grid; lines: fitted powers of N.",
         ),
     )
