@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from fem_contact.area import Limit
     from validation.comparison import Comparison, Row
 
-__all__ = ["findings"]
+__all__ = ["findings", "percent", "with_error"]
 
 
 def findings(comparison: Comparison) -> tuple[str, ...]:
@@ -42,6 +42,16 @@ def percent(value: float) -> str:
     return f"{100 * value:.{decimals}f} %"
 
 
+def with_error(value: float, error: float) -> str:
+    """Return a number and its error, both with as many decimals as show the error; five at least.
+
+    >>> with_error(0.1238876, 0.0000016), with_error(0.12, 0.03), with_error(1.0, 0.0)
+    ('0.123888 +- 0.000002', '0.12000 +- 0.03000', '1.00000 +- 0.00000')
+    """
+    decimals = 5 if error <= 0 else min(max(5, -int(np.floor(np.log10(error)))), 9)
+    return f"{value:.{decimals}f} +- {error:.{decimals}f}"
+
+
 def _side(difference: float, above: str = "above", below: str = "below") -> str:
     return f"{percent(abs(difference))} {above if difference > 0 else below}"
 
@@ -59,7 +69,7 @@ def _limit(c: Comparison) -> list[str]:
     if c.limit.value >= 1 - 1e-12:
         return ["Contact is complete: A/A0 = 1 on the resolved grids, and refinement changes nothing."]
     return [
-        f"In the limit of vanishing grid spacing A/A0 = {c.limit.value:.5f} +- {c.limit.uncertainty:.5f} "
+        f"In the limit of vanishing grid spacing A/A0 = {with_error(c.limit.value, c.limit.uncertainty)} "
         f"for this surface ({_how(c.limit)}, {c.limit.grids} solves; one standard error, grid only), "
         f"that is kappa = {c.limit.value / c.reduced_pressure:.3f} at p* = {c.reduced_pressure:.4g}."
     ]

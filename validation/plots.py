@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from validation.figure_data import NEAR_ZERO
+from validation.findings import with_error
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -159,7 +160,10 @@ def area_figure(comparison: Comparison) -> Figure:
     limit, theory = comparison.limit, comparison.theory
     if limit is not None:
         axes.axhline(
-            limit.value, color="black", lw=1, label=f"limit {limit.value:.4f} $\\pm$ {limit.uncertainty:.4f}"
+            limit.value,
+            color="black",
+            lw=1,
+            label=f"limit {with_error(limit.value, limit.uncertainty)}".replace("+-", r"$\pm$"),
         )
         axes.axhspan(
             limit.value - limit.uncertainty, limit.value + limit.uncertainty, color="black", alpha=0.12, lw=0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -279,25 +280,78 @@ def block_depth(dataset: xr.Dataset) -> Figure:
     return figure
 
 
-def accuracy_cost(dataset: xr.Dataset, error: NDArray[np.float64], front: Sequence[int]) -> Figure:
-    """Error against seconds for every way, with the Pareto front."""
-    figure, (axes,) = new_figure(height=4.8)
+def accuracy_cost(
+    dataset: xr.Dataset, error: NDArray[np.float64], fronts: Mapping[str, Sequence[int]]
+) -> Figure:
+    """Error against seconds and against memory for every way, each with its Pareto front."""
+    figure, panels = new_figure(width=9.5, columns=2, height=5.6)
     groups: dict[str, list[int]] = {}
     for k, label in enumerate(dataset.label.values.tolist()):
-        groups.setdefault(
-            label.split(",")[0] + (", 4 shifts" if label.endswith("shifts") else ""), []
-        ).append(k)
-    for g, (name, ways) in enumerate(groups.items()):
-        shape = {**_plain(g % 8), "mfc": "white" if g >= 8 else COLOURS[g % 8]}
-        axes.plot(dataset.seconds[ways], 100 * error[ways], ls="", label=name, **shape)
-    axes.plot(
-        dataset.seconds[list(front)], 100 * error[list(front)], color="black", lw=0.8, label="Pareto front"
-    )
+        name = label.split(",")[0] + (", 4 shifts" if label.endswith("shifts") else "")
+        groups.setdefault(name, []).append(k)
     floor = 100 * float(np.sqrt((dataset.reference_error**2).mean()))
-    axes.axhspan(min(floor, 100 * float(error.min())) / 3, floor, color="black", alpha=0.1, lw=0)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.set_xlabel("wall time for one surface [s]")
-    axes.set_ylabel("rms error of the contact area [%]")
-    axes.legend(fontsize=7, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.14))
+    for axes, (cost, unit) in zip(panels, (("seconds", 1.0), ("peak_bytes", 2.0**20)), strict=True):
+        price = dataset[cost].values / unit
+        for g, (name, ways) in enumerate(groups.items()):
+            look = {**_plain(g % 8), "mfc": "white" if g >= 8 else COLOURS[g % 8]}
+            axes.plot(price[ways], 100 * error[ways], ls="", label=name, **look)
+        best = list(fronts[cost])
+        axes.plot(price[best], 100 * error[best], color="black", lw=0.8, label="Pareto front")
+        axes.axhspan(min(floor, 100 * float(error.min())) / 3, floor, color="black", alpha=0.1, lw=0)
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+    panels[0].set_xlabel("processor time for one surface [s]")
+    panels[1].set_xlabel("memory of the largest solve [MiB]")
+    panels[0].set_ylabel("rms error of the contact area [%]")
+    handles, names = panels[0].get_legend_handles_labels()
+    figure.legend(handles, names, fontsize=7, ncols=5, loc="outside lower center")
+    return figure
+
+
+def cost_against_points(dataset: xr.Dataset, lines: Mapping[str, tuple[float, float]]) -> Figure:
+    """Seconds, transforms and memory against N, with the powers fitted to them (coefficient, exponent)."""
+    figure, panels = new_figure(width=9.5, columns=3, height=3.4)
+    labels = {
+        "seconds": ("processor time [s]", 1.0),
+        "fft_pairs": ("pairs of transforms", 1.0),
+        "peak_bytes": ("memory [MiB]", 2.0**20),
+    }
+    number = dataset.points.values**2.0
+    for k, (axes, (name, (label, unit))) in enumerate(zip(panels, labels.items(), strict=True)):
+        for column in dataset[name].values.T:
+            axes.plot(number, column / unit, ls="", **_plain(k))
+        coefficient, exponent = lines[name]
+        axes.plot(
+            number,
+            coefficient * number**exponent / unit,
+            color="black",
+            lw=0.8,
+            label=f"$N^{{{exponent:.2f}}}$",
+        )
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        axes.set_xlabel("grid points N")
+        axes.set_ylabel(label)
+        axes.legend(fontsize=8)
+    return figure
+
+
+def multilevel(dataset: xr.Dataset, mean: float) -> Figure:
+    """Scatter of the levels against their resolution, and their cost and number of surfaces."""
+    figure, (left, right) = new_figure(width=9.0, columns=2, height=3.6)
+    level = np.arange(dataset.sizes["level"])
+    grids = [f"{n:g}" for n in dataset.points_per_wave.values]
+    names = [grids[0], *(f"{b} - {a}" for a, b in itertools.pairwise(grids))]
+    left.plot(level, 100 * np.sqrt(dataset.variance.values) / mean, label="term of the sum", **_plain(0))
+    alone = 100 * float(np.sqrt(dataset.attrs["finest_variance"])) / mean
+    left.axhline(alone, color="black", lw=0.8, label="area on the finest grid")
+    left.set_ylabel("scatter between surfaces [%]")
+    right.plot(level, dataset.cost.values, label="seconds for one surface", **_plain(1))
+    right.plot(level, dataset.surfaces.values, label="surfaces", **_plain(2))
+    right.set_ylabel("seconds; surfaces")
+    for axes in (left, right):
+        axes.set_yscale("log")
+        axes.set_xticks(level, names)
+        axes.set_xlabel("points per shortest wave")
+        axes.legend(fontsize=8)
     return figure

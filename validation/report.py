@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from validation.drawing import Drawing, Written, write_drawings
 from validation.files import atomic_path
+from validation.findings import with_error
 from validation.jobs import Job, block_file, jobs_of
 from validation.papers import papers
 from validation.pictures import Pictures, render_stored
@@ -62,7 +63,7 @@ def _summary_rows(comparison: Comparison) -> list[tuple[str, ...]]:
     if comparison.limit is not None:
         value, error = comparison.limit.value, comparison.limit.uncertainty
         kappa = f"{value / comparison.reduced_pressure:.3f}"
-        rows.append(("limit", "dx -> 0", "", f"{value:.5f} +- {error:.5f}", "", kappa, "0", "", ""))
+        rows.append(("limit", "dx -> 0", "", with_error(value, error), "", kappa, "0", "", ""))
     theory = comparison.theory
     if theory is not None and theory.answers:
         kappa = f"{theory.area / comparison.reduced_pressure:.3f}"

@@ -67,7 +67,7 @@ def test_on_sixty_surfaces_the_intervals_hold_the_truth_as_often_as_they_say():
             held[used] += good
             widths[used].append(width)
     assert all(count >= 0.9 * 60 for count in held.values()), held
-    # Intervals that hold everything say nothing: of all of them together a few must fail.
-    assert sum(held.values()) <= 0.99 * 180, held
+    # Intervals that hold everything say nothing: of those from all grids together one at least must fail.
+    assert held[3, 4, 6, 8, 12, 16] <= 0.99 * 60, held
     assert np.median(widths[(3, 4, 6, 8, 12, 16)]) < 1e-3
     assert np.median(widths[(4, 6, 8)]) < 0.01

@@ -70,6 +70,7 @@ class BlockMeasurement(NumbersJob):
             "element": self.element,
             "depth": self.depth,
             "growth": self.growth,
+            "version": 2,
         }
 
     @property
@@ -132,8 +133,9 @@ class BlockMeasurement(NumbersJob):
             # The mean gap is the offset less C(0) p0 and the mean height: it compares bodies of different depth.
             "gap": float((fem.gap.mean() - half.gap.mean()) / whole.rms_height),
             "residual": fem.residuals.worst,
-            "seconds": fem.cost.wall_seconds,
-            "seconds_bem": half.cost.wall_seconds,
+            "seconds": fem.cost.cpu_seconds,
+            "peak_bytes": fem.cost.peak_bytes,
+            "seconds_bem": half.cost.cpu_seconds,
             "unknowns": fem.cost.unknowns,
         }
         return xr.Dataset({name: ((), float(value)) for name, value in data.items()})

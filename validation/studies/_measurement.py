@@ -41,7 +41,8 @@ QUANTITIES = {
     "mean_gap": ("m", "mean gap"),
     "energy": ("Pa m", "elastic energy per nominal area, mean of p (u - u_mean) / 2"),
     "residual": ("1", "largest contact residual"),
-    "seconds": ("s", "wall time of the solve"),
+    "seconds": ("s", "processor time of the solve, on one thread"),
+    "peak_bytes": ("byte", "largest memory of the arrays of the solve"),
 }
 
 
@@ -100,6 +101,8 @@ class Measurement(NumbersJob):
             "grids": [list(grid) for grid in self.grids],
             "shifts": self.shifts,
             "tolerance": self.tolerance,
+            # What is read off belongs to the result: a stored one that lacks a number is another one.
+            "quantities": sorted(QUANTITIES),
         }
 
     @property
@@ -248,7 +251,8 @@ def _read_off(result: ContactResult) -> dict[str, float]:
         "mean_gap": float(result.gap.mean()),
         "energy": float(0.5 * np.mean(result.pressure * displacement)),
         "residual": result.residuals.worst,
-        "seconds": result.cost.wall_seconds,
+        "seconds": result.cost.cpu_seconds,
+        "peak_bytes": result.cost.peak_bytes,
     }
 
 

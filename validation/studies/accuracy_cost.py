@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,16 +14,23 @@ from validation.drawing import Drawing
 from validation.studies._block import BlockMeasurement
 from validation.studies._common import ResultTable, at_least, base_surface, ladder, measure, solid_of
 from validation.studies._measurement import Measurement, area_limits, grid_for
+from validation.studies._peer_solve import SOLVERS
+from validation.studies._peers import PeerMeasurement, installed_peers
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from validation.jobs import NumbersJob
     from validation.scene import Scene
 
 __all__ = ["figures", "findings", "run", "table"]
 
 _TARGETS = (0.1, 0.03, 0.01, 0.003, 0.001)
 _AREAS = ("pixel", "perimeter", "subcell")
+_ELEMENTS = ("Hex1", "Hex2")
+
+#: Of the solver: its error of the area is a tenth to a half of that, far below all that is to be told apart.
+_TOLERANCE = 1e-5
 
 
 def run(
@@ -36,6 +45,7 @@ def run(
     points_per_wave: tuple[float, ...] = (3.0, 4.0, 6.0, 8.0, 12.0, 16.0),
     held_out: tuple[float, ...] = (16.0, 24.0, 32.0),
     fem_points_per_wave: tuple[float, ...] = (4.0, 8.0, 16.0),
+    peer_points_per_wave: tuple[float, ...] = (4.0, 8.0, 16.0),
     seed: int = 5006,
 ) -> xr.Dataset:
     """Measure error and time of every way to an area, against limits from grids that no way has seen.
@@ -45,7 +55,7 @@ def run(
     scene : Scene, optional
         Gives the solid.
     bench : Bench, optional
-        Where and how the cases run. Times mean something only if nothing else runs: use one worker.
+        Where and how the cases run. Times are of the processor; use one worker all the same.
     reduced_pressure : float
         p*.
     hurst, size, ratio : float
@@ -58,55 +68,89 @@ def run(
         Finer grids whose limit is the reference.
     fem_points_per_wave : tuple of float
         Grids of the finite elements (exact reduction).
+    peer_points_per_wave : tuple of float
+        Grids of tamaas and ContactMechanics, where they are installed; none: they are left out.
     seed : int
         Of the first surface.
 
     Returns
     -------
     xarray.Dataset
-        error (way, surface), relative to the reference of the surface; seconds (way); reference_error; for the limits from
-        three neighbouring grids, claimed (surface): the half width of their 95 % interval, relative.
+        error (way, surface), relative to the reference of the surface; seconds and peak_bytes (way); reference_error; for
+        the limits over all coarse grids, claimed (surface): the half width of their 95 % interval, relative.
+
+    Notes
+    -----
+    All run on one thread; seconds are of its processor, which other work on the machine disturbs least. Memory is that of the arrays of a solve; of a peer, by how much its process grew. A peer's
+    solver is stopped as soon as the area it counts is within a tenth of its grid error of the converged count: equal
+    error, not equal residual.
     """
     import xarray as xr
 
     at_least("surfaces", surfaces, 2)
     points_per_wave, held_out = ladder("points_per_wave", points_per_wave), ladder("held_out", held_out)
     surface, solid = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed), solid_of(scene)
-    ladders = [
-        [
+    common: dict[str, Any] = {"surface": surface, "solid": solid}
+    codes = installed_peers() if peer_points_per_wave else ()
+    jobs: dict[str, list[NumbersJob]] = {
+        "coarse": [
             Measurement(
-                surface=surface,
                 realisation=k,
-                solid=solid,
                 reduced_pressures=(reduced_pressure,),
-                grids=tuple(grid_for(surface, n) for n in grids),
-                shifts=2,
+                grids=tuple(grid_for(surface, n) for n in points_per_wave),
+                tolerance=_TOLERANCE,
+                **common,
             )
             for k in range(surfaces)
-        ]
-        for grids in (points_per_wave, held_out)
+        ],
+        "fine": [
+            Measurement(
+                realisation=k,
+                reduced_pressures=(reduced_pressure,),
+                grids=tuple(grid_for(surface, n) for n in held_out),
+                **common,
+            )
+            for k in range(surfaces)
+        ],
+        "fem": [
+            BlockMeasurement(
+                realisation=k,
+                reduced_pressure=reduced_pressure,
+                points=grid_for(surface, n)[0],
+                element=element,
+                **common,
+            )
+            for element, n, k in itertools.product(_ELEMENTS, fem_points_per_wave, range(surfaces))
+        ],
+        "peers": [
+            PeerMeasurement(
+                code=code,
+                realisation=k,
+                reduced_pressure=reduced_pressure,
+                points=grid_for(surface, n)[0],
+                **common,
+            )
+            for code, n, k in itertools.product(codes, peer_points_per_wave, range(surfaces))
+        ],
+    }
+    results = iter(measure(bench, [job for part in jobs.values() for job in part]))
+    found = {name: list(itertools.islice(results, len(part))) for name, part in jobs.items()}
+    limits = [area_limits(data) for data in found["fine"]]
+    reference = np.array([value[0] for value, _ in limits])
+    uncertainty = np.array([error[0] for _, error in limits]) / reference
+    ways = [
+        *_bem_ways(found["coarse"]),
+        *_single_ways(
+            found["fem"], [f"FEM {e}" for e in _ELEMENTS], fem_points_per_wave, ("pixel", "perimeter")
+        ),
+        *_single_ways(found["peers"], codes, peer_points_per_wave, ("pixel",)),
     ]
-    blocks = [
-        BlockMeasurement(
-            surface=surface,
-            realisation=k,
-            solid=solid,
-            reduced_pressure=reduced_pressure,
-            points=grid_for(surface, n)[0],
-            element=element,
-        )
-        for element, n, k in itertools.product(("Hex1", "Hex2"), fem_points_per_wave, range(surfaces))
-    ]
-    measured = measure(bench, [*ladders[0], *ladders[1], *blocks])
-    coarse, fine, fem = measured[:surfaces], measured[surfaces : 2 * surfaces], measured[2 * surfaces :]
-    reference = np.array([area_limits(data)[0][0] for data in fine])
-    uncertainty = np.array([area_limits(data)[1][0] for data in fine]) / reference
-    ways = [*_bem_ways(coarse), *_fem_ways(fem, fem_points_per_wave, surfaces)]
-    claimed, missed = _claims(coarse, reference)
+    claimed, missed = _claims(found["coarse"], reference)
     return xr.Dataset(
         {
-            "error": (("way", "surface"), np.array([areas / reference - 1 for _, areas, _ in ways])),
-            "seconds": ("way", np.array([seconds for *_, seconds in ways]), {"units": "s"}),
+            "error": (("way", "surface"), np.array([way.areas / reference - 1 for way in ways])),
+            "seconds": ("way", np.array([way.seconds for way in ways]), {"units": "s"}),
+            "peak_bytes": ("way", np.array([way.peak_bytes for way in ways]), {"units": "byte"}),
             "reference_error": (
                 "surface",
                 uncertainty,
@@ -123,42 +167,75 @@ def run(
                 {"long_name": "distance of the claimed limit from the reference, relative"},
             ),
         },
-        coords={"label": ("way", [label for label, *_ in ways])},
+        coords={"label": ("way", [way.label for way in ways])},
         attrs={
             "study": "accuracy-cost",
             "reduced_pressure": reduced_pressure,
+            "peers": " ".join(codes),
+            "absent": " ".join(name for name in SOLVERS if name not in codes),
             "methods": "bem fem perimeter",
         },
     )
 
 
-def _bem_ways(measured: list[xr.Dataset]) -> list[tuple[str, np.ndarray, float]]:
-    """List (label, area of each surface, mean seconds): single grids, shifts averaged, and limits over three grids."""
+@dataclass(frozen=True, kw_only=True)
+class _Way:
+    """A way to an area: the areas of all surfaces, and what one surface costs on average."""
+
+    label: str
+    areas: np.ndarray
+    seconds: float
+    peak_bytes: float
+
+
+def _bem_ways(measured: list[xr.Dataset]) -> list[_Way]:
+    """List single grids, shifts averaged, limits over two grids, and over three with shifts."""
     ways = []
     per_wave = measured[0].points_per_wave.values
     for i, name in itertools.product(range(per_wave.size), _AREAS):
         values = np.array([d[name][i, :, 0].values for d in measured])
         seconds = float(np.mean([d.seconds[i, :, 0].values for d in measured]))
-        ways.append((f"BEM {name}, {per_wave[i]:g} per wave", values[:, 0], seconds))
-        ways.append((f"BEM {name}, {per_wave[i]:g} per wave, 4 shifts", values.mean(axis=1), 4 * seconds))
-    for i in range(per_wave.size - 2):
-        parts = [d.isel(grid=slice(i, i + 3)) for d in measured]
-        areas = np.array([area_limits(part)[0][0] for part in parts])
-        seconds = float(np.mean([part.seconds.sum() for part in parts]))
-        ways.append((f"BEM limit, {per_wave[i]:g} to {per_wave[i + 2]:g} per wave, 4 shifts", areas, seconds))
+        size = float(np.max([d.peak_bytes[i, :, 0].values for d in measured]))
+        label = f"BEM {name}, {per_wave[i]:g} per wave"
+        ways.append(_Way(label=label, areas=values[:, 0], seconds=seconds, peak_bytes=size))
+        ways.append(
+            _Way(label=f"{label}, 4 shifts", areas=values.mean(axis=1), seconds=4 * seconds, peak_bytes=size)
+        )
+    for count, shifts in ((2, 1), (3, 4)):
+        for i in range(per_wave.size - count + 1):
+            parts = [d.isel(grid=slice(i, i + count), shift=slice(shifts)) for d in measured]
+            words = f"BEM limit, {per_wave[i]:g} to {per_wave[i + count - 1]:g} per wave"
+            ways.append(
+                _Way(
+                    label=words + (", 4 shifts" if shifts == 4 else ""),
+                    areas=np.array([area_limits(part)[0][0] for part in parts]),
+                    seconds=float(np.mean([part.seconds.sum() for part in parts])),
+                    peak_bytes=float(np.max([part.peak_bytes for part in parts])),
+                )
+            )
     return ways
 
 
-def _fem_ways(
-    measured: list[xr.Dataset], per_wave: tuple[float, ...], surfaces: int
-) -> list[tuple[str, np.ndarray, float]]:
-    ways = []
-    for k, (element, n) in enumerate(itertools.product(("Hex1", "Hex2"), per_wave)):
+def _single_ways(
+    measured: list[xr.Dataset],
+    names: Sequence[str],
+    per_wave: tuple[float, ...],
+    areas: tuple[str, ...],
+) -> list[_Way]:
+    """List single grids of other methods, whose results come by name, grid and surface."""
+    ways: list[_Way] = []
+    surfaces = len(measured) // max(len(names) * len(per_wave), 1)
+    for k, (name, n) in enumerate(itertools.product(names, per_wave)):
         part = measured[k * surfaces : (k + 1) * surfaces]
-        seconds = float(np.mean([float(d.seconds) for d in part]))
-        for name in ("pixel", "perimeter"):
-            areas = np.array([float(d[name]) for d in part])
-            ways.append((f"FEM {element} {name}, {n:g} per wave", areas, seconds))
+        ways.extend(
+            _Way(
+                label=f"{name} {area}, {n:g} per wave",
+                areas=np.array([float(d[area]) for d in part]),
+                seconds=float(np.mean([float(d.seconds) for d in part])),
+                peak_bytes=float(np.max([float(d.peak_bytes) for d in part])),
+            )
+            for area in areas
+        )
     return ways
 
 
@@ -177,11 +254,11 @@ def root_mean_square(dataset: xr.Dataset) -> np.ndarray:
     return np.asarray(np.sqrt((dataset.error**2).mean("surface")).values)
 
 
-def front(dataset: xr.Dataset) -> list[int]:
-    """Return the ways no other beats in both time and error, cheapest first."""
-    error, seconds = root_mean_square(dataset), dataset.seconds.values
+def front(dataset: xr.Dataset, cost: str = "seconds") -> list[int]:
+    """Return the ways no other beats in both error and cost ("seconds" or "peak_bytes"), cheapest first."""
+    error, price = root_mean_square(dataset), dataset[cost].values
     best, kept = np.inf, []
-    for k in np.argsort(seconds):
+    for k in np.lexsort((error, price)):
         if error[k] < best:
             best = error[k]
             kept.append(int(k))
@@ -195,33 +272,45 @@ def coverage(dataset: xr.Dataset) -> tuple[int, int]:
 
 
 def table(dataset: xr.Dataset) -> ResultTable:
-    """Return the cheapest way to each accuracy; below the error of the reference it is not determinable."""
-    error, seconds = root_mean_square(dataset), dataset.seconds.values
+    """Return the fastest and the leanest way to each accuracy; below the error of the reference it is not determinable."""
+    error = root_mean_square(dataset)
+    seconds, size = dataset.seconds.values, dataset.peak_bytes.values / 2**20
     floor = float(np.sqrt((dataset.reference_error**2).mean()))
     rows: list[tuple[float | str, ...]] = []
     for target in _TARGETS:
         good = np.flatnonzero(error <= target)
         if target < 2 * floor:
-            words: tuple[float | str, ...] = (
-                f"not determinable: the reference is known to {100 * floor:.2g} %",
-                "",
-                "",
-            )
+            words = f"not determinable: the reference is known to {100 * floor:.2g} %"
+            rows.append((f"{100 * target:g} %", words, *[""] * 6))
         elif not good.size:
-            words = ("none of the ways tried", "", "")
+            rows.append((f"{100 * target:g} %", "none of the ways tried", *[""] * 6))
         else:
-            best = int(good[np.argmin(seconds[good])])
-            words = (str(dataset.label.values[best]), 100 * float(error[best]), float(seconds[best]))
-        rows.append((f"{100 * target:g} %", *words))
-    return ResultTable.of(("accuracy of A/A0", "cheapest way", "rms error [%]", "seconds"), rows)
+            fast, lean = (
+                int(good[np.lexsort((other[good], price[good]))[0]])
+                for price, other in ((seconds, size), (size, seconds))
+            )
+            cells: list[float | str] = [f"{100 * target:g} %"]
+            cells += [
+                str(dataset.label.values[fast]),
+                100 * float(error[fast]),
+                float(seconds[fast]),
+                float(size[fast]),
+            ]
+            cells += [str(dataset.label.values[lean]), float(size[lean]), float(seconds[lean])]
+            rows.append(tuple(cells))
+    columns = ("accuracy of A/A0", "cheapest way", "rms error [%]", "seconds", "MiB")
+    return ResultTable.of((*columns, "leanest way", "its MiB", "its seconds"), rows)
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:
-    """Return what a digit costs and whether the claimed intervals hold."""
+    """Return what a digit costs, whether the claimed intervals hold, and what peers need for the same error."""
     sentences = []
     for row in table(dataset).rows:
         if isinstance(row[3], float):
-            sentences.append(f"{row[0]} costs {row[3]:.2g} s: {row[1]} (rms error {row[2]:.2g} %).")
+            sentences.append(
+                f"{row[0]} costs {row[3]:.2g} s and {row[4]:.2g} MiB: {row[1]} (rms error {row[2]:.2g} %); with least memory "
+                f"{row[6]:.2g} MiB and {row[7]:.2g} s: {row[5]}."
+            )
         else:
             sentences.append(f"{row[0]}: {row[1]}.")
     held, total = coverage(dataset)
@@ -229,18 +318,53 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
         f"The claimed 95 % intervals of the limits over the coarse grids hold the reference on {held} of {total} surfaces "
         f"({100 * held / total:.0f} %); they are {100 * float(dataset.claimed.mean()):.2g} % wide to either side on average."
     )
+    sentences.extend(_against_peer(dataset, code) for code in dataset.attrs["peers"].split())
+    absent = dataset.attrs["absent"].split()
+    if absent:
+        sentences.append(
+            f"Not compared, because not installed (extra `peers`) or not asked for: {', '.join(absent)}."
+        )
     return tuple(sentences)
 
 
+def _against_peer(dataset: xr.Dataset, code: str) -> str:
+    """Say what the most accurate solve of a peer costs, and what the same error costs here."""
+    error, labels = root_mean_square(dataset), dataset.label.values.tolist()
+    theirs = min((k for k, label in enumerate(labels) if label.startswith(code)), key=lambda k: error[k])
+    ours = [k for k, label in enumerate(labels) if label.startswith("BEM") and error[k] <= error[theirs]]
+    said = (
+        f"{code}: {labels[theirs].removeprefix(code + ' ')} is off by {100 * error[theirs]:.2g} % after "
+        f"{float(dataset.seconds[theirs]):.2g} s with {float(dataset.peak_bytes[theirs]) / 2**20:.2g} MiB"
+    )
+    if not ours:
+        return said + "; none of the ways here is as good."
+    best = min(ours, key=lambda k: float(dataset.seconds[k]))
+    factor = float(dataset.seconds[theirs] / dataset.seconds[best])
+    counted = labels[theirs].replace(code, "BEM")
+    plain = ""
+    if counted in labels:
+        same = float(dataset.seconds[theirs] / dataset.seconds[labels.index(counted)])
+        plain = f"; counted on the same grid, {_times(same)}"
+    return (
+        f"{said}; here that error costs {float(dataset.seconds[best]):.2g} s with "
+        f"{float(dataset.peak_bytes[best]) / 2**20:.2g} MiB ({labels[best]}): {_times(factor)} time{plain}."
+    )
+
+
+def _times(factor: float) -> str:
+    return f"{factor:.2g} times less" if factor >= 1 else f"{1 / factor:.2g} times more"
+
+
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
-    """Draw error against time."""
+    """Draw error against time and against memory."""
     from validation import plots_studies
 
+    fronts = {cost: front(dataset, cost) for cost in ("seconds", "peak_bytes")}
     return (
         Drawing(
             name="accuracy-cost",
-            figure=plots_studies.accuracy_cost(dataset, root_mean_square(dataset), front(dataset)),
-            data=dataset[["error", "seconds"]],
-            caption="Root mean square error of the contact area over the surfaces against the wall time of one surface, for every method, grid and definition of the area; the line joins the ways that no other beats; grey, the error of the reference.",
+            figure=plots_studies.accuracy_cost(dataset, root_mean_square(dataset), fronts),
+            data=dataset[["error", "seconds", "peak_bytes"]],
+            caption="Root mean square error of the contact area over the surfaces against the processor time of one surface on one thread (left) and against the memory of the arrays of its largest solve (right; of other codes, by how much their process grew), for every method, grid and definition of the area; the lines join the ways that no other beats; grey, the error of the reference.",
         ),
     )

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem_contact.area import EDGE_CONSTANTS, contact_areas, limit_area
+from fem_contact.area import contact_areas
+from fem_contact.extrapolation import located_limit
 from persson import elastic
 from validation.bench import Bench
 from validation.jobs import Job
@@ -109,7 +110,7 @@ def run(
                 and job.load.reduced_pressure == pressure
             ]
             results = [solved[job] for job in own]
-            limit = limit_area([contact_areas(r, edge_constant=EDGE_CONSTANTS["bem"]) for r in results])
+            limit = located_limit([contact_areas(r, subcell=True) for r in results])
             area[i, j], error[i, j] = limit.value, limit.uncertainty
             modulus = results[0].contact_modulus
             moment = reference_field(own[0].surface).moments[1]

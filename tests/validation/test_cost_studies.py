@@ -1,0 +1,247 @@
+"""What accuracy costs: peers, memory, scaling with the grid, levels of grids."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from fem_contact import bem
+from fem_contact.response import HalfSpace
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+from validation.bench import Bench
+from validation.errors import RunFailed, UsageError
+from validation.scene import SolidSpec
+from validation.studies import _peer_solve, _peers, accuracy_cost, multilevel, scaling
+from validation.studies._common import base_surface
+from validation.studies.multilevel import Level, allocation, saving
+
+SMALL = {"size": 2.0, "ratio": 2.0}
+SOLID = SolidSpec(young=3e8, poisson=0.25)
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory) -> Bench:
+    return Bench.at(tmp_path_factory.mktemp("solves"))
+
+
+@pytest.fixture(scope="module")
+def costs(bench):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(accuracy_cost, "installed_peers", tuple)
+        return accuracy_cost.run(
+            bench=bench,
+            surfaces=2,
+            points_per_wave=(3.0, 4.0, 6.0),
+            held_out=(8.0, 12.0, 16.0),
+            fem_points_per_wave=(4.0,),
+            seed=5106,
+            **SMALL,
+        )
+
+
+def test_every_way_has_a_time_a_memory_and_an_error(costs):
+    assert np.all(costs.seconds > 0)
+    assert np.all(costs.peak_bytes > 0)
+    assert np.all(np.isfinite(costs.error))
+    labels = costs.label.values.tolist()
+    coarse, fine = (labels.index(f"BEM pixel, {n} per wave") for n in (3, 6))
+    assert costs.peak_bytes[fine] > 3 * costs.peak_bytes[coarse]
+    assert abs(costs.error[fine]).max() < abs(costs.error[coarse]).max()
+
+
+def test_a_front_in_time_and_one_in_memory_hold_no_beaten_way(costs):
+    error = accuracy_cost.root_mean_square(costs)
+    for cost in ("seconds", "peak_bytes"):
+        front = accuracy_cost.front(costs, cost)
+        price = costs[cost].values
+        assert list(error[front]) == sorted(error[front], reverse=True)
+        for k in front:
+            assert not np.any((error < error[k]) & (price <= price[k]))
+
+
+def test_the_table_names_the_fastest_and_the_leanest_way(costs):
+    loose = accuracy_cost.table(costs).rows[0]
+    good = accuracy_cost.root_mean_square(costs) <= 0.1
+    assert loose[3] == pytest.approx(float(costs.seconds.values[good].min()))
+    assert loose[6] == pytest.approx(float(costs.peak_bytes.values[good].min()) / 2**20)
+    unknown = costs.assign(reference_error=costs.reference_error * 0 + 0.02)
+    assert "not determinable" in str(accuracy_cost.table(unknown).rows[-1][1])
+
+
+def test_peers_that_are_not_installed_are_left_out_with_a_word(costs):
+    assert "Not compared, because not installed" in accuracy_cost.findings(costs)[-1]
+    assert "tamaas, ContactMechanics" in accuracy_cost.findings(costs)[-1]
+
+
+def test_a_peer_is_held_against_the_cheapest_way_to_its_own_error(costs):
+    labels = costs.label.values.tolist()
+    count = costs.isel(way=[labels.index("BEM pixel, 6 per wave")])
+    theirs = count.assign_coords(label=("way", ["tamaas pixel, 6 per wave"])).assign(
+        seconds=count.seconds * 0 + 9.0
+    )
+    both = xr.concat([costs, theirs], dim="way", data_vars="minimal").assign_attrs(peers="tamaas", absent="")
+    text = accuracy_cost.findings(both)[-1]
+    assert text.startswith("tamaas: pixel, 6 per wave is off by ")
+    assert "after 9 s" in text
+    same = 9.0 / float(costs.seconds[labels.index("BEM pixel, 6 per wave")])
+    assert f"counted on the same grid, {same:.2g} times less" in text
+    assert accuracy_cost.figures(both)[0].name == "accuracy-cost"
+
+
+def ours(heights: np.ndarray, mean_pressure: float, tolerance: float) -> np.ndarray:
+    surface = HeightField(heights=heights, lengths=(1.0, 1.0))
+    half_space = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
+    return bem.solve(
+        surface, half_space, mean_pressure=mean_pressure, tolerance=tolerance, threads=1
+    ).pressure
+
+
+def test_a_peer_is_solved_no_further_than_its_grid_deserves(tmp_path, monkeypatch):
+    field = _peers.height_field(base_surface(hurst=0.8, seed=4177, size=2.0, ratio=4.0), (64, 64))
+    heights = field.heights / (field.rms_gradient * field.lengths[0])
+    np.save(tmp_path / "h.npy", heights)
+    asked: list[float] = []
+
+    def solve(heights: np.ndarray, pressure: float, tolerance: float) -> np.ndarray:
+        asked.append(tolerance)
+        return ours(heights, pressure, tolerance)
+
+    monkeypatch.setitem(_peer_solve.SOLVERS, "tamaas", solve)
+    pixel = float(np.mean(ours(heights, 0.05, 1e-9) > 0))
+    loose, exact = (
+        _peer_solve.main(["tamaas", str(tmp_path / "h.npy"), "0.05", repr(pixel), repr(allowed)])
+        for allowed in (0.5, 0.0)
+    )
+    assert loose["tolerance"] == 1e-2
+    assert loose["tolerance"] > exact["tolerance"] == asked[-1]
+    assert (exact["pixel"], exact["solver_error"]) == (pixel, 0.0)
+    assert loose["seconds"] > 0
+
+
+def test_a_peer_that_fails_is_a_sentence(monkeypatch):
+    job = _peers.PeerMeasurement(
+        code="no-such-code",
+        surface=base_surface(hurst=0.8, seed=4177, **SMALL),
+        solid=SOLID,
+        reduced_pressure=0.1,
+        points=16,
+    )
+    with pytest.raises(RunFailed, match="no-such-code 16x16, surface 1: KeyError"):
+        job.measure()
+
+
+@pytest.mark.parametrize("code", _peer_solve.SOLVERS)
+def test_an_installed_peer_counts_the_area_that_is_counted_here(code):
+    pytest.importorskip(code)
+    job = _peers.PeerMeasurement(
+        code=code,
+        surface=base_surface(hurst=0.8, seed=4178, size=2.0, ratio=4.0),
+        solid=SOLID,
+        reduced_pressure=0.1,
+        points=64,
+    )
+    found = job.measure()
+    assert float(found.solver_error) < 0.1 * 0.103 * float(found.pixel) * 2
+    assert float(found.seconds) > 0
+
+
+def test_scaling_finds_the_power_a_cost_follows():
+    points = np.array([256, 512, 1024, 2048])
+    number = np.repeat(points[:, None] ** 2.0, 2, axis=1)
+    noise = np.array([1.01, 0.99])
+    data = xr.Dataset(
+        {
+            "seconds": (("points", "surface"), 2e-6 * number**1.1 * noise),
+            "fft_pairs": (("points", "surface"), 20 * number**0.05 * noise),
+            "peak_bytes": (("points", "surface"), 64 * number),
+            "area": (("points", "surface"), 0.1 + 0 * number),
+        },
+        coords={"points": points, "bandwidth": ("points", points / 32)},
+        attrs={"memory": 2**34, "points_per_wave": 8.0, "size": 4.0},
+    )
+    law = scaling.power_law(data, "seconds")
+    assert law.exponent == pytest.approx(1.1, abs=1e-9)
+    # Noise of 1 % over 12 e-folds of N, five degrees of freedom.
+    assert 0 < law.half_width < 0.02
+    assert law.points(2e-6 * 1e8**1.1) == pytest.approx(1e8, rel=1e-2)
+    text = " ".join(scaling.findings(data))
+    assert "a factor of 158" in text
+    assert "the time measured is more than linear" in text
+    # 16 GiB at 64 bytes are 2^28 points; an hour is 2.5e8 of them.
+    assert "16 GiB and an hour on one thread allow 1.6e+04 x 1.6e+04 points" in text
+    slower = data.assign(seconds=data.seconds * 100)
+    assert "(an hour ends first)" in " ".join(scaling.findings(slower))
+
+
+def test_scaling_measures_solves_whose_bandwidth_grows_with_the_grid(bench):
+    data = scaling.run(bench=bench, points=(24, 32, 48), points_per_wave=4.0, size=2.0, surfaces=2, seed=1306)
+    assert data.bandwidth.values.tolist() == [3.0, 4.0, 6.0]
+    assert np.all(np.diff(data.peak_bytes.mean("surface")) > 0)
+    assert np.all(data.fft_pairs > 0)
+    assert scaling.table(data).rows[0][0] == "24 x 24"
+    assert scaling.figures(data)[0].name == "cost-against-points"
+
+
+@pytest.mark.parametrize("points", [(64, 128), (128, 64, 256), (8, 16, 32)])
+def test_scaling_refuses_grids_it_cannot_fit(points):
+    with pytest.raises(UsageError, match="--points = "):
+        scaling.run(points=points)
+
+
+def test_levels_are_solved_as_often_as_is_cheapest():
+    levels = [Level(variance=1.0, cost=1.0), Level(variance=1e-2, cost=5.0), Level(variance=1e-4, cost=20.0)]
+    error = 0.01
+    counts = allocation(levels, error)
+    spent = sum(n * level.cost for n, level in zip(counts, levels, strict=True))
+    variance = sum(level.variance / n for n, level in zip(counts, levels, strict=True))
+    assert variance <= error**2
+    # No other allocation of that variance is cheaper; whole numbers cost at most one surface of each level.
+    for other in ((1.2, 1.0, 1.0), (1.0, 1.5, 1.0), (0.9, 1.0, 3.0), (1.0, 0.8, 0.8)):
+        changed = [n * f for n, f in zip(counts, other, strict=True)]
+        price = sum(n * level.cost for n, level in zip(changed, levels, strict=True))
+        scatter = sum(level.variance / n for n, level in zip(changed, levels, strict=True))
+        assert price * scatter >= (spent - 26) * error**2
+    # Plain: 1e4 surfaces of cost 16.
+    assert saving(levels, variance=1.0, cost=16.0) == pytest.approx(16e4 / spent, rel=0.01)
+
+
+def test_equal_numbers_of_the_same_surfaces_would_give_the_mean_on_the_finest_grid(bench, monkeypatch):
+    """The sum of the levels telescopes: on one set of surfaces nothing of the coarse grids is left."""
+    monkeypatch.setattr(multilevel, "_APART", 0)
+    data = multilevel.run(
+        bench=bench, points_per_wave=(4.0, 6.0, 8.0), error=0.5, pilot=4, seed=1707, **SMALL
+    )
+    assert data.surfaces.values.tolist() == [4, 4, 4]
+    finest = multilevel.Measurement(
+        surface=base_surface(hurst=0.8, seed=1707, **SMALL),
+        solid=SolidSpec(young=1e9, poisson=0.3),
+        reduced_pressures=(0.05,),
+        grids=((24, 24), (32, 32)),
+        shifts=1,
+    )
+    jobs = [dataclasses.replace(finest, realisation=k) for k in range(4)]
+    solved = bench.solve(jobs)
+    mean = np.mean([float(solved[job].subcell[-1, 0, 0]) for job in jobs])
+    # Rounding of the sums.
+    assert multilevel.estimate(data)[0] == pytest.approx(mean, rel=1e-12)
+    assert json.loads(json.dumps(data.attrs))["area"] == "subcell"
+
+
+def test_levels_say_whether_they_were_worth_it(bench):
+    data = multilevel.run(bench=bench, points_per_wave=(4.0, 8.0), error=0.05, pilot=4, seed=1708, **SMALL)
+    mean, error = multilevel.estimate(data)
+    assert 0 < error < 0.06 * mean
+    assert multilevel.table(data).rows[-1][0] == "plain, finest grid"
+    cheap = data.assign(mean=("level", [mean, 0.0])).assign_attrs(finest_cost=1e-9)
+    cheap = cheap.assign(cost=cheap.cost * [1e-3, 1.0])
+    assert "At this error they are not worth it." in multilevel.findings(cheap)[-1]
+    biased = data.assign(mean=("level", [0.5 * mean, 0.5 * mean]))
+    assert "the levels are worth it" in multilevel.findings(biased)[-1]
+    assert multilevel.figures(data)[0].name == "multilevel"
+    with pytest.raises(UsageError, match="--area = 'voxel'"):
+        multilevel.run(area="voxel")

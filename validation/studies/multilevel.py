@@ -1,0 +1,312 @@
+"""Is the mean area over surfaces cheaper from many coarse grids and few fine ones?
+
+Multilevel Monte Carlo: the mean on the finest grid is the mean on the coarsest plus the mean differences between
+neighbouring grids, each from surfaces of its own, the two grids of a difference sharing theirs. Differences scatter
+little, so that few surfaces are needed where a solve is dear.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from validation.bench import Bench
+from validation.drawing import Drawing
+from validation.errors import UsageError
+from validation.studies._common import ResultTable, at_least, base_surface, measure, rising, solid_of
+from validation.studies._measurement import Measurement, grid_for
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from numpy.typing import NDArray
+
+    from validation.scene import Scene
+
+__all__ = ["Level", "allocation", "figures", "findings", "run", "saving", "table"]
+
+_AREAS = ("pixel", "perimeter", "subcell")
+
+#: Between the first surfaces of neighbouring levels, so that no surface serves two of them.
+_APART = 100_000
+
+
+@dataclass(frozen=True, kw_only=True)
+class Level:
+    """One term of the telescoping sum.
+
+    Attributes
+    ----------
+    variance : float
+        Between surfaces, of the area on the coarsest grid or of its difference between two neighbouring grids.
+    cost : float
+        Of one surface, on both grids [s].
+    """
+
+    variance: float
+    cost: float
+
+
+def allocation(levels: Sequence[Level], error: float) -> tuple[int, ...]:
+    r"""Return how many surfaces of each level bring the standard error of the sum to `error` at least cost.
+
+    .. math:: N_l = \varepsilon^{-2} \sqrt{V_l / C_l} \sum_k \sqrt{V_k C_k}
+
+    Notes
+    -----
+    M. B. Giles, Operations Research 56 (2008) 607; at least two, so that the variance can be told.
+
+    Examples
+    --------
+    >>> allocation([Level(variance=1.0, cost=1.0), Level(variance=0.01, cost=4.0)], 0.1)
+    (120, 6)
+    """
+    total = sum(float(np.sqrt(level.variance * level.cost)) for level in levels)
+    counts = (total * float(np.sqrt(level.variance / level.cost)) / error**2 for level in levels)
+    return tuple(max(2, int(np.ceil(count - 1e-9))) for count in counts)
+
+
+def saving(levels: Sequence[Level], *, variance: float, cost: float) -> float:
+    """Return the cost of plain Monte Carlo over that of the levels, at one statistical error.
+
+    Parameters
+    ----------
+    levels : sequence of Level
+    variance, cost : float
+        Between surfaces and of one surface, on the finest grid alone.
+
+    Examples
+    --------
+    >>> saving([Level(variance=1.0, cost=1.0)], variance=1.0, cost=1.0)
+    1.0
+    """
+    return float(variance * cost / sum(np.sqrt(level.variance * level.cost) for level in levels) ** 2)
+
+
+def run(
+    *,
+    scene: Scene | None = None,
+    bench: Bench | None = None,
+    points_per_wave: tuple[float, ...] = (4.0, 8.0, 16.0),
+    area: str = "subcell",
+    error: float = 0.002,
+    pilot: int = 12,
+    reduced_pressure: float = 0.05,
+    hurst: float = 0.8,
+    size: float = 4.0,
+    ratio: float = 8.0,
+    seed: int = 1607,
+) -> xr.Dataset:
+    """Measure variance and cost of each level on some surfaces, then solve as many as the error takes.
+
+    Parameters
+    ----------
+    scene : Scene, optional
+        Gives the solid.
+    bench : Bench, optional
+        Costs are times: use one worker and a quiet machine.
+    points_per_wave : tuple of float
+        Grids, as lambda_short/dx, rising.
+    area : str
+        Definition of the area: "pixel", "perimeter" or "subcell".
+    error : float
+        Standard error of the mean that is asked for, relative.
+    pilot : int
+        Surfaces of each level from which its variance and cost are first told.
+    reduced_pressure, hurst, size, ratio, seed
+        p*, H, L/lambda_long, lambda_long/lambda_short, first seed.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over `level`: mean and variance of the level's term, cost of one surface, surfaces that were solved; over
+        (level, definition): the same variances for every definition of the area. The attributes hold the estimate.
+    """
+    import xarray as xr
+
+    grids = rising("points_per_wave", points_per_wave)
+    at_least("points_per_wave", len(grids), 2)
+    at_least("pilot", pilot, 4)
+    if area not in _AREAS or not 0 < error < 1:
+        raise UsageError(
+            f"--area = {area!r}, --error = {error:g}: one of {', '.join(_AREAS)}, and between 0 and 1"
+        )
+    surface, solid = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed), solid_of(scene)
+
+    def solved(counts: Sequence[int]) -> list[list[xr.Dataset]]:
+        jobs = [
+            [
+                Measurement(
+                    surface=surface,
+                    realisation=k + _APART * level,
+                    solid=solid,
+                    reduced_pressures=(reduced_pressure,),
+                    grids=tuple(grid_for(surface, n) for n in grids[max(level - 1, 0) : level + 1]),
+                    shifts=1,
+                )
+                for k in range(count)
+            ]
+            for level, count in enumerate(counts)
+        ]
+        results = iter(measure(bench, [job for part in jobs for job in part]))
+        return [[next(results) for _ in part] for part in jobs]
+
+    first = solved([pilot] * len(grids))
+    levels = [_level(part, area) for part in first]
+    scale = float(np.mean(_terms(first[0], area)))
+    counts = [max(count, pilot) for count in allocation(levels, error * scale)]
+    found = solved(counts)
+    terms = [_terms(part, area) for part in found]
+    finest = np.array([float(d[area][-1, 0, 0]) for d in found[-1]])
+    alone = float(np.mean([float(d.seconds[-1, 0, 0]) for d in found[-1]]))
+    every = {name: [_level(part, name) for part in found] for name in _AREAS}
+    return xr.Dataset(
+        {
+            "mean": (
+                "level",
+                np.array([term.mean() for term in terms]),
+                {"long_name": "mean area, then differences"},
+            ),
+            "variance": ("level", np.array([term.var(ddof=1) for term in terms])),
+            "cost": ("level", np.array([level.cost for level in every[area]]), {"units": "s"}),
+            "surfaces": ("level", np.array(counts)),
+            "saving": (
+                "definition",
+                np.array(
+                    [
+                        saving(
+                            every[name],
+                            variance=float(np.var([float(d[name][-1, 0, 0]) for d in found[-1]], ddof=1)),
+                            cost=alone,
+                        )
+                        for name in _AREAS
+                    ]
+                ),
+                {"long_name": "cost of plain Monte Carlo on the finest grid over that of the levels"},
+            ),
+        },
+        coords={"points_per_wave": ("level", list(grids)), "definition": ("definition", list(_AREAS))},
+        attrs={
+            "study": "multilevel",
+            "area": area,
+            "error": error,
+            "finest_variance": float(finest.var(ddof=1)),
+            "finest_cost": alone,
+            "methods": "bem",
+        },
+    )
+
+
+def _terms(measured: Sequence[xr.Dataset], area: str) -> NDArray[np.float64]:
+    """Return the area on the only grid, or its difference between two, of each surface."""
+    values = np.array([d[area][:, 0, 0].values for d in measured])
+    return np.asarray(values[:, -1] - values[:, 0] if values.shape[1] > 1 else values[:, 0])
+
+
+def _level(measured: Sequence[xr.Dataset], area: str) -> Level:
+    cost = float(np.mean([float(d.seconds.sum()) for d in measured]))
+    return Level(variance=float(_terms(measured, area).var(ddof=1)), cost=cost)
+
+
+def estimate(dataset: xr.Dataset) -> tuple[float, float]:
+    """Return the mean area on the finest grid, and its standard error."""
+    return float(dataset["mean"].sum()), float(np.sqrt((dataset.variance / dataset.surfaces).sum()))
+
+
+def _plain(dataset: xr.Dataset, level: int, error: float) -> tuple[int, float]:
+    """Surfaces and seconds that plain Monte Carlo on the grid of a level takes for a standard error."""
+    # Between surfaces the area scatters alike on all grids; a difference of two grids costs about what both do.
+    variance = float(dataset.attrs["finest_variance"])
+    cost = float(dataset.cost[0]) if level == 0 else float(dataset.cost[level] - dataset.cost[level - 1])
+    cost = float(dataset.attrs["finest_cost"]) if level == dataset.sizes["level"] - 1 else cost
+    count = max(2, int(np.ceil(variance / error**2)))
+    return count, count * cost
+
+
+def table(dataset: xr.Dataset) -> ResultTable:
+    """Return one row for each level, then the sums."""
+    mean, error = estimate(dataset)
+    rows: list[tuple[float | str, ...]] = []
+    for i, n in enumerate(dataset.points_per_wave.values):
+        what = (
+            f"{n:g} per wave" if i == 0 else f"{n:g} less {float(dataset.points_per_wave[i - 1]):g} per wave"
+        )
+        deviation = float(np.sqrt(dataset.variance[i])) / mean
+        cost, count = float(dataset.cost[i]), int(dataset.surfaces[i])
+        rows.append(
+            (what, 100 * float(dataset["mean"][i]) / mean, 100 * deviation, cost, float(count), cost * count)
+        )
+    spent = float((dataset.cost * dataset.surfaces).sum())
+    rows.append(("sum", 100.0, 100 * error / mean, "", float(dataset.surfaces.sum()), spent))
+    count, seconds = _plain(dataset, dataset.sizes["level"] - 1, error)
+    rows.append(
+        (
+            "plain, finest grid",
+            100.0,
+            100 * error / mean,
+            float(dataset.attrs["finest_cost"]),
+            float(count),
+            seconds,
+        )
+    )
+    return ResultTable.of(
+        (
+            "level",
+            "mean [% of the sum]",
+            "scatter (sums: standard error) [%]",
+            "s per surface",
+            "surfaces",
+            "seconds",
+        ),
+        rows,
+    )
+
+
+def findings(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Return the estimate, what it saved, and whether it was worth it."""
+    mean, error = estimate(dataset)
+    area, grids = dataset.attrs["area"], dataset.points_per_wave.values
+    spent = float((dataset.cost * dataset.surfaces).sum())
+    count, seconds = _plain(dataset, len(grids) - 1, error)
+    sentences = [
+        f"Mean A/A0 ({area}, {grids[-1]:g} points per wave) {mean:.5f} +- {100 * error / mean:.2g} % (one standard error) from "
+        f"{', '.join(str(int(n)) for n in dataset.surfaces.values)} surfaces on the levels, coarse to fine: {spent:.2g} s; plain Monte Carlo "
+        f"on the finest grid takes {count} surfaces and {seconds:.2g} s for that error, {seconds / spent:.2g} times as long.",
+        "With the best numbers of surfaces the levels save a factor of "
+        + ", ".join(
+            f"{float(dataset.saving.sel(definition=name)):.2g} ({name})" for name in dataset.definition.values
+        )
+        + " against the finest grid alone.",
+    ]
+    for level in range(len(grids) - 1):
+        bias = abs(float(dataset["mean"][level + 1 :].sum())) / mean
+        if bias <= 0.5 * error / mean:
+            _, plain = _plain(dataset, level, error)
+            verdict = "cheaper than" if plain < spent else "dearer than"
+            sentences.append(
+                f"But plain Monte Carlo on {grids[level]:g} points per wave alone is off by {100 * bias:.2g} %, less than half of the "
+                f"statistical error, and takes {plain:.2g} s: {verdict} the levels. "
+                + ("At this error they are not worth it." if plain < spent else "They are worth it.")
+            )
+            break
+    else:
+        sentences.append(
+            "No coarser grid alone is within half of the statistical error of the finest: the levels are worth it."
+        )
+    return tuple(sentences)
+
+
+def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
+    """Draw variance and cost of the levels."""
+    from validation import plots_studies
+
+    return (
+        Drawing(
+            name="multilevel",
+            figure=plots_studies.multilevel(dataset, estimate(dataset)[0]),
+            data=dataset[["variance", "cost", "surfaces"]],
+            caption="Left: scatter between surfaces of the area on the finest grid and of the terms of the telescoping sum. Right: time of one surface, and the number of surfaces of each term.",
+        ),
+    )
