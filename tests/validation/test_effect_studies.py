@@ -14,6 +14,7 @@ def yielding(tmp_path_factory):
     return hardness.run(
         bench=bench,
         pressures=(0.02, 0.2),
+        magnifications=(1.5, 3.0),
         seeds=(13,),
         grids=(32, 64),
         periods=2.0,
@@ -34,13 +35,37 @@ def test_yielded_area_grows_with_load_and_theory_has_more_of_it(yielding):
     assert np.all(np.diff(yielding["plastic"].values) > 0)
 
 
+def test_as_waves_are_added_more_yields_and_the_last_is_the_whole_surface(yielding):
+    assert yielding["plastic_grown"].values[0] < yielding["plastic_grown"].values[1]
+    assert yielding["elastic_grown"].values[0] > yielding["elastic_grown"].values[1]
+    # All waves at p* = 0.1 lie between the loads 0.02 and 0.2 of the same surface.
+    low, high = yielding["plastic"].values
+    assert low < yielding["plastic_grown"].values[1] < high
+    theory = yielding["plastic_grown_persson"].values
+    assert yielding["plastic_persson"].values[0] < theory[1] < yielding["plastic_persson"].values[1]
+
+
+def test_the_smoothed_surface_keeps_its_long_waves_and_loses_gradient_where_it_yielded(yielding):
+    kept, theory = yielding["kept"].values, yielding["kept_persson"].values
+    assert np.all(kept <= 1)
+    assert np.all(np.diff(theory) < 0)
+    # Persson smooths the whole surface, boundary elements a part of it.
+    assert kept[-1] > theory[-1]
+    assert 0 < yielding.attrs["gradient_kept_inside"] < 0.8
+
+
 def test_findings_of_hardness_turn_with_the_numbers(yielding):
-    above = hardness.findings(yielding)
-    assert all("above it" in sentence for sentence in above)
-    swapped = yielding.assign(
-        plastic_persson=yielding["plastic"] / 2, elastic_persson=yielding["elastic"] / 2
-    )
-    assert all("50 % below it" in sentence for sentence in hardness.findings(swapped))
+    *areas, smoothing = hardness.findings(yielding)
+    assert all("A_pl/A0 = " in sentence and "above it" in sentence for sentence in areas)
+    assert "keeps" in smoothing
+    parts = [part + grown for part in ("plastic", "elastic") for grown in ("", "_grown")]
+    swapped = yielding.assign({f"{part}_persson": yielding[part] / 2 for part in parts})
+    assert all(sentence.count("50 % below it") == 2 for sentence in hardness.findings(swapped)[:-1])
+
+
+def test_a_magnification_beyond_the_bandwidth_is_refused(tmp_path):
+    with pytest.raises(UsageError, match="--magnifications"):
+        hardness.run(bench=Bench.at(tmp_path), magnifications=(5.0,), bandwidth=4.0)
 
 
 def test_one_grid_has_no_limit(tmp_path):
@@ -65,5 +90,11 @@ def test_findings_of_adhesion_say_where_the_theory_gives_no_answer(sticking):
 
 
 def test_both_are_found_by_name_and_draw(yielding, sticking):
-    assert [d.name for d in find_study("hardness").figures(yielding)] == ["plastic-area", "elastic-area"]
+    assert [d.name for d in find_study("hardness").figures(yielding)] == [
+        "plastic-area",
+        "elastic-area",
+        "plastic-area-magnification",
+        "elastic-area-magnification",
+        "smoothed-spectrum",
+    ]
     assert [d.name for d in find_study("adhesion").figures(sticking)] == ["adhesive-area"]
