@@ -26,7 +26,16 @@ def yielding(tmp_path_factory):
 @pytest.fixture(scope="module")
 def sticking(tmp_path_factory):
     bench = Bench.at(tmp_path_factory.mktemp("adhesion"))
-    return adhesion.run(bench=bench, works=(1e-3, 0.1), seed=13, grid=64, bandwidth=3.0)
+    return adhesion.run(
+        bench=bench,
+        works=(1e-3, 0.1),
+        loads=(0.2,),
+        magnifications=(3.0,),
+        hardnesses=(0.6,),
+        seed=13,
+        grid=64,
+        bandwidth=3.0,
+    )
 
 
 def test_yielded_area_grows_with_load_and_theory_has_more_of_it(yielding):
@@ -83,6 +92,20 @@ def test_adhesion_enlarges_the_contact_in_proportion_and_vanishes_with_the_work(
     assert np.all(sticking["reach"].values < 0.5)
 
 
+def test_the_dials_meet_where_they_stand_for_the_same_case(sticking):
+    # share = 0.1 at p* = 0.05 with all waves is the second work.
+    for name in ("area", "plain", "improved", "interface", "macroscopic"):
+        assert sticking[f"{name}_magnification"].values[0] == sticking[name].values[1]
+    assert sticking["area_load"].values[0] > sticking["area"].values[1]
+
+
+def test_the_interface_gains_less_than_its_work_and_yielding_adds_contact(sticking):
+    assert np.all(sticking["interface"].values < 1)
+    assert sticking["interface"].values[1] > sticking["interface"].values[0]
+    assert sticking["area_hardness"].values[0] > sticking["area"].values[1]
+    assert 0 < sticking["yielded_hardness"].values[0] < sticking["yielded_persson_hardness"].values[0]
+
+
 def test_findings_of_adhesion_say_where_the_theory_gives_no_answer(sticking):
     assert "multiplies the area by" in adhesion.findings(sticking)[0]
     silent = sticking.assign(old=np.nan * sticking["old"])
@@ -97,4 +120,10 @@ def test_both_are_found_by_name_and_draw(yielding, sticking):
         "elastic-area-magnification",
         "smoothed-spectrum",
     ]
-    assert [d.name for d in find_study("adhesion").figures(sticking)] == ["adhesive-area"]
+    assert [d.name for d in find_study("adhesion").figures(sticking)] == [
+        "adhesive-area",
+        "adhesive-area-load",
+        "adhesive-area-magnification",
+        "adhesive-area-hardness",
+        "interface-energy",
+    ]
