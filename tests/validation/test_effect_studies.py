@@ -125,5 +125,6 @@ def test_both_are_found_by_name_and_draw(yielding, sticking):
         "adhesive-area-load",
         "adhesive-area-magnification",
         "adhesive-area-hardness",
+        "adhesive-area-yielded",
         "interface-energy",
     ]

@@ -146,7 +146,7 @@ def run(
     columns = _columns(by_load, ladder, solved, dimension="pressure")
     columns |= _columns(by_wave, ladder, solved, dimension="magnification", suffix="_grown")
     q, kept, theory, inside = _kept(last, ladder[-1], solved)
-    ratio = {"units": "1", "long_name": "C(q) of the smoothed over that of the fresh surface"}
+    ratio = {"units": "1", "long_name": "C(q) left by smoothing, over C(q)"}
     columns["kept"] = ("wave", kept, ratio)
     columns["kept_persson"] = ("wave", theory, {"units": "1", "long_name": "1 - A_pl(q)/A_pl, Persson"})
     names = {"pressure": "p* = p0 / (E* h'_rms)", "magnification": "q / q_long of the last wave"}
