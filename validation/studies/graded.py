@@ -86,11 +86,11 @@ def run(
         z = np.linspace(0.0, 30.0, 3001)
         young = ratio + (1 - ratio) * np.exp(-z)
         grading.append(float(np.max(abs(1 - ratio) * np.exp(-z) / young)) / q)
-    words = "modulus felt, theory over exact"
+    words = "felt modulus over exact"
     one = {"units": "1"}
     return xr.Dataset(
         {
-            "profile": (("ratio", "wave"), profile, one | {"long_name": f"{words}, exponential profile"}),
+            "profile": (("ratio", "wave"), profile, one | {"long_name": f"{words}, profile"}),
             "coating": (("ratio", "wave"), coating, one | {"long_name": f"{words}, coating"}),
             "grading": (("ratio", "wave"), grading, one | {"long_name": "largest E'/(E q)"}),
         },
