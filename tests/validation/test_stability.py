@@ -93,7 +93,11 @@ def test_the_study_is_found_by_name_with_its_options_and_draws_every_case():
     study = find_study("stability")
     assert set(study.options) == {"cases", "slowest"}
     data = study.run(cases=("hardness", "ties"))
-    assert [drawing.name for drawing in study.figures(data)] == ["stability-hardness", "stability-ties"]
+    assert [drawing.name for drawing in study.figures(data)] == [
+        "stability",
+        "stability-hardness",
+        "stability-ties",
+    ]
     assert "refused at 0.99 (InvalidInput: pressure_bound" in study.findings(data)[0]
     with pytest.raises(UsageError, match="no such case; one of: load"):
         study.run(cases=("nonsense",))

@@ -155,11 +155,21 @@ def findings(data: xr.Dataset) -> tuple[str, ...]:
 
 
 def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
-    """Draw the error along every dial beside what is allowed."""
+    """Draw the error along all dials by method, and along every dial beside what is allowed."""
     from validation import plots
     from validation.drawing import Drawing
+    from validation.plots_stability import stability_figure
 
-    drawings = []
+    columns = ["case", "method", "value", "error", "bound", "outcome"]
+    drawings = [
+        Drawing(
+            name="stability",
+            figure=stability_figure(data),
+            data=data[columns],
+            caption="Error over what was allowed beforehand at every turn of every dial, by method; crosses "
+            "are values refused by name.",
+        )
+    ]
     for name in dict.fromkeys(data["case"].values):
         own = data.isel(row=(data["case"].values == name) & np.isfinite(data["error"].values))
         if own.sizes["row"] == 0:
