@@ -23,6 +23,8 @@ EFFECT_MODULES = {
     "persson.diffusion",
     "persson.graded",
     "persson.hardness",
+    "validation.calibration",
+    "validation.effect_theory",
     "validation.slots",
 }
 

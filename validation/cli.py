@@ -214,6 +214,23 @@ def explain(scene: SceneArgument = "quickstart", as_json: JsonOption = False) ->
             show(part)
 
 
+@app.command(epilog="Example: fem-contact calibrate")
+def calibrate(
+    points: Annotated[int, typer.Option("--points", min=32, help="Points along a side.")] = 256,
+    as_json: JsonOption = False,
+) -> None:
+    """Measure what each effect costs on this machine; explain and --dry-run then predict from it."""
+    from validation.calibration import cache_file
+    from validation.calibration import calibrate as measure
+
+    with stopping_cleanly():
+        found = measure(points=points, tell=None if as_json else typer.echo)
+    if as_json:
+        typer.echo(json.dumps({"factors": dict(found.factors), "source": found.source}, indent=2))
+    else:
+        typer.echo(f"Kept in {cache_file()}")
+
+
 @app.command(epilog="Examples: fem-contact validate --quick  |  fem-contact validate hertz westergaard")
 def validate(
     names: Annotated[

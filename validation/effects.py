@@ -12,7 +12,7 @@ import numpy as np
 
 from validation.errors import UsageError
 from validation.jobs import AnyJob, Job, NumbersJob, Prediction, jobs_of, nominal_pressure
-from validation.neglect import COST, Judgement, Roughness, judge, unlisted
+from validation.neglect import Judgement, Roughness, judge, unlisted
 from validation.scene import FileSurface, Scene, SelfAffineSurface
 from validation.surfaces import reference_field, shortest_wavelength, spectrum_of, topography_of
 
@@ -111,7 +111,7 @@ def predicted_cost(job: AnyJob, *, pair_seconds: float = 0.5e-3) -> Prediction:
         return job.predict()
     points = job.grid[0] * job.grid[1]
     scale = points * math.log2(points) / (256**2 * 16)
-    dearer = math.prod(COST.get(effect.kind, 1.0) for effect in job.effects)
+    dearer = _dearer(job)
     pairs, unknowns = _FIXED_PAIRS + _BEM_PAIRS * dearer * scale, points
     size = _FIXED_BYTES + _SURFACE_BYTES_PER_POINT * points
     if job.method == "fem":
@@ -127,6 +127,16 @@ def predicted_cost(job: AnyJob, *, pair_seconds: float = 0.5e-3) -> Prediction:
         else:
             pairs = _FIXED_PAIRS + _REDUCED_PAIRS * scale
     return Prediction(seconds=pairs * pair_seconds, peak_bytes=size, unknowns=unknowns)
+
+
+def _dearer(job: Job) -> float:
+    """Seconds of a solve with its effects over those of a plain one; 1 for a job that lists none."""
+    if not job.effects:
+        return 1.0
+    from validation.calibration import effect_costs
+
+    factors = effect_costs().factors
+    return math.prod(factors.get(effect.kind, 1.0) for effect in job.effects)
 
 
 def available_memory() -> int:
@@ -177,6 +187,7 @@ class Explanation:
     grids: tuple[PlannedGrid, ...]
     effects: tuple[Judgement, ...]
     left_out: tuple[Judgement, ...]
+    costs: str = ""
 
     @property
     def seconds(self) -> float:
@@ -217,6 +228,8 @@ class Explanation:
             f"About {self.seconds:.0f} s in all and {self.peak_bytes / 2**20:.0f} MiB at most on this "
             "machine (meant to be right within a factor of 2)."
         )
+        if self.costs:
+            yield f"Solves with effects are predicted from their cost over plain ones, {self.costs}."
         yield f"Effects that run:{'' if self.effects else ' none beyond linear elasticity.'}"
         for item in self.effects:
             yield f"  {item.effect}: {item.number} - {item.verdict}"
@@ -259,7 +272,23 @@ def explain(scene: Scene) -> Explanation:
         grids=tuple(sorted(grids, key=lambda g: (g.method, g.grid))),
         effects=tuple(judge(effect, _roughness(scene)) for effect in scene.effects),
         left_out=_left_out(scene),
+        costs=_cost_words(scene),
     )
+
+
+def _cost_words(scene: Scene) -> str:
+    """Say what the effects of a scene cost over a plain solve, and where these numbers were measured."""
+    if not scene.effects:
+        return ""
+    from validation.calibration import effect_costs
+
+    costs = effect_costs()
+    factors = ", ".join(
+        f"{effect.kind} {costs.factors[effect.kind]:.2g}"
+        for effect in scene.effects
+        if effect.kind in costs.factors
+    )
+    return f"{factors} times ({costs.source})"
 
 
 def _facts(scene: Scene) -> tuple[tuple[str, str], ...]:

@@ -17,11 +17,7 @@ from validation.effect_tables import Adhesion, Coating, EffectSpec, Graded, Hard
 if TYPE_CHECKING:
     from validation.scene import Scene
 
-__all__ = ["COST", "Judgement", "Roughness", "full_contact_energy", "judge", "unlisted"]
-
-#: Cost of a solve with an effect over the plain one: seconds on one surface at 256^2 and 512^2 (measured by
-#: tests/benchmarks/effects_cost.py).
-COST = {"hardness": 1.2, "adhesion": 8.0, "thickness": 1.0, "coating": 1.6, "graded": 1.5}
+__all__ = ["Judgement", "Roughness", "full_contact_energy", "judge", "unlisted"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,8 +128,10 @@ _RARE = 4.0
 def _said(effect: str, number: str, matters: bool) -> Judgement:
     if matters:
         return Judgement(effect=effect, number=number, verdict="matters")
-    cost = COST[effect]
-    words = f"negligible; it costs about {cost:.1f} times the plain solve" if cost > 1 else "negligible"
+    from validation.calibration import effect_costs
+
+    costs = effect_costs()
+    words = f"negligible; it costs {costs.factors[effect]:.2g} times the plain solve ({costs.source})"
     return Judgement(effect=effect, number=number, verdict=words)
 
 

@@ -37,8 +37,10 @@ def main(points: int) -> None:
     coated = LayeredSolid(layers=[soft], thicknesses=[0.02], base=solid)
     graded = ExponentialSolid(surface=solid, bulk_young=3.0, depth=0.05)
 
-    def sticky(law: adhesion.GapLaw) -> ContactResult:
-        return adhesion.solve(surface, half, law=law, mean_pressure=load, tolerance=1e-8).contact
+    def sticky(law: adhesion.GapLaw, hardness: float | None = None) -> ContactResult:
+        return adhesion.solve(
+            surface, half, law=law, hardness=hardness, mean_pressure=load, tolerance=1e-8
+        ).contact
 
     cases = {
         "plain elastic": lambda: bem.solve(surface, half, mean_pressure=load),
@@ -47,6 +49,7 @@ def main(points: int) -> None:
         "graded": lambda: bem.solve(surface, graded, mean_pressure=load),
         "hardness 0.06": lambda: press(surface, half, hardness=Hardness(pressure=0.06), mean_pressure=load),
         "adhesion, exponential": lambda: sticky(Exponential(work=work, reach=reach)),
+        "adhesion, hardness 0.06": lambda: sticky(Exponential(work=work, reach=reach), 0.06),
         "adhesion, Dugdale": lambda: sticky(Dugdale(work=work, reach=reach)),
     }
     first = (1.0, 1.0)

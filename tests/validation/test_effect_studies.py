@@ -14,6 +14,7 @@ def yielding(tmp_path_factory):
     return hardness.run(
         bench=bench,
         pressures=(0.02, 0.2),
+        magnifications=(1.5, 3.0),
         seeds=(13,),
         grids=(32, 64),
         periods=2.0,
@@ -25,7 +26,16 @@ def yielding(tmp_path_factory):
 @pytest.fixture(scope="module")
 def sticking(tmp_path_factory):
     bench = Bench.at(tmp_path_factory.mktemp("adhesion"))
-    return adhesion.run(bench=bench, works=(1e-3, 0.1), seed=13, grid=64, bandwidth=3.0)
+    return adhesion.run(
+        bench=bench,
+        works=(1e-3, 0.1),
+        loads=(0.2,),
+        magnifications=(3.0,),
+        hardnesses=(0.6,),
+        seed=13,
+        grid=64,
+        bandwidth=3.0,
+    )
 
 
 def test_yielded_area_grows_with_load_and_theory_has_more_of_it(yielding):
@@ -34,13 +44,37 @@ def test_yielded_area_grows_with_load_and_theory_has_more_of_it(yielding):
     assert np.all(np.diff(yielding["plastic"].values) > 0)
 
 
+def test_as_waves_are_added_more_yields_and_the_last_is_the_whole_surface(yielding):
+    assert yielding["plastic_grown"].values[0] < yielding["plastic_grown"].values[1]
+    assert yielding["elastic_grown"].values[0] > yielding["elastic_grown"].values[1]
+    # All waves at p* = 0.1 lie between the loads 0.02 and 0.2 of the same surface.
+    low, high = yielding["plastic"].values
+    assert low < yielding["plastic_grown"].values[1] < high
+    theory = yielding["plastic_grown_persson"].values
+    assert yielding["plastic_persson"].values[0] < theory[1] < yielding["plastic_persson"].values[1]
+
+
+def test_the_smoothed_surface_keeps_its_long_waves_and_loses_gradient_where_it_yielded(yielding):
+    kept, theory = yielding["kept"].values, yielding["kept_persson"].values
+    assert np.all(kept <= 1)
+    assert np.all(np.diff(theory) < 0)
+    # Persson smooths the whole surface, boundary elements a part of it.
+    assert kept[-1] > theory[-1]
+    assert 0 < yielding.attrs["gradient_kept_inside"] < 0.8
+
+
 def test_findings_of_hardness_turn_with_the_numbers(yielding):
-    above = hardness.findings(yielding)
-    assert all("above it" in sentence for sentence in above)
-    swapped = yielding.assign(
-        plastic_persson=yielding["plastic"] / 2, elastic_persson=yielding["elastic"] / 2
-    )
-    assert all("50 % below it" in sentence for sentence in hardness.findings(swapped))
+    *areas, smoothing = hardness.findings(yielding)
+    assert all("A_pl/A0 = " in sentence and "above it" in sentence for sentence in areas)
+    assert "keeps" in smoothing
+    parts = [part + grown for part in ("plastic", "elastic") for grown in ("", "_grown")]
+    swapped = yielding.assign({f"{part}_persson": yielding[part] / 2 for part in parts})
+    assert all(sentence.count("50 % below it") == 2 for sentence in hardness.findings(swapped)[:-1])
+
+
+def test_a_magnification_beyond_the_bandwidth_is_refused(tmp_path):
+    with pytest.raises(UsageError, match="--magnifications"):
+        hardness.run(bench=Bench.at(tmp_path), magnifications=(5.0,), bandwidth=4.0)
 
 
 def test_one_grid_has_no_limit(tmp_path):
@@ -58,6 +92,20 @@ def test_adhesion_enlarges_the_contact_in_proportion_and_vanishes_with_the_work(
     assert np.all(sticking["reach"].values < 0.5)
 
 
+def test_the_dials_meet_where_they_stand_for_the_same_case(sticking):
+    # share = 0.1 at p* = 0.05 with all waves is the second work.
+    for name in ("area", "plain", "improved", "interface", "macroscopic"):
+        assert sticking[f"{name}_magnification"].values[0] == sticking[name].values[1]
+    assert sticking["area_load"].values[0] > sticking["area"].values[1]
+
+
+def test_the_interface_gains_less_than_its_work_and_yielding_adds_contact(sticking):
+    assert np.all(sticking["interface"].values < 1)
+    assert sticking["interface"].values[1] > sticking["interface"].values[0]
+    assert sticking["area_hardness"].values[0] > sticking["area"].values[1]
+    assert 0 < sticking["yielded_hardness"].values[0] < sticking["yielded_persson_hardness"].values[0]
+
+
 def test_findings_of_adhesion_say_where_the_theory_gives_no_answer(sticking):
     assert "multiplies the area by" in adhesion.findings(sticking)[0]
     silent = sticking.assign(old=np.nan * sticking["old"])
@@ -65,5 +113,18 @@ def test_findings_of_adhesion_say_where_the_theory_gives_no_answer(sticking):
 
 
 def test_both_are_found_by_name_and_draw(yielding, sticking):
-    assert [d.name for d in find_study("hardness").figures(yielding)] == ["plastic-area", "elastic-area"]
-    assert [d.name for d in find_study("adhesion").figures(sticking)] == ["adhesive-area"]
+    assert [d.name for d in find_study("hardness").figures(yielding)] == [
+        "plastic-area",
+        "elastic-area",
+        "plastic-area-magnification",
+        "elastic-area-magnification",
+        "smoothed-spectrum",
+    ]
+    assert [d.name for d in find_study("adhesion").figures(sticking)] == [
+        "adhesive-area",
+        "adhesive-area-load",
+        "adhesive-area-magnification",
+        "adhesive-area-hardness",
+        "adhesive-area-yielded",
+        "interface-energy",
+    ]

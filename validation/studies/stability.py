@@ -18,6 +18,7 @@ from fem_contact.errors import FemContactError
 from persson.errors import PerssonError
 from validation.errors import UsageError
 from validation.studies._hard_cases import HARD_CASES, HardCase
+from validation.studies._hard_effects import MORE_CASES
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,7 +26,9 @@ if TYPE_CHECKING:
     from validation.bench import Bench
     from validation.drawing import Drawing
 
-__all__ = ["OUTCOMES", "figures", "findings", "run"]
+__all__ = ["CASES", "OUTCOMES", "figures", "findings", "run"]
+
+CASES = (*HARD_CASES, *MORE_CASES)
 
 #: What can happen at one value of a dial, from good to bad.
 OUTCOMES = ("right", "refused", "not converged", "WRONG")
@@ -65,11 +68,11 @@ def run(*, bench: Bench | None = None, cases: tuple[str, ...] = (), slowest: flo
     import xarray as xr
 
     del bench
-    known = {case.name: case for case in HARD_CASES}
+    known = {case.name: case for case in CASES}
     for name in cases:
         if name not in known:
             raise UsageError(f"--cases = {name!r}: no such case; one of: {', '.join(known)}")
-    chosen = [known[name] for name in cases] or list(HARD_CASES)
+    chosen = [known[name] for name in cases] or list(CASES)
     rows = [_turned(case, value, slowest) for case in chosen for value in case.values]
     columns: dict[str, tuple[str, list[str | float], dict[str, str]]] = {
         name: ("row", [row[name] for row in rows], {"units": "", "long_name": _WORDS[name]})
@@ -152,11 +155,21 @@ def findings(data: xr.Dataset) -> tuple[str, ...]:
 
 
 def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
-    """Draw the error along every dial beside what is allowed."""
+    """Draw the error along all dials by method, and along every dial beside what is allowed."""
     from validation import plots
     from validation.drawing import Drawing
+    from validation.plots_stability import stability_figure
 
-    drawings = []
+    columns = ["case", "method", "value", "error", "bound", "outcome"]
+    drawings = [
+        Drawing(
+            name="stability",
+            figure=stability_figure(data),
+            data=data[columns],
+            caption="Error over what was allowed beforehand at every turn of every dial, by method; crosses "
+            "are values refused by name.",
+        )
+    ]
     for name in dict.fromkeys(data["case"].values):
         own = data.isel(row=(data["case"].values == name) & np.isfinite(data["error"].values))
         if own.sizes["row"] == 0:

@@ -1,0 +1,58 @@
+"""Costs of effects: measured on this machine where it was calibrated, on the reference machine otherwise."""
+
+import json
+
+import pytest
+
+from validation import calibration
+from validation.effects import explain, predicted_cost
+from validation.jobs import jobs_of
+from validation.scene import load_scene
+
+EFFECT = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n[solid]'
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setenv("LOCALAPPDATA", str(tmp_path / "cache"))
+    return calibration.cache_file()
+
+
+def test_without_a_calibration_the_reference_machine_is_named(cache):
+    assert not cache.exists()
+    assert calibration.effect_costs() is calibration.REFERENCE
+    assert "fem-contact calibrate" in calibration.REFERENCE.source
+
+
+def test_a_calibration_is_kept_and_used_and_named(cache, write_scene):
+    lines = []
+    found = calibration.calibrate(points=32, repeats=1, tell=lines.append)
+    assert set(found.factors) == set(calibration.REFERENCE.factors)
+    assert all(value > 0 for value in found.factors.values())
+    assert len(lines) == len(found.factors) + 1
+    assert calibration.effect_costs() == found
+    scene = load_scene(str(write_scene(("[solid]", EFFECT))))
+    text = "\n".join(part for part in explain(scene).parts() if isinstance(part, str))
+    assert f"hardness {found.factors['hardness']:.2g} times (measured on this machine" in text
+
+
+def test_a_prediction_grows_with_the_factor_that_was_measured(cache, write_scene):
+    job = jobs_of(load_scene(str(write_scene(("[solid]", EFFECT)))))[0]
+    seconds = []
+    for factor in (1.0, 1e4):
+        cache.parent.mkdir(parents=True, exist_ok=True)
+        factors = dict(calibration.REFERENCE.factors) | {"hardness": factor}
+        cache.write_text(json.dumps({"date": "2026-01-01", "factors": factors}))
+        seconds.append(predicted_cost(job).seconds)
+    assert seconds[1] > 2 * seconds[0]
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "[1]", '{"factors": {"hardness": 1.0}, "date": "x"}', '{"factors": 3, "date": "x"}', "{}"],
+)
+def test_a_damaged_or_foreign_cache_is_as_none(cache, text):
+    cache.parent.mkdir(parents=True)
+    cache.write_text(text)
+    assert calibration.effect_costs() is calibration.REFERENCE

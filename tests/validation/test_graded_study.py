@@ -1,0 +1,56 @@
+"""The study of graded solids, and the scenes of an oxide and of a soft layer."""
+
+import numpy as np
+import pytest
+
+from validation.effects import explain
+from validation.errors import UsageError
+from validation.jobs import execute, jobs_of
+from validation.scene import load_scene
+from validation.studies import find_study, graded
+
+
+@pytest.fixture(scope="module")
+def data():
+    return graded.run(ratios=(0.5, 2.0))
+
+
+def test_both_moduli_are_those_of_the_solid_felt_alone_at_the_ends(data):
+    # Waves much longer or shorter than the layer feel one modulus; the theory and the exact response agree on
+    # it up to the first power of the small parameter, 1/100.
+    for name in ("profile", "coating"):
+        np.testing.assert_allclose(data[name].values[:, [0, -1]], 1, atol=0.03)
+
+
+def test_a_stiff_layer_on_a_softer_solid_is_weighted_too_stiff_and_more_so_than_a_profile(data):
+    profile, coating = (data[name].values[0] - 1 for name in ("profile", "coating"))
+    assert 0.05 < profile.max() < coating.max()
+
+
+def test_findings_say_where_the_claim_holds_and_turn_with_the_numbers(data):
+    (softer, stiffer) = graded.findings(data)
+    assert softer.startswith("Below 0.5 times as stiff as on top: 11 % off at worst where E'/(E q) < 1")
+    assert "-3.6 % off" in stiffer
+    nowhere = data.assign(grading=data["grading"] * 1e6)
+    assert "no wave has E'/(E q) < 1" in graded.findings(nowhere)[0]
+    assert [d.name for d in find_study("graded").figures(data)] == [
+        "felt-modulus-profile",
+        "felt-modulus-coating",
+    ]
+
+
+def test_no_grading_is_refused():
+    with pytest.raises(UsageError, match="--ratios"):
+        graded.run(ratios=(1.0,))
+
+
+@pytest.mark.parametrize(("name", "less"), [("oxide-layer", True), ("soft-layer", False)])
+def test_a_stiff_layer_has_less_contact_and_a_soft_one_more_than_the_solid_below(name, less):
+    scene = load_scene(name)
+    assert explain(scene).effects[0].matters
+    job = jobs_of(scene)[0]
+    plain = scene.model_copy(update={"effects": ()})
+    coated, bare = (
+        execute(one, threads=1).contact.checked().in_contact.mean() for one in (job, jobs_of(plain)[0])
+    )
+    assert (coated < 0.9 * bare) if less else (coated > 1.1 * bare)
