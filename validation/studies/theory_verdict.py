@@ -230,7 +230,7 @@ def _solver_share(
         surface=surface,
         solid=solid_of(scene),
         reduced_pressures=(0.01, 0.1, 1.0),
-        grids=(grid_for(surface, 4.0), grid_for(surface, 8.0)),
+        grids=tuple(grid_for(surface, points) for points in (4.0, 6.0, 8.0)),
         shifts=shifts,
     )
     first, second = measure(bench, [usual, replace(usual, tolerance=usual.tolerance / 100)])
