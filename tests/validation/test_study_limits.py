@@ -170,11 +170,11 @@ def test_a_distribution_that_does_not_change_is_not_told_from_itself():
     same = shape * np.array([1.0, 2.0, 5.0])[:, None]
     found = distance_to_reference(same, 0)
     assert np.all(found.value < 1e-12)
-    assert found.noise > 0
+    assert np.all(found.noise > 0)
     moved = same.copy()
     moved[:, 2] = np.roll(moved[:, 2], 12, axis=-1)
     other = distance_to_reference(moved, 0)
-    assert other.low[2] > other.noise
+    assert other.low[2] > other.noise[2]
     assert other.low[2] <= other.value[2] <= other.high[2]
 
 
@@ -238,12 +238,19 @@ def test_every_quantity_of_the_theory_is_scored_and_full_contact_is_exact(scored
     assert len(theory_verdict.budget(scored).rows) == 4
 
 
+def test_a_range_is_judged_by_what_is_decided_in_it():
+    ratios, intervals = np.array([1.3, 1.1, 1.02]), np.array([0.4, 0.05, 0.03])
+    assert theory_verdict._range_verdict(ratios, intervals) == "off by +10 %"
+    assert theory_verdict._range_verdict(ratios[[0, 2]], intervals[[0, 2]]) == "right within 5 %"
+    assert theory_verdict._range_verdict(ratios[:1], intervals[:1]) == "not determinable"
+
+
 def test_a_score_follows_the_numbers(scored):
     better = scored.assign(ratio=scored.ratio * 0 + 1.0)
     cells = [cell for row in theory_verdict.table(better).rows[:4] for cell in row[2:]]
     assert all(cell == "exact" or "right within" in cell or cell == "not determinable" for cell in cells)
     worse = scored.assign(ratio=scored.ratio * 3)
-    assert any("off by +" in str(cell) for cell in theory_verdict.table(worse).rows[0][2:])
+    assert any("off by a factor" in str(cell) for cell in theory_verdict.table(worse).rows[0][2:])
 
 
 def test_the_pressure_study_says_up_to_where_the_distributions_keep_still(bench):
