@@ -172,6 +172,14 @@ def area_against_magnification(dataset: xr.Dataset) -> Figure:
             color=COLOURS[j],
             label=f"Persson, p* = {pressure:g}",
         )
+        axes.plot(
+            dataset.magnification,
+            dataset.theory_ensemble[:, :, j].mean("surface"),
+            ls="--",
+            lw=0.7,
+            color=COLOURS[j],
+            label="the same from C(q) alone",
+        )
     axes.set_xscale("log", base=2)
     axes.set_yscale("log")
     axes.set_xlabel(r"magnification $\zeta = q / q_{long}$")
