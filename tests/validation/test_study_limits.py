@@ -208,6 +208,16 @@ def test_the_bend_of_the_distribution_is_no_density_at_zero():
     assert "different from zero" in stress_near_zero.findings(finite)[0]
 
 
+def test_the_slope_at_zero_is_scored_against_every_variant():
+    data = synthetic_edge(value=0.0, slope=2.0, bend=6.0).assign_attrs(reduced_pressure=0.05)
+    scores = theory_verdict._edge_scores(data)
+    # Persson's closed form, 2 p exp(-p^2 / 2V) / (V sqrt(2 pi V)) with V = 1/4.
+    persson = 8 * 0.05 * np.exp(-2 * 0.05**2) / np.sqrt(np.pi / 2)
+    assert float(scores.edge_slope_ratio[0]) == pytest.approx(2.0 / persson, rel=1e-9)
+    # A variant that stores less energy has a smaller variance, and so a steeper start.
+    assert np.all(scores.edge_slope_ratio[1:] < scores.edge_slope_ratio[0])
+
+
 def test_a_slope_that_scatters_too_much_is_called_not_determinable():
     data = synthetic_edge(value=0.0, slope=2.0, bend=6.0)
     wild = data.assign(slope=data.slope * np.array([0.2, 1.8, 0.3, 1.7])[:, None])
