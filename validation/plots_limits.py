@@ -307,7 +307,7 @@ def load_independence(
         # A bootstrap interval need not hold the value itself, which is the least of its kind.
         bars = np.maximum([distance.value - distance.low, distance.high - distance.value], 0.0)
         right.errorbar(area, distance.value, yerr=bars, ls="-", label=name, **look(k))
-        right.axhline(distance.noise, color=COLOURS[k], ls=":", lw=0.8)
+        right.plot(area, distance.noise, color=COLOURS[k], ls=":", lw=0.8)
     right.plot(area, theory, label="pressure, Persson's own", **THEORY)
     right.set_xscale("log")
     right.set_xlabel(r"$A/A_0$")

@@ -43,7 +43,7 @@ def _kappa_lines(axes: Axes) -> None:
 
 def kappa_against_nayak(dataset: xr.Dataset, limits: Sequence[Sequence[Estimate]]) -> Figure:
     """Kappa against the realised Nayak parameter; families of spectra by marker, loads by colour."""
-    figure, (axes,) = new_figure()
+    figure, (axes,) = new_figure(height=4.8)
     families = list(dict.fromkeys(dataset.family.values.tolist()))
     alpha = dataset.nayak.mean("surface").values
     for f, family in enumerate(families):
@@ -67,9 +67,14 @@ def kappa_against_nayak(dataset: xr.Dataset, limits: Sequence[Sequence[Estimate]
         axes.plot(dataset.bandwidth_nayak[k], dataset.bandwidth_kappa[k], label=label, **style)
     _kappa_lines(axes)
     axes.set_xscale("log")
+    ticks = [
+        tick for tick in (2, 3, 5, 10, 20, 30, 50, 100) if axes.get_xlim()[0] <= tick <= axes.get_xlim()[1]
+    ]
+    axes.set_xticks(ticks, [str(tick) for tick in ticks])
+    axes.minorticks_off()
     axes.set_xlabel(r"Nayak parameter $\alpha = \frac{3}{2} m_0 m_4/m_2^2$ (realised)")
     axes.set_ylabel(r"$\kappa$ (limit over grids)")
-    axes.legend(fontsize=7, ncols=2)
+    axes.legend(fontsize=7, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.18))
     return figure
 
 
@@ -167,6 +172,14 @@ def area_against_magnification(dataset: xr.Dataset) -> Figure:
             ls="-.",
             color=COLOURS[j],
             label=f"Persson, p* = {pressure:g}",
+        )
+        axes.plot(
+            dataset.magnification,
+            dataset.theory_ensemble[:, :, j].mean("surface"),
+            ls="--",
+            lw=0.7,
+            color=COLOURS[j],
+            label="the same from C(q) alone",
         )
     axes.set_xscale("log", base=2)
     axes.set_yscale("log")

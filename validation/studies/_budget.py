@@ -86,10 +86,10 @@ def grid_drift(dataset: xr.Dataset) -> NDArray[np.float64]:
     """By how much the limit of one measurement moves without its coarsest resolved grid, for each load; signed.
 
     The order of a fit is a systematic error: it does not average out over surfaces, and its sign is kept so that what does
-    may. It is 0 where only two grids are resolved.
+    may. It is 0 where too few grids are resolved to leave one out.
     """
     resolved = np.flatnonzero(dataset.points_per_wave.values >= LEAST_POINTS_PER_WAVE * (1 - 1e-9))
-    if resolved.size < 3:
+    if resolved.size < 3 or (resolved.size - 1) * dataset.sizes["shift"] < 3:
         return np.zeros(dataset.sizes["load"])
     whole, _ = area_limits(dataset.isel(grid=resolved))
     finer, _ = area_limits(dataset.isel(grid=resolved[1:]))

@@ -36,14 +36,15 @@ class Distance:
         Of the pooled surfaces.
     low, high : (loads,) arrays
         95 % interval by resampling the surfaces, each with all its loads.
-    noise : float
-        Distance that two sets of as many surfaces have at the reference load, 95th percentile: less is not told from zero.
+    noise : (loads,) array
+        Distance that two sets of as many surfaces have from each other, 95th percentile, root mean square of that load and
+        the reference: less is not told from zero. The two loads are of the same surfaces, so that this is on the safe side.
     """
 
     value: Array
     low: Array
     high: Array
-    noise: float
+    noise: Array
 
 
 def distance_to_reference(histograms: Array, reference: int, *, seed: int = 20062) -> Distance:
@@ -66,7 +67,8 @@ def distance_to_reference(histograms: Array, reference: int, *, seed: int = 2006
     value = largest_difference(pooled, pooled[reference])
     spread = largest_difference(sampled, sampled[:, reference : reference + 1])
     # Two samples of the surfaces at one load; the bootstrap scatter of n surfaces is too small by (n - 1)/n.
-    twin = sampled[rng.permutation(_RESAMPLES), reference]
-    apart = largest_difference(sampled[:, reference], twin) * np.sqrt(surfaces / (surfaces - 1))
+    apart = largest_difference(sampled, sampled[rng.permutation(_RESAMPLES)])
+    twin = np.percentile(apart, 95, axis=0) * np.sqrt(surfaces / (surfaces - 1))
+    noise = np.sqrt((twin**2 + twin[reference] ** 2) / 2)
     low, high = np.percentile(spread, [2.5, 97.5], axis=0)
-    return Distance(value=value, low=low, high=high, noise=float(np.percentile(apart, 95)))
+    return Distance(value=value, low=low, high=high, noise=noise)

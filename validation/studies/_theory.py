@@ -67,8 +67,9 @@ def ensemble_area(
 def modes_sentence(conditional: ArrayLike, ensemble: ArrayLike) -> str:
     """Say how far the two modes of the theory are apart, over everything that was computed."""
     change = 100 * (np.asarray(ensemble, dtype=float) / np.asarray(conditional, dtype=float) - 1)
+    spread = f"{change.min():+.2f} to {change.max():+.2f} % (mean {change.mean():+.2f} %)"
     return (
-        f"Told C(q) alone (ensemble) instead of the realised gradient (conditional), the theory predicts areas that differ by "
-        f"{change.min():+.2f} to {change.max():+.2f} % (mean {change.mean():+.2f} %): the sum over the waves of a finite period against "
+        "Told C(q) alone (ensemble) instead of the realised gradient (conditional), the theory predicts areas that differ by "
+        f"{spread if change.size > 1 else f'{change.item():+.2f} %'}: the sum over the waves of a finite period against "
         "the integral, which is what a wrong generator would also change."
     )

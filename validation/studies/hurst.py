@@ -331,6 +331,8 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
     sentences.append(
         modes_sentence(np.broadcast_to(theory, dataset.kappa_ensemble.shape), dataset.kappa_ensemble)
     )
+    if dataset.sizes["ladder"] > 1:
+        sentences.append(_alpha_sentence(dataset))
     for kind in LADDERS:
         sentences += [_ladder_sentence(dataset, kind, k) for k in range(dataset.sizes["ladder"])]
     return tuple(sentences)
@@ -356,6 +358,26 @@ def _counting(dataset: xr.Dataset) -> str:
     return (
         f"Counting points gives kappa, over all H and loads of {family}, {' and '.join(words)}; the limit goes from {low:.2f} to {high:.2f} "
         f"(spread {100 * true:.0f} %): what is more is the grid's."
+    )
+
+
+def _alpha_sentence(dataset: xr.Dataset) -> str:
+    """Compare H at equal Nayak parameter with the Nayak parameter at equal H, along the bandwidth ladders."""
+    alpha, kappa = dataset.bandwidth_nayak.values, dataset.bandwidth_kappa.values
+    common = float(alpha[:, -1].min())
+    if common < alpha[:, 0].max():
+        return "The bandwidth ladders share no Nayak parameter: H at equal alpha cannot be read off them."
+    at_common = np.array([np.interp(np.log(common), np.log(a), k) for a, k in zip(alpha, kappa, strict=True)])
+    along = kappa[:, -1] / kappa[:, 0] - 1
+    hurst = dataset.ladder_hurst.values
+    return (
+        f"H at equal alpha: at the Nayak parameter {common:.3g} kappa of all bandwidth ladders, H = {hurst.min():g} to {hurst.max():g}, lies within "
+        f"{100 * (at_common.max() / at_common.min() - 1):.1f} % ({at_common.min():.3f} to {at_common.max():.3f}). Alpha at equal H: it changes by "
+        + ", ".join(
+            f"{100 * c:+.1f} % from {a[0]:.2g} to {a[-1]:.2g} (H = {h:g})"
+            for c, a, h in zip(along, alpha, hurst, strict=True)
+        )
+        + "."
     )
 
 

@@ -243,7 +243,8 @@ def reference_load(dataset: xr.Dataset) -> int:
 def theory_distances(dataset: xr.Dataset) -> np.ndarray:
     """Return the distance of Persson's own P(sigma) A0/A from that at the reference load."""
     width = np.sqrt(2 * float(elastic.stress_variance(1.0, contact_modulus=1.0)))
-    stress = np.concatenate([[0.0], dataset.stress_upper.values]) / width
+    # What lies above the last edge counts in the last bin.
+    stress = np.concatenate([[0.0], dataset.stress_upper.values[:-1], [np.inf]]) / width
     load = dataset.reduced_pressure.values[:, None] / width
     below = 0.5 * (erf(stress - load) - erf(stress + load)) + erf(load)
     shares = np.diff(below, axis=1)
@@ -363,7 +364,7 @@ def _independence(dataset: xr.Dataset, name: str, distance: Distance, own: np.nd
         if distance.high[j] > _SAME:
             break
         same.append(j)
-    seen = [j for j in heavier if distance.low[j] > distance.noise]
+    seen = [j for j in heavier if distance.low[j] > distance.noise[j]]
     rows = ", ".join(
         f"{distance.value[j]:.3f} [{distance.low[j]:.3f}, {distance.high[j]:.3f}] at {area[j]:.2g}"
         for j in heavier[:4]
@@ -374,9 +375,9 @@ def _independence(dataset: xr.Dataset, name: str, distance: Distance, own: np.nd
         else f"the claim does not hold within {_SAME:g} at any heavier load of the path"
     )
     told = (
-        f"the change is told from the scatter between surfaces ({distance.noise:.3f}) from A/A0 = {area[seen[0]]:.2g} on"
+        f"the change is told from the scatter between surfaces ({distance.noise[seen[0]]:.3f}) from A/A0 = {area[seen[0]]:.2g} on"
         if seen
-        else (f"no change is told from the scatter between surfaces ({distance.noise:.3f})")
+        else (f"no change is told from the scatter between surfaces ({distance.noise[heavier].max():.3f})")
     )
     theirs = (
         f" Persson's own distribution moves by {', '.join(f'{own[j]:.3f}' for j in heavier[:4])}."

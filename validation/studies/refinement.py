@@ -10,7 +10,8 @@ import numpy as np
 
 from validation.bench import Bench
 from validation.drawing import Drawing
-from validation.statistics import combined, mean_over_surfaces, order_of_convergence
+from validation.references import KAPPA_LITERATURE
+from validation.statistics import Estimate, combined, mean_over_surfaces, order_of_convergence
 from validation.studies._block import BlockMeasurement
 from validation.studies._budget import Budget, budget_table, grid_share, solver_error
 from validation.studies._common import (
@@ -307,6 +308,7 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
             f"of at least {cells:.0f} cells (Persson's criterion asks for 100 to 10000)."
         )
     sentences.append(_protocol(dataset, limit.value, theory))
+    sentences.append(_published(dataset, limit))
     sentences += [_element_sentence(dataset, e) for e in range(dataset.sizes.get("element", 0))]
     return tuple(sentences)
 
@@ -349,6 +351,26 @@ def _load_identity(resolved: xr.Dataset) -> str:
 
 #: Pressure, over E* h'_rms, below which the excess of a coarse grid is looked for.
 _SMALL = 0.2
+
+
+def _published(dataset: xr.Dataset, limit: Estimate) -> str:
+    """Put the published values beside the converged one and beside what the grid can make of it."""
+    last = dataset.kappa_grid_scale.isel(protocol_grid=-1).mean("surface").values
+    words = []
+    for published in KAPPA_LITERATURE:
+        low, high = published.kappa
+        if low == high:
+            inside = last.min() <= low <= last.max()
+            words.append(
+                f"{low:g} ({published.source}) lies {100 * (low / limit.value - 1):+.0f} % from it, and {'inside' if inside else 'outside'} the "
+                f"{last.min():.2f} to {last.max():.2f} that roughness at the grid scale gives by the definition of the slope"
+            )
+        else:
+            inside = limit.value + limit.half_width >= low and limit.value - limit.half_width <= high
+            words.append(
+                f"{low:g} to {high:g} ({published.note}) {'agree' if inside else 'do not agree'} with the converged {limit}"
+            )
+    return f"Published kappa: {'; '.join(words)}."
 
 
 def _element_sentence(dataset: xr.Dataset, e: int) -> str:

@@ -1,0 +1,303 @@
+"""What the studies conclude with: limits of ladders, budgets, the theory in two modes, verdicts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from fem_contact.surface import HeightField
+from persson.elastic import contact_area, stress_variance
+from persson.scale import Scale
+from persson.separation import mean_separation
+from validation.bench import Bench
+from validation.scene import SolidSpec
+from validation.studies import hurst, pressure, stress_near_zero, theory_verdict
+from validation.studies._budget import Budget, budget_table, grid_drift, grid_share
+from validation.studies._common import base_surface
+from validation.studies._distributions import Distributions
+from validation.studies._ladders import bandwidth_order, rungs_limit
+from validation.studies._load_independence import distance_to_reference
+from validation.studies._theory import ensemble_area, modes_sentence
+from validation.studies._theory_energy import VARIANTS, WITH_ENERGY, Waves
+from validation.surfaces import reference_field, spectrum_of
+
+SOLID = SolidSpec(young=3e8, poisson=0.25)
+SMALL = {"size": 2.0, "ratio": 2.0}
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory) -> Bench:
+    return Bench.at(tmp_path_factory.mktemp("solves"))
+
+
+@pytest.fixture(scope="module")
+def measured():
+    surface = base_surface(hurst=0.6, seed=61, **SMALL)
+    grids = ((16, 16), (24, 24), (32, 32))
+    return Distributions(
+        surface=surface, solid=SOLID, reduced_pressures=(0.05, 0.2), grids=grids, shifts=2
+    ).measure()
+
+
+def test_rungs_of_common_surfaces_lead_to_the_law_they_follow_whatever_their_offsets():
+    steps, order = (1 / 4, 1 / 8, 1 / 16, 1 / 32), bandwidth_order(0.7)
+    offsets = np.random.default_rng(5).normal(scale=0.3, size=6)
+    found = rungs_limit([1.9 + offsets + 0.5 * s**order for s in steps], steps, order=order, common=True)
+    assert found.limit == pytest.approx(1.9 + offsets.mean(), abs=1e-12)
+    assert found.slope == pytest.approx(0.5, abs=1e-12)
+    # The offsets are common, so only the limit is uncertain, not the slope.
+    assert found.slope_half_width < 1e-12 < found.half_width
+
+
+def test_the_interval_of_independent_rungs_covers_the_limit():
+    rng, steps = np.random.default_rng(6), (0.5, 0.25, 0.125)
+    hits = 0
+    for _ in range(300):
+        rungs = [
+            rng.normal(2.0 + 0.8 * s**2, 0.05 * np.sqrt(n), size=n)
+            for s, n in zip(steps, (64, 16, 4), strict=True)
+        ]
+        found = rungs_limit(rungs, steps, order=2.0)
+        hits += abs(found.limit - 2.0) <= found.half_width
+    # 95 % of 300, with the standard deviation of a count, 3.8; the drift only widens the interval.
+    assert hits >= 0.95 * 300 - 3 * 3.8
+
+
+def test_a_limit_far_beyond_the_rungs_is_not_determinable():
+    steps = (1 / 4, 1 / 8, 1 / 16, 1 / 32)
+    near, far = (
+        rungs_limit([[2.0, 2.1]] * 4, steps, order=bandwidth_order(h), common=True) for h in (0.8, 0.95)
+    )
+    assert near.determinable
+    assert not far.determinable
+
+
+def test_a_budget_adds_its_shares_and_says_what_it_does_not_know():
+    known = Budget(quantity="a", value=2.0, shares={"grid": 0.02, "surfaces": 0.01, "bandwidth": 0.02})
+    unknown = Budget(quantity="b", value=2.0, shares={"grid": 0.03, "surfaces": 0.04, "bandwidth": np.nan})
+    assert known.total == pytest.approx(0.03, rel=1e-12)
+    table = budget_table([known, unknown])
+    second = dict(zip(table.columns, table.rows[1], strict=True))
+    assert second["bandwidth [%]"] == second["for any [%]"] == "not determinable"
+    assert second["for this spectrum and period [%]"] == pytest.approx(5.0, rel=1e-12)
+    assert second["depth [%]"] == "does not enter"
+
+
+def test_systematic_drift_of_the_grids_does_not_average_out_over_surfaces(measured):
+    two = measured.isel(grid=[0, 1])
+    assert np.all(grid_drift(two) == 0)
+    assert np.all(np.abs(grid_drift(measured)) > 0)
+    shares = [grid_share(np.ones(n), errors=np.full(n, 0.01), drifts=np.full(n, 0.02)) for n in (4, 4000)]
+    assert shares[0] > shares[1] > 0.02
+
+
+def test_conditioning_hides_a_wrong_generator_and_the_ensemble_shows_it():
+    surface = base_surface(hurst=0.6, seed=61, **SMALL)
+    loads, right = np.array([0.01, 0.1]), float(spectrum_of(surface).moments().rms_gradient)
+    conditional = contact_area(loads, stress_variance=stress_variance(1.0, contact_modulus=1.0))
+    # Rounding apart, a generator that meets C(q) makes no difference.
+    np.testing.assert_allclose(
+        ensemble_area(surface, loads, rms_gradients=[right] * 3)[1], conditional, rtol=1e-12
+    )
+    wrong = ensemble_area(surface, loads, rms_gradients=[1.1 * right] * 3)[0]
+    assert wrong[0] / conditional[0] == pytest.approx(1.1, rel=1e-3)
+    assert "+10.0" in modes_sentence(conditional[:1], wrong[:1])
+
+
+def test_scatter_of_the_realised_gradient_is_averaged_over():
+    surface = base_surface(hurst=0.6, seed=61, **SMALL)
+    gradient = float(spectrum_of(surface).moments().rms_gradient)
+    scattered = gradient * np.sqrt([0.5, 1.5])
+    found = ensemble_area(surface, [0.02], rms_gradients=scattered)
+    # At light load the area goes with V^(-1/2): its mean exceeds that of the mean V.
+    pressure = 0.02 * scattered
+    by_hand = [
+        np.mean([contact_area(p, stress_variance=f * gradient**2 / 4) for f in (0.5, 1.5)]) for p in pressure
+    ]
+    np.testing.assert_allclose(found[:, 0], by_hand, rtol=1e-12)
+
+
+@pytest.fixture(scope="module")
+def rough():
+    return base_surface(hurst=0.7, size=4.0, ratio=6.0, seed=77)
+
+
+@pytest.mark.parametrize(("variant", "ratio"), [("persson", 1.0), ("yang_persson", 0.45)])
+def test_the_gap_from_stored_energy_is_that_of_the_closed_integral(rough, variant, ratio):
+    spectrum = spectrum_of(rough)
+    waves = Waves.of_spectrum(spectrum)
+    loads = np.array([0.003, 0.02, 0.1, 0.5]) * 0.1
+    expected = mean_separation(loads, scale=Scale(spectrum, contact_modulus=1.0), energy_ratio=ratio)
+    # 200 intervals and 500 pressures in steps of 2 %: 3e-5 inside, and some 1e-3 at both ends.
+    np.testing.assert_allclose(waves.mean_gap(loads, variant), expected, rtol=5e-3)
+
+
+def test_full_contact_stores_the_energy_of_all_waves(rough, measured):
+    field = reference_field(rough)
+    waves = Waves.of_field(field)
+    assert 4 * waves.variance.max() <= field.rms_gradient**2 * (1 + 1e-12)
+    for variant in WITH_ENERGY:
+        assert waves.elastic_energy(np.array([10 * field.rms_gradient]), variant)[0] == pytest.approx(
+            waves.full_energy, rel=1e-12
+        )
+    small = reference_field(base_surface(hurst=0.6, seed=61, **SMALL))
+    expected = measured.attrs["full_contact_energy"] / measured.attrs["contact_modulus"]
+    assert Waves.of_field(small).full_energy == pytest.approx(expected, rel=1e-9)
+
+
+def test_the_theory_of_gap_and_energy_does_not_depend_on_the_unit_of_length(rough):
+    field = reference_field(rough)
+    large = HeightField(heights=field.heights * 2.0**20, lengths=tuple(x * 2.0**20 for x in field.lengths))
+    loads = np.array([0.01, 0.3]) * field.rms_gradient
+    for variant in WITH_ENERGY[:2]:
+        first, second = (Waves.of_field(f).mean_gap(loads, variant) / f.rms_height for f in (field, large))
+        assert np.array_equal(first, second)
+
+
+def test_distributions_hold_the_area_the_load_and_every_patch(measured):
+    area = measured.stress_profile.sum("stress_bin").values
+    np.testing.assert_allclose(area, measured.pixel.mean("shift").values, rtol=1e-12)
+    np.testing.assert_allclose(measured.load_profile.sum("load_bin").values, 1.0, rtol=1e-12)
+    np.testing.assert_allclose(measured.patch_area_profile.sum("patch_area_bin").values, area, rtol=1e-12)
+    count = measured.patch_number_profile.sum("patch_number_bin").values
+    np.testing.assert_array_equal(count, measured.patches.mean("shift").values)
+
+
+def test_a_distribution_that_does_not_change_is_not_told_from_itself():
+    rng = np.random.default_rng(8)
+    shape = rng.gamma(9.0, size=(6, 1, 40)) * np.exp(-np.arange(40) / 6)
+    same = shape * np.array([1.0, 2.0, 5.0])[:, None]
+    found = distance_to_reference(same, 0)
+    assert np.all(found.value < 1e-12)
+    assert np.all(found.noise > 0)
+    moved = same.copy()
+    moved[:, 2] = np.roll(moved[:, 2], 12, axis=-1)
+    other = distance_to_reference(moved, 0)
+    assert other.low[2] > other.noise[2]
+    assert other.low[2] <= other.value[2] <= other.high[2]
+
+
+def synthetic_edge(*, value: float, slope: float, bend: float) -> xr.Dataset:
+    """P = value + slope sigma - bend sigma^2 / 2 of four surfaces, in windows that close like sqrt(dx)."""
+    spacing = 1 / np.array([16.0, 32.0, 64.0, 128.0])
+    eps = 0.4 * np.sqrt(spacing)
+    each = np.linspace(0.9, 1.1, 4)[:, None]
+    density = value + each * (slope * eps / 2 - bend * eps**2 / 6)
+    return xr.Dataset(
+        {
+            "density_at_zero": (("surface", "grid"), density),
+            "slope": (("surface", "grid"), each * (slope - bend * eps / 3)),
+            "contour_slope": (("surface", "grid"), each * slope * (1 - 3 * spacing)),
+            "patches": (("surface", "grid"), np.full((4, 4), 30.0)),
+        },
+        coords={"spacing": ("grid", spacing)},
+        attrs={"persson_slope": 0.3},
+    )
+
+
+def test_the_bend_of_the_distribution_is_no_density_at_zero():
+    data = synthetic_edge(value=0.0, slope=2.0, bend=6.0)
+    assert np.abs(stress_near_zero.intercepts(data)).max() < 1e-12
+    assert stress_near_zero.intercepts(data, degree=1).mean() > 0.002
+    assert stress_near_zero.limit_slope(data).value == pytest.approx(2.0, rel=1e-9)
+    assert stress_near_zero.limit_contour_slope(data).value == pytest.approx(2.0, rel=1e-9)
+    assert "not told from zero" in stress_near_zero.findings(data)[0]
+    assert "the two agree" in stress_near_zero.findings(data)[1]
+    finite = synthetic_edge(value=0.05, slope=2.0, bend=6.0)
+    assert "different from zero" in stress_near_zero.findings(finite)[0]
+
+
+def test_the_slope_at_zero_is_scored_against_every_variant():
+    data = synthetic_edge(value=0.0, slope=2.0, bend=6.0).assign_attrs(reduced_pressure=0.05)
+    scores = theory_verdict._edge_scores(data)
+    # Persson's closed form, 2 p exp(-p^2 / 2V) / (V sqrt(2 pi V)) with V = 1/4.
+    persson = 8 * 0.05 * np.exp(-2 * 0.05**2) / np.sqrt(np.pi / 2)
+    assert float(scores.edge_slope_ratio[0]) == pytest.approx(2.0 / persson, rel=1e-9)
+    # A variant that stores less energy has a smaller variance, and so a steeper start.
+    assert np.all(scores.edge_slope_ratio[1:] < scores.edge_slope_ratio[0])
+
+
+def test_a_slope_that_scatters_too_much_is_called_not_determinable():
+    data = synthetic_edge(value=0.0, slope=2.0, bend=6.0)
+    wild = data.assign(slope=data.slope * np.array([0.2, 1.8, 0.3, 1.7])[:, None])
+    assert "not determinable" in stress_near_zero.findings(wild)[1]
+
+
+@pytest.fixture(scope="module")
+def scored(bench):
+    options = {
+        "surfaces": 3,
+        "points_per_wave": (4.0, 6.0, 8.0),
+        "shifts": 1,
+        "ladder_pressures": (),
+        "edge": False,
+    }
+    return theory_verdict.run(bench=bench, reduced_pressures=(0.02, 0.1, 0.3, 4.0), **options, **SMALL)
+
+
+def test_every_quantity_of_the_theory_is_scored_and_full_contact_is_exact(scored):
+    rows = theory_verdict.table(scored).rows
+    words = {row[0] for row in rows}
+    assert set(theory_verdict.QUANTITIES.values()) <= words
+    closed = [row for row in rows if row[1] == "0.99 to 1" and row[0] in ("contact area", "mean gap")]
+    assert [row[2] for row in closed] == ["exact", "exact"]
+    # A variant without a stored energy says nothing of it.
+    energy = next(row for row in rows if row[0] == "elastic energy")
+    assert energy[2 + list(VARIANTS).index("xu")] == "says nothing"
+    assert len(theory_verdict.budget(scored).rows) == 4
+
+
+def test_a_range_is_judged_by_what_is_decided_in_it():
+    ratios, intervals = np.array([1.3, 1.1, 1.02]), np.array([0.4, 0.05, 0.03])
+    assert theory_verdict._range_verdict(ratios, intervals) == "off by +10 %"
+    assert theory_verdict._range_verdict(ratios[[0, 2]], intervals[[0, 2]]) == "right within 5 %"
+    assert theory_verdict._range_verdict(ratios[:1], intervals[:1]) == "not determinable"
+
+
+def test_a_score_follows_the_numbers(scored):
+    better = scored.assign(ratio=scored.ratio * 0 + 1.0)
+    cells = [cell for row in theory_verdict.table(better).rows[:4] for cell in row[2:]]
+    assert all(cell == "exact" or "right within" in cell or cell == "not determinable" for cell in cells)
+    worse = scored.assign(ratio=scored.ratio * 3)
+    assert any("off by a factor" in str(cell) for cell in theory_verdict.table(worse).rows[0][2:])
+
+
+def test_the_pressure_study_says_up_to_where_the_distributions_keep_still(bench):
+    data = pressure.run(
+        bench=bench,
+        surfaces=3,
+        points_per_wave=(4.0, 6.0, 8.0),
+        shifts=1,
+        reduced_pressures=(0.02, 0.1, 0.3, 4.0),
+        **SMALL,
+    )
+    text = " ".join(pressure.findings(data))
+    assert "P(sigma) A0/A, against that at" in text
+    # Were all loads alike, the claim would hold to the heaviest.
+    alike = data.assign(stress_share=data.stress_share * 0 + data.stress_share.isel(load=0))
+    heaviest = float(data.area.mean("surface")[-1])
+    assert f"the claim holds up to A/A0 = {heaviest:.2g} within 0.000" in " ".join(pressure.findings(alike))
+
+
+def test_the_ladders_of_the_hurst_study_keep_phases_and_area(bench):
+    data = hurst.run(
+        bench=bench,
+        hursts=(0.4,),
+        ratios=(2.0,),
+        reduced_pressures=(0.2,),
+        pairs=2,
+        size=1.0,
+        points_per_wave=(4.0, 6.0),
+        ladder_ratios=(2.0, 3.0),
+        ladder_sizes=(1.0, 2.0),
+        ladder_pairs=2,
+        ladder_pressure=0.2,
+    )
+    assert data.bandwidth_nayak.values[0, 0] < data.bandwidth_nayak.values[0, 1]
+    assert data.bandwidth_order.values[0] == pytest.approx(1.2, rel=1e-12)
+    # The first rung of the bandwidth ladder is the study's own spectrum: the same surfaces on the same grids.
+    assert float(data.bandwidth_kappa[0, 0]) == pytest.approx(float(data.kappa.mean()), rel=1e-12)
+    row = dict(zip(hurst.budget(data).columns, hurst.budget(data).rows[0], strict=True))
+    assert row["bandwidth [%]"] != "does not enter"
+    assert row["for any [%]"] >= row["for this spectrum and period [%]"] > 0
