@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
+import textwrap
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -102,7 +103,8 @@ def lines_figure(
     x : str
         Coordinate or variable along the axis.
     lines : sequence of str
-        Variables to draw; their words are the legend, the words of the first are the axis.
+        Variables to draw; their words are the legend. The axis is what the words of all begin with, or else
+        those of the first.
     along : str, optional
         Second dimension; one line is drawn for each of its values.
     logarithmic : str
@@ -131,9 +133,20 @@ def lines_figure(
     if "y" in logarithmic:
         axes.set_yscale("log")
     axes.set_xlabel(_labelled(data[x], x))
-    axes.set_ylabel(_labelled(data[lines[0]], lines[0]))
+    axes.set_ylabel(_common_label(data, lines))
     axes.legend(fontsize=7)
     return figure
+
+
+def _common_label(data: xr.Dataset, lines: Sequence[str]) -> str:
+    """Words that all lines begin with, or else those of the first, wrapped to the height of a figure."""
+    each = [str(data[name].attrs.get("long_name", name)).replace(",", " ,").split() for name in lines]
+    common = [words[0] for words in itertools.takewhile(lambda w: len(set(w)) == 1, zip(*each, strict=False))]
+    words = " ".join(common).replace(" ,", ",").strip(" ,")
+    first = data[lines[0]]
+    if len(lines) == 1 or not words:
+        return textwrap.fill(_labelled(first, lines[0]), 44)
+    return _labelled(first.assign_attrs(long_name=words), lines[0])
 
 
 def _labelled(variable: xr.DataArray, name: str) -> str:

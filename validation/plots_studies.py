@@ -125,7 +125,7 @@ def error_against_cells(dataset: xr.Dataset, error: xr.DataArray) -> Figure:
         axes.plot(dataset.cells_per_patch[k], 100 * error[k], label=f"surface {k + 1}", **_plain(k))
     axes.set_xscale("log")
     axes.set_yscale("log")
-    axes.set_xlabel("cells of the patch that holds the median point of the contact area")
+    axes.set_xlabel("cells of the patch up to which half of the area lies")
     axes.set_ylabel("pixel area above the limit [%]")
     axes.legend(fontsize=8)
     return figure
