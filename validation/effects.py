@@ -51,6 +51,8 @@ _BEM_PAIRS = 80.0
 _REDUCED_PAIRS = 110.0
 #: The whole block, per unknown: assembly, active sets, export.
 _FULL_PAIRS_PER_UNKNOWN = 0.17
+#: Active sets of a block that yields over those of an elastic one: 1 to 4, by how little it can bear.
+_YIELDING_SETS = 2.0
 _SURFACE_BYTES_PER_POINT, _FIXED_BYTES = 15 * 8, 3 * 2**19
 _FULL_BYTES_PER_UNKNOWN = 4900
 
@@ -122,7 +124,8 @@ def predicted_cost(job: AnyJob, *, pair_seconds: float = 0.5e-3) -> Prediction:
         mesh = {name: settings[name] for name in ("depth", "growth") if name in settings}
         unknowns = estimate(job.grid, job.surface.length, method=method, **mesh).unknowns
         if method == "full":
-            pairs = _FIXED_PAIRS + _FULL_PAIRS_PER_UNKNOWN * unknowns
+            sets = _YIELDING_SETS if any(effect.kind == "hardness" for effect in job.effects) else 1.0
+            pairs = _FIXED_PAIRS + _FULL_PAIRS_PER_UNKNOWN * sets * unknowns
             size = _FIXED_BYTES + _FULL_BYTES_PER_UNKNOWN * unknowns
         else:
             pairs = _FIXED_PAIRS + _REDUCED_PAIRS * scale

@@ -227,7 +227,7 @@ def test_the_command_line_ends_with_an_exit_code_and_no_traceback(tmp_path, argu
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ("hardness --pressures 0.0 --grids 64,32", "reduced_pressure = 0.0: must be greater than 0"),
+        ("hardness --pressures 0.0 --grids 64,32", "pressure = 0.0: must be greater than 0"),
         ("hardness --grids ,", "at least one"),
         ("adhesion --works nan", "must be finite"),
         ("hardness --periods 0", "division by zero"),
@@ -242,6 +242,19 @@ def test_options_of_a_study_that_make_no_case_are_refused_in_words(monkeypatch, 
     words = ["study", *arguments.split(), "--dry-run"]
     with pytest.raises(UsageError, match=message):
         CliRunner().invoke(cli.app, words, catch_exceptions=False)
+
+
+@pytest.mark.parametrize("name", ["stability", "graded"])
+def test_a_dry_run_of_a_study_that_needs_no_job_computes_nothing(monkeypatch, tmp_path, name):
+    from typer.testing import CliRunner
+
+    from validation import cli
+
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(cli.app, ["study", name, "--dry-run"], catch_exceptions=False)
+    assert result.exit_code == 0
+    assert "0 of 0 solves" in result.output
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("text", ["a = " + "[" * 3000, "a = " + "9" * 5000, "a = 1\nb"])

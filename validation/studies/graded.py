@@ -43,7 +43,7 @@ def run(
     Parameters
     ----------
     bench : Bench, optional
-        Not used: nothing is solved.
+        Runs no job, as nothing is solved; one that only plans is obeyed.
     ratios : tuple of float
         Modulus far below over that of the surface; of the solid over that of the coating.
     poisson : float
@@ -66,11 +66,12 @@ def run(
     """
     import xarray as xr
 
-    del bench
     if not all(ratio > 0 and ratio != 1 for ratio in ratios):
         raise UsageError(f"--ratios = {ratios}: must be positive and not 1, which is no grading")
     if not shortest > 1 or waves < 2:
         raise UsageError(f"--shortest = {shortest!r}, --waves = {waves}: must exceed 1")
+    if bench is not None and bench.plan_only:
+        bench.solve([])
     q = np.geomspace(1 / shortest, shortest, waves)
     surface = Solid(young=1.0, poisson=poisson)
     profile, coating, grading = [], [], []

@@ -49,7 +49,7 @@ def run(*, bench: Bench | None = None, cases: tuple[str, ...] = (), slowest: flo
     Parameters
     ----------
     bench : Bench, optional
-        Not used: the cases are small, and what is studied is how a solve ends.
+        Runs no job: the cases are small, and what is studied is how a solve ends. One that only plans is obeyed.
     cases : tuple of str
         Names of cases; all if empty.
     slowest : float
@@ -67,12 +67,13 @@ def run(*, bench: Bench | None = None, cases: tuple[str, ...] = (), slowest: flo
     """
     import xarray as xr
 
-    del bench
     known = {case.name: case for case in CASES}
     for name in cases:
         if name not in known:
             raise UsageError(f"--cases = {name!r}: no such case; one of: {', '.join(known)}")
     chosen = [known[name] for name in cases] or list(CASES)
+    if bench is not None and bench.plan_only:
+        bench.solve([])
     rows = [_turned(case, value, slowest) for case in chosen for value in case.values]
     columns: dict[str, tuple[str, list[str | float], dict[str, str]]] = {
         name: ("row", [row[name] for row in rows], {"units": "", "long_name": _WORDS[name]})
