@@ -105,7 +105,7 @@ class Passes:
             self.sums.append(np.empty((nx, ny), dtype=precision))
             self.counts.append(np.empty((nx, ny), dtype=np.uint8))
         self.rows = Rows(heights.shape[0], threads=threads)
-        self.coarse_rows = Rows(self.sums[0].shape[0], threads=threads, least=32)
+        self.coarse_rows = Rows(self.sums[0].shape[0], threads=threads, least=64)
 
     @property
     def nbytes(self) -> int:

@@ -32,12 +32,12 @@ class Rows:
         Least number of rows of a block.
     """
 
-    def __init__(self, count: int, *, threads: int, least: int = 64) -> None:
+    def __init__(self, count: int, *, threads: int, least: int = 128) -> None:
         blocks = max(1, min(16, count // least))
         edges = [count * k // blocks for k in range(blocks + 1)]
         self.blocks = list(pairwise(edges))
         # A pass over a few hundred rows is done before another thread has woken up.
-        workers = min(threads, blocks // 4)
+        workers = min(threads, blocks // 2)
         edges = [blocks * k // workers for k in range(workers + 1)] if workers > 1 else [0, blocks]
         self.shares = [self.blocks[first:last] for first, last in pairwise(edges)]
         self.pool = ThreadPoolExecutor(workers - 1) if workers > 1 else None
