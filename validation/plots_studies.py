@@ -342,7 +342,8 @@ def cost_against_points(dataset: xr.Dataset, lines: Mapping[str, tuple[float, fl
             label=f"$N^{{{exponent:.2f}}}$",
         )
         axes.set_xscale("log")
-        axes.set_yscale("log")
+        if name != "fft_pairs":
+            axes.set_yscale("log")
         axes.set_xlabel("grid points N")
         axes.set_ylabel(label)
         axes.legend(fontsize=8)

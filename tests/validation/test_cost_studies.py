@@ -37,7 +37,7 @@ def costs(bench):
             bench=bench,
             surfaces=2,
             points_per_wave=(3.0, 4.0, 6.0),
-            held_out=(8.0, 12.0, 16.0),
+            held_out=(8.0, 12.0),
             fem_points_per_wave=(4.0,),
             seed=5106,
             **SMALL,
@@ -173,7 +173,7 @@ def test_scaling_finds_the_power_a_cost_follows():
     assert "a factor of 158" in text
     assert "the time measured is more than linear" in text
     # 16 GiB at 64 bytes are 2^28 points; an hour is 2.5e8 of them.
-    assert "16 GiB and an hour on one thread allow 1.6e+04 x 1.6e+04 points" in text
+    assert "16 GiB and an hour on one thread allow 16000 x 16000 points" in text
     slower = data.assign(seconds=data.seconds * 100)
     assert "(an hour ends first)" in " ".join(scaling.findings(slower))
 
@@ -239,7 +239,7 @@ def test_levels_say_whether_they_were_worth_it(bench):
     assert multilevel.table(data).rows[-1][0] == "plain, finest grid"
     cheap = data.assign(mean=("level", [mean, 0.0])).assign_attrs(finest_cost=1e-9)
     cheap = cheap.assign(cost=cheap.cost * [1e-3, 1.0])
-    assert "At this error they are not worth it." in multilevel.findings(cheap)[-1]
+    assert "at this error they are not worth it" in multilevel.findings(cheap)[-1]
     biased = data.assign(mean=("level", [0.5 * mean, 0.5 * mean]))
     assert "the levels are worth it" in multilevel.findings(biased)[-1]
     assert multilevel.figures(data)[0].name == "multilevel"

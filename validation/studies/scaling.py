@@ -245,6 +245,15 @@ def table(dataset: xr.Dataset) -> ResultTable:
     return ResultTable.of(columns, rows)
 
 
+def _round(value: float) -> int:
+    """Round to two digits.
+
+    >>> _round(18234.0)
+    18000
+    """
+    return int(float(f"{value:.2g}"))
+
+
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:
     """Return the exponents, what one more decade costs, and how many decades memory and an hour allow."""
     from validation.effects import memory_words
@@ -267,7 +276,7 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
     wave, size = float(dataset.attrs["points_per_wave"]), float(dataset.attrs["size"])
     side = np.sqrt(most[limit])
     sentences.append(
-        f"By these laws {memory_words(free)} and an hour on one thread allow {side:.2g} x {side:.2g} points ({limit} ends first): "
+        f"By these laws {memory_words(free)} and an hour on one thread allow {_round(side)} x {_round(side)} points ({limit} ends first): "
         f"{np.log10(side):.2f} decades from L to the spacing, {np.log10(side / wave):.2f} from L to the shortest wave at "
         f"{wave:g} points on it, {np.log10(side / wave / size):.2f} of roughness at L/lambda_long = {size:g}; the paper says 2 or at most 3."
     )
