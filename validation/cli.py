@@ -58,7 +58,7 @@ app.add_typer(surface_app, name="surface")
 @app.command(
     epilog="Examples: fem-contact run quickstart  |  fem-contact run mine.toml --workers 2 --store "
     "results/solves"
-    "  |  fem-contact run mine.toml --dry-run"
+    "  |  fem-contact run mine.toml --dry-run  |  fem-contact run mine.toml --accuracy 1%"
 )
 def run(
     scene: SceneArgument = "quickstart",
@@ -76,9 +76,9 @@ def run(
 ) -> None:
     """Run a scene: solve, compare, write table, fields and report.
 
-    Finished solves in the store are used again, so an interrupted run continues where it stopped. The options
-    may also stand in the table [run] of the scene. With --accuracy, grids, tolerance and number of surfaces
-    are chosen instead of read from the scene.
+    Finished solves in the store are used again, so an interrupted run continues where it stopped. Options of
+    where and how to run may also stand in the table [run] of the scene. With --accuracy, grids, tolerance and
+    number of surfaces are chosen instead of read from the scene.
     """
     from validation.effects import check_effects
     from validation.jobs import jobs_of
