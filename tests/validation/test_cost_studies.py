@@ -89,7 +89,7 @@ def test_a_peer_is_held_against_the_cheapest_way_to_its_own_error(costs):
     assert text.startswith("tamaas: pixel, 6 per wave is off by ")
     assert "after 9 s" in text
     same = 9.0 / float(costs.seconds[labels.index("BEM pixel, 6 per wave")])
-    assert f"counted on the same grid, {same:.2g} times less" in text
+    assert f"counted on the same grid, {float(f'{same:.2g}'):g} times less" in text
     assert accuracy_cost.figures(both)[0].name == "accuracy-cost"
 
 

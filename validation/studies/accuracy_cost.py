@@ -352,7 +352,8 @@ def _against_peer(dataset: xr.Dataset, code: str) -> str:
 
 
 def _times(factor: float) -> str:
-    return f"{factor:.2g} times less" if factor >= 1 else f"{1 / factor:.2g} times more"
+    size = float(f"{max(factor, 1 / factor):.2g}")
+    return f"{size:g} times {'less' if factor >= 1 else 'more'}"
 
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
