@@ -142,6 +142,11 @@ class Theory:
         """Whether the theory has an answer."""
         return bool(np.isfinite(self.area))
 
+    def summary(self) -> dict[str, Any]:
+        """Return everything as JSON-ready data, null where there is no answer."""
+        values = asdict(self)
+        return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in values.items()}
+
 
 @dataclass(frozen=True, kw_only=True)
 class Scatter:
@@ -248,7 +253,7 @@ class Comparison:
             "rows": [asdict(row) for row in self.rows],
             "fem_against_bem": [asdict(check) for check in self.cross],
             "limit": None if self.limit is None else asdict(self.limit),
-            "theory": None if self.theory is None else asdict(self.theory),
+            "theory": None if self.theory is None else self.theory.summary(),
             "scatter": None if self.scatter is None else asdict(self.scatter),
             "findings": list(self.findings),
         }
