@@ -55,12 +55,15 @@ class AdhesiveContact:
     imbalance : float
         Largest force left on a point free to move, over the strength of the law or the rms pressure,
         whichever is larger.
+    hardness : float or (nx, ny) array or None
+        The bound it was solved with [Pa].
     """
 
     contact: ContactResult
     law: GapLaw
     energy: float
     imbalance: float
+    hardness: float | Array | None = None
 
     def checked(self) -> AdhesiveContact:
         """Return this state if its solver converged, or raise `NotConverged`."""
@@ -171,7 +174,7 @@ def solve(
 
 
 def stability(state: AdhesiveContact, response: Response, *, steps: int = 80, seed: int = 7) -> Stability:
-    """Measure the least curvature of the energy at a state held at its offset.
+    """Measure the least curvature of the energy at a state held at its offset, or load where it may yield.
 
     Parameters
     ----------
@@ -184,10 +187,17 @@ def stability(state: AdhesiveContact, response: Response, *, steps: int = 80, se
         Of the random vector they start from.
     """
     contact = state.contact
-    land = Landscape(contact.heights, response=response, lengths=contact.lengths, law=state.law)
-    value, uncertainty = least_curvature(
-        land, Point(offset=contact.offset), contact.gap, steps=steps, seed=seed
+    land = Landscape(
+        contact.heights,
+        response=response,
+        lengths=contact.lengths,
+        law=state.law,
+        hardness=state.hardness,
     )
+    held = (
+        Point(offset=contact.offset) if state.hardness is None else Point(mean_pressure=contact.mean_pressure)
+    )
+    value, uncertainty = least_curvature(land, held, contact.gap, steps=steps, seed=seed)
     return Stability(curvature=value, uncertainty=uncertainty)
 
 
@@ -337,7 +347,11 @@ class AdhesionProblem:
             },
         )
         return AdhesiveContact(
-            contact=contact, law=self.law, energy=minimum.energy, imbalance=minimum.imbalance
+            contact=contact,
+            law=self.law,
+            energy=minimum.energy,
+            imbalance=minimum.imbalance,
+            hardness=self.land.hardness,
         )
 
 

@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact.area import EDGE_CONSTANTS, ContactAreas, Limit, contact_areas, limit_area
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.extrapolation import located_limit
-from fem_contact.solid import Solid
 from fem_contact.stress import density_at_zero
-from fem_contact.surface import HeightField, resolves
-from persson import elastic
+from fem_contact.surface import resolves
 from validation.errors import RunFailed
 from validation.jobs import Job, jobs_of, nominal_pressure
-from validation.scene import FileSurface, Scene, SelfAffineSurface
+from validation.scene import FileSurface, Scene
+from validation.scene_theory import Theory, theory_of
 from validation.store import Store
 from validation.surfaces import (
     measured_spectrum,
@@ -32,8 +30,7 @@ from validation.surfaces import (
 )
 
 if TYPE_CHECKING:
-    from persson.spectrum import SelfAffine
-    from persson.tabulated import Tabulated
+    pass
 
 __all__ = ["Comparison", "CrossCheck", "Row", "Scatter", "Theory", "compare", "edge_constant"]
 
@@ -107,40 +104,6 @@ class CrossCheck:
     pressure: float
     pixel: float
     perimeter: float
-
-
-@dataclass(frozen=True, kw_only=True)
-class Theory:
-    """Persson's theory for the scene.
-
-    Attributes
-    ----------
-    area : float
-        A/A0 conditional on the realised gradient of this surface.
-    ensemble_area : float or None
-        A/A0 from C(q) alone; None for a surface read from a file.
-    stress_variance : float
-        V [Pa^2] of the realised surface at full contact.
-    plastic : float or None
-        A_pl/A0 with a hardness.
-    other : float or None
-        A/A0 with the other reading of the elastic energy (Eq. 43), with adhesion.
-    note : str
-        Which part of the theory, where it is not that of elastic contact without adhesion; or why `area` is
-        NaN.
-    """
-
-    area: float
-    ensemble_area: float | None
-    stress_variance: float
-    plastic: float | None = None
-    other: float | None = None
-    note: str = ""
-
-    @property
-    def answers(self) -> bool:
-        """Whether the theory has an answer."""
-        return bool(np.isfinite(self.area))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -248,7 +211,7 @@ class Comparison:
             "rows": [asdict(row) for row in self.rows],
             "fem_against_bem": [asdict(check) for check in self.cross],
             "limit": None if self.limit is None else asdict(self.limit),
-            "theory": None if self.theory is None else asdict(self.theory),
+            "theory": None if self.theory is None else self.theory.summary(),
             "scatter": None if self.scatter is None else asdict(self.scatter),
             "findings": list(self.findings),
         }
@@ -302,7 +265,7 @@ def compare(scene: Scene, store: Store) -> Comparison:
         rows=rows,
         cross=_cross_checks(results, scene),
         limit=_limit(results, scene, rows),
-        theory=_theory(scene, field, pressure, modulus),
+        theory=theory_of(scene, field, pressure, modulus),
         scatter=_scatter(results, scene, modulus),
     )
 
@@ -420,80 +383,6 @@ def _limit_over(areas: Sequence[ContactAreas]) -> Limit | None:
     return limit_area(areas) if len(areas) >= 3 else None
 
 
-def _theory(scene: Scene, field: HeightField, pressure: float, modulus: float) -> Theory | None:
-    if scene.methods.theory is None:
-        return None
-    variance = float(elastic.stress_variance(field.moments[1], contact_modulus=modulus))
-    felt = None
-    if scene.effects:
-        from validation.slots import theory_modulus, theory_variance
-
-        felt = theory_modulus(Solid(**scene.solid.model_dump()), scene.effects)
-        variance = variance if felt is None else theory_variance(field, felt)
-    ensemble = None
-    spectrum: SelfAffine | Tabulated | None = None
-    if isinstance(scene.surface, SelfAffineSurface):
-        spectrum = spectrum_of(scene.surface)
-    elif scene.surface.edges in ("tukey", "hann"):
-        spectrum = measured_spectrum(scene.surface)
-    if any(effect.kind in ("hardness", "adhesion") for effect in scene.effects):
-        return _theory_of_effects(
-            scene, field, pressure, modulus=felt or modulus, variance=variance, spectrum=spectrum
-        )
-    if spectrum is not None:
-        from_spectrum = _spectral_variance(spectrum, felt or modulus)
-        ensemble = float(elastic.contact_area(pressure, stress_variance=from_spectrum))
-    return Theory(
-        area=float(elastic.contact_area(pressure, stress_variance=variance)),
-        ensemble_area=ensemble,
-        stress_variance=variance,
-    )
-
-
-def _theory_of_effects(
-    scene: Scene,
-    field: HeightField,
-    pressure: float,
-    *,
-    modulus: float | Callable[[Any], NDArray[np.float64]],
-    variance: float,
-    spectrum: SelfAffine | Tabulated | None,
-) -> Theory:
-    """Theory of a scene that yields or adheres, with the realised gradient and from C(q) alone."""
-    from validation.effect_theory import predicted
-
-    ensemble = None
-    if spectrum is not None:
-        alone = _spectral_variance(spectrum, modulus)
-        found = predicted(scene.effects, pressure, variance=alone, spectrum=spectrum, modulus=modulus)
-        ensemble = found.area if np.isfinite(found.area) else None
-    elif isinstance(scene.surface, FileSurface):
-        spectrum = measured_spectrum(scene.surface)
-    assert spectrum is not None
-    own = spectrum.scaled(float(field.rms_gradient**2 / spectrum.m2()))
-    found = predicted(scene.effects, pressure, variance=variance, spectrum=own, modulus=modulus)
-    return Theory(
-        area=found.area,
-        ensemble_area=ensemble,
-        stress_variance=variance,
-        plastic=found.plastic,
-        other=found.other,
-        note=found.note,
-    )
-
-
-def _spectral_variance(
-    spectrum: SelfAffine | Tabulated, modulus: float | Callable[[Any], NDArray[np.float64]]
-) -> float:
-    """Full-contact stress variance of C(q) [Pa^2], on a solid whose modulus may depend on the wave."""
-    if not callable(modulus):
-        return float(elastic.stress_variance(spectrum.m2(), contact_modulus=modulus))
-    from persson.scale import Scale
-
-    scale = Scale(spectrum, contact_modulus=modulus)
-    return float(scale.variance(scale.q_short))
-
-
 def _scatter(results: dict[Job, ContactResult], scene: Scene, modulus: float) -> Scatter | None:
     if scene.ensemble is None:
         return None
@@ -512,7 +401,7 @@ def _scatter(results: dict[Job, ContactResult], scene: Scene, modulus: float) ->
             return None
         field = reference_field(scene.surface, realisation=k)
         pressure = nominal_pressure(scene.load, scene.solid, field)
-        theory = _theory(scene, field, pressure, modulus)
+        theory = theory_of(scene, field, pressure, modulus)
         areas.append(limit.value)
         ratios.append(limit.value / theory.area if theory is not None and theory.answers else limit.value)
         errors.append(limit.uncertainty / limit.value)

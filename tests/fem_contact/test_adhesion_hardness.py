@@ -94,6 +94,7 @@ def test_the_state_is_lower_in_energy_than_its_perturbed_neighbours():
     for size in (1e-3, 1e-2, 0.1):
         noise = size * state.law.reach * rng.standard_normal(contact.gap.shape)
         assert potential(contact.gap + noise) > least
+    assert adhesion.stability(state, HALF).is_minimum
 
 
 def test_other_units_of_length_and_pressure_change_no_bit():

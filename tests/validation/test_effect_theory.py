@@ -1,5 +1,6 @@
 """Theory and simulation side by side for scenes that yield or adhere."""
 
+import json
 import math
 
 import numpy as np
@@ -8,7 +9,7 @@ import pytest
 from persson import elastic
 from persson.hardness import constant_hardness
 from persson.spectrum import SelfAffine
-from validation.comparison import compare
+from validation.comparison import Theory, compare
 from validation.effect_tables import Adhesion, HardnessEffect
 from validation.effect_theory import predicted
 from validation.figure_data import pressure_at_zero_data
@@ -55,6 +56,10 @@ def test_where_the_theory_has_no_answer_the_reason_is_kept():
     found = areas(hard(LOAD / 2))
     assert math.isnan(found.area)
     assert found.note.startswith("no answer: pressure = ")
+    theory = Theory(area=found.area, ensemble_area=None, stress_variance=VARIANCE, note=found.note)
+    assert not theory.answers
+    # JSON has no NaN.
+    assert json.loads(json.dumps(theory.summary(), allow_nan=False))["area"] is None
 
 
 def test_a_scene_that_yields_is_set_beside_its_theory(write_scene, tmp_path):
