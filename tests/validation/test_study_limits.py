@@ -6,6 +6,10 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from fem_contact import bem
+from fem_contact.area import contact_areas
+from fem_contact.response import HalfSpace
+from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from persson.elastic import contact_area, stress_variance
 from persson.scale import Scale
@@ -16,6 +20,7 @@ from validation.studies import hurst, pressure, stress_near_zero, theory_verdict
 from validation.studies._budget import Budget, budget_table, grid_drift, grid_share
 from validation.studies._common import base_surface
 from validation.studies._distributions import Distributions
+from validation.studies._edge import inverse_square_coefficient, window_slope
 from validation.studies._ladders import bandwidth_order, rungs_limit
 from validation.studies._load_independence import distance_to_reference
 from validation.studies._theory import ensemble_area, modes_sentence
@@ -176,6 +181,52 @@ def test_a_distribution_that_does_not_change_is_not_told_from_itself():
     other = distance_to_reference(moved, 0)
     assert other.low[2] > other.noise[2]
     assert other.low[2] <= other.value[2] <= other.high[2]
+
+
+@pytest.fixture(scope="module")
+def hertzian():
+    """One paraboloid of radius 1 in a period of 1, contact radius .1, on two grids, each thrice shifted."""
+    response = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
+    found = {}
+    for n in (96, 192):
+        for shift in np.random.default_rng(13).random((3, 2)):
+            x, y = ((np.arange(n) + part) / n - 0.5 for part in shift)
+            field = HeightField(heights=-(x[:, None] ** 2 + y[None, :] ** 2) / 2, lengths=(1.0, 1.0))
+            result = bem.solve(field, response, mean_pressure=4 / 3 * 0.1**3, threads=1).checked()
+            found.setdefault(n, []).append(result)
+    return found
+
+
+def slope_in_window(result, reach: float) -> float:
+    """Slope over that of Hertz, pi^3/2, from a window of `reach` pressures at one cell from the edge."""
+    areas = contact_areas(result)
+    radius = np.sqrt(areas.perimeter / np.pi)
+    window = reach * 2 * radius / np.pi * np.sqrt(2 / radius * result.spacing[0])
+    pressure = np.asarray(result.pressure)[np.asarray(result.in_contact)]
+    below = np.count_nonzero(pressure < window) / result.pressure.size
+    return window_slope(below, excess=areas.pixel - areas.perimeter, window=window) / (np.pi**3 / 2)
+
+
+def test_a_window_beyond_the_first_cell_sees_the_slope_of_a_hertzian_contact(hertzian):
+    for results in hertzian.values():
+        # Where its edges fall scatters a contact by .2 cells times the root of their number: 3 of the 170 cells in
+        # the window, a mean of three by 1 %; places of the window's own end do the same. Three times that.
+        for reach in (1.2, 2.0):
+            assert np.mean([slope_in_window(r, reach) for r in results]) == pytest.approx(1.0, abs=0.05)
+
+
+def test_the_slope_from_the_contour_tends_to_that_of_a_hertzian_contact_in_first_order(hertzian):
+    coarse, fine = (
+        np.mean(
+            [2 * np.pi / 4 * contact_areas(r).edge_length * inverse_square_coefficient(r) for r in results]
+        )
+        / (np.pi**3 / 2)
+        - 1
+        for results in hertzian.values()
+    )
+    # p^2 = p_m^2 (2 s/a - s^2/a^2): read at 1.5 to 4 cells, 1/B^2 is too large by some 1.4 cells over a.
+    assert fine == pytest.approx(1.4 / 19.2, abs=0.04)
+    assert coarse / fine == pytest.approx(2.0, abs=0.7)
 
 
 def synthetic_edge(*, value: float, slope: float, bend: float) -> xr.Dataset:
