@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -25,6 +27,7 @@ from validation.studies._ladders import bandwidth_order, rungs_limit
 from validation.studies._load_independence import distance_to_reference
 from validation.studies._theory import ensemble_area, modes_sentence
 from validation.studies._theory_energy import VARIANTS, WITH_ENERGY, Waves
+from validation.study_report import report_study
 from validation.surfaces import reference_field, spectrum_of
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)
@@ -209,8 +212,8 @@ def slope_in_window(result, reach: float) -> float:
 
 def test_a_window_beyond_the_first_cell_sees_the_slope_of_a_hertzian_contact(hertzian):
     for results in hertzian.values():
-        # Where its edges fall scatters a contact by .2 cells times the root of their number: 3 of the 170 cells in
-        # the window, a mean of three by 1 %; places of the window's own end do the same. Three times that.
+        # Where its edges fall scatters a contact by .2 cells times the root of their number, 3 of the 170
+        # cells in the window: a mean of three by 1 %, and the window's own end likewise. Thrice that.
         for reach in (1.2, 2.0):
             assert np.mean([slope_in_window(r, reach) for r in results]) == pytest.approx(1.0, abs=0.05)
 
@@ -297,6 +300,17 @@ def test_every_quantity_of_the_theory_is_scored_and_full_contact_is_exact(scored
     energy = next(row for row in rows if row[0] == "elastic energy")
     assert energy[2 + list(VARIANTS).index("xu")] == "says nothing"
     assert len(theory_verdict.budget(scored).rows) == 4
+
+
+def test_a_report_lists_what_is_uncertain_and_writes_it_as_csv(scored, tmp_path):
+    said = {"format": "fem-contact study 1", "study": "theory-verdict", "options": {"seed": 2006}}
+    (tmp_path / "study.json").write_text(json.dumps(said))
+    scored.to_netcdf(tmp_path / "data.nc", engine="netcdf4")
+    report_study(tmp_path)
+    page = (tmp_path / "report.html").read_text()
+    assert "What is uncertain" in page
+    assert "does not enter" in page
+    assert (tmp_path / "budget.csv").read_text().startswith("number,value,grid [%],solver [%],surfaces [%]")
 
 
 def test_a_range_is_judged_by_what_is_decided_in_it():
