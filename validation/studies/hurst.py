@@ -269,7 +269,11 @@ def budget(dataset: xr.Dataset) -> ResultTable:
             steps = {"size": 1 / float(dataset.attrs["size"]), "bandwidth": 1 / float(dataset.ratio[i])}
             size, band = (spectral_share(dataset, k, hurst=hurst, step=s) for k, s in steps.items())
             shares |= {"finite size": size, "bandwidth": band}
-        name = f"kappa, H = {float(dataset.hurst[i]):g}, {dataset.family.values[i]}, p* = {float(dataset.reduced_pressure[j]):g}"
+        load = float(dataset.reduced_pressure[j])
+        name = f"kappa, H = {float(dataset.hurst[i]):g}, {dataset.family.values[i]}, p* = {load:g}"
+        measured_at = float(dataset.attrs["ladder_pressure"])
+        if "bandwidth" in shares and load != measured_at:
+            name += f" (spectrum: as at {measured_at:g})"
         budgets.append(Budget(quantity=name, value=estimate.value, shares=shares))
     return budget_table(budgets)
 
