@@ -105,7 +105,7 @@ class Ladders:
         for kind in LADDERS:
             steps = [1 / step for step in (self.ratios if kind == "bandwidth" else self.sizes)]
             rows = [self._rows(kind, hurst, steps, values, errors) for hurst in self.hursts]
-            for name in rows[0] if rows else ():
+            for name in rows[0]:
                 dims = ("ladder", f"{kind}_rung") if name in ("kappa", "half_width") else ("ladder",)
                 data[f"{kind}_{name}"] = (dims, np.array([row[name] for row in rows]))
         nayak = [[self._nayak(hurst, ratio) for ratio in self.ratios] for hurst in self.hursts]

@@ -149,7 +149,7 @@ def run(
         **common,
     )
     measured = measure(bench, [*cases, strict, *ladders.cases])
-    main, limits = measured[: len(cases)], ladders.dataset(measured[len(cases) + 1 :])
+    main = measured[: len(cases)]
     data = _kappas(main, surfaces, shape=(len(spectra), 2 * pairs, len(reduced_pressures)))
     data = data.assign_coords(
         hurst=("spectrum", [hurst for hurst, _, _ in spectra]),
@@ -158,7 +158,9 @@ def run(
         points_per_wave=("grid", list(points_per_wave), {"long_name": "lambda_short / dx"}),
     )
     data["solver_error"] = solver_error(main[0], measured[len(cases)])
-    return data.merge(limits).assign_attrs(
+    if ladders.hursts:
+        data = data.merge(ladders.dataset(measured[len(cases) + 1 :]))
+    return data.assign_attrs(
         study="hurst",
         size=size,
         ladder_pressure=ladder_pressure,
@@ -262,12 +264,16 @@ def budget(dataset: xr.Dataset) -> ResultTable:
             "solver": solver,
             "surfaces": estimate.half_width / estimate.value,
         }
-        if dataset.sizes["ladder"]:
+        if dataset.sizes.get("ladder", 0):
             hurst = float(dataset.hurst[i])
             steps = {"size": 1 / float(dataset.attrs["size"]), "bandwidth": 1 / float(dataset.ratio[i])}
             size, band = (spectral_share(dataset, k, hurst=hurst, step=s) for k, s in steps.items())
             shares |= {"finite size": size, "bandwidth": band}
-        name = f"kappa, H = {float(dataset.hurst[i]):g}, {dataset.family.values[i]}, p* = {float(dataset.reduced_pressure[j]):g}"
+        load = float(dataset.reduced_pressure[j])
+        name = f"kappa, H = {float(dataset.hurst[i]):g}, {dataset.family.values[i]}, p* = {load:g}"
+        measured_at = float(dataset.attrs["ladder_pressure"])
+        if "bandwidth" in shares and load != measured_at:
+            name += f" (spectrum: as at {measured_at:g})"
         budgets.append(Budget(quantity=name, value=estimate.value, shares=shares))
     return budget_table(budgets)
 
@@ -331,10 +337,10 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
     sentences.append(
         modes_sentence(np.broadcast_to(theory, dataset.kappa_ensemble.shape), dataset.kappa_ensemble)
     )
-    if dataset.sizes["ladder"] > 1:
+    if dataset.sizes.get("ladder", 0) > 1:
         sentences.append(_alpha_sentence(dataset))
     for kind in LADDERS:
-        sentences += [_ladder_sentence(dataset, kind, k) for k in range(dataset.sizes["ladder"])]
+        sentences += [_ladder_sentence(dataset, kind, k) for k in range(dataset.sizes.get("ladder", 0))]
     return tuple(sentences)
 
 
@@ -441,9 +447,10 @@ def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
             caption="The same kappa against the realised Nayak parameter; colours are loads, markers are families of spectra.",
         ),
     ]
-    if dataset.sizes["ladder"]:
+    if dataset.sizes.get("ladder", 0):
         lines = {
-            kind: [rungs_of(dataset, kind, k) for k in range(dataset.sizes["ladder"])] for kind in LADDERS
+            kind: [rungs_of(dataset, kind, k) for k in range(dataset.sizes.get("ladder", 0))]
+            for kind in LADDERS
         }
         names = [f"{kind}_{what}" for kind in LADDERS for what in ("kappa", "half_width", "limit")]
         drawn.append(

@@ -22,7 +22,7 @@ from validation.studies._common import (
     rising,
     solid_of,
 )
-from validation.studies._edge import EdgeMeasurement
+from validation.studies._edge import EdgeMeasurement, window_slope
 from validation.studies._measurement import grid_for
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ def run(
     surfaces: int = 6,
     points_per_wave: tuple[float, ...] = (16.0, 24.0, 32.0, 48.0, 64.0, 96.0, 128.0),
     window: float = 0.4,
+    slope_window: float = 1.2,
     seed: int = 2006,
 ) -> xr.Dataset:
     """Measure the density of small pressures on grids fine enough to see the edge.
@@ -65,6 +66,8 @@ def run(
     window : float
         eps of the density P(sigma < eps)/eps, in units of E* h'_rms sqrt(dx/lambda_short): it closes with the grid, since a
         window of fixed width would tend to its slope times half its width and not to P(0+).
+    slope_window : float
+        The same for the slope. It must end beyond the first cell inside the edge, where the continuum begins.
     seed : int
         Of the first surface.
 
@@ -96,12 +99,13 @@ def run(
         np.array([surface.lambda_short / surface.length[0] * job.points for job in jobs[: shape[1]]]) ** -1
     )
     below, slope = [], []
-    for data, eps in zip(measured, np.tile(window * np.sqrt(spacing), surfaces), strict=True):
+    for data, root in zip(measured, np.tile(np.sqrt(spacing), surfaces), strict=True):
         share = np.concatenate([[0], np.cumsum(data.density.values) * step])
-        inside = float(np.interp(eps, np.concatenate([[0], data.upper.values]), share))
-        below.append(inside / eps)
-        # The area that counting adds at the edge lies at pressures below the window, and its size is known.
-        slope.append(2 * (inside - float(data.excess)) / eps**2)
+        upper = np.concatenate([[0], data.upper.values])
+        ends = window * root, slope_window * root
+        inside = np.interp(ends, upper, share)
+        below.append(float(inside[0]) / ends[0])
+        slope.append(window_slope(float(inside[1]), excess=float(data.excess), window=ends[1]))
     contour = np.array([2 * float(d.contour * d.inverse_square) for d in measured]).reshape(shape)
     return xr.Dataset(
         {
@@ -123,6 +127,7 @@ def run(
             "reduced_pressure": reduced_pressure,
             "persson_slope": _persson_slope(reduced_pressure),
             "window": window,
+            "slope_window": slope_window,
             "surfaces": surfaces,
         },
     )

@@ -136,6 +136,8 @@ def run(
     )
     if edge:
         found = found.merge(_edge_scores(stress_near_zero.run(**common)), combine_attrs="override")  # type: ignore[arg-type]
+    if not ladder_pressures:
+        return found
     spectral = np.empty((len(ladder_pressures), 2))
     for k, load in enumerate(ladder_pressures):
         ladders = usual_ladders(
@@ -367,7 +369,7 @@ def budget(dataset: xr.Dataset) -> ResultTable:
         shares = dict(zip(dataset.source.values.tolist(), dataset.shares.values[j].tolist(), strict=True))
         shares["solver"] = float(dataset.solver_error)
         words = f"A/A_Persson, p* = {load:g}"
-        if dataset.sizes["ladder_load"]:
+        if dataset.sizes.get("ladder_load", 0):
             near = int(np.argmin(np.abs(np.log(dataset.ladder_load.values / load))))
             shares |= dict(
                 zip(
