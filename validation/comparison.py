@@ -19,7 +19,7 @@ from fem_contact.surface import resolves
 from validation.errors import RunFailed
 from validation.jobs import Job, jobs_of, nominal_pressure
 from validation.scene import FileSurface, Scene
-from validation.scene_theory import Theory, theory_of
+from validation.scene_theory import Theory, json_ready, theory_of
 from validation.store import Store
 from validation.surfaces import (
     measured_spectrum,
@@ -201,14 +201,16 @@ class Comparison:
             "pressure_Pa": self.pressure,
             "reduced_pressure": self.reduced_pressure,
             "contact_modulus_Pa": self.contact_modulus,
-            "realised": {
-                "rms_height_m": self.rms_height,
-                "rms_gradient": self.rms_gradient,
-                "nayak": self.nayak,
-            },
+            "realised": json_ready(
+                {
+                    "rms_height_m": self.rms_height,
+                    "rms_gradient": self.rms_gradient,
+                    "nayak": self.nayak,
+                }
+            ),
             "continuum": self.continuum,
             "treatment": list(self.treatment),
-            "rows": [asdict(row) for row in self.rows],
+            "rows": [json_ready(asdict(row)) for row in self.rows],
             "fem_against_bem": [asdict(check) for check in self.cross],
             "limit": None if self.limit is None else asdict(self.limit),
             "theory": None if self.theory is None else self.theory.summary(),
@@ -327,9 +329,12 @@ def _plastic(scene: Scene, results: Sequence[ContactResult]) -> float | None:
 
 def _reduced_density(result: ContactResult) -> float:
     try:
-        return density_at_zero(result).reduced
+        found = density_at_zero(result)
     except InvalidInput:  # a flat surface has no scale of pressure
         return float("nan")
+    # A window that reaches up to the hardness sees what has yielded.
+    reached = np.any(result.at_bound & (result.pressure < found.threshold))
+    return float("nan") if reached else found.reduced
 
 
 def _resolved(scene: Scene, grid: tuple[int, int]) -> bool:

@@ -19,7 +19,16 @@ if TYPE_CHECKING:
     from persson.spectrum import SelfAffine
     from persson.tabulated import Tabulated
 
-__all__ = ["Theory", "theory_of"]
+__all__ = ["Theory", "json_ready", "theory_of"]
+
+
+def json_ready(values: dict[str, Any]) -> dict[str, Any]:
+    """Return values with None for NaN, which JSON does not know.
+
+    >>> json_ready({"area": float("nan"), "grid": (2, 3)})
+    {'area': None, 'grid': (2, 3)}
+    """
+    return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in values.items()}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,8 +66,7 @@ class Theory:
 
     def summary(self) -> dict[str, Any]:
         """Return everything as JSON-ready data, null where there is no answer."""
-        values = asdict(self)
-        return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in values.items()}
+        return json_ready(asdict(self))
 
 
 def theory_of(scene: Scene, field: HeightField, pressure: float, modulus: float) -> Theory | None:
