@@ -30,7 +30,7 @@ _AREAS = ("pixel", "perimeter", "subcell")
 _ELEMENTS = ("Hex1", "Hex2")
 
 #: Of the solver: its error of the area is a tenth to a half of that, far below all that is to be told apart.
-_TOLERANCE = 1e-5
+_TOLERANCE, _FINE_TOLERANCE = 1e-5, 1e-8
 
 
 def run(
@@ -90,49 +90,19 @@ def run(
     at_least("surfaces", surfaces, 2)
     points_per_wave, held_out = ladder("points_per_wave", points_per_wave), ladder("held_out", held_out)
     surface, solid = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed), solid_of(scene)
-    common: dict[str, Any] = {"surface": surface, "solid": solid}
     codes = installed_peers() if peer_points_per_wave else ()
-    jobs: dict[str, list[NumbersJob]] = {
-        "coarse": [
-            Measurement(
-                realisation=k,
-                reduced_pressures=(reduced_pressure,),
-                grids=tuple(grid_for(surface, n) for n in points_per_wave),
-                tolerance=_TOLERANCE,
-                **common,
-            )
-            for k in range(surfaces)
-        ],
-        "fine": [
-            Measurement(
-                realisation=k,
-                reduced_pressures=(reduced_pressure,),
-                grids=tuple(grid_for(surface, n) for n in held_out),
-                **common,
-            )
-            for k in range(surfaces)
-        ],
-        "fem": [
-            BlockMeasurement(
-                realisation=k,
-                reduced_pressure=reduced_pressure,
-                points=grid_for(surface, n)[0],
-                element=element,
-                **common,
-            )
-            for element, n, k in itertools.product(_ELEMENTS, fem_points_per_wave, range(surfaces))
-        ],
-        "peers": [
-            PeerMeasurement(
-                code=code,
-                realisation=k,
-                reduced_pressure=reduced_pressure,
-                points=grid_for(surface, n)[0],
-                **common,
-            )
-            for code, n, k in itertools.product(codes, peer_points_per_wave, range(surfaces))
-        ],
-    }
+    jobs = _jobs(
+        {"surface": surface, "solid": solid},
+        reduced_pressure=reduced_pressure,
+        surfaces=surfaces,
+        grids={
+            "coarse": points_per_wave,
+            "fine": held_out,
+            "fem": fem_points_per_wave,
+            "peers": peer_points_per_wave,
+        },
+        codes=codes,
+    )
     results = iter(measure(bench, [job for part in jobs.values() for job in part]))
     found = {name: list(itertools.islice(results, len(part))) for name, part in jobs.items()}
     limits = [area_limits(data) for data in found["fine"]]
@@ -176,6 +146,41 @@ def run(
             "methods": "bem fem perimeter",
         },
     )
+
+
+def _jobs(
+    common: dict[str, Any],
+    *,
+    reduced_pressure: float,
+    surfaces: int,
+    grids: dict[str, tuple[float, ...]],
+    codes: Sequence[str],
+) -> dict[str, list[NumbersJob]]:
+    """List the jobs of each part: those of a name or element come together, then those of a grid."""
+    points = {part: tuple(grid_for(common["surface"], n) for n in some) for part, some in grids.items()}
+    jobs: dict[str, list[NumbersJob]] = {
+        part: [
+            Measurement(
+                realisation=k,
+                reduced_pressures=(reduced_pressure,),
+                grids=points[part],
+                tolerance=tolerance,
+                **common,
+            )
+            for k in range(surfaces)
+        ]
+        for part, tolerance in (("coarse", _TOLERANCE), ("fine", _FINE_TOLERANCE))
+    }
+    single: dict[str, Any] = {"reduced_pressure": reduced_pressure, **common}
+    jobs["fem"] = [
+        BlockMeasurement(realisation=k, points=grid[0], element=element, **single)
+        for element, grid, k in itertools.product(_ELEMENTS, points["fem"], range(surfaces))
+    ]
+    jobs["peers"] = [
+        PeerMeasurement(realisation=k, points=grid[0], code=code, **single)
+        for code, grid, k in itertools.product(codes, points["peers"], range(surfaces))
+    ]
+    return jobs
 
 
 @dataclass(frozen=True, kw_only=True)
