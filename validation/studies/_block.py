@@ -44,6 +44,8 @@ class BlockMeasurement(NumbersJob):
         In periods.
     growth : float
         Of the layers with depth.
+    tolerance : float, optional
+        Of the finite-element solve, if not its own.
     """
 
     surface: SelfAffineSurface
@@ -55,13 +57,15 @@ class BlockMeasurement(NumbersJob):
     element: str = "Hex1"
     depth: float = 1.0
     growth: float = 1.2
+    tolerance: float | None = None
 
     @property
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
         surface = self.surface.model_dump(mode="json")
         surface["seed"] = self.surface.seed + self.realisation
-        return {
+        said = {} if self.tolerance is None else {"tolerance": self.tolerance}
+        return said | {
             "surface": surface,
             "solid": self.solid.model_dump(mode="json"),
             "reduced_pressure": self.reduced_pressure,
@@ -106,6 +110,7 @@ class BlockMeasurement(NumbersJob):
         pressure = self.reduced_pressure * solid.contact_modulus * whole.rms_gradient
         field = height_field(self.surface, (self.points, self.points), realisation=self.realisation)
         depth = self.depth * max(self.surface.length)
+        settings: dict[str, Any] = {} if self.tolerance is None else {"tolerance": self.tolerance}
         fem = block.solve(
             field,
             solid,
@@ -114,6 +119,7 @@ class BlockMeasurement(NumbersJob):
             element=self.element,
             depth=depth,
             growth=self.growth,
+            **settings,
         ).contact.checked()
         half = bem.solve(field, HalfSpace(solid=solid), mean_pressure=pressure, threads=1).checked()
         layer = bem.solve(

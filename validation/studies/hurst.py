@@ -438,7 +438,7 @@ def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
             name="kappa-against-hurst",
             figure=plots_limits.kappa_against_hurst(dataset, limits, variants),
             data=dataset[["kappa", "kappa_pixel", "kappa_ensemble"]],
-            caption="kappa against the Hurst exponent at each load: filled, limit over grids with 95 % intervals over pairs of surfaces; open, points counted on the finest and the coarsest grid; lines, theory conditional on the realised gradient, its variants, and (thin, dashed) from C(q) alone; grey and cross, literature.",
+            caption="kappa against the Hurst exponent at each load: filled, limit over grids with 95 % intervals over pairs of surfaces; open, points counted on the finest and the coarsest grid; lines, theory conditional on the realised gradient, its variants, and (thin, dashed) from C(q) alone; grey and cross, literature (light load).",
         ),
         Drawing(
             name="kappa-against-nayak",

@@ -62,6 +62,8 @@ def run(
 ) -> xr.Dataset:
     """Score the theory and its variants on the cases of the studies `pressure` and `stress-near-zero`.
 
+    The cases run in stages, study by study: a dry run lists those of the first.
+
     Parameters
     ----------
     scene : Scene, optional
