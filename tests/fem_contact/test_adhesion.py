@@ -171,6 +171,7 @@ def test_curvature_falls_to_zero_where_the_surfaces_snap():
     assert near_curvature.curvature < 0.3 * far_curvature.curvature
 
 
+@pytest.mark.slow
 def test_energy_lost_in_a_cycle_is_the_area_of_its_loop():
     surface, law = sticky_tips()
     top = float(surface.heights.max())

@@ -73,6 +73,7 @@ def test_hardness_that_rises_gives_the_reference_areas():
     )
 
 
+@pytest.mark.slow
 def test_sine_expansion_and_galerkin_agree_between_moving_walls():
     """Two methods on one problem.
 

@@ -125,6 +125,7 @@ def test_capillary_waves_scale_with_the_thermal_length():
     assert two.moments().rms_height == one.moments().rms_height * s
 
 
+@pytest.mark.slow
 def test_critical_roughness_does_not_depend_on_where_it_starts():
     from persson.adhesion import Interface
 
