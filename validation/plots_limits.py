@@ -46,7 +46,9 @@ def kappa_against_hurst(
 ) -> Figure:
     """Kappa against H, one panel for each load: limit, raw counts, theory and its variants, literature."""
     loads = dataset.reduced_pressure.values
-    figure, panels = new_figure(width=2.9 * loads.size + 1, height=4.6, columns=loads.size)
+    # The legend below takes two columns of words at least, and more rows the fewer columns there are.
+    columns = max(2, loads.size)
+    figure, panels = new_figure(width=2.9 * columns + 1, height=4.2 + 1.6 / columns, columns=loads.size)
     rows = [int(i) for i in np.flatnonzero(dataset.family.values == dataset.family.values[0])]
     rows.sort(key=lambda i: float(dataset.hurst[i]))
     hurst = dataset.hurst.values[rows]
@@ -79,9 +81,7 @@ def kappa_against_hurst(
         axes.set_ylim(1.35, top)
     panels[0].set_ylabel(r"$\kappa = (A/A_0)\,/\,p^*$")
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(
-        handles, labels, fontsize=7, ncols=max(2, loads.size), loc="outside lower center", frameon=False
-    )
+    figure.legend(handles, labels, fontsize=7, ncols=columns, loc="outside lower center", frameon=False)
     return figure
 
 
