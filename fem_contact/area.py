@@ -174,6 +174,8 @@ class Limit:
         Number of areas that went into the fit.
     definition : str
         Which area was extrapolated: "pixel" or "subcell".
+    doubt : str
+        Why there is no limit, in words, with NaN as its value and uncertainty; empty where there is one.
     """
 
     value: float
@@ -181,6 +183,12 @@ class Limit:
     edge_constant: float
     grids: int
     definition: str = "pixel"
+    doubt: str = ""
+
+    @property
+    def determinable(self) -> bool:
+        """Whether there is a limit."""
+        return not self.doubt
 
 
 def limit_area(

@@ -121,7 +121,7 @@ class Search:
             tried.add(ladder.grids)
             (areas,) = self._solved(ladder)
             limit = located_limit(areas)
-            error = 2 * limit.uncertainty / limit.value + self.tolerance if limit.value > 0 else np.inf
+            error = 2 * limit.uncertainty / limit.value + self.tolerance if limit.determinable else np.inf
             known = min(areas, key=lambda area: area.spacing)
             # Where grids disagree by more than the law allows, they will again.
             self.doubt = max(self.doubt, _SPARE * error / ladder.error) if np.isfinite(error) else self.doubt
@@ -134,6 +134,12 @@ class Search:
         while True:
             solved = self._solved(ladder, realisations=range(surfaces))
             limits = [located_limit(areas) for areas in solved]
+            for k, limit in enumerate(limits):
+                if not limit.determinable:
+                    raise RunFailed(
+                        f"--accuracy = {100 * self.target:g} %: realisation {k} has no limit: {limit.doubt}; "
+                        "all solves are stored"
+                    )
             area = np.array([limit.value for limit in limits])
             # The grids are off to the same side on all surfaces of a spectrum: this error does not average.
             grid = 2 * float(np.mean([limit.uncertainty for limit in limits]) / area.mean()) + self.tolerance
@@ -220,7 +226,11 @@ class Search:
         affordable = [ladder for ladder in good if self._affordable(ladder.seconds, ladder.peak_bytes)]
         if affordable:
             return min(affordable, key=lambda ladder: ladder.seconds)
-        reachable = [one.error for one in ladders if self._affordable(one.seconds, one.peak_bytes)]
+        reachable = [
+            one.error
+            for one in ladders
+            if self._affordable(one.seconds, one.peak_bytes) and np.isfinite(one.error)
+        ]
         best = f"about {percent(min(reachable) / _SPARE)}" if reachable else "nothing"
         if good:
             least = min(good, key=lambda ladder: ladder.seconds)

@@ -6,14 +6,14 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from fem_contact.area import EDGE_CONSTANTS, ContactAreas, Limit, contact_areas, limit_area
+from fem_contact.area import EDGE_CONSTANTS, ContactAreas, Limit, contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
-from fem_contact.extrapolation import located_limit
+from fem_contact.extrapolation import counted_limit, located_limit
 from fem_contact.stress import density_at_zero
 from fem_contact.surface import resolves
 from validation.errors import RunFailed
@@ -29,10 +29,11 @@ from validation.surfaces import (
     topography_of,
 )
 
-if TYPE_CHECKING:
-    pass
-
 __all__ = ["Comparison", "CrossCheck", "Row", "Scatter", "Theory", "compare", "edge_constant"]
+
+_TOO_FEW_GRIDS = (
+    "it needs two resolved grids of boundary elements with square cells, or three solves on two grids"
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,10 +159,12 @@ class Comparison:
     rows, cross : tuples
     limit : Limit or None
         Limit of A/A0 over the resolved BEM grids (FEM grids where there is no BEM); None from a single grid,
-        or fewer than three counted areas.
+        fewer than three counted areas, or a contact too small to carry the law.
     theory : Theory or None
         None unless the scene asks for it.
     scatter : Scatter or None
+    no_limit : str
+        Why there is no limit, in words; empty where there is one.
     """
 
     scene: Scene
@@ -177,6 +180,7 @@ class Comparison:
     limit: Limit | None
     theory: Theory | None
     scatter: Scatter | None
+    no_limit: str = ""
 
     @property
     def reduced_pressure(self) -> float:
@@ -213,6 +217,7 @@ class Comparison:
             "rows": [json_ready(asdict(row)) for row in self.rows],
             "fem_against_bem": [asdict(check) for check in self.cross],
             "limit": None if self.limit is None else asdict(self.limit),
+            "no_limit": self.no_limit,
             "theory": None if self.theory is None else self.theory.summary(),
             "scatter": None if self.scatter is None else asdict(self.scatter),
             "findings": list(self.findings),
@@ -255,6 +260,7 @@ def compare(scene: Scene, store: Store) -> Comparison:
     else:
         moments = spectrum_of(surface).moments()
         continuum = {"rms_height_m": moments.rms_height, "rms_gradient": moments.rms_gradient}
+    limit, no_limit = _limit(results, scene, rows)
     return Comparison(
         scene=scene,
         pressure=pressure,
@@ -266,7 +272,8 @@ def compare(scene: Scene, store: Store) -> Comparison:
         treatment=treatment,
         rows=rows,
         cross=_cross_checks(results, scene),
-        limit=_limit(results, scene, rows),
+        limit=limit,
+        no_limit=no_limit,
         theory=theory_of(scene, field, pressure, modulus),
         scatter=_scatter(results, scene, modulus),
     )
@@ -363,16 +370,21 @@ def _cross_checks(results: dict[Job, ContactResult], scene: Scene) -> tuple[Cros
     return tuple(checks)
 
 
-def _limit(results: dict[Job, ContactResult], scene: Scene, rows: tuple[Row, ...]) -> Limit | None:
-    """Limit of this surface; boundary elements before finite elements, resolved grids only."""
+def _limit(
+    results: dict[Job, ContactResult], scene: Scene, rows: tuple[Row, ...]
+) -> tuple[Limit | None, str]:
+    """Limit of this surface, or why there is none: boundary elements first, resolved grids only."""
+    reasons = []
     for method in ("bem", "fem"):
         grids = {row.grid for row in rows if row.method == method and not row.under_resolved}
         limit = _limit_over(
             [_areas(job, r) for job, r in results.items() if _is_own(job, method) and job.grid in grids]
         )
+        if limit is not None and limit.determinable:
+            return limit, ""
         if limit is not None:
-            return limit
-    return None
+            reasons.append(limit.doubt)
+    return None, reasons[0] if reasons else _TOO_FEW_GRIDS
 
 
 def _is_own(job: Job, method: str) -> bool:
@@ -385,7 +397,7 @@ def _limit_over(areas: Sequence[ContactAreas]) -> Limit | None:
         return None
     if all(area.subcell is not None for area in areas):
         return located_limit(areas)
-    return limit_area(areas) if len(areas) >= 3 else None
+    return counted_limit(areas) if len(areas) >= 3 else None
 
 
 def _scatter(results: dict[Job, ContactResult], scene: Scene, modulus: float) -> Scatter | None:
@@ -402,7 +414,7 @@ def _scatter(results: dict[Job, ContactResult], scene: Scene, modulus: float) ->
             and job.grid in scene.ensemble.grids
         ]
         limit = _limit_over([_areas(job, result) for job, result in own])
-        if limit is None:
+        if limit is None or not limit.determinable:
             return None
         field = reference_field(scene.surface, realisation=k)
         pressure = nominal_pressure(scene.load, scene.solid, field)

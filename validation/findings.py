@@ -63,8 +63,7 @@ def _grid(row: Row) -> str:
 def _limit(c: Comparison) -> list[str]:
     if c.limit is None:
         return [
-            "The limit of the contact area for vanishing grid spacing is not determinable: "
-            "it needs two grids of boundary elements with square cells, or three solves on two grids."
+            f"The limit of the contact area for vanishing grid spacing is not determinable: {c.no_limit}."
         ]
     if c.limit.value >= 1 - 1e-12:
         return ["Contact is complete: A/A0 = 1 on the resolved grids, and refinement changes nothing."]
@@ -102,7 +101,8 @@ def _theory(c: Comparison) -> list[str]:
     error = c.limit.uncertainty / c.theory.area
     if abs(difference) <= max(2 * error, 1e-9):
         return [
-            text + f". The limit agrees with it to within its uncertainty (difference {percent(difference)})."
+            text + ". The limit agrees with it to within twice its uncertainty "
+            f"(difference {percent(difference)}, uncertainty {percent(error)})."
         ]
     return [text + f". The limit lies {_side(difference)} it (grid uncertainty {percent(error)})."]
 
@@ -123,6 +123,8 @@ def _yielded(c: Comparison) -> list[str]:
 
 
 def _scatter(c: Comparison) -> list[str]:
+    if c.scatter is None and c.scene.ensemble is not None:
+        return ["The scatter between realisations is not determinable: not every one of them has a limit."]
     if c.scatter is None:
         return ["One surface proves little: without an ensemble the scatter between realisations is unknown."]
     s = c.scatter

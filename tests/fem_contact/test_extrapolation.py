@@ -8,7 +8,7 @@ import pytest
 from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.bem import solve
 from fem_contact.errors import InvalidInput
-from fem_contact.extrapolation import PlannedGrid, located_limit, predicted_uncertainty
+from fem_contact.extrapolation import PlannedGrid, located_limit, predicted_uncertainty, too_small
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
@@ -85,6 +85,42 @@ def test_full_contact_is_certain():
     area = dataclasses.replace(areas_on(64, terms={}), subcell=1.0, edge_fraction=0.0)
     limit = located_limit([area, dataclasses.replace(area, spacing=(1 / 32, 1 / 32))])
     assert (limit.value, limit.uncertainty) == (1.0, 0.0)
+
+
+@pytest.mark.parametrize("points", [1, 31])
+def test_a_contact_of_a_few_points_has_no_limit_whatever_its_located_area(points):
+    """One grid point held at each of 32, 64, 128 had given A/A0 = -.00006 +- .00000."""
+    areas = [
+        dataclasses.replace(areas_on(n, terms={}), pixel=points / n**2, subcell=-1e-4 / n)
+        for n in (32, 64, 128)
+    ]
+    limit = located_limit(areas)
+    assert np.isnan(limit.value)
+    assert np.isnan(limit.uncertainty)
+    assert f"{points} point" in limit.doubt
+    assert not limit.determinable
+    assert too_small([dataclasses.replace(areas[-1], pixel=32 / 128**2)]) == ""
+
+
+@pytest.mark.parametrize("value", [-0.01, 0.0, 1.001])
+def test_an_estimate_that_is_no_share_of_an_area_is_not_claimed(value):
+    limit = located_limit([dataclasses.replace(areas_on(n, terms={}), subcell=value) for n in (64, 128)])
+    assert np.isnan(limit.value)
+    assert "no share" in limit.doubt
+
+
+def test_a_coarse_grid_without_area_inside_its_edges_is_left_out():
+    fine = [areas_on(n, terms={1.0: 0.02}) for n in (128, 256)]
+    empty = dataclasses.replace(areas_on(16, terms={}), subcell=-0.01)
+    assert located_limit([empty, *fine]).value == located_limit(fine).value
+
+
+def test_no_accuracy_is_predicted_for_grids_too_coarse_for_the_contact():
+    coarse = dataclasses.replace(areas_on(64, terms={}), pixel=0.001, subcell=0.001)
+    plan = [PlannedGrid(spacing=(1 / n, 1 / n), cells=n * n) for n in (96, 128)]
+    assert predicted_uncertainty(coarse, plan) == np.inf
+    plan = [PlannedGrid(spacing=(1 / n, 1 / n), cells=n * n) for n in (96, 192)]
+    assert predicted_uncertainty(coarse, plan) < np.inf
 
 
 def test_units_do_not_change_the_limit():
