@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from fem_contact.area import Limit
     from validation.comparison import Comparison, Row
 
-__all__ = ["findings", "percent", "with_error"]
+__all__ = ["findings", "percent", "significant", "with_error"]
 
 
 def findings(comparison: Comparison) -> tuple[str, ...]:
@@ -32,9 +32,11 @@ def findings(comparison: Comparison) -> tuple[str, ...]:
 def percent(value: float) -> str:
     """Return a relative number as a percentage with two significant digits.
 
-    >>> percent(0.0312), percent(-0.5), percent(0.00004)
-    ('3.1 %', '-50 %', '0.0040 %')
+    >>> percent(0.0312), percent(-0.5), percent(0.00004), percent(float("nan"))
+    ('3.1 %', '-50 %', '0.0040 %', 'not determinable')
     """
+    if not np.isfinite(value):
+        return "not determinable"
     size = abs(100 * value)
     if size == 0:
         return "0 %"
@@ -42,14 +44,42 @@ def percent(value: float) -> str:
     return f"{100 * value:.{decimals}f} %"
 
 
+def significant(value: float, digits: int = 4) -> str:
+    """Return a number with that many significant digits, without an exponent between 1e-4 and 1e5.
+
+    >>> significant(12904.486), significant(0.000161234), significant(0.5), significant(float("nan"))
+    ('12904', '0.0001612', '0.5000', '')
+    """
+    if not np.isfinite(value):
+        return ""
+    if value == 0:
+        return "0"
+    rounded = float(f"{value:.{digits - 1}e}")
+    order = int(np.floor(np.log10(abs(rounded))))
+    if -4 <= order < 5:
+        return f"{value:.{max(0, digits - 1 - order)}f}"
+    return f"{value:.{digits - 1}e}"
+
+
 def with_error(value: float, error: float) -> str:
-    """Return a number and its error, both with as many decimals as show the error; five at least.
+    """Return a number and its error, the error with two significant digits, both with as many decimals.
 
     >>> with_error(0.1238876, 0.0000016), with_error(0.12, 0.03), with_error(1.0, 0.0)
-    ('0.123888 +- 0.000002', '0.12000 +- 0.03000', '1.00000 +- 0.00000')
+    ('0.1238876 +- 0.0000016', '0.120 +- 0.030', '1.0000 +- 0')
+    >>> with_error(2.1e-5, 3.2e-8), with_error(13000.0, 420.0)
+    ('(2.1000 +- 0.0032)e-05', '13000 +- 420')
     """
-    decimals = 5 if error <= 0 else min(max(5, -int(np.floor(np.log10(error)))), 9)
-    return f"{value:.{decimals}f} +- {error:.{decimals}f}"
+    if not np.isfinite(value):
+        return "not determinable"
+    if not (np.isfinite(error) and error > 0):
+        return f"{significant(value, 5)} +- {'0' if error == 0 else 'unknown'}"
+    order = int(np.floor(np.log10(max(abs(value), error))))
+    power = 0 if -4 <= order < 5 else order
+    value, error = value / 10.0**power, error / 10.0**power
+    # 0.0996 is 0.10 to two digits: the order is that of the rounded error.
+    decimals = min(max(0, 1 - int(np.floor(np.log10(float(f"{error:.1e}"))))), 12)
+    text = f"{value:.{decimals}f} +- {error:.{decimals}f}"
+    return text if power == 0 else f"({text})e{power:+03d}"
 
 
 def _side(difference: float, above: str = "above", below: str = "below") -> str:

@@ -267,7 +267,7 @@ def test_a_case_that_fails_does_not_keep_the_others_from_being_done(tmp_path, mo
 def test_a_job_whose_workers_always_die_is_given_up_by_name(tmp_path, monkeypatch):
     monkeypatch.setattr(pool, "_start", _dying)
     with pytest.raises(RunFailed, match=r"its worker died 3 times"):
-        area.run(bench=bench_at(tmp_path, workers=2), **{**FEW, "grids": (12,), "seeds": (21,)})
+        bench_at(tmp_path, workers=2).solve(area.jobs(**{**FEW, "grids": (12,), "seeds": (21,)}))
 
 
 def _dying():
@@ -376,3 +376,32 @@ def test_overhead_of_the_bench_is_below_20_milliseconds_per_case(tmp_path):
         overheads.append((total - solves) / len(jobs))
     print(f"overhead per case: {1e3 * np.median(overheads):.1f} ms")
     assert np.median(overheads) < 20e-3
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"grids": (8,)}, "two grids of at least 3 points per shortest wave; here that is 12 or more"),
+        ({"grids": (8, 16)}, "two grids of at least 3"),
+        ({"seeds": (21,)}, "must be at least 2"),
+    ],
+)
+def test_study_area_asks_for_resolved_grids_and_two_surfaces(tmp_path, changed, words):
+    with pytest.raises(UsageError, match=words):
+        area.run(bench=bench_at(tmp_path), **{**FEW, **changed})
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_study_area_leaves_coarse_grids_out_and_adds_the_error_of_the_grids(tmp_path):
+    few = {**FEW, "pressures": (1e-4, 0.2)}
+    data = area.run(bench=bench_at(tmp_path), **{**few, "grids": (8, 16, 20)})
+    without = area.run(bench=bench_at(tmp_path), **{**few, "grids": (16, 20)})
+    assert data.equals(without)
+    both = np.hypot(data.scatter_error, data.grid_error)
+    np.testing.assert_allclose(data.area_error, both, rtol=1e-12)
+    assert data.area_error[1] > data.scatter_error[1]
+    light, *_, heavy, coarse = area.findings(data)
+    assert "not determinable" in light
+    assert "kappa = " in heavy
+    assert "Under-resolved" in coarse
+    assert coarse.endswith("8 x 8.")

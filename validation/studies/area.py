@@ -8,6 +8,7 @@ in depth, from numbers alone.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,8 +17,11 @@ from fem_contact.area import contact_areas
 from fem_contact.extrapolation import located_limit
 from persson import elastic
 from validation.bench import Bench
+from validation.errors import UsageError
 from validation.jobs import Job
 from validation.scene import Load, SelfAffineSurface, SolidSpec
+from validation.statistics import combined
+from validation.studies._common import LEAST_POINTS_PER_WAVE, at_least
 from validation.surfaces import reference_field
 
 if TYPE_CHECKING:
@@ -77,8 +81,10 @@ def run(
     pressures : tuple of float
         p* = p0 / (E* h'_rms) with the realised gradient.
     seeds : tuple of int
+        At least two: the standard error is that over surfaces.
     grids : tuple of int
-        Points along a side; at least two.
+        Points along a side; at least two with 3 points per shortest wave or more. Coarser ones are run, labelled,
+        and left out of the limit.
     hurst : float
     periods : float
         L / lambda_long.
@@ -88,11 +94,18 @@ def run(
     Returns
     -------
     xarray.Dataset
-        Over `pressure`: mean limit of A/A0 over the seeds, its standard error, the mean uncertainty of a
-        single limit, kappa, and Persson's A/A0.
+        Over `pressure`: mean limit of A/A0 over the seeds, its standard error (surfaces and grids), the
+        uncertainty of a single limit, kappa, and Persson's A/A0; NaN where a contact is too small for a limit.
+
+    Raises
+    ------
+    UsageError
+        For grids or seeds that give no limit or no standard error.
     """
     import xarray as xr
 
+    at_least("number of seeds", len(set(seeds)), 2)
+    resolved = _resolved(grids, waves=periods * bandwidth)
     bench = bench or Bench.at()
     wanted = jobs(
         pressures=pressures, seeds=seeds, grids=grids, hurst=hurst, periods=periods, bandwidth=bandwidth
@@ -108,6 +121,7 @@ def run(
                 if job.surface.kind == "self-affine"
                 and job.surface.seed == seed
                 and job.load.reduced_pressure == pressure
+                and job.grid[0] in resolved
             ]
             results = [solved[job] for job in own]
             limit = located_limit([contact_areas(r, subcell=True) for r in results])
@@ -118,18 +132,18 @@ def run(
             theory[i, j] = elastic.contact_area(
                 pressure * modulus * np.sqrt(moment), stress_variance=variance
             )
-    count = len(seeds)
-    mean, spread = (
-        area.mean(axis=1),
-        area.std(axis=1, ddof=1) / np.sqrt(count) if count > 1 else 0 * area[:, 0],
-    )
+    mean, spread = area.mean(axis=1), area.std(axis=1, ddof=1) / np.sqrt(len(seeds))
+    grid_error = np.sqrt(np.mean(error**2, axis=1))
+    # Grids are off to the same side on all surfaces of a spectrum: their error does not average out.
+    both = np.array([combined(*pair) for pair in zip(spread, grid_error, strict=True)])
     loads = np.asarray(pressures)
     columns = {
         "area": (mean, "A/A0, limit over grids"),
-        "area_error": (spread, "standard error over surfaces"),
-        "grid_error": (np.sqrt(np.mean(error**2, axis=1)), "uncertainty of one limit, root mean square"),
+        "area_error": (both, "standard error: surfaces and grids"),
+        "scatter_error": (spread, "standard error over surfaces alone"),
+        "grid_error": (grid_error, "uncertainty of one limit, root mean square"),
         "kappa": (mean / loads, "kappa = (A/A0) / p*"),
-        "kappa_error": (spread / loads, "standard error over surfaces"),
+        "kappa_error": (both / loads, "standard error: surfaces and grids"),
         "persson": (theory.mean(axis=1), "A/A0, Persson with the realised gradient"),
     }
     return xr.Dataset(
@@ -138,23 +152,56 @@ def run(
             for name, (values, words) in columns.items()
         },
         coords={"pressure": ("pressure", loads, {"units": "1", "long_name": "p* = p0 / (E* h'_rms)"})},
-        attrs={"methods": "theory bem perimeter", "surfaces": count},
+        attrs={
+            "methods": "theory bem perimeter",
+            "surfaces": len(seeds),
+            "grids": _names(resolved),
+            "left_out": _names(n for n in grids if n not in resolved),
+        },
     )
+
+
+def _names(grids: Iterable[int]) -> str:
+    return ", ".join(f"{n} x {n}" for n in grids)
+
+
+def _resolved(grids: Sequence[int], *, waves: float) -> tuple[int, ...]:
+    """Return the grids of at least 3 points per shortest wave, of which there are `waves` along a side."""
+    found = tuple(dict.fromkeys(n for n in grids if n / waves >= LEAST_POINTS_PER_WAVE * (1 - 1e-9)))
+    if len(found) < 2:
+        raise UsageError(
+            f"grids = {', '.join(map(str, grids))}: a limit needs two grids of at least {LEAST_POINTS_PER_WAVE:g} points per "
+            f"shortest wave; here that is {int(np.ceil(LEAST_POINTS_PER_WAVE * waves - 1e-9))} or more along a side"
+        )
+    return found
 
 
 def findings(data: xr.Dataset) -> tuple[str, ...]:
     """Say how kappa and the distance to the theory change from the lightest to the heaviest load."""
-    from validation.findings import percent
+    from validation.findings import percent, with_error
 
-    distance = data["area"].values / data["persson"].values - 1
-    loads, kappa = data["pressure"].values, data["kappa"].values
-    return tuple(
-        f"At p* = {loads[k]:.3g} kappa = {kappa[k]:.3f} +- {float(data['kappa_error'].values[k]):.3f} "
-        "(standard error over "
-        f"{data.attrs['surfaces']} surfaces); the area lies {percent(abs(distance[k]))} "
-        f"{'above' if distance[k] > 0 else 'below'} Persson's theory."
-        for k in sorted({0, len(loads) // 2, len(loads) - 1})
-    )
+    loads, kappa, error = (data[name].values for name in ("pressure", "kappa", "kappa_error"))
+    share, persson = data["grid_error"].values / data["area"].values, data["persson"].values
+    sentences = []
+    for k in sorted({0, len(loads) // 2, len(loads) - 1}):
+        if not np.isfinite(kappa[k]):
+            sentences.append(
+                f"At p* = {loads[k]:.3g} kappa is not determinable: a contact has too few points on the finest grid."
+            )
+            continue
+        distance = float(data["area"].values[k] / persson[k] - 1)
+        sentences.append(
+            f"At p* = {loads[k]:.3g} kappa = {with_error(float(kappa[k]), float(error[k]))} (standard error over "
+            f"{data.attrs['surfaces']} surfaces and of the grids, which alone is {percent(float(share[k]))}); the area "
+            f"lies {percent(abs(distance))} {'above' if distance > 0 else 'below'} Persson's theory."
+        )
+    left_out = data.attrs.get("left_out", "")
+    if left_out:
+        sentences.append(
+            f"Under-resolved (fewer than {LEAST_POINTS_PER_WAVE:g} points per shortest wave), run and left out of every "
+            f"limit: {left_out}."
+        )
+    return tuple(sentences)
 
 
 def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
@@ -173,10 +220,9 @@ def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
         Drawing(
             name="area",
             figure=plots.lines_figure(data, x="pressure", lines=("area", "persson"), logarithmic="xy"),
-            data=data[["area", "area_error", "grid_error", "persson"]],
-            caption="Contact area against load: limit over the grids, mean and standard error over "
-            "surfaces, beside "
-            "Persson's theory for the same surfaces.",
+            data=data[["area", "area_error", "scatter_error", "grid_error", "persson"]],
+            caption="Contact area against load: limit over the grids, mean and standard error (surfaces and "
+            "grids), beside Persson's theory for the same surfaces.",
         ),
         Drawing(
             name="kappa",
