@@ -22,7 +22,7 @@ from validation.effects import check_effects, memory_words
 from validation.errors import UsageError
 from validation.findings import percent
 from validation.jobs import jobs_of, warm_up
-from validation.run import Execution, Outputs, Progress, Silent, run_scene
+from validation.run import ACCURACY_FILE, Execution, Outputs, Progress, Silent, run_scene
 from validation.scene import BemMethod, Ensemble, Methods, Scene
 from validation.store import Store, atomic_path, prepare_folder
 
@@ -78,13 +78,15 @@ class Reached:
     surface_grids : tuple of (int, int)
         Solved for each surface of the mean.
     solves : int
-        Done now; others were found finished.
+        Done now.
     seconds : float
         Spent now, choosing included [s].
     predicted_seconds : float
         What the plan said of the solves that were done [s].
     peak_bytes : int
         Largest memory of the arrays of any solve.
+    reused : int
+        Solves found finished, by the search for the grids or for the report.
     """
 
     target: float
@@ -102,6 +104,7 @@ class Reached:
     seconds: float
     predicted_seconds: float
     peak_bytes: int
+    reused: int = 0
 
     def summary(self) -> dict[str, Any]:
         """Return everything as JSON-ready data."""
@@ -180,10 +183,11 @@ def run_accurate(
         execution=execution,
         store_folder=store_folder,
         pictures=pictures,
+        accurate=True,
     )
-    with atomic_path(folder / "accuracy.json") as draft:
+    with atomic_path(folder / ACCURACY_FILE) as draft:
         draft.write_text(json.dumps(reached.summary(), indent=2) + "\n", encoding="utf-8")
-    outputs = replace(outputs, files=(*outputs.files, folder / "accuracy.json"))
+    outputs = replace(outputs, files=(*outputs.files, folder / ACCURACY_FILE))
     return AccurateRun(outputs=outputs, reached=reached)
 
 
@@ -241,5 +245,6 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
         seconds=search.spent,
         predicted_seconds=search.predicted,
         peak_bytes=search.peak_bytes,
+        reused=search.reused,
         **said,
     )

@@ -96,10 +96,18 @@ class Search:
     pair: float = field(default_factory=transform_seconds)
     clock: float = field(default_factory=time.perf_counter)
     solves: int = 0
+    #: Jobs wanted so far that were found finished when they were first wanted.
+    found: set[Job] = field(default_factory=set)
+    done: set[Job] = field(default_factory=set)
     solving: float = 0.0
     predicted: float = 0.0
     peak_bytes: int = 0
     doubt: float = 1.0
+
+    @property
+    def reused(self) -> int:
+        """Solves that were found finished."""
+        return len(self.found)
 
     @property
     def tolerance(self) -> float:
@@ -286,6 +294,8 @@ class Search:
 
     def _solve(self, jobs: Sequence[Job]) -> None:
         missing = [job for job in jobs if not self.bench.store.path(job).exists()]
+        self.found |= set(jobs) - set(missing) - self.done
+        self.done |= set(missing)
         if not missing:
             return
         predicted = sum(predicted_cost(job, pair_seconds=self.pair).seconds for job in missing)

@@ -78,7 +78,7 @@ def run(
 
     Finished solves in the store are used again, so an interrupted run continues where it stopped. Options of
     where and how to run may also stand in the table [run] of the scene. With --accuracy, grids, tolerance and
-    number of surfaces are chosen instead of read from the scene.
+    number of surfaces are chosen instead of read from the scene, and results go to results/NAME-accuracy.
     """
     from validation.effects import check_effects
     from validation.jobs import jobs_of
@@ -90,8 +90,11 @@ def run(
 
     loaded = load_scene(scene)
     said = loaded.run
-    folder = output or said.output or Path("results") / loaded.name
-    store_folder = store or said.store or folder / "solves"
+    plain = output or said.output or Path("results") / loaded.name
+    # Beside the results of a plain run, whose solves it shares.
+    beside = accuracy is not None and not (output or said.output)
+    folder = plain.with_name(f"{plain.name}-accuracy") if beside else plain
+    store_folder = store or said.store or plain / "solves"
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
     chosen = chosen_accuracy(accuracy, time_limit=time_limit, dry_run=dry_run, execution=execution)
     if dry_run:
@@ -124,8 +127,8 @@ def run(
         show(f"- {finding}")
     for sentence in () if reached is None else reached.sentences():
         show(f"- {sentence}")
-    solved = outputs.solved if reached is None else reached.solves
-    typer.echo(f"\n{solved} solves done, {outputs.solved + outputs.reused - solved} found finished. Written:")
+    counts = (outputs.solved, outputs.reused) if reached is None else (reached.solves, reached.reused)
+    typer.echo(f"\n{counts[0]} solves done, {counts[1]} found finished. Written:")
     _list(outputs.files)
 
 

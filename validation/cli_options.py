@@ -85,7 +85,8 @@ AccuracyOption = Annotated[
     typer.Option(
         "--accuracy",
         metavar="SHARE",
-        help="Choose grids, tolerance and number of surfaces for this error of A/A0 (95 %), e.g. 1% or 0.01.",
+        help="Choose grids, tolerance and number of surfaces for this error of A/A0 (95 %), e.g. 1% or 0.01; "
+        "results in results/NAME-accuracy.",
     ),
 ]
 TimeLimitOption = Annotated[

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -28,6 +28,9 @@ from validation.surfaces import (
     spectrum_of,
     topography_of,
 )
+
+if TYPE_CHECKING:
+    from validation.neglect import Judgement
 
 __all__ = ["Comparison", "CrossCheck", "Row", "Scatter", "Theory", "compare", "edge_constant"]
 
@@ -58,7 +61,8 @@ class Row:
     kappa : float
         (A/A0) / p* from `perimeter`.
     density_at_zero : float
-        P(0+) E* h'_rms, from the points below a pressure that falls like sqrt(dx).
+        P(0+) E* h'_rms, from the points below a pressure that falls like sqrt(dx); NaN with adhesion, where
+        pressures do not start at zero.
     residual : float
         The largest of the four contact residuals over the solves.
     seconds : float
@@ -165,6 +169,8 @@ class Comparison:
     scatter : Scatter or None
     no_limit : str
         Why there is no limit, in words; empty where there is one.
+    accurate : bool
+        Whether the grids were chosen for an accuracy of the limit.
     """
 
     scene: Scene
@@ -181,6 +187,19 @@ class Comparison:
     theory: Theory | None
     scatter: Scatter | None
     no_limit: str = ""
+    accurate: bool = False
+
+    @property
+    def adhesive(self) -> bool:
+        """Whether the surfaces attract each other, so that pressures are negative near the edges."""
+        return any(effect.kind == "adhesion" for effect in self.scene.effects)
+
+    @cached_property
+    def judgements(self) -> tuple[tuple[Judgement, ...], tuple[Judgement, ...]]:
+        """Effects that ran and effects left out, each with the number that decides."""
+        from validation.effects import judgements
+
+        return judgements(self.scene)
 
     @property
     def reduced_pressure(self) -> float:
@@ -233,8 +252,15 @@ def edge_constant(job: Job, result: ContactResult) -> float:
     return ELEMENTS[result.provenance["element"]].edge_constant
 
 
-def compare(scene: Scene, store: Store) -> Comparison:
+def compare(scene: Scene, store: Store, *, accurate: bool = False) -> Comparison:
     """Read all stored solves of a scene and put them beside the theory.
+
+    Parameters
+    ----------
+    scene : Scene
+    store : Store
+    accurate : bool
+        Whether its grids were chosen for an accuracy of the limit.
 
     Raises
     ------
@@ -274,6 +300,7 @@ def compare(scene: Scene, store: Store) -> Comparison:
         cross=_cross_checks(results, scene),
         limit=limit,
         no_limit=no_limit,
+        accurate=accurate,
         theory=theory_of(scene, field, pressure, modulus),
         scatter=_scatter(results, scene, modulus),
     )
@@ -309,6 +336,7 @@ def _row(solves: Sequence[tuple[Job, ContactResult]], scene: Scene, reduced_pres
     pixel = np.array([area.pixel for area in areas])
     perimeter = float(np.mean([area.perimeter for area in areas]))
     per_wave = _points_per_wave(scene, job.grid)
+    adhesive = any(effect.kind == "adhesion" for effect in scene.effects)
     return Row(
         method=job.method,
         grid=job.grid,
@@ -319,7 +347,7 @@ def _row(solves: Sequence[tuple[Job, ContactResult]], scene: Scene, reduced_pres
         pixel_scatter=float(pixel.std(ddof=1) / np.sqrt(pixel.size)) if pixel.size > 1 else 0.0,
         perimeter=perimeter,
         kappa=perimeter / reduced_pressure,
-        density_at_zero=float(np.mean([_reduced_density(result) for _, result in solves])),
+        density_at_zero=float(np.mean([_reduced_density(r, adhesive=adhesive) for _, r in solves])),
         residual=max(result.residuals.worst for _, result in solves),
         seconds=sum(result.cost.wall_seconds for _, result in solves),
         unknowns=solves[0][1].cost.unknowns,
@@ -334,7 +362,9 @@ def _plastic(scene: Scene, results: Sequence[ContactResult]) -> float | None:
     return float(np.mean(shares))
 
 
-def _reduced_density(result: ContactResult) -> float:
+def _reduced_density(result: ContactResult, *, adhesive: bool) -> float:
+    if adhesive:  # a window from zero on would hold all the tension
+        return float("nan")
     try:
         found = density_at_zero(result)
     except InvalidInput:  # a flat surface has no scale of pressure

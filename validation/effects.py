@@ -25,6 +25,7 @@ __all__ = [
     "available_memory",
     "check_effects",
     "explain",
+    "judgements",
     "predicted_cost",
     "too_large",
 ]
@@ -269,14 +270,20 @@ def explain(scene: Scene) -> Explanation:
                 peak_bytes=cost.peak_bytes,
             )
         )
+    effects, left_out = judgements(scene)
     return Explanation(
         name=scene.name,
         facts=_facts(scene),
         grids=tuple(sorted(grids, key=lambda g: (g.method, g.grid))),
-        effects=tuple(judge(effect, _roughness(scene)) for effect in scene.effects),
-        left_out=_left_out(scene),
+        effects=effects,
+        left_out=left_out,
         costs=_cost_words(scene),
     )
+
+
+def judgements(scene: Scene) -> tuple[tuple[Judgement, ...], tuple[Judgement, ...]]:
+    """Return the effects that a scene lists and those it leaves out, each with the number that decides."""
+    return tuple(judge(effect, _roughness(scene)) for effect in scene.effects), _left_out(scene)
 
 
 def _cost_words(scene: Scene) -> str:

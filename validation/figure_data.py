@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -73,6 +74,8 @@ def cost_data(c: Comparison) -> xr.Dataset:
 def pressure_at_zero_data(c: Comparison, results: dict[str, list[ContactResult]]) -> xr.Dataset:
     """P(sigma) near zero on each grid, in bins whose number follows the points in contact, and Persson's.
 
+    With adhesion it begins at the most negative pressure of a contact point, since some are pulled.
+
     Parameters
     ----------
     c : Comparison
@@ -84,7 +87,8 @@ def pressure_at_zero_data(c: Comparison, results: dict[str, list[ContactResult]]
     for label, solves in results.items():
         points = sum(np.count_nonzero(result.in_contact) for result in solves)
         bins = min(48, max(8, int(np.sqrt(points) / 2)))
-        edges = np.linspace(0, NEAR_ZERO, bins + 1)
+        lowest = _lowest(solves) / unit if c.adhesive else 0.0
+        edges = np.linspace(lowest, NEAR_ZERO, bins + 1)
         found = np.mean([pressure_distribution(result, edges * unit).density for result in solves], axis=0)
         labels += [label] * bins
         lower += list(edges[:-1])
@@ -110,6 +114,11 @@ def pressure_at_zero_data(c: Comparison, results: dict[str, list[ContactResult]]
         },
         stress_unit_Pa=unit,
     )
+
+
+def _lowest(solves: Sequence[ContactResult]) -> float:
+    """Most negative pressure of the contact points, 0 where none is pulled [Pa]."""
+    return min(0.0, *(float(result.pressure[result.in_contact].min(initial=0.0)) for result in solves))
 
 
 def pressure_maps_data(results: dict[str, ContactResult]) -> xr.Dataset:

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
     from fem_contact.area import Limit
     from validation.comparison import Comparison, Row
 
-__all__ = ["findings", "percent", "significant", "with_error"]
+__all__ = ["findings", "percent", "significant", "with_error", "yielded_row"]
 
 
 def findings(comparison: Comparison) -> tuple[str, ...]:
@@ -100,8 +100,12 @@ def _limit(c: Comparison) -> list[str]:
     return [
         f"In the limit of vanishing grid spacing A/A0 = {with_error(c.limit.value, c.limit.uncertainty)} "
         f"for this surface ({_how(c.limit)}, {c.limit.grids} solves; one standard error, grid only), "
-        f"that is kappa = {c.limit.value / c.reduced_pressure:.3f} at p* = {c.reduced_pressure:.4g}."
+        f"that is kappa = {_kappa(c, c.limit)} at p* = {c.reduced_pressure:.4g}."
     ]
+
+
+def _kappa(c: Comparison, limit: Limit) -> str:
+    return with_error(limit.value / c.reduced_pressure, limit.uncertainty / c.reduced_pressure)
 
 
 def _how(limit: Limit) -> str:
@@ -116,13 +120,13 @@ def _theory(c: Comparison) -> list[str]:
     if not c.theory.answers:
         return [f"Persson's theory gives {c.theory.note}."]
     text = (
-        f"Persson's theory gives A/A0 = {c.theory.area:.5f} with the realised gradient "
+        f"Persson's theory gives A/A0 = {significant(c.theory.area)} with the realised gradient "
         f"h'_rms = {c.rms_gradient:.4g} of this surface"
     )
     if c.theory.ensemble_area is not None:
-        text += f", {c.theory.ensemble_area:.5f} from C(q) alone"
+        text += f", {significant(c.theory.ensemble_area)} from C(q) alone"
     if c.theory.other is not None and np.isfinite(c.theory.other):
-        text += f", {c.theory.other:.5f} with the elastic energy of Eq. 43"
+        text += f", {significant(c.theory.other)} with the elastic energy of Eq. 43"
     if c.theory.note:
         text += f" ({c.theory.note})"
     if c.limit is None:
@@ -137,19 +141,25 @@ def _theory(c: Comparison) -> list[str]:
     return [text + f". The limit lies {_side(difference)} it (grid uncertainty {percent(error)})."]
 
 
-def _yielded(c: Comparison) -> list[str]:
+def yielded_row(c: Comparison) -> tuple[Row, ...]:
+    """Return the finest resolved row with a yielded area; none without a hardness."""
     rows = [row for row in c.rows if not row.under_resolved and row.plastic is not None]
-    if not rows:
+    return (max(rows, key=lambda row: row.points_per_wave),) if rows else ()
+
+
+def _yielded(c: Comparison) -> list[str]:
+    found = yielded_row(c)
+    if not found:
         return []
-    finest = max(rows, key=lambda row: row.points_per_wave)
+    (finest,) = found
     assert finest.plastic is not None
-    text = f"Yielded, A_pl/A0 = {finest.plastic:.5f} by {finest.method.upper()} on {_grid(finest)} (points counted)"
+    text = f"Yielded, A_pl/A0 = {significant(finest.plastic)} by {finest.method.upper()} on {_grid(finest)} (points counted)"
     if c.theory is None or c.theory.plastic is None:
         return [text + "."]
     distance = ""
     if finest.plastic > 0:
         distance = f", {_side(c.theory.plastic / finest.plastic - 1)} it"
-    return [text + f"; {c.theory.plastic:.5f} by the theory{distance}."]
+    return [text + f"; {significant(c.theory.plastic)} by the theory{distance}."]
 
 
 def _scatter(c: Comparison) -> list[str]:
@@ -225,6 +235,9 @@ def _cross(c: Comparison) -> list[str]:
 
 
 def _pressure_at_zero(c: Comparison) -> list[str]:
+    if c.adhesive:
+        # The pressure passes through zero inside the contact: no edge is at zero, and the density there is finite.
+        return []
     rows = [row for row in c.rows_of("bem") if not row.under_resolved and row.density_at_zero > 0]
     if len(rows) < 3:
         return []
@@ -248,6 +261,8 @@ def _cost(c: Comparison) -> list[str]:
         if not row.under_resolved
     ]
     good = [way for way in ways if abs(way[3]) <= 0.01]
+    if not good and c.accurate:
+        return []
     if not good:
         return ["No solve of this run is within 1 % of the limit: refine the grids."]
     seconds, row, name, error = min(good, key=lambda way: way[0])
@@ -262,8 +277,10 @@ def _warnings(c: Comparison) -> list[str]:
     coarse = [row for row in c.rows if row.under_resolved]
     if coarse:
         names = ", ".join(f"{row.method.upper()} {_grid(row)}" for row in coarse)
+        measured = c.scene.surface.kind == "file"
+        why = "where what was measured has waves as short as that" if measured else "as the scene asks for"
         sentences.append(
-            f"Under-resolved (lambda_short <= 2 dx), run because the scene says so and left out of every limit: {names}."
+            f"Under-resolved (lambda_short <= 2 dx), {why}; run, and left out of every limit: {names}."
         )
     if c.rms_gradient > 0.3:
         sentences.append(

@@ -14,7 +14,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from validation.figure_data import NEAR_ZERO
-from validation.findings import with_error
+from validation.findings import significant, with_error
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -186,14 +186,14 @@ def area_figure(comparison: Comparison) -> Figure:
             theory.area,
             color="#38761d",
             ls="-.",
-            label=f"Persson, this surface's gradient: {theory.area:.4f}",
+            label=f"Persson, this surface's gradient: {significant(theory.area)}",
         )
         if theory.ensemble_area is not None:
             axes.axhline(
                 theory.ensemble_area,
                 color="#38761d",
                 ls=":",
-                label=f"Persson, from C(q): {theory.ensemble_area:.4f}",
+                label=f"Persson, from C(q): {significant(theory.ensemble_area)}",
             )
     axes.set_xscale("log", base=2)
     _powers_of_two(axes, [1 / row.points_per_wave for row in comparison.rows])
@@ -225,7 +225,7 @@ def pressure_at_zero_figure(data: xr.Dataset) -> Figure:
     theory = data.isel(bin=curve == "Persson")
     if theory.sizes["bin"]:
         axes.plot(theory["lower"], theory["density"], color="#38761d", lw=2, label="Persson")
-    axes.set_xlim(0, NEAR_ZERO)
+    axes.set_xlim(min(0.0, float(data["lower"].min())), NEAR_ZERO)
     axes.set_ylim(bottom=0)
     axes.set_xlabel(r"pressure $\sigma / (E^* h'_{rms})$")
     axes.set_ylabel(r"$P(\sigma)\, E^* h'_{rms}$ per nominal area")
@@ -265,6 +265,7 @@ def pressure_maps_figure(comparison: Comparison, results: dict[str, ContactResul
     figure, axes = new_figure(width=3.3 * max(len(results), 1), height=3.1, columns=max(len(results), 1))
     unit = comparison.contact_modulus * comparison.rms_gradient
     top = max((float(result.pressure.max()) for result in results.values()), default=unit) / unit
+    pulled = [float(result.pressure[result.in_contact].min(initial=0.0)) for result in results.values()]
     image = None
     for panel, (label, result) in zip(axes, results.items(), strict=False):
         pressure = np.where(result.in_contact, result.pressure / unit, np.nan)
@@ -273,7 +274,7 @@ def pressure_maps_figure(comparison: Comparison, results: dict[str, ContactResul
             pressure.T,
             origin="lower",
             extent=extent,
-            vmin=0,
+            vmin=min([0.0, *pulled]) / unit,
             vmax=top,
             cmap="viridis_r",
             interpolation="nearest",

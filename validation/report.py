@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from validation.drawing import Drawing, Written, write_drawings
 from validation.files import atomic_path
-from validation.findings import with_error
+from validation.findings import significant, with_error, yielded_row
 from validation.jobs import Job, block_file, jobs_of
 from validation.papers import papers
 from validation.pictures import Pictures, render_stored
@@ -40,18 +40,28 @@ _COLUMNS = (
     "seconds",
 )
 
+_DISTRIBUTION = (
+    "Distribution of contact pressure near zero on each grid, per nominal area (the non-contact area, a "
+    "delta at zero, is left out). "
+)
+_FROM_ZERO = "The exact distribution starts at zero; what remains at zero pressure on a grid is the grid's."
+_WITH_TENSION = (
+    "Negative pressures are tension: with adhesion the points in contact near an edge are pulled, and the "
+    "density at zero pressure is finite."
+)
+
 
 def _cells(row: Row) -> tuple[str, ...]:
-    pixel = f"{row.pixel:.5f}" + (f" +- {row.pixel_scatter:.5f}" if row.solves > 1 else "")
+    pixel = with_error(row.pixel, row.pixel_scatter) if row.solves > 1 else significant(row.pixel)
     note = " (under-resolved)" if row.under_resolved else ""
     return (
         row.method.upper() + note,
         f"{row.grid[0]} x {row.grid[1]}" + (f" x {row.solves} shifts" if row.solves > 1 else ""),
         f"{row.points_per_wave:.4g}",
         pixel,
-        f"{row.perimeter:.5f}",
-        f"{row.kappa:.3f}",
-        f"{row.density_at_zero:.3f}",
+        significant(row.perimeter),
+        significant(row.kappa),
+        significant(row.density_at_zero, 3),
         f"{row.residual:.1e}",
         f"{row.seconds:.3g}",
     )
@@ -60,22 +70,31 @@ def _cells(row: Row) -> tuple[str, ...]:
 def _summary_rows(comparison: Comparison) -> list[tuple[str, ...]]:
     """Rows below the grids: the limit and the theory."""
     rows: list[tuple[str, ...]] = []
+    # Contact starts from zero pressure where nothing attracts and nothing yields first.
+    zero = "" if comparison.scene.effects else "0"
     if comparison.limit is not None:
         value, error = comparison.limit.value, comparison.limit.uncertainty
-        kappa = f"{value / comparison.reduced_pressure:.3f}"
-        rows.append(("limit", "dx -> 0", "", with_error(value, error), "", kappa, "0", "", ""))
+        load = comparison.reduced_pressure
+        kappa = with_error(value / load, error / load)
+        rows.append(("limit", "dx -> 0", "", with_error(value, error), "", kappa, zero, "", ""))
     theory = comparison.theory
     if theory is not None and theory.answers:
-        kappa = f"{theory.area / comparison.reduced_pressure:.3f}"
+        kappa = significant(theory.area / comparison.reduced_pressure)
         zero = "" if theory.note else "0"
-        rows.append(("Persson", "", "", f"{theory.area:.5f}", "", kappa, zero, "", ""))
+        rows.append(("Persson", "", "", significant(theory.area), "", kappa, zero, "", ""))
     for row in comparison.rows:
         if row.plastic is not None:
             method, grid = f"{row.method.upper()}, yielded", f"{row.grid[0]} x {row.grid[1]}"
-            rows.append((method, grid, "", f"{row.plastic:.5f}", "", "", "", "", ""))
+            rows.append((method, grid, "", significant(row.plastic), "", "", "", "", ""))
     if theory is not None and theory.plastic is not None:
-        rows.append(("Persson, yielded", "", "", f"{theory.plastic:.5f}", "", "", "", "", ""))
+        rows.append(("Persson, yielded", "", "", significant(theory.plastic), "", "", "", "", ""))
     return rows
+
+
+def _effect_words(comparison: Comparison) -> str:
+    """Name the effects that ran, for a title."""
+    kinds = [effect.kind.replace("-", " ") for effect in comparison.scene.effects]
+    return ", ".join(kinds) or "elastic, no adhesion"
 
 
 def console_table(comparison: Comparison) -> Table:
@@ -84,7 +103,8 @@ def console_table(comparison: Comparison) -> Table:
 
     scene = comparison.scene
     table = Table(
-        title=f"{scene.title or scene.name}: p* = {comparison.reduced_pressure:.4g}, "
+        title=f"{scene.title or scene.name} ({_effect_words(comparison)}): "
+        f"p* = {comparison.reduced_pressure:.4g}, "
         f"h'_rms = {comparison.rms_gradient:.4g} (realised), p0 = {comparison.pressure:.4g} Pa",
         caption="A/A0 pixel: contact points counted, mean and standard error over sub-grid shifts; "
         "perimeter: with the edge correction of the method; kappa = (A/A0 perimeter)/p*; "
@@ -181,11 +201,7 @@ def _drawings(comparison: Comparison, shown: dict[Job, ContactResult]) -> tuple[
             name="pressure-at-zero",
             figure=plots.pressure_at_zero_figure(near_zero),
             data=near_zero,
-            caption="Distribution of contact pressure near zero on each grid, per nominal area (the "
-            "non-contact area, a "
-            "delta at zero, is left out). The exact distribution starts at zero; what remains at zero "
-            "pressure on a "
-            "grid is the grid's.",
+            caption=_DISTRIBUTION + (_WITH_TENSION if comparison.adhesive else _FROM_ZERO),
         ),
         Drawing(
             name="cost",
@@ -233,9 +249,6 @@ def versions() -> dict[str, str]:
 
 
 def _html(comparison: Comparison, figures: Sequence[Written], pictures: Pictures) -> str:
-    methods = comparison.scene.methods
-    used = {name for name in ("theory", "bem", "fem") if getattr(methods, name) is not None}
-    measured = {"measured"} if comparison.treatment else set()
     return render(
         "report.html.j2",
         title=comparison.scene.title or comparison.scene.name,
@@ -248,8 +261,23 @@ def _html(comparison: Comparison, figures: Sequence[Written], pictures: Pictures
         settings=json.dumps(comparison.scene.model_dump(mode="json", exclude_none=True), indent=2),
         seeds=_seeds(comparison.scene),
         versions=versions(),
-        papers=papers(used | measured | {"perimeter"}),
+        papers=papers(_papers_for(comparison)),
+        effects=_effect_words(comparison),
+        yielded=yielded_row(comparison),
+        significant=significant,
+        with_error=with_error,
     )
+
+
+def _papers_for(comparison: Comparison) -> set[str]:
+    """Name what is to be cited: methods, and effects where a solver had them."""
+    scene = comparison.scene
+    used = {name for name in ("theory", "bem", "fem") if getattr(scene.methods, name) is not None}
+    used |= {effect.kind for effect in scene.effects}
+    if comparison.adhesive:
+        # Its energy has many minima, which another algorithm finds.
+        used = (used - {"bem"}) | {"bem-adhesive"}
+    return used | {"perimeter"} | ({"measured"} if comparison.treatment else set())
 
 
 def _seeds(scene: Scene) -> str:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from validation.scene import Scene
 
 __all__ = [
+    "ACCURACY_FILE",
     "Execution",
     "Outcome",
     "Outputs",
@@ -37,6 +38,9 @@ __all__ = [
 
 _RUN_FILE = "run.json"
 _RUN_FORMAT = "fem-contact run 1"
+
+#: What a run to an accuracy reached, in its results folder.
+ACCURACY_FILE = "accuracy.json"
 
 
 class Progress(Protocol):
@@ -145,6 +149,7 @@ def run_scene(
     execution: Execution | None = None,
     store_folder: Path | None = None,
     pictures: bool = False,
+    accurate: bool = False,
 ) -> Outputs:
     """Run a scene into a folder; finished solves found in the store are used, not repeated.
 
@@ -160,6 +165,8 @@ def run_scene(
         Where the solves are kept, to be shared with other runs and studies; `folder`/solves if not given.
     pictures : bool
         Whether the report gets 3-D pictures, rendered off screen in some seconds.
+    accurate : bool
+        Whether the grids were chosen for an accuracy; a plain run removes what an earlier such run reached.
 
     Raises
     ------
@@ -172,10 +179,13 @@ def run_scene(
     reference_field(scene.surface)
     prepare_folder(folder)
     store = Store(folder=prepare_folder(store_folder or folder / "solves", option="--store"))
+    if not accurate:
+        # What an earlier run to an accuracy reached is not what this one finds.
+        (folder / ACCURACY_FILE).unlink(missing_ok=True)
     _record(scene, folder, store)
     jobs = jobs_of(scene)
     solved = solve_jobs(jobs, store, progress=progress, execution=execution)
-    comparison, files = _compared(scene, store, folder, pictures=pictures)
+    comparison, files = _compared(scene, store, folder, pictures=pictures, accurate=accurate)
     return Outputs(
         comparison=comparison, folder=folder, files=files, solved=solved, reused=len(jobs) - solved
     )
@@ -192,17 +202,18 @@ def report_run(folder: Path, *, pictures: bool = False) -> Outputs:
         When a solve of the run is missing.
     """
     scene, store = load_run(folder)
-    comparison, files = _compared(scene, store, prepare_folder(folder), pictures=pictures)
+    accurate = (folder / ACCURACY_FILE).exists()
+    comparison, files = _compared(scene, store, prepare_folder(folder), pictures=pictures, accurate=accurate)
     return Outputs(comparison=comparison, folder=folder, files=files, solved=0, reused=len(jobs_of(scene)))
 
 
 def _compared(
-    scene: Scene, store: Store, folder: Path, *, pictures: bool
+    scene: Scene, store: Store, folder: Path, *, pictures: bool, accurate: bool
 ) -> tuple[Comparison, tuple[Path, ...]]:
     from validation.comparison import compare
     from validation.report import write_outputs
 
-    comparison = compare(scene, store)
+    comparison = compare(scene, store, accurate=accurate)
     return comparison, write_outputs(comparison, store, folder, pictures=pictures)
 
 

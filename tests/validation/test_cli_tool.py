@@ -275,9 +275,9 @@ def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write
     code, out, err = tool("run", path, "--accuracy", "5%", "--no-pictures", "-q")
     assert (code, err) == (0, "")
     assert "Asked for 5 %: A/A0 = " in out
-    told = json.loads((tmp_path / "results" / "small" / "accuracy.json").read_text())
+    told = json.loads((tmp_path / "results" / "small-accuracy" / "accuracy.json").read_text())
     assert told["error"] <= told["target"] == 0.05
-    summary = json.loads((tmp_path / "results" / "small" / "summary.json").read_text())
+    summary = json.loads((tmp_path / "results" / "small-accuracy" / "summary.json").read_text())
     assert [row["grid"] for row in summary["rows"]] == told["grids"]
     assert summary["limit"]["value"] == told["area"]
     again = reach(
