@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fem_contact.extrapolation import LEAST_CONTACT_POINTS
+
 if TYPE_CHECKING:
     from fem_contact.area import Limit
     from validation.comparison import Comparison, Row
@@ -238,7 +240,13 @@ def _pressure_at_zero(c: Comparison) -> list[str]:
     if c.adhesive:
         # The pressure passes through zero inside the contact: no edge is at zero, and the density there is finite.
         return []
-    rows = [row for row in c.rows_of("bem") if not row.under_resolved and row.density_at_zero > 0]
+    rows = [
+        row
+        for row in c.rows_of("bem")
+        if not row.under_resolved
+        and row.density_at_zero > 0
+        and row.pixel * row.grid[0] * row.grid[1] >= LEAST_CONTACT_POINTS
+    ]
     if len(rows) < 3:
         return []
     spacing = np.log([1 / row.points_per_wave for row in rows])

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from validation.scene import Scene
     from validation.store import Store
 
-__all__ = ["console_table", "render", "versions", "write_outputs"]
+__all__ = ["console_table", "render", "report_page", "versions", "write_outputs"]
 
 _COLUMNS = (
     "method",
@@ -146,7 +146,7 @@ def write_outputs(
     blocks = [path for path in blocks if path.exists()]
     images = _pictures(shown, store, folder) if pictures else Pictures(missing="not asked for")
     with atomic_path(report) as draft:
-        draft.write_text(_html(comparison, figures, images), encoding="utf-8")
+        draft.write_text(report_page(comparison, figures, images), encoding="utf-8")
     return (report, table, summary, folder / "figures", *blocks, store.folder)
 
 
@@ -248,7 +248,10 @@ def versions() -> dict[str, str]:
     return {"Python": platform.python_version(), **{name: metadata.version(name) for name in names}}
 
 
-def _html(comparison: Comparison, figures: Sequence[Written], pictures: Pictures) -> str:
+def report_page(
+    comparison: Comparison, figures: Sequence[Written] = (), pictures: Pictures | None = None
+) -> str:
+    """Return the report as one page of HTML."""
     return render(
         "report.html.j2",
         title=comparison.scene.title or comparison.scene.name,
@@ -257,7 +260,7 @@ def _html(comparison: Comparison, figures: Sequence[Written], pictures: Pictures
         rows=[_cells(row) for row in comparison.rows],
         summary_rows=_summary_rows(comparison),
         figures=figures,
-        pictures=pictures,
+        pictures=pictures or Pictures(missing="not asked for"),
         settings=json.dumps(comparison.scene.model_dump(mode="json", exclude_none=True), indent=2),
         seeds=_seeds(comparison.scene),
         versions=versions(),

@@ -32,6 +32,8 @@ class Estimate:
     samples: int
 
     def __str__(self) -> str:
+        if not np.isfinite(self.value):
+            return "not determinable"
         return f"{self.value:.4g} +- {self.half_width:.2g}"
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 import csv
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.drawing import frames, write_csv, write_drawings
 from validation.errors import UsageError
 from validation.files import atomic_path
@@ -86,7 +87,7 @@ def report_study(folder: Path) -> StudyOutputs:
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{folder}: holds no finished study ({error})") from None
     tables = write_csv(data, folder / "data.csv")
-    findings = study.findings(data)
+    findings = (*study.findings(data), *_undetermined(data))
     table, budget = study.table(data), study.budget(data)
     for name, made in (("table", table), ("budget", budget)):
         if made is not None:
@@ -109,6 +110,18 @@ def report_study(folder: Path) -> StudyOutputs:
         draft.write_text(page, encoding="utf-8")
     files = (report, *tables, folder / "data.nc", folder / "figures")
     return StudyOutputs(data=data, findings=findings, files=files)
+
+
+def _undetermined(data: xr.Dataset) -> Iterator[str]:
+    """Say which limits of the contact area are not there."""
+    for name in ("area", "limit", "kappa"):
+        missing = int(data[name].isnull().sum()) if name in data.data_vars else 0
+        if missing:
+            yield (
+                f"{missing} of {data[name].size} values of '{name}' are not determinable (NaN): the contact "
+                f"has fewer than {LEAST_CONTACT_POINTS} points on the finest grid, or the grids extrapolate "
+                "beyond 0 or 1."
+            )
 
 
 def _write_table(table: ResultTable, path: Path) -> None:

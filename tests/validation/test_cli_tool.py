@@ -277,6 +277,8 @@ def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write
     assert "Asked for 5 %: A/A0 = " in out
     told = json.loads((tmp_path / "results" / "small-accuracy" / "accuracy.json").read_text())
     assert told["error"] <= told["target"] == 0.05
+    assert f"\n{told['solves']} solves done, 0 found finished." in out
+    assert not (tmp_path / "results" / "small" / "report.html").exists()
     summary = json.loads((tmp_path / "results" / "small-accuracy" / "summary.json").read_text())
     assert [row["grid"] for row in summary["rows"]] == told["grids"]
     assert summary["limit"]["value"] == told["area"]

@@ -4,13 +4,20 @@ from __future__ import annotations
 
 import dataclasses
 
+import numpy as np
 import pytest
 
 from fem_contact.area import Limit
-from validation.comparison import Scatter
+from validation.comparison import Scatter, compare
+from validation.effect_tables import Adhesion, HardnessEffect
+from validation.figure_data import pressure_at_zero_data
 from validation.findings import findings
+from validation.jobs import execute, jobs_of
+from validation.papers import papers
+from validation.report import console_table, report_page
 from validation.run import run_scene
 from validation.scene import load_scene
+from validation.store import Store
 
 
 def _sentence(comparison, word):
@@ -81,3 +88,93 @@ def test_a_scene_near_full_contact_reverses_the_verdict(write_scene, tmp_path, p
     comparison = run_scene(load_scene(str(path)), tmp_path / "results").comparison
     assert words in _sentence(comparison, "Persson's theory gives")
     assert any("Contact is complete" in text for text in comparison.findings) == (pressure > 1)
+
+
+def test_a_contact_of_one_point_has_no_limit_and_no_law_of_its_edge(write_scene, tmp_path):
+    path = write_scene(("reduced_pressure = 0.1", "reduced_pressure = 1e-6"), fem=False)
+    comparison = run_scene(load_scene(str(path)), tmp_path / "results").comparison
+    assert comparison.limit is None
+    said = "the contact has 1 point on the finest grid"
+    assert f"not determinable: {said}" in comparison.findings[0]
+    assert not any(
+        word in text for text in findings(comparison) for word in (" it (", "agrees", "falls with")
+    )
+    assert said in report_page(comparison)
+
+
+def test_agreement_within_an_uncertainty_says_how_large_that_is(small_run):
+    c = small_run.comparison
+    near = _sentence(_with_limit(c, 1.5 * c.theory.area, 0.3 * c.theory.area), "Persson's theory gives")
+    assert "within twice its uncertainty (difference 50 %, uncertainty 30 %)" in near
+
+
+def _with_effects(comparison, *effects):
+    scene = comparison.scene.model_copy(update={"effects": effects})
+    return dataclasses.replace(comparison, scene=scene)
+
+
+STICKY = Adhesion(kind="adhesion", work=1e-3, reach=4e-8)
+HARD = HardnessEffect(kind="hardness", hardness=4e4)
+
+
+def test_nothing_is_said_of_pressures_that_start_at_zero_where_adhesion_pulls(small_run):
+    plain, sticky = small_run.comparison, _with_effects(small_run.comparison, STICKY)
+    assert any("P(sigma)" in text for text in findings(plain))
+    assert not any("P(sigma)" in text for text in findings(sticky))
+    assert [list(console_table(c).columns[6].cells)[-2] for c in (plain, sticky)] == ["0", ""]
+
+
+def test_a_report_names_its_effects_and_cites_what_solved_them(small_run):
+    plain, sticky = small_run.comparison, _with_effects(small_run.comparison, STICKY)
+    assert "(elastic, no adhesion)" in console_table(plain).title
+    assert "(adhesion)" in console_table(sticky).title
+    page = report_page(sticky)
+    assert "effects: adhesion" in page
+    assert "Runs: adhesion: Pastewka-Robbins number" in page
+    assert "Left out: hardness" in page
+    assert "Bertsekas" in page
+    assert "Polonsky" not in page
+    assert "Polonsky" in report_page(plain)
+    assert not set(papers({"adhesion"})) & set(papers({"bem", "hardness"}))
+
+
+def test_the_yielded_area_stands_on_a_card(small_run):
+    c = _with_effects(small_run.comparison, HARD)
+    assert "How much has yielded" not in report_page(c)
+    rows = tuple(dataclasses.replace(row, plastic=0.0123) for row in c.rows)
+    page = report_page(dataclasses.replace(c, rows=rows))
+    assert page.count("How much has yielded") == 1
+    assert "0.01230" in page
+
+
+def test_a_run_to_an_accuracy_is_not_told_to_refine(small_run):
+    c = _with_limit(small_run.comparison, 3 * small_run.comparison.rows[0].pixel)
+    assert any("refine the grids" in text for text in findings(c))
+    accurate = dataclasses.replace(c, accurate=True)
+    assert not any("refine the grids" in text for text in findings(accurate))
+
+
+def test_pulled_points_are_in_the_distribution_with_adhesion_alone(write_scene, tmp_path):
+    path = write_scene(
+        ("[solid]", '[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "40 nm"\n[solid]'),
+        ("grids = [12, 24, 48]\nshifts = 2", "grids = [48]"),
+        fem=False,
+    )
+    scene = load_scene(str(path))
+    (job,) = jobs_of(scene)
+    store = Store(folder=tmp_path)
+    store.save(job, execute(job, threads=1).contact)
+    comparison, contact = compare(scene, store), store.load(job)
+    solves = {"BEM 48 x 48": [contact]}
+    data = pressure_at_zero_data(comparison, solves)
+    unit = comparison.contact_modulus * comparison.rms_gradient
+    lowest = contact.pressure[contact.in_contact].min() / unit
+    assert data.lower.values[0] == pytest.approx(lowest, rel=1e-12)
+    assert lowest < 0
+    # Nothing in contact is lost at the lower end: what is above 0.6 is what is not drawn.
+    drawn = float((data.density * (data.upper - data.lower))[data.curve.values != "Persson"].sum())
+    below = np.mean(contact.in_contact & (contact.pressure <= 0.6 * unit))
+    assert drawn == pytest.approx(below, abs=1e-12)
+    assert np.isnan(comparison.rows[0].density_at_zero)
+    plain = pressure_at_zero_data(_with_effects(comparison), solves)
+    assert plain.lower.values[0] == 0

@@ -66,6 +66,14 @@ def test_running_again_repeats_nothing_and_finds_the_same(small_run, tmp_path):
     assert again.comparison.rows == small_run.comparison.rows
 
 
+def test_a_plain_run_leaves_nothing_of_an_earlier_run_to_an_accuracy(small_run, tmp_path, monkeypatch):
+    monkeypatch.setattr("validation.report.write_drawings", lambda *a: ())  # drawn and tested elsewhere
+    (tmp_path / "accuracy.json").write_text("{}")
+    run_scene(small_run.comparison.scene, tmp_path, store_folder=small_run.folder / "solves")
+    assert (tmp_path / "report.html").exists()
+    assert not (tmp_path / "accuracy.json").exists()
+
+
 def test_pixel_area_averaged_over_shifts_decreases_with_refinement(small_run):
     pixel = [row.pixel for row in small_run.comparison.rows_of("bem")]
     assert all(row.solves == 4 for row in small_run.comparison.rows_of("bem"))

@@ -288,7 +288,8 @@ def area_limits(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Return the limit of A/A0 over the grids of one measurement and its standard error, for each load.
 
     It is that of the areas located inside the cells (`fem_contact.extrapolation`); grids of less than
-    `LEAST_POINTS_PER_WAVE` are left out.
+    `LEAST_POINTS_PER_WAVE` are left out. Both are NaN where the contact is too small to carry the law; the report
+    of a study says so.
     """
     limits = [
         located_limit(areas_of(dataset, k, least_points_per_wave=LEAST_POINTS_PER_WAVE))
