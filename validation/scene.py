@@ -80,7 +80,7 @@ class FileSurface(_Table):
         description='size L, or [Lx, Ly], e.g. "100 um"; may be left out where the file says it'
     )
     unit: Length | None = Field(
-        default=None, description='unit of the heights, e.g. "1 nm"; that of the file, or "1 m", if not given'
+        default=None, description='unit of the heights, e.g. "1 nm"; may be left out where the file says it'
     )
     tilt: Literal["keep", "plane", "quadratic"] = Field(
         default="keep", description="what to take out before anything else"
@@ -315,7 +315,7 @@ def load_scene(scene: str) -> Scene:
     text, folder = scene_text(scene)
     data = parsed_toml(text, scene)
     try:
-        checked = Scene.model_validate(_sized(data, folder))
+        checked = Scene.model_validate(_sized(data, folder, scene))
     except ValidationError as error:
         raise SceneError(scene, scene_problems(error)) from None
     if isinstance(checked.surface, FileSurface) and not checked.surface.path.is_absolute():
@@ -326,19 +326,24 @@ def load_scene(scene: str) -> Scene:
     return checked
 
 
-def _sized(data: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Fill in the length of a measured surface from its file, where the scene leaves it to the file."""
+def _sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
+    """Fill in the length of a measured surface from its file, and ask for what neither of the two says."""
     surface = data.get("surface")
-    if not isinstance(surface, dict) or surface.get("kind") != "file" or "length" in surface:
+    if not isinstance(surface, dict) or surface.get("kind") != "file" or {"length", "unit"} <= set(surface):
         return data
     path = surface.get("path")
     if not isinstance(path, str):
         return data
-    from validation.topography import read_topography
+    from validation.topography import file_says
 
     try:
-        lengths = read_topography(folder / path).lengths
-    except UsageError:  # said in full when the surface is read; here the missing length is what is wrong
+        lengths, unit = file_says(folder / path)
+    except UsageError as error:
+        raise SceneError(scene, [f"surface.path = {path!r}: {error}"]) from None
+    if unit is None and "unit" not in surface:
+        allowed = FileSurface.model_fields["unit"].description
+        raise SceneError(scene, [f"surface.unit: missing, and {path!r} does not say it; {allowed}"])
+    if lengths is None or "length" in surface:
         return data
     return {**data, "surface": {**surface, "length": list(lengths)}}
 

@@ -185,12 +185,28 @@ def test_surfaces_are_generated_inspected_and_converted(tool, tmp_path):
     )
 
 
+def test_a_file_that_does_not_say_size_or_unit_is_asked_for_them(tool, tmp_path):
+    np.save(tmp_path / "scan.npy", np.outer(np.sin(np.arange(16)), np.ones(16)))
+    for said, words in (
+        ((), "its size and unit of the heights: give --length '10 um' and --unit '1 nm'"),
+        (("--length", "1 um"), "its unit of the heights: give --unit '1 nm'"),
+        (("--unit", "1 nm"), "its size: give --length '10 um'"),
+    ):
+        code, _, err = tool("surface", "inspect", "scan.npy", *said)
+        assert (code, err.count("\n")) == (2, 1)
+        assert words in err
+    facts = json.loads(
+        tool("surface", "inspect", "scan.npy", "--length", "1 um", "--unit", "1 nm", "--json")[1]
+    )
+    assert facts["h_rms [m]"] == pytest.approx(1e-9 * np.std(np.sin(np.arange(16))), rel=1e-9)
+
+
 def test_a_conversion_levels_fills_and_tapers_and_says_so(tool, tmp_path):
     x = np.linspace(0, 1, 40)
     heights = 100 * np.sin(9 * x)[:, None] * np.cos(7 * x)[None, :] + 500 * x[:, None]
     heights[5:8, 9] = np.nan
     np.savetxt(tmp_path / "scan.txt", heights)
-    code, _, err = tool("surface", "convert", "scan.txt", "out.nc", "--length", "10 um")
+    code, _, err = tool("surface", "convert", "scan.txt", "out.nc", "--length", "10 um", "--unit", "1 nm")
     assert code == 2
     assert "3 of 1600 heights are NaN" in err
     said = (
