@@ -11,7 +11,7 @@ from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.solid import Solid
 from validation.effects import check_effects, explain
 from validation.errors import SceneError, UsageError
-from validation.jobs import execute, jobs_of
+from validation.jobs import execute, jobs_of, warm_up
 from validation.neglect import Roughness, full_contact_energy, judge
 from validation.scene import Scene, load_scene
 from validation.slots import response_of, theory_modulus, theory_variance
@@ -239,3 +239,28 @@ def test_the_pastewka_robbins_number_is_the_printed_one():
     # E* = 1 GPa, w = 1 J/m^2, rho = 1 nm: (.1 * 1e-9 / (2 * 1e-9)) (.1^2 / 8.165e4 / 1e-9)^(2/3).
     word = judge(effect('[[effects]]\nkind = "adhesion"\nwork = "1 J/m^2"\nreach = "1 nm"\n'), rough())
     assert "Pastewka-Robbins number 1.23 " in word.number
+
+
+def test_no_solve_is_charged_with_loading_what_its_effects_need(with_effects, monkeypatch):
+    from fem_contact import block
+    from validation import slots
+
+    rehearsed = []
+
+    def kept(solve):
+        def keeping(*arguments, **options):
+            rehearsed.append(solve(*arguments, **options))
+            return rehearsed[-1]
+
+        return keeping
+
+    monkeypatch.setattr(slots, "solve_bem", kept(slots.solve_bem))
+    monkeypatch.setattr(block, "solve", kept(block.solve))
+    jobs = [job for effects in ((HARD,), (STICKY,), (GRADED,)) for job in jobs_of(with_effects(*effects))]
+    jobs += jobs_of(with_effects(HARD, fem=True))
+    warm_up(jobs)
+    hard, sticky, graded, elements = rehearsed
+    assert hard.at_bound.any()
+    assert sticky.pressure.min() < 0
+    assert 0 < graded.in_contact.mean() < 1
+    assert elements.contact.at_bound.any()
