@@ -26,6 +26,7 @@ from validation.cli_options import (
     WorkersOption,
     chosen_accuracy,
     chosen_execution,
+    naming,
     print_plan,
     say,
     show,
@@ -77,8 +78,8 @@ def run(
     """Run a scene: solve, compare, write table, fields and report.
 
     Finished solves in the store are used again, so an interrupted run continues where it stopped. Options of
-    where and how to run may also stand in the table [run] of the scene. With --accuracy, grids, tolerance and
-    number of surfaces are chosen instead of read from the scene.
+    where and how to run may also stand in the scene, in its table 'run'. With --accuracy, grids, tolerance
+    and number of surfaces are chosen instead of read from the scene.
     """
     from validation.effects import check_effects
     from validation.jobs import jobs_of
@@ -94,8 +95,9 @@ def run(
     store_folder = store or said.store or folder / "solves"
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
     chosen = chosen_accuracy(accuracy, time_limit=time_limit, dry_run=dry_run, execution=execution)
-    if dry_run:
+    with naming(scene):
         check_effects(loaded)
+    if dry_run:
         print_plan(jobs_of(loaded), Store(folder=store_folder), as_json=as_json)
         return
     reached = None
@@ -206,7 +208,9 @@ def explain(scene: SceneArgument = "quickstart", as_json: JsonOption = False) ->
     from validation.effects import explain as explain_scene
     from validation.scene import load_scene
 
-    explanation = explain_scene(load_scene(scene))
+    loaded = load_scene(scene)
+    with naming(scene):
+        explanation = explain_scene(loaded)
     if as_json:
         typer.echo(json.dumps(explanation.summary(), indent=2))
     else:
@@ -234,7 +238,7 @@ def calibrate(
 @app.command(epilog="Examples: fem-contact validate --quick  |  fem-contact validate hertz westergaard")
 def validate(
     names: Annotated[
-        list[str] | None, typer.Argument(metavar="[CASE]...", help="Cases to run; all if not given.")
+        list[str] | None, typer.Argument(metavar="CASE", help="Cases to run; all if not given.")
     ] = None,
     quick: Annotated[
         bool, typer.Option("--quick", help="Only what takes seconds; under three minutes.")
@@ -298,8 +302,9 @@ def report(
 ) -> None:
     """Write the report of a finished run or study again, from stored results alone. Solves nothing."""
     from validation.run import report_run
-    from validation.study_report import is_study, report_study
+    from validation.study_report import check_results, is_study, report_study
 
+    check_results(folder)
     if is_study(folder):
         files = report_study(folder).files
     else:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from validation.cli_options import JsonOption, SceneArgument, show
+from validation.cli_options import JsonOption, SceneArgument, plain_number, say, show
 from validation.errors import UsageError
 
 if TYPE_CHECKING:
@@ -61,6 +61,12 @@ def generate(
     else:
         field = height_field(surface, (grid, grid), realisation=realisation)
     _write(field, target, force=force)
+    if grid is None and not isinstance(surface, FileSurface):
+        say(
+            f"{field.shape[0]} x {field.shape[1]} is the smallest grid that resolves this surface, with two "
+            "points per shortest wave: enough to interpolate, too few for contact; choose with --grid",
+            prefix="note: ",
+        )
 
 
 @surface_app.command(
@@ -128,10 +134,10 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
     from validation.scene import FileSurface, scene_problems
     from validation.topography import file_says
 
-    size: Any = None if length is None else [part.strip() for part in length.split(",")]
+    size: Any = None if length is None else [plain_number(part.strip()) for part in length.split(",")]
     table = {"kind": "file", "path": str(path), **treatment}
     if unit is not None:
-        table["unit"] = unit
+        table["unit"] = plain_number(unit)
     if size is None or unit is None:
         try:
             own_size, own_unit = file_says(path)

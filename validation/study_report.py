@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from validation.bench import Bench
     from validation.studies._common import ResultTable
 
-__all__ = ["StudyOutputs", "is_study", "report_study", "run_study"]
+__all__ = ["StudyOutputs", "check_results", "is_study", "report_study", "run_study"]
 
 _RECORD = "study.json"
 _FORMAT = "fem-contact study 1"
@@ -64,6 +64,26 @@ def _plain(value: Any) -> Any:
 def is_study(folder: Path) -> bool:
     """Whether a results folder is that of a study."""
     return (folder / _RECORD).exists()
+
+
+def check_results(folder: Path) -> None:
+    """Refuse a folder that holds neither a run nor a study, and name those beside it that do.
+
+    Raises
+    ------
+    UsageError
+    """
+    records = ("run.json", _RECORD)
+    if any((folder / record).exists() for record in records):
+        return
+    places = sorted(
+        {path.parent for place in (folder.parent, Path("results")) for path in place.glob("*/*.json")}
+    )
+    found = [str(place) for place in places if any((place / record).exists() for record in records)]
+    raise UsageError(
+        f"{folder}: holds no run (run.json) and no study (study.json): run one first; results are in "
+        + (", ".join(found[:12]) + (", ..." if len(found) > 12 else "") if found else "no folder here")
+    )
 
 
 def report_study(folder: Path) -> StudyOutputs:

@@ -112,7 +112,7 @@ def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
 @pytest.mark.parametrize(
     ("effects", "options", "message"),
     [
-        ((STICKY,), {"fem": True}, r"effects\.0\.kind = 'adhesion': method 'fem' does not handle it"),
+        ((STICKY,), {"fem": True}, r"\[\[effects\]\] 1 kind = 'adhesion': method 'fem' does not handle it"),
         ((COATED,), {"fem": True}, r"'coating': method 'fem'"),
         ((LAYER,), {"theory": True}, r"'thickness': method 'theory'"),
         (
@@ -121,15 +121,19 @@ def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
             r"'cracks': method 'bem' does not handle it; handled by: the functions of the package",
         ),
         ((SIZED,), {}, r"'size-dependent-hardness': method 'bem' does not handle it"),
-        ((HARD.replace("40 kPa", "9 kPa"),), {}, r"effects\.0\.hardness = 9000 Pa: must not be below"),
-        ((STICKY.replace("40 nm", "2 nm"),), {}, r"effects\.0\.reach = 2e-09 m: grid \[12, 12\] has"),
-        ((LAYER,), {"fem": True}, r"methods\.fem\.depth: effects\.0\.thickness says the depth"),
+        ((HARD.replace("40 kPa", "9 kPa"),), {}, r"\[\[effects\]\] 1 hardness = 9000 Pa: must not be below"),
+        ((STICKY.replace("40 nm", "2 nm"),), {}, r"\[\[effects\]\] 1 reach = 2e-09 m: grid \[12, 12\] has"),
+        ((LAYER,), {"fem": True}, r"methods\.fem\.depth: \[\[effects\]\] 1 thickness says the depth"),
         (
             (LAYER + 'base = "frictionless"\n',),
             {"fem": True, "extra": [('depth = "5 um"', "")]},
-            r"effects\.0\.base = 'frictionless': must be 'bonded'",
+            r"\[\[effects\]\] 1 base = 'frictionless': must be 'bonded'",
         ),
-        ((COATED + "poisson = 0.4\n",), {"theory": True}, r"effects\.0\.poisson = 0\.4: method 'theory'"),
+        (
+            (COATED + "poisson = 0.4\n",),
+            {"theory": True},
+            r"\[\[effects\]\] 1 poisson = 0\.4: method 'theory'",
+        ),
     ],
 )
 def test_what_a_method_lacks_is_refused_by_name_before_computing(with_effects, effects, options, message):
@@ -140,11 +144,14 @@ def test_what_a_method_lacks_is_refused_by_name_before_computing(with_effects, e
 @pytest.mark.parametrize(
     ("effect", "message"),
     [
-        ('[[effects]]\nkind = "hardness"\n', "effects.0.hardness: missing"),
-        ("[[effects]]\nhardness = 1.0\n", "effects.0.kind: missing; one of 'adhesion', 'coating', 'cracks'"),
-        (HARD.replace("kPa", "nm"), "effects.0.hardness = '40 nm': is not a pressure"),
+        ('[[effects]]\nkind = "hardness"\n', "[[effects]] 1 hardness: missing"),
+        (
+            "[[effects]]\nhardness = 1.0\n",
+            "[[effects]] 1 kind: missing; one of 'adhesion', 'coating', 'cracks'",
+        ),
+        (HARD.replace("kPa", "nm"), "[[effects]] 1 hardness = '40 nm': is not a pressure"),
         (STICKY.replace("mJ/m^2", "mJ"), "is not a work of adhesion"),
-        (STICKY + 'law = "spring"\n', "effects.0.law = 'spring': must be 'exponential' or 'dugdale'"),
+        (STICKY + 'law = "spring"\n', "[[effects]] 1 law = 'spring': must be 'exponential' or 'dugdale'"),
         (HARD + "work = 1.0\n", "unknown key 'work'"),
         (LAYER + GRADED, "'thickness' and 'graded' both fill the slot 'response'"),
     ],
