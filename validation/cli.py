@@ -133,6 +133,7 @@ def run(
 
 @app.command(
     context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
+    add_help_option=False,
     epilog="Examples: fem-contact study --list  |  fem-contact study area --seeds 3,4,5 --grids 128,192 "
     "--workers 2",
 )
@@ -149,11 +150,14 @@ def study(
     dry_run: DryRunOption = False,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
+    wants_help: Annotated[
+        bool, typer.Option("--help", "-h", help="Show this; after a NAME, the options of that study.")
+    ] = False,
 ) -> None:
     """Run a study: many independent solves, one dataset, figures and a report.
 
-    Whatever follows as --option VALUE is an option of the study. All studies keep their solves in
-    results/solves, so that they share them, unless --store says otherwise.
+    Whatever follows as --option VALUE is an option of the study, see fem-contact study NAME --help. All
+    studies keep their solves in results/solves, so that they share them, unless --store says otherwise.
     """
     from validation.bench import DEFAULT_STORE, Bench, PlannedOnly
     from validation.progress import Bar
@@ -162,6 +166,9 @@ def study(
     from validation.studies import find_study, studies
     from validation.study_report import run_study
 
+    if wants_help:
+        _help_study(context, name)
+        return
     if list_all or name is None:
         _list_studies(list(studies().values()), as_json=as_json)
         return
@@ -364,9 +371,18 @@ def _list_studies(known: list[Study], *, as_json: bool) -> None:
         typer.echo(json.dumps(words, indent=2))
         return
     for found in known:
-        typer.echo(f"{found.name}: {found.question}" + ("  [takes a SCENE]" if found.takes_scene else ""))
-        for option in found.options.values():
-            typer.echo(f"    {option.words}")
+        typer.echo("\n".join(found.help_lines()))
+
+
+def _help_study(context: typer.Context, name: str | None) -> None:
+    """Print the options of one study, or the help of the command."""
+    from validation.studies import find_study
+
+    if name is None:
+        typer.echo(context.get_help())
+        return
+    typer.echo("\n".join(find_study(name).help_lines()))
+    typer.echo("\nOptions of all studies, where and how they run: fem-contact study --help")
 
 
 def _claims_table(rows: Sequence[ClaimRow]) -> Any:

@@ -15,6 +15,7 @@ from validation.accuracy import reach
 from validation.bench import Bench
 from validation.errors import RunFailed, UsageError
 from validation.scene import load_scene
+from validation.studies import studies
 
 COMMANDS = ("run", "study", "validate", "reproduce", "report", "explain", "surface", "scenes")
 
@@ -340,3 +341,18 @@ def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write
         load_scene(str(path)), Bench.at(tmp_path / "results" / "small" / "solves"), target=told["target"]
     )
     assert (again.solves, again.area, again.error) == (0, told["area"], told["error"])
+
+
+def test_every_option_of_every_study_says_what_it_is(tool):
+    for name, found in studies().items():
+        for option in found.options.values():
+            assert len(option.meaning) > 2, (name, option.name)
+            assert "None" not in option.words
+            assert "default: )" not in option.words
+    code, out, err = tool("study", "hurst", "--help")
+    assert (code, err) == (0, "")
+    assert "--equal-nayak a number (may be left out)\n        Also choose the ratio of each H" in out
+    assert "--size a number (default: " in out
+    assert "L/lambda_long" in out
+    assert "Example" not in out
+    assert tool("study", "nothing", "-h")[0] == 2
