@@ -1,4 +1,4 @@
-"""What a study leaves behind: data.nc, data.csv, figures and a report, all made from its dataset."""
+"""What a study leaves behind: data, tables, figures and a report, all made from its dataset."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ def report_study(folder: Path) -> StudyOutputs:
     table, budget = study.table(data), study.budget(data)
     for name, made in (("table", table), ("budget", budget)):
         if made is not None:
-            _write_table(made, folder / f"{name}.csv")
+            tables += (_write_table(made, folder / f"{name}.csv"),)
     page = render(
         "study.html.j2",
         title=f"Study: {study.name}",
@@ -131,9 +131,10 @@ def report_study(folder: Path) -> StudyOutputs:
     return StudyOutputs(data=data, findings=findings, files=files)
 
 
-def _write_table(table: ResultTable, path: Path) -> None:
+def _write_table(table: ResultTable, path: Path) -> Path:
     with atomic_path(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows([table.columns, *table.rows])
+    return path
 
 
 def _seeds(options: Mapping[str, Any]) -> str:

@@ -12,7 +12,7 @@ A study is a module of this package with
 - optionally ``figures(data) -> tuple[Drawing, ...]`` and ``findings(data) -> tuple[str, ...]``, which read
   the dataset.
 
-``fem-contact study NAME`` does the rest: options from the command line, storing, resuming, report.
+docs/studies.md has a complete example. ``fem-contact study NAME`` does the rest: options from the command line, storing, resuming, report.
 """
 
 from __future__ import annotations
