@@ -3,6 +3,7 @@
 import importlib.metadata
 import importlib.resources
 import json
+import re
 import subprocess
 import sys
 import tomllib
@@ -135,3 +136,12 @@ def test_the_readme_names_the_command_that_ci_runs():
     command = after.partition("```")[2].partition("\n")[2].partition("```")[0]
     assert "pytest" in command
     assert ".venv" in command
+
+
+@pytest.mark.parametrize("package", ["persson", "fem_contact", "validation"])
+def test_the_map_names_every_module(package):
+    text = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8")
+    words = set(re.findall(r"\w+", text))
+    modules = {path.stem for path in (ROOT / package).glob("*.py") if not path.stem.startswith("_")}
+    assert len(modules) > 10
+    assert modules - words == set()

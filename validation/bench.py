@@ -70,7 +70,7 @@ class Bench:
 
         bench = Bench.at("results/solves", execution=Execution(workers=2))
         results = bench.solve(jobs)
-        areas = [results[job].in_contact.mean() for job in jobs]
+        areas = [results[job].in_contact.mean() for job in jobs]  # a job is the key of its result
     """
 
     store: Store
@@ -91,7 +91,7 @@ class Bench:
         return cls(store=store, execution=execution or Execution(), progress=progress or Silent())
 
     def solve(self, jobs: Iterable[AnyJob]) -> Solves:
-        """Solve what is not stored yet and return all results, in the order of the jobs.
+        """Solve what is not stored yet and return all results, a mapping whose keys are the jobs.
 
         Raises
         ------

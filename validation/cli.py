@@ -26,6 +26,7 @@ from validation.cli_options import (
     WorkersOption,
     chosen_accuracy,
     chosen_execution,
+    naming,
     print_plan,
     say,
     show,
@@ -77,8 +78,9 @@ def run(
     """Run a scene: solve, compare, write table, fields and report.
 
     Finished solves in the store are used again, so an interrupted run continues where it stopped. Options of
-    where and how to run may also stand in the table [run] of the scene. With --accuracy, grids, tolerance and
-    number of surfaces are chosen instead of read from the scene, and results go to results/NAME-accuracy.
+    where and how to run may also stand in the scene, in its table 'run'. With --accuracy, grids, tolerance
+    and number of surfaces are chosen instead of read from the scene, and results go to
+    results/NAME-accuracy.
     """
     from validation.effects import check_effects
     from validation.jobs import jobs_of
@@ -97,8 +99,9 @@ def run(
     store_folder = store or said.store or plain / "solves"
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
     chosen = chosen_accuracy(accuracy, time_limit=time_limit, dry_run=dry_run, execution=execution)
-    if dry_run:
+    with naming(scene):
         check_effects(loaded)
+    if dry_run:
         print_plan(jobs_of(loaded), Store(folder=store_folder), as_json=as_json)
         return
     reached = None
@@ -134,6 +137,7 @@ def run(
 
 @app.command(
     context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
+    add_help_option=False,
     epilog="Examples: fem-contact study --list  |  fem-contact study area --seeds 3,4,5 --grids 128,192 "
     "--workers 2",
 )
@@ -150,11 +154,14 @@ def study(
     dry_run: DryRunOption = False,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
+    wants_help: Annotated[
+        bool, typer.Option("--help", "-h", help="Show this; after a NAME, the options of that study.")
+    ] = False,
 ) -> None:
     """Run a study: many independent solves, one dataset, figures and a report.
 
-    Whatever follows as --option VALUE is an option of the study. All studies keep their solves in
-    results/solves, so that they share them, unless --store says otherwise.
+    Whatever follows as --option VALUE is an option of the study, see fem-contact study NAME --help. All
+    studies keep their solves in results/solves, so that they share them, unless --store says otherwise.
     """
     from validation.bench import DEFAULT_STORE, Bench, PlannedOnly
     from validation.progress import Bar
@@ -163,6 +170,9 @@ def study(
     from validation.studies import find_study, studies
     from validation.study_report import run_study
 
+    if wants_help:
+        _help_study(context, name)
+        return
     if list_all or name is None:
         _list_studies(list(studies().values()), as_json=as_json)
         return
@@ -209,7 +219,9 @@ def explain(scene: SceneArgument = "quickstart", as_json: JsonOption = False) ->
     from validation.effects import explain as explain_scene
     from validation.scene import load_scene
 
-    explanation = explain_scene(load_scene(scene))
+    loaded = load_scene(scene)
+    with naming(scene):
+        explanation = explain_scene(loaded)
     if as_json:
         typer.echo(json.dumps(explanation.summary(), indent=2))
     else:
@@ -237,7 +249,7 @@ def calibrate(
 @app.command(epilog="Examples: fem-contact validate --quick  |  fem-contact validate hertz westergaard")
 def validate(
     names: Annotated[
-        list[str] | None, typer.Argument(metavar="[CASE]...", help="Cases to run; all if not given.")
+        list[str] | None, typer.Argument(metavar="CASE", help="Cases to run; all if not given.")
     ] = None,
     quick: Annotated[
         bool, typer.Option("--quick", help="Only what takes seconds; under three minutes.")
@@ -301,8 +313,9 @@ def report(
 ) -> None:
     """Write the report of a finished run or study again, from stored results alone. Solves nothing."""
     from validation.run import report_run
-    from validation.study_report import is_study, report_study
+    from validation.study_report import check_results, is_study, report_study
 
+    check_results(folder)
     if is_study(folder):
         files = report_study(folder).files
     else:
@@ -362,9 +375,18 @@ def _list_studies(known: list[Study], *, as_json: bool) -> None:
         typer.echo(json.dumps(words, indent=2))
         return
     for found in known:
-        typer.echo(f"{found.name}: {found.question}" + ("  [takes a SCENE]" if found.takes_scene else ""))
-        for option in found.options.values():
-            typer.echo(f"    {option.words}")
+        typer.echo("\n".join(found.help_lines()))
+
+
+def _help_study(context: typer.Context, name: str | None) -> None:
+    """Print the options of one study, or the help of the command."""
+    from validation.studies import find_study
+
+    if name is None:
+        typer.echo(context.get_help())
+        return
+    typer.echo("\n".join(find_study(name).help_lines()))
+    typer.echo("\nOptions of all studies, where and how they run: fem-contact study --help")
 
 
 def _claims_table(rows: Sequence[ClaimRow]) -> Any:

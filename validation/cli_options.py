@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from validation.errors import UsageError
+from validation.errors import SceneError, UsageError
 
 if TYPE_CHECKING:
     from validation.jobs import AnyJob
@@ -34,6 +34,8 @@ __all__ = [
     "WorkersOption",
     "chosen_accuracy",
     "chosen_execution",
+    "naming",
+    "plain_number",
     "print_plan",
     "say",
     "show",
@@ -102,6 +104,25 @@ PicturesOption = Annotated[
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar; for logs.")]
 
 
+def plain_number(text: str) -> float | str:
+    """Return the number that a text without a unit is, to count in SI, or else the text."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+@contextlib.contextmanager
+def naming(scene: str) -> Iterator[None]:
+    """Name the scene in a complaint about what it says."""
+    try:
+        yield
+    except SceneError:  # names it already
+        raise
+    except UsageError as error:
+        raise SceneError(scene, [str(error)]) from None
+
+
 def chosen_execution(
     said: RunOptions, *, workers: int | None, scheduler: str | None, memory: str | None
 ) -> Execution:
@@ -114,7 +135,7 @@ def chosen_execution(
     limit = said.memory
     if memory is not None:
         try:
-            limit = TypeAdapter(Memory).validate_python(memory)
+            limit = TypeAdapter(Memory).validate_python(plain_number(memory))
         except ValidationError as error:
             raise UsageError(f"--memory = {memory!r}: {error.errors()[0]['msg']}") from None
     if workers is not None and scheduler is not None:
@@ -145,7 +166,9 @@ def chosen_accuracy(
     if execution.scheduler is not None:
         raise UsageError("--scheduler: not together with --accuracy, which measures this machine")
     try:
-        seconds = None if time_limit is None else TypeAdapter(Duration).validate_python(time_limit)
+        seconds = (
+            None if time_limit is None else TypeAdapter(Duration).validate_python(plain_number(time_limit))
+        )
     except ValidationError as error:
         raise UsageError(f"--time-limit = {time_limit!r}: {error.errors()[0]['msg']}") from None
     return {"target": target, "time_limit": seconds}

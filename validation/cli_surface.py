@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from validation.cli_options import JsonOption, SceneArgument, show
+from validation.cli_options import JsonOption, SceneArgument, plain_number, say, show
 from validation.errors import UsageError
 
 if TYPE_CHECKING:
@@ -61,6 +61,12 @@ def generate(
     else:
         field = height_field(surface, (grid, grid), realisation=realisation)
     _write(field, target, force=force)
+    if grid is None and not isinstance(surface, FileSurface):
+        say(
+            f"{field.shape[0]} x {field.shape[1]} is the smallest grid that resolves this surface, with two "
+            "points per shortest wave: enough to interpolate, too few for contact; choose with --grid",
+            prefix="note: ",
+        )
 
 
 @surface_app.command(
@@ -116,22 +122,35 @@ def convert(
     _write(field if grid is None else field.resampled((grid, grid)), target, force=force)
 
 
+#: What a file of heights may leave out, and how it is said on the command line.
+_SAID = {"--length": "size", "--unit": "unit of the heights"}
+_EXAMPLES = {"--length": "'10 um'", "--unit": "'1 nm'"}
+
+
 def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatment: Any) -> FileSurface:
     """Read the options as the table of a scene is read, so that they allow and refuse the same."""
     from pydantic import ValidationError
 
     from validation.scene import FileSurface, scene_problems
-    from validation.topography import read_topography
+    from validation.topography import file_says
 
-    size: Any = None if length is None else [part.strip() for part in length.split(",")]
+    size: Any = None if length is None else [plain_number(part.strip()) for part in length.split(",")]
     table = {"kind": "file", "path": str(path), **treatment}
     if unit is not None:
-        table["unit"] = unit
-    if size is None:
+        table["unit"] = plain_number(unit)
+    if size is None or unit is None:
         try:
-            size = list(read_topography(path).lengths)
+            own_size, own_unit = file_says(path)
         except UsageError as error:
             raise UsageError(f"{path}: {error}") from None
+        size = size or own_size
+        missing = [key for key, found in (("--length", size), ("--unit", unit or own_unit)) if not found]
+        if missing:
+            raise UsageError(
+                f"{path}: does not say its {' and '.join(_SAID[key] for key in missing)}: give "
+                + " and ".join(f"{key} {_EXAMPLES[key]}" for key in missing)
+            )
+        size = list(size or ())
     table["length"] = size if len(size) > 1 else size[0]
     try:
         return FileSurface.model_validate(table)

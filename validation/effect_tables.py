@@ -22,6 +22,7 @@ __all__ = [
     "SizeDependentHardness",
     "Thickness",
     "clash",
+    "effect_key",
 ]
 
 
@@ -100,6 +101,15 @@ SLOTS = {
 }
 
 EFFECT_KINDS = frozenset(SLOTS)
+
+
+def effect_key(index: int, key: str) -> str:
+    """How a message names a key of an effect: counted from one, as a reader of the file counts.
+
+    >>> effect_key(0, "hardness")
+    '[[effects]] 1 hardness'
+    """
+    return f"[[effects]] {index + 1} {key}"
 
 
 def clash(effects: Sequence[EffectSpec]) -> str | None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from validation.effect_tables import effect_key
 from validation.errors import UsageError
 from validation.jobs import AnyJob, Job, NumbersJob, Prediction, jobs_of, nominal_pressure
 from validation.neglect import Judgement, Roughness, judge, unlisted
@@ -79,7 +80,7 @@ def check_effects(scene: Scene) -> None:
             if method not in handled:
                 able = ", ".join(sorted(handled)) or "the functions of the package persson alone"
                 raise UsageError(
-                    f"effects.{k}.kind = {effect.kind!r}: method {method!r} does not handle it; "
+                    f"{effect_key(k, 'kind')} = {effect.kind!r}: method {method!r} does not handle it; "
                     f"handled by: {able}"
                 )
     if scene.effects:

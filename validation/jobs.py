@@ -24,7 +24,17 @@ from validation.surfaces import file_digest, height_field, reference_field
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["AnyJob", "Job", "NumbersJob", "Prediction", "execute", "jobs_of", "nominal_pressure", "warm_up"]
+__all__ = [
+    "AnyJob",
+    "Job",
+    "NumbersJob",
+    "Prediction",
+    "code_path",
+    "execute",
+    "jobs_of",
+    "nominal_pressure",
+    "warm_up",
+]
 
 #: Raised when a change of the code changes results, so that stored ones are not mistaken for new ones.
 RESULTS_VERSION = 1
@@ -243,16 +253,67 @@ def execute(job: Job, *, threads: int | None = None) -> Solved:
     return Solved(contact=solution.contact, block=solution)
 
 
-def warm_up(jobs: Sequence[AnyJob]) -> None:
-    """Load the compiled passes of the methods that jobs use, so that no solve is charged with it."""
-    if any(isinstance(job, NumbersJob) or job.method == "bem" for job in jobs):
-        from fem_contact import bem
-        from fem_contact.response import HalfSpace
+def code_path(job: AnyJob) -> tuple[str, ...]:
+    """Name what decides which compiled passes a job runs through: method, its variant, kinds of effects."""
+    if isinstance(job, NumbersJob):
+        return ("bem", "")
+    variant = str(dict(job.settings).get("method", "full")) if job.method == "fem" else ""
+    return (job.method, variant, *sorted(effect.kind for effect in job.effects))
 
-        # Large enough for the passes between grids and at partial contact, and done in milliseconds.
-        x = np.cos(2 * np.pi * np.arange(64) / 64)
-        waves = HeightField(heights=x[:, None] + x[None, :], lengths=(1.0, 1.0))
-        bem.solve(waves, HalfSpace(solid=Solid(young=1.0, poisson=0.0)), mean_pressure=0.5, threads=1)
+
+def warm_up(jobs: Sequence[AnyJob]) -> None:
+    """Load the compiled passes of the methods and effects of jobs, so that no solve is charged with it."""
+    for (method, variant, *_), job in {code_path(job): job for job in jobs}.items():
+        effects = () if isinstance(job, NumbersJob) else _rehearsed(job.effects)
+        if method == "bem":
+            _rehearse_bem(effects)
+        else:
+            _rehearse_fem(effects, variant)
+
+
+def _rehearsed(effects: Sequence[EffectSpec]) -> tuple[EffectSpec, ...]:
+    """Return effects of the same kinds that matter on waves of unit size, to warm the methods up by."""
+    sizes: dict[str, Any] = {
+        "hardness": {"hardness": 1.0},
+        "adhesion": {"work": 1.0, "reach": 1.0},
+        "thickness": {"thickness": 0.5},
+        "coating": {"young": 2.0, "thickness": 0.1, "poisson": 0.0},
+        "graded": {"bulk_young": 2.0, "depth": 0.5},
+    }
+    return tuple(effect.model_copy(update=sizes.get(effect.kind, {})) for effect in effects)
+
+
+def _waves(points: int) -> HeightField:
+    x = np.cos(2 * np.pi * np.arange(points) / points)
+    return HeightField(heights=x[:, None] + x[None, :], lengths=(1.0, 1.0))
+
+
+_UNIT_SOLID = {"young": 1.0, "poisson": 0.0}
+
+
+def _rehearse_bem(effects: tuple[EffectSpec, ...]) -> None:
+    from fem_contact import bem
+    from fem_contact.response import HalfSpace
+
+    # Large enough for the passes between grids and at partial contact, and done in milliseconds.
+    waves, solid = _waves(64), Solid(**_UNIT_SOLID)
+    if not effects:
+        bem.solve(waves, HalfSpace(solid=solid), mean_pressure=0.5, threads=1)
+        return
+    from validation.slots import solve_bem
+
+    solve_bem(waves, solid, effects=effects, mean_pressure=0.5, tolerance=1e-6, threads=1)
+
+
+def _rehearse_fem(effects: tuple[EffectSpec, ...], variant: str) -> None:
+    from fem_contact import block
+
+    arguments: dict[str, Any] = {"method": variant}
+    if effects:
+        from validation.slots import block_arguments
+
+        arguments |= block_arguments(Solid(**_UNIT_SOLID), effects)
+    block.solve(_waves(16), Solid(**_UNIT_SOLID), mean_pressure=0.5, **arguments)
 
 
 def block_file(folder: Path, job: Job) -> Path:

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Duration",
     "Grid",
+    "Grids",
     "Length",
     "Lengths",
     "Memory",
@@ -54,7 +55,7 @@ def quantity(unit: str, kind: str, example: str) -> BeforeValidator:
             raise wrong(allowed)
         number, symbol = found[1], found[2]
         if symbol is None:
-            raise wrong(f"has no unit; {allowed}")
+            raise wrong(f"has no unit; {allowed} without quotes")
         import pint
 
         try:
@@ -98,7 +99,16 @@ def grid_of(value: object) -> object:
     return pair
 
 
+def grids_of(value: object) -> object:
+    """Return a list of grids; a single number is refused, for it is read elsewhere as one grid."""
+    if isinstance(value, (list, tuple)):
+        return value
+    listed = f"[{value}]" if type(value) is int else "[32, 64]"
+    raise wrong(f"must be a list of grids such as {listed}")
+
+
 Grid = Annotated[tuple[int, int], BeforeValidator(grid_of)]
+Grids = Annotated[tuple[Grid, ...], BeforeValidator(grids_of)]
 Lengths = Annotated[tuple[Length, Length], BeforeValidator(pair_of)]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 import tomllib
 from importlib import resources
 from pathlib import Path
@@ -11,9 +12,9 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, Field, StrictBool, StrictInt, ValidationError, model_validator
 
-from validation.effect_tables import EFFECT_KINDS, EFFECT_TABLES, EffectSpec, clash
+from validation.effect_tables import EFFECT_KINDS, EFFECT_TABLES, EffectSpec, clash, effect_key
 from validation.errors import SceneError, UsageError
-from validation.quantities import Grid, Length, Lengths, Memory, Number, Pressure, exactly_one, unit_registry
+from validation.quantities import Grids, Length, Lengths, Memory, Number, Pressure, exactly_one, unit_registry
 from validation.quantities import Table as _Table
 from validation.quantities import wrong as _wrong
 
@@ -35,6 +36,10 @@ __all__ = [
     "scene_text",
     "unit_registry",
 ]
+
+
+#: What a scene may be called, since a folder of results is named so.
+_NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]*$"
 
 
 class SelfAffineSurface(_Table):
@@ -80,7 +85,7 @@ class FileSurface(_Table):
         description='size L, or [Lx, Ly], e.g. "100 um"; may be left out where the file says it'
     )
     unit: Length | None = Field(
-        default=None, description='unit of the heights, e.g. "1 nm"; that of the file, or "1 m", if not given'
+        default=None, description='unit of the heights, e.g. "1 nm"; may be left out where the file says it'
     )
     tilt: Literal["keep", "plane", "quadratic"] = Field(
         default="keep", description="what to take out before anything else"
@@ -122,9 +127,7 @@ Tolerance = Annotated[Number, Field(gt=0, lt=1e-2)]
 
 
 class _Gridded(_Table):
-    grids: Annotated[tuple[Grid, ...], Field(min_length=1)] = Field(
-        description="surface points, e.g. [32, 64]"
-    )
+    grids: Annotated[Grids, Field(min_length=1)] = Field(description="surface points, e.g. [32, 64]")
     tolerance: Tolerance = 1e-8
     under_resolved: StrictBool = Field(
         default=False, description="run grids with lambda_short <= 2 dx, labelled"
@@ -171,7 +174,7 @@ class Ensemble(_Table):
     """Further realisations of the same C(q), by boundary elements, for the scatter between surfaces."""
 
     realisations: Annotated[StrictInt, Field(ge=2)]
-    grids: Annotated[tuple[Grid, ...], Field(min_length=2)]
+    grids: Annotated[Grids, Field(min_length=2)]
 
 
 class RunOptions(_Table):
@@ -201,7 +204,7 @@ class Scene(_Table):
     """
 
     name: str = Field(
-        min_length=1, pattern=r"^[A-Za-z0-9][A-Za-z0-9._-]*$", description="names the results folder"
+        min_length=1, pattern=_NAME, description="names the results folder; that of the file if not given"
     )
     title: str = ""
     surface: Surface
@@ -245,13 +248,20 @@ class Scene(_Table):
         return isinstance(self.surface, SelfAffineSurface)
 
 
+#: Points along a side beyond which a resolving grid is taken for a mistake in a length.
+_LARGEST_GRID = 2**17
+
+
 def check_resolution(key: str, grid: tuple[int, int], surface: SelfAffineSurface) -> None:
     """Refuse a grid with lambda_short <= 2 dx on either axis."""
     needed = [math.floor(2 * length / surface.lambda_short * (1 + 1e-12)) + 1 for length in surface.length]
     if any(n < least for n, least in zip(grid, needed, strict=True)):
+        size = max(surface.length)
+        # No machine holds that: more likely a number without a unit, which counts as metres.
+        hint = f"; length: {size:.6g} was read as {size:.6g} m" if max(needed) > _LARGEST_GRID else ""
         raise _wrong(
             f"{key} = {list(grid)}: too coarse for lambda_short = {surface.lambda_short:.6g} m; "
-            f"at least {needed} points, or say under_resolved = true in the method's table"
+            f"at least {needed} points, or say under_resolved = true in the method's table{hint}"
         )
 
 
@@ -282,10 +292,25 @@ def scene_text(scene: str) -> tuple[str, Path]:
             raise SceneError(scene, [f"cannot be read: {error.strerror}"]) from None
         except ValueError:  # a zero byte in the name
             raise SceneError(scene, ["is no name of a file"]) from None
+    if scene in _theory_scenes():
+        raise SceneError(scene, [_of_theory(scene)])
     if scene in builtin_scenes():
         entry = resources.files("validation") / "scenes" / f"{scene}.toml"
         return entry.read_text(encoding="utf-8"), Path()
     raise SceneError(scene, [f"no such scene; give a .toml file or one of: {', '.join(builtin_scenes())}"])
+
+
+def _theory_scenes() -> tuple[str, ...]:
+    folder = resources.files("validation") / "scenes" / "theory"
+    return tuple(entry.name.removesuffix(".toml") for entry in folder.iterdir())
+
+
+def _of_theory(scene: str) -> str:
+    """Say how a scene of the theory alone is run."""
+    return (
+        "is a scene of the theory alone, which no solver runs; from Python: "
+        f"validation.theory_scene.run_theory_scene(load_theory_scene({scene!r}))"
+    )
 
 
 def parsed_toml(text: str, scene: str) -> dict[str, Any]:
@@ -313,9 +338,11 @@ def load_scene(scene: str) -> Scene:
         With one line for each problem: key, value, what is allowed.
     """
     text, folder = scene_text(scene)
-    data = parsed_toml(text, scene)
+    data = _named(parsed_toml(text, scene), scene)
+    if "q_reference" in data:
+        raise SceneError(scene, [_of_theory(scene)])
     try:
-        checked = Scene.model_validate(_sized(data, folder))
+        checked = Scene.model_validate(_sized(data, folder, scene))
     except ValidationError as error:
         raise SceneError(scene, scene_problems(error)) from None
     if isinstance(checked.surface, FileSurface) and not checked.surface.path.is_absolute():
@@ -326,19 +353,30 @@ def load_scene(scene: str) -> Scene:
     return checked
 
 
-def _sized(data: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """Fill in the length of a measured surface from its file, where the scene leaves it to the file."""
+def _named(data: dict[str, Any], scene: str) -> dict[str, Any]:
+    """Name a scene that has no name after its file, if that makes a name."""
+    stem = Path(scene).stem
+    return data if "name" in data or re.fullmatch(_NAME, stem) is None else {"name": stem, **data}
+
+
+def _sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
+    """Fill in the length of a measured surface from its file, and ask for what neither of the two says."""
     surface = data.get("surface")
-    if not isinstance(surface, dict) or surface.get("kind") != "file" or "length" in surface:
+    if not isinstance(surface, dict) or surface.get("kind") != "file" or {"length", "unit"} <= set(surface):
         return data
     path = surface.get("path")
     if not isinstance(path, str):
         return data
-    from validation.topography import read_topography
+    from validation.topography import file_says
 
     try:
-        lengths = read_topography(folder / path).lengths
-    except UsageError:  # said in full when the surface is read; here the missing length is what is wrong
+        lengths, unit = file_says(folder / path)
+    except UsageError as error:
+        raise SceneError(scene, [f"surface.path = {path!r}: {error}"]) from None
+    if unit is None and "unit" not in surface:
+        allowed = FileSurface.model_fields["unit"].description
+        raise SceneError(scene, [f"surface.unit: missing, and {path!r} does not say it; {allowed}"])
+    if lengths is None or "length" in surface:
         return data
     return {**data, "surface": {**surface, "length": list(lengths)}}
 
@@ -367,18 +405,33 @@ def _keys(location: tuple[str | int, ...]) -> list[str]:
     return parts
 
 
+def _written(location: list[str]) -> str:
+    """Write the keys that lead to a mistake for a reader, who counts from one.
+
+    >>> _written(["effects", "0", "hardness"]), _written(["methods", "bem", "grids", "1"])
+    ('[[effects]] 1 hardness', 'methods.bem.grids (item 2)')
+    """
+    if len(location) > 1 and location[0] == "effects" and location[1].isdigit():
+        return effect_key(int(location[1]), _written(location[2:])).rstrip()
+    if location and location[-1].isdigit():
+        return f"{_written(location[:-1])} (item {int(location[-1]) + 1})"
+    return ".".join(location)
+
+
 def _problem(item: Any) -> str:
     """One line for one error of the schema: key = value: what is allowed."""
     location = _keys(item["loc"])
-    key = ".".join(location)
+    key = _written(location)
     message = str(item["msg"]).replace("Input should be", "must be")
     if item["type"] == "missing":
         return f"{key}: missing; {_described(location)}"
     if item["type"] == "union_tag_not_found":
         named = ", ".join(repr(kind) for kind in sorted(_TAGS.get(location[0], ())))
-        return f"{key}.kind: missing; " + (f"one of {named}" if named else "it says which table this is")
+        kind = _written([*location, "kind"])
+        return f"{kind}: missing; " + (f"one of {named}" if named else "it says which table this is")
     if item["type"] == "union_tag_invalid":
-        return f"{key}.kind = {item['input'].get('kind')!r}: must be one of {item['ctx']['expected_tags']}"
+        kind = _written([*location, "kind"])
+        return f"{kind} = {item['input'].get('kind')!r}: must be one of {item['ctx']['expected_tags']}"
     value = item["input"]
     if isinstance(value, (dict, BaseModel)):
         return f"{key}: {message}" if key else message

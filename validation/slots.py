@@ -14,7 +14,16 @@ from fem_contact.errors import UnsupportedEffect
 from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace, Response
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
-from validation.effect_tables import SLOTS, Adhesion, Coating, EffectSpec, Graded, HardnessEffect, Thickness
+from validation.effect_tables import (
+    SLOTS,
+    Adhesion,
+    Coating,
+    EffectSpec,
+    Graded,
+    HardnessEffect,
+    Thickness,
+    effect_key,
+)
 from validation.errors import UsageError
 from validation.jobs import nominal_pressure
 from validation.surfaces import reference_field
@@ -153,7 +162,7 @@ def check_slots(scene: Scene) -> None:
     """
     fem, theory = scene.methods.fem, scene.methods.theory
     for k, effect in enumerate(scene.effects):
-        key = f"effects.{k}"
+        key = effect_key(k, "").rstrip()
         if isinstance(effect, HardnessEffect):
             _check_hardness(scene, effect, key)
         elif isinstance(effect, Adhesion):
@@ -161,15 +170,15 @@ def check_slots(scene: Scene) -> None:
         elif isinstance(effect, Coating) and theory is not None and effect.poisson is not None:
             if effect.poisson != scene.solid.poisson:
                 raise UsageError(
-                    f"{key}.poisson = {effect.poisson!r}: method 'theory' knows one Poisson ratio, that of "
+                    f"{key} poisson = {effect.poisson!r}: method 'theory' knows one Poisson ratio, that of "
                     f"the solid, {scene.solid.poisson!r}"
                 )
         elif isinstance(effect, Thickness) and fem is not None:
             if fem.depth is not None:
-                raise UsageError(f"methods.fem.depth: {key}.thickness says the depth; leave one of them out")
+                raise UsageError(f"methods.fem.depth: {key} thickness says the depth; leave one of them out")
             if effect.base != "bonded":
                 raise UsageError(
-                    f"{key}.base = {effect.base!r}: must be 'bonded', as method 'fem' is clamped"
+                    f"{key} base = {effect.base!r}: must be 'bonded', as method 'fem' is clamped"
                 )
 
 
@@ -177,7 +186,7 @@ def _check_hardness(scene: Scene, effect: HardnessEffect, key: str) -> None:
     pressure = nominal_pressure(scene.load, scene.solid, reference_field(scene.surface))
     if effect.hardness < pressure:
         raise UsageError(
-            f"{key}.hardness = {effect.hardness:.6g} Pa: must not be below the nominal pressure "
+            f"{key} hardness = {effect.hardness:.6g} Pa: must not be below the nominal pressure "
             f"{pressure:.6g} Pa, or nothing carries the load"
         )
 
@@ -196,7 +205,7 @@ def _check_adhesion(scene: Scene, effect: Adhesion, key: str) -> None:
         if cells < CELLS_NEEDED:
             needed = [int(np.ceil(n * CELLS_NEEDED / cells)) for n in grid]
             raise UsageError(
-                f"{key}.reach = {effect.reach:.6g} m: grid {list(grid)} has {cells:.3g} cells in the zone "
+                f"{key} reach = {effect.reach:.6g} m: grid {list(grid)} has {cells:.3g} cells in the zone "
                 f"where adhesion acts and needs {CELLS_NEEDED:.0f}: at least {needed}, or a longer reach"
             )
 

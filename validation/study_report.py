@@ -1,4 +1,4 @@
-"""What a study leaves behind: data.nc, data.csv, figures and a report, all made from its dataset."""
+"""What a study leaves behind: data, tables, figures and a report, all made from its dataset."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from validation.bench import Bench
     from validation.studies._common import ResultTable
 
-__all__ = ["StudyOutputs", "is_study", "report_study", "run_study"]
+__all__ = ["StudyOutputs", "check_results", "is_study", "report_study", "run_study"]
 
 _RECORD = "study.json"
 _FORMAT = "fem-contact study 1"
@@ -67,6 +67,26 @@ def is_study(folder: Path) -> bool:
     return (folder / _RECORD).exists()
 
 
+def check_results(folder: Path) -> None:
+    """Refuse a folder that holds neither a run nor a study, and name those beside it that do.
+
+    Raises
+    ------
+    UsageError
+    """
+    records = ("run.json", _RECORD)
+    if any((folder / record).exists() for record in records):
+        return
+    places = sorted(
+        {path.parent for place in (folder.parent, Path("results")) for path in place.glob("*/*.json")}
+    )
+    found = [str(place) for place in places if any((place / record).exists() for record in records)]
+    raise UsageError(
+        f"{folder}: holds no run (run.json) and no study (study.json): run one first; results are in "
+        + (", ".join(found[:12]) + (", ..." if len(found) > 12 else "") if found else "no folder here")
+    )
+
+
 def report_study(folder: Path) -> StudyOutputs:
     """Write tables, figures and report of a study again, from its stored dataset alone.
 
@@ -91,7 +111,7 @@ def report_study(folder: Path) -> StudyOutputs:
     table, budget = study.table(data), study.budget(data)
     for name, made in (("table", table), ("budget", budget)):
         if made is not None:
-            _write_table(made, folder / f"{name}.csv")
+            tables += (_write_table(made, folder / f"{name}.csv"),)
     page = render(
         "study.html.j2",
         title=f"Study: {study.name}",
@@ -124,9 +144,10 @@ def _undetermined(data: xr.Dataset) -> Iterator[str]:
             )
 
 
-def _write_table(table: ResultTable, path: Path) -> None:
+def _write_table(table: ResultTable, path: Path) -> Path:
     with atomic_path(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows([table.columns, *table.rows])
+    return path
 
 
 def _seeds(options: Mapping[str, Any]) -> str:

@@ -110,8 +110,18 @@ def shortest_wavelength(surface: SelfAffineSurface | FileSurface) -> float:
 
 
 def file_digest(surface: FileSurface) -> str:
-    """Hash of the file's content, so that a changed file is another surface."""
-    return hashlib.sha256(surface.path.read_bytes()).hexdigest()
+    """Hash of the file's content, so that a changed file is another surface.
+
+    Raises
+    ------
+    UsageError
+        For a file that cannot be read.
+    """
+    try:
+        return hashlib.sha256(surface.path.read_bytes()).hexdigest()
+    except OSError as error:
+        reason = error.strerror or error
+        raise UsageError(f"surface.path = {str(surface.path)!r}: cannot be read: {reason}") from None
 
 
 def topography_of(surface: FileSurface, *, edges: bool = True) -> Topography:
@@ -148,4 +158,10 @@ def measured_spectrum(surface: FileSurface) -> Tabulated:
 
 
 def _read(surface: FileSurface) -> HeightField:
-    return topography_of(surface).height_field()
+    """Heights of a measured surface as one period; they must be rough, since every p* divides by h'_rms."""
+    field = topography_of(surface).height_field()
+    if not field.rms_gradient > 0:
+        raise UsageError(
+            f"surface.path = {str(surface.path)!r}: is flat (h'_rms = 0); a scene needs a rough surface"
+        )
+    return field

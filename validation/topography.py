@@ -18,7 +18,7 @@ from fem_contact.surface import HeightField
 from validation.errors import UsageError
 from validation.files import atomic_path
 
-__all__ = ["Edges", "Missing", "Tilt", "Topography", "read_topography", "write_topography"]
+__all__ = ["Edges", "Missing", "Tilt", "Topography", "file_says", "read_topography", "write_topography"]
 
 Array = NDArray[np.float64]
 Tilt = Literal["keep", "plane", "quadratic"]
@@ -214,43 +214,73 @@ def read_topography(
     lengths : tuple of float, optional
         Size of the patch [m]; from the file if not given.
     unit : float, optional
-        Unit of the heights [m]; that of the file, or 1 where it names none, if not given.
+        Unit of the heights [m]; that of the file if not given.
 
     Raises
     ------
     UsageError
-        For a file that cannot be read, or says neither size nor is given one.
+        For a file that cannot be read, or says neither size nor unit and is not given them: heights taken for
+        metres by default would be wrong by the factor that instruments most often leave out.
     """
-    reader = _READERS.get(path.suffix.lower(), _read_other)
-    try:
-        heights, own_lengths, own_unit = reader(path)
-    except (OSError, zipfile.BadZipFile) as error:
-        reason = getattr(error, "strerror", None) or error
-        raise UsageError(f"cannot be read: {reason}") from None
-    except (ValueError, KeyError, InvalidInput, ElementTree.ParseError) as error:
-        reason = str(error).splitlines()[0]
-        raise UsageError(f"is no topography of its kind ({reason})") from None
-    if heights.ndim != 2 or min(heights.shape) < 2:
-        raise UsageError(f"has shape {heights.shape}; a map of at least 2 x 2 heights is needed")
+    heights, own_lengths, own_unit = _raw(path)
     size = lengths or own_lengths
     if size is None:
         raise UsageError("does not say how large the patch is: give length")
     scale = unit if unit is not None else own_unit
+    if scale is None:
+        raise UsageError('does not say the unit of its heights: give unit, such as "1 nm"')
     heights = np.where(np.isfinite(heights), heights, np.nan) * scale
     nx, ny = heights.shape
     words = f"{path.name}: {nx} x {ny} points, {size[0]:.4g} m x {size[1]:.4g} m"
     return Topography(heights=heights, lengths=size, history=(words,))
 
 
-_Raw = tuple[Array, tuple[float, float] | None, float]
+#: Heights, size of the patch [m] and unit of the heights [m]; None for what the file does not say.
+_Raw = tuple[Array, tuple[float, float] | None, float | None]
+
+
+def _raw(path: Path) -> _Raw:
+    """Read a file as it is; whatever goes wrong is one sentence."""
+    reader = _READERS.get(path.suffix.lower(), _read_other)
+    try:
+        heights, lengths, unit = reader(path)
+    except (OSError, zipfile.BadZipFile) as error:
+        reason = getattr(error, "strerror", None) or error
+        raise UsageError(f"cannot be read: {reason}") from None
+    except (ValueError, TypeError, KeyError, InvalidInput, ElementTree.ParseError) as error:
+        reason = str(error).splitlines()[0]
+        raise UsageError(f"is no topography of its kind ({reason})") from None
+    if heights.ndim != 2 or min(heights.shape) < 2:
+        raise UsageError(f"has shape {heights.shape}; a map of at least 2 x 2 heights is needed")
+    return heights, lengths, unit
+
+
+def file_says(path: Path) -> tuple[tuple[float, float] | None, float | None]:
+    """Return size of the patch [m] and unit of the heights [m] of a file; None for what it does not say.
+
+    Raises
+    ------
+    UsageError
+        For a file that cannot be read.
+    """
+    _, lengths, unit = _raw(path)
+    return lengths, unit
+
+
+def _real(values: Any) -> Array:
+    """Heights as real numbers; complex ones are refused rather than halved."""
+    array = np.asarray(values)
+    if array.dtype.kind not in "biuf":
+        raise ValueError(f"it holds {array.dtype.name} values; heights are real numbers")
+    return array.astype(float)
 
 
 def _read_npy(path: Path) -> _Raw:
-    return np.asarray(np.load(path, allow_pickle=False), dtype=float), None, 1.0
+    return _real(np.load(path, allow_pickle=False)), None, None
 
 
 def _read_text(path: Path) -> _Raw:
-    return _table(path), None, 1.0
+    return _table(path), None, None
 
 
 def _table(path: Path) -> Array:
@@ -274,20 +304,28 @@ def _read_netcdf(path: Path) -> _Raw:
         if not named or (len(named) > 1 and named[0] not in names):
             raise ValueError(f"no variable 'heights' among {', '.join(file.variables) or 'none'}")
         variable = maps[named[0]]
-        heights = np.ma.filled(np.ma.asarray(variable[...]).astype(float), np.nan)
-        unit = _metres(getattr(variable, "units", "m"))
+        values = np.ma.asarray(variable[...])
+        _real(values.data)
+        heights = np.ma.filled(values.astype(float), np.nan)
+        unit = _metres(getattr(variable, "units", None))
         sizes = []
         for axis in variable.dimensions:
             if axis not in file.variables:
                 return heights, None, unit
             position = file.variables[axis]
-            x = np.asarray(position[...], dtype=float) * _metres(getattr(position, "units", "m"))
+            step = _metres(getattr(position, "units", None))
+            if step is None:
+                return heights, None, unit
+            x = np.asarray(position[...], dtype=float) * step
             sizes.append(float(x[-1] - x[0]) * x.size / (x.size - 1))
     return heights, (sizes[0], sizes[1]), unit
 
 
-def _metres(unit: str) -> float:
-    if unit.strip() in ("", "m"):
+def _metres(unit: str | None) -> float | None:
+    """Return a unit of length in metres; None for none."""
+    if unit is None or not unit.strip():
+        return None
+    if unit.strip() == "m":
         return 1.0
     from validation.scene import unit_registry
 
@@ -355,9 +393,10 @@ def _read_other(path: Path) -> _Raw:
     heights = np.ma.filled(np.ma.asarray(found.heights()).astype(float), np.nan)
     if heights.ndim != 2:
         raise ValueError("a line scan, not a map")
-    unit = _metres(found.unit or "m")
-    sizes = found.physical_sizes
-    return heights, None if sizes is None else (float(sizes[0]) * unit, float(sizes[1]) * unit), unit
+    unit, sizes = _metres(found.unit), found.physical_sizes
+    if sizes is None or unit is None:  # its sizes are in the unit of the heights
+        return heights, None, unit
+    return heights, (float(sizes[0]) * unit, float(sizes[1]) * unit), unit
 
 
 _READERS: dict[str, Callable[[Path], _Raw]] = {

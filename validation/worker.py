@@ -13,20 +13,19 @@ __all__ = ["main", "serve"]
 
 def serve(connection: Connection[Any, Any]) -> None:
     """Do jobs until the other end is closed."""
-    from validation.jobs import warm_up
+    from validation.jobs import code_path, warm_up
     from validation.run import Outcome, attempt
 
-    warm: set[str] = set()
+    warm: set[tuple[str, ...]] = set()
     while True:
         try:
             job, store = connection.recv()
         except EOFError:
             return
         try:
-            kind = job.key.partition("-")[0]
-            if kind not in warm:
+            if code_path(job) not in warm:
                 warm_up([job])
-                warm.add(kind)
+                warm.add(code_path(job))
             outcome = attempt(job, store, threads=1)
         except Exception as error:
             traceback.print_exc()

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib.util
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -11,6 +13,7 @@ import sys
 import threading
 import time
 from contextlib import contextmanager
+from pathlib import Path
 
 import numpy as np
 import psutil
@@ -23,7 +26,8 @@ from validation.errors import RunFailed, UsageError
 from validation.jobs import execute
 from validation.run import Execution, Silent, solve_jobs
 from validation.store import Store, prepare_folder
-from validation.studies import area, find_study, studies
+from validation.studies import Study, area, find_study, studies
+from validation.study_report import run_study
 
 #: 10 loads x 5 surfaces x 4 grids: 200 solves of milliseconds.
 CASES = {
@@ -405,3 +409,37 @@ def test_study_area_leaves_coarse_grids_out_and_adds_the_error_of_the_grids(tmp_
     assert "kappa = " in heavy
     assert "Under-resolved" in coarse
     assert coarse.endswith("8 x 8.")
+
+
+STUDIES_PAGE = (Path(__file__).parents[2] / "docs" / "studies.md").read_text(encoding="utf-8")
+
+
+def test_the_study_of_the_documentation_runs_and_leaves_what_is_said(tmp_path, monkeypatch):
+    (code,) = re.findall(r"```python\n(.*?)```", STUDIES_PAGE, re.DOTALL)
+    (tmp_path / "counted_area.py").write_text(code)
+    spec = importlib.util.spec_from_file_location("counted_area", tmp_path / "counted_area.py")
+    module = importlib.util.module_from_spec(spec)
+    monkeypatch.setitem(sys.modules, "counted_area", module)  # where its annotations are looked up
+    spec.loader.exec_module(module)
+    study = Study(name="counted-area", module=module)
+    monkeypatch.setattr("validation.study_report.find_study", lambda name: study)
+    options = study.parse(["--grids", "32,64"])
+    assert study.question.endswith("counts?")
+    assert study.options["grids"].meaning == "Points along a side."
+    bench = Bench.at(tmp_path / "solves", execution=Execution(workers=1))
+    outputs = run_study(study, options, prepare_folder(tmp_path / "out"), bench=bench)
+    coarse, fine = outputs.data.area.values
+    assert 1.03 < coarse / fine < 1.5
+    names = {path.name for path in outputs.files}
+    assert names == {"report.html", "data.csv", "data.nc", "figures"}
+    assert not (tmp_path / "out" / "table.csv").exists()
+
+
+def test_the_documentation_says_which_studies_make_a_table_and_a_budget():
+    (said,) = re.findall(
+        r"`table.csv`, .*?all but (.*?); `budget.csv`,.*?from (.*?)\. The", STUDIES_PAGE, re.DOTALL
+    )
+    without, budgets = (set(re.findall(r"`([\w-]+)`", names)) for names in said)
+    found = studies()
+    assert without == {name for name, study in found.items() if not hasattr(study.module, "table")}
+    assert budgets == {name for name, study in found.items() if hasattr(study.module, "budget")}

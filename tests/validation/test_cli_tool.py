@@ -6,6 +6,8 @@ import json
 
 import numpy as np
 import pytest
+import typer
+from rich.text import Text
 from typer.testing import CliRunner
 
 from validation import cli
@@ -13,6 +15,7 @@ from validation.accuracy import reach
 from validation.bench import Bench
 from validation.errors import RunFailed, UsageError
 from validation.scene import load_scene
+from validation.studies import studies
 
 COMMANDS = ("run", "study", "validate", "reproduce", "report", "explain", "surface", "scenes")
 
@@ -50,6 +53,42 @@ def test_help_names_every_command_with_examples_and_the_exit_codes(tool):
             assert "Example" in tool(group, name, "--help")[1], name
 
 
+def test_no_word_of_a_help_text_is_taken_for_markup():
+    """Square brackets are eaten by the printer of the help, and what they said with them."""
+    groups = [typer.main.get_command(cli.app)]
+    texts = []
+    while groups:
+        command = groups.pop()
+        groups.extend(getattr(command, "commands", {}).values())
+        texts += [command.help, command.epilog, *(getattr(option, "help", None) for option in command.params)]
+    assert len(texts) > 60
+    assert [text for text in texts if text and Text.from_markup(text).plain != text] == []
+
+
+def test_an_effect_that_does_not_fit_is_named_with_its_file(tool, write_scene):
+    path = write_scene(("[solid]", '[[effects]]\nkind = "hardness"\nhardness = "1 Pa"\n[solid]'))
+    for command in ("run", "explain"):
+        code, _, err = tool(command, path)
+        assert (code, err.count("\n")) == (2, 1)
+        assert f"{path}: [[effects]] 1 hardness = 1 Pa: must not be below the nominal pressure" in err
+
+
+def test_a_report_of_nothing_names_the_results_that_are_there(tool, tmp_path):
+    for folder, record in (("here", "run.json"), ("there", "study.json"), ("empty", "other.json")):
+        (tmp_path / "results" / folder).mkdir(parents=True)
+        (tmp_path / "results" / folder / record).write_text("{}")
+    code, _, err = tool("report", "results/area")
+    assert code == 2
+    assert err.rstrip().endswith("run one first; results are in results/here, results/there")
+
+
+def test_a_surface_on_the_smallest_grid_is_written_with_a_word_of_warning(tool):
+    code, _, err = tool("surface", "generate", "quickstart", "rough.nc")
+    assert code == 0
+    assert "note: 17 x 17 is the smallest grid that resolves this surface" in err
+    assert tool("surface", "generate", "quickstart", "fine.nc", "--grid", "40")[2] == ""
+
+
 def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatch):
     from validation.cli_options import _scene_names
 
@@ -71,12 +110,14 @@ def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatc
             "not together with --scheduler",
         ),
         (("run", "quickstart", "--memory", "1 MiB"), "raise the limit with --memory"),
+        (("run", "quickstart", "--memory", "3"), "raise the limit with --memory"),
+        (("run", "pyrex"), "pyrex: is a scene of the theory alone, which no solver runs; from Python: "),
         (("study", "nothing"), "no such study; one of: "),
         (("study", "area", "--seeds"), "--seeds: needs a value"),
         (("study", "area", "--hurts", "1"), "unknown option '--hurts'; it has: "),
         (("study", "area", "quickstart"), "takes no scene"),
         (("validate", "nothing"), "no such case"),
-        (("report", "nowhere"), "holds no run"),
+        (("report", "nowhere"), "holds no run (run.json) and no study (study.json)"),
         (("surface", "inspect", "nowhere.npy"), "cannot be read"),
         (
             ("surface", "generate", "quickstart", "rough.docx"),
@@ -185,12 +226,28 @@ def test_surfaces_are_generated_inspected_and_converted(tool, tmp_path):
     )
 
 
+def test_a_file_that_does_not_say_size_or_unit_is_asked_for_them(tool, tmp_path):
+    np.save(tmp_path / "scan.npy", np.outer(np.sin(np.arange(16)), np.ones(16)))
+    for said, words in (
+        ((), "its size and unit of the heights: give --length '10 um' and --unit '1 nm'"),
+        (("--length", "1 um"), "its unit of the heights: give --unit '1 nm'"),
+        (("--unit", "1 nm"), "its size: give --length '10 um'"),
+    ):
+        code, _, err = tool("surface", "inspect", "scan.npy", *said)
+        assert (code, err.count("\n")) == (2, 1)
+        assert words in err
+    facts = json.loads(
+        tool("surface", "inspect", "scan.npy", "--length", "1 um", "--unit", "1 nm", "--json")[1]
+    )
+    assert facts["h_rms [m]"] == pytest.approx(1e-9 * np.std(np.sin(np.arange(16))), rel=1e-9)
+
+
 def test_a_conversion_levels_fills_and_tapers_and_says_so(tool, tmp_path):
     x = np.linspace(0, 1, 40)
     heights = 100 * np.sin(9 * x)[:, None] * np.cos(7 * x)[None, :] + 500 * x[:, None]
     heights[5:8, 9] = np.nan
     np.savetxt(tmp_path / "scan.txt", heights)
-    code, _, err = tool("surface", "convert", "scan.txt", "out.nc", "--length", "10 um")
+    code, _, err = tool("surface", "convert", "scan.txt", "out.nc", "--length", "10 um", "--unit", "1 nm")
     assert code == 2
     assert "3 of 1600 heights are NaN" in err
     said = (
@@ -286,3 +343,18 @@ def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write
         load_scene(str(path)), Bench.at(tmp_path / "results" / "small" / "solves"), target=told["target"]
     )
     assert (again.solves, again.area, again.error) == (0, told["area"], told["error"])
+
+
+def test_every_option_of_every_study_says_what_it_is(tool):
+    for name, found in studies().items():
+        for option in found.options.values():
+            assert len(option.meaning) > 2, (name, option.name)
+            assert "None" not in option.words
+            assert "default: )" not in option.words
+    code, out, err = tool("study", "hurst", "--help")
+    assert (code, err) == (0, "")
+    assert "--equal-nayak a number (may be left out)\n        Also choose the ratio of each H" in out
+    assert "--size a number (default: " in out
+    assert "L/lambda_long" in out
+    assert "Example" not in out
+    assert tool("study", "nothing", "-h")[0] == 2

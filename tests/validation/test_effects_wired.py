@@ -1,17 +1,21 @@
 """Effects that a scene lists: read, refused or handed to the slots of the solvers, explained, and stored."""
 
 import json
+import re
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
+from pydantic import TypeAdapter
 
 from fem_contact import bem
 from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.solid import Solid
-from validation.effects import check_effects, explain
+from validation.effect_tables import EffectSpec
+from validation.effects import HANDLED_BY, check_effects, explain
 from validation.errors import SceneError, UsageError
-from validation.jobs import execute, jobs_of
+from validation.jobs import execute, jobs_of, warm_up
 from validation.neglect import Roughness, full_contact_energy, judge
 from validation.scene import Scene, load_scene
 from validation.slots import response_of, theory_modulus, theory_variance
@@ -112,7 +116,7 @@ def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
 @pytest.mark.parametrize(
     ("effects", "options", "message"),
     [
-        ((STICKY,), {"fem": True}, r"effects\.0\.kind = 'adhesion': method 'fem' does not handle it"),
+        ((STICKY,), {"fem": True}, r"\[\[effects\]\] 1 kind = 'adhesion': method 'fem' does not handle it"),
         ((COATED,), {"fem": True}, r"'coating': method 'fem'"),
         ((LAYER,), {"theory": True}, r"'thickness': method 'theory'"),
         (
@@ -121,15 +125,19 @@ def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
             r"'cracks': method 'bem' does not handle it; handled by: the functions of the package",
         ),
         ((SIZED,), {}, r"'size-dependent-hardness': method 'bem' does not handle it"),
-        ((HARD.replace("40 kPa", "9 kPa"),), {}, r"effects\.0\.hardness = 9000 Pa: must not be below"),
-        ((STICKY.replace("40 nm", "2 nm"),), {}, r"effects\.0\.reach = 2e-09 m: grid \[12, 12\] has"),
-        ((LAYER,), {"fem": True}, r"methods\.fem\.depth: effects\.0\.thickness says the depth"),
+        ((HARD.replace("40 kPa", "9 kPa"),), {}, r"\[\[effects\]\] 1 hardness = 9000 Pa: must not be below"),
+        ((STICKY.replace("40 nm", "2 nm"),), {}, r"\[\[effects\]\] 1 reach = 2e-09 m: grid \[12, 12\] has"),
+        ((LAYER,), {"fem": True}, r"methods\.fem\.depth: \[\[effects\]\] 1 thickness says the depth"),
         (
             (LAYER + 'base = "frictionless"\n',),
             {"fem": True, "extra": [('depth = "5 um"', "")]},
-            r"effects\.0\.base = 'frictionless': must be 'bonded'",
+            r"\[\[effects\]\] 1 base = 'frictionless': must be 'bonded'",
         ),
-        ((COATED + "poisson = 0.4\n",), {"theory": True}, r"effects\.0\.poisson = 0\.4: method 'theory'"),
+        (
+            (COATED + "poisson = 0.4\n",),
+            {"theory": True},
+            r"\[\[effects\]\] 1 poisson = 0\.4: method 'theory'",
+        ),
     ],
 )
 def test_what_a_method_lacks_is_refused_by_name_before_computing(with_effects, effects, options, message):
@@ -140,11 +148,14 @@ def test_what_a_method_lacks_is_refused_by_name_before_computing(with_effects, e
 @pytest.mark.parametrize(
     ("effect", "message"),
     [
-        ('[[effects]]\nkind = "hardness"\n', "effects.0.hardness: missing"),
-        ("[[effects]]\nhardness = 1.0\n", "effects.0.kind: missing; one of 'adhesion', 'coating', 'cracks'"),
-        (HARD.replace("kPa", "nm"), "effects.0.hardness = '40 nm': is not a pressure"),
+        ('[[effects]]\nkind = "hardness"\n', "[[effects]] 1 hardness: missing"),
+        (
+            "[[effects]]\nhardness = 1.0\n",
+            "[[effects]] 1 kind: missing; one of 'adhesion', 'coating', 'cracks'",
+        ),
+        (HARD.replace("kPa", "nm"), "[[effects]] 1 hardness = '40 nm': is not a pressure"),
         (STICKY.replace("mJ/m^2", "mJ"), "is not a work of adhesion"),
-        (STICKY + 'law = "spring"\n', "effects.0.law = 'spring': must be 'exponential' or 'dugdale'"),
+        (STICKY + 'law = "spring"\n', "[[effects]] 1 law = 'spring': must be 'exponential' or 'dugdale'"),
         (HARD + "work = 1.0\n", "unknown key 'work'"),
         (LAYER + GRADED, "'thickness' and 'graded' both fill the slot 'response'"),
     ],
@@ -239,3 +250,40 @@ def test_the_pastewka_robbins_number_is_the_printed_one():
     # E* = 1 GPa, w = 1 J/m^2, rho = 1 nm: (.1 * 1e-9 / (2 * 1e-9)) (.1^2 / 8.165e4 / 1e-9)^(2/3).
     word = judge(effect('[[effects]]\nkind = "adhesion"\nwork = "1 J/m^2"\nreach = "1 nm"\n'), rough())
     assert "Pastewka-Robbins number 1.23 " in word.number
+
+
+def test_no_solve_is_charged_with_loading_what_its_effects_need(with_effects, monkeypatch):
+    from fem_contact import block
+    from validation import slots
+
+    rehearsed = []
+
+    def kept(solve):
+        def keeping(*arguments, **options):
+            rehearsed.append(solve(*arguments, **options))
+            return rehearsed[-1]
+
+        return keeping
+
+    monkeypatch.setattr(slots, "solve_bem", kept(slots.solve_bem))
+    monkeypatch.setattr(block, "solve", kept(block.solve))
+    jobs = [job for effects in ((HARD,), (STICKY,), (GRADED,)) for job in jobs_of(with_effects(*effects))]
+    jobs += jobs_of(with_effects(HARD, fem=True))
+    warm_up(jobs)
+    hard, sticky, graded, elements = rehearsed
+    assert hard.at_bound.any()
+    assert sticky.pressure.min() < 0
+    assert 0 < graded.in_contact.mean() < 1
+    assert elements.contact.at_bound.any()
+
+
+def test_blocks_of_the_documentation_are_effects_with_the_defaults_they_name():
+    docs = (Path(__file__).parents[2] / "docs" / "effects.md").read_text()
+    said = []
+    for block in re.findall(r"```toml\n(.*?)```", docs, re.DOTALL):
+        listed = tomllib.loads(block)["effects"]
+        in_full = tomllib.loads(block.replace("# law", "law").replace("# base", "base"))["effects"]
+        read = [TypeAdapter(EffectSpec).validate_python(table) for table in listed]
+        assert read == [TypeAdapter(EffectSpec).validate_python(table) for table in in_full]
+        said += [effect.kind for effect in read]
+    assert sorted(said) == sorted(kind for kind, handled in HANDLED_BY.items() if handled)

@@ -217,7 +217,9 @@ def test_an_output_folder_that_cannot_be_written_is_refused_before_computing(
 def test_an_effect_no_method_handles_is_refused_before_computing(write_scene, tmp_path, monkeypatch):
     monkeypatch.setattr(run_module, "execute", lambda job: pytest.fail("computed"))
     path = write_scene(("[solid]", '[[effects]]\nkind = "cracks"\ndissipation = 0.5\n\n[solid]'))
-    with pytest.raises(UsageError, match=r"effects\.0\.kind = 'cracks': method 'bem' does not handle it"):
+    with pytest.raises(
+        UsageError, match=r"\[\[effects\]\] 1 kind = 'cracks': method 'bem' does not handle it"
+    ):
         run_scene(load_scene(str(path)), tmp_path / "results")
     assert not (tmp_path / "results").exists()
 

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from validation import scene as scene_module
+from validation.effects import check_effects
 from validation.errors import SceneError, UsageError
 from validation.scene import builtin_scenes, load_scene
 
@@ -18,7 +23,10 @@ WRONG = [
     (("hurst = 0.7", 'hurst = "0.7"'), ("surface.hurst = '0.7'", "number")),
     (('young = "2 MPa"', 'young = "2 kg"'), ("solid.young = '2 kg'", "is not a pressure")),
     (('young = "2 MPa"', 'young = "2 MPaa"'), ("solid.young = '2 MPaa'", "unknown unit")),
-    (('young = "2 MPa"', 'young = "2"'), ("solid.young = '2'", "has no unit")),
+    (
+        ('young = "2 MPa"', 'young = "2"'),
+        ("solid.young = '2'", "has no unit", "or a number in Pa without quotes"),
+    ),
     (('young = "2 MPa"', 'young = "-2 MPa"'), ("solid.young = '-2 MPa'", "greater than 0")),
     (("poisson = 0.3", "poisson = 0.62"), ("solid.poisson = 0.62", "less than or equal to 0.5")),
     (
@@ -34,11 +42,19 @@ WRONG = [
         ("methods.bem.grids = [8, 8]", "at least [9, 9]", "under_resolved"),
     ),
     (("grids = [12, 24, 48]", "grids = []"), ("methods.bem.grids", "at least 1")),
-    (("grids = [12, 24, 48]", "grids = [12.5]"), ("methods.bem.grids.0 = 12.5", "whole number")),
+    (("grids = [12, 24, 48]", "grids = [12.5]"), ("methods.bem.grids (item 1) = 12.5", "whole number")),
+    (
+        ("grids = [12, 24, 48]", "grids = 48"),
+        ("methods.bem.grids = 48", "must be a list of grids such as [48]"),
+    ),
+    (
+        ('length = "10 um"', "length = 100"),
+        ("methods.bem.grids = [12, 12]: too coarse", "100 was read as 100 m"),
+    ),
     (("[load]", "[laod]"), ("unknown key 'laod'", "did you mean 'load'?")),
     (
         ("[solid]", '[[effects]]\nkind = "magnetism"\n\n[solid]'),
-        ("effects.0.kind = 'magnetism'", "'hardness'"),
+        ("[[effects]] 1 kind = 'magnetism'", "'hardness'"),
     ),
     (('kind = "self-affine"', ""), ("surface.kind: missing", "self-affine")),
     (('name = "small"', 'name = "../up"'), ("name = '../up'",)),
@@ -116,3 +132,31 @@ def test_no_text_leads_to_anything_but_a_scene_or_a_scene_error(text, tmp_path_f
     # Random text is no scene: anything but a SceneError is a crash.
     with pytest.raises(SceneError):
         load_scene(str(path))
+
+
+def test_a_scene_without_a_name_is_named_after_its_file(write_scene, tmp_path):
+    path = write_scene(('name = "small"', ""))
+    assert load_scene(str(path)).name == "scene"
+    odd = path.rename(tmp_path / "what is this.toml")
+    with pytest.raises(SceneError, match="name: missing; names the results folder"):
+        load_scene(str(odd))
+
+
+def test_the_scene_in_the_readme_is_a_scene(tmp_path):
+    readme = (Path(__file__).parents[2] / "README.md").read_text()
+    (text,) = re.findall(r"```toml\n(\[surface\].*?)```", readme, re.DOTALL)
+    (tmp_path / "mine.toml").write_text(text)
+    scene = load_scene(str(tmp_path / "mine.toml"))
+    assert (scene.name, scene.surface.length) == ("mine", (1e-4, 1e-4))
+    check_effects(scene)
+
+
+def test_a_scene_of_the_theory_alone_is_recognised_with_the_way_to_run_it(tmp_path):
+    from validation.theory_scene import theory_scenes
+
+    for name in theory_scenes():
+        file = Path(scene_module.__file__).parent / "scenes" / "theory" / f"{name}.toml"
+        for scene in (name, str(file)):
+            with pytest.raises(SceneError, match=r"scene of the theory alone.*run_theory_scene") as caught:
+                load_scene(scene)
+            assert len(caught.value.problems) == 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import math
 
@@ -11,6 +12,7 @@ import pytest
 from fem_contact.spectra import estimate_spectrum, window_weights
 from fem_contact.surface import HeightField, radial_spectrum, random_surface
 from persson.spectrum import SelfAffine
+from validation.effects import explain
 from validation.errors import UsageError
 from validation.run import run_scene
 from validation.scene import load_scene
@@ -21,6 +23,13 @@ LENGTH = 1e-5
 SPECTRUM = SelfAffine.from_rms_gradient(
     0.1, hurst=0.8, q_long=2 * math.pi / 1e-5, q_short=2 * math.pi / 0.625e-6, rolloff="plateau"
 )
+
+
+def npy(array: np.ndarray) -> bytes:
+    """The bytes of a .npy file."""
+    file = io.BytesIO()
+    np.save(file, array)
+    return file.getvalue()
 
 
 def patch(n: int = 96, *, seed: int = 31) -> np.ndarray:
@@ -48,12 +57,16 @@ def test_every_format_is_written_and_read_back_exactly(tmp_path, suffix):
     path = tmp_path / f"surface{suffix}"
     write_topography(path, field)
     says_size = suffix in (".nc", ".x3p")
-    found = read_topography(path, lengths=None if says_size else field.lengths)
+    found = read_topography(
+        path, lengths=None if says_size else field.lengths, unit=None if says_size else 1.0
+    )
     np.testing.assert_array_equal(found.heights, field.heights)
     np.testing.assert_allclose(found.lengths, field.lengths, rtol=1e-14)
     if not says_size:
         with pytest.raises(UsageError, match="does not say how large the patch is"):
             read_topography(path)
+        with pytest.raises(UsageError, match="does not say the unit of its heights: give unit"):
+            read_topography(path, lengths=field.lengths)
 
 
 def test_netcdf_units_are_converted(tmp_path):
@@ -291,6 +304,8 @@ def test_a_file_that_says_its_size_needs_no_length_in_the_scene(tmp_path):
         ("scan.x3p", b"no archive", "cannot be read"),
         ("scan.nc", b"no netcdf", "cannot be read"),
         ("scan.txt", b"1 2 3 4", "at least 2 x 2 heights"),
+        ("scan.npy", npy(np.ones((4, 4)) * (1 + 2j)), "complex128 values; heights are real numbers"),
+        ("scan.npy", npy(np.array([["a", "b"], ["c", "d"]])), "heights are real numbers"),
     ],
 )
 def test_a_file_that_is_no_topography_is_refused_in_one_line(tmp_path, name, content, words):
@@ -298,3 +313,29 @@ def test_a_file_that_is_no_topography_is_refused_in_one_line(tmp_path, name, con
     with pytest.raises(UsageError, match=words) as caught:
         read_topography(tmp_path / name, lengths=(1.0, 1.0))
     assert str(caught.value).count("\n") == 0
+
+
+WAVES = np.outer(np.sin(np.arange(24) * math.pi / 6), np.ones(24))
+
+
+@pytest.mark.parametrize(
+    ("heights", "length", "words"),
+    [
+        (None, 'length = "10 um"\nunit = "1 nm"', "surface.path = .*cannot be read: No such file"),
+        (None, "", "surface.path = 'scan.npy': cannot be read: No such file"),
+        (WAVES, 'length = "10 um"', "surface.unit: missing, and 'scan.npy' does not say it; unit of"),
+        (WAVES, 'unit = "1 nm"', "surface.length: missing"),
+        (np.zeros((24, 24)), 'length = "10 um"\nunit = "1 nm"', r"is flat \(h'_rms = 0\)"),
+    ],
+)
+def test_a_file_that_no_scene_can_press_is_refused_before_anything_is_solved(
+    tmp_path, heights, length, words
+):
+    if heights is not None:
+        np.save(tmp_path / "scan.npy", heights)
+    (tmp_path / "scene.toml").write_text(SCENE.format(path="scan.npy", length=length))
+    for command in (explain, lambda scene: run_scene(scene, tmp_path / "results")):
+        with pytest.raises(UsageError, match=words) as caught:
+            command(load_scene(str(tmp_path / "scene.toml")))
+        assert str(caught.value).count("\n") == 0
+    assert not list((tmp_path / "results").rglob("*.nc"))

@@ -12,7 +12,7 @@ A study is a module of this package with
 - optionally ``figures(data) -> tuple[Drawing, ...]`` and ``findings(data) -> tuple[str, ...]``, which read
   the dataset.
 
-``fem-contact study NAME`` does the rest: options from the command line, storing, resuming, report.
+docs/studies.md has a complete example. ``fem-contact study NAME`` does the rest: options from the command line, storing, resuming, report.
 """
 
 from __future__ import annotations
@@ -47,11 +47,21 @@ __all__ = ["Option", "Study", "find_study", "studies"]
 
 @dataclass(frozen=True, kw_only=True)
 class Option:
-    """One option of a study."""
+    """One option of a study.
+
+    Attributes
+    ----------
+    name : str
+    kind : type
+    default : object
+    meaning : str
+        What it is, with its unit or definition, from the docstring of `run`.
+    """
 
     name: str
     kind: Any
     default: Any
+    meaning: str = ""
 
     @property
     def flag(self) -> str:
@@ -60,8 +70,10 @@ class Option:
 
     @property
     def words(self) -> str:
-        """Flag, kind and default."""
-        return f"{self.flag} {_kind_words(self.kind)} (default: {_default_words(self.default)})"
+        """Flag, kind and default; what it means without a value is said by its meaning."""
+        default = _default_words(self.default)
+        said = "may be left out" if default is None else f"default: {default}"
+        return f"{self.flag} {_kind_words(self.kind)} ({said})"
 
     def parse(self, text: str) -> Any:
         """Turn the text of the command line into a value.
@@ -133,10 +145,23 @@ class Study:
         # alone.
         namespace = {"__annotations__": {name: parameter.annotation for name, parameter in said.items()}}
         hints = typing.get_type_hints(type("Options", (), namespace | {"__module__": self.module.__name__}))
+        meanings = _meanings(self.run)
         return {
-            name: Option(name=name, kind=_bare(hints[name]), default=parameter.default)
+            name: Option(
+                name=name,
+                kind=_bare(hints[name]),
+                default=parameter.default,
+                meaning=meanings.get(name) or _USUAL.get(name, ""),
+            )
             for name, parameter in said.items()
         }
+
+    def help_lines(self) -> tuple[str, ...]:
+        """Question and options, each with kind, default and meaning."""
+        lines = [f"{self.name}: {self.question}" + ("  [takes a SCENE]" if self.takes_scene else "")]
+        for option in self.options.values():
+            lines += [f"    {option.words}", f"        {option.meaning}"]
+        return tuple(lines)
 
     @property
     def takes_scene(self) -> bool:
@@ -239,5 +264,36 @@ def _kind_words(kind: Any) -> str:
     return words.get(kind, "a text") if item is None else words[item].removeprefix("a ") + "s with commas"
 
 
-def _default_words(value: Any) -> str:
+def _default_words(value: Any) -> str | None:
+    if value is None or value == ():
+        return None
     return ",".join(map(str, value)) if isinstance(value, tuple) else str(value)
+
+
+#: What options mean whose name says it to whoever knows the field, and whose docstring then leaves it at that.
+_USUAL = {
+    "hurst": "Hurst exponent H, from 0 to 1.",
+    "poisson": "Poisson ratio.",
+    "seed": "Whole number that names the first surface.",
+    "seeds": "Whole numbers that name the surfaces.",
+}
+
+
+def _meanings(function: Callable[..., Any]) -> dict[str, str]:
+    """Read what each parameter means from the section "Parameters" of a NumPy docstring.
+
+    A line without indent names one parameter or several, the indented lines below it say what they are.
+    """
+    _, found, section = (inspect.getdoc(function) or "").partition("Parameters\n----------\n")
+    if not found:
+        return {}
+    meanings: dict[str, list[str]] = {}
+    names: list[str] = []
+    for line in section.splitlines():
+        if not line.strip():
+            break
+        if line[0] != " ":
+            names = [name.strip() for name in line.partition(":")[0].split(",")]
+        for name in names:
+            meanings.setdefault(name, []).extend([line.strip()] if line[0] == " " else [])
+    return {name: " ".join(lines) for name, lines in meanings.items()}

@@ -51,7 +51,9 @@ def run(
     growths : tuple of float
         Ratios of successive layers.
     elements : tuple of str
+        Hex1 (trilinear) and Hex2 (triquadratic).
     poissons : tuple of float
+        Poisson ratios.
     seed : int
         Of the surface: H = 0.8, L/lambda_long = 1, lambda_long/lambda_short = 4, whose longest wave feels the bottom most.
 
