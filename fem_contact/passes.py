@@ -71,12 +71,20 @@ class Errors:
         return self.moment / self.total if self.total > 0 else 0.0
 
 
-def _aligned(shape: tuple[int, int], dtype: type[np.floating[Any]] = np.float64) -> NDArray[Any]:
-    """Empty array that starts on a cache line: passes over several large arrays are up to twice as fast."""
+def _staggered(
+    shape: tuple[int, int], place: int, dtype: type[np.floating[Any]] = np.float64
+) -> NDArray[Any]:
+    """Empty array that starts on a cache line, the one after those of the arrays of lower place.
+
+    A pass reads up to seven arrays at one point of the grid. Large ones all start at the same place of a
+    memory page, so that these points compete for the same few lines of the cache.
+    """
     line = 64
     size = shape[0] * shape[1] * np.dtype(dtype).itemsize
-    raw = np.empty(size + line, dtype=np.uint8)
-    start = -raw.ctypes.data % line
+    # Not a power of two: an eighth of the second-level cache, and nine lines of the first.
+    apart = 137 * line * place if size >= 2**20 else 0
+    raw = np.empty(size + line + apart, dtype=np.uint8)
+    start = -raw.ctypes.data % line + apart
     return raw[start : start + size].view(dtype).reshape(shape)
 
 
@@ -91,10 +99,10 @@ class Passes:
         self.kernels, self.heights, self.bound, self.stiffness = kernels, heights, bound, stiffness
         nx, ny = heights.shape
         precision = np.float32 if single else np.float64
-        self.force, self.displacement = _aligned((nx, ny)), _aligned((nx, ny))
-        self.step, self.image = _aligned((nx, ny)), _aligned((nx, ny))
+        self.force, self.displacement = _staggered((nx, ny), 1), _staggered((nx, ny), 2)
+        self.step, self.image = _staggered((nx, ny), 3), _staggered((nx, ny), 4)
         self.step[:] = self.image[:] = 0
-        self.buffer: NDArray[Any] = _aligned((nx, ny), precision)
+        self.buffer: NDArray[Any] = _staggered((nx, ny), 5, precision)
         self.working = np.zeros((nx, ny), dtype=bool)
         self.share, self.pull_back = 1.0, 0.0
         self._trial: tuple[float, float] | None = None
