@@ -14,6 +14,8 @@ import typer
 from validation.errors import SceneError, UsageError
 
 if TYPE_CHECKING:
+    from pydantic import ValidationError
+
     from validation.jobs import AnyJob
     from validation.run import Execution
     from validation.scene import RunOptions
@@ -112,6 +114,11 @@ def plain_number(text: str) -> float | str:
         return text
 
 
+def _allowed(error: ValidationError) -> str:
+    """Say what is wrong with a value, in the words that scenes use."""
+    return str(error.errors()[0]["msg"]).replace("Input should be", "must be")
+
+
 @contextlib.contextmanager
 def naming(scene: str) -> Iterator[None]:
     """Name the scene in a complaint about what it says."""
@@ -137,7 +144,7 @@ def chosen_execution(
         try:
             limit = TypeAdapter(Memory).validate_python(plain_number(memory))
         except ValidationError as error:
-            raise UsageError(f"--memory = {memory!r}: {error.errors()[0]['msg']}") from None
+            raise UsageError(f"--memory = {memory!r}: {_allowed(error)}") from None
     if workers is not None and scheduler is not None:
         raise UsageError(
             f"--workers = {workers}: not together with --scheduler, which has workers of its own"
@@ -170,7 +177,7 @@ def chosen_accuracy(
             None if time_limit is None else TypeAdapter(Duration).validate_python(plain_number(time_limit))
         )
     except ValidationError as error:
-        raise UsageError(f"--time-limit = {time_limit!r}: {error.errors()[0]['msg']}") from None
+        raise UsageError(f"--time-limit = {time_limit!r}: {_allowed(error)}") from None
     return {"target": target, "time_limit": seconds}
 
 

@@ -228,4 +228,8 @@ def _write(field: HeightField, target: Path, *, force: bool) -> None:
         write_topography(target, field)
     except OSError as error:
         raise UsageError(f"{target}: not written: {error.strerror or error}") from None
-    typer.echo(f"{target}: {field.shape[0]} x {field.shape[1]} heights, h_rms = {field.rms_height:.6g} m")
+    words = f"{target}: {field.shape[0]} x {field.shape[1]} heights, h_rms = {field.rms_height:.6g} m"
+    if target.suffix.lower() in (".npy", ".txt"):
+        lx, ly = field.lengths
+        words += f'; it does not say length = [{lx:.6g}, {ly:.6g}] (m) and unit = "1 m"'
+    typer.echo(words)

@@ -218,7 +218,9 @@ def test_surfaces_are_generated_inspected_and_converted(tool, tmp_path):
     assert facts["missing points"] == 0
     assert "C(q)" in tool("surface", "inspect", "rough.nc")[1]
     assert tool("surface", "convert", "rough.nc", "rough.x3p")[0] == 0
-    assert tool("surface", "convert", "rough.x3p", "rough.npy")[0] == 0
+    code, out, _ = tool("surface", "convert", "rough.x3p", "rough.npy")
+    assert code == 0
+    assert 'it does not say length = [0.0001, 0.0001] (m) and unit = "1 m"' in out
     from validation.topography import read_topography
 
     np.testing.assert_array_equal(
@@ -314,6 +316,7 @@ def test_every_mistake_is_of_a_kind_the_command_line_turns_into_a_line():
     ("options", "words"),
     [
         (("--accuracy", "one"), "--accuracy = 'one': must be a share such as 1% or 0.01"),
+        (("--accuracy", "1%", "--time-limit", "0"), "--time-limit = '0': must be greater than 0"),
         (("--accuracy", "1%", "--time-limit", "3 m"), "--time-limit = '3 m': is not a time"),
         (("--time-limit", "3 s"), "--time-limit = '3 s': belongs to --accuracy"),
         (("--accuracy", "1%", "--dry-run"), "--dry-run: not together with --accuracy"),
