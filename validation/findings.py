@@ -286,9 +286,13 @@ def _warnings(c: Comparison) -> list[str]:
     if coarse:
         names = ", ".join(f"{row.method.upper()} {_grid(row)}" for row in coarse)
         measured = c.scene.surface.kind == "file"
-        why = "where what was measured has waves as short as that" if measured else "as the scene asks for"
+        why = (
+            "the measured heights may hold waves down to two of their own samples, so that only finer grids resolve them"
+            if measured
+            else "run because the scene asks for it"
+        )
         sentences.append(
-            f"Under-resolved (lambda_short <= 2 dx), {why}; run, and left out of every limit: {names}."
+            f"Under-resolved (lambda_short <= 2 dx) and left out of every limit: {names}; {why}."
         )
     if c.rms_gradient > 0.3:
         sentences.append(

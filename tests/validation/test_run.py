@@ -258,6 +258,10 @@ def test_a_surface_from_a_file_runs(write_scene, tmp_path):
     outputs = run_scene(scene, tmp_path / "results")
     assert outputs.comparison.rms_height == pytest.approx(15e-9, rel=1e-12)
     assert outputs.comparison.theory.ensemble_area is None
+    # The grid of 12 cannot hold what 16 samples may: nobody asked for that.
+    (said,) = [text for text in outputs.comparison.findings if "Under-resolved" in text]
+    assert "the measured heights may hold waves down to two of their own samples" in said
+    assert "because the scene" not in said
 
 
 def test_nan_in_a_surface_file_is_refused_before_computing(write_scene, tmp_path, monkeypatch):

@@ -168,6 +168,12 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
         area = dataset.area[:, :, j].mean("surface").values
         ratio = (dataset.area / dataset.theory)[:, :, j].mean("surface").values
         zeta = dataset.magnification.values
+        if not np.all(np.isfinite(area)):
+            sentences.append(
+                f"At p* = {pressure:g} (all waves) how the area changes is not determinable: contacts are too small "
+                "for a limit."
+            )
+            continue
         falls = bool(np.all(np.diff(area) < 0))
         sentences.append(
             f"At p* = {pressure:g} (all waves) the area {'falls with every wave added' if falls else 'does not fall at every step'}, from {area[0]:.3f} "

@@ -308,7 +308,7 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
     ratio = area / theory
     sentences = [
         "Simulated area (limit) over Persson's: "
-        + ", ".join(f"{r:.3f} at A/A0 = {a:.3g}" for r, a in zip(ratio, area, strict=True))
+        + ", ".join(f"{r:.3f} at A/A0 = {a:.3g}" for r, a in zip(ratio, area, strict=True) if np.isfinite(a))
         + ".",
         modes_sentence(
             *(dataset.theory_area.sel(mode=mode, variant="persson") for mode in dataset.mode.values)
