@@ -18,6 +18,7 @@ from typing import Any
 
 from validation.accuracy_search import Search, grid_words
 from validation.bench import Bench
+from validation.effect_tables import effect_key
 from validation.effects import check_effects, memory_words
 from validation.errors import UsageError
 from validation.findings import percent
@@ -217,8 +218,8 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
     check_effects(scene)
     if scene.effects:
         raise UsageError(
-            f"--accuracy: the law of error is known for the bare half-space; effects.0.kind = "
-            f"{scene.effects[0].kind!r} is not; leave --accuracy out and refine by hand"
+            f"--accuracy: the law of error is known for the bare half-space, not with "
+            f"{effect_key(0, 'kind')} = {scene.effects[0].kind!r}; leave --accuracy out and refine by hand"
         )
     # Not charged to the solves, whose time tells how fast the machine is.
     warm_up(jobs_of(scene))

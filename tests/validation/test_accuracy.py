@@ -117,7 +117,7 @@ def test_a_scatter_that_too_few_surfaces_can_average_is_refused_with_what_is_kno
 def test_an_effect_without_a_law_of_error_is_refused_by_name(write_scene, bench):
     hard = "[[effects]]\nkind = 'hardness'\nhardness = '1 MPa'\n\n[solid]"
     path = write_scene(("[solid]", hard), ("[methods.theory]\n", ""), fem=False)
-    with pytest.raises(UsageError, match=r"effects.0.kind = 'hardness'"):
+    with pytest.raises(UsageError, match=r"\[\[effects\]\] 1 kind = 'hardness'"):
         reach(load_scene(str(path)), bench, target=0.01)
 
 
