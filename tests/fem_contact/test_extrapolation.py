@@ -87,7 +87,7 @@ def test_full_contact_is_certain():
     assert (limit.value, limit.uncertainty) == (1.0, 0.0)
 
 
-@pytest.mark.parametrize("points", [1, 31])
+@pytest.mark.parametrize("points", [1, 15])
 def test_a_contact_of_a_few_points_has_no_limit_whatever_its_located_area(points):
     """One grid point held at each of 32, 64, 128 had given A/A0 = -.00006 +- .00000."""
     areas = [
@@ -99,7 +99,7 @@ def test_a_contact_of_a_few_points_has_no_limit_whatever_its_located_area(points
     assert np.isnan(limit.uncertainty)
     assert f"{points} point" in limit.doubt
     assert not limit.determinable
-    assert too_small([dataclasses.replace(areas[-1], pixel=32 / 128**2)]) == ""
+    assert too_small([dataclasses.replace(areas[-1], pixel=16 / 128**2)]) == ""
 
 
 @pytest.mark.parametrize("value", [-0.01, 0.0, 1.001])
@@ -117,7 +117,7 @@ def test_a_coarse_grid_without_area_inside_its_edges_is_left_out():
 
 def test_no_accuracy_is_predicted_for_grids_too_coarse_for_the_contact():
     coarse = dataclasses.replace(areas_on(64, terms={}), pixel=0.001, subcell=0.001)
-    plan = [PlannedGrid(spacing=(1 / n, 1 / n), cells=n * n) for n in (96, 128)]
+    plan = [PlannedGrid(spacing=(1 / n, 1 / n), cells=n * n) for n in (96, 120)]
     assert predicted_uncertainty(coarse, plan) == np.inf
     plan = [PlannedGrid(spacing=(1 / n, 1 / n), cells=n * n) for n in (96, 192)]
     assert predicted_uncertainty(coarse, plan) < np.inf

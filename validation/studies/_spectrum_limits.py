@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from validation.errors import RunFailed
 from validation.scene import SolidSpec
 from validation.statistics import combined, mean_over_surfaces, pair_means
 from validation.studies._common import base_surface
@@ -98,6 +99,11 @@ class Ladders:
         waiting, values, errors = iter(measured), {}, {}
         for key, jobs in self.jobs:
             limits = [area_limits(next(waiting)) for _ in jobs]
+            if not np.all(np.isfinite([value for value, _ in limits])):
+                raise RunFailed(
+                    f"ladder of {LADDERS[key[0]]}: contacts are too small for a limit of their area: raise the load or "
+                    "the points per wave of the ladder; all solves are stored"
+                )
             values[key] = pair_means([float(value[0]) / self.reduced_pressure for value, _ in limits])
             squares = [float(error[0]) ** 2 / self.reduced_pressure**2 for _, error in limits]
             errors[key] = 2 * float(np.sqrt(np.mean(squares) / len(squares)))
