@@ -242,7 +242,7 @@ class Passes:
         np.subtract(np.clip(aim + high, 0.0, top), self.force, out=self.step)
 
     def search(self, offset: float, energy: float) -> Slopes:
-        """Slope and curvature of the energy, now sum x u / 2 - h x, along the step with its image."""
+        """Slope and curvature of the elastic energy less work along the step; `energy` is sum x u."""
         k = self.kernels
         if self._trial is None:
             slope, bend, lift = self.rows.add(

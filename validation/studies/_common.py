@@ -14,6 +14,7 @@ from validation.bench import Bench
 from validation.errors import UsageError
 from validation.scene import Scene, SelfAffineSurface, SolidSpec
 from validation.statistics import Estimate, mean_over_surfaces
+from validation.surfaces import spectrum_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,6 +33,7 @@ __all__ = [
     "persson_area",
     "rising",
     "solid_of",
+    "truncated_surface",
 ]
 
 
@@ -165,3 +167,39 @@ class ResultTable:
     def of(cls, columns: Sequence[str], rows: Sequence[Sequence[float | str]]) -> ResultTable:
         """Build a table from sequences."""
         return cls(columns=tuple(columns), rows=tuple(tuple(row) for row in rows))
+
+
+def truncated_surface(
+    seed: int, until: float, *, length: float, gradient: float, hurst: float, periods: float, bandwidth: float
+) -> SelfAffineSurface:
+    """Return a surface with its waves up to q/q_long = until, unchanged by those that are left out.
+
+    Parameters
+    ----------
+    seed : int
+    until : float
+        At most `bandwidth`.
+    length : float
+        Period [m].
+    gradient : float
+        h'_rms of the whole surface.
+    hurst, periods, bandwidth : float
+        H, L / lambda_long, lambda_long / lambda_short of the whole surface.
+    """
+
+    def cut(ratio: float, slope: float) -> SelfAffineSurface:
+        return SelfAffineSurface(
+            kind="self-affine",
+            length=(length, length),
+            hurst=hurst,
+            lambda_long=length / periods,
+            lambda_short=length / periods / ratio,
+            rms_gradient=slope,
+            seed=seed,
+        )
+
+    whole = cut(bandwidth, gradient)
+    if until == bandwidth:
+        return whole
+    spectrum = spectrum_of(whole)
+    return cut(until, gradient * float(spectrum.m2(until * spectrum.q_long) / spectrum.m2()) ** 0.5)

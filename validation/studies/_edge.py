@@ -13,8 +13,8 @@ from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
 from fem_contact.solid import Solid
 from fem_contact.stress import pressure_distribution
-from validation.jobs import NumbersJob, Prediction
-from validation.scene import SelfAffineSurface, SolidSpec
+from validation.jobs import Prediction
+from validation.studies._single_solve import SingleSolve
 from validation.surfaces import height_field, reference_field
 
 if TYPE_CHECKING:
@@ -31,38 +31,13 @@ _TOP = 0.6
 
 
 @dataclass(frozen=True, kw_only=True)
-class EdgeMeasurement(NumbersJob):
-    """P(sigma) of one realisation on one grid at small pressure, and the edge coefficient behind it.
-
-    Attributes
-    ----------
-    surface : SelfAffineSurface
-    realisation : int
-    solid : SolidSpec
-    reduced_pressure : float
-        p* with the realised gradient.
-    points : int
-        Grid points along each axis.
-    """
-
-    surface: SelfAffineSurface
-    realisation: int
-    solid: SolidSpec
-    reduced_pressure: float
-    points: int
+class EdgeMeasurement(SingleSolve):
+    """P(sigma) of one realisation on one grid at small pressure, and the edge coefficient behind it."""
 
     @property
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
-        surface = self.surface.model_dump(mode="json")
-        surface["seed"] = self.surface.seed + self.realisation
-        return {
-            "surface": surface,
-            "solid": self.solid.model_dump(mode="json"),
-            "reduced_pressure": self.reduced_pressure,
-            "points": self.points,
-            "top": _TOP,
-        }
+        return {**super().recipe, "top": _TOP}
 
     @property
     def prefix(self) -> str:

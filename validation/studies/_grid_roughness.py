@@ -10,8 +10,8 @@ import numpy as np
 from fem_contact.area import contact_areas
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
-from validation.jobs import NumbersJob, Prediction
-from validation.scene import SelfAffineSurface, SolidSpec
+from validation.jobs import Prediction
+from validation.studies._single_solve import SingleSolve
 from validation.surfaces import spectrum_of
 
 if TYPE_CHECKING:
@@ -21,39 +21,19 @@ __all__ = ["GridRoughness", "rms_slopes"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class GridRoughness(NumbersJob):
+class GridRoughness(SingleSolve):
     """The waves of a surface continued with its power law to the shortest a grid can carry, pressed on that grid.
 
-    Attributes
-    ----------
-    surface : SelfAffineSurface
-        Gives H, lambda_long, period and seed; its lambda_short is replaced by two spacings.
-    realisation : int
-    solid : SolidSpec
-    reduced_pressure : float
-        p0 / (E* h'_rms) with the spectral slope.
-    points : int
-        Grid points along each axis.
+    The surface gives H, lambda_long, period and seed; its lambda_short is replaced by two spacings. The reduced
+    pressure is that of the spectral slope.
     """
-
-    surface: SelfAffineSurface
-    realisation: int
-    solid: SolidSpec
-    reduced_pressure: float
-    points: int
 
     @property
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
-        surface = self.surface.model_dump(mode="json")
-        surface["seed"] = self.surface.seed + self.realisation
-        del surface["lambda_short"]
-        return {
-            "surface": surface,
-            "solid": self.solid.model_dump(mode="json"),
-            "reduced_pressure": self.reduced_pressure,
-            "points": self.points,
-        }
+        recipe = super().recipe
+        del recipe["surface"]["lambda_short"]
+        return recipe
 
     @property
     def prefix(self) -> str:

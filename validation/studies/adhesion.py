@@ -30,6 +30,7 @@ from validation.jobs import Job
 from validation.neglect import full_contact_energy
 from validation.scene import Load, SelfAffineSurface, SolidSpec
 from validation.slots import gap_law
+from validation.studies._common import truncated_surface
 from validation.surfaces import reference_field, spectrum_of
 
 if TYPE_CHECKING:
@@ -197,7 +198,8 @@ def run(
     grids = grid, round(_FINER * grid)
 
     def surface(until: float) -> SelfAffineSurface:
-        return _surface(seed, until, hurst=hurst, periods=periods, bandwidth=bandwidth)
+        shape = {"hurst": hurst, "periods": periods, "bandwidth": bandwidth}
+        return truncated_surface(seed, until, length=_LENGTH, gradient=_GRADIENT, **shape)
 
     whole = surface(bandwidth)
     field = reference_field(whole)
@@ -242,27 +244,6 @@ def _name(quantity: str, dial: str) -> str:
         return quantity
     bare = quantity.removesuffix("_error")
     return f"{bare}_{dial}" + quantity[len(bare) :]
-
-
-def _surface(seed: int, until: float, *, hurst: float, periods: float, bandwidth: float) -> SelfAffineSurface:
-    """Return the surface with its waves up to q/q_long = until, unchanged by those that are left out."""
-
-    def cut(ratio: float, gradient: float) -> SelfAffineSurface:
-        return SelfAffineSurface(
-            kind="self-affine",
-            length=(_LENGTH, _LENGTH),
-            hurst=hurst,
-            lambda_long=_LENGTH / periods,
-            lambda_short=_LENGTH / periods / ratio,
-            rms_gradient=gradient,
-            seed=seed,
-        )
-
-    whole = cut(bandwidth, _GRADIENT)
-    if until == bandwidth:
-        return whole
-    spectrum = spectrum_of(whole)
-    return cut(until, _GRADIENT * float(spectrum.m2(until * spectrum.q_long) / spectrum.m2()) ** 0.5)
 
 
 def _limit(values: list[float], grids: tuple[int, int]) -> float:

@@ -26,6 +26,7 @@ from validation.effect_tables import HardnessEffect
 from validation.errors import UsageError
 from validation.jobs import Job
 from validation.scene import Load, SelfAffineSurface, SolidSpec
+from validation.studies._common import truncated_surface
 from validation.surfaces import reference_field, spectrum_of
 
 if TYPE_CHECKING:
@@ -122,8 +123,12 @@ def run(
         raise UsageError(f"--magnifications = {magnifications}: must lie above 1, at most {bandwidth:g}")
     bench = bench or Bench.at()
     limit = hardness * _MODULUS * _GRADIENT
-    shape = {"hurst": hurst, "periods": periods}
-    whole = [_surface(seed, bandwidth=bandwidth, until=bandwidth, **shape) for seed in seeds]
+
+    def cut(until: float) -> list[SelfAffineSurface]:
+        shape = {"hurst": hurst, "periods": periods, "bandwidth": bandwidth}
+        return [truncated_surface(seed, until, length=_LENGTH, gradient=_GRADIENT, **shape) for seed in seeds]
+
+    whole = cut(bandwidth)
     units = [_MODULUS * reference_field(surface).rms_gradient for surface in whole]
 
     def cases(load: float, surfaces: Sequence[SelfAffineSurface]) -> list[_Case]:
@@ -133,13 +138,7 @@ def run(
         ]
 
     by_load = [cases(load, whole) for load in pressures]
-    by_wave = [
-        cases(
-            smoothing_pressure,
-            [_surface(seed, bandwidth=bandwidth, until=zeta, **shape) for seed in seeds],
-        )
-        for zeta in magnifications
-    ]
+    by_wave = [cases(smoothing_pressure, cut(zeta)) for zeta in magnifications]
     last = cases(smoothing_pressure, whole)
     ladder = tuple(sorted(set(grids)))
     solved = bench.solve([case.job(n) for row in [*by_load, *by_wave, last] for case in row for n in ladder])
@@ -166,28 +165,6 @@ def run(
             "gradient_kept_inside": inside,
         },
     )
-
-
-def _surface(seed: int, *, hurst: float, periods: float, bandwidth: float, until: float) -> SelfAffineSurface:
-    """Return one realisation with its waves up to q/q_long = until, unchanged by those that are left out."""
-
-    def cut(ratio: float, gradient: float) -> SelfAffineSurface:
-        return SelfAffineSurface(
-            kind="self-affine",
-            length=(_LENGTH, _LENGTH),
-            hurst=hurst,
-            lambda_long=_LENGTH / periods,
-            lambda_short=_LENGTH / periods / ratio,
-            rms_gradient=gradient,
-            seed=seed,
-        )
-
-    whole = cut(bandwidth, _GRADIENT)
-    if until == bandwidth:
-        return whole
-    spectrum = spectrum_of(whole)
-    share = float(spectrum.m2(until * spectrum.q_long) / spectrum.m2())
-    return cut(until, _GRADIENT * share**0.5)
 
 
 def _columns(

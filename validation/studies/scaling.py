@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.stats
@@ -19,13 +19,15 @@ from fem_contact.solid import Solid
 from validation.bench import Bench
 from validation.drawing import Drawing
 from validation.errors import UsageError
-from validation.jobs import NumbersJob, Prediction
-from validation.scene import Scene, SelfAffineSurface, SolidSpec
+from validation.jobs import Prediction
 from validation.studies._common import ResultTable, at_least, base_surface, measure, solid_of
+from validation.studies._single_solve import SingleSolve
 from validation.surfaces import height_field, reference_field
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from validation.scene import Scene
 
 __all__ = ["SolveCost", "figures", "findings", "run", "table"]
 
@@ -34,36 +36,8 @@ _WORDS = {"seconds": "time", "fft_pairs": "pairs of transforms", "peak_bytes": "
 
 
 @dataclass(frozen=True, kw_only=True)
-class SolveCost(NumbersJob):
-    """One cold solve by boundary elements on one thread, reduced to what it cost.
-
-    Attributes
-    ----------
-    surface : SelfAffineSurface
-    realisation : int
-    solid : SolidSpec
-    reduced_pressure : float
-    points : int
-        Along each axis.
-    """
-
-    surface: SelfAffineSurface
-    realisation: int = 0
-    solid: SolidSpec
-    reduced_pressure: float
-    points: int
-
-    @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers."""
-        surface = self.surface.model_dump(mode="json")
-        surface["seed"] = self.surface.seed + self.realisation
-        return {
-            "surface": surface,
-            "solid": self.solid.model_dump(mode="json"),
-            "reduced_pressure": self.reduced_pressure,
-            "points": self.points,
-        }
+class SolveCost(SingleSolve):
+    """One cold solve by boundary elements on one thread, reduced to what it cost."""
 
     @property
     def prefix(self) -> str:
