@@ -30,8 +30,8 @@ def main(effects: list[dict[str, object]]) -> None:
     # Where ducc0 is installed it transforms in place; without it every installation allocates the same.
     sys.modules["ducc0"] = None  # type: ignore[assignment]
     from fem_contact import fourier
-    from validation.jobs import execute, jobs_of
-    from validation.scene import Scene
+    from validation.scenes.scene import Scene
+    from validation.solves.solve import execute, jobs_of
 
     (job,) = jobs_of(Scene.model_validate(SCENE | {"effects": effects}))
     execute(job)

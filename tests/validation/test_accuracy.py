@@ -8,15 +8,15 @@ import pytest
 
 from fem_contact.area import contact_areas
 from fem_contact.extrapolation import located_limit
-from validation.accuracy import parse_accuracy, reach
-from validation.bench import Bench
+from validation.comparison.accuracy import parse_accuracy, reach
 from validation.errors import RunFailed, UsageError
-from validation.jobs import jobs_of
-from validation.run import Execution, solve_jobs
-from validation.scene import BemMethod, Load, Methods, Scene, SolidSpec, load_scene
-from validation.store import Store
-from validation.studies._common import base_surface
-from validation.studies._measurement import Measurement, area_limits, grid_for
+from validation.measures.common import base_surface
+from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.scenes.scene import BemMethod, Load, Methods, Scene, SolidSpec, load_scene
+from validation.solves.bench import Bench
+from validation.solves.running import Execution, solve_jobs
+from validation.solves.solve import jobs_of
+from validation.solves.store import Store
 
 MIB = 2**20
 

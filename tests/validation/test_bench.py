@@ -19,15 +19,16 @@ import numpy as np
 import psutil
 import pytest
 
-from validation import pool
-from validation.bench import Bench, PlannedOnly
-from validation.effects import available_memory, predicted_cost
 from validation.errors import RunFailed, UsageError
-from validation.jobs import execute
-from validation.run import Execution, Silent, solve_jobs
-from validation.store import Store, prepare_folder
+from validation.files import prepare_folder
+from validation.solves import pool
+from validation.solves.bench import Bench, PlannedOnly
+from validation.solves.cost import available_memory, predicted_cost
+from validation.solves.running import Execution, Silent, solve_jobs
+from validation.solves.solve import execute
+from validation.solves.store import Store
 from validation.studies import Study, area, find_study, studies
-from validation.study_report import run_study
+from validation.studies._outputs import run_study
 
 #: 10 loads x 5 surfaces x 4 grids: 200 solves of milliseconds.
 CASES = {
@@ -93,7 +94,7 @@ def kill_when(stored, folder, find):
 def test_two_workers_give_the_same_bits_although_one_is_killed(serial, tmp_path):
     progress, me = Notes(), psutil.Process()
     thread, killed = kill_when(
-        40, tmp_path, lambda: max(c.pid for c in me.children() if "validation.worker" in c.cmdline())
+        40, tmp_path, lambda: max(c.pid for c in me.children() if "validation.solves.worker" in c.cmdline())
     )
     data = area.run(bench=bench_at(tmp_path, progress, workers=2), **CASES)
     thread.join()
@@ -156,7 +157,7 @@ def test_a_dask_cluster_gives_the_same_bits_although_a_worker_is_killed(serial, 
 
 def test_without_an_answering_scheduler_nothing_is_computed(tmp_path, monkeypatch):
     pytest.importorskip("distributed")
-    from validation import cluster
+    from validation.solves import cluster
 
     real = cluster._connected
     monkeypatch.setattr(cluster, "_connected", lambda address: real(address, timeout=1))
@@ -194,7 +195,7 @@ def test_a_study_killed_half_way_repeats_no_finished_case(serial, tmp_path):
 
 def _orphan_of(process, store):
     try:
-        return "validation.worker" in process.info["cmdline"] and process.ppid() == 1
+        return "validation.solves.worker" in process.info["cmdline"] and process.ppid() == 1
     except (psutil.Error, TypeError):
         return False
 
@@ -252,7 +253,7 @@ def test_a_full_disk_is_a_clear_error_and_leaves_finished_cases_intact(tmp_path,
 
 def test_a_case_that_fails_does_not_keep_the_others_from_being_done(tmp_path, monkeypatch):
     from fem_contact.errors import NotConverged
-    from validation import run
+    from validation.solves import running as run
 
     jobs = area.jobs(**FEW)
 
@@ -422,7 +423,7 @@ def test_the_study_of_the_documentation_runs_and_leaves_what_is_said(tmp_path, m
     monkeypatch.setitem(sys.modules, "counted_area", module)  # where its annotations are looked up
     spec.loader.exec_module(module)
     study = Study(name="counted-area", module=module)
-    monkeypatch.setattr("validation.study_report.find_study", lambda name: study)
+    monkeypatch.setattr("validation.studies._outputs.find_study", lambda name: study)
     options = study.parse(["--grids", "32,64"])
     assert study.question.endswith("counts?")
     assert study.options["grids"].meaning == "Points along a side."

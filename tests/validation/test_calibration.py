@@ -4,10 +4,11 @@ import json
 
 import pytest
 
-from validation import calibration
-from validation.effects import explain, predicted_cost
-from validation.jobs import jobs_of
-from validation.scene import load_scene
+from validation.comparison.explain import explain
+from validation.scenes.scene import load_scene
+from validation.solves import calibration
+from validation.solves.cost import predicted_cost
+from validation.solves.solve import jobs_of
 
 EFFECT = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n[solid]'
 

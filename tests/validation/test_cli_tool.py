@@ -10,11 +10,11 @@ import typer
 from rich.text import Text
 from typer.testing import CliRunner
 
-from validation import cli
-from validation.accuracy import reach
-from validation.bench import Bench
+from validation.cli import commands as cli
+from validation.comparison.accuracy import reach
 from validation.errors import RunFailed, UsageError
-from validation.scene import load_scene
+from validation.scenes.scene import load_scene
+from validation.solves.bench import Bench
 from validation.studies import studies
 
 COMMANDS = ("run", "study", "validate", "reproduce", "report", "explain", "surface", "scenes")
@@ -90,7 +90,7 @@ def test_a_surface_on_the_smallest_grid_is_written_with_a_word_of_warning(tool):
 
 
 def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatch):
-    from validation.cli_options import _scene_names
+    from validation.cli.options import _scene_names
 
     # The shell is named, for there may be none above the tests to be found out.
     monkeypatch.setenv("_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION", "1")
@@ -142,7 +142,7 @@ def test_a_failed_solve_is_exit_code_1(tool, monkeypatch):
     def fails(*args, **kwargs):
         raise RunFailed("BEM 8x8: stopped")
 
-    monkeypatch.setattr("validation.run.run_scene", fails)
+    monkeypatch.setattr("validation.comparison.run.run_scene", fails)
     code, _, err = tool("run", "quickstart", "-q")
     assert (code, err) == (1, "fem-contact: BEM 8x8: stopped\n")
 
@@ -151,7 +151,7 @@ def test_ctrl_c_is_exit_code_130_and_a_sentence(tool, monkeypatch):
     def interrupted(*args, **kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("validation.run.run_scene", interrupted)
+    monkeypatch.setattr("validation.comparison.run.run_scene", interrupted)
     code, _, err = tool("run", "quickstart", "-q")
     assert code == 130
     assert "every finished solve is stored" in err
@@ -172,7 +172,7 @@ def test_a_dry_run_lists_solves_and_does_none(tool, tmp_path):
 def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(
     write_scene, tool, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("validation.report.write_drawings", lambda *a: ())  # drawn and tested elsewhere
+    monkeypatch.setattr("validation.comparison.report.write_drawings", lambda *a: ())
     path = write_scene(
         ("[solid]", '[run]\noutput = "there"\nstore = "kept"\nquiet = true\npictures = false\n[solid]'),
         fem=False,
@@ -221,7 +221,7 @@ def test_surfaces_are_generated_inspected_and_converted(tool, tmp_path):
     code, out, _ = tool("surface", "convert", "rough.x3p", "rough.npy")
     assert code == 0
     assert 'it does not say length = [0.0001, 0.0001] (m) and unit = "1 m"' in out
-    from validation.topography import read_topography
+    from validation.scenes.topography import read_topography
 
     np.testing.assert_array_equal(
         np.load(tmp_path / "rough.npy"), read_topography(tmp_path / "rough.nc").heights
@@ -282,7 +282,7 @@ def test_studies_and_cases_and_scenes_are_listed_for_people_and_scripts(tool):
 
 
 def test_reproduce_prints_the_claims(tool, monkeypatch, tmp_path):
-    from validation import reproduce
+    from validation.paper import reproduce
     from validation.paper.claims import ClaimRow
 
     row = ClaimRow(

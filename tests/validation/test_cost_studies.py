@@ -13,11 +13,11 @@ from fem_contact import bem
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
-from validation.bench import Bench
 from validation.errors import RunFailed, UsageError
-from validation.scene import SolidSpec
+from validation.measures.common import base_surface
+from validation.scenes.scene import SolidSpec
+from validation.solves.bench import Bench
 from validation.studies import _peer_solve, _peers, accuracy_cost, multilevel, scaling
-from validation.studies._common import base_surface
 from validation.studies.multilevel import Level, allocation, saving
 
 SMALL = {"size": 2.0, "ratio": 2.0}

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from validation.scene import SolidSpec
-from validation.studies._common import base_surface
-from validation.studies._measurement import Measurement, area_limits, grid_for
+from validation.measures.common import base_surface
+from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.scenes.scene import SolidSpec
 
 SOLID = SolidSpec(young=1e9, poisson=0.3)
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from validation.bench import Bench
 from validation.errors import UsageError
+from validation.solves.bench import Bench
 from validation.studies import adhesion, find_study, hardness
 
 

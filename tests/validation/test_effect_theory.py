@@ -9,14 +9,14 @@ import pytest
 from persson import elastic
 from persson.hardness import constant_hardness
 from persson.spectrum import SelfAffine
-from validation.comparison import Theory, compare
-from validation.effect_tables import Adhesion, HardnessEffect
-from validation.effect_theory import predicted
-from validation.figure_data import pressure_at_zero_data
-from validation.jobs import execute, jobs_of
-from validation.report import _summary_rows
-from validation.scene import load_scene
-from validation.store import Store
+from validation.comparison.compare import Theory, compare
+from validation.comparison.figure_data import pressure_at_zero_data
+from validation.comparison.report import _summary_rows
+from validation.effects.tables import Adhesion, HardnessEffect
+from validation.methods.effect_theory import predicted
+from validation.scenes.scene import load_scene
+from validation.solves.solve import execute, jobs_of
+from validation.solves.store import Store
 
 SPECTRUM = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=2e5, q_short=8e5)
 MODULUS, LOAD = 1e9, 5e6

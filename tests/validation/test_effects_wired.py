@@ -12,14 +12,15 @@ from pydantic import TypeAdapter
 from fem_contact import bem
 from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.solid import Solid
-from validation.effect_tables import EffectSpec
-from validation.effects import HANDLED_BY, check_effects, explain
+from validation.comparison.explain import explain
+from validation.effects.judgement import Roughness, full_contact_energy, judge
+from validation.effects.tables import EffectSpec
 from validation.errors import SceneError, UsageError
-from validation.jobs import execute, jobs_of, warm_up
-from validation.neglect import Roughness, full_contact_energy, judge
-from validation.scene import Scene, load_scene
-from validation.slots import response_of, theory_modulus, theory_variance
-from validation.surfaces import reference_field
+from validation.methods.handled import HANDLED_BY, check_effects
+from validation.methods.slots import response_of, theory_modulus, theory_variance
+from validation.scenes.scene import Scene, load_scene
+from validation.scenes.surfaces import reference_field
+from validation.solves.solve import execute, jobs_of, warm_up
 
 HARD = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n'
 STICKY = '[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "40 nm"\n'
@@ -254,7 +255,7 @@ def test_the_pastewka_robbins_number_is_the_printed_one():
 
 def test_no_solve_is_charged_with_loading_what_its_effects_need(with_effects, monkeypatch):
     from fem_contact import block
-    from validation import slots
+    from validation.methods import slots
 
     rehearsed = []
 

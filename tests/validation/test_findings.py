@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 from fem_contact.area import Limit
-from validation.comparison import Scatter, compare
-from validation.effect_tables import Adhesion, HardnessEffect
-from validation.figure_data import pressure_at_zero_data
-from validation.findings import findings
-from validation.jobs import execute, jobs_of
-from validation.papers import papers
-from validation.report import console_table, report_page
-from validation.run import run_scene
-from validation.scene import load_scene
-from validation.store import Store
+from validation.comparison.compare import Scatter, compare
+from validation.comparison.figure_data import pressure_at_zero_data
+from validation.comparison.findings import findings
+from validation.comparison.report import console_table, report_page
+from validation.comparison.run import run_scene
+from validation.effects.tables import Adhesion, HardnessEffect
+from validation.report.papers import papers
+from validation.scenes.scene import load_scene
+from validation.solves.solve import execute, jobs_of
+from validation.solves.store import Store
 
 
 def _sentence(comparison, word):

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from validation.effects import explain
+from validation.comparison.explain import explain
 from validation.errors import UsageError
-from validation.jobs import execute, jobs_of
-from validation.scene import load_scene
+from validation.scenes.scene import load_scene
+from validation.solves.solve import execute, jobs_of
 from validation.studies import find_study, graded
 
 

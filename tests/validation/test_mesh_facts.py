@@ -4,7 +4,7 @@ from types import SimpleNamespace
 import pytest
 
 from fem_contact.block import wave_errors
-from validation import effects
+from validation.comparison import explain as effects
 
 
 @dataclass

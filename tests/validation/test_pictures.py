@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import subprocess
 
-from validation import pictures
+from validation.comparison import pictures
 
 
 def test_a_renderer_that_dies_leaves_a_word_and_no_file(tmp_path, monkeypatch):

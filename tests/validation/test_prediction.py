@@ -10,10 +10,10 @@ import sys
 
 import pytest
 
-from validation.effects import predicted_cost
-from validation.jobs import Job
-from validation.pool import ONE_THREAD
-from validation.scene import Load, SelfAffineSurface, SolidSpec
+from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
+from validation.solves.cost import predicted_cost
+from validation.solves.pool import ONE_THREAD
+from validation.solves.solve import Job
 
 #: method, points along a side, p*, settings
 LIST = [

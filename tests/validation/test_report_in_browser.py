@@ -10,12 +10,12 @@ import subprocess
 import numpy as np
 import pytest
 
-from validation.bench import Bench
-from validation.report import write_outputs
-from validation.run import report_run
-from validation.store import Store
+from validation.comparison.report import write_outputs
+from validation.comparison.run import report_run
+from validation.solves.bench import Bench
+from validation.solves.store import Store
 from validation.studies import find_study
-from validation.study_report import report_study, run_study
+from validation.studies._outputs import report_study, run_study
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 FLAGS = [
@@ -169,7 +169,7 @@ def test_the_report_names_papers_seeds_versions_and_answers_first(pages):
 
 
 def test_a_report_is_made_again_from_stored_results_alone(small_run, tmp_path, monkeypatch):
-    from validation import run
+    from validation.solves import running as run
 
     monkeypatch.setattr(run, "execute", lambda *a, **k: pytest.fail("solved"))
     folder = tmp_path / "copy"

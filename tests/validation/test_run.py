@@ -16,13 +16,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from validation import run as run_module
+from validation.comparison.run import run_scene
 from validation.errors import RunFailed, UsageError
-from validation.jobs import execute, jobs_of
-from validation.run import run_scene, solve_jobs
-from validation.scene import load_scene
-from validation.store import Store, prepare_folder
-from validation.surfaces import height_field, reference_field
+from validation.files import prepare_folder
+from validation.scenes.scene import load_scene
+from validation.scenes.surfaces import height_field, reference_field
+from validation.solves import running as run_module
+from validation.solves.running import solve_jobs
+from validation.solves.solve import execute, jobs_of
+from validation.solves.store import Store
 
 
 def test_a_run_leaves_table_fields_block_and_report(small_run):
@@ -67,7 +69,7 @@ def test_running_again_repeats_nothing_and_finds_the_same(small_run, tmp_path):
 
 
 def test_a_plain_run_leaves_nothing_of_an_earlier_run_to_an_accuracy(small_run, tmp_path, monkeypatch):
-    monkeypatch.setattr("validation.report.write_drawings", lambda *a: ())  # drawn and tested elsewhere
+    monkeypatch.setattr("validation.comparison.report.write_drawings", lambda *a: ())
     (tmp_path / "accuracy.json").write_text("{}")
     run_scene(small_run.comparison.scene, tmp_path, store_folder=small_run.folder / "solves")
     assert (tmp_path / "report.html").exists()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from validation.statistics import combined, mean_over_surfaces, order_of_convergence, pair_means
+from validation.measures.statistics import combined, mean_over_surfaces, order_of_convergence, pair_means
 
 
 def test_the_standard_error_is_that_of_the_mean():

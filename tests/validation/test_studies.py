@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from validation.bench import Bench
 from validation.errors import UsageError
-from validation.run import Execution
-from validation.scene import SolidSpec
+from validation.measures.common import base_surface, persson_area
+from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.scenes.scene import SolidSpec
+from validation.solves.bench import Bench
+from validation.solves.running import Execution
 from validation.studies import (
     cross,
     hurst,
@@ -18,9 +20,7 @@ from validation.studies import (
     studies,
     theory_verdict,
 )
-from validation.studies._common import base_surface, persson_area
 from validation.studies._grid_roughness import GridRoughness
-from validation.studies._measurement import Measurement, area_limits, grid_for
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)
 SMALL = {"size": 2.0, "ratio": 2.0}

@@ -16,20 +16,20 @@ from fem_contact.surface import HeightField
 from persson.elastic import contact_area, stress_variance
 from persson.scale import Scale
 from persson.separation import mean_separation
-from validation.bench import Bench
-from validation.scene import SolidSpec
+from validation.measures.budget import Budget, budget_table, grid_drift, grid_share
+from validation.measures.common import base_surface
+from validation.measures.distributions import Distributions
+from validation.measures.edge import inverse_square_coefficient, window_slope
+from validation.measures.ladders import bandwidth_order, rungs_limit
+from validation.measures.load_independence import distance_to_reference
+from validation.measures.measurement import Measurement, grid_for
+from validation.measures.theory import ensemble_area, modes_sentence
+from validation.measures.theory_energy import VARIANTS, WITH_ENERGY, Waves
+from validation.scenes.scene import SolidSpec
+from validation.scenes.surfaces import reference_field, spectrum_of
+from validation.solves.bench import Bench
 from validation.studies import hurst, pressure, stress_near_zero, theory_verdict
-from validation.studies._budget import Budget, budget_table, grid_drift, grid_share
-from validation.studies._common import base_surface
-from validation.studies._distributions import Distributions
-from validation.studies._edge import inverse_square_coefficient, window_slope
-from validation.studies._ladders import bandwidth_order, rungs_limit
-from validation.studies._load_independence import distance_to_reference
-from validation.studies._measurement import Measurement, grid_for
-from validation.studies._theory import ensemble_area, modes_sentence
-from validation.studies._theory_energy import VARIANTS, WITH_ENERGY, Waves
-from validation.study_report import report_study
-from validation.surfaces import reference_field, spectrum_of
+from validation.studies._outputs import report_study
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)
 SMALL = {"size": 2.0, "ratio": 2.0}

@@ -12,12 +12,12 @@ import pytest
 from fem_contact.spectra import estimate_spectrum, window_weights
 from fem_contact.surface import HeightField, radial_spectrum, random_surface
 from persson.spectrum import SelfAffine
-from validation.effects import explain
+from validation.comparison.explain import explain
+from validation.comparison.run import run_scene
 from validation.errors import UsageError
-from validation.run import run_scene
-from validation.scene import load_scene
-from validation.surfaces import measured_spectrum, topography_of
-from validation.topography import Topography, read_topography, write_topography
+from validation.scenes.scene import load_scene
+from validation.scenes.surfaces import measured_spectrum, topography_of
+from validation.scenes.topography import Topography, read_topography, write_topography
 
 LENGTH = 1e-5
 SPECTRUM = SelfAffine.from_rms_gradient(
@@ -92,7 +92,7 @@ def test_netcdf_units_are_converted(tmp_path):
 def test_integer_x3p_with_invalid_points_is_read(tmp_path):
     import zipfile
 
-    from validation import topography
+    from validation.scenes import topography
 
     heights = HeightField(heights=np.zeros((3, 2)), lengths=(3e-6, 2e-6))
     path = tmp_path / "made.x3p"
@@ -261,7 +261,7 @@ depth = "5 um"
 
 
 def test_a_measured_topography_goes_through_theory_and_solvers(tmp_path, monkeypatch):
-    monkeypatch.setattr("validation.report.write_drawings", lambda *a: ())  # drawn and tested elsewhere
+    monkeypatch.setattr("validation.comparison.report.write_drawings", lambda *a: ())
     heights, _ = measured()
     np.save(tmp_path / "afm.npy", heights * 1e9)
     (tmp_path / "scene.toml").write_text(

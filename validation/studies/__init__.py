@@ -33,14 +33,14 @@ from pydantic import ValidationError
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
 from validation.errors import RunFailed, UsageError
-from validation.scene import scene_problems
+from validation.scenes.scene import scene_problems
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.bench import Bench
-    from validation.drawing import Drawing
-    from validation.studies._common import ResultTable
+    from validation.report.drawing import Drawing
+    from validation.report.table import ResultTable
+    from validation.solves.bench import Bench
 
 __all__ = ["Option", "Study", "find_study", "studies"]
 

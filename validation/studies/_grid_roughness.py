@@ -10,9 +10,9 @@ import numpy as np
 from fem_contact.area import contact_areas
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
-from validation.jobs import Prediction
-from validation.studies._single_solve import SingleSolve
-from validation.surfaces import spectrum_of
+from validation.measures.single_solve import SingleSolve
+from validation.scenes.surfaces import spectrum_of
+from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -18,10 +18,10 @@ import numpy as np
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from fem_contact.solid import Solid
 from validation.errors import RunFailed
-from validation.jobs import NumbersJob, Prediction
-from validation.scene import SelfAffineSurface, SolidSpec
+from validation.scenes.scene import SelfAffineSurface, SolidSpec
+from validation.scenes.surfaces import height_field, reference_field
+from validation.solves.solve import NumbersJob, Prediction
 from validation.studies._peer_solve import SOLVERS
-from validation.surfaces import height_field, reference_field
 
 if TYPE_CHECKING:
     import xarray as xr

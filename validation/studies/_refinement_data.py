@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_contact.area import ContactAreas, limit_area
-from validation.studies._budget import grid_drift
-from validation.studies._distributions import PATCH_EDGES, STRESS_EDGES, weighted_percentile
-from validation.studies._measurement import area_limits
+from validation.measures.budget import grid_drift
+from validation.measures.distributions import PATCH_EDGES, STRESS_EDGES, weighted_percentile
+from validation.measures.measurement import area_limits
 
 if TYPE_CHECKING:
     import xarray as xr

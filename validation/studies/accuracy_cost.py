@@ -9,19 +9,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.bench import Bench
-from validation.drawing import Drawing
-from validation.studies._block import BlockMeasurement
-from validation.studies._common import ResultTable, at_least, base_surface, ladder, measure, solid_of
-from validation.studies._measurement import Measurement, area_limits, grid_for
+from validation.measures.block import BlockMeasurement
+from validation.measures.common import at_least, base_surface, ladder, measure, solid_of
+from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.report.drawing import Drawing
+from validation.report.table import ResultTable
+from validation.solves.bench import Bench
 from validation.studies._peer_solve import SOLVERS
 from validation.studies._peers import PeerMeasurement, installed_peers
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.jobs import NumbersJob
-    from validation.scene import Scene
+    from validation.scenes.scene import Scene
+    from validation.solves.solve import NumbersJob
 
 __all__ = ["figures", "findings", "run", "table"]
 
@@ -363,7 +364,7 @@ def _times(factor: float) -> str:
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw error against time and against memory."""
-    from validation import plots_studies
+    from validation.studies import _plots_studies as plots_studies
 
     fronts = {cost: front(dataset, cost) for cost in ("seconds", "peak_bytes")}
     return (

@@ -23,21 +23,21 @@ from persson.adhesion import Interface, solve_adhesion
 from persson.elastic import contact_area, stress_variance
 from persson.errors import PerssonError
 from persson.scale import Scale
-from validation.bench import Bench
-from validation.effect_tables import Adhesion, HardnessEffect
+from validation.effects.judgement import full_contact_energy
+from validation.effects.tables import Adhesion, HardnessEffect
 from validation.errors import UsageError
-from validation.jobs import Job
-from validation.neglect import full_contact_energy
-from validation.scene import Load, SelfAffineSurface, SolidSpec
-from validation.slots import gap_law
-from validation.studies._common import truncated_surface
-from validation.surfaces import reference_field, spectrum_of
+from validation.measures.common import truncated_surface
+from validation.methods.slots import gap_law
+from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
+from validation.scenes.surfaces import reference_field, spectrum_of
+from validation.solves.bench import Bench
+from validation.solves.solve import Job
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.bench import Solves
-    from validation.drawing import Drawing
+    from validation.report.drawing import Drawing
+    from validation.solves.bench import Solves
 
 __all__ = ["figures", "findings", "run"]
 
@@ -292,8 +292,8 @@ def _sentence(data: xr.Dataset, dial: str, k: int) -> str:
 
 def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw areas along every dial, and the energy of the interface against the work of adhesion."""
-    from validation import plots
-    from validation.drawing import Drawing
+    from validation.report.drawing import Drawing
+    from validation.report.figure import lines_figure
 
     drawings = []
     areas = ("area", "plain", "improved", "old", "persson_plain")
@@ -302,7 +302,7 @@ def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
         drawings.append(
             Drawing(
                 name="adhesive-area" if dial == "work" else f"adhesive-area-{dial}",
-                figure=plots.lines_figure(data, x=dial, lines=lines, logarithmic="x"),
+                figure=lines_figure(data, x=dial, lines=lines, logarithmic="x"),
                 data=data[[*lines, _name("area_error", dial)]],
                 caption=f"Contact area against {words}: boundary elements with the shortest range that the "
                 "grid resolves, and Persson's theory with two readings of the elastic energy.",
@@ -312,7 +312,7 @@ def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
     drawings.append(
         Drawing(
             name="adhesive-area-yielded",
-            figure=plots.lines_figure(data, x="hardness", lines=lines, logarithmic="x"),
+            figure=lines_figure(data, x="hardness", lines=lines, logarithmic="x"),
             data=data[list(lines)],
             caption="Yielded share of the nominal area under adhesion against the hardness: boundary "
             "elements, and Persson's theory (2006, Sec. 9).",
@@ -322,7 +322,7 @@ def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
     drawings.append(
         Drawing(
             name="interface-energy",
-            figure=plots.lines_figure(data, x="work", lines=lines, logarithmic="x"),
+            figure=lines_figure(data, x="work", lines=lines, logarithmic="x"),
             data=data[[*lines, "reach"]],
             caption="Energy gained by the whole interface over the work of adhesion: law less elastic energy "
             "by boundary elements, gamma_eff(1) by the theory. Where it is negative nothing holds the bodies.",

@@ -16,18 +16,18 @@ import numpy as np
 from fem_contact.area import contact_areas
 from fem_contact.extrapolation import located_limit
 from persson import elastic
-from validation.bench import Bench
 from validation.errors import UsageError
-from validation.jobs import Job
-from validation.scene import Load, SelfAffineSurface, SolidSpec
-from validation.statistics import combined
-from validation.studies._common import LEAST_POINTS_PER_WAVE, at_least
-from validation.surfaces import reference_field
+from validation.measures.common import LEAST_POINTS_PER_WAVE, at_least
+from validation.measures.statistics import combined
+from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
+from validation.scenes.surfaces import reference_field
+from validation.solves.bench import Bench
+from validation.solves.solve import Job
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.drawing import Drawing
+    from validation.report.drawing import Drawing
 
 __all__ = ["figures", "findings", "jobs", "run"]
 
@@ -178,7 +178,8 @@ def _resolved(grids: Sequence[int], *, waves: float) -> tuple[int, ...]:
 
 def findings(data: xr.Dataset) -> tuple[str, ...]:
     """Say how kappa and the distance to the theory change from the lightest to the heaviest load."""
-    from validation.findings import percent, with_error
+    from validation.comparison.findings import percent
+    from validation.report.words import with_error
 
     loads, kappa, error = (data[name].values for name in ("pressure", "kappa", "kappa_error"))
     share, persson = data["grid_error"].values / data["area"].values, data["persson"].values
@@ -206,8 +207,8 @@ def findings(data: xr.Dataset) -> tuple[str, ...]:
 
 def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw area and kappa against load."""
-    from validation import plots
-    from validation.drawing import Drawing
+    from validation.report.drawing import Drawing
+    from validation.report.figure import lines_figure
 
     with_theory = data.assign(
         persson_kappa=data["persson"] / data["pressure"],
@@ -219,16 +220,14 @@ def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
     return (
         Drawing(
             name="area",
-            figure=plots.lines_figure(data, x="pressure", lines=("area", "persson"), logarithmic="xy"),
+            figure=lines_figure(data, x="pressure", lines=("area", "persson"), logarithmic="xy"),
             data=data[["area", "area_error", "scatter_error", "grid_error", "persson"]],
             caption="Contact area against load: limit over the grids, mean and standard error (surfaces and "
             "grids), beside Persson's theory for the same surfaces.",
         ),
         Drawing(
             name="kappa",
-            figure=plots.lines_figure(
-                with_theory, x="pressure", lines=("kappa", "persson_kappa"), logarithmic="x"
-            ),
+            figure=lines_figure(with_theory, x="pressure", lines=("kappa", "persson_kappa"), logarithmic="x"),
             data=with_theory[["kappa", "kappa_error", "persson_kappa"]],
             caption="Area over load, kappa: constant where contact grows in proportion to load.",
         ),

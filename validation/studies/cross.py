@@ -7,17 +7,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.bench import Bench
-from validation.drawing import Drawing
-from validation.statistics import order_of_convergence
-from validation.studies._block import BlockMeasurement
-from validation.studies._common import ResultTable, at_least, base_surface, measure, rising, solid_of
-from validation.studies._measurement import grid_for
+from validation.measures.block import BlockMeasurement
+from validation.measures.common import at_least, base_surface, measure, rising, solid_of
+from validation.measures.measurement import grid_for
+from validation.measures.statistics import order_of_convergence
+from validation.report.drawing import Drawing
+from validation.report.table import ResultTable
+from validation.solves.bench import Bench
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.scene import Scene
+    from validation.scenes.scene import Scene
 
 __all__ = ["figures", "findings", "run", "table"]
 
@@ -171,7 +172,7 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw the differences against the grid."""
-    from validation import plots_studies
+    from validation.studies import _plots_studies as plots_studies
 
     return (
         Drawing(

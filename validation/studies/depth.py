@@ -7,17 +7,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.bench import Bench
-from validation.drawing import Drawing
-from validation.scene import SolidSpec
-from validation.studies._block import BlockMeasurement
-from validation.studies._common import ResultTable, base_surface, measure, rising
-from validation.studies._measurement import grid_for
+from validation.measures.block import BlockMeasurement
+from validation.measures.common import base_surface, measure, rising
+from validation.measures.measurement import grid_for
+from validation.report.drawing import Drawing
+from validation.report.table import ResultTable
+from validation.scenes.scene import SolidSpec
+from validation.solves.bench import Bench
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.scene import Scene
+    from validation.scenes.scene import Scene
 
 __all__ = ["figures", "findings", "run", "table"]
 
@@ -162,7 +163,7 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw the pressure difference against depth and growth."""
-    from validation import plots_studies
+    from validation.studies import _plots_studies as plots_studies
 
     return (
         Drawing(

@@ -21,8 +21,8 @@ from validation.errors import UsageError
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.bench import Bench
-    from validation.drawing import Drawing
+    from validation.report.drawing import Drawing
+    from validation.solves.bench import Bench
 
 __all__ = ["figures", "findings", "run"]
 
@@ -110,7 +110,7 @@ def _share(felt: Callable[[Array], Array], exact: Response, q: Array) -> Array:
 
 def findings(data: xr.Dataset) -> tuple[str, ...]:
     """Say for every contrast how wrong the weighting is, inside the range it claims and outside."""
-    from validation.findings import percent
+    from validation.comparison.findings import percent
 
     sentences = []
     for k, ratio in enumerate(data["ratio"].values):
@@ -134,13 +134,13 @@ def _worst(errors: Sequence[float] | Array) -> float:
 
 def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw the ratio of the moduli against the wavevector."""
-    from validation import plots
-    from validation.drawing import Drawing
+    from validation.report.drawing import Drawing
+    from validation.report.figure import lines_figure
 
     return tuple(
         Drawing(
             name=f"felt-modulus-{kind}",
-            figure=plots.lines_figure(data, x="wave", lines=(kind,), along="ratio", logarithmic="x"),
+            figure=lines_figure(data, x="wave", lines=(kind,), along="ratio", logarithmic="x"),
             data=data[[kind, "grading"]],
             caption=f"Modulus that a wave feels by Persson's weighting over the exact one: {words}, for "
             "several ratios of the modulus below to that on top.",

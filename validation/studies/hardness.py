@@ -21,19 +21,19 @@ from persson import elastic
 from persson.hardness import constant_hardness
 from persson.scale import Scale
 from persson.tabulated import smoothed
-from validation.bench import Bench
-from validation.effect_tables import HardnessEffect
+from validation.effects.tables import HardnessEffect
 from validation.errors import UsageError
-from validation.jobs import Job
-from validation.scene import Load, SelfAffineSurface, SolidSpec
-from validation.studies._common import truncated_surface
-from validation.surfaces import reference_field, spectrum_of
+from validation.measures.common import truncated_surface
+from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
+from validation.scenes.surfaces import reference_field, spectrum_of
+from validation.solves.bench import Bench
+from validation.solves.solve import Job
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.bench import Solves
-    from validation.drawing import Drawing
+    from validation.report.drawing import Drawing
+    from validation.solves.bench import Solves
 
 __all__ = ["figures", "findings", "run"]
 
@@ -260,7 +260,7 @@ def findings(data: xr.Dataset) -> tuple[str, ...]:
 
 
 def _beside(point: xr.Dataset, part: str, suffix: str) -> str:
-    from validation.findings import percent
+    from validation.comparison.findings import percent
 
     found, error = float(point[part + suffix]), float(point[f"{part}{suffix}_error"])
     theory = float(point[f"{part}{suffix}_persson"])
@@ -282,8 +282,8 @@ def _smoothing(data: xr.Dataset) -> str:
 
 def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw plastic and elastic area against load and magnification, and the spectrum that is left."""
-    from validation import plots
-    from validation.drawing import Drawing
+    from validation.report.drawing import Drawing
+    from validation.report.figure import lines_figure
 
     drawings = []
     for x, suffix, words in (("pressure", "", "load"), ("magnification", "_grown", "magnification")):
@@ -292,7 +292,7 @@ def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
             drawings.append(
                 Drawing(
                     name=f"{part}-area" + ("-magnification" if suffix else ""),
-                    figure=plots.lines_figure(data, x=x, lines=lines, logarithmic="x"),
+                    figure=lines_figure(data, x=x, lines=lines, logarithmic="x"),
                     data=data[[*lines, f"{part}{suffix}_error"]],
                     caption=f"Share of the nominal area in {part} contact against {words}: limit over the "
                     "grids with its uncertainty from grids and surfaces, finest grid, and Persson's theory "
@@ -302,7 +302,7 @@ def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
     drawings.append(
         Drawing(
             name="smoothed-spectrum",
-            figure=plots.lines_figure(data, x="wave", lines=("kept", "kept_persson"), logarithmic="x"),
+            figure=lines_figure(data, x="wave", lines=("kept", "kept_persson"), logarithmic="x"),
             data=data[["kept", "kept_persson"]],
             caption="Spectrum of the surface left after yielding and unloading, over that before: measured, "
             "and Persson's formula, which smooths the whole surface (2006, Sec. 10.2).",

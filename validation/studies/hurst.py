@@ -11,30 +11,22 @@ import scipy.optimize
 
 from persson import elastic
 from persson.variants import Variant, corrected_contact_area
-from validation.bench import Bench
-from validation.drawing import Drawing
 from validation.errors import UsageError
-from validation.statistics import Estimate, mean_over_surfaces, pair_means
-from validation.studies._budget import Budget, budget_table, grid_drift, grid_share, solver_error
-from validation.studies._common import (
-    ResultTable,
-    at_least,
-    base_surface,
-    ladder,
-    measure,
-    persson_area,
-    rising,
-    solid_of,
-)
-from validation.studies._measurement import Measurement, area_limits, grid_for
-from validation.studies._spectrum_limits import LADDERS, Ladders, rungs_of, spectral_share
-from validation.studies._theory import ensemble_area, modes_sentence
-from validation.surfaces import spectrum_of
+from validation.measures.budget import Budget, budget_table, grid_drift, grid_share, solver_error
+from validation.measures.common import at_least, base_surface, ladder, measure, persson_area, rising, solid_of
+from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.measures.spectrum_limits import LADDERS, Ladders, rungs_of, spectral_share
+from validation.measures.statistics import Estimate, mean_over_surfaces, pair_means
+from validation.measures.theory import ensemble_area, modes_sentence
+from validation.report.drawing import Drawing
+from validation.report.table import ResultTable
+from validation.scenes.surfaces import spectrum_of
+from validation.solves.bench import Bench
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.scene import Scene, SelfAffineSurface
+    from validation.scenes.scene import Scene, SelfAffineSurface
 
 __all__ = ["budget", "figures", "findings", "run", "table"]
 
@@ -429,7 +421,8 @@ def _trend(part: xr.Dataset, family: str) -> str:
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw kappa against H, against the Nayak parameter, and along the ladders."""
-    from validation import plots_limits, plots_studies
+    from validation.studies import _plots_limits as plots_limits
+    from validation.studies import _plots_studies as plots_studies
 
     limits = estimates(dataset)
     variants = [variant_kappa(float(p)) for p in dataset.reduced_pressure.values]

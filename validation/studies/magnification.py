@@ -8,10 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from persson import elastic
-from validation.bench import Bench
-from validation.drawing import Drawing
-from validation.studies._common import (
-    ResultTable,
+from validation.measures.common import (
     at_least,
     base_surface,
     measure,
@@ -20,14 +17,17 @@ from validation.studies._common import (
     rising,
     solid_of,
 )
-from validation.studies._measurement import Measurement, area_limits, grid_for
-from validation.studies._theory import modes_sentence
-from validation.surfaces import spectrum_of
+from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.measures.theory import modes_sentence
+from validation.report.drawing import Drawing
+from validation.report.table import ResultTable
+from validation.scenes.surfaces import spectrum_of
+from validation.solves.bench import Bench
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.scene import Scene
+    from validation.scenes.scene import Scene
 
 __all__ = ["figures", "findings", "run", "table"]
 
@@ -192,7 +192,7 @@ _ROUGH = 2.0
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw area against magnification, simulation and theory."""
-    from validation import plots_studies
+    from validation.studies import _plots_studies as plots_studies
 
     return (
         Drawing(

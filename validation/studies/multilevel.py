@@ -13,17 +13,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.bench import Bench
-from validation.drawing import Drawing
 from validation.errors import UsageError
-from validation.studies._common import ResultTable, at_least, base_surface, measure, rising, solid_of
-from validation.studies._measurement import Measurement, grid_for
+from validation.measures.common import at_least, base_surface, measure, rising, solid_of
+from validation.measures.measurement import Measurement, grid_for
+from validation.report.drawing import Drawing
+from validation.report.table import ResultTable
+from validation.solves.bench import Bench
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from validation.scene import Scene
+    from validation.scenes.scene import Scene
 
 __all__ = ["Level", "allocation", "figures", "findings", "run", "saving", "table"]
 
@@ -312,7 +313,7 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw variance and cost of the levels."""
-    from validation import plots_studies
+    from validation.studies import _plots_studies as plots_studies
 
     return (
         Drawing(

@@ -10,11 +10,8 @@ from scipy.special import erf
 
 from persson import elastic
 from persson.variants import corrected_contact_area
-from validation.bench import Bench
-from validation.drawing import Drawing
-from validation.studies._budget import grid_drift
-from validation.studies._common import (
-    ResultTable,
+from validation.measures.budget import grid_drift
+from validation.measures.common import (
     at_least,
     base_surface,
     measure,
@@ -23,17 +20,20 @@ from validation.studies._common import (
     rising,
     solid_of,
 )
-from validation.studies._distributions import PATCH_EDGES, STRESS_EDGES, Distributions
-from validation.studies._load_independence import Distance, distance_to_reference, largest_difference
-from validation.studies._measurement import area_limits, grid_for
-from validation.studies._theory import ensemble_stress_variance, modes_sentence
-from validation.studies._theory_energy import VARIANTS, WITH_ENERGY, Waves
-from validation.surfaces import reference_field, spectrum_of
+from validation.measures.distributions import PATCH_EDGES, STRESS_EDGES, Distributions
+from validation.measures.load_independence import Distance, distance_to_reference, largest_difference
+from validation.measures.measurement import area_limits, grid_for
+from validation.measures.theory import ensemble_stress_variance, modes_sentence
+from validation.measures.theory_energy import VARIANTS, WITH_ENERGY, Waves
+from validation.report.drawing import Drawing
+from validation.report.table import ResultTable
+from validation.scenes.surfaces import reference_field, spectrum_of
+from validation.solves.bench import Bench
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.scene import Scene, SelfAffineSurface
+    from validation.scenes.scene import Scene, SelfAffineSurface
 
 __all__ = ["LOADS", "figures", "findings", "independence", "run", "table"]
 
@@ -389,7 +389,7 @@ def _independence(dataset: xr.Dataset, name: str, distance: Distance, own: np.nd
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw area, gap, energy and distributions against load."""
-    from validation import plots_limits
+    from validation.studies import _plots_limits as plots_limits
 
     distances = independence(dataset)
     theory = [name for name in dataset.data_vars if str(name).startswith("theory_")]

@@ -8,33 +8,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.bench import Bench
-from validation.drawing import Drawing
-from validation.references import KAPPA_LITERATURE
-from validation.statistics import Estimate, combined, mean_over_surfaces, order_of_convergence
-from validation.studies._block import BlockMeasurement
-from validation.studies._budget import Budget, budget_table, grid_share, solver_error
-from validation.studies._common import (
-    ResultTable,
-    at_least,
-    base_surface,
-    ladder,
-    measure,
-    persson_area,
-    rising,
-    solid_of,
-)
-from validation.studies._distributions import Distributions
+from validation.measures.block import BlockMeasurement
+from validation.measures.budget import Budget, budget_table, grid_share, solver_error
+from validation.measures.common import at_least, base_surface, ladder, measure, persson_area, rising, solid_of
+from validation.measures.distributions import Distributions
+from validation.measures.measurement import grid_for
+from validation.measures.references import KAPPA_LITERATURE
+from validation.measures.spectrum_limits import spectral_share, usual_ladders
+from validation.measures.statistics import Estimate, combined, mean_over_surfaces, order_of_convergence
+from validation.measures.theory import ensemble_area, modes_sentence
+from validation.report.drawing import Drawing
+from validation.report.table import ResultTable
+from validation.solves.bench import Bench
 from validation.studies._grid_roughness import GridRoughness
-from validation.studies._measurement import grid_for
 from validation.studies._refinement_data import AREAS, finite_elements, on_grids
-from validation.studies._spectrum_limits import spectral_share, usual_ladders
-from validation.studies._theory import ensemble_area, modes_sentence
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.scene import Scene
+    from validation.scenes.scene import Scene
 
 __all__ = ["budget", "figures", "findings", "run", "table"]
 
@@ -421,7 +413,8 @@ def _protocol(dataset: xr.Dataset, limit: float, theory: float) -> str:
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw error against resolution, error against cells per patch, and kappa of the grid-scale protocol."""
-    from validation import plots_limits, plots_studies
+    from validation.studies import _plots_limits as plots_limits
+    from validation.studies import _plots_studies as plots_studies
 
     errors = {name: overestimate(dataset, name) for name in AREAS}
     theory = float(persson_area(dataset.attrs["reduced_pressure"])) / float(dataset.attrs["reduced_pressure"])

@@ -16,18 +16,19 @@ import scipy.stats
 
 from fem_contact.area import contact_areas
 from fem_contact.solid import Solid
-from validation.bench import Bench
-from validation.drawing import Drawing
 from validation.errors import UsageError
-from validation.jobs import Prediction
-from validation.studies._common import ResultTable, at_least, base_surface, measure, solid_of
-from validation.studies._single_solve import SingleSolve
-from validation.surfaces import height_field, reference_field
+from validation.measures.common import at_least, base_surface, measure, solid_of
+from validation.measures.single_solve import SingleSolve
+from validation.report.drawing import Drawing
+from validation.report.table import ResultTable
+from validation.scenes.surfaces import height_field, reference_field
+from validation.solves.bench import Bench
+from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.scene import Scene
+    from validation.scenes.scene import Scene
 
 __all__ = ["SolveCost", "figures", "findings", "run", "table"]
 
@@ -116,7 +117,7 @@ def run(
     """
     import xarray as xr
 
-    from validation.effects import available_memory
+    from validation.solves.cost import available_memory
 
     at_least("surfaces", surfaces, 2)
     coarsest = points_per_wave * size
@@ -230,7 +231,7 @@ def _round(value: float) -> int:
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:
     """Return the exponents, what one more decade costs, and how many decades memory and an hour allow."""
-    from validation.effects import memory_words
+    from validation.solves.cost import memory_words
 
     laws = {name: power_law(dataset, name) for name in _COSTS}
     sentences = [
@@ -259,7 +260,7 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw seconds, transforms and memory against N."""
-    from validation import plots_studies
+    from validation.studies import _plots_studies as plots_studies
 
     laws = {name: power_law(dataset, name) for name in _COSTS}
     lines = {name: (law.coefficient, law.exponent) for name, law in laws.items()}

@@ -23,8 +23,8 @@ from validation.studies._hard_effects import MORE_CASES
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.bench import Bench
-    from validation.drawing import Drawing
+    from validation.report.drawing import Drawing
+    from validation.solves.bench import Bench
 
 __all__ = ["CASES", "OUTCOMES", "figures", "findings", "run"]
 
@@ -157,9 +157,9 @@ def findings(data: xr.Dataset) -> tuple[str, ...]:
 
 def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw the error along all dials by method, and along every dial beside what is allowed."""
-    from validation import plots
-    from validation.drawing import Drawing
-    from validation.plots_stability import stability_figure
+    from validation.report.drawing import Drawing
+    from validation.report.figure import lines_figure
+    from validation.studies._plots_stability import stability_figure
 
     columns = ["case", "method", "value", "error", "bound", "outcome"]
     drawings = [
@@ -182,7 +182,7 @@ def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
         drawings.append(
             Drawing(
                 name=f"stability-{name}",
-                figure=plots.lines_figure(
+                figure=lines_figure(
                     drawn,
                     x="value",
                     lines=("error", "bound"),

@@ -10,25 +10,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from persson import elastic
-from validation.bench import Bench
-from validation.drawing import Drawing
-from validation.statistics import Estimate, combined, mean_over_surfaces
-from validation.studies._common import (
-    ResultTable,
-    at_least,
-    base_surface,
-    measure,
-    over_surfaces,
-    rising,
-    solid_of,
-)
-from validation.studies._edge import EdgeMeasurement, window_slope
-from validation.studies._measurement import grid_for
+from validation.measures.common import at_least, base_surface, measure, over_surfaces, rising, solid_of
+from validation.measures.edge import EdgeMeasurement, window_slope
+from validation.measures.measurement import grid_for
+from validation.measures.statistics import Estimate, combined, mean_over_surfaces
+from validation.report.drawing import Drawing
+from validation.report.table import ResultTable
+from validation.solves.bench import Bench
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.scene import Scene
+    from validation.scenes.scene import Scene
 
 __all__ = ["figures", "findings", "limit_at_zero", "limit_contour_slope", "limit_slope", "run", "table"]
 
@@ -272,7 +265,8 @@ def _drift(dataset: xr.Dataset) -> str:
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw P(sigma) near zero and its value at zero against the grid."""
-    from validation import plots_limits, plots_studies
+    from validation.studies import _plots_limits as plots_limits
+    from validation.studies import _plots_studies as plots_studies
 
     return (
         Drawing(

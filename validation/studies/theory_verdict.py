@@ -10,24 +10,25 @@ from scipy.special import erf, erfinv
 
 from persson import elastic
 from persson.variants import corrected_contact_area
-from validation.bench import Bench
-from validation.drawing import Drawing
-from validation.statistics import mean_over_surfaces
+from validation.measures.budget import Budget, budget_table, grid_share, solver_error
+from validation.measures.common import base_surface, measure, solid_of
+from validation.measures.distributions import Distributions
+from validation.measures.load_independence import distance_to_reference, largest_difference
+from validation.measures.measurement import grid_for
+from validation.measures.spectrum_limits import spectral_share, usual_ladders
+from validation.measures.statistics import mean_over_surfaces
+from validation.measures.theory import modes_sentence
+from validation.measures.theory_energy import VARIANTS
+from validation.report.drawing import Drawing
+from validation.report.table import ResultTable
+from validation.solves.bench import Bench
 from validation.studies import pressure as pressure_study
 from validation.studies import stress_near_zero
-from validation.studies._budget import Budget, budget_table, grid_share, solver_error
-from validation.studies._common import ResultTable, base_surface, measure, solid_of
-from validation.studies._distributions import Distributions
-from validation.studies._load_independence import distance_to_reference, largest_difference
-from validation.studies._measurement import grid_for
-from validation.studies._spectrum_limits import spectral_share, usual_ladders
-from validation.studies._theory import modes_sentence
-from validation.studies._theory_energy import VARIANTS
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.scene import Scene
+    from validation.scenes.scene import Scene
 
 __all__ = ["budget", "figures", "findings", "run", "table", "verdict"]
 
@@ -429,7 +430,7 @@ def _closest(dataset: xr.Dataset, quantity: str, words: str) -> str:
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw simulated over predicted values against the area, quantity by quantity."""
-    from validation import plots_limits
+    from validation.studies import _plots_limits as plots_limits
 
     return (
         Drawing(

@@ -1,0 +1,1 @@
+"""Physical effects beyond linear elastic contact of a half-space."""

@@ -1,0 +1,1 @@
+"""The ways to answer a scene: solvers and theory."""

@@ -1,0 +1,165 @@
+"""How figures look, and how they are saved."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import textwrap
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import matplotlib
+from matplotlib.figure import Figure
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+
+__all__ = [
+    "FILLS",
+    "LOOK",
+    "MARKERS",
+    "STYLE",
+    "STYLES",
+    "embeddable",
+    "lines_figure",
+    "new_figure",
+    "save_figure",
+]
+
+
+#: One look for every figure; markers and line styles differ, so that it reads in black and white.
+STYLE: Any = {
+    "font.size": 10,
+    "axes.grid": True,
+    "grid.alpha": 0.25,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "legend.frameon": False,
+    # Letters as shapes: as text, a prime comes out as whatever the reader's font has in its place.
+    "svg.fonttype": "path",
+    "svg.hashsalt": "fem-contact",
+}
+
+
+LOOK: dict[tuple[str, str], dict[str, Any]] = {
+    ("bem", "pixel"): {"color": "#0b5394", "marker": "o", "ls": "-", "label": "BEM, pixel count"},
+    ("bem", "perimeter"): {
+        "color": "#0b5394",
+        "marker": "o",
+        "mfc": "white",
+        "ls": "--",
+        "label": "BEM, perimeter-corrected",
+    },
+    ("fem", "pixel"): {"color": "#b45f06", "marker": "s", "ls": "-", "label": "FEM, pixel count"},
+    ("fem", "perimeter"): {
+        "color": "#b45f06",
+        "marker": "s",
+        "mfc": "white",
+        "ls": "--",
+        "label": "FEM, perimeter-corrected",
+    },
+}
+
+
+MARKERS = [("#0b5394", "o"), ("#b45f06", "s"), ("#38761d", "^"), ("#674ea7", "D")]
+
+
+STYLES = ["-", "--", "-.", ":"]
+
+
+FILLS = [None, None, None, None, "white", "white", "white", "white"]
+
+
+def save_figure(figure: Figure, path: Path) -> None:
+    """Write a figure; the suffix says the format."""
+    undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+    with matplotlib.rc_context(STYLE):
+        figure.savefig(path, dpi=150, metadata=undated.get(path.suffix))
+
+
+def embeddable(svg: str, name: str) -> str:
+    """Return an SVG for an HTML page: without its XML head, and with names that no other figure there has."""
+    drawing = svg[svg.index("<svg") :]
+    drawing = re.sub(r'\bid="', f'id="{name}-', drawing)
+    drawing = re.sub(r'(xlink:href="|href="|url\()#', rf"\1#{name}-", drawing)
+    return drawing.replace("<svg", f'<svg role="img" aria-label="{name}"', 1)
+
+
+def lines_figure(
+    data: xr.Dataset,
+    *,
+    x: str,
+    lines: Sequence[str],
+    along: str | None = None,
+    logarithmic: str = "",
+    reference: dict[str, float] | None = None,
+) -> Figure:
+    """Lines of a dataset with error bars, in markers and styles that read in black and white.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Variables with `units` and `long_name`; a variable `<line>_error` is its standard error.
+    x : str
+        Coordinate or variable along the axis.
+    lines : sequence of str
+        Variables to draw; their words are the legend. The axis is what the words of all begin with, or else
+        those of the first.
+    along : str, optional
+        Second dimension; one line is drawn for each of its values.
+    logarithmic : str
+        "x", "y" or "xy".
+    reference : dict of str to float, optional
+        Horizontal lines, by words.
+    """
+    figure, (axes,) = new_figure()
+    looks: Iterator[dict[str, Any]] = itertools.cycle(
+        {"color": colour, "marker": marker, "ls": style, "mfc": fill}
+        for (colour, marker), style, fill in zip(MARKERS * 2, STYLES * 2, FILLS, strict=True)
+    )
+    for name in lines:
+        values = [None] if along is None else list(data[along].values)
+        for value in values:
+            here = data if value is None else data.sel({along: value})
+            look = next(looks)
+            words = str(data[name].attrs.get("long_name", name))
+            label = words if value is None else f"{words}, {along} = {value:g}"
+            error = here[f"{name}_error"].values if f"{name}_error" in data else None
+            axes.errorbar(here[x].values, here[name].values, yerr=error, capsize=2, label=label, **look)
+    for k, (words, level) in enumerate((reference or {}).items()):
+        axes.axhline(level, color="black", lw=1, ls=STYLES[k % 4], label=words)
+    if "x" in logarithmic:
+        axes.set_xscale("log")
+    if "y" in logarithmic:
+        axes.set_yscale("log")
+    axes.set_xlabel(_labelled(data[x], x))
+    axes.set_ylabel(_common_label(data, lines))
+    axes.legend(fontsize=7)
+    return figure
+
+
+def _common_label(data: xr.Dataset, lines: Sequence[str]) -> str:
+    """Words that all lines begin with, or else those of the first, wrapped to the height of a figure."""
+    each = [str(data[name].attrs.get("long_name", name)).replace(",", " ,").split() for name in lines]
+    common = [words[0] for words in itertools.takewhile(lambda w: len(set(w)) == 1, zip(*each, strict=False))]
+    words = " ".join(common).replace(" ,", ",").strip(" ,")
+    first = data[lines[0]]
+    if len(lines) == 1 or not words:
+        return textwrap.fill(_labelled(first, lines[0]), 44)
+    return _labelled(first.assign_attrs(long_name=words), lines[0])
+
+
+def _labelled(variable: xr.DataArray, name: str) -> str:
+    words, unit = variable.attrs.get("long_name", name), variable.attrs.get("units", "1")
+    return f"{words} [{unit}]" if unit != "1" else f"{words} [-]"
+
+
+def new_figure(width: float = 5.0, height: float = 3.7, columns: int = 1) -> tuple[Figure, list[Axes]]:
+    """Return a figure in this look, and its axes side by side."""
+    with matplotlib.rc_context(STYLE):
+        figure = Figure(figsize=(width, height), layout="constrained")
+        axes = figure.subplots(1, columns, squeeze=False)[0]
+    return figure, list(axes)

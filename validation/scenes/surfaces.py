@@ -1,0 +1,167 @@
+"""From the surface table of a scene to heights and spectra: theory and solvers get the same C(q) here."""
+
+from __future__ import annotations
+
+import hashlib
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from fem_contact.surface import HeightField, random_surface
+from validation.errors import UsageError
+from validation.scenes.scene import FileSurface, SelfAffineSurface
+from validation.scenes.topography import Topography, read_topography
+
+if TYPE_CHECKING:
+    from persson.spectrum import SelfAffine
+    from persson.tabulated import Tabulated
+
+__all__ = [
+    "file_digest",
+    "height_field",
+    "measured_spectrum",
+    "reference_field",
+    "shortest_wavelength",
+    "spectrum_of",
+    "topography_of",
+]
+
+
+def spectrum_of(surface: SelfAffineSurface) -> SelfAffine:
+    """C(q) of a self-affine surface, normalised as its scene says."""
+    from persson.spectrum import SelfAffine
+
+    build: Callable[..., SelfAffine]
+    if surface.rms_gradient is not None:
+        build, size = SelfAffine.from_rms_gradient, surface.rms_gradient
+    else:
+        assert surface.rms_height is not None
+        build, size = SelfAffine.from_rms_height, surface.rms_height
+    return build(
+        size,
+        hurst=surface.hurst,
+        q_long=2 * math.pi / surface.lambda_long,
+        q_short=2 * math.pi / surface.lambda_short,
+        rolloff=surface.rolloff,
+        q_min=None if surface.rolloff == "sharp" else 2 * math.pi / max(surface.length),
+    )
+
+
+def height_field(
+    surface: SelfAffineSurface | FileSurface,
+    grid: tuple[int, int],
+    *,
+    realisation: int = 0,
+    shift: tuple[float, float] = (0.0, 0.0),
+) -> HeightField:
+    """Heights of one realisation on one grid, moved by fractions of a cell.
+
+    Realisation k is the surface of seed + k. A grid that does not resolve the surface gets its point values;
+    the scene has already been asked whether that is wanted.
+    """
+    if isinstance(surface, FileSurface):
+        field = _read(surface).resampled(grid)
+        return field if shift == (0.0, 0.0) else field.shifted(shift)
+    spectrum = spectrum_of(surface)
+    field = random_surface(
+        spectrum,
+        q_short=spectrum.q_short,
+        lengths=surface.length,
+        shape=grid,
+        seed=surface.seed + realisation,
+        amplitudes=surface.amplitudes,
+        under_resolved=True,
+    )
+    return field if shift == (0.0, 0.0) else _moved(surface, field, realisation, shift)
+
+
+def _moved(
+    surface: SelfAffineSurface, field: HeightField, realisation: int, shift: tuple[float, float]
+) -> HeightField:
+    """Shift by parts of a cell; an under-resolved field is shifted on a resolving grid, then sampled."""
+    resolving = resolving_grid(surface)
+    if all(n >= least for n, least in zip(field.shape, resolving, strict=True)):
+        return field.shifted(shift)
+    fine_shape = tuple(n * -(-least // n) for n, least in zip(field.shape, resolving, strict=True))
+    factors = tuple(fine // n for fine, n in zip(fine_shape, field.shape, strict=True))
+    fine = height_field(surface, (fine_shape[0], fine_shape[1]), realisation=realisation)
+    moved = fine.shifted((shift[0] * factors[0], shift[1] * factors[1]))
+    return HeightField(heights=moved.heights[:: factors[0], :: factors[1]], lengths=field.lengths)
+
+
+def resolving_grid(surface: SelfAffineSurface) -> tuple[int, int]:
+    """Fewest points that resolve the surface on each axis."""
+    nx, ny = (math.floor(2 * length / surface.lambda_short * (1 + 1e-12)) + 1 for length in surface.length)
+    return nx, ny
+
+
+def reference_field(surface: SelfAffineSurface | FileSurface, *, realisation: int = 0) -> HeightField:
+    """Return the realisation on the smallest grid that resolves it; its moments are the surface's own."""
+    if isinstance(surface, FileSurface):
+        return _read(surface)
+    return height_field(surface, resolving_grid(surface), realisation=realisation)
+
+
+def shortest_wavelength(surface: SelfAffineSurface | FileSurface) -> float:
+    """lambda_short [m]; of a file, two of its grid spacings."""
+    if isinstance(surface, FileSurface):
+        return 2 * max(_read(surface).spacing)
+    return surface.lambda_short
+
+
+def file_digest(surface: FileSurface) -> str:
+    """Hash of the file's content, so that a changed file is another surface.
+
+    Raises
+    ------
+    UsageError
+        For a file that cannot be read.
+    """
+    try:
+        return hashlib.sha256(surface.path.read_bytes()).hexdigest()
+    except OSError as error:
+        reason = error.strerror or error
+        raise UsageError(f"surface.path = {str(surface.path)!r}: cannot be read: {reason}") from None
+
+
+def topography_of(surface: FileSurface, *, edges: bool = True) -> Topography:
+    """Read, level and fill a measured surface as its scene says.
+
+    It is made periodic, too, unless `edges` is False.
+
+    Raises
+    ------
+    UsageError
+        For a file or treatment that gives no surface, naming the key.
+    """
+    try:
+        patch = read_topography(surface.path, lengths=surface.length, unit=surface.unit)
+        patch = patch.levelled(surface.tilt).filled(surface.missing)
+        return patch.made_periodic(surface.edges, margin=surface.margin) if edges else patch
+    except UsageError as error:
+        raise UsageError(f"surface.path = {str(surface.path)!r}: {error}") from None
+
+
+def measured_spectrum(surface: FileSurface) -> Tabulated:
+    """C(q) of a measured surface, estimated from the patch before its edges were tapered.
+
+    A patch that is one period needs no window; any other gets a Hann window, with its loss made up for.
+    """
+    from fem_contact.spectra import estimate_spectrum
+    from persson.tabulated import Tabulated
+
+    patch = topography_of(surface, edges=False)
+    periodic = surface.edges in (None, "periodic")
+    rings = estimate_spectrum(patch.heights, patch.lengths, window="none" if periodic else "hann")
+    rough = rings.power > 0
+    return Tabulated(wavevectors=rings.q[rough], power=rings.power[rough])
+
+
+def _read(surface: FileSurface) -> HeightField:
+    """Heights of a measured surface as one period; they must be rough, since every p* divides by h'_rms."""
+    field = topography_of(surface).height_field()
+    if not field.rms_gradient > 0:
+        raise UsageError(
+            f"surface.path = {str(surface.path)!r}: is flat (h'_rms = 0); a scene needs a rough surface"
+        )
+    return field
