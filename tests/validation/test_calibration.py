@@ -7,8 +7,7 @@ import pytest
 from validation.comparison.explain import explain
 from validation.scenes.scene import load_scene
 from validation.solves import calibration
-from validation.solves.cost import predicted_cost
-from validation.solves.solve import jobs_of
+from validation.solves.solve import solves_of
 
 EFFECT = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n[solid]'
 
@@ -39,13 +38,13 @@ def test_a_calibration_is_kept_and_used_and_named(cache, write_scene):
 
 
 def test_a_prediction_grows_with_the_factor_that_was_measured(cache, write_scene):
-    job = jobs_of(load_scene(str(write_scene(("[solid]", EFFECT)))))[0]
+    solve = solves_of(load_scene(str(write_scene(("[solid]", EFFECT)))))[0]
     seconds = []
     for factor in (1.0, 1e4):
         cache.parent.mkdir(parents=True, exist_ok=True)
         factors = dict(calibration.REFERENCE.factors) | {"hardness": factor}
         cache.write_text(json.dumps({"date": "2026-01-01", "factors": factors}))
-        seconds.append(predicted_cost(job).seconds)
+        seconds.append(solve.predict().seconds)
     assert seconds[1] > 2 * seconds[0]
 
 

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from validation.methods.effect_theory import predicted
 
 from persson import elastic
 from persson.hardness import constant_hardness
@@ -12,10 +13,10 @@ from persson.spectrum import SelfAffine
 from validation.comparison.compare import Theory, compare
 from validation.comparison.figure_data import pressure_at_zero_data
 from validation.comparison.report import _summary_rows
-from validation.effects.tables import Adhesion, HardnessEffect
-from validation.methods.effect_theory import predicted
+from validation.effects.adhesion import Adhesion
+from validation.effects.hardness import Hardness
 from validation.scenes.scene import load_scene
-from validation.solves.solve import execute, jobs_of
+from validation.solves.solve import execute, solves_of
 from validation.solves.store import Store
 
 SPECTRUM = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=2e5, q_short=8e5)
@@ -25,7 +26,7 @@ ELASTIC = float(elastic.contact_area(LOAD, stress_variance=VARIANCE))
 
 
 def hard(pressure):
-    return HardnessEffect(kind="hardness", hardness=pressure)
+    return Hardness(kind="hardness", hardness=pressure)
 
 
 def sticky(work):
@@ -66,8 +67,8 @@ def test_a_scene_that_yields_is_set_beside_its_theory(write_scene, tmp_path):
     effect = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n[solid]'
     scene = load_scene(str(write_scene(("[solid]", effect))))
     store = Store(folder=tmp_path)
-    for job in jobs_of(scene):
-        store.save(job, execute(job, threads=1).contact)
+    for solve in solves_of(scene):
+        store.save(solve, execute(solve, threads=1).contact)
     found = compare(scene, store)
     assert found.theory.plastic is not None
     assert found.theory.area >= found.theory.plastic

@@ -8,19 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pydantic import TypeAdapter
+from validation.effects.judgement import Roughness, full_contact_energy, judge
+from validation.methods.handled import HANDLED_BY, check_effects
+from validation.methods.slots import response_of, theory_modulus, theory_variance
 
 from fem_contact import bem
 from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.solid import Solid
 from validation.comparison.explain import explain
-from validation.effects.judgement import Roughness, full_contact_energy, judge
-from validation.effects.tables import EffectSpec
 from validation.errors import SceneError, UsageError
-from validation.methods.handled import HANDLED_BY, check_effects
-from validation.methods.slots import response_of, theory_modulus, theory_variance
-from validation.scenes.scene import Scene, load_scene
+from validation.scenes.scene import EffectSpec, Scene, load_scene
 from validation.scenes.surfaces import reference_field
-from validation.solves.solve import execute, jobs_of, warm_up
+from validation.solves.solve import execute, solves_of, warm_up
 
 HARD = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n'
 STICKY = '[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "40 nm"\n'
@@ -44,7 +43,7 @@ def with_effects(write_scene):
 
 def solved(scene, grid=48):
     return execute(
-        next(job for job in jobs_of(scene) if job.grid == (grid, grid)), threads=1
+        next(solve for solve in solves_of(scene) if solve.grid == (grid, grid)), threads=1
     ).contact.checked()
 
 
@@ -67,23 +66,25 @@ def test_a_stiffer_response_has_less_contact(with_effects, effect):
 
 def test_thickness_is_the_layer_of_the_library(with_effects):
     scene = with_effects(LAYER)
-    (job,) = (job for job in jobs_of(scene) if job.grid == (24, 24) and job.shift == (0.0, 0.0))
-    field = job.height_field()
+    (solve,) = (solve for solve in solves_of(scene) if solve.grid == (24, 24) and solve.shift == (0.0, 0.0))
+    field = solve.height_field()
     layer = BondedLayer(solid=Solid(young=2e6, poisson=0.3), thickness=1e-6)
     pressure = 0.1 * layer.contact_modulus * reference_field(scene.surface).rms_gradient
     direct = bem.solve(field, layer, mean_pressure=pressure, threads=1)
-    np.testing.assert_array_equal(execute(job, threads=1).contact.pressure, direct.pressure)
+    np.testing.assert_array_equal(execute(solve, threads=1).contact.pressure, direct.pressure)
 
 
 def test_finite_elements_and_boundary_elements_agree_on_a_graded_solid(with_effects):
     scene = with_effects(GRADED, fem=True)
     one, two = (
-        next(job for job in jobs_of(scene) if job.method == method and job.grid == (24, 24))
+        next(solve for solve in solves_of(scene) if solve.method == method and solve.grid == (24, 24))
         for method in ("bem", "fem")
     )
     fine, block = execute(one, threads=1).contact, execute(two).contact
     difference = np.linalg.norm(block.pressure - fine.pressure) / np.linalg.norm(fine.pressure)
-    plain = execute(next(job for job in jobs_of(with_effects()) if job.grid == (24, 24)), threads=1).contact
+    plain = execute(
+        next(solve for solve in solves_of(with_effects()) if solve.grid == (24, 24)), threads=1
+    ).contact
     grading = np.linalg.norm(plain.pressure - fine.pressure) / np.linalg.norm(fine.pressure)
     # Trilinear elements with 6 nodes on the shortest wave, in a block as deep as the longest.
     assert difference < 0.12
@@ -92,8 +93,8 @@ def test_finite_elements_and_boundary_elements_agree_on_a_graded_solid(with_effe
 
 def test_finite_elements_yield_under_the_same_hardness(with_effects):
     scene = with_effects(HARD, fem=True)
-    job = next(job for job in jobs_of(scene) if job.method == "fem" and job.grid == (24, 24))
-    contact = execute(job).contact.checked()
+    solve = next(solve for solve in solves_of(scene) if solve.method == "fem" and solve.grid == (24, 24))
+    contact = execute(solve).contact.checked()
     assert contact.pressure.max() == pytest.approx(40e3, rel=1e-12)
     assert contact.at_bound.any()
 
@@ -108,7 +109,7 @@ def test_adhesion_and_hardness_act_together(with_effects, order):
 
 
 def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
-    plain, hard = jobs_of(with_effects())[0], jobs_of(with_effects(HARD))[0]
+    plain, hard = solves_of(with_effects())[0], solves_of(with_effects(HARD))[0]
     assert "effects" not in plain.recipe
     assert json.loads(json.dumps(hard.recipe))["effects"] == [{"kind": "hardness", "hardness": 40e3}]
     assert plain.key != hard.key
@@ -268,9 +269,11 @@ def test_no_solve_is_charged_with_loading_what_its_effects_need(with_effects, mo
 
     monkeypatch.setattr(slots, "solve_bem", kept(slots.solve_bem))
     monkeypatch.setattr(block, "solve", kept(block.solve))
-    jobs = [job for effects in ((HARD,), (STICKY,), (GRADED,)) for job in jobs_of(with_effects(*effects))]
-    jobs += jobs_of(with_effects(HARD, fem=True))
-    warm_up(jobs)
+    solves = [
+        solve for effects in ((HARD,), (STICKY,), (GRADED,)) for solve in solves_of(with_effects(*effects))
+    ]
+    solves += solves_of(with_effects(HARD, fem=True))
+    warm_up(solves)
     hard, sticky, graded, elements = rehearsed
     assert hard.at_bound.any()
     assert sticky.pressure.min() < 0

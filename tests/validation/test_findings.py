@@ -13,10 +13,11 @@ from validation.comparison.figure_data import pressure_at_zero_data
 from validation.comparison.findings import findings
 from validation.comparison.report import console_table, report_page
 from validation.comparison.run import run_scene
-from validation.effects.tables import Adhesion, HardnessEffect
+from validation.effects.adhesion import Adhesion
+from validation.effects.hardness import Hardness
 from validation.report.papers import papers
 from validation.scenes.scene import load_scene
-from validation.solves.solve import execute, jobs_of
+from validation.solves.solve import execute, solves_of
 from validation.solves.store import Store
 
 
@@ -114,7 +115,7 @@ def _with_effects(comparison, *effects):
 
 
 STICKY = Adhesion(kind="adhesion", work=1e-3, reach=4e-8)
-HARD = HardnessEffect(kind="hardness", hardness=4e4)
+HARD = Hardness(kind="hardness", hardness=4e4)
 
 
 def test_nothing_is_said_of_pressures_that_start_at_zero_where_adhesion_pulls(small_run):
@@ -161,10 +162,10 @@ def test_pulled_points_are_in_the_distribution_with_adhesion_alone(write_scene, 
         fem=False,
     )
     scene = load_scene(str(path))
-    (job,) = jobs_of(scene)
+    (solve,) = solves_of(scene)
     store = Store(folder=tmp_path)
-    store.save(job, execute(job, threads=1).contact)
-    comparison, contact = compare(scene, store), store.load(job)
+    store.save(solve, execute(solve, threads=1).contact)
+    comparison, contact = compare(scene, store), store.load(solve)
     solves = {"BEM 48 x 48": [contact]}
     data = pressure_at_zero_data(comparison, solves)
     unit = comparison.contact_modulus * comparison.rms_gradient

@@ -7,9 +7,9 @@ import tomllib
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
+from validation.methods.handled import check_effects
 
 from validation.errors import SceneError, UsageError
-from validation.methods.handled import check_effects
 from validation.paper.theory_scene import load_theory_scene
 from validation.scenes.scene import Scene, load_scene, scene_text
 

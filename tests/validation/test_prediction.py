@@ -11,9 +11,8 @@ import sys
 import pytest
 
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
-from validation.solves.cost import predicted_cost
 from validation.solves.pool import ONE_THREAD
-from validation.solves.solve import Job
+from validation.solves.solve import Press
 
 #: method, points along a side, p*, settings
 LIST = [
@@ -29,7 +28,7 @@ LIST = [
 ]
 
 
-def job_of(number: int, *, small: bool = False) -> Job:
+def job_of(number: int, *, small: bool = False) -> Press:
     method, n, pressure, settings = LIST[number]
     surface = SelfAffineSurface(
         kind="self-affine",
@@ -41,7 +40,7 @@ def job_of(number: int, *, small: bool = False) -> Job:
         seed=12,
     )
     side = 16 if small else n
-    return Job(
+    return Press(
         method=method,
         grid=(side, side),
         surface=surface,
@@ -68,7 +67,7 @@ with tempfile.TemporaryDirectory() as folder:
     attempt(listed.job_of(number), store, threads=1)
     seconds = time.process_time() - began
 memory = 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
-predicted = predicted_cost(listed.job_of(number), pair_seconds=pair)
+predicted = listed.job_of(number).predict(pair_seconds=pair)
 print(json.dumps([seconds / predicted.seconds, memory / predicted.peak_bytes]))
 """
 
@@ -97,11 +96,11 @@ def test_prediction_is_right_within_a_factor_of_two(number):
 
 
 def test_prediction_grows_with_the_grid_and_knows_the_reduction():
-    bem = [predicted_cost(job_of(k)) for k in (0, 1, 3, 4)]
+    bem = [job_of(k).predict() for k in (0, 1, 3, 4)]
     for smaller, larger in itertools.pairwise(bem):
         assert larger.seconds > smaller.seconds
         assert larger.peak_bytes > smaller.peak_bytes
-    full, reduced = predicted_cost(job_of(6)), predicted_cost(job_of(7))
+    full, reduced = job_of(6).predict(), job_of(7).predict()
     assert reduced.unknowns > full.unknowns
     assert reduced.seconds < full.seconds
-    assert predicted_cost(job_of(0), pair_seconds=2e-3).seconds == pytest.approx(4 * bem[0].seconds)
+    assert job_of(0).predict(pair_seconds=2e-3).seconds == pytest.approx(4 * bem[0].seconds)

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from validation.methods.handled import check_effects
 
 from validation.errors import SceneError, UsageError
-from validation.methods.handled import check_effects
 from validation.scenes import scene as scene_module
 from validation.scenes.scene import builtin_scenes, load_scene
 

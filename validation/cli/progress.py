@@ -1,4 +1,4 @@
-"""Progress on a terminal: a bar over the jobs of a run, with the time that is left."""
+"""Progress on a terminal: a bar over the solves of a run, with the time that is left."""
 
 from __future__ import annotations
 
@@ -7,13 +7,13 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from validation.solves.solve import AnyJob
+    from validation.solves.solve import Solve
 
 __all__ = ["Bar", "steps_bar"]
 
 
 class Bar:
-    """Progress bar over jobs, weighted by their predicted cost; notes are shown even when it is quiet."""
+    """Progress bar over solves, weighted by their predicted cost; notes are shown even when it is quiet."""
 
     def __init__(self, *, quiet: bool) -> None:
         from rich.console import Console
@@ -41,23 +41,21 @@ class Bar:
         if self._progress.tasks:
             self._progress.stop()
 
-    def start(self, missing: tuple[AnyJob, ...], stored: int) -> None:
-        """Show the bar over the jobs still to be done."""
-        from validation.solves.cost import predicted_cost
-
-        self._weights = {job.key: predicted_cost(job).seconds for job in missing}
+    def start(self, missing: tuple[Solve, ...], stored: int) -> None:
+        """Show the bar over the solves still to be done."""
+        self._weights = {solve.key: solve.predict().seconds for solve in missing}
         total = sum(self._weights.values())
         # Not earlier: what is refused before anything runs leaves no empty bar behind.
         self._progress.start()
         self._task = self._progress.add_task(f"{stored} solves found finished", total=total)
 
-    def begin(self, job: AnyJob) -> None:
+    def begin(self, solve: Solve) -> None:
         """Name the solve under way."""
-        self._progress.update(self._task, description=job.describe())
+        self._progress.update(self._task, description=solve.describe())
 
-    def done(self, job: AnyJob) -> None:
-        """Advance by the job's share."""
-        self._progress.advance(self._task, self._weights[job.key])
+    def done(self, solve: Solve) -> None:
+        """Advance by the solve's share."""
+        self._progress.advance(self._task, self._weights[solve.key])
 
     def note(self, text: str) -> None:
         """Print a line above the bar."""

@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING
 from validation.comparison.findings import yielded_row
 from validation.comparison.pictures import Pictures, render_stored
 from validation.files import atomic_path
+from validation.methods import find_method
 from validation.report.drawing import Drawing, Written, write_drawings
 from validation.report.page import render, versions
-from validation.report.papers import papers
+from validation.report.papers import MEASURED, PERIMETER
 from validation.report.words import significant, with_error
-from validation.solves.solve import Job, block_file, jobs_of
+from validation.solves.press import Press
+from validation.solves.running import Solves
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -24,7 +26,6 @@ if TYPE_CHECKING:
     from fem_contact.contact import ContactResult
     from validation.comparison.compare import Comparison, Row
     from validation.scenes.scene import Scene
-    from validation.solves.store import Store
 
 __all__ = ["console_table", "report_page", "write_outputs"]
 
@@ -55,7 +56,7 @@ def _cells(row: Row) -> tuple[str, ...]:
     pixel = with_error(row.pixel, row.pixel_scatter) if row.solves > 1 else significant(row.pixel)
     note = " (under-resolved)" if row.under_resolved else ""
     return (
-        row.method.upper() + note,
+        find_method(row.method).label + note,
         f"{row.grid[0]} x {row.grid[1]}" + (f" x {row.solves} shifts" if row.solves > 1 else ""),
         f"{row.points_per_wave:.4g}",
         pixel,
@@ -84,7 +85,7 @@ def _summary_rows(comparison: Comparison) -> list[tuple[str, ...]]:
         rows.append(("Persson", "", "", significant(theory.area), "", kappa, zero, "", ""))
     for row in comparison.rows:
         if row.plastic is not None:
-            method, grid = f"{row.method.upper()}, yielded", f"{row.grid[0]} x {row.grid[1]}"
+            method, grid = f"{find_method(row.method).label}, yielded", f"{row.grid[0]} x {row.grid[1]}"
             rows.append((method, grid, "", significant(row.plastic), "", "", "", "", ""))
     if theory is not None and theory.plastic is not None:
         rows.append(("Persson, yielded", "", "", significant(theory.plastic), "", "", "", "", ""))
@@ -121,15 +122,15 @@ def console_table(comparison: Comparison) -> Table:
 
 
 def write_outputs(
-    comparison: Comparison, store: Store, folder: Path, *, pictures: bool = False
+    comparison: Comparison, results: Solves, folder: Path, *, pictures: bool = False
 ) -> tuple[Path, ...]:
     """Write tables, figures and report; return what there is to open: files, and the folder of fields.
 
     Parameters
     ----------
     comparison : Comparison
-    store : Store
-        Where the solves are; fields for the figures are read from it.
+    results : Solves
+        All results of the scene; fields for the figures are read from them.
     folder : Path
         Results folder.
     pictures : bool
@@ -140,14 +141,15 @@ def write_outputs(
         _write_csv(draft, comparison)
     with atomic_path(summary) as draft:
         draft.write_text(json.dumps(comparison.summary(), indent=2) + "\n", encoding="utf-8")
-    shown = _shown(comparison, store)
+    shown = _shown(comparison, results)
     figures = write_drawings(_drawings(comparison, shown), folder)
-    blocks = [block_file(store.folder, job) for job in jobs_of(comparison.scene) if job.method == "fem"]
+    pressed: list[Any] = list(results)
+    blocks = [solve.block_file(results.store.folder) for solve in pressed if solve.has_block]
     blocks = [path for path in blocks if path.exists()]
-    images = _pictures(shown, store, folder) if pictures else Pictures(missing="not asked for")
+    images = _pictures(shown, results.store, folder) if pictures else Pictures(missing="not asked for")
     with atomic_path(report) as draft:
         draft.write_text(report_page(comparison, figures, images), encoding="utf-8")
-    return (report, table, summary, folder / "figures", *blocks, store.folder)
+    return (report, table, summary, folder / "figures", *blocks, results.store.folder)
 
 
 def _write_csv(path: Path, comparison: Comparison) -> None:
@@ -162,29 +164,24 @@ def _write_csv(path: Path, comparison: Comparison) -> None:
             )
 
 
-def _shown(comparison: Comparison, store: Store) -> dict[Job, ContactResult]:
+def _shown(comparison: Comparison, results: Solves) -> dict[Press, ContactResult]:
     """Return the solves of the scene's own surface on the grids of the table."""
     grids = {(row.method, row.grid) for row in comparison.rows}
-    shown = {}
-    for job in jobs_of(comparison.scene):
-        if job.realisation == 0 and (job.method, job.grid) in grids:
-            result = store.load(job)
-            assert result is not None, job.key
-            shown[job] = result
-    return shown
+    pressed: list[Any] = list(results)
+    return {
+        solve: results[solve]
+        for solve in pressed
+        if solve.realisation == 0 and (solve.method, solve.grid) in grids
+    }
 
 
-def _label(job: Job) -> str:
-    return f"{job.method.upper()} {job.grid[0]} x {job.grid[1]}"
-
-
-def _drawings(comparison: Comparison, shown: dict[Job, ContactResult]) -> tuple[Drawing, ...]:
+def _drawings(comparison: Comparison, shown: dict[Press, ContactResult]) -> tuple[Drawing, ...]:
     """Draw the four figures of a comparison."""
     from validation.comparison import figure_data, plots
 
     by_grid: dict[str, list[ContactResult]] = {}
-    for job, result in shown.items():
-        by_grid.setdefault(_label(job), []).append(result)
+    for solve, result in shown.items():
+        by_grid.setdefault(solve.label, []).append(result)
     near_zero = figure_data.pressure_at_zero_data(comparison, by_grid)
     pair = _side_by_side(shown)
     return (
@@ -221,25 +218,26 @@ def _drawings(comparison: Comparison, shown: dict[Job, ContactResult]) -> tuple[
     )
 
 
-def _side_by_side(shown: dict[Job, ContactResult]) -> dict[str, ContactResult]:
-    """Return the finest grid both solvers share, or the finest grid of each."""
-    unshifted = {job: result for job, result in shown.items() if job.shift == (0.0, 0.0)}
-    grids = [{job.grid for job in unshifted if job.method == method} for method in ("bem", "fem")]
-    shared = grids[0] & grids[1]
+def _side_by_side(shown: dict[Press, ContactResult]) -> dict[str, ContactResult]:
+    """Return the finest grid that all methods share, or the finest grid of each."""
+    unshifted = {solve: result for solve, result in shown.items() if solve.is_own}
+    names = dict.fromkeys(solve.method for solve in unshifted)
+    grids = [{solve.grid for solve in unshifted if solve.method == name} for name in names]
+    shared = set.intersection(*grids) if len(grids) > 1 else set()
     if shared:
         finest = max(shared, key=lambda grid: grid[0] * grid[1])
-        return {_label(job): result for job, result in unshifted.items() if job.grid == finest}
-    last = {job.method: (_label(job), result) for job, result in unshifted.items()}
+        return {solve.label: result for solve, result in unshifted.items() if solve.grid == finest}
+    last = {solve.method: (solve.label, result) for solve, result in unshifted.items()}
     return dict(last.values())
 
 
-def _pictures(shown: Iterable[Job], store: Store, folder: Path) -> Pictures:
+def _pictures(shown: Iterable[Press], store: Store, folder: Path) -> Pictures:
     """Render the finest finite-element solve, or the finest of all, of the surface as it stands."""
-    solves = [job for job in shown if job.shift == (0.0, 0.0)]
+    solves = [solve for solve in shown if solve.shift == (0.0, 0.0)]
     if not solves:
         return Pictures(missing="no solve of the surface as it stands")
-    job = max(solves, key=lambda job: (job.method == "fem", job.grid[0] * job.grid[1]))
-    return render_stored(store.path(job), folder / "figures" / "surface-3d.png", label=_label(job))
+    solve = max(solves, key=lambda solve: (solve.has_block, solve.grid[0] * solve.grid[1]))
+    return render_stored(store.path(solve), folder / "figures" / "surface-3d.png", label=solve.label)
 
 
 def report_page(
@@ -258,7 +256,7 @@ def report_page(
         settings=json.dumps(comparison.scene.model_dump(mode="json", exclude_none=True), indent=2),
         seeds=_seeds(comparison.scene),
         versions=versions(),
-        papers=papers(_papers_for(comparison)),
+        papers=_papers_for(comparison),
         effects=_effect_words(comparison),
         yielded=yielded_row(comparison),
         significant=significant,
@@ -266,15 +264,12 @@ def report_page(
     )
 
 
-def _papers_for(comparison: Comparison) -> set[str]:
-    """Name what is to be cited: methods, and effects where a solver had them."""
+def _papers_for(comparison: Comparison) -> tuple[str, ...]:
+    """Name what is to be cited: methods, effects, and how areas were corrected."""
     scene = comparison.scene
-    used = {name for name in ("theory", "bem", "fem") if getattr(scene.methods, name) is not None}
-    used |= {effect.kind for effect in scene.effects}
-    if comparison.adhesive:
-        # Its energy has many minima, which another algorithm finds.
-        used = (used - {"bem"}) | {"bem-adhesive"}
-    return used | {"perimeter"} | ({"measured"} if comparison.treatment else set())
+    cited = [paper for method in scene.methods.asked.values() for paper in method.papers]
+    cited += [paper for effect in scene.effects for paper in effect.papers]
+    return (*cited, PERIMETER, *([MEASURED] if comparison.treatment else []))
 
 
 def _seeds(scene: Scene) -> str:

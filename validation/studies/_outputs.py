@@ -5,17 +5,19 @@ from __future__ import annotations
 import csv
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
+from validation.effects import effect_kinds
 from validation.errors import UsageError
 from validation.files import atomic_path
+from validation.methods import methods
 from validation.report.drawing import frames, write_csv, write_drawings
-from validation.report.papers import papers
-from validation.studies import Study, find_study
+from validation.report.papers import MEASURED, PERIMETER
+from validation.studies import Study, StudyOptions, find_study
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,27 +41,19 @@ class StudyOutputs:
     files: tuple[Path, ...]
 
 
-def run_study(study: Study, options: Mapping[str, Any], folder: Path, *, bench: Bench) -> StudyOutputs:
+def run_study(study: Study, options: StudyOptions, folder: Path, *, bench: Bench) -> StudyOutputs:
     """Run a study on a bench and write its outputs into a folder."""
-    data = study.compute(bench=bench, options=options)
+    data = study.compute(options, bench=bench)
     said = {
         "format": _FORMAT,
         "study": study.name,
-        "options": {name: _plain(value) for name, value in _all_options(study, options).items()},
+        "options": options.model_dump(mode="json", exclude_none=True),
     }
     with atomic_path(folder / _RECORD) as draft:
         draft.write_text(json.dumps(said, indent=2) + "\n", encoding="utf-8")
     with atomic_path(folder / "data.nc") as draft:
         data.to_netcdf(draft, engine="netcdf4")
     return report_study(folder)
-
-
-def _all_options(study: Study, options: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: option.default for name, option in study.options.items()} | dict(options)
-
-
-def _plain(value: Any) -> Any:
-    return value.model_dump(mode="json", exclude_none=True) if hasattr(value, "model_dump") else value
 
 
 def is_study(folder: Path) -> bool:
@@ -123,7 +117,7 @@ def report_study(folder: Path) -> StudyOutputs:
         settings=json.dumps(said["options"], indent=2),
         seeds=_seeds(said["options"]),
         versions=versions(),
-        papers=papers(str(data.attrs.get("methods", "theory bem perimeter")).split()),
+        papers=_papers(str(data.attrs.get("methods", "theory bem")).split()),
     )
     report = folder / "report.html"
     with atomic_path(report) as draft:
@@ -150,11 +144,19 @@ def _write_table(table: ResultTable, path: Path) -> Path:
     return path
 
 
+def _papers(used: Sequence[str]) -> tuple[str, ...]:
+    """Papers of the methods and effects that a study names."""
+    known = {**methods(), **effect_kinds()}
+    cited = [paper for name, what in known.items() if name in used for paper in what.papers]
+    return (*cited, PERIMETER, *([MEASURED] if "measured" in used else []))
+
+
 def _seeds(options: Mapping[str, Any]) -> str:
-    found = options.get("seeds", options.get("seed"))
-    if found is None:
+    seed = options.get("seed")
+    if seed is None:
         return "see the options below"
-    return ", ".join(map(str, found)) if isinstance(found, (list, tuple)) else str(found)
+    surfaces = int(options.get("surfaces", 1))
+    return str(seed) if surfaces < 2 else f"{seed} to {seed + surfaces - 1}"
 
 
 def _tables(data: xr.Dataset) -> list[dict[str, Any]]:
