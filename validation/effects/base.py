@@ -1,4 +1,4 @@
-"""What an effect is: a table of a scene, the slot of a solver it fills, the number that says if it matters."""
+"""What an effect is: a table of a scene, the slot of a solver it fills, and how to judge it."""
 
 from __future__ import annotations
 
