@@ -14,14 +14,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.complementarity import Solution, polonsky_keer, solve_nested
+from fem_contact.complementarity import FourierOperator, Solution, polonsky_keer, solve_nested
 from fem_contact.contact import ContactResult, Cost, Status, measure_residuals
 from fem_contact.errors import InvalidInput
-from fem_contact.fourier import FourierOperator
 from fem_contact.response import Response
 from fem_contact.surface import HeightField
 
-__all__ = ["FourierOperator", "solve", "solve_displacement", "solve_path"]
+__all__ = ["Method", "solve", "solve_displacement", "solve_path"]
 
 Array = NDArray[np.float64]
 Method = Literal["preconditioned", "mixed", "polonsky-keer"]

@@ -29,7 +29,7 @@ from validation.jobs import nominal_pressure
 from validation.surfaces import reference_field
 
 if TYPE_CHECKING:
-    from fem_contact.gap_laws import GapLaw
+    from fem_contact.adhesion.laws import GapLaw
     from validation.scene import Scene
 
 __all__ = [
@@ -66,7 +66,7 @@ def response_of(solid: Solid, effects: tuple[EffectSpec, ...]) -> Response:
 
 def gap_law(effect: Adhesion) -> GapLaw:
     """Return the law of the gap that an adhesion table describes."""
-    from fem_contact.gap_laws import Dugdale, Exponential
+    from fem_contact.adhesion.laws import Dugdale, Exponential
 
     kind = Exponential if effect.law == "exponential" else Dugdale
     return kind(work=effect.work, reach=effect.reach)

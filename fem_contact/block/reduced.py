@@ -14,9 +14,9 @@ from fem_contact.block.column import FoldedLayers, fold, surface_compliance
 from fem_contact.block.mesh import BlockMesh, node_weights
 from fem_contact.block.problem import Found, Problem
 from fem_contact.complementarity import Operator, Solution, solve_nested
+from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput
-from fem_contact.fourier import FourierOperator
 from fem_contact.response import BondedLayer
 from fem_contact.solid import Solid
 

@@ -2,11 +2,12 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from fem_contact import adhesion, adhesion_path, bem
+from fem_contact import adhesion, bem
+from fem_contact.adhesion import path as adhesion_path
+from fem_contact.adhesion.descent import Landscape, Point, descend, least_curvature
+from fem_contact.adhesion.laws import Dugdale, Exponential
 from fem_contact.contact import Status
-from fem_contact.descent import Landscape, Point, descend, least_curvature
 from fem_contact.errors import InvalidInput, NotConverged
-from fem_contact.gap_laws import Dugdale, Exponential
 from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface

@@ -3,13 +3,12 @@
 import numpy as np
 import pytest
 
-from fem_contact import kernels
-from fem_contact.complementarity import polonsky_keer, solve_bounded, solve_nested
+from fem_contact.complementarity import kernels, polonsky_keer, solve_bounded, solve_nested
+from fem_contact.complementarity.fourier import FourierOperator, coarsened, refined
+from fem_contact.complementarity.passes import Passes
+from fem_contact.complementarity.rows import Rows
 from fem_contact.contact import Status
-from fem_contact.fourier import FourierOperator, coarsened, refined
-from fem_contact.passes import Passes
 from fem_contact.response import HalfSpace
-from fem_contact.rows import Rows
 from fem_contact.solid import Solid
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))

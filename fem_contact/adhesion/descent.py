@@ -18,9 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact.adhesion.laws import GapLaw
+from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.contact import Status
-from fem_contact.fourier import FourierOperator
-from fem_contact.gap_laws import GapLaw
 from fem_contact.response import Response
 
 __all__ = ["Landscape", "Minimum", "Point", "descend", "least_curvature"]

@@ -14,11 +14,11 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.adhesion import AdhesionProblem, AdhesiveContact, checked_point
+from fem_contact.adhesion.descent import Minimum, Point
+from fem_contact.adhesion.laws import GapLaw
+from fem_contact.adhesion.state import AdhesionProblem, AdhesiveContact, checked_point
 from fem_contact.contact import Status
-from fem_contact.descent import Minimum, Point
 from fem_contact.errors import InvalidInput, NotConverged
-from fem_contact.gap_laws import GapLaw
 from fem_contact.response import Response
 from fem_contact.surface import HeightField
 

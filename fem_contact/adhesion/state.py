@@ -1,7 +1,7 @@
-r"""Adhesive contact by boundary elements: a gap law on a hard wall.
+"""One state of adhesive contact: a gap law on a hard wall, by boundary elements.
 
 The energy of an adhesive contact has many local minima. A state is the minimum that lies downhill of where
-the solve starts; `fem_contact.adhesion_path` follows minima through a history of loads.
+the solve starts; `fem_contact.adhesion.path` follows minima through a history of loads.
 """
 
 from __future__ import annotations
@@ -12,19 +12,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact.adhesion.descent import Landscape, Minimum, Point, descend, least_curvature
+from fem_contact.adhesion.laws import GapLaw
 from fem_contact.contact import ContactResult, Cost, Residuals
-from fem_contact.descent import Landscape, Minimum, Point, descend, least_curvature
 from fem_contact.errors import InvalidInput
-from fem_contact.gap_laws import Dugdale, Exponential, GapLaw
 from fem_contact.response import Response
 from fem_contact.surface import HeightField
 
 __all__ = [
+    "CELLS_NEEDED",
     "AdhesionProblem",
     "AdhesiveContact",
-    "Dugdale",
-    "Exponential",
-    "GapLaw",
     "Stability",
     "cells_in_process_zone",
     "checked_point",
@@ -102,6 +100,7 @@ def cells_in_process_zone(law: GapLaw, *, spacing: float, contact_modulus: float
 
     Examples
     --------
+    >>> from fem_contact.adhesion import Exponential
     >>> law = Exponential(work=0.05, reach=2.071e-9)
     >>> round(cells_in_process_zone(law, spacing=1e-9, contact_modulus=25e6), 2)
     2.14
