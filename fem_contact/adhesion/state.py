@@ -17,6 +17,7 @@ from fem_contact.adhesion.laws import GapLaw
 from fem_contact.contact import ContactResult, Cost, Residuals
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
+from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
 __all__ = [
@@ -162,10 +163,9 @@ def solve(
         surface,
         response,
         law=law,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
-        time_limit=time_limit,
-        threads=threads,
+        settings=Settings(
+            tolerance=tolerance, max_iterations=max_iterations, time_limit=time_limit, threads=threads
+        ),
         hardness=hardness,
     )
     point = checked_point(mean_pressure, offset)
@@ -219,18 +219,9 @@ class AdhesionProblem:
         response: Response,
         *,
         law: GapLaw,
-        tolerance: float,
-        max_iterations: int,
-        time_limit: float | None,
-        threads: int | None,
+        settings: Settings,
         hardness: float | Array | None = None,
     ) -> None:
-        if not (np.isfinite(tolerance) and 0 < tolerance < 1):
-            raise InvalidInput(f"tolerance = {tolerance!r}: must lie in (0, 1), relative to the stresses")
-        if max_iterations < 1:
-            raise InvalidInput(f"max_iterations = {max_iterations!r}: must be at least 1")
-        if time_limit is not None and not time_limit > 0:
-            raise InvalidInput(f"time_limit = {time_limit!r}: must be a positive number of seconds")
         spacing, modulus = max(surface.spacing), response.contact_modulus
         cells = cells_in_process_zone(law, spacing=spacing, contact_modulus=modulus)
         if cells < CELLS_NEEDED * (1 - 1e-12):
@@ -242,7 +233,7 @@ class AdhesionProblem:
             )
         self.surface, self.response = surface, response
         self.law = law.on_grid(spacing=spacing, contact_modulus=modulus)
-        self.tolerance, self.max_iterations, self.time_limit = tolerance, max_iterations, time_limit
+        self.settings = settings
         if hardness is not None:
             _check_hardness(hardness, surface)
         self.land = Landscape(
@@ -250,7 +241,7 @@ class AdhesionProblem:
             response=response,
             lengths=surface.lengths,
             law=self.law,
-            threads=threads,
+            threads=settings.threads,
             hardness=hardness,
         )
         self.clock, self.processor = time.perf_counter(), time.process_time()
@@ -289,14 +280,7 @@ class AdhesionProblem:
 
     def at(self, point: Point, start: Array) -> Minimum:
         """Descend from a gap to the minimum below it."""
-        return descend(
-            self.land,
-            point,
-            start,
-            tolerance=self.tolerance,
-            max_iterations=self.max_iterations,
-            time_limit=self.time_limit,
-        )
+        return descend(self.land, point, start, settings=self.settings)
 
     def packed(self, minimum: Minimum) -> AdhesiveContact:
         """Fields and residuals of a minimum."""

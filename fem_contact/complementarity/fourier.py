@@ -10,9 +10,10 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from fem_contact.complementarity.rows import Rows, available_processors
+from fem_contact.complementarity.rows import Rows
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
+from fem_contact.settings import available_processors
 
 __all__ = ["FourierOperator", "coarsened", "refined"]
 

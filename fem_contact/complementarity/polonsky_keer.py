@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact.complementarity.operator import Operator, Solution
 from fem_contact.contact import Status
+from fem_contact.settings import Settings
 
 __all__ = ["polonsky_keer"]
 
@@ -19,8 +22,7 @@ def polonsky_keer(
     *,
     mean_force: float,
     length_scale: float,
-    tolerance: float,
-    max_iterations: int,
+    settings: Settings,
     start: Array | None = None,
 ) -> Solution:
     """Bounded conjugate gradients without preconditioner: slow, simple, and the oracle of the faster solver.
@@ -34,9 +36,8 @@ def polonsky_keer(
         Prescribed mean of x [Pa], positive.
     length_scale : float
         Length [m] in which the residuals are measured.
-    tolerance : float
+    settings : Settings
         Stop at sum x |g| <= tolerance * length_scale * sum x and penetration <= 10 tolerance * length_scale.
-    max_iterations : int
     start : array, optional
         Forces [Pa] to start from, not negative, scaled to the load here; uniform if not given.
 
@@ -47,8 +48,11 @@ def polonsky_keer(
     force = np.full(heights.shape, mean_force) if start is None else start * (mean_force / np.mean(start))
     gap, image, direction = np.empty_like(force), np.empty_like(force), np.zeros_like(force)
     previous, keep, status = 1.0, False, Status.ITERATION_LIMIT
-    iteration = 0
-    while iteration < max_iterations:
+    iteration, began, tolerance = 0, time.monotonic(), settings.tolerance
+    while iteration < settings.max_iterations:
+        if settings.expired(began):
+            status = Status.TIME_LIMIT
+            break
         iteration += 1
         operator.apply(force, gap)
         gap -= heights

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from dataclasses import replace
 
@@ -12,6 +13,7 @@ from fem_contact.complementarity.fourier import coarsened, refined
 from fem_contact.complementarity.operator import Operator, Solution
 from fem_contact.complementarity.passes import Errors, Passes
 from fem_contact.contact import Status
+from fem_contact.settings import Settings
 
 __all__ = ["solve_bounded", "solve_nested"]
 
@@ -24,11 +26,9 @@ def solve_bounded(
     *,
     mean_force: float,
     length_scale: float,
-    tolerance: float,
-    max_iterations: int,
+    settings: Settings,
     start: Array | None = None,
     bound: Array | None = None,
-    threads: int = 1,
     single: bool = False,
 ) -> Solution:
     """Preconditioned conjugate gradients under bounds; two operator applications per step.
@@ -42,16 +42,14 @@ def solve_bounded(
         Prescribed mean of x [Pa], positive.
     length_scale : float
         Length [m] in which the residuals are measured.
-    tolerance : float
+    settings : Settings
         Stop at sum x |g| <= tolerance * length_scale * sum x and penetration <= 10 tolerance * length_scale,
-        both over points below the bound, and no opening above that at points on the bound.
-    max_iterations : int
+        both over points below the bound, and no opening above that at points on the bound. The threads share
+        the passes over the arrays.
     start : (nx, ny) array, optional
         Forces [Pa] to start from, scaled to the load here; uniform if not given.
     bound : (nx, ny) array, optional
         Upper bound of x [Pa]; its mean must exceed `mean_force`.
-    threads : int
-        Threads that share the passes over the arrays.
     single : bool
         Precondition in single precision: the operator is handed arrays of that kind. Directions then differ
         in the seventh digit; residuals, and what is returned, are of double precision as ever.
@@ -69,17 +67,10 @@ def solve_bounded(
     hardly depends on the grid.
     """
     passes = Passes(
-        heights, bound=bound, stiffness=_CAUTION * operator.stiffness, threads=threads, single=single
+        heights, bound=bound, stiffness=_CAUTION * operator.stiffness, threads=settings.workers, single=single
     )
-    return _iterate(
-        operator,
-        passes,
-        start=start,
-        mean_force=mean_force,
-        length_scale=length_scale,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
-    )
+    _set_start(passes, start, mean_force)
+    return _iterate(operator, passes, mean_force=mean_force, length_scale=length_scale, settings=settings)
 
 
 #: Trial length of the first step, and the range it may move in; the preconditioner is scaled like the inverse
@@ -99,13 +90,11 @@ def _iterate(
     operator: Operator,
     passes: Passes,
     *,
-    start: Array | None,
     mean_force: float,
     length_scale: float,
-    tolerance: float,
-    max_iterations: int,
+    settings: Settings,
 ) -> Solution:
-    _set_start(passes, start, mean_force)
+    began, tolerance = time.monotonic(), settings.tolerance
     total, moment, energy = passes.start(operator)
     applications, iteration, length, curvature = 1, 0, _FIRST, 0.0
     least, patience, status = np.inf, _PATIENCE, Status.ITERATION_LIMIT
@@ -131,7 +120,10 @@ def _iterate(
         if patience == 0:
             status = Status.STAGNATED
             break
-        if iteration == max_iterations:
+        if iteration == settings.max_iterations:
+            break
+        if settings.expired(began):
+            status = Status.TIME_LIMIT
             break
         iteration += 1
         if plain:
@@ -243,12 +235,10 @@ def solve_nested(
     coarse: Callable[[tuple[int, int]], Operator],
     mean_force: float,
     length_scale: float,
-    tolerance: float,
-    max_iterations: int,
+    settings: Settings,
     start: Array | None = None,
     bound: Array | None = None,
     weights: Array | None = None,
-    threads: int = 1,
     single: bool = False,
 ) -> Solution:
     """Solve from coarse to fine: each grid starts from the interpolated forces of the one before.
@@ -262,18 +252,19 @@ def solve_nested(
         Forces [Pa] to start from; the coarser grids are then left out.
     weights : (nx, ny) array, optional
         Weights of the nodes of the finest grid, where they differ.
-    operator, heights, mean_force, length_scale, tolerance, max_iterations, bound, threads, single
-        As in `solve_bounded`. Coarse grids are solved to `_COARSE` at best.
+    operator, heights, mean_force, length_scale, settings, bound, single
+        As in `solve_bounded`. Coarse grids are solved to `_COARSE` at best; the time is for all grids.
 
     Notes
     -----
     The heights of a coarse grid are freed of the waves it cannot carry. `Solution.fft_pairs` counts the pairs
     of all grids, each by its share of points.
     """
-    given, pairs = start is not None, 0.0
+    given, pairs, began = start is not None, 0.0, time.monotonic()
+    coarsely = replace(settings, tolerance=max(settings.tolerance, _COARSE))
     levels = [heights]
     for shape in [] if given else _coarse_shapes(heights.shape):
-        levels.append(coarsened(levels[-1], shape, threads=threads))
+        levels.append(coarsened(levels[-1], shape, threads=settings.workers))
     for smooth in reversed(levels[1:]):
         shape = (smooth.shape[0], smooth.shape[1])
         solution = solve_bounded(
@@ -281,11 +272,9 @@ def solve_nested(
             smooth,
             mean_force=mean_force,
             length_scale=length_scale,
-            tolerance=max(tolerance, _COARSE),
-            max_iterations=max_iterations,
+            settings=coarsely.remaining(began),
             start=None if start is None else refined(start, shape),
             bound=None if bound is None else _nearest(bound if weights is None else bound / weights, shape),
-            threads=threads,
             single=single,
         )
         start = solution.force
@@ -298,11 +287,9 @@ def solve_nested(
         heights,
         mean_force=mean_force,
         length_scale=length_scale,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
+        settings=settings.remaining(began),
         start=start,
         bound=bound,
-        threads=threads,
         single=single,
     )
     return replace(solution, fft_pairs=solution.fft_pairs + pairs)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from fem_contact._checks import array
 from fem_contact.errors import InvalidInput
 
 __all__ = ["HeightField", "checked_lengths", "checked_shape", "interpolant"]
@@ -91,6 +93,45 @@ class HeightField:
 
         They are the moments of this one realisation, to be told from the integrals over C(q).
         """
+        power, qx, qy = self._power()
+        qx2, qy2 = qx**2, qy**2
+        rows, columns = power.sum(axis=1), power.sum(axis=0)
+        m4 = rows @ qx2**2 + 2 * (qx2 @ power @ qy2) + columns @ qy2**2
+        return float(rows.sum()), float(rows @ qx2 + columns @ qy2), float(m4)
+
+    def spectral_sum(self, weight: Callable[[Array], ArrayLike]) -> float:
+        r"""Sum over the wavevectors of the period of |h(q)|^2 f(|q|), the mean height left out.
+
+        .. math:: \sum_{\mathbf q \ne 0} |h(\mathbf q)|^2 f(|\mathbf q|),\qquad
+                  h(\mathbf x) = \sum_{\mathbf q} h(\mathbf q)\, e^{i \mathbf q \cdot \mathbf x}
+
+        Parameters
+        ----------
+        weight : callable
+            f for an array of positive q [1/m]. With f = 1 the sum is m0, with q^2 the mean square gradient,
+            with (E*/4) q the elastic energy per area of a half-space in full contact.
+
+        Raises
+        ------
+        InvalidInput
+            If f does not give one finite real number for every q.
+
+        Examples
+        --------
+        >>> x = np.arange(16) / 16
+        >>> wave = HeightField(heights=np.cos(2 * np.pi * x)[:, None] * np.ones(4), lengths=(1.0, 0.25))
+        >>> round(wave.spectral_sum(lambda q: q) / (2 * np.pi), 12)
+        0.5
+        """
+        power, qx, qy = self._power()
+        q = np.hypot(qx[:, None], qy[None, :]).ravel()[1:]
+        values = array("weight(q)", weight(q))
+        if values.shape not in ((), q.shape):
+            raise InvalidInput(f"weight(q) of shape {values.shape}: must be of shape {q.shape}")
+        return float(np.sum(values * power.ravel()[1:]))
+
+    def _power(self) -> tuple[Array, Array, Array]:
+        """|h(q)|^2 [m^2] of half of the wavevectors, counted for both signs, and both components [1/m]."""
         (nx, ny), (lx, ly) = self.shape, self.lengths
         power = np.abs(scipy.fft.rfft2(self.heights, norm="forward")) ** 2
         # The half spectrum stands for both signs of q_y; the Nyquist waves of the interpolant are split in
@@ -101,11 +142,9 @@ class HeightField:
         if nx % 2 == 0 and nx > 1:
             power[nx // 2] *= 0.5
         power[0, 0] = 0
-        qx2 = (2 * np.pi * scipy.fft.fftfreq(nx, lx / nx)) ** 2
-        qy2 = (2 * np.pi * scipy.fft.rfftfreq(ny, ly / ny)) ** 2
-        rows, columns = power.sum(axis=1), power.sum(axis=0)
-        m4 = rows @ qx2**2 + 2 * (qx2 @ power @ qy2) + columns @ qy2**2
-        return float(rows.sum()), float(rows @ qx2 + columns @ qy2), float(m4)
+        qx = 2 * np.pi * scipy.fft.fftfreq(nx, lx / nx)
+        qy = 2 * np.pi * scipy.fft.rfftfreq(ny, ly / ny)
+        return power, qx, qy
 
     @property
     def rms_gradient(self) -> float:
