@@ -31,7 +31,7 @@ __all__ = [
 Array = NDArray[np.float64]
 
 #: Sizes of numbers, in SI units, between which squares and products of squares neither overflow nor vanish.
-LEAST, GREATEST = 1e-50, 1e50
+LEAST, GREATEST = 1e-30, 1e30
 
 
 def _in(unit: str) -> str:
