@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact.block.elements import element_for
-from fem_contact.block.fields import ArraySource, FieldSource, FourierSource
 from fem_contact.block.mesh import BlockMesh, MeshOptions, nodal_pressure, node_weights, plan_mesh
 from fem_contact.block.problem import Found, Problem
-from fem_contact.block.reduced import BlockResponse, solve_reduced, surface_operator
-from fem_contact.block.solution import BlockSolution
+from fem_contact.block.reduced.fields import FourierSource
+from fem_contact.block.reduced.surface import BlockResponse, solve_reduced, surface_operator
+from fem_contact.block.solution import ArraySource, BlockSolution, FieldSource
 from fem_contact.contact import ContactResult, Cost, Status, measure_residuals
 from fem_contact.errors import InsufficientMemory, InvalidInput
 from fem_contact.fourier import FourierOperator
@@ -28,8 +28,8 @@ from fem_contact.surface import HeightField
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
-    from fem_contact.block.heterogeneous import HeterogeneousBlock
-    from fem_contact.block.reduced import SurfaceOperator
+    from fem_contact.block.reduced.heterogeneous import HeterogeneousBlock
+    from fem_contact.block.reduced.surface import SurfaceOperator
 
 __all__ = ["Method", "Modulus", "Session", "needed_bytes", "planned_mesh"]
 
@@ -170,11 +170,11 @@ class Session:
 
     def _find(self, problem: Problem, start: Mask | Found | None) -> Found:
         if self.method == "full":
-            from fem_contact.block.full import solve_full
+            from fem_contact.block.full.system import solve_full
 
             found = solve_full(problem, start, self.matrix)
         elif problem.lateral:
-            from fem_contact.block.heterogeneous import solve_heterogeneous
+            from fem_contact.block.reduced.heterogeneous import solve_heterogeneous
 
             found = solve_heterogeneous(problem, self.free_block, start)
         else:
@@ -188,14 +188,14 @@ class Session:
             return _apart(problem)
         if self.method == "full" or problem.lateral:
             return self._find(problem, problem.heights > problem.offset)
-        from fem_contact.block.reduced import solve_reduced_offset
+        from fem_contact.block.reduced.surface import solve_reduced_offset
 
         return solve_reduced_offset(problem, self.response, self.operator)
 
     @cached_property
     def matrix(self) -> sp.bsr_array:
         """The assembled stiffness above the clamped plane."""
-        from fem_contact.block.assembly import assemble
+        from fem_contact.block.full.assembly import assemble
 
         mesh, modulus = self.problem.mesh, self.problem.modulus
         moduli = None if modulus is None else np.broadcast_to(modulus, (*mesh.cells, mesh.nz))
@@ -220,7 +220,7 @@ class Session:
     @cached_property
     def free_block(self) -> HeterogeneousBlock:
         """The block whose modulus varies sideways."""
-        from fem_contact.block.heterogeneous import HeterogeneousBlock
+        from fem_contact.block.reduced.heterogeneous import HeterogeneousBlock
 
         mesh = self.problem.mesh
         assert self.problem.modulus is not None

@@ -13,7 +13,7 @@ from fem_contact.block import (
     solve_displacement,
     solve_path,
 )
-from fem_contact.block.fields import ArraySource
+from fem_contact.block.solution import ArraySource
 from fem_contact.errors import InsufficientMemory, InvalidInput
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.active_set import ActiveSetSolution, AssembledBlock, Settings, solve_contact
-from fem_contact.block.assembly import assemble
+from fem_contact.block.full.active_set import ActiveSetSolution, AssembledBlock, Settings, solve_contact
+from fem_contact.block.full.assembly import assemble
 from fem_contact.block.mesh import plan_mesh
 from fem_contact.block.problem import Found, Problem
 

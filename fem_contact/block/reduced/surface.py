@@ -10,9 +10,9 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from fem_contact.block.column import FoldedLayers, fold, surface_compliance
 from fem_contact.block.mesh import BlockMesh, node_weights
 from fem_contact.block.problem import Found, Problem
+from fem_contact.block.reduced.column import FoldedLayers, fold, surface_compliance
 from fem_contact.complementarity import Operator, Solution, solve_nested
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput
@@ -91,7 +91,7 @@ class BlockResponse:
 
     def surface_amplitudes(self, phases: Array, *, states: Array | None = None) -> Array:
         """Amplitudes (n, 3) over the cell width under unit vertical nodal force over E width^2."""
-        from fem_contact.block.kernels import pack, sweep
+        from fem_contact.block.reduced.kernels import pack, sweep
 
         packed, parity = pack(self.folded.coefficients)
         response = np.empty((len(phases), 3))

@@ -18,7 +18,13 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.linear import LinearSolution, conjugate_gradients, factorised, multigrid, rigid_modes
+from fem_contact.block.full.linear import (
+    LinearSolution,
+    conjugate_gradients,
+    factorised,
+    multigrid,
+    rigid_modes,
+)
 from fem_contact.contact import Status
 
 if TYPE_CHECKING:
