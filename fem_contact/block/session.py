@@ -28,6 +28,7 @@ from fem_contact.surface import HeightField
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
+    from fem_contact.block.full.multigrid import Hierarchy
     from fem_contact.block.reduced.heterogeneous import HeterogeneousBlock
     from fem_contact.block.reduced.surface import SurfaceOperator
 
@@ -39,7 +40,8 @@ Method = Literal["full", "reduced"]
 Modulus = Callable[[Array, Array, Array], Array]
 
 _METHODS = {
-    "full": "finite elements, full system: active set, conjugate gradients with smoothed aggregation",
+    "multigrid": "finite elements, full system: active set, conjugate gradients with geometric multigrid",
+    "assembled": "finite elements, full system: active set, conjugate gradients with smoothed aggregation",
     "reduced": "finite elements, reduced exactly to the surface nodes by Fourier transform",
     "heterogeneous": "finite elements, all unknowns: active set, matrix-free conjugate gradients, "
     "preconditioned by Fourier solves of a layered block",
@@ -172,7 +174,7 @@ class Session:
         if self.method == "full":
             from fem_contact.block.full.system import solve_full
 
-            found = solve_full(problem, start, self.matrix)
+            found = solve_full(problem, start, self.shared)
         elif problem.lateral:
             from fem_contact.block.reduced.heterogeneous import solve_heterogeneous
 
@@ -186,20 +188,20 @@ class Session:
         assert problem.offset is not None
         if problem.offset >= 0:
             return _apart(problem)
-        if self.method == "full" or problem.lateral:
+        if self.method == "full":
+            return self._find(problem, None)
+        if problem.lateral:
             return self._find(problem, problem.heights > problem.offset)
         from fem_contact.block.reduced.surface import solve_reduced_offset
 
         return solve_reduced_offset(problem, self.response, self.operator)
 
     @cached_property
-    def matrix(self) -> sp.bsr_array:
-        """The assembled stiffness above the clamped plane."""
-        from fem_contact.block.full.assembly import assemble
+    def shared(self) -> Hierarchy | sp.bsr_array:
+        """What all full solves share: the grids of the multigrid, or the assembled stiffness."""
+        from fem_contact.block.full.system import prepared
 
-        mesh, modulus = self.problem.mesh, self.problem.modulus
-        moduli = None if modulus is None else np.broadcast_to(modulus, (*mesh.cells, mesh.nz))
-        return assemble(mesh, poisson=self.problem.poisson, modulus=moduli).free()
+        return prepared(self.problem)
 
     @cached_property
     def response(self) -> BlockResponse:
@@ -333,7 +335,7 @@ def _provenance(problem: Problem, *, width: float, found: Found) -> dict[str, st
         "tolerance": f"{problem.tolerance:.3g} (reached: {found.note})",
         "scikit-fem": version("scikit-fem"),
     }
-    if found.method == "full":
+    if found.method == "assembled":
         text["pyamg"] = version("pyamg")
     return text
 

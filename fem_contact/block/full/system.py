@@ -1,7 +1,8 @@
-"""The full system of the block: assembly, and the coarser grids that propose a first active set."""
+"""The full system of the block: which solver it takes, and the coarser grids that propose a first active set."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -10,22 +11,30 @@ from numpy.typing import NDArray
 
 from fem_contact.block.full.active_set import ActiveSetSolution, AssembledBlock, Settings, solve_contact
 from fem_contact.block.full.assembly import assemble
+from fem_contact.block.full.multigrid import Hierarchy, StencilBlock, build_hierarchy, has_stencil
 from fem_contact.block.mesh import plan_mesh
 from fem_contact.block.problem import Found, Problem
 
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
-__all__ = ["highest_nodes", "solve_full"]
+__all__ = ["highest_nodes", "prepared", "solve_full"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+
+#: Set, offset and displacement to start from.
+First = tuple[Mask, float, Array | None]
+Violation = Callable[[Array, Array, Mask | None], float]
 
 #: Below this many nodes along an axis no coarser grid looks for the first active set.
 _COARSEST = 16
 
 #: A coarser grid only proposes a set.
 _COARSE_TOLERANCE = 1e-3
+
+#: A node all of whose parents on the coarser grid touch is taken to touch.
+_INSIDE = 0.999
 
 #: Least ratio of mean bound and mean pressure on a coarser grid.
 _CARRYING = 1.01
@@ -38,13 +47,27 @@ _DIRECT_UNKNOWNS = 40_000
 _LINEAR_STEPS = 1000
 
 
-def solve_full(problem: Problem, start: Mask | Found | None, matrix: sp.bsr_array) -> Found:
-    """Solve the assembled block from a first set or solution, by default from a coarser grid's."""
+def prepared(problem: Problem) -> Hierarchy | sp.bsr_array:
+    """Return what all solves on one block share: the grids of the multigrid, or the assembled stiffness."""
+    mesh, modulus = problem.mesh, problem.modulus
+    if has_stencil(mesh, poisson=problem.poisson, lateral=problem.lateral):
+        return build_hierarchy(
+            mesh, poisson=problem.poisson, modulus=None if modulus is None else modulus[0, 0]
+        )
+    moduli = None if modulus is None else np.broadcast_to(modulus, (*mesh.cells, mesh.nz))
+    return assemble(mesh, poisson=problem.poisson, modulus=moduli).free()
+
+
+def solve_full(problem: Problem, start: Mask | Found | None, shared: Hierarchy | sp.bsr_array) -> Found:
+    """Solve the whole block from a first set or solution, by default from a coarser grid's."""
     from threadpoolctl import threadpool_limits
 
     # Vectors are short and everything else is serial: more BLAS threads only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
-        found = _iterate(problem, start, matrix)
+        if isinstance(shared, Hierarchy):
+            found, method = _on_grids(problem, start, shared), "multigrid"
+        else:
+            found, method = _iterate(problem, start, shared), "assembled"
     field = np.zeros((*problem.mesh.shape, problem.mesh.planes.size, 3))
     field[:, :, 1:] = found.displacement
     return Found(
@@ -58,10 +81,59 @@ def solve_full(problem: Problem, start: Mask | Found | None, matrix: sp.bsr_arra
         linear_iterations=found.linear_iterations,
         fft_pairs=0.0,
         bytes=found.matrix_bytes,
-        method="full",
+        method=method,
         note=f"linear residual {found.linear_residual:.3g} of the contact forces",
         field=field,
         at_bound=found.at_bound,
+    )
+
+
+def _on_grids(problem: Problem, start: Mask | Found | None, hierarchy: Hierarchy) -> ActiveSetSolution:
+    """Solve on the finest grid, from the answer of the next coarser one unless something better is known."""
+    block = StencilBlock(hierarchy=hierarchy, heights=problem.heights, bound=problem.force_bound)
+    first: First
+    if isinstance(start, Found):
+        assert start.field is not None
+        first = start.in_contact, start.offset, start.field[:, :, 1:]
+    elif start is not None:
+        first = start, 0.0, None
+    else:
+        first = _proposed(block, problem)
+    return _pressed(block, problem, first, tolerance=problem.tolerance, violation=problem.violation)
+
+
+def _proposed(block: StencilBlock, problem: Problem) -> First:
+    """First set, offset and displacement, prolonged from the contact solved on the next coarser grid."""
+    if min(block.shape) < _COARSEST:
+        return highest_nodes(block.heights, problem), 0.0, None
+    coarse = block.coarser(load=problem.load)
+    found = _pressed(
+        coarse,
+        problem,
+        _proposed(coarse, problem),
+        tolerance=max(_COARSE_TOLERANCE, problem.tolerance),
+        violation=lambda *_: np.inf,
+    )
+    level = block.hierarchy.levels[0]
+    field = level.prolonged(found.displacement)
+    inside = level.prolonged(found.in_contact.astype(float)[:, :, None])[:, :, 0] > _INSIDE
+    return inside | (found.offset - block.heights - field[:, :, -1, 2] < 0), found.offset, field
+
+
+def _pressed(
+    block: StencilBlock, problem: Problem, first: First, *, tolerance: float, violation: Violation
+) -> ActiveSetSolution:
+    nodes, offset, displacement = first
+    return solve_contact(
+        block,
+        load=problem.load,
+        offset=offset if problem.offset is None else problem.offset,
+        start=nodes if nodes.any() else highest_nodes(block.heights, problem),
+        displacement=displacement,
+        settings=Settings(
+            tolerance=tolerance, max_iterations=problem.steps, max_linear_iterations=_LINEAR_STEPS
+        ),
+        violation=violation,
     )
 
 
@@ -73,12 +145,12 @@ def _iterate(problem: Problem, start: Mask | Found | None, matrix: sp.bsr_array)
         nodes, offset, displacement = start.in_contact, start.offset, start.field[:, :, 1:]
     elif start is not None:
         nodes = start
-    elif even and not problem.lateral:
+    elif even and not problem.lateral and problem.offset is None:
         nodes, offset = _from_coarser(problem)
     else:
-        nodes = highest_nodes(problem)
+        nodes = highest_nodes(problem.heights, problem)
     if not nodes.any():
-        nodes = highest_nodes(problem)
+        nodes = highest_nodes(problem.heights, problem)
     direct = problem.poisson > _CRAWLING and mesh.unknowns <= _DIRECT_UNKNOWNS
     return solve_contact(
         AssembledBlock(
@@ -95,13 +167,14 @@ def _iterate(problem: Problem, start: Mask | Found | None, matrix: sp.bsr_array)
     )
 
 
-def highest_nodes(problem: Problem) -> Mask:
-    """Take the highest points, about as many as will touch."""
-    if problem.pressure is None:
-        return np.asarray(problem.heights >= np.max(problem.heights))
+def highest_nodes(heights: Array, problem: Problem) -> Mask:
+    """Take the points of a profile beyond the undeformed surface, or the highest, about as many as will touch."""
+    if problem.offset is not None:
+        return np.asarray(heights >= min(problem.offset, float(np.max(heights))))
+    assert problem.pressure is not None
     relative = problem.pressure / problem.gradient if problem.gradient > 0 else 1.0
-    share = min(1.0, max(2 * relative, 1 / problem.heights.size))
-    return np.asarray(problem.heights >= np.quantile(problem.heights, 1 - share, method="lower"))
+    share = min(1.0, max(2 * relative, 1 / heights.size))
+    return np.asarray(heights >= np.quantile(heights, 1 - share, method="lower"))
 
 
 def _from_coarser(problem: Problem) -> tuple[Mask, float]:

@@ -14,7 +14,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from fem_contact.block.elements import element_matrices
-from fem_contact.block.full.active_set import Block, SetPreconditioner, Settings, solve_contact
+from fem_contact.block.full.active_set import MeshedBlock, SetPreconditioner, Settings, solve_contact
 from fem_contact.block.problem import Found, Problem
 from fem_contact.block.reduced.fields import FourierSource
 from fem_contact.block.reduced.surface import BlockResponse, SurfaceOperator, solve_reduced, surface_operator
@@ -36,7 +36,7 @@ _LINEAR_STEPS = 2000
 
 
 @dataclass(frozen=True, kw_only=True)
-class HeterogeneousBlock(Block):
+class HeterogeneousBlock(MeshedBlock):
     """Trilinear cells with a modulus each.
 
     Attributes
