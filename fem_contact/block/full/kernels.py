@@ -100,7 +100,8 @@ def residual(c, u, f, tied, out):
 def relax(c, low, d, f, tied, u, backward):
     """Solve every column for its own unknowns, four colours in turn, in place.
 
-    With `backward` the columns come in reverse, which is the adjoint sweep. A mirror-symmetric column couples x, y and z only to themselves: three tridiagonal systems.
+    With `backward` the columns come in reverse, which is the adjoint sweep. A mirror-symmetric column
+    couples x, y and z only to themselves: three tridiagonal systems.
     """
     nx, ny, nz = u.shape[0], u.shape[1], u.shape[2]
     r = np.empty((nz, 3))

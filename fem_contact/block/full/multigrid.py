@@ -1,8 +1,8 @@
 """Geometric multigrid for blocks of trilinear cells: coarser sideways, all layers kept.
 
 Vertical lines are relaxed exactly, four colours in turn, so that neither thin layers at the surface nor thick
-ones at the bottom slow it down; only sideways are grids coarsened, the shorter spacing first, down to a single
-column, which lines solve exactly. The cells of a coarser grid are integrated anew.
+ones at the bottom slow it down; only sideways are grids coarsened, the shorter spacing first, down to a
+single column, which lines solve exactly. The cells of a coarser grid are integrated anew.
 """
 
 from __future__ import annotations

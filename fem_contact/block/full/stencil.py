@@ -4,10 +4,10 @@ The weak form is that of `assembly`,
 
 .. math:: K = \int \lambda\, (\nabla\!\cdot u)(\nabla\!\cdot v) + 2\mu\, \varepsilon(u):\varepsilon(v),
 
-and scikit-fem integrates it over one column of cells. Where the material varies in depth only, every column of
-nodes has the same rows, and the sum of the cells around it is kept once instead of a matrix: `kernels.apply_stencil`
-multiplies by it. Boxes are symmetric under mirrors, so that neighbours on opposite sides share a coefficient up to
-its sign and 22 of the 81 coefficients of a plane are left.
+and scikit-fem integrates it over one column of cells. Where the material varies in depth only, every column
+of nodes has the same rows: the sum of the cells around one is kept instead of a matrix, and
+`kernels.apply_stencil` multiplies by it. Boxes are symmetric under mirrors, so that neighbours on opposite
+sides share a coefficient up to its sign, and 22 of the 81 coefficients of a plane are left.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ __all__ = ["TERMS", "LineFactors", "stencil"]
 
 Array = NDArray[np.float64]
 
-#: Coefficients in the order of the kernels: component of the force, of the displacement, and the neighbour (x, y) whose
-#: coefficient stands for its mirror images; it is odd along x (y) where exactly one of both components is x (y).
+#: Coefficients in the order of the kernels: component of the force, of the displacement, and the neighbour
+#: (x, y) that stands for its mirror images; odd along x (y) where exactly one of the components is x (y).
 TERMS = (
     *((0, 0, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1), (0, 0, 1, 1), (1, 0, 1, 1), (2, 0, 1, 0), (2, 0, 1, 1)),
     *((1, 1, 0, 0), (1, 1, 1, 0), (1, 1, 0, 1), (1, 1, 1, 1), (0, 1, 1, 1), (2, 1, 0, 1), (2, 1, 1, 1)),
@@ -63,8 +63,8 @@ def stencil(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) ->
     Returns
     -------
     (nz, 3, 22) array
-        For every plane above the clamped one, from the bottom upwards, the coefficients `TERMS` of the plane below
-        it, of itself and of the plane above it, over E times the cell width.
+        For every plane above the clamped one, from the bottom upwards, the coefficients `TERMS` of the plane
+        below it, of itself and of the plane above it, over E times the cell width.
     """
     matrices, offsets = element_matrices(mesh, poisson)
     if modulus is not None:

@@ -1,4 +1,4 @@
-"""The full system of the block: which solver it takes, and the coarser grids that propose a first active set."""
+"""The full system of the block: the solver it takes, and coarser grids that propose a first active set."""
 
 from __future__ import annotations
 
@@ -168,7 +168,7 @@ def _iterate(problem: Problem, start: Mask | Found | None, matrix: sp.bsr_array)
 
 
 def highest_nodes(heights: Array, problem: Problem) -> Mask:
-    """Take the points of a profile beyond the undeformed surface, or the highest, about as many as will touch."""
+    """Take the points beyond the undeformed surface, or the highest, about as many as will touch."""
     if problem.offset is not None:
         return np.asarray(heights >= min(problem.offset, float(np.max(heights))))
     assert problem.pressure is not None
