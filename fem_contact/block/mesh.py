@@ -28,6 +28,9 @@ Lengths = tuple[float, float]
 #: A layer count is not raised for a rounding error in depth / first layer.
 _SLACK = 1e-9
 
+#: Layers at most: beyond, nothing is gained and the time to plan them is no longer bounded.
+_MOST_LAYERS = 10_000
+
 #: Layers at least, where the depth is less than this many spacings.
 _LEAST_LAYERS = 4
 
@@ -53,7 +56,7 @@ def graded_layers(depth: float, *, first: float, growth: float) -> Array:
     Raises
     ------
     InvalidInput
-        For a depth or first layer that is not positive, or a growth below 1.
+        For a depth or first layer that is not positive, a growth below 1, or more than 10,000 layers.
 
     Examples
     --------
@@ -68,11 +71,13 @@ def graded_layers(depth: float, *, first: float, growth: float) -> Array:
     if not (math.isfinite(growth) and growth >= 1):
         raise InvalidInput(f"growth = {growth!r}: must be a finite ratio, at least 1")
     ratio = depth / first
-    if growth == 1:
-        count = math.ceil(ratio * (1 - _SLACK))
-    else:
-        count = math.ceil(math.log1p(ratio * (growth - 1)) / math.log(growth) * (1 - _SLACK))
-    count = max(count, 1)
+    needed = ratio if growth == 1 else math.log1p(ratio * (growth - 1)) / math.log(growth)
+    if not needed < _MOST_LAYERS:
+        raise InvalidInput(
+            f"depth / first_layer = {ratio:.3g}, growth = {growth!r}: make {needed:.3g} layers, at most "
+            f"{_MOST_LAYERS:,} are allowed; take a larger growth, a thicker first layer or less depth"
+        )
+    count = max(math.ceil(needed * (1 - _SLACK)), 1)
     if ratio <= count:
         return np.full(count, depth / count)
     fitted = _fitted_growth(ratio, count, growth)

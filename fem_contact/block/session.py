@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact.block.elements import element_for
+from fem_contact.block.full.multigrid import has_stencil
 from fem_contact.block.mesh import BlockMesh, MeshOptions, nodal_pressure, node_weights, plan_mesh
 from fem_contact.block.problem import Found, Problem
 from fem_contact.block.reduced.fields import FourierSource
@@ -47,8 +48,10 @@ _METHODS = {
     "preconditioned by Fourier solves of a layered block",
 }
 
-#: Peak bytes per unknown of the full system, by order: stiffness, its reduced copy, hierarchy, assembly.
+#: Peak bytes per unknown of the full system that is assembled, by order: stiffness, its reduced copy,
+#: hierarchy, assembly; and of the one on the grids of the multigrid: some eighteen fields.
 _BYTES_PER_UNKNOWN = {1: 5100, 2: 11_500}
+_BYTES_PER_GRID_UNKNOWN = 150
 
 #: Libraries, and what does not grow with the block.
 _BASE_BYTES = 250_000_000
@@ -85,7 +88,8 @@ def needed_bytes(mesh: BlockMesh, method: Method, *, lateral: bool = False) -> i
     """Estimate the memory of a solve."""
     order = mesh.element.order
     if method == "full":
-        return _BASE_BYTES + _BYTES_PER_UNKNOWN[order] * mesh.unknowns
+        each = _BYTES_PER_GRID_UNKNOWN if has_stencil(mesh, lateral=lateral) else _BYTES_PER_UNKNOWN[order]
+        return _BASE_BYTES + each * mesh.unknowns
     if lateral:
         return _BYTES_PER_FREE_UNKNOWN * mesh.unknowns
     return _BYTES_PER_NODE[order] * mesh.shape[0] * mesh.shape[1]
@@ -124,6 +128,11 @@ class Session:
             raise InvalidInput(f"tolerance = {tolerance!r}: must lie in (0, 1)")
         if max_iterations is not None and max_iterations < 1:
             raise InvalidInput(f"max_iterations = {max_iterations!r}: must be at least 1")
+        if method == "full" and solid.poisson == 0.5:
+            raise InvalidInput(
+                "poisson = 0.5: the full system has no finite stiffness there; take method = 'reduced', or "
+                "poisson below 0.5"
+            )
         mesh = planned_mesh(surface.shape, surface.lengths, poisson=solid.poisson, options=options)
         width, top = surface.lengths[0] / mesh.cells[0], float(np.max(surface.heights))
         moduli = _cell_moduli(modulus, mesh, width)

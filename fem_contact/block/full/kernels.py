@@ -2,7 +2,7 @@
 
 | letter | shape | what it is |
 |---|---|---|
-| c | (nz, 3, 22) | rows of each plane of nodes: `stencil.TERMS` of the plane below, its own, the one above |
+| c | (nz, 3, 22) | `stencil.TERMS`: what each plane of nodes does to the plane below, itself, the one above |
 | u | (nx, ny, nz, 3) | displacement over the cell width, clamped plane left out, periodic in x and y |
 | f | (nx, ny, nz, 3) | nodal forces over E times the cell width squared |
 | tied | (nx, ny) | whether the vertical displacement of a surface node is held |
@@ -26,50 +26,51 @@ _OPTIONS = {"cache": True, "nogil": True, "fastmath": {"reassoc", "contract", "n
 
 @njit(**_OPTIONS)
 def _column(c, u, i, before, after, j, left, right, out):
-    """Write the forces A u of one column into out (nz, 3); mirrored neighbours share a coefficient."""
+    """Write the forces A u of one column into out (nz, 3).
+
+    Mirrored neighbours share a coefficient, so that their sums and differences are formed first; each plane then
+    acts on the plane below it, on itself and on the plane above it.
+    """
+    own, back, ahead = u[i, j], u[i, left], u[i, right]
+    low, low_back, low_ahead = u[before, j], u[before, left], u[before, right]
+    high, high_back, high_ahead = u[after, j], u[after, left], u[after, right]
     nz = u.shape[2]
+    x, y, z = 0.0, 0.0, 0.0
+    next_x, next_y, next_z = 0.0, 0.0, 0.0
     for k in range(nz):
-        x = 0.0
-        y = 0.0
-        z = 0.0
-        for plane in range(1 if k == 0 else 0, 2 if k == nz - 1 else 3):
-            t = c[k, plane]
-            m = k + plane - 1
-            pp = u[after, right, m, 0]
-            pm = u[after, left, m, 0]
-            mp = u[before, right, m, 0]
-            mm = u[before, left, m, 0]
-            p = u[after, j, m, 0]
-            q = u[before, j, m, 0]
-            x += t[0] * u[i, j, m, 0] + t[1] * (p + q)
-            x += t[2] * (u[i, right, m, 0] + u[i, left, m, 0]) + t[3] * ((pp + pm) + (mp + mm))
-            y += t[4] * ((pp - pm) - (mp - mm))
-            z += t[5] * (p - q) + t[6] * ((pp + pm) - (mp + mm))
-            pp = u[after, right, m, 1]
-            pm = u[after, left, m, 1]
-            mp = u[before, right, m, 1]
-            mm = u[before, left, m, 1]
-            p = u[i, right, m, 1]
-            q = u[i, left, m, 1]
-            y += t[7] * u[i, j, m, 1] + t[8] * (u[after, j, m, 1] + u[before, j, m, 1])
-            y += t[9] * (p + q) + t[10] * ((pp + pm) + (mp + mm))
-            x += t[11] * ((pp - pm) - (mp - mm))
-            z += t[12] * (p - q) + t[13] * ((pp + mp) - (pm + mm))
-            pp = u[after, right, m, 2]
-            pm = u[after, left, m, 2]
-            mp = u[before, right, m, 2]
-            mm = u[before, left, m, 2]
-            p = u[after, j, m, 2]
-            q = u[before, j, m, 2]
-            x += t[18] * (p - q) + t[19] * ((pp + pm) - (mp + mm))
-            z += t[14] * u[i, j, m, 2] + t[15] * (p + q)
-            p = u[i, right, m, 2]
-            q = u[i, left, m, 2]
-            z += t[16] * (p + q) + t[17] * ((pp + pm) + (mp + mm))
-            y += t[20] * (p - q) + t[21] * ((pp + mp) - (pm + mm))
-        out[k, 0] = x
-        out[k, 1] = y
-        out[k, 2] = z
+        p, q, r, s = high_ahead[k, 0], high_back[k, 0], low_ahead[k, 0], low_back[k, 0]
+        x0 = own[k, 0]
+        x1, x5 = high[k, 0] + low[k, 0], high[k, 0] - low[k, 0]
+        x2 = ahead[k, 0] + back[k, 0]
+        x3, x4, x6 = (p + q) + (r + s), (p - q) - (r - s), (p + q) - (r + s)
+        p, q, r, s = high_ahead[k, 1], high_back[k, 1], low_ahead[k, 1], low_back[k, 1]
+        y0 = own[k, 1]
+        y1 = high[k, 1] + low[k, 1]
+        y2, y5 = ahead[k, 1] + back[k, 1], ahead[k, 1] - back[k, 1]
+        y3, y4, y6 = (p + q) + (r + s), (p - q) - (r - s), (p - q) + (r - s)
+        p, q, r, s = high_ahead[k, 2], high_back[k, 2], low_ahead[k, 2], low_back[k, 2]
+        z0 = own[k, 2]
+        z1, z4 = high[k, 2] + low[k, 2], high[k, 2] - low[k, 2]
+        z2, z6 = ahead[k, 2] + back[k, 2], ahead[k, 2] - back[k, 2]
+        z3, z5, z7 = (p + q) + (r + s), (p + q) - (r + s), (p - q) + (r - s)
+        if k > 0:
+            t = c[k, 0]
+            x += t[0] * x0 + t[1] * x1 + t[2] * x2 + t[3] * x3 + t[11] * y4 + t[18] * z4 + t[19] * z5
+            y += t[4] * x4 + t[7] * y0 + t[8] * y1 + t[9] * y2 + t[10] * y3 + t[20] * z6 + t[21] * z7
+            z += t[5] * x5 + t[6] * x6 + t[12] * y5 + t[13] * y6
+            z += t[14] * z0 + t[15] * z1 + t[16] * z2 + t[17] * z3
+            out[k - 1, 0], out[k - 1, 1], out[k - 1, 2] = x, y, z
+        t = c[k, 1]
+        x = next_x + t[0] * x0 + t[1] * x1 + t[2] * x2 + t[3] * x3 + t[11] * y4 + t[18] * z4 + t[19] * z5
+        y = next_y + t[4] * x4 + t[7] * y0 + t[8] * y1 + t[9] * y2 + t[10] * y3 + t[20] * z6 + t[21] * z7
+        z = next_z + t[5] * x5 + t[6] * x6 + t[12] * y5 + t[13] * y6
+        z += t[14] * z0 + t[15] * z1 + t[16] * z2 + t[17] * z3
+        t = c[k, 2]
+        next_x = t[0] * x0 + t[1] * x1 + t[2] * x2 + t[3] * x3 + t[11] * y4 + t[18] * z4 + t[19] * z5
+        next_y = t[4] * x4 + t[7] * y0 + t[8] * y1 + t[9] * y2 + t[10] * y3 + t[20] * z6 + t[21] * z7
+        next_z = t[5] * x5 + t[6] * x6 + t[12] * y5 + t[13] * y6
+        next_z += t[14] * z0 + t[15] * z1 + t[16] * z2 + t[17] * z3
+    out[nz - 1, 0], out[nz - 1, 1], out[nz - 1, 2] = x, y, z
 
 
 @njit(**_OPTIONS)

@@ -27,9 +27,6 @@ Mask = NDArray[np.bool_]
 #: Spacings along both axes count as equal up to this ratio, and are then doubled together.
 _ALIKE = 1.5
 
-#: Largest Poisson ratio for elements without and with a pressure per cell: beyond it lines relax too little.
-_LARGEST_POISSON = (0.45, 0.45)
-
 #: Least ratio of what the bound can carry and the load on a coarser grid.
 _CARRYING = 1.01
 
@@ -153,20 +150,23 @@ class Hierarchy:
             return u
         left = np.empty_like(u)
         kernels.residual(level.coefficients, u, residual, held, left)
+        # The transpose of what the correction is kept to below.
+        left[held, -1, 2] = -(left[held, :, 2] @ level.lines.tied)
         coarse = level.restricted(left)
         del left
         correction = self.cycle(coarse, tied, depth + 1)
         kernels.prolong(
             correction.reshape(*correction.shape[:2], -1), *_tables(level.down), u.reshape(*level.shape, -1)
         )
-        u[held, -1, 2] = 0
+        # A column whose top is held yields to it all the way down: thin layers would be torn otherwise.
+        u[held, :, 2] -= u[held, -1, 2][:, None] * level.lines.tied
         kernels.relax(level.coefficients, *factors, residual, held, u, True)
         return u
 
 
-def has_stencil(mesh: BlockMesh, *, poisson: float, lateral: bool) -> bool:
+def has_stencil(mesh: BlockMesh, *, lateral: bool) -> bool:
     """Whether a block can be solved on these grids: trilinear cells, a material that varies in depth only."""
-    return mesh.element.order == 1 and not lateral and poisson <= _LARGEST_POISSON[mesh.element.pressures]
+    return mesh.element.order == 1 and not lateral
 
 
 def build_hierarchy(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Hierarchy:

@@ -13,6 +13,7 @@ sides share a coefficient up to its sign, and 22 of the 81 coefficients of a pla
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -63,22 +64,22 @@ def stencil(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) ->
     Returns
     -------
     (nz, 3, 22) array
-        For every plane above the clamped one, from the bottom upwards, the coefficients `TERMS` of the plane
-        below it, of itself and of the plane above it, over E times the cell width.
+        For every plane above the clamped one, from the bottom upwards, the coefficients `TERMS` of the forces
+        that it causes on the plane below it, on itself and on the plane above it, over E times the cell width.
     """
     matrices, offsets = element_matrices(mesh, poisson)
     if modulus is not None:
         matrices = matrices * modulus[:, None, None]
     corners = offsets // 2
-    rows = np.zeros((mesh.nz + 1, 3, len(TERMS)))
+    planes = np.zeros((mesh.nz + 1, 3, len(TERMS)))
     for test, (i, j, k) in enumerate(corners):
         for trial, neighbour in enumerate(corners):
             x, y, z = neighbour - (i, j, k)
+            upper = neighbour[2]
             for term, (a, b, right, ahead) in enumerate(TERMS):
                 if (right, ahead) == (x, y):
-                    # The nodes of the cell's plane k are those of plane k of the layer's two.
-                    rows[k : k + mesh.nz, z + 1, term] += matrices[:, 3 * test + a, 3 * trial + b]
-    return rows[1:].copy()
+                    planes[upper : upper + mesh.nz, 1 - z, term] += matrices[:, 3 * test + a, 3 * trial + b]
+    return planes[1:].copy()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,3 +112,10 @@ class LineFactors:
                 pivot = own[k] - low[k, component] * below[k]
                 reciprocal[k, component] = 1 / pivot
         return cls(low=low, reciprocal=reciprocal)
+
+    @cached_property
+    def tied(self) -> Array:
+        """Vertical displacement of a column whose top is moved by one, its neighbours held; (nz,)."""
+        follow = np.ones(len(self.low))
+        follow[:-1] = np.cumprod(-self.low[:0:-1, 2])[::-1]
+        return follow

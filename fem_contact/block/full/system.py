@@ -44,13 +44,13 @@ _CRAWLING = 0.49
 _DIRECT_UNKNOWNS = 40_000
 
 #: Conjugate-gradient steps allowed for one active set.
-_LINEAR_STEPS = 1000
+_LINEAR_STEPS = 3000
 
 
 def prepared(problem: Problem) -> Hierarchy | sp.bsr_array:
     """Return what all solves on one block share: the grids of the multigrid, or the assembled stiffness."""
     mesh, modulus = problem.mesh, problem.modulus
-    if has_stencil(mesh, poisson=problem.poisson, lateral=problem.lateral):
+    if has_stencil(mesh, lateral=problem.lateral):
         return build_hierarchy(
             mesh, poisson=problem.poisson, modulus=None if modulus is None else modulus[0, 0]
         )

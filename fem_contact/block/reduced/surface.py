@@ -206,6 +206,8 @@ def solve_reduced(
         first = None if start is None else np.where(start, 1.0, _SPREAD)
     weights, bound = node_weights(mesh), problem.bound
     solution = _bound_everywhere(problem, operator) or _touching_everywhere(problem, operator)
+    if solution is not None:
+        solution = _verified(solution, problem)
     if solution is None:
         lengths = float(mesh.cells[0]), mesh.cells[1] * mesh.aspect
         # Coarser grids only lead to a first guess, for which the homogeneous layer is near enough.
@@ -271,6 +273,17 @@ def solve_reduced_offset(
 
 #: Relative difference at which a load counts as equal to the bound: means differ by rounding.
 _SLACK = 1e-12
+
+
+def _verified(solution: Solution, problem: Problem) -> Solution:
+    """Let the residual judge an answer that no iteration led to: rounding may leave too much of it."""
+    mesh = problem.mesh
+    gap = solution.displacement - problem.heights + solution.offset
+    force = solution.force * (mesh.aspect / mesh.element.types)
+    bound = None if problem.bound is None else solution.at_bound
+    # A NaN is not below the tolerance.
+    good = problem.violation(force, np.where(solution.at_bound, np.minimum(gap, 0), gap), bound)
+    return solution if good <= problem.tolerance else replace(solution, status=Status.STAGNATED)
 
 
 def _bound_everywhere(problem: Problem, operator: Operator) -> Solution | None:
