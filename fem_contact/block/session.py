@@ -66,6 +66,9 @@ _BYTES_PER_NODE = {1: 120, 2: 400}
 #: Relative difference at which a load counts as equal to the bound: means differ by rounding.
 _SLACK = 1e-12
 
+#: Largest ratio of mean pressure and Young's modulus, and the reciprocal of the least.
+_STIFFEST = 1e60
+
 #: Active sets, and steps of the surface iteration, allowed by default.
 _SETS, _STEPS = 60, 10_000
 
@@ -159,6 +162,11 @@ class Session:
     def at_pressure(self, mean_pressure: float, start: Mask | BlockSolution | None) -> BlockSolution:
         """Solve at a mean pressure [Pa], from a first set or a solution of this session."""
         check_pressure(mean_pressure)
+        if not 1 / _STIFFEST < mean_pressure / self.solid.young < _STIFFEST:
+            raise InvalidInput(
+                f"mean_pressure = {mean_pressure!r}: over Young's modulus it must lie in (1e-60, 1e60), or its "
+                "products leave the range of the arithmetic"
+            )
         problem = replace(self.problem, pressure=mean_pressure / self.solid.young)
         if problem.mean_bound < mean_pressure / self.solid.young * (1 - _SLACK):
             raise InvalidInput(

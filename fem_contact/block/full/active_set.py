@@ -494,6 +494,10 @@ def solve_contact(
         peak, sets = max(peak, problem.preconditioner.nbytes), sets + 1
         state, solution = problem.advance(state, load=load, settings=settings, tolerance=tolerance)
         linear, most = linear + solution.iterations, max(most, solution.iterations)
+        if not solution.converged and solution.iterations >= settings.max_linear_iterations:
+            # What is not solved loosely will not be solved tightly, and sets read off it mean nothing.
+            status = Status.ITERATION_LIMIT
+            break
         if tolerance > settings.tolerance and (state.settled or state.key in seen):
             tolerance = settings.tolerance
             seen.clear()

@@ -44,7 +44,7 @@ _CRAWLING = 0.49
 _DIRECT_UNKNOWNS = 40_000
 
 #: Conjugate-gradient steps allowed for one active set.
-_LINEAR_STEPS = 3000
+_LINEAR_STEPS, _AGGREGATION_STEPS = 3000, 1000
 
 
 def prepared(problem: Problem) -> Hierarchy | sp.bsr_array:
@@ -99,7 +99,14 @@ def _on_grids(problem: Problem, start: Mask | Found | None, hierarchy: Hierarchy
         first = start, 0.0, None
     else:
         first = _proposed(block, problem)
-    return _pressed(block, problem, first, tolerance=problem.tolerance, violation=problem.violation)
+    return _pressed(
+        block,
+        problem,
+        first,
+        steps=_LINEAR_STEPS,
+        tolerance=problem.tolerance,
+        violation=problem.violation,
+    )
 
 
 def _proposed(block: StencilBlock, problem: Problem) -> First:
@@ -111,6 +118,7 @@ def _proposed(block: StencilBlock, problem: Problem) -> First:
         coarse,
         problem,
         _proposed(coarse, problem),
+        steps=_LINEAR_STEPS,
         tolerance=max(_COARSE_TOLERANCE, problem.tolerance),
         violation=lambda *_: np.inf,
     )
@@ -121,7 +129,13 @@ def _proposed(block: StencilBlock, problem: Problem) -> First:
 
 
 def _pressed(
-    block: StencilBlock, problem: Problem, first: First, *, tolerance: float, violation: Violation
+    block: StencilBlock | AssembledBlock,
+    problem: Problem,
+    first: First,
+    *,
+    steps: int,
+    tolerance: float,
+    violation: Violation,
 ) -> ActiveSetSolution:
     nodes, offset, displacement = first
     return solve_contact(
@@ -131,7 +145,7 @@ def _pressed(
         start=nodes if nodes.any() else highest_nodes(block.heights, problem),
         displacement=displacement,
         settings=Settings(
-            tolerance=tolerance, max_iterations=problem.steps, max_linear_iterations=_LINEAR_STEPS
+            tolerance=tolerance, max_iterations=problem.steps, max_linear_iterations=steps
         ),
         violation=violation,
     )
@@ -151,19 +165,23 @@ def _iterate(problem: Problem, start: Mask | Found | None, matrix: sp.bsr_array)
         nodes = highest_nodes(problem.heights, problem)
     if not nodes.any():
         nodes = highest_nodes(problem.heights, problem)
-    direct = problem.poisson > _CRAWLING and mesh.unknowns <= _DIRECT_UNKNOWNS
-    return solve_contact(
-        AssembledBlock(
-            matrix=matrix, mesh=mesh, heights=problem.heights, bound=problem.force_bound, direct=direct
-        ),
-        load=problem.load,
-        offset=offset if problem.offset is None else problem.offset,
-        start=nodes,
-        displacement=displacement,
-        settings=Settings(
-            tolerance=problem.tolerance, max_iterations=problem.steps, max_linear_iterations=_LINEAR_STEPS
-        ),
-        violation=problem.violation,
+    block = AssembledBlock(
+        matrix=matrix,
+        mesh=mesh,
+        heights=problem.heights,
+        bound=problem.force_bound,
+        direct=problem.poisson > _CRAWLING and mesh.unknowns <= _DIRECT_UNKNOWNS,
+    )
+    first, steps = (nodes, offset, displacement), _AGGREGATION_STEPS
+    found = _pressed(
+        block, problem, first, steps=steps, tolerance=problem.tolerance, violation=problem.violation
+    )
+    if found.most_linear_iterations < steps or block.direct or mesh.unknowns > _DIRECT_UNKNOWNS:
+        return found
+    # Smoothed aggregation crawls on very thick or very thin cells.
+    block = replace(block, direct=True)
+    return _pressed(
+        block, problem, first, steps=steps, tolerance=problem.tolerance, violation=problem.violation
     )
 
 
