@@ -164,8 +164,8 @@ class Session:
         check_pressure(mean_pressure)
         if not 1 / _STIFFEST < mean_pressure / self.solid.young < _STIFFEST:
             raise InvalidInput(
-                f"mean_pressure = {mean_pressure!r}: over Young's modulus it must lie in (1e-60, 1e60), or its "
-                "products leave the range of the arithmetic"
+                f"mean_pressure = {mean_pressure!r}: over Young's modulus it must lie in (1e-60, 1e60), or "
+                "its products leave the range of the arithmetic"
             )
         problem = replace(self.problem, pressure=mean_pressure / self.solid.young)
         if problem.mean_bound < mean_pressure / self.solid.young * (1 - _SLACK):

@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-__all__ = ["apply_stencil", "prolong", "relax", "residual", "restrict"]
+__all__ = ["apply_stencil", "prolong", "relax", "restrict"]
 
 _OPTIONS = {"cache": True, "nogil": True, "fastmath": {"reassoc", "contract", "nsz"}}
 
@@ -28,8 +28,8 @@ _OPTIONS = {"cache": True, "nogil": True, "fastmath": {"reassoc", "contract", "n
 def _column(c, u, i, before, after, j, left, right, out):
     """Write the forces A u of one column into out (nz, 3).
 
-    Mirrored neighbours share a coefficient, so that their sums and differences are formed first; each plane then
-    acts on the plane below it, on itself and on the plane above it.
+    Mirrored neighbours share a coefficient, so that their sums and differences are formed first; each plane
+    then acts on the plane below it, on itself and on the plane above it.
     """
     own, back, ahead = u[i, j], u[i, left], u[i, right]
     low, low_back, low_ahead = u[before, j], u[before, left], u[before, right]
@@ -80,21 +80,6 @@ def apply_stencil(c, u, out):
     for i in range(nx):
         for j in range(ny):
             _column(c, u, i, (i - 1) % nx, (i + 1) % nx, j, (j - 1) % ny, (j + 1) % ny, out[i, j])
-
-
-@njit(**_OPTIONS)
-def residual(c, u, f, tied, out):
-    """Write f - A u into out, 0 where the unknown is tied."""
-    nx, ny, nz = u.shape[0], u.shape[1], u.shape[2]
-    for i in range(nx):
-        for j in range(ny):
-            column = out[i, j]
-            _column(c, u, i, (i - 1) % nx, (i + 1) % nx, j, (j - 1) % ny, (j + 1) % ny, column)
-            for k in range(nz):
-                for a in range(3):
-                    column[k, a] = f[i, j, k, a] - column[k, a]
-            if tied[i, j]:
-                column[nz - 1, 2] = 0.0
 
 
 @njit(**_OPTIONS)

@@ -149,7 +149,9 @@ class Hierarchy:
         if level.down is None:
             return u
         left = np.empty_like(u)
-        kernels.residual(level.coefficients, u, residual, held, left)
+        kernels.apply_stencil(level.coefficients, u, left)
+        np.subtract(residual, left, out=left)
+        left[held, -1, 2] = 0
         # The transpose of what the correction is kept to below.
         left[held, -1, 2] = -(left[held, :, 2] @ level.lines.tied)
         coarse = level.restricted(left)

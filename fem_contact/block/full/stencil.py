@@ -64,8 +64,8 @@ def stencil(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) ->
     Returns
     -------
     (nz, 3, 22) array
-        For every plane above the clamped one, from the bottom upwards, the coefficients `TERMS` of the forces
-        that it causes on the plane below it, on itself and on the plane above it, over E times the cell width.
+        For every plane above the clamped one, from the bottom upwards, the coefficients `TERMS` of the
+        forces that it causes on the plane below it, itself and the plane above, over E times the cell width.
     """
     matrices, offsets = element_matrices(mesh, poisson)
     if modulus is not None:

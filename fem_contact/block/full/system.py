@@ -43,8 +43,11 @@ _CARRYING = 1.01
 _CRAWLING = 0.49
 _DIRECT_UNKNOWNS = 40_000
 
-#: Conjugate-gradient steps allowed for one active set.
+#: Conjugate-gradient steps allowed for one active set, with geometric multigrid and smoothed aggregation.
 _LINEAR_STEPS, _AGGREGATION_STEPS = 3000, 1000
+
+#: Steps of smoothed aggregation after which a block small enough is factorised instead.
+_PATIENCE = 150
 
 
 def prepared(problem: Problem) -> Hierarchy | sp.bsr_array:
@@ -144,9 +147,7 @@ def _pressed(
         offset=offset if problem.offset is None else problem.offset,
         start=nodes if nodes.any() else highest_nodes(block.heights, problem),
         displacement=displacement,
-        settings=Settings(
-            tolerance=tolerance, max_iterations=problem.steps, max_linear_iterations=steps
-        ),
+        settings=Settings(tolerance=tolerance, max_iterations=problem.steps, max_linear_iterations=steps),
         violation=violation,
     )
 
@@ -165,18 +166,20 @@ def _iterate(problem: Problem, start: Mask | Found | None, matrix: sp.bsr_array)
         nodes = highest_nodes(problem.heights, problem)
     if not nodes.any():
         nodes = highest_nodes(problem.heights, problem)
+    small = mesh.unknowns <= _DIRECT_UNKNOWNS
     block = AssembledBlock(
         matrix=matrix,
         mesh=mesh,
         heights=problem.heights,
         bound=problem.force_bound,
-        direct=problem.poisson > _CRAWLING and mesh.unknowns <= _DIRECT_UNKNOWNS,
+        direct=problem.poisson > _CRAWLING and small,
     )
-    first, steps = (nodes, offset, displacement), _AGGREGATION_STEPS
+    first = nodes, offset, displacement
+    steps = _PATIENCE if small else _AGGREGATION_STEPS
     found = _pressed(
         block, problem, first, steps=steps, tolerance=problem.tolerance, violation=problem.violation
     )
-    if found.most_linear_iterations < steps or block.direct or mesh.unknowns > _DIRECT_UNKNOWNS:
+    if found.most_linear_iterations < steps or block.direct or not small:
         return found
     # Smoothed aggregation crawls on very thick or very thin cells.
     block = replace(block, direct=True)
