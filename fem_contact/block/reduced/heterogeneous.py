@@ -13,11 +13,11 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from fem_contact.block.active_set import Block, SetPreconditioner, Settings, solve_contact
-from fem_contact.block.column import element_matrices
-from fem_contact.block.fields import FourierSource
+from fem_contact.block.elements import element_matrices
+from fem_contact.block.full.active_set import MeshedBlock, SetPreconditioner, Settings, solve_contact
 from fem_contact.block.problem import Found, Problem
-from fem_contact.block.reduced import BlockResponse, SurfaceOperator, solve_reduced, surface_operator
+from fem_contact.block.reduced.fields import FourierSource
+from fem_contact.block.reduced.surface import BlockResponse, SurfaceOperator, solve_reduced, surface_operator
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.errors import InvalidInput
 from fem_contact.solid import Solid
@@ -36,7 +36,7 @@ _LINEAR_STEPS = 2000
 
 
 @dataclass(frozen=True, kw_only=True)
-class HeterogeneousBlock(Block):
+class HeterogeneousBlock(MeshedBlock):
     """Trilinear cells with a modulus each.
 
     Attributes
@@ -72,13 +72,13 @@ class HeterogeneousBlock(Block):
     @cached_property
     def packed(self) -> tuple[Array, NDArray[np.int64]]:
         """The layered block, as the compiled kernels read it."""
-        from fem_contact.block.kernels import pack
+        from fem_contact.block.reduced.kernels import pack
 
         return pack(self.layered.folded.coefficients)
 
     def apply(self, field: Array) -> Array:
         """Sum the forces of the cells."""
-        from fem_contact.block.kernels import apply_cells
+        from fem_contact.block.reduced.kernels import apply_cells
 
         shape = (*self.mesh.shape, self.levels, 3)
         forces = np.zeros(shape)
@@ -87,7 +87,7 @@ class HeterogeneousBlock(Block):
 
     def solve_layered(self, forces: Array) -> Array:
         """Displacement of the layered block under nodal forces, flat arrays."""
-        from fem_contact.block.kernels import solve_columns
+        from fem_contact.block.reduced.kernels import solve_columns
 
         (nx, ny), packed = self.mesh.shape, self.packed
         shape = (nx, ny, self.levels, 3)

@@ -10,9 +10,9 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from fem_contact.block.column import FoldedLayers, fold, surface_compliance
 from fem_contact.block.mesh import BlockMesh, node_weights
 from fem_contact.block.problem import Found, Problem
+from fem_contact.block.reduced.column import FoldedLayers, fold, surface_compliance
 from fem_contact.complementarity import Operator, Solution, solve_nested
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.contact import Status
@@ -92,7 +92,7 @@ class BlockResponse:
 
     def surface_amplitudes(self, phases: Array, *, states: Array | None = None) -> Array:
         """Amplitudes (n, 3) over the cell width under unit vertical nodal force over E width^2."""
-        from fem_contact.block.kernels import pack, sweep
+        from fem_contact.block.reduced.kernels import pack, sweep
 
         packed, parity = pack(self.folded.coefficients)
         response = np.empty((len(phases), 3))
@@ -206,8 +206,10 @@ def solve_reduced(
         # Some force everywhere: one loaded node alone leaves no direction to search.
         first = None if start is None else np.where(start, 1.0, _SPREAD)
     weights, bound = node_weights(mesh), problem.bound
-    solution = _bound_everywhere(problem, operator) or _touching_everywhere(problem, operator)
-    if solution is None:
+    direct = _bound_everywhere(problem, operator) or _touching_everywhere(problem, operator)
+    if direct is not None:
+        solution, gap = direct.judged(problem), direct.gap
+    else:
         lengths = float(mesh.cells[0]), mesh.cells[1] * mesh.aspect
         # Coarser grids only lead to a first guess, for which the homogeneous layer is near enough.
         layer = BondedLayer(solid=response.solid, thickness=float(-mesh.planes[0]))
@@ -222,9 +224,10 @@ def solve_reduced(
             bound=bound if bound is None or weights is None else bound * weights,
             weights=weights,
         )
+        gap = solution.displacement - problem.heights + solution.offset
     return Found(
         force=solution.force * (mesh.aspect / mesh.element.types),
-        gap=solution.displacement - problem.heights + solution.offset,
+        gap=gap,
         displacement=solution.displacement,
         in_contact=solution.in_contact,
         offset=solution.offset,
@@ -272,7 +275,32 @@ def solve_reduced_offset(
 _SLACK = 1e-12
 
 
-def _bound_everywhere(problem: Problem, operator: Operator) -> Solution | None:
+@dataclass(frozen=True, kw_only=True)
+class _Direct:
+    """An answer that no iteration led to.
+
+    Attributes
+    ----------
+    solution : Solution
+    gap : (nx, ny) array
+        Over the cell width.
+    """
+
+    solution: Solution
+    gap: Array
+
+    def judged(self, problem: Problem) -> Solution:
+        """Let the residual say whether rounding left an answer; a NaN is not below the tolerance."""
+        solution, mesh = self.solution, problem.mesh
+        left = problem.violation(
+            solution.force * (mesh.aspect / mesh.element.types),
+            self.gap,
+            None if problem.bound is None else solution.at_bound,
+        )
+        return solution if left <= problem.tolerance else replace(solution, status=Status.STAGNATED)
+
+
+def _bound_everywhere(problem: Problem, operator: Operator) -> _Direct | None:
     """Return the answer where the bound leaves no choice, at the offset of least indentation."""
     assert problem.pressure is not None
     if problem.bound is None or problem.mean_bound > problem.pressure * (1 + _SLACK):
@@ -281,24 +309,30 @@ def _bound_everywhere(problem: Problem, operator: Operator) -> Solution | None:
     force = problem.bound * (1.0 if weights is None else weights)
     operator.apply(force, displacement)
     everywhere = np.ones(force.shape, dtype=bool)
-    return Solution(
+    offset = float(np.min(problem.heights - displacement))
+    solution = Solution(
         force=force,
         displacement=displacement,
-        offset=float(np.min(problem.heights - displacement)),
+        offset=offset,
         in_contact=everywhere,
         at_bound=everywhere,
         status=Status.CONVERGED,
         iterations=0,
         fft_pairs=operator.pairs,
     )
+    return _Direct(solution=solution, gap=displacement - problem.heights + offset)
 
 
-def _touching_everywhere(problem: Problem, operator: Operator) -> Solution | None:
+def _touching_everywhere(problem: Problem, operator: Operator) -> _Direct | None:
     """Return the exact answer where all nodes touch; None where that needs tension."""
     assert problem.pressure is not None
     weights = node_weights(problem.mesh)
     force, displacement = np.empty(problem.mesh.shape), np.empty(problem.mesh.shape)
     operator.precondition(problem.heights, force)
+    operator.apply(force, displacement)
+    # The uniform compression may be larger by many orders, and no gap can be read off the sum of both.
+    gap = displacement - problem.heights
+    gap -= gap.mean()
     # A uniform pressure moves all nodes alike, so it can be added.
     force += (problem.pressure - force.mean()) * (1.0 if weights is None else weights)
     if force.min() < 0 or (
@@ -306,7 +340,7 @@ def _touching_everywhere(problem: Problem, operator: Operator) -> Solution | Non
     ):
         return None
     operator.apply(force, displacement)
-    return Solution(
+    solution = Solution(
         force=force,
         displacement=displacement,
         offset=float(np.mean(problem.heights - displacement)),
@@ -314,5 +348,6 @@ def _touching_everywhere(problem: Problem, operator: Operator) -> Solution | Non
         at_bound=np.zeros(force.shape, dtype=bool),
         status=Status.CONVERGED,
         iterations=0,
-        fft_pairs=2 * operator.pairs,
+        fft_pairs=3 * operator.pairs,
     )
+    return _Direct(solution=solution, gap=gap)

@@ -18,7 +18,13 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.linear import LinearSolution, conjugate_gradients, factorised, multigrid, rigid_modes
+from fem_contact.block.full.linear import (
+    LinearSolution,
+    conjugate_gradients,
+    factorised,
+    multigrid,
+    rigid_modes,
+)
 from fem_contact.contact import Status
 
 if TYPE_CHECKING:
@@ -30,6 +36,7 @@ __all__ = [
     "ActiveSetSolution",
     "AssembledBlock",
     "Block",
+    "MeshedBlock",
     "SetPreconditioner",
     "Settings",
     "solve_contact",
@@ -113,18 +120,28 @@ class SetPreconditioner(Protocol):
 class Block(ABC):
     """A block that displacements can be applied to, and the profile pressed into it.
 
+    Displacements are flat arrays over the nodes above the clamped plane, numbered (i ny + j) nz + k.
+
     Attributes
     ----------
-    mesh : BlockMesh
     heights : (nx, ny) array
         Profile over the cell width, positive into the block.
     bound : (nx, ny) array or None
         Largest nodal force, over E times the cell width squared.
     """
 
-    mesh: BlockMesh
     heights: Array
     bound: Array | None = None
+
+    @property
+    @abstractmethod
+    def levels(self) -> int:
+        """Planes of nodes above the clamped one."""
+
+    @property
+    @abstractmethod
+    def depth(self) -> float:
+        """Thickness over the cell width."""
 
     @abstractmethod
     def apply(self, field: Array) -> Array:
@@ -135,9 +152,10 @@ class Block(ABC):
         """Prepare the linear problem in which the profile's nodes move alike."""
 
     @property
-    def levels(self) -> int:
-        """Planes of nodes above the clamped one."""
-        return self.mesh.planes.size - 1
+    def shape(self) -> tuple[int, int]:
+        """Surface nodes along both axes."""
+        nx, ny = self.heights.shape
+        return nx, ny
 
     def vertical(self, nodes: Mask) -> NDArray[np.int64]:
         """Numbers of the vertical unknowns at surface nodes."""
@@ -151,16 +169,37 @@ class Block(ABC):
         if load is not None:
             return load / math.sqrt(max(int(nodes.sum()), 1))
         deepest = float(np.max(self.heights)) - offset
-        return deepest / float(-self.mesh.planes[0])
+        return deepest / self.depth
 
     def surface(self, field: Array) -> Array:
         """Vertical component at the surface of a field over all unknowns, (nx, ny)."""
-        nx, ny = self.mesh.shape
-        return field.reshape(nx, ny, self.levels, 3)[:, :, -1, 2]
+        return field.reshape(*self.shape, self.levels, 3)[:, :, -1, 2]
 
 
 @dataclass(frozen=True, kw_only=True)
-class AssembledBlock(Block):
+class MeshedBlock(Block):
+    """A block that knows its mesh.
+
+    Attributes
+    ----------
+    mesh : BlockMesh
+    """
+
+    mesh: BlockMesh
+
+    @property
+    def levels(self) -> int:
+        """Planes of nodes above the clamped one."""
+        return self.mesh.planes.size - 1
+
+    @property
+    def depth(self) -> float:
+        """Thickness over the cell width."""
+        return float(-self.mesh.planes[0])
+
+
+@dataclass(frozen=True, kw_only=True)
+class AssembledBlock(MeshedBlock):
     """The assembled stiffness.
 
     Attributes
@@ -270,12 +309,10 @@ class _State:
     @classmethod
     def initial(cls, block: Block, *, start: Mask, offset: float, displacement: Array | None) -> _State:
         field = (
-            np.zeros(3 * block.mesh.shape[0] * block.mesh.shape[1] * block.levels)
-            if displacement is None
-            else displacement.ravel()
+            np.zeros(3 * block.heights.size * block.levels) if displacement is None else displacement.ravel()
         )
-        zero = np.zeros(block.mesh.shape)
-        none = None if block.bound is None else np.zeros(block.mesh.shape, dtype=bool)
+        zero = np.zeros(block.shape)
+        none = None if block.bound is None else np.zeros(block.shape, dtype=bool)
         return cls(
             displacement=field,
             offset=offset,
@@ -457,6 +494,10 @@ def solve_contact(
         peak, sets = max(peak, problem.preconditioner.nbytes), sets + 1
         state, solution = problem.advance(state, load=load, settings=settings, tolerance=tolerance)
         linear, most = linear + solution.iterations, max(most, solution.iterations)
+        if not solution.converged and solution.iterations >= settings.max_linear_iterations:
+            # What is not solved loosely will not be solved tightly, and sets read off it mean nothing.
+            status = Status.ITERATION_LIMIT
+            break
         if tolerance > settings.tolerance and (state.settled or state.key in seen):
             tolerance = settings.tolerance
             seen.clear()
@@ -477,7 +518,7 @@ def solve_contact(
             seen.add(_key(state.nodes, state.plastic))
             state = state.moved()
     return ActiveSetSolution(
-        displacement=state.displacement.reshape(*block.mesh.shape, block.levels, 3),
+        displacement=state.displacement.reshape(*block.shape, block.levels, 3),
         force=state.force,
         gap=state.gap,
         in_contact=state.nodes if state.plastic is None else state.nodes | state.plastic,
