@@ -109,13 +109,9 @@ def check_ladder(per_wave: Sequence[float], *, shifts: int) -> None:
     fine = resolved(per_wave)
     if len(fine) < 2 or len(fine) * shifts**2 < 3:
         raise wrong(
-            f"points_per_wave = {_listed(per_wave)} with shifts = {shifts}: a limit over grids needs three solves on two "
-            f"grids of at least {LEAST_POINTS_PER_WAVE:g} points per wave"
+            f"with shifts = {shifts} a limit over grids needs three solves on two grids of at least "
+            f"{LEAST_POINTS_PER_WAVE:g} points per wave"
         )
-
-
-def _listed(values: Sequence[float]) -> str:
-    return ", ".join(f"{value:g}" for value in values)
 
 
 def _in_rising_order(values: tuple[Any, ...]) -> tuple[Any, ...]:
