@@ -237,54 +237,6 @@ def density_at_zero(dataset: xr.Dataset, intercepts: NDArray[np.float64]) -> Fig
     return figure
 
 
-def fem_against_bem(dataset: xr.Dataset, legs: Sequence[str]) -> Figure:
-    """Pressure and area differences between finite and boundary elements against the grid, by leg."""
-    figure, panels = new_figure(width=9.0, columns=2)
-    for axes, name, label in zip(
-        panels,
-        ("pressure_half_space", "area"),
-        (r"$\|p_{FEM}-p_{BEM}\|/\|p_{BEM}\|$ [%]", r"$|A_{FEM}/A_{BEM}-1|$, counted [%]"),
-        strict=True,
-    ):
-        for k, leg in enumerate(legs):
-            part = dataset.isel(case=np.flatnonzero(dataset.leg.values == leg))
-            axes.plot(part.points_per_wave, 100 * np.abs(part[name].mean("surface")), label=leg, **_plain(k))
-            axes.plot(
-                part.points_per_wave, 100 * np.abs(part[name]), ls="", marker=".", ms=3, color=COLOURS[k]
-            )
-        axes.set_xscale("log", base=2)
-        axes.set_yscale("log")
-        axes.set_xlabel(r"$\lambda_{short}/\Delta x$")
-        axes.set_ylabel(label)
-    panels[0].legend(fontsize=8)
-    return figure
-
-
-def block_depth(dataset: xr.Dataset) -> Figure:
-    """Pressure of the block against half-space and layer, over depth and over growth."""
-    figure, panels = new_figure(width=9.0, columns=2)
-    for axes, dial, label in zip(
-        panels, ("depth", "growth"), ("depth / L", "growth of successive layers"), strict=True
-    ):
-        for k, element in enumerate(dict.fromkeys(dataset.element.values.tolist())):
-            keep = (dataset.element.values == element) & (dataset.varied.values == dial)
-            part = dataset.isel(case=np.flatnonzero(keep))
-            axes.plot(part[dial], 100 * part.pressure_half_space, label=f"{element}, half-space", **_plain(k))
-            axes.plot(
-                part[dial],
-                100 * part.pressure_layer,
-                label=f"{element}, layer",
-                mfc="white",
-                ls="--",
-                **_plain(k),
-            )
-        axes.set_yscale("log")
-        axes.set_xlabel(label)
-        axes.set_ylabel("relative L2 difference of pressure [%]")
-    panels[0].legend(fontsize=8)
-    return figure
-
-
 def accuracy_cost(
     dataset: xr.Dataset, error: NDArray[np.float64], fronts: Mapping[str, Sequence[int]]
 ) -> Figure:
