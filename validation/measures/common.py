@@ -31,6 +31,7 @@ __all__ = [
     "Ladder",
     "Rising",
     "RisingGrids",
+    "RisingOrNone",
     "at_least",
     "base_case",
     "base_surface",
@@ -128,8 +129,9 @@ def _of_a_limit(values: tuple[float, ...]) -> tuple[float, ...]:
 #: Sub-grid shifts along each axis that the studies take unless they say otherwise.
 SHIFTS = 2
 
-#: Options of studies: positive numbers in rising order; grids as points along a side; grids, as lambda_short/dx, over
-#: which a limit can be taken.
+#: Options of studies: positive numbers in rising order, none or more of them, at least one; grids as points along a
+#: side; grids, as lambda_short/dx, over which a limit can be taken.
+RisingOrNone = Annotated[tuple[Positive, ...], AfterValidator(_in_rising_order)]
 Rising = Annotated[tuple[Positive, ...], Field(min_length=1), AfterValidator(_in_rising_order)]
 RisingGrids = Annotated[
     tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=1), AfterValidator(_in_rising_order)
