@@ -40,6 +40,7 @@ __all__ = [
     "measure",
     "over_surfaces",
     "persson_area",
+    "reduced_load",
     "resolved",
     "results_of",
     "rising",
@@ -92,6 +93,12 @@ def base_case(
 ) -> Realised:
     """Return a surface that is pressed with p* = `reduced_pressure`; ``.further(k)`` is the k-th of its spectrum."""
     return Realised(surface=surface, solid=solid, load=Load(reduced_pressure=reduced_pressure))
+
+
+def reduced_load(realised: Realised) -> float:
+    """Return p* as it was given, or else from p0."""
+    said = realised.load.reduced_pressure
+    return realised.reduced_pressure if said is None else said
 
 
 def results_of(bench: Bench, cases: Mapping[Case, Solve]) -> dict[Case, Any]:

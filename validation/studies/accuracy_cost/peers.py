@@ -17,6 +17,7 @@ import numpy as np
 
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from validation.errors import RunFailed
+from validation.measures.common import reduced_load
 from validation.measures.single_solve import SingleSolve
 from validation.solves.solve import Prediction
 from validation.studies.accuracy_cost import peer_solve
@@ -91,7 +92,7 @@ class PeerMeasurement(SingleSolve):
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "heights.npy"
             np.save(file, heights)
-            numbers = (self.realised.reduced_pressure, pixel, allowed)
+            numbers = (reduced_load(self.realised), pixel, allowed)
             # The file, not the module: a process that imports this package would have its memory, too.
             command = [sys.executable, "-P", peer_solve.__file__, self.code, str(file)]
             done = subprocess.run(
