@@ -1,4 +1,4 @@
-"""Finding what has a file of its own: classes in the modules of a package, and in other packages by entry point."""
+"""Finding what has a file of its own: classes in the modules of a package, or given by entry points."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ T = TypeVar("T")
 
 
 def found_in(package: str, base: type[T], *, group: str) -> tuple[type[T], ...]:
-    """Return the concrete subclasses of `base` that modules of a package define, then those of an entry-point group.
+    """Return the concrete subclasses of `base` in the modules of a package, then those of entry points.
 
     Raises
     ------
@@ -28,9 +28,9 @@ def found_in(package: str, base: type[T], *, group: str) -> tuple[type[T], ...]:
     for name in sorted(info.name for info in pkgutil.iter_modules(path)):
         module = importlib.import_module(f"{package}.{name}")
         for value in vars(module).values():
-            if inspect.isclass(value) and issubclass(value, base) and value.__module__ == module.__name__:
-                if value is not base and not inspect.isabstract(value):
-                    found.append(value)
+            own = inspect.isclass(value) and value.__module__ == module.__name__
+            if own and issubclass(value, base) and not inspect.isabstract(value) and value is not base:
+                found.append(value)
     for entry in sorted(metadata.entry_points(group=group), key=lambda entry: entry.name):
         where = f"entry point {entry.name} = {entry.value} of {group}"
         try:

@@ -19,9 +19,10 @@ from validation.errors import RunFailed, UsageError
 from validation.methods.bem import BemOptions
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Methods, Scene
-from validation.solves.bench import Bench, Solves
+from validation.solves.bench import Bench
 from validation.solves.cost import available_memory, memory_words, transform_seconds
 from validation.solves.press import Press, solves_of
+from validation.solves.running import Solves
 
 if TYPE_CHECKING:
     pass

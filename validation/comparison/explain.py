@@ -144,7 +144,7 @@ def judgements(scene: Scene, realised: Realised) -> tuple[tuple[Judgement, ...],
         longest=realised.longest,
         shortest=realised.shortest,
     )
-    listed = tuple(_priced(effect.judge(rough)) for effect in scene.effects) if rough.gradient else ()
+    listed = tuple(_priced(effect.judged(rough)) for effect in scene.effects)
     return listed, _left_out(scene, rough)
 
 

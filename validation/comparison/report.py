@@ -7,7 +7,7 @@ import dataclasses
 import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from validation.comparison.findings import yielded_row
 from validation.comparison.pictures import Pictures, render_stored
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from fem_contact.contact import ContactResult
     from validation.comparison.compare import Comparison, Row
     from validation.scenes.scene import Scene
+    from validation.solves.store import Store
 
 __all__ = ["console_table", "report_page", "write_outputs"]
 

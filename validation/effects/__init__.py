@@ -1,4 +1,4 @@
-"""Physical effects beyond linear elastic contact of a half-space: one file each, found by name or entry point."""
+"""Effects beyond linear elastic contact of a half-space: one file each, found by name or entry point."""
 
 from __future__ import annotations
 

@@ -86,8 +86,8 @@ class Adhesion(Effect):
     def _parting(self, rough: Roughness) -> float:
         r"""Repulsion in the contacts over the attraction around them.
 
-        .. math:: \frac{h' \rho}{\kappa_\mathrm{rep}\, \ell_a}\left(\frac{h' d_\mathrm{rep}}{4\rho}\right)^{2/3},
-                  \qquad \ell_a = w/E^*,\quad d_\mathrm{rep} = 4 h'/h'',\quad \kappa_\mathrm{rep} = 2
+        .. math:: \frac{h' \rho}{\kappa_\mathrm{rep}\, \ell_a}
+                  \left(\frac{h' d_\mathrm{rep}}{4\rho}\right)^{2/3}, \qquad \ell_a = w/E^*,\quad d_\mathrm{rep} = 4 h'/h'',\quad \kappa_\mathrm{rep} = 2
 
         L. Pastewka, M. O. Robbins, PNAS 111 (2014) 3298, Eq. 10, with h'' half of the rms Laplacian.
         """

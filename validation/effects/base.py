@@ -1,4 +1,4 @@
-"""What an effect is: a table of a scene, the slot of a solver that it fills, and the number that says if it matters."""
+"""What an effect is: a table of a scene, the slot of a solver it fills, the number that says if it matters."""
 
 from __future__ import annotations
 
@@ -204,7 +204,7 @@ def full_contact_energy(surface: HeightField, *, modulus: float) -> float:
 
 
 class Effect(Table):
-    """A physical effect beyond linear elastic contact of a half-space; a subclass is one file and all there is to it.
+    """A physical effect beyond linear elastic contact of a half-space; a subclass is one file.
 
     Its fields are its table in the scene, with units. A scene that does not list it never touches it.
 
@@ -251,8 +251,14 @@ class Effect(Table):
         """
 
     def judge(self, rough: Roughness) -> Judgement:
-        """Say by a number whether it matters."""
+        """Say by a number whether it matters on a rough surface."""
         raise NotImplementedError
+
+    def judged(self, rough: Roughness) -> Judgement:
+        """Say whether it matters; on a flat surface nothing tells."""
+        if rough.gradient > 0:
+            return self.judge(rough)
+        return Judgement(effect=self.kind, number="flat surface", verdict="unknown without roughness")
 
     @classmethod
     def unlisted(cls, rough: Roughness) -> Judgement | None:
@@ -261,7 +267,7 @@ class Effect(Table):
 
     @classmethod
     def example(cls, spacing: float) -> Self:
-        """Return one that matters on a solid of E* = 1 with h'_rms = 0.1 and waves of 1/4 to 1/32, on that grid spacing.
+        """Return one that matters where E* = 1 and h'_rms = 0.1, on waves of 1/4 to 1/32.
 
         It warms up the compiled passes, measures the cost, and stands in docs and tests.
         """

@@ -14,12 +14,13 @@ __all__ = ["Method", "Solver", "find_method", "find_solver", "methods"]
 
 @cache
 def methods() -> Mapping[str, Method]:
-    """Return all methods by name: boundary elements, finite elements, the theory, then those of other packages.
+    """Return all methods by name: those of this package, then those of other packages.
 
-    Another package adds one by an entry point of the group ``fem_contact.methods``. The first that a scene lists
-    is the one its limit is taken from and the others are compared with.
+    Another package adds one by an entry point of the group ``fem_contact.methods``. The first solver that a
+    scene lists is the one its limit is taken from and the others are compared with.
     """
-    return {kind.name: kind() for kind in found_in(__name__, Method, group="fem_contact.methods")}
+    kinds = found_in(__name__, Method, group="fem_contact.methods")  # type: ignore[type-abstract]
+    return {kind.name: kind() for kind in kinds}
 
 
 def find_method(name: str) -> Method:

@@ -90,7 +90,7 @@ class Method(ABC):
     def handles(self, effect: type[Effect]) -> bool:
         """Whether it can be given an effect of that kind."""
 
-    def check(self, options: Any, realised: Realised, effects: Sequence[Effect]) -> None:
+    def check(self, options: Any, realised: Realised, effects: Sequence[Effect]) -> None:  # noqa: B027
         """Refuse, before anything is computed, what it cannot do.
 
         Raises
@@ -198,9 +198,11 @@ def check_effects_handled(
 
 
 def example_field(points: int) -> HeightField:
-    """Return waves of gradient 0.1 on which the examples of effects matter, to warm up and to measure costs by."""
+    """Return waves of gradient 0.1 on which the examples of effects matter."""
     x = np.arange(points) / points
-    waves = sum(np.cos(2 * np.pi * k * x + k) / k**1.8 for k in (4, 8, 16, 32) if 2 * k < points)
+    waves = np.zeros(points)
+    for k in (4, 8, 16, 32):
+        waves += np.cos(2 * np.pi * k * x + k) / k**1.8 if 2 * k < points else 0
     heights = waves[:, None] + np.roll(waves, 3)[None, :]
     rough = HeightField(heights=heights, lengths=(1.0, 1.0))
     return HeightField(heights=heights * (0.1 / rough.rms_gradient), lengths=(1.0, 1.0))

@@ -46,8 +46,8 @@ class Bem(Solver):
     locates_edges = True
     for_ensembles = True
     papers = (
-        "Boundary elements by FFT: H. M. Stanley, T. Kato, J. Tribol. 119, 481 (1997); conjugate gradients with "
-        "bounds: I. A. Polonsky, L. M. Keer, Wear 231, 206 (1999); with adhesion, projected Newton method: "
+        "Boundary elements by FFT: H. M. Stanley, T. Kato, J. Tribol. 119, 481 (1997); conjugate gradients "
+        "with bounds: I. A. Polonsky, L. M. Keer, Wear 231, 206 (1999); with adhesion, projected Newton method: "
         "D. P. Bertsekas, SIAM J. Control Optim. 20, 221 (1982).",
     )
 

@@ -47,7 +47,7 @@ class FemOptions(Gridded):
 
 
 class Fem(Solver):
-    """The finite-element block: the whole system, which is the independent leg, or its reduction to the surface."""
+    """The finite-element block: the whole system, or its exact reduction to the surface."""
 
     name = "fem"
     label = "FEM"
@@ -55,8 +55,8 @@ class Fem(Solver):
     slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound"})
     independent = True
     papers = (
-        "Finite elements: T. Gustafsson, G. D. McBain, scikit-fem, J. Open Source Softw. 5, 2369 (2020); linear "
-        "systems: N. Bell, L. N. Olson, J. Schroder, PyAMG, J. Open Source Softw. 7, 4142 (2022).",
+        "Finite elements: T. Gustafsson, G. D. McBain, scikit-fem, J. Open Source Softw. 5, 2369 (2020); "
+        "linear systems: N. Bell, L. N. Olson, J. Schroder, PyAMG, J. Open Source Softw. 7, 4142 (2022).",
     )
 
     def handles(self, effect: type[Effect]) -> bool:
@@ -67,8 +67,8 @@ class Fem(Solver):
         """Refuse elements that lock, two depths, and a solid that is no clamped body."""
         if options.method == "full" and realised.solid.poisson > _LOCKING:
             raise UsageError(
-                f"solid.poisson = {realised.solid.poisson!r}: method 'fem' locks above {_LOCKING} with elements of "
-                "displacement alone; leave [methods.fem] out or lower it"
+                f"solid.poisson = {realised.solid.poisson!r}: method 'fem' locks above {_LOCKING} with elements "
+                "of displacement alone; leave [methods.fem] out or lower it"
             )
         for k, effect in enumerate(effects):
             if effect.slot != "response":
@@ -76,8 +76,8 @@ class Fem(Solver):
             body = Slots.filled(realised.elastic, [effect]).body
             if body is None:
                 raise UsageError(
-                    f"{effect_key(k, 'kind')} = {effect.kind!r}: as it stands it is no body on a clamped base, "
-                    "which is what method 'fem' meshes; change it, or leave [methods.fem] out"
+                    f"{effect_key(k, 'kind')} = {effect.kind!r}: as it stands it is no body on a clamped "
+                    "base, which is what method 'fem' meshes; change it, or leave [methods.fem] out"
                 )
             if body.depth is not None and options.depth is not None:
                 raise UsageError(
@@ -190,7 +190,7 @@ class Fem(Solver):
             )
             yield (
                 f"finite elements, {grid[0]} x {grid[1]}",
-                f"compliance off by {short.along_axis:+.2%} along the axes and {short.along_diagonal:+.2%} along "
-                f"the diagonal at {short.nodes:.3g} nodes per wave (the shortest), by {long.along_axis:+.2%} at "
-                f"{long.nodes:.3g} (the longest); + is too soft",
+                f"compliance off by {short.along_axis:+.2%} along the axes and {short.along_diagonal:+.2%} "
+                f"along the diagonal at {short.nodes:.3g} nodes per wave (the shortest), by "
+                f"{long.along_axis:+.2%} at {long.nodes:.3g} (the longest); + is too soft",
             )

@@ -61,8 +61,8 @@ class Prediction:
     Attributes
     ----------
     area : float
-        A/A0 conditional on the realised gradient of this surface, yielded contact included; NaN where the theory
-        has no answer.
+        A/A0 conditional on the realised gradient of this surface, yielded contact included; NaN where the
+        theory has no answer.
     ensemble_area : float or None
         A/A0 from C(q) alone; None where there is no C(q).
     stress_variance : float
@@ -154,7 +154,7 @@ def _spectral_variance(spectrum: SelfAffine | Tabulated, modulus: Modulus) -> fl
 
 @dataclass(frozen=True, kw_only=True)
 class _Areas:
-    """A/A0 (NaN where there is no answer), A_pl/A0, A/A0 by the other energy, and which part of the theory it is."""
+    """A/A0 (NaN without an answer), A_pl/A0, A/A0 by the other energy, which part of the theory it is."""
 
     area: float
     plastic: float | None

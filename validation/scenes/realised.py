@@ -89,7 +89,7 @@ class Realised:
 
     @cached_property
     def spectrum(self) -> SelfAffine | Tabulated | None:
-        """C(q) of the scene; estimated for a measured patch with tapered edges, None for one that is a period."""
+        """C(q) of the scene, estimated for a measured patch with tapered edges; None for one period."""
         if not isinstance(self.surface, FileSurface):
             return surfaces.spectrum_of(self.surface)
         return surfaces.measured_spectrum(self.surface) if self.surface.edges in ("tukey", "hann") else None

@@ -6,7 +6,9 @@ import math
 import os
 import re
 import tomllib
+from functools import reduce
 from importlib import resources
+from operator import or_
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
@@ -156,6 +158,8 @@ if TYPE_CHECKING:
     class Methods(MethodTables):
         """One optional table for each method of the registry."""
 
+        def __init__(self, **tables: Any) -> None: ...
+
         def __getattr__(self, name: str) -> Any: ...
 
 else:
@@ -165,7 +169,7 @@ else:
         __doc__="One optional table for each method of the registry.",
         **{name: (method.options | None, None) for name, method in methods().items()},
     )
-    EffectSpec = Annotated[tuple(effect_kinds().values()), Field(discriminator="kind")]
+    EffectSpec = Annotated[reduce(or_, effect_kinds().values()), Field(discriminator="kind")]
 
 
 class Ensemble(_Table):
@@ -443,7 +447,7 @@ def _problem(item: Any) -> str:
 
 def _described(location: list[str]) -> str:
     """Say what a missing key is, from the description of its field."""
-    tables = (
+    tables: tuple[type[BaseModel], ...] = (
         Scene,
         SelfAffineSurface,
         FileSurface,

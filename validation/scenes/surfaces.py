@@ -70,8 +70,8 @@ def sampled(
 ) -> HeightField:
     """Sample a surface on a grid, moved by parts of a cell.
 
-    A grid that does not resolve the surface gets its point values; the scene has already been asked whether that
-    is wanted. Such a field is shifted on a resolving grid, then sampled.
+    A grid that does not resolve the surface gets its point values; the scene has already been asked whether
+    that is wanted. Such a field is shifted on a resolving grid, then sampled.
     """
     field = waves.on(grid, under_resolved=True)
     if shift == (0.0, 0.0):

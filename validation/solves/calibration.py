@@ -38,9 +38,9 @@ class EffectCosts:
 
 
 def reference() -> EffectCosts:
-    """Return what stands without a calibration of this machine: one surface on 256 x 256 points, one thread.
+    """Return what stands without a calibration of this machine: 256 x 256 points, one thread.
 
-    Adhesion's factor grows with the grid (12 on 512 x 512), that of grading, most of which is set-up, falls (3).
+    Adhesion's factor grows with the grid (12 on 512 x 512); that of grading, most of which is set-up, falls.
     """
     return EffectCosts(
         factors=MappingProxyType({name: kind.cost for name, kind in effect_kinds().items()}),

@@ -105,7 +105,7 @@ class Outcome:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Solves(Mapping[Solve, Any]):
+class Solves(Mapping[Any, Any]):
     """Results by solve, fields or numbers; each is read once, when asked for, while memory lasts.
 
     Attributes
@@ -120,7 +120,7 @@ class Solves(Mapping[Solve, Any]):
     solves: tuple[Solve, ...]
     store: Store
     solved: int = 0
-    kept: _Kept = field(default_factory=lambda: _Kept())
+    kept: _Kept = field(default_factory=lambda: _Kept(_KEPT_BYTES))
 
     def __getitem__(self, solve: Solve) -> Any:
         """Read a result from the store."""
@@ -141,10 +141,14 @@ class Solves(Mapping[Solve, Any]):
         return len(self.solves)
 
 
+#: Results that are held in memory after they were read, in all.
+_KEPT_BYTES = 2**29
+
+
 class _Kept:
     """Results that were read already, up to a size in all."""
 
-    def __init__(self, limit: int = 2**29) -> None:
+    def __init__(self, limit: int) -> None:
         self._results: dict[str, Any] = {}
         self._free = limit
 
@@ -182,7 +186,7 @@ def solve_all(
     execution, progress = execution or Execution(), progress or Silent()
     wanted = tuple({solve.key: solve for solve in solves}.values())
     remove_drafts(store.folder)
-    kept = _Kept()
+    kept = _Kept(_KEPT_BYTES)
     missing: list[Solve] = []
     for solve in wanted:
         result = store.load(solve, on_damage=progress.note)

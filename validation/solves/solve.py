@@ -30,8 +30,8 @@ class Prediction:
 class Solve(ABC):
     """One unit of work; its result is kept under a name made from its recipe.
 
-    Subclasses are frozen dataclasses of plain data, so that worker processes can be sent them. A solve is the key
-    of its own result: ``bench.solve(solves)[solve]``.
+    Subclasses are frozen dataclasses of plain data, so that worker processes can be sent them. A solve is the
+    key of its own result: ``bench.solve(solves)[solve]``.
     """
 
     @property
@@ -55,7 +55,8 @@ class Solve(ABC):
         Parameters
         ----------
         pair_seconds : float
-            Time of one pair of real 256 x 256 transforms on this machine, which tells one machine from another [s].
+            Time of one pair of real 256 x 256 transforms on this machine [s], which tells one machine from
+            another.
         """
 
     @abstractmethod
@@ -70,7 +71,7 @@ class Solve(ABC):
     def read(self, path: Path) -> Any:
         """Read a result; whatever is wrong with the file raises."""
 
-    def written_beside(self, result: Any, folder: Path) -> None:
+    def written_beside(self, result: Any, folder: Path) -> None:  # noqa: B027
         """Write what belongs beside a result, such as a block to look at; nothing unless a subclass does."""
 
     @property
@@ -78,7 +79,7 @@ class Solve(ABC):
         """What decides which compiled passes are run through; nothing to warm up if empty."""
         return ()
 
-    def warm_up(self) -> None:
+    def warm_up(self) -> None:  # noqa: B027
         """Run through the compiled passes once, so that no solve is charged with loading them."""
 
     def after(self, previous: Solve | None) -> Solve:
@@ -130,6 +131,6 @@ class NumbersSolve(Solve):
 
     def warm_up(self) -> None:
         """Load the compiled passes of plain boundary elements."""
-        from validation.methods import find_method
+        from validation.methods import find_solver
 
-        find_method("bem").rehearse(())
+        find_solver("bem").rehearse(())

@@ -146,7 +146,7 @@ def _write_table(table: ResultTable, path: Path) -> Path:
 
 def _papers(used: Sequence[str]) -> tuple[str, ...]:
     """Papers of the methods and effects that a study names."""
-    known = {**methods(), **effect_kinds()}
+    known: dict[str, Any] = {**methods(), **effect_kinds()}
     cited = [paper for name, what in known.items() if name in used for paper in what.papers]
     return (*cited, PERIMETER, *([MEASURED] if "measured" in used else []))
 

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from validation.report.drawing import Drawing
-    from validation.solves.bench import Solves
+    from validation.solves.running import Solves
 
 __all__ = ["Options", "figures", "findings", "run"]
 
