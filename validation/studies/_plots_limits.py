@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from persson.elastic import KAPPA_BGT, persson_kappa, pressure_distribution, stress_variance
 from validation.measures.references import KAPPA_LITERATURE
 from validation.measures.theory_energy import VARIANTS
-from validation.report.figure import new_figure
-from validation.studies._plots_studies import COLOURS, MARKERS, THEORY, look
+from validation.report.figure import COLOURS, THEORY, look, new_figure
+from validation.report.figure import SYMBOLS as MARKERS
 
 if TYPE_CHECKING:
     import xarray as xr

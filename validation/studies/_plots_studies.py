@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from persson.elastic import KAPPA_BGT, KAPPA_PERSSON
-from validation.report.figure import new_figure
+from validation.report.figure import COLOURS, THEORY, look, new_figure
+from validation.report.figure import SYMBOLS as MARKERS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,15 +27,6 @@ __all__ = [
     "grid_scale_protocol",
     "kappa_against_nayak",
 ]
-
-MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
-COLOURS = ("#0b5394", "#b45f06", "#38761d", "#741b47", "#134f5c", "#7f6000", "#444444", "#990000")
-THEORY: dict[str, Any] = {"color": "#38761d", "ls": "-."}
-
-
-def look(k: int) -> dict[str, Any]:
-    return {"marker": MARKERS[k % 8], "color": COLOURS[k % 8], "capsize": 2, "ms": 5}
-
 
 def _kappa_lines(axes: Axes) -> None:
     axes.axhline(KAPPA_BGT, color="black", ls=":", lw=1, label=f"Bush-Gibson-Thomas {KAPPA_BGT:.3f}")
