@@ -14,7 +14,7 @@ from validation.measures.common import at_least, base_surface, ladder, measure, 
 from validation.measures.distributions import Distributions
 from validation.measures.measurement import grid_for
 from validation.measures.references import KAPPA_LITERATURE
-from validation.measures.spectrum_limits import spectral_share, usual_ladders
+from validation.measures.ladders import spectral_share, usual_ladders
 from validation.measures.statistics import Estimate, combined, mean_over_surfaces, order_of_convergence
 from validation.measures.theory import ensemble_area, modes_sentence
 from validation.report.drawing import Drawing
