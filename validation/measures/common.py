@@ -31,6 +31,7 @@ __all__ = [
     "Ladder",
     "Rising",
     "RisingGrids",
+    "RisingOrNone",
     "at_least",
     "base_case",
     "base_surface",
@@ -39,6 +40,7 @@ __all__ = [
     "measure",
     "over_surfaces",
     "persson_area",
+    "reduced_load",
     "resolved",
     "results_of",
     "rising",
@@ -93,6 +95,12 @@ def base_case(
     return Realised(surface=surface, solid=solid, load=Load(reduced_pressure=reduced_pressure))
 
 
+def reduced_load(realised: Realised) -> float:
+    """Return p* as it was given, or else from p0."""
+    said = realised.load.reduced_pressure
+    return realised.reduced_pressure if said is None else said
+
+
 def results_of(bench: Bench, cases: Mapping[Case, Solve]) -> dict[Case, Any]:
     """Solve cases on a bench, and return the result of each under the name of the case."""
     results = bench.solve(cases.values())
@@ -128,8 +136,10 @@ def _of_a_limit(values: tuple[float, ...], others: ValidationInfo) -> tuple[floa
 #: Sub-grid shifts along each axis that the studies take unless they say otherwise.
 SHIFTS = 2
 
-#: Options of studies: positive numbers in rising order; grids as points along a side; grids, as lambda_short/dx, over
-#: which a limit can be taken, where a study has an option `shifts` with as many as that, if it stands before this one.
+#: Options of studies: positive numbers in rising order, none or more of them, at least one; grids as points along a
+#: side; grids, as lambda_short/dx, over which a limit can be taken, where a study has an option `shifts` with as many
+#: as that, if it stands before this one.
+RisingOrNone = Annotated[tuple[Positive, ...], AfterValidator(_in_rising_order)]
 Rising = Annotated[tuple[Positive, ...], Field(min_length=1), AfterValidator(_in_rising_order)]
 RisingGrids = Annotated[
     tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=1), AfterValidator(_in_rising_order)

@@ -12,6 +12,7 @@ from fem_contact.area import contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
 from fem_contact.stress import pressure_distribution
+from validation.measures.common import reduced_load
 from validation.measures.single_solve import SingleSolve
 from validation.solves.solve import Prediction
 
@@ -57,7 +58,8 @@ class EdgeMeasurement(SingleSolve):
 
         from fem_contact import bem
 
-        unit, pressure = self.realised.pressure_scale, self.realised.pressure
+        unit = self.realised.pressure_scale
+        pressure = reduced_load(self.realised) * unit
         result = bem.solve(self.heights(), self.half_space, mean_pressure=pressure, threads=1).checked()
         edges = np.linspace(0, _TOP, _BINS + 1)
         density = pressure_distribution(result, edges * unit).density * unit

@@ -15,7 +15,7 @@ from fem_contact.extrapolation import located_limit
 from fem_contact.patches import find_patches
 from fem_contact.stress import density_at_zero
 from fem_contact.surface import HeightField
-from validation.measures.common import LEAST_POINTS_PER_WAVE, SHIFTS
+from validation.measures.common import LEAST_POINTS_PER_WAVE, SHIFTS, reduced_load
 from validation.scenes.realised import Realised
 from validation.scenes.scene import FileSurface, SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
@@ -84,8 +84,7 @@ class Measurement(NumbersSolve):
     @property
     def loads(self) -> tuple[float, ...]:
         """All p*, ascending."""
-        said = self.realised.load.reduced_pressure
-        return self.reduced_pressures or (self.realised.reduced_pressure if said is None else said,)
+        return self.reduced_pressures or (reduced_load(self.realised),)
 
     @property
     def recipe(self) -> dict[str, Any]:

@@ -41,10 +41,15 @@ class SingleSolve(NumbersSolve):
         return HalfSpace(solid=self.realised.elastic)
 
     @property
+    def grid(self) -> tuple[int, int]:
+        """Grid points along both axes."""
+        return (self.points, self.points)
+
+    @property
     def where(self) -> str:
         """Grid and number of the surface, for progress bars."""
         return f"{self.points}x{self.points}, surface {self.realised.realisation + 1}"
 
     def heights(self) -> HeightField:
         """Return the heights that are pressed."""
-        return self.realised.heights((self.points, self.points))
+        return self.realised.heights(self.grid)

@@ -15,11 +15,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from validation.measures.statistics import Estimate
 
 __all__ = [
     "patches_on_grids",
-    "slope_at_zero",
     "stress_on_grids",
 ]
 
@@ -85,23 +83,4 @@ def patches_on_grids(dataset: xr.Dataset) -> Figure:
         _grid_axis(axes, dataset)
     return figure
 
-
-def slope_at_zero(dataset: xr.Dataset, window: Estimate, contour: Estimate) -> Figure:
-    """Draw the slope of P(sigma) at zero against the spacing, by both ways, with the limits and the theory."""
-    figure, (axes,) = new_figure()
-    root = np.sqrt(dataset.spacing.values)
-    ways = (
-        ("slope", window, "density in a closing window"),
-        ("contour_slope", contour, r"$2 S\langle B^{-2}\rangle$"),
-    )
-    for k, (name, limit, label) in enumerate(ways):
-        values = dataset[name]
-        error = values.std("surface", ddof=1) / np.sqrt(dataset.sizes["surface"])
-        axes.errorbar(root, values.mean("surface"), yerr=error, label=label, **{**look(k), "mfc": "white"})
-        axes.errorbar([-0.004 * k], [limit.value], yerr=[limit.half_width], ls="", **look(k))
-    axes.axhline(float(dataset.attrs["persson_slope"]), label="Persson", **THEORY)
-    axes.set_ylim(bottom=0)
-    axes.set_xlabel(r"$(\Delta x/\lambda_{short})^{1/2}$")
-    axes.set_ylabel(r"$P'(0)\,(E^* h'_{rms})^2$")
-    axes.legend(fontsize=8)
     return figure

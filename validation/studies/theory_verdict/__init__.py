@@ -13,7 +13,7 @@ from scipy.special import erf, erfinv
 from persson import elastic
 from persson.variants import corrected_contact_area
 from validation.measures.budget import Budget, budget_table, grid_share, solver_error
-from validation.measures.common import Rising, base_case
+from validation.measures.common import base_case
 from validation.measures.distributions import Distributions
 from validation.measures.ladders import spectral_share, usual_ladders
 from validation.measures.load_independence import distance_to_reference, largest_difference
