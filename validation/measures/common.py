@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import numpy as np
-from pydantic import AfterValidator, Field
+from pydantic import AfterValidator, Field, ValidationInfo
 
 from persson import elastic
 from validation.errors import UsageError
@@ -128,8 +128,8 @@ def _in_rising_order(values: tuple[Any, ...]) -> tuple[Any, ...]:
     return values
 
 
-def _of_a_limit(values: tuple[float, ...]) -> tuple[float, ...]:
-    check_ladder(values, shifts=SHIFTS)
+def _of_a_limit(values: tuple[float, ...], others: ValidationInfo) -> tuple[float, ...]:
+    check_ladder(values, shifts=others.data.get("shifts", SHIFTS))
     return values
 
 
@@ -137,7 +137,8 @@ def _of_a_limit(values: tuple[float, ...]) -> tuple[float, ...]:
 SHIFTS = 2
 
 #: Options of studies: positive numbers in rising order, none or more of them, at least one; grids as points along a
-#: side; grids, as lambda_short/dx, over which a limit can be taken.
+#: side; grids, as lambda_short/dx, over which a limit can be taken, where a study has an option `shifts` with as many
+#: as that, if it stands before this one.
 RisingOrNone = Annotated[tuple[Positive, ...], AfterValidator(_in_rising_order)]
 Rising = Annotated[tuple[Positive, ...], Field(min_length=1), AfterValidator(_in_rising_order)]
 RisingGrids = Annotated[

@@ -2,71 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from persson.elastic import KAPPA_BGT, KAPPA_PERSSON
 from validation.report.figure import COLOURS, THEORY, look, new_figure
 from validation.report.figure import SYMBOLS as MARKERS
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from validation.measures.statistics import Estimate
 
 __all__ = [
-    "area_against_magnification",
     "error_against_cells",
     "error_against_resolution",
     "grid_scale_protocol",
-    "kappa_against_nayak",
 ]
-
-def _kappa_lines(axes: Axes) -> None:
-    axes.axhline(KAPPA_BGT, color="black", ls=":", lw=1, label=f"Bush-Gibson-Thomas {KAPPA_BGT:.3f}")
-    axes.axhline(KAPPA_PERSSON, lw=1, label=f"Persson {KAPPA_PERSSON:.3f} (light load)", **THEORY)
-
-
-def kappa_against_nayak(dataset: xr.Dataset, limits: Sequence[Sequence[Estimate]]) -> Figure:
-    """Kappa against the realised Nayak parameter; families of spectra by marker, loads by colour."""
-    figure, (axes,) = new_figure(height=4.8)
-    families = list(dict.fromkeys(dataset.family.values.tolist()))
-    alpha = dataset.nayak.mean("surface").values
-    for f, family in enumerate(families):
-        rows = [int(i) for i in np.flatnonzero(dataset.family.values == family)]
-        for j, pressure in enumerate(dataset.reduced_pressure.values):
-            shape = {**look(j), "marker": MARKERS[f]}
-            value = [limits[i][j].value for i in rows]
-            error = [limits[i][j].half_width for i in rows]
-            axes.errorbar(
-                alpha[rows], value, yerr=error, ls="-", lw=0.7, label=f"{family}, p* = {pressure:g}", **shape
-            )
-    for k in range(dataset.sizes.get("ladder", 0)):
-        label = f"bandwidth at equal H = {float(dataset.ladder_hurst[k]):g}, p* = {dataset.attrs['ladder_pressure']:g}"
-        style: dict[str, Any] = {
-            "color": str(0.75 - 0.15 * (k % 5)),
-            "ls": "--",
-            "lw": 0.8,
-            "marker": ".",
-            "ms": 4,
-        }
-        axes.plot(dataset.bandwidth_nayak[k], dataset.bandwidth_kappa[k], label=label, **style)
-    _kappa_lines(axes)
-    axes.set_xscale("log")
-    ticks = [
-        tick for tick in (2, 3, 5, 10, 20, 30, 50, 100) if axes.get_xlim()[0] <= tick <= axes.get_xlim()[1]
-    ]
-    axes.set_xticks(ticks, [str(tick) for tick in ticks])
-    axes.minorticks_off()
-    axes.set_xlabel(r"Nayak parameter $\alpha = \frac{3}{2} m_0 m_4/m_2^2$ (realised)")
-    axes.set_ylabel(r"$\kappa$ (limit over grids)")
-    axes.legend(fontsize=7, ncols=2, loc="upper center", bbox_to_anchor=(0.5, -0.18))
-    return figure
 
 
 def error_against_resolution(dataset: xr.Dataset, errors: Mapping[str, xr.DataArray]) -> Figure:
@@ -141,40 +95,5 @@ def grid_scale_protocol(dataset: xr.Dataset, theory: float) -> Figure:
     axes.set_xticks(dataset.protocol_points.values, [str(n) for n in dataset.protocol_points.values])
     axes.set_xlabel("grid points along one side")
     axes.set_ylabel(r"$\kappa$, nodes counted")
-    axes.legend(fontsize=8)
-    return figure
-
-
-def area_against_magnification(dataset: xr.Dataset) -> Figure:
-    """A/A0 against magnification at each load, simulation and theory."""
-    figure, (axes,) = new_figure()
-    for j, pressure in enumerate(dataset.reduced_pressure.values):
-        area = dataset.area[:, :, j]
-        axes.errorbar(
-            dataset.magnification,
-            area.mean("surface"),
-            yerr=area.std("surface", ddof=1),
-            label=f"limit, p* = {pressure:g}",
-            **look(j),
-        )
-        axes.plot(
-            dataset.magnification,
-            dataset.theory[:, :, j].mean("surface"),
-            ls="-.",
-            color=COLOURS[j],
-            label=f"Persson, p* = {pressure:g}",
-        )
-        axes.plot(
-            dataset.magnification,
-            dataset.theory_ensemble[:, :, j].mean("surface"),
-            ls="--",
-            lw=0.7,
-            color=COLOURS[j],
-            label="the same from C(q) alone",
-        )
-    axes.set_xscale("log", base=2)
-    axes.set_yscale("log")
-    axes.set_xlabel(r"magnification $\zeta = q / q_{long}$")
-    axes.set_ylabel(r"$A(\zeta)/A_0$")
     axes.legend(fontsize=8)
     return figure
