@@ -12,13 +12,17 @@ import time
 from typing import TYPE_CHECKING
 
 import numpy as np
+from pydantic import Field, field_validator
 
 from fem_contact.contact import Status
 from fem_contact.errors import FemContactError
 from persson.errors import PerssonError
-from validation.errors import UsageError
-from validation.studies._hard_cases import HARD_CASES, HardCase
-from validation.studies._hard_effects import MORE_CASES
+from validation.studies._study import StudyOptions
+from validation.studies.stability.blocks import BLOCKS, LARGE_BLOCK, YIELDING_BLOCK
+from validation.studies.stability.cases import HardCase
+from validation.studies.stability.effects import DIFFUSION, EFFECTS, YIELDING_UNDER_ADHESION
+from validation.studies.stability.elastic import ELASTIC, SINGLE_PRECISION
+from validation.units import wrong
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,9 +30,18 @@ if TYPE_CHECKING:
     from validation.report.drawing import Drawing
     from validation.solves.bench import Bench
 
-__all__ = ["CASES", "OUTCOMES", "figures", "findings", "run"]
+__all__ = ["CASES", "OUTCOMES", "Options", "figures", "findings", "run"]
 
-CASES = (*HARD_CASES, *MORE_CASES)
+CASES: tuple[HardCase, ...] = (
+    *ELASTIC,
+    *EFFECTS,
+    *BLOCKS,
+    DIFFUSION,
+    SINGLE_PRECISION,
+    YIELDING_BLOCK,
+    YIELDING_UNDER_ADHESION,
+    LARGE_BLOCK,
+)
 
 #: What can happen at one value of a dial, from good to bad.
 OUTCOMES = ("right", "refused", "not converged", "WRONG")
@@ -41,51 +54,57 @@ _WORDS = {
     "outcome": "what happened",
     "words": "refusal or status, in the method's own words",
 }
+_NUMBERS = {
+    "value": ("value of the dial", "1"),
+    "error": ("error, as the case defines it", "1"),
+    "bound": ("largest error that counts as right", "1"),
+    "residual": ("residual", "1"),
+    "seconds": ("wall time", "s"),
+}
 
 
-def run(*, bench: Bench | None = None, cases: tuple[str, ...] = (), slowest: float = 60.0) -> xr.Dataset:
-    """Turn every dial.
+class Options(StudyOptions):
+    """Which dials are turned."""
 
-    Parameters
-    ----------
-    bench : Bench, optional
-        Runs no solve: the cases are small, and what is studied is how a solve ends. One that only plans is obeyed.
-    cases : tuple of str
-        Names of cases; all if empty.
-    slowest : float
-        Seconds that one value may take; beyond it counts as a hang.
+    cases: tuple[str, ...] = Field(default=(), description="names of cases; all if empty")
+    slowest: float = Field(
+        default=60.0, ge=0, description="seconds that one value may take; beyond it counts as a hang"
+    )
+
+    @field_validator("cases")
+    @classmethod
+    def _known(cls, names: tuple[str, ...]) -> tuple[str, ...]:
+        known = [case.name for case in CASES]
+        for name in names:
+            if name not in known:
+                raise wrong(f"{name!r}: no such case; one of: {', '.join(known)}")
+        return names
+
+    @property
+    def chosen(self) -> tuple[HardCase, ...]:
+        """Cases by name, or all."""
+        known = {case.name: case for case in CASES}
+        return tuple(known[name] for name in self.cases) or CASES
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Turn every dial; the bench runs no solve, for the cases are small, and how a solve ends is what is studied.
 
     Returns
     -------
     xarray.Dataset
         One row for each value of each dial: error, bound, residual, outcome, seconds.
-
-    Raises
-    ------
-    UsageError
-        For an unknown case.
     """
     import xarray as xr
 
-    known = {case.name: case for case in CASES}
-    for name in cases:
-        if name not in known:
-            raise UsageError(f"--cases = {name!r}: no such case; one of: {', '.join(known)}")
-    chosen = [known[name] for name in cases] or list(CASES)
-    if bench is not None and bench.plan_only:
+    if bench.plan_only:
         bench.solve([])
-    rows = [_turned(case, value, slowest) for case in chosen for value in case.values]
+    rows = [_turned(case, value, options.slowest) for case in options.chosen for value in case.values]
     columns: dict[str, tuple[str, list[str | float], dict[str, str]]] = {
         name: ("row", [row[name] for row in rows], {"units": "", "long_name": _WORDS[name]})
         for name in _WORDS
     }
-    for name, words, unit in (
-        ("value", "value of the dial", "1"),
-        ("error", "error, as the case defines it", "1"),
-        ("bound", "largest error that counts as right", "1"),
-        ("residual", "residual", "1"),
-        ("seconds", "wall time", "s"),
-    ):
+    for name, (words, unit) in _NUMBERS.items():
         columns[name] = ("row", [row[name] for row in rows], {"units": unit, "long_name": words})
     return xr.Dataset(columns, attrs={"methods": "bem fem theory"})
 
@@ -159,7 +178,7 @@ def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw the error along all dials by method, and along every dial beside what is allowed."""
     from validation.report.drawing import Drawing
     from validation.report.figure import lines_figure
-    from validation.studies._plots_stability import stability_figure
+    from validation.studies.stability.figures import stability_figure
 
     columns = ["case", "method", "value", "error", "bound", "outcome"]
     drawings = [

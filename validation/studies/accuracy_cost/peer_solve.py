@@ -1,6 +1,6 @@
 """One solve by another contact code, in a process of its own: its memory is then its own, too.
 
-``python -m validation.studies._peer_solve CODE HEIGHTS.npy PRESSURE PIXEL ALLOWED`` presses heights of unit
+``python peer_solve.py CODE HEIGHTS.npy PRESSURE PIXEL ALLOWED`` presses heights of unit
 period onto a half-space of E* = 1 with that mean pressure. The code's tolerance is tightened by decades until
 the share of points it has in contact is within ALLOWED of PIXEL, and what the last solve took is printed as JSON.
 """

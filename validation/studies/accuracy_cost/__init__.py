@@ -3,28 +3,39 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
+from pydantic import Field
 
 from validation.measures.block import BlockMeasurement
-from validation.measures.common import at_least, base_surface, ladder, measure, solid_of
+from validation.measures.common import Ladder, RisingOrNone, base_case, base_surface, results_of
 from validation.measures.measurement import Measurement, area_limits, grid_for
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.solves.bench import Bench
-from validation.studies._peer_solve import SOLVERS
-from validation.studies._peers import PeerMeasurement, installed_peers
+from validation.studies._options import Bandwidth, Hurst, Periods, ReducedPressure, Seed, Surfaces
+from validation.studies._study import StudyOptions
+from validation.studies.accuracy_cost.peer_solve import SOLVERS
+from validation.studies.accuracy_cost.peers import PeerMeasurement, installed_peers
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.scenes.scene import Scene
     from validation.solves.solve import NumbersSolve
 
-__all__ = ["figures", "findings", "run", "table"]
+__all__ = [
+    "Options",
+    "coverage",
+    "figures",
+    "findings",
+    "front",
+    "root_mean_square",
+    "run",
+    "table",
+]
 
 _TARGETS = (0.1, 0.03, 0.01, 0.003, 0.001)
 _AREAS = ("pixel", "perimeter", "subcell")
@@ -34,45 +45,42 @@ _ELEMENTS = ("Hex1", "Hex2")
 _TOLERANCE, _FINE_TOLERANCE = 1e-5, 1e-8
 
 
-def run(
-    *,
-    scene: Scene | None = None,
-    bench: Bench | None = None,
-    reduced_pressure: float = 0.05,
-    hurst: float = 0.8,
-    size: float = 4.0,
-    ratio: float = 8.0,
-    surfaces: int = 12,
-    points_per_wave: tuple[float, ...] = (3.0, 4.0, 6.0, 8.0, 12.0, 16.0),
-    held_out: tuple[float, ...] = (16.0, 24.0, 32.0),
-    fem_points_per_wave: tuple[float, ...] = (4.0, 8.0, 16.0),
-    peer_points_per_wave: tuple[float, ...] = (4.0, 8.0, 16.0),
-    seed: int = 5006,
-) -> xr.Dataset:
-    """Measure error and time of every way to an area, against limits from grids that no way has seen.
+class Options(StudyOptions):
+    """Surfaces and grids. Times are of the processor; use one worker all the same."""
 
-    Parameters
-    ----------
-    scene : Scene, optional
-        Gives the solid.
-    bench : Bench, optional
-        Where and how the cases run. Times are of the processor; use one worker all the same.
-    reduced_pressure : float
-        p*.
-    hurst, size, ratio : float
-        H, L/lambda_long and lambda_long/lambda_short.
-    surfaces : int
-        Realisations; their claimed intervals are checked too, for which sixty are better than twelve.
-    points_per_wave : tuple of float
-        Grids of the boundary elements, as lambda_short/dx, rising.
-    held_out : tuple of float
-        Finer grids whose limit is the reference.
-    fem_points_per_wave : tuple of float
-        Grids of the finite elements (exact reduction).
-    peer_points_per_wave : tuple of float
-        Grids of tamaas and ContactMechanics, where they are installed; none: they are left out.
-    seed : int
-        Of the first surface.
+    reduced_pressure: ReducedPressure = 0.05
+    hurst: Hurst = 0.8
+    periods: Periods = 4.0
+    bandwidth: Bandwidth = 8.0
+    surfaces: Annotated[
+        Surfaces,
+        Field(
+            description="how many; their claimed intervals are checked too, for which sixty are better than twelve"
+        ),
+    ] = 12
+    seed: Seed = 5006
+    points_per_wave: Ladder = Field(
+        default=(3.0, 4.0, 6.0, 8.0, 12.0, 16.0),
+        description="grids of the boundary elements, as lambda_short/dx, rising",
+    )
+    held_out_points_per_wave: Ladder = Field(
+        default=(16.0, 24.0, 32.0), description="finer grids whose limit is the reference"
+    )
+    fem_points_per_wave: RisingOrNone = Field(
+        default=(4.0, 8.0, 16.0), description="grids of the finite elements (exact reduction)"
+    )
+    peer_points_per_wave: RisingOrNone = Field(
+        default=(4.0, 8.0, 16.0),
+        description="grids of tamaas and ContactMechanics, where they are installed; none: they are left out",
+    )
+
+
+#: A part of the study, then what is told apart in it: element or code, grid, number of the surface.
+_Case = tuple[str | float | int, ...]
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Measure error and time of every way to an area, against limits from grids that no way has seen.
 
     Returns
     -------
@@ -82,106 +90,74 @@ def run(
 
     Notes
     -----
-    All run on one thread; seconds are of its processor, which other work on the machine disturbs least. Memory is that of the arrays of a solve; of a peer, by how much its process grew. A peer's
-    solver is stopped as soon as the area it counts is within a tenth of its grid error of the converged count: equal
-    error, not equal residual.
+    All run on one thread; seconds are of its processor, which other work on the machine disturbs least. Memory is that
+    of the arrays of a solve; of a peer, by how much its process grew. A peer's solver is stopped as soon as the area it
+    counts is within a tenth of its grid error of the converged count: equal error, not equal residual.
     """
+    codes = installed_peers() if options.peer_points_per_wave else ()
+    return _dataset(results_of(bench, _cases(options, codes)), options, codes)
+
+
+def _cases(options: Options, codes: Sequence[str]) -> dict[_Case, NumbersSolve]:
+    """List the solves of each part."""
+    surface = base_surface(
+        hurst=options.hurst, periods=options.periods, bandwidth=options.bandwidth, seed=options.seed
+    )
+    first = base_case(surface, reduced_pressure=options.reduced_pressure)
+    pressed = {k: first.further(k) for k in range(options.surfaces)}
+    cases: dict[_Case, NumbersSolve] = {}
+    for part, per_wave, tolerance in (
+        ("coarse", options.points_per_wave, _TOLERANCE),
+        ("fine", options.held_out_points_per_wave, _FINE_TOLERANCE),
+    ):
+        grids = tuple(grid_for(first, n) for n in per_wave)
+        for k, own in pressed.items():
+            cases[part, k] = Measurement(realised=own, grids=grids, tolerance=tolerance)
+    for element, n, k in itertools.product(_ELEMENTS, options.fem_points_per_wave, pressed):
+        points = grid_for(first, n)[0]
+        cases["FEM", element, n, k] = BlockMeasurement(realised=pressed[k], points=points, element=element)
+    for code, n, k in itertools.product(codes, options.peer_points_per_wave, pressed):
+        points = grid_for(first, n)[0]
+        cases["peers", code, n, k] = PeerMeasurement(realised=pressed[k], points=points, code=code)
+    return cases
+
+
+def _dataset(found: Mapping[_Case, xr.Dataset], options: Options, codes: Sequence[str]) -> xr.Dataset:
     import xarray as xr
 
-    at_least("surfaces", surfaces, 2)
-    points_per_wave, held_out = ladder("points_per_wave", points_per_wave), ladder("held_out", held_out)
-    surface, solid = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed), solid_of(scene)
-    codes = installed_peers() if peer_points_per_wave else ()
-    solves = _jobs(
-        {"surface": surface, "solid": solid},
-        reduced_pressure=reduced_pressure,
-        surfaces=surfaces,
-        grids={
-            "coarse": points_per_wave,
-            "fine": held_out,
-            "fem": fem_points_per_wave,
-            "peers": peer_points_per_wave,
-        },
-        codes=codes,
-    )
-    results = iter(measure(bench, [solve for part in solves.values() for solve in part]))
-    found = {name: list(itertools.islice(results, len(part))) for name, part in solves.items()}
-    limits = [area_limits(data) for data in found["fine"]]
+    surfaces = range(options.surfaces)
+    coarse = [found["coarse", k] for k in surfaces]
+    limits = [area_limits(found["fine", k]) for k in surfaces]
     reference = np.array([value[0] for value, _ in limits])
     uncertainty = np.array([error[0] for _, error in limits]) / reference
-    ways = [
-        *_bem_ways(found["coarse"]),
-        *_single_ways(
-            found["fem"], [f"FEM {e}" for e in _ELEMENTS], fem_points_per_wave, ("pixel", "perimeter")
-        ),
-        *_single_ways(found["peers"], codes, peer_points_per_wave, ("pixel",)),
-    ]
-    claimed, missed = _claims(found["coarse"], reference)
+    ways = _bem_ways(coarse)
+    for element, n in itertools.product(_ELEMENTS, options.fem_points_per_wave):
+        part = [found["FEM", element, n, k] for k in surfaces]
+        ways += [_single_way(part, area, f"FEM {element}", n) for area in ("pixel", "perimeter")]
+    for code, n in itertools.product(codes, options.peer_points_per_wave):
+        ways.append(_single_way([found["peers", code, n, k] for k in surfaces], "pixel", code, n))
+    claimed, missed = _claims(coarse, reference)
+    said = {
+        "reference_error": (uncertainty, "standard error of the reference, relative"),
+        "claimed": (claimed, "half width of the claimed 95 % interval, relative"),
+        "missed": (missed, "distance of the claimed limit from the reference, relative"),
+    }
     return xr.Dataset(
         {
             "error": (("way", "surface"), np.array([way.areas / reference - 1 for way in ways])),
             "seconds": ("way", np.array([way.seconds for way in ways]), {"units": "s"}),
             "peak_bytes": ("way", np.array([way.peak_bytes for way in ways]), {"units": "byte"}),
-            "reference_error": (
-                "surface",
-                uncertainty,
-                {"long_name": "standard error of the reference, relative"},
-            ),
-            "claimed": (
-                "surface",
-                claimed,
-                {"long_name": "half width of the claimed 95 % interval, relative"},
-            ),
-            "missed": (
-                "surface",
-                missed,
-                {"long_name": "distance of the claimed limit from the reference, relative"},
-            ),
+            **{name: ("surface", values, {"long_name": words}) for name, (values, words) in said.items()},
         },
         coords={"label": ("way", [way.label for way in ways])},
         attrs={
             "study": "accuracy-cost",
-            "reduced_pressure": reduced_pressure,
+            "reduced_pressure": options.reduced_pressure,
             "peers": " ".join(codes),
             "absent": " ".join(name for name in SOLVERS if name not in codes),
             "methods": "bem fem perimeter",
         },
     )
-
-
-def _jobs(
-    common: dict[str, Any],
-    *,
-    reduced_pressure: float,
-    surfaces: int,
-    grids: dict[str, tuple[float, ...]],
-    codes: Sequence[str],
-) -> dict[str, list[NumbersSolve]]:
-    """List the solves of each part: those of a name or element come together, then those of a grid."""
-    points = {part: tuple(grid_for(common["surface"], n) for n in some) for part, some in grids.items()}
-    solves: dict[str, list[NumbersSolve]] = {
-        part: [
-            Measurement(
-                realisation=k,
-                reduced_pressures=(reduced_pressure,),
-                grids=points[part],
-                tolerance=tolerance,
-                **common,
-            )
-            for k in range(surfaces)
-        ]
-        for part, tolerance in (("coarse", _TOLERANCE), ("fine", _FINE_TOLERANCE))
-    }
-    single: dict[str, Any] = {"reduced_pressure": reduced_pressure, **common}
-    solves["fem"] = [
-        BlockMeasurement(realisation=k, points=grid[0], element=element, **single)
-        for element, grid, k in itertools.product(_ELEMENTS, points["fem"], range(surfaces))
-    ]
-    solves["peers"] = [
-        PeerMeasurement(realisation=k, points=grid[0], code=code, **single)
-        for code, grid, k in itertools.product(codes, points["peers"], range(surfaces))
-    ]
-    return solves
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -222,27 +198,14 @@ def _bem_ways(measured: list[xr.Dataset]) -> list[_Way]:
     return ways
 
 
-def _single_ways(
-    measured: list[xr.Dataset],
-    names: Sequence[str],
-    per_wave: tuple[float, ...],
-    areas: tuple[str, ...],
-) -> list[_Way]:
-    """List single grids of other methods, whose results come by name, grid and surface."""
-    ways: list[_Way] = []
-    surfaces = len(measured) // max(len(names) * len(per_wave), 1)
-    for k, (name, n) in enumerate(itertools.product(names, per_wave)):
-        part = measured[k * surfaces : (k + 1) * surfaces]
-        ways.extend(
-            _Way(
-                label=f"{name} {area}, {n:g} per wave",
-                areas=np.array([float(d[area]) for d in part]),
-                seconds=float(np.mean([float(d.seconds) for d in part])),
-                peak_bytes=float(np.max([float(d.peak_bytes) for d in part])),
-            )
-            for area in areas
-        )
-    return ways
+def _single_way(measured: Sequence[xr.Dataset], area: str, name: str, per_wave: float) -> _Way:
+    """Return the area of another method on one grid of all surfaces."""
+    return _Way(
+        label=f"{name} {area}, {per_wave:g} per wave",
+        areas=np.array([float(d[area]) for d in measured]),
+        seconds=float(np.mean([float(d.seconds) for d in measured])),
+        peak_bytes=float(np.max([float(d.peak_bytes) for d in measured])),
+    )
 
 
 def _claims(measured: list[xr.Dataset], reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -364,14 +327,17 @@ def _times(factor: float) -> str:
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw error against time and against memory."""
-    from validation.studies import _plots_studies as plots_studies
+    from validation.studies.accuracy_cost.figures import error_against_cost
 
     fronts = {cost: front(dataset, cost) for cost in ("seconds", "peak_bytes")}
     return (
         Drawing(
             name="accuracy-cost",
-            figure=plots_studies.accuracy_cost(dataset, root_mean_square(dataset), fronts),
+            figure=error_against_cost(dataset, root_mean_square(dataset), fronts),
             data=dataset[["error", "seconds", "peak_bytes"]],
-            caption="Root mean square error of the contact area over the surfaces against the processor time of one surface on one thread (left) and against the memory of the arrays of its largest solve (right; of other codes, by how much their process grew), for every method, grid and definition of the area; the lines join the ways that no other beats; grey, the error of the reference.",
+            caption="Root mean square error of the contact area over the surfaces against the processor time of one surface "
+            "on one thread (left) and against the memory of the arrays of its largest solve (right; of other codes, by "
+            "how much their process grew), for every method, grid and definition of the area; the lines join the ways "
+            "that no other beats; grey, the error of the reference.",
         ),
     )

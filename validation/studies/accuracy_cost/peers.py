@@ -16,12 +16,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
-from fem_contact.solid import Solid
 from validation.errors import RunFailed
-from validation.scenes.scene import SelfAffineSurface, SolidSpec
-from validation.scenes.surfaces import height_field, reference_field
-from validation.solves.solve import NumbersSolve, Prediction
-from validation.studies._peer_solve import SOLVERS
+from validation.measures.common import reduced_load
+from validation.measures.single_solve import SingleSolve
+from validation.solves.solve import Prediction
+from validation.studies.accuracy_cost import peer_solve
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,45 +33,29 @@ _SOLVER_SHARE = 0.1
 
 def installed_peers() -> tuple[str, ...]:
     """Name the codes that are installed, of those there is a solve for."""
-    return tuple(name for name in SOLVERS if importlib.util.find_spec(name) is not None)
+    return tuple(name for name in peer_solve.SOLVERS if importlib.util.find_spec(name) is not None)
 
 
 @dataclass(frozen=True, kw_only=True)
-class PeerMeasurement(NumbersSolve):
+class PeerMeasurement(SingleSolve):
     """One surface at one load on one grid, by another code, solved no further than its grid deserves.
 
     Attributes
     ----------
     code : str
         Name of its package.
-    surface : SelfAffineSurface
-    realisation : int
-    solid : SolidSpec
-    reduced_pressure : float
-        p* with the realised gradient.
+    realised : Realised
+        Surface, solid and load.
     points : int
         Along each axis.
     """
 
     code: str
-    surface: SelfAffineSurface
-    realisation: int = 0
-    solid: SolidSpec
-    reduced_pressure: float
-    points: int
 
     @property
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
-        surface = self.surface.model_dump(mode="json")
-        surface["seed"] = self.surface.seed + self.realisation
-        return {
-            "code": self.code,
-            "version": importlib.metadata.version(self.code),
-            "surface": surface,
-            "reduced_pressure": self.reduced_pressure,
-            "points": self.points,
-        }
+        return super().recipe | {"code": self.code, "version": importlib.metadata.version(self.code)}
 
     @property
     def prefix(self) -> str:
@@ -81,7 +64,7 @@ class PeerMeasurement(NumbersSolve):
 
     def describe(self) -> str:
         """Return a few words for a progress bar."""
-        return f"{self.code} {self.points}x{self.points}, surface {self.realisation + 1}"
+        return f"{self.code} {self.where}"
 
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict the cost; its interpreter and the libraries it loads take most of the memory."""
@@ -93,15 +76,13 @@ class PeerMeasurement(NumbersSolve):
         import xarray as xr
 
         from fem_contact import bem
-        from fem_contact.response import HalfSpace
 
-        whole = reference_field(self.surface, realisation=self.realisation)
-        field = height_field(self.surface, (self.points, self.points), realisation=self.realisation)
-        response = HalfSpace(solid=Solid(**self.solid.model_dump()))
-        pressure = self.reduced_pressure * response.contact_modulus * whole.rms_gradient
-        ours = contact_areas(bem.solve(field, response, mean_pressure=pressure, threads=1).checked())
+        own, field = self.realised, self.heights()
+        ours = contact_areas(
+            bem.solve(field, self.half_space, mean_pressure=own.pressure, threads=1).checked()
+        )
         # Unit period, gradient and modulus: their tolerances are not free of units.
-        heights = field.heights / (max(self.surface.length) * whole.rms_gradient)
+        heights = field.heights / (max(own.lengths) * own.field.rms_gradient)
         allowed = _SOLVER_SHARE * EDGE_CONSTANTS["bem"] * ours.edge_fraction
         found = self._solved(heights, pixel=ours.pixel, allowed=allowed)
         return xr.Dataset({name: ((), float(value)) for name, value in found.items()})
@@ -111,8 +92,9 @@ class PeerMeasurement(NumbersSolve):
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "heights.npy"
             np.save(file, heights)
-            numbers = (self.reduced_pressure, pixel, allowed)
-            command = [sys.executable, "-m", "validation.studies._peer_solve", self.code, str(file)]
+            numbers = (reduced_load(self.realised), pixel, allowed)
+            # The file, not the module: a process that imports this package would have its memory, too.
+            command = [sys.executable, "-P", peer_solve.__file__, self.code, str(file)]
             done = subprocess.run(
                 [*command, *map(repr, numbers)],
                 env={**os.environ, **one},

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.report.figure import new_figure
-from validation.studies._plots_studies import look
+from validation.report.figure import look, new_figure
 
 if TYPE_CHECKING:
     import xarray as xr
