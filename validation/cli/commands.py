@@ -83,7 +83,7 @@ def run(
     results/NAME-accuracy.
     """
     from validation.cli.progress import Bar
-    from validation.comparison.report import console_table
+    from validation.cli.results import print_page
     from validation.comparison.run import run_scene
     from validation.methods.handled import check_effects
     from validation.scenes.scene import load_scene
@@ -125,14 +125,13 @@ def run(
             summary["accuracy"] = reached.summary()
         typer.echo(json.dumps(summary, indent=2))
         return
-    show(console_table(outputs.comparison))
-    for finding in outputs.comparison.findings:
-        show(f"- {finding}")
-    for sentence in () if reached is None else reached.sentences():
-        show(f"- {sentence}")
-    counts = (outputs.solved, outputs.reused) if reached is None else (reached.solves, reached.reused)
-    typer.echo(f"\n{counts[0]} solves done, {counts[1]} found finished. Written:")
-    _list(outputs.files)
+    solved, reused = (outputs.solved, outputs.reused) if reached is None else (reached.solves, reached.reused)
+    print_page(
+        outputs.page,
+        outputs.files,
+        more=() if reached is None else tuple(reached.sentences()),
+        done=f"{solved} solves done, {reused} found finished. Written:",
+    )
 
 
 @app.command(
@@ -164,6 +163,7 @@ def study(
     studies keep their solves in results/solves, so that they share them, unless --store says otherwise.
     """
     from validation.cli.progress import Bar
+    from validation.cli.results import print_page
     from validation.files import prepare_folder
     from validation.scenes.scene import RunOptions, load_scene
     from validation.solves.bench import DEFAULT_STORE, Bench, PlannedOnly
@@ -209,9 +209,7 @@ def study(
     if as_json:
         typer.echo(json.dumps(outputs.data.to_dict(), indent=2, default=str))
         return
-    for finding in outputs.findings:
-        show(f"- {finding}")
-    _list(outputs.files)
+    print_page(outputs.page, outputs.files)
 
 
 @app.command(epilog="Example: fem-contact explain quickstart")

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from validation.errors import UsageError
-from validation.files import atomic_path, prepare_folder
+from validation.files import prepare_folder, write_json
 from validation.methods.handled import check_effects
 from validation.scenes.surfaces import reference_field
 from validation.solves.running import Execution, Progress, solve_jobs
@@ -18,6 +18,7 @@ from validation.solves.store import Store
 
 if TYPE_CHECKING:
     from validation.comparison.compare import Comparison
+    from validation.report.page import Page
     from validation.scenes.scene import Scene
 
 __all__ = ["ACCURACY_FILE", "Outputs", "load_run", "report_run", "run_scene"]
@@ -36,6 +37,7 @@ class Outputs:
     Attributes
     ----------
     comparison : Comparison
+    page : Page
     folder : Path
     files : tuple of Path
         Everything a reader may want to open, the report first.
@@ -44,6 +46,7 @@ class Outputs:
     """
 
     comparison: Comparison
+    page: Page
     folder: Path
     files: tuple[Path, ...]
     solved: int
@@ -94,10 +97,7 @@ def run_scene(
     _record(scene, folder, store)
     jobs = jobs_of(scene)
     solved = solve_jobs(jobs, store, progress=progress, execution=execution)
-    comparison, files = _compared(scene, store, folder, pictures=pictures, accurate=accurate)
-    return Outputs(
-        comparison=comparison, folder=folder, files=files, solved=solved, reused=len(jobs) - solved
-    )
+    return _compared(scene, store, folder, pictures=pictures, accurate=accurate, solved=solved)
 
 
 def report_run(folder: Path, *, pictures: bool = False) -> Outputs:
@@ -112,18 +112,25 @@ def report_run(folder: Path, *, pictures: bool = False) -> Outputs:
     """
     scene, store = load_run(folder)
     accurate = (folder / ACCURACY_FILE).exists()
-    comparison, files = _compared(scene, store, prepare_folder(folder), pictures=pictures, accurate=accurate)
-    return Outputs(comparison=comparison, folder=folder, files=files, solved=0, reused=len(jobs_of(scene)))
+    return _compared(scene, store, prepare_folder(folder), pictures=pictures, accurate=accurate, solved=0)
 
 
 def _compared(
-    scene: Scene, store: Store, folder: Path, *, pictures: bool, accurate: bool
-) -> tuple[Comparison, tuple[Path, ...]]:
+    scene: Scene, store: Store, folder: Path, *, pictures: bool, accurate: bool, solved: int
+) -> Outputs:
     from validation.comparison.compare import compare
     from validation.comparison.report import write_outputs
 
     comparison = compare(scene, store, accurate=accurate)
-    return comparison, write_outputs(comparison, store, folder, pictures=pictures)
+    page, files = write_outputs(comparison, store, folder, pictures=pictures)
+    return Outputs(
+        comparison=comparison,
+        page=page,
+        folder=folder,
+        files=files,
+        solved=solved,
+        reused=len(jobs_of(scene)) - solved,
+    )
 
 
 def _record(scene: Scene, folder: Path, store: Store) -> None:
@@ -133,8 +140,7 @@ def _record(scene: Scene, folder: Path, store: Store) -> None:
         "scene": scene.model_dump(mode="json", exclude_none=True),
         "store": os.path.relpath(store.folder.resolve(), folder.resolve()),
     }
-    with atomic_path(folder / _RUN_FILE) as draft:
-        draft.write_text(json.dumps(said, indent=2) + "\n", encoding="utf-8")
+    write_json(folder / _RUN_FILE, said)
 
 
 def load_run(folder: Path) -> tuple[Scene, Store]:

@@ -73,19 +73,30 @@ STYLES = ["-", "--", "-.", ":"]
 FILLS = [None, None, None, None, "white", "white", "white", "white"]
 
 
-def save_figure(figure: Figure, path: Path) -> None:
-    """Write a figure; the suffix says the format."""
+def save_figure(figure: Figure, path: Path, *, dpi: int = 150) -> None:
+    """Write a figure; the suffix says the format, `dpi` the pixels per inch of a PNG."""
     undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
     with matplotlib.rc_context(STYLE):
-        figure.savefig(path, dpi=150, metadata=undated.get(path.suffix))
+        figure.savefig(path, dpi=dpi, metadata=undated.get(path.suffix))
 
 
-def embeddable(svg: str, name: str) -> str:
-    """Return an SVG for an HTML page: without its XML head, and with names that no other figure there has."""
+def embeddable(svg: str, name: str, *, words: str) -> str:
+    """Return an SVG for an HTML page: named apart from the other figures there, and said in words.
+
+    Parameters
+    ----------
+    svg : str
+    name : str
+        Of the figure.
+    words : str
+        What is seen, for readers who do not see it.
+    """
+    from markupsafe import escape
+
     drawing = svg[svg.index("<svg") :]
     drawing = re.sub(r'\bid="', f'id="{name}-', drawing)
     drawing = re.sub(r'(xlink:href="|href="|url\()#', rf"\1#{name}-", drawing)
-    return drawing.replace("<svg", f'<svg role="img" aria-label="{name}"', 1)
+    return drawing.replace("<svg", f'<svg role="img" aria-label="{escape(words)}"', 1)
 
 
 def lines_figure(

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import json
-import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,22 +10,22 @@ from typing import TYPE_CHECKING, Any
 
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.errors import UsageError
-from validation.files import atomic_path
-from validation.report.drawing import frames, write_csv, write_drawings
+from validation.files import atomic_path, write_json
+from validation.report.page import Page, write_page
 from validation.report.papers import papers
+from validation.report.table import shown, shown_dataset
 from validation.studies import Study, find_study
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.report.table import ResultTable
     from validation.solves.bench import Bench
 
-__all__ = ["StudyOutputs", "check_results", "is_study", "report_study", "run_study"]
+__all__ = ["StudyOutputs", "check_results", "is_study", "report_study", "run_study", "study_page"]
 
 _RECORD = "study.json"
 _FORMAT = "fem-contact study 1"
-_ROWS_SHOWN = 60
+_DATA = "data.nc"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,7 +33,7 @@ class StudyOutputs:
     """What a study left behind; the report is the first file."""
 
     data: xr.Dataset
-    findings: tuple[str, ...]
+    page: Page
     files: tuple[Path, ...]
 
 
@@ -47,9 +45,8 @@ def run_study(study: Study, options: Mapping[str, Any], folder: Path, *, bench: 
         "study": study.name,
         "options": {name: _plain(value) for name, value in _all_options(study, options).items()},
     }
-    with atomic_path(folder / _RECORD) as draft:
-        draft.write_text(json.dumps(said, indent=2) + "\n", encoding="utf-8")
-    with atomic_path(folder / "data.nc") as draft:
+    write_json(folder / _RECORD, said)
+    with atomic_path(folder / _DATA) as draft:
         data.to_netcdf(draft, engine="netcdf4")
     return report_study(folder)
 
@@ -97,39 +94,35 @@ def report_study(folder: Path) -> StudyOutputs:
     """
     import xarray as xr
 
-    from validation.report.page import render, versions
-
     try:
         said = json.loads((folder / _RECORD).read_text(encoding="utf-8"))
         study = find_study(said["study"])
-        with xr.open_dataset(folder / "data.nc", engine="netcdf4") as stored:
+        with xr.open_dataset(folder / _DATA, engine="netcdf4") as stored:
             data = stored.load()
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{folder}: holds no finished study ({error})") from None
-    tables = write_csv(data, folder / "data.csv")
+    page = study_page(study, data, said["options"])
+    return StudyOutputs(data=data, page=page, files=(*write_page(page, folder), folder / _DATA))
+
+
+def study_page(study: Study, data: xr.Dataset, options: Mapping[str, Any]) -> Page:
+    """Return the page of a study: all of it from its dataset and from what was asked."""
+    table = study.table(data)
     findings = (*study.findings(data), *_undetermined(data))
-    table, budget = study.table(data), study.budget(data)
-    for name, made in (("table", table), ("budget", budget)):
-        if made is not None:
-            tables += (_write_table(made, folder / f"{name}.csv"),)
-    page = render(
-        "study.html.j2",
+    return Page(
         title=f"Study: {study.name}",
-        question=study.question,
+        lead=study.question,
         findings=findings,
-        tables=_tables(data) if table is None else [_shown(table)],
-        budget=None if budget is None else _shown(budget),
-        figures=write_drawings(study.figures(data), folder),
-        settings=json.dumps(said["options"], indent=2),
-        seeds=_seeds(said["options"]),
-        versions=versions(),
+        tables=shown_dataset(data, title="Numbers") if table is None else (shown(table, title="Numbers"),),
+        budget=study.budget(data),
+        figures=study.figures(data),
+        settings=options,
+        seeds=_seeds(options),
         papers=papers(str(data.attrs.get("methods", "theory bem perimeter")).split()),
+        records={} if table is None else {"table": table},
+        data=data,
+        summary={"study": study.name, "options": dict(options), "findings": list(findings)},
     )
-    report = folder / "report.html"
-    with atomic_path(report) as draft:
-        draft.write_text(page, encoding="utf-8")
-    files = (report, *tables, folder / "data.nc", folder / "figures")
-    return StudyOutputs(data=data, findings=findings, files=files)
 
 
 def _undetermined(data: xr.Dataset) -> Iterator[str]:
@@ -144,40 +137,8 @@ def _undetermined(data: xr.Dataset) -> Iterator[str]:
             )
 
 
-def _write_table(table: ResultTable, path: Path) -> Path:
-    with atomic_path(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file).writerows([table.columns, *table.rows])
-    return path
-
-
 def _seeds(options: Mapping[str, Any]) -> str:
     found = options.get("seeds", options.get("seed"))
     if found is None:
         return "see the options below"
     return ", ".join(map(str, found)) if isinstance(found, (list, tuple)) else str(found)
-
-
-def _tables(data: xr.Dataset) -> list[dict[str, Any]]:
-    """One table for each set of dimensions, of at most 60 rows."""
-    tables = []
-    for frame in frames(data).values():
-        rows = [tuple(map(_cell, row)) for row in frame.head(_ROWS_SHOWN).itertuples(index=False)]
-        columns = [_column(data, name) for name in frame.columns]
-        tables.append({"columns": columns, "rows": rows, "left_out": max(0, len(frame) - _ROWS_SHOWN)})
-    return tables
-
-
-def _shown(table: ResultTable) -> dict[str, Any]:
-    rows = [tuple(map(_cell, row)) for row in table.rows]
-    return {"columns": list(table.columns), "rows": rows, "left_out": 0}
-
-
-def _column(data: xr.Dataset, name: str) -> str:
-    unit = data[name].attrs.get("units", "1") if name in data.variables else "1"
-    return name if unit == "1" else f"{name} [{unit}]"
-
-
-def _cell(value: Any) -> str:
-    if isinstance(value, float):
-        return "" if math.isnan(value) else f"{value:.5g}"
-    return str(value)
