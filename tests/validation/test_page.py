@@ -7,18 +7,22 @@ import dataclasses
 import json
 import re
 import shutil
+import socket
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 import xarray as xr
 
-from validation.comparison.run import report_run
+from validation.comparison.run import report_run, run_scene
 from validation.report.page import Answer, Page, render, write_page
 from validation.report.table import ResultTable, shown
 from validation.report.words import mathematics
+from validation.scenes.scene import load_scene
 from validation.solves.bench import Bench
 from validation.studies import find_study
-from validation.studies._outputs import report_study, run_study
+from validation.studies._outputs import is_study, report_study, run_study
 
 
 @pytest.fixture(scope="module")
@@ -86,3 +90,59 @@ def test_what_looks_like_markup_is_shown_and_not_obeyed():
     assert "<script>" not in html
     assert "&lt;b&gt;A/A<sub>0</sub>&lt;/b&gt; = 1" in html
     assert not re.search(r"<[iu]>", html)
+
+
+def test_a_run_of_another_scene_leaves_nothing_of_the_one_before(small_run, write_scene, tmp_path):
+    folder = tmp_path / "results"
+    shutil.copytree(small_run.folder, folder)
+    old = [folder / "figures" / name for name in ("surface-3d.png", "other.svg", "other-bin.csv")]
+    old += [folder / name for name in ("budget.csv", "data.csv", "data-load.csv", "study.json")]
+    mine = [folder / "notes.txt", folder / "figures" / "notes.txt"]
+    for path in (*old, *mine):
+        path.write_text("earlier")
+    draft = folder / "figures" / f".{socket.gethostname()}-{_dead_process()}-area.svg"
+    draft.write_text("half")
+    again = run_scene(load_scene(str(write_scene(("A small scene", "Another"), fem=False))), folder)
+    assert again.solved == 0
+    assert not [path for path in (*old, draft) if path.exists()]
+    assert all(path.exists() for path in mine)
+    assert {path.suffix for path in again.files if path.is_file()} == {".html", ".csv", ".json"}
+    assert not list(folder.glob("fields/*"))
+
+
+def test_an_interrupted_run_of_another_scene_does_not_stand_beside_the_old_report(
+    small_run, write_scene, tmp_path, monkeypatch
+):
+    folder = tmp_path / "results"
+    shutil.copytree(small_run.folder, folder)
+
+    def interrupted(*args, **kwargs):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("validation.comparison.run.solve_jobs", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run_scene(small_run.comparison.scene, folder)
+    assert (folder / "report.html").exists()
+    with pytest.raises(KeyboardInterrupt):
+        run_scene(load_scene(str(write_scene(("A small scene", "Another")))), folder)
+    assert not (folder / "report.html").exists()
+    assert not list(folder.glob("figures/*"))
+
+
+def test_a_folder_is_that_of_what_ran_in_it_last(outputs, small_run, tmp_path):
+    folder = tmp_path / "both"
+    shutil.copytree(outputs["study"][1], folder)
+    assert is_study(folder)
+    run_scene(small_run.comparison.scene, folder, store_folder=small_run.folder / "solves")
+    assert not is_study(folder)
+    options = {"pressures": (0.1,), "seeds": (3, 4), "grids": (16, 24), "bandwidth": 2.0}
+    run_study(find_study("area"), options, folder, bench=Bench.at(tmp_path / "solves"))
+    assert is_study(folder)
+    assert not (folder / "run.json").exists()
+    assert not (folder / "table.csv").exists()
+
+
+def _dead_process():
+    done = subprocess.Popen([sys.executable, "-c", ""])
+    done.wait()
+    return done.pid

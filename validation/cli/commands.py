@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -351,16 +352,25 @@ def copy_scene(
     scene: SceneArgument,
     target: Annotated[Path, typer.Argument(metavar="FILE", help="TOML file to write.")],
 ) -> None:
-    """Copy a scene to a file of your own, to be changed."""
+    """Copy a scene to a file of your own, to be changed; it takes the name of its file."""
     from validation.scenes.scene import scene_text
 
-    text = scene_text(scene)[0]
+    text = _named_after(scene_text(scene)[0], target)
     try:
         with target.open("x", encoding="utf-8") as file:
             file.write(text)
     except OSError as error:
         raise UsageError(f"{target}: not written: {error.strerror}") from None
     typer.echo(f"{target}: a copy of {scene}; run it with: fem-contact run {target}")
+
+
+def _named_after(text: str, target: Path) -> str:
+    """Take the name out of a scene's text: its file names it, and its results go to a folder of their own."""
+    head, table, rest = text.partition("\n[")
+    stem = re.sub(r"[^A-Za-z0-9._-]+", "-", target.stem).strip("-._")
+    # A file whose name cannot name a folder is named in its text.
+    name = "" if stem == target.stem else f'name = "{stem or "copy"}"\n'
+    return re.sub(r"(?m)^name\s*=.*\n?", lambda _: name, head, count=1) + table + rest
 
 
 def _list(files: tuple[Path, ...]) -> None:

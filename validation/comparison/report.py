@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import dataclasses
+import os
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from validation.comparison.findings import yielded_row
 from validation.comparison.pictures import render_stored
+from validation.files import atomic_path
 from validation.report.drawing import Drawing
 from validation.report.page import Answer, Note, Page, Picture, write_page
 from validation.report.papers import papers
@@ -63,9 +66,29 @@ def write_outputs(
         Whether to render 3-D pictures, too; that takes seconds.
     """
     page = run_page(comparison, store, pictures=pictures)
-    blocks = [block_file(store.folder, job) for job in jobs_of(comparison.scene) if job.method == "fem"]
     written = write_page(page, folder)
-    return page, (*written, *(path for path in blocks if path.exists()), store.folder)
+    return page, (*written, *_link_blocks(comparison.scene, store, folder / "fields"), store.folder)
+
+
+def _link_blocks(scene: Scene, store: Store, folder: Path) -> Iterator[Path]:
+    """Yield the deformed blocks of this run, named by their grids; those of an earlier run are taken away.
+
+    The store keeps the blocks of every scene that ran in it; here are those that belong to the report.
+    """
+    for earlier in folder.glob("*.vtu"):
+        earlier.unlink()
+    for job in jobs_of(scene):
+        stored = block_file(store.folder, job)
+        if job.method != "fem" or not stored.exists():
+            continue
+        folder.mkdir(exist_ok=True)
+        target = folder / f"{job.method}-{job.grid[0]}x{job.grid[1]}.vtu"
+        try:
+            os.link(stored, target)
+        except OSError:  # another file system, or one without links
+            with atomic_path(target) as draft:
+                shutil.copyfile(stored, draft)
+        yield target
 
 
 def run_page(comparison: Comparison, store: Store | None = None, *, pictures: bool = False) -> Page:

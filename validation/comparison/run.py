@@ -9,8 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from validation.errors import UsageError
-from validation.files import prepare_folder, write_json
+from validation.files import json_text, prepare_folder, write_json
 from validation.methods.handled import check_effects
+from validation.report.page import clear_page
 from validation.scenes.surfaces import reference_field
 from validation.solves.running import Execution, Progress, solve_jobs
 from validation.solves.solve import jobs_of
@@ -134,13 +135,20 @@ def _compared(
 
 
 def _record(scene: Scene, folder: Path, store: Store) -> None:
-    """Write down what the folder is a run of, so that its report can be made again without the scene file."""
+    """Write down what the folder is a run of, so that its report can be made again without the scene file.
+
+    A report of something else goes first: if this run is interrupted, nothing in the folder belies it.
+    """
     said = {
         "format": _RUN_FORMAT,
         "scene": scene.model_dump(mode="json", exclude_none=True),
         "store": os.path.relpath(store.folder.resolve(), folder.resolve()),
     }
-    write_json(folder / _RUN_FILE, said)
+    path = folder / _RUN_FILE
+    if not (path.exists() and path.read_bytes() == json_text(said).encode()):
+        clear_page(folder)
+    (folder / "study.json").unlink(missing_ok=True)
+    write_json(path, said)
 
 
 def load_run(folder: Path) -> tuple[Scene, Store]:

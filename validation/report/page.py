@@ -5,13 +5,13 @@ from __future__ import annotations
 import base64
 import json
 import platform
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from validation.files import atomic_path, write_json
+from validation.files import atomic_path, remove_drafts, write_json
 from validation.report.drawing import Drawing, write_drawing
 from validation.report.table import ResultTable, WordTable, shown, write_dataset, write_table
 from validation.report.words import mathematics
@@ -19,7 +19,7 @@ from validation.report.words import mathematics
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Answer", "Note", "Page", "Picture", "render", "versions", "write_page"]
+__all__ = ["Answer", "Note", "Page", "Picture", "render", "clear_page", "versions", "write_page"]
 
 _BUDGET = (
     "Half widths of 95 % intervals by their source, in per cent of the value; the last columns add them up "
@@ -144,7 +144,29 @@ def write_page(page: Page, folder: Path) -> tuple[Path, ...]:
     report = folder / "report.html"
     with atomic_path(report) as draft:
         draft.write_text(_html(page, drawn), encoding="utf-8")
+    drawings = [folder / file for figure in drawn for file in figure.files]
+    pictures = [figures / f"{picture.name}.png" for picture in page.pictures]
+    clear_page(folder, keep=(report, *written, *drawings, *pictures))
     return (report, *written)
+
+
+def clear_page(folder: Path, *, keep: Collection[Path] = ()) -> None:
+    """Remove from a results folder what an earlier page left there, and drafts of killed processes.
+
+    Nothing but files that a page writes is touched: CSV files by name, summary.json, report.html, and the
+    images and numbers in the folder of figures.
+    """
+    figures = folder / "figures"
+    names = ("report.html", "summary.json", "table.csv", "budget.csv", "data.csv", "data-*.csv")
+    earlier = [path for name in names for path in folder.glob(name)]
+    if figures.is_dir() and not figures.is_symlink():
+        earlier += [
+            path for suffix in ("svg", "pdf", "csv", "nc", "png") for path in figures.glob(f"*.{suffix}")
+        ]
+        remove_drafts(figures)
+    for path in set(earlier) - set(keep):
+        path.unlink(missing_ok=True)
+    remove_drafts(folder)
 
 
 def render(page: Page) -> str:

@@ -45,6 +45,8 @@ def run_study(study: Study, options: Mapping[str, Any], folder: Path, *, bench: 
         "study": study.name,
         "options": {name: _plain(value) for name, value in _all_options(study, options).items()},
     }
+    for other in ("run.json", "accuracy.json"):  # the folder is that of this study now
+        (folder / other).unlink(missing_ok=True)
     write_json(folder / _RECORD, said)
     with atomic_path(folder / _DATA) as draft:
         data.to_netcdf(draft, engine="netcdf4")
