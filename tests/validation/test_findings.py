@@ -122,7 +122,7 @@ def test_nothing_is_said_of_pressures_that_start_at_zero_where_adhesion_pulls(sm
     plain, sticky = small_run.comparison, _with_effects(small_run.comparison, STICKY)
     assert any("P(sigma)" in text for text in findings(plain))
     assert not any("P(sigma)" in text for text in findings(sticky))
-    assert [run_page(c).tables[0].sums[0][6] for c in (plain, sticky)] == ["0", ""]
+    assert [run_page(c).tables[0].sums[0][7] for c in (plain, sticky)] == ["0", ""]
 
 
 def test_a_report_names_its_effects_and_cites_what_solved_them(small_run):

@@ -4,18 +4,25 @@ from __future__ import annotations
 
 import csv
 import dataclasses
+import io
 import json
 import re
 import shutil
 import socket
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
+from rich.console import Console
 
+from validation.cli.progress import Bar
+from validation.cli.results import page_table, print_page, sentence_lines
+from validation.comparison.report import run_page
 from validation.comparison.run import report_run, run_scene
+from validation.report.figure import new_figure, save_figure
 from validation.report.page import Answer, Page, render, write_page
 from validation.report.table import ResultTable, shown
 from validation.report.words import mathematics
@@ -46,7 +53,8 @@ def test_a_run_and_a_study_leave_the_same_kind_of_page(outputs, kind):
     html = (folder / "report.html").read_text(encoding="utf-8")
     headings = re.findall(r"<h2>(.*?)</h2>", html)
     assert headings[0] == "What was found"
-    assert headings[-3:] == ["Figures", "Settings, seeds, versions", "Papers to cite"]
+    assert headings[-2:] == ["Settings, seeds, versions", "Papers to cite"]
+    assert "Figures" in headings
     for words in (page.lead, *page.findings, *(column for t in page.tables for column in t.columns)):
         assert mathematics(words) in html
     assert json.loads((folder / "summary.json").read_text())["findings"] == list(page.findings)
@@ -146,3 +154,76 @@ def _dead_process():
     done = subprocess.Popen([sys.executable, "-c", ""])
     done.wait()
     return done.pid
+
+
+HOSTILE = "[/]\x1b[31m<b>\u202etxt.exe"
+
+
+def test_a_hostile_title_is_harmless_in_terminal_and_page(small_run, capsys):
+    scene = small_run.comparison.scene.model_copy(update={"title": HOSTILE})
+    page = run_page(dataclasses.replace(small_run.comparison, scene=scene))
+    print_page(page, [])
+    for text in (capsys.readouterr().out, render(page)):
+        assert "[/]\ufffd[31m" in text
+        assert not {"\x1b", "\u202e"} & set(text)
+    assert "<b>\ufffd" not in render(page)
+
+
+@pytest.mark.parametrize("width", [80, 100, 200])
+def test_columns_that_decide_stay_whole_at_every_width(small_run, width):
+    console = Console(width=width, file=io.StringIO(), force_terminal=False)
+    table = small_run.page.tables[0]
+    shown, left_out = page_table(table, width=width)
+    console.print(shown)
+    text = console.file.getvalue()
+    assert max(map(len, text.splitlines())) <= width
+    limit = next(row for row in table.sums if row[0] == "limit")
+    for words in ("method", "A/A0 pixel", limit[2]):
+        assert words in text
+    for name in table.columns:
+        assert (name in text) != (name in left_out)
+    assert "…" not in text
+    assert (width == 200) == (not left_out)
+
+
+def test_findings_break_at_words_on_a_terminal_and_nowhere_in_a_log(small_run):
+    finding = f"- {small_run.comparison.findings[0]}"
+    lines = sentence_lines(finding, 80)
+    assert len(lines) > 1
+    assert max(map(len, lines)) <= 80
+    assert " ".join(line.strip() for line in lines) == finding
+    assert sentence_lines(finding, None) == [finding]
+
+
+def test_a_log_says_how_many_of_how_many_as_it_goes(write_scene, tmp_path, capsys):
+    scene = load_scene(str(write_scene(fem=False)))
+    with Bar(quiet=False) as bar:
+        run_scene(scene, tmp_path / "results", progress=bar)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[0].startswith("fem-contact: 1 of 12: ")
+    assert lines[-1].startswith("fem-contact: 12 of 12: ")
+
+
+def test_a_bar_ends_full_and_counts(monkeypatch):
+    monkeypatch.setattr("rich.console.Console.is_terminal", True)
+    monkeypatch.setattr("validation.solves.cost.predicted_cost", lambda job: SimpleNamespace(seconds=0.1))
+    jobs = tuple(SimpleNamespace(key=str(k), describe=lambda: "a solve") for k in range(3))
+    with Bar(quiet=False) as bar:
+        bar.start(jobs, 2)
+        for job in jobs:
+            bar.begin(job)
+            bar.done(job)
+        (task,) = bar._progress.tasks
+        assert task.percentage == 100
+        assert task.fields["count"] == "3 of 3"
+
+
+@pytest.mark.parametrize(("range_", "plain"), [((1, 30), True), ((0.02, 200), False), ((2e-9, 5e-9), False)])
+def test_a_logarithmic_axis_of_few_decades_carries_plain_numbers(tmp_path, range_, plain):
+    figure, (axes,) = new_figure()
+    axes.plot(range_, [1, 2])
+    axes.set_xscale("log")
+    save_figure(figure, tmp_path / "figure.svg")
+    words = [label.get_text() for label in axes.get_xticklabels()]
+    assert any("10^" in text for text in words) != plain
+    assert ({"1", "2", "5", "10", "20"} <= set(words)) == plain

@@ -94,7 +94,7 @@ def test_the_report_holds_four_figures_and_the_findings(small_run):
     assert page.count("<svg") == 4
     for finding in small_run.comparison.findings:
         assert mathematics(finding) in page
-    assert "http-equiv" not in page
+    assert "default-src 'none'" in page
     assert "<script" not in page
 
 

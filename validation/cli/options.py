@@ -42,6 +42,7 @@ __all__ = [
     "say",
     "show",
     "stopping_cleanly",
+    "terminal_width",
 ]
 
 
@@ -233,16 +234,28 @@ def print_plan(jobs: Sequence[AnyJob], store: Store, *, as_json: bool) -> None:
 
 
 def show(what: Any) -> None:
-    """Print a text or a table."""
+    """Print a text, what is dangerous to a terminal made harmless, or a table."""
     from rich.console import Console
+
+    from validation.report.words import harmless
 
     console = Console(highlight=False, soft_wrap=isinstance(what, str))
     # A log file or a pipe has no width: a table must not be squeezed to 80 columns there.
     if not console.is_terminal:
         console = Console(highlight=False, width=160, soft_wrap=isinstance(what, str))
-    console.print(what, markup=False) if isinstance(what, str) else console.print(what)
+    console.print(harmless(what), markup=False) if isinstance(what, str) else console.print(what)
+
+
+def terminal_width() -> int | None:
+    """Columns of the terminal; None for a log file or a pipe, which have no width."""
+    from rich.console import Console
+
+    console = Console()
+    return console.width if console.is_terminal else None
 
 
 def say(message: Exception | str, *, prefix: str = "fem-contact: ") -> None:
     """Print a line for the user on stderr."""
-    typer.echo(f"{prefix}{message}", err=True)
+    from validation.report.words import harmless
+
+    typer.echo(harmless(f"{prefix}{message}"), err=True)

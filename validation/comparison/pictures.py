@@ -36,8 +36,8 @@ def render_stored(solve: Path, *, label: str) -> tuple[Picture | None, str]:
             return None, f"off-screen rendering does not work here ({last[0][:200]})"
         png = image.read_bytes()
     caption = (
-        f"The deformed surface of the elastic body ({label}), coloured by contact pressure: dark is low, "
-        "light is high. Displacements are magnified so that the deepest dent is a tenth of the period."
+        f"The deformed surface of the elastic body ({label}), coloured by contact pressure: dark is high, "
+        "light is low. Displacements are magnified so that the deepest dent is a tenth of the period."
     )
     return Picture(name="surface-3d", png=png, caption=caption), ""
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from validation.comparison.findings import yielded_row
+from validation.comparison.findings import percent, yielded_row
 from validation.comparison.pictures import render_stored
 from validation.files import atomic_path
 from validation.report.drawing import Drawing
@@ -29,13 +29,13 @@ __all__ = ["run_page", "write_outputs"]
 
 _COLUMNS = (
     "method",
-    "grid",
-    "lambda_short/dx",
+    "grid (shifts)",
     "A/A0 pixel",
     "A/A0 perimeter",
     "kappa",
-    "P(0+) E*h'",
     "residual",
+    "lambda_short/dx",
+    "P(0+) E*h'",
     "seconds",
 )
 
@@ -143,15 +143,7 @@ def _answers(c: Comparison) -> Iterator[Answer]:
         if limit is None
         else f"limit over the grids; kappa = {with_error(limit.value / load, limit.uncertainty / load)}",
     )
-    grid = "" if limit is None else "grid, one standard error; "
-    surfaces = "scatter between surfaces unknown"
-    if c.scatter is not None:
-        surfaces = f"surfaces scatter by {100 * c.scatter.relative:.2g} % ({len(c.scatter.areas)} of them)"
-    yield Answer(
-        question="How sure?",
-        answer="unknown" if limit is None else f"+- {100 * limit.uncertainty / limit.value:.2g} %",
-        basis=grid + surfaces,
-    )
+    yield _how_sure(c)
     theory = c.theory if c.theory is not None and c.theory.answers else None
     if theory is not None:
         yield Answer(
@@ -176,6 +168,20 @@ def _answers(c: Comparison) -> Iterator[Answer]:
     )
 
 
+def _how_sure(c: Comparison) -> Answer:
+    """Say what the grids leave open for this surface, and by how much another one would differ."""
+    said, basis = [], []
+    if c.limit is not None:
+        said.append(f"grid +- {percent(c.limit.uncertainty / c.limit.value)}")
+        basis.append("grid: one standard error for this surface")
+    if c.scatter is not None:
+        said.append(f"surfaces +- {percent(c.scatter.relative)}")
+        basis.append(f"surfaces: standard deviation of one among {len(c.scatter.areas)} of the same spectrum")
+    else:
+        basis.append("scatter between surfaces unknown")
+    return Answer(question="How sure?", answer=", ".join(said) or "unknown", basis="; ".join(basis))
+
+
 def _notes(c: Comparison) -> Iterator[Note]:
     run, left_out = c.judgements
     sentences = [f"Runs: {item.effect}: {item.number} - {item.verdict}" for item in run]
@@ -197,7 +203,8 @@ def _tables(c: Comparison) -> Iterator[WordTable]:
         columns=_COLUMNS,
         rows=tuple(_cells(row) for row in c.rows),
         sums=tuple(_sums(c)),
-        left=frozenset({"method", "grid"}),
+        left=frozenset({"method", "grid (shifts)"}),
+        yielding=("P(0+) E*h'", "lambda_short/dx", "seconds", "residual", "A/A0 perimeter", "kappa"),
         note="A/A0 pixel counts the points of the contact set (mean +- standard error over sub-grid shifts); "
         "perimeter subtracts the method's edge constant times edge length times dx; "
         f"kappa = (A/A0 perimeter)/p*; {density}residual is the largest of penetration/h_rms, "
@@ -233,13 +240,13 @@ def _cells(row: Row) -> tuple[str, ...]:
     note = " (under-resolved)" if row.under_resolved else ""
     return (
         row.method.upper() + note,
-        _grid(row) + (f" x {row.solves} shifts" if row.solves > 1 else ""),
-        f"{row.points_per_wave:.4g}",
+        _grid(row) + (f" ({row.solves})" if row.solves > 1 else ""),
         pixel,
         significant(row.perimeter),
         significant(row.kappa),
-        significant(row.density_at_zero, 3),
         f"{row.residual:.1e}",
+        f"{row.points_per_wave:.4g}",
+        significant(row.density_at_zero, 3),
         f"{row.seconds:.3g}",
     )
 
@@ -252,23 +259,22 @@ def _sums(comparison: Comparison) -> Iterator[tuple[str, ...]]:
         value, error = comparison.limit.value, comparison.limit.uncertainty
         load = comparison.reduced_pressure
         kappa = with_error(value / load, error / load)
-        yield ("limit", "dx -> 0", "", with_error(value, error), "", kappa, zero, "", "")
+        yield ("limit", "dx -> 0", with_error(value, error), "", kappa, "", "", zero, "")
     theory = comparison.theory
     if theory is not None and theory.answers:
         kappa = significant(theory.area / comparison.reduced_pressure)
         zero = "" if theory.note else "0"
-        yield ("Persson", "", "", significant(theory.area), "", kappa, zero, "", "")
+        yield ("Persson", "", significant(theory.area), "", kappa, "", "", zero, "")
     for row in comparison.rows:
         if row.plastic is not None:
             yield (
                 f"{row.method.upper()}, yielded",
                 _grid(row),
-                "",
                 significant(row.plastic),
-                *("" for _ in range(5)),
+                *("" for _ in _COLUMNS[3:]),
             )
     if theory is not None and theory.plastic is not None:
-        yield ("Persson, yielded", "", "", significant(theory.plastic), "", "", "", "", "")
+        yield ("Persson, yielded", "", significant(theory.plastic), *("" for _ in _COLUMNS[3:]))
 
 
 def _record(comparison: Comparison) -> ResultTable:
@@ -345,8 +351,8 @@ def _drawings(comparison: Comparison, shown: dict[Job, ContactResult]) -> tuple[
             name="pressure-maps",
             figure=plots.pressure_maps_figure(comparison, pair),
             data=figure_data.pressure_maps_data(pair),
-            caption="Contact pressure of both solvers on the same surface and grid, one colour scale; "
-            "dark is high.",
+            caption="Contact pressure of both solvers on the same surface and grid, one colour scale, dark "
+            "is high; and where both have the same points, their difference.",
         ),
     )
 

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, NullFormatter
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
 
 
 __all__ = [
@@ -26,6 +28,7 @@ __all__ = [
     "embeddable",
     "lines_figure",
     "new_figure",
+    "readable_ticks",
     "save_figure",
 ]
 
@@ -75,9 +78,23 @@ FILLS = [None, None, None, None, "white", "white", "white", "white"]
 
 def save_figure(figure: Figure, path: Path, *, dpi: int = 150) -> None:
     """Write a figure; the suffix says the format, `dpi` the pixels per inch of a PNG."""
+    for axes in figure.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            readable_ticks(axis)
     undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
     with matplotlib.rc_context(STYLE):
         figure.savefig(path, dpi=dpi, metadata=undated.get(path.suffix))
+
+
+def readable_ticks(axis: Axis) -> None:
+    """Label a logarithmic axis of less than three decades with plain numbers: 2, 5, 10 and not 2 x 10^0."""
+    low, high = sorted(axis.get_view_interval())
+    standard = isinstance(axis.get_major_formatter(), LogFormatterSciNotation)
+    if axis.get_scale() != "log" or not standard or not 1e-4 <= low < high <= 1e5 or high / low > 1e3:
+        return
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if high / low > 8 else (1.0, 2.0, 3.0, 5.0, 7.0)))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def embeddable(svg: str, name: str, *, words: str) -> str:
@@ -93,10 +110,12 @@ def embeddable(svg: str, name: str, *, words: str) -> str:
     """
     from markupsafe import escape
 
+    from validation.report.words import harmless
+
     drawing = svg[svg.index("<svg") :]
     drawing = re.sub(r'\bid="', f'id="{name}-', drawing)
     drawing = re.sub(r'(xlink:href="|href="|url\()#', rf"\1#{name}-", drawing)
-    return drawing.replace("<svg", f'<svg role="img" aria-label="{escape(words)}"', 1)
+    return drawing.replace("<svg", f'<svg role="img" aria-label="{escape(harmless(words))}"', 1)
 
 
 def lines_figure(

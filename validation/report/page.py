@@ -6,7 +6,7 @@ import base64
 import json
 import platform
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,16 +14,22 @@ from typing import TYPE_CHECKING, Any
 from validation.files import atomic_path, remove_drafts, write_json
 from validation.report.drawing import Drawing, write_drawing
 from validation.report.table import ResultTable, WordTable, shown, write_dataset, write_table
-from validation.report.words import mathematics
+from validation.report.words import harmless, mathematics
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Answer", "Note", "Page", "Picture", "render", "clear_page", "versions", "write_page"]
+__all__ = ["Answer", "Note", "Page", "Picture", "clear_page", "render", "versions", "write_page"]
+
+#: Width over height from which on a figure has several panels, and the width of the page to itself.
+_WIDE = 1.7
+
+#: Pixels of the page for an inch of a figure, at most.
+_ENLARGED = 170
 
 _BUDGET = (
-    "Half widths of 95 % intervals by their source, in per cent of the value; the last columns add them up "
-    "as the root of the sum of their squares."
+    "Half widths of 95 % intervals by their source, in per cent of the value; the columns "
+    "in front add them up as the root of the sum of their squares."
 )
 
 
@@ -122,6 +128,8 @@ class _Embedded:
     svg: Any
     caption: str
     files: tuple[str, ...]
+    wide: bool
+    pixels: int
 
 
 def write_page(page: Page, folder: Path) -> tuple[Path, ...]:
@@ -174,6 +182,18 @@ def render(page: Page) -> str:
     return _html(page, [])
 
 
+def _in_front(budget: WordTable) -> WordTable:
+    """Put what the sources come to in front of them, where a narrow screen shows it."""
+    order = sorted(
+        range(len(budget.columns)), key=lambda k: (k > 1, not budget.columns[k].startswith("for "))
+    )
+    return replace(
+        budget,
+        columns=tuple(budget.columns[k] for k in order),
+        rows=tuple(tuple(row[k] for k in order) for row in budget.rows),
+    )
+
+
 def _embedded(drawing: Drawing, files: tuple[Path, ...]) -> _Embedded:
     from markupsafe import Markup
 
@@ -185,6 +205,8 @@ def _embedded(drawing: Drawing, files: tuple[Path, ...]) -> _Embedded:
         # This package drew it: nothing in it comes from elsewhere.
         svg=Markup(svg),
         caption=drawing.caption,
+        wide=drawing.figure.get_figwidth() > _WIDE * drawing.figure.get_figheight(),
+        pixels=round(_ENLARGED * drawing.figure.get_figwidth()),
         files=tuple(f"figures/{path.name}" for path in files),
     )
 
@@ -201,8 +223,13 @@ def _html(page: Page, figures: list[_Embedded]) -> str:
         lstrip_blocks=True,
     )
     environment.filters["math"] = mathematics
+    environment.filters["harmless"] = harmless
     environment.filters["base64"] = lambda data: base64.b64encode(data).decode("ascii")
-    budget = None if page.budget is None else shown(page.budget, title="What is uncertain", note=_BUDGET)
+    budget = (
+        None
+        if page.budget is None
+        else _in_front(shown(page.budget, title="What is uncertain", note=_BUDGET))
+    )
     settings = json.dumps(page.settings, indent=2)
     template = environment.get_template("report.html.j2")
     return template.render(page=page, figures=figures, budget=budget, settings=settings)
