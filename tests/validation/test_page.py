@@ -20,6 +20,7 @@ from rich.console import Console
 
 from validation.cli.progress import Bar
 from validation.cli.results import page_table, print_page, sentence_lines
+from validation.comparison.compare import Scatter
 from validation.comparison.report import run_page
 from validation.comparison.run import report_run, run_scene
 from validation.report.figure import new_figure, save_figure
@@ -227,3 +228,62 @@ def test_a_logarithmic_axis_of_few_decades_carries_plain_numbers(tmp_path, range
     words = [label.get_text() for label in axes.get_xticklabels()]
     assert any("10^" in text for text in words) != plain
     assert ({"1", "2", "5", "10", "20"} <= set(words)) == plain
+
+
+@pytest.mark.parametrize("kind", ["run", "study"])
+def test_without_a_report_the_numbers_are_there_and_the_report_can_be_made_later(
+    outputs, small_run, tmp_path, kind
+):
+    _, whole, again = outputs[kind]
+    folder = tmp_path / kind
+    if kind == "run":
+        shutil.copytree(whole, folder)
+        run_scene(small_run.comparison.scene, folder, report=False)
+    else:
+        folder.mkdir()
+        options = {"pressures": (0.02, 0.1, 0.5), "seeds": (3, 4), "grids": (16, 24, 32), "bandwidth": 2.0}
+        bench = Bench.at(whole.parent / "solves")
+        run_study(find_study("area"), options, folder, bench=bench, report=False)
+    assert not (folder / "report.html").exists()
+    assert not list(folder.glob("figures/*"))
+    again(folder)
+    for path in whole.rglob("*"):
+        if path.suffix in (".csv", ".json", ".html", ".svg"):
+            assert (folder / path.relative_to(whole)).read_bytes() == path.read_bytes(), path
+
+
+def test_a_legend_stands_beside_the_data_it_would_lie_over(tmp_path):
+    hidden, (axes,) = new_figure()
+    for k in range(12):
+        axes.plot([0, 1], [k, 12 - k], label=f"line {k}")
+    axes.legend()
+    free, (empty,) = new_figure()
+    empty.plot([0, 1], [0, 1], label="line")
+    empty.legend(loc="upper left")
+    for figure in (hidden, free):
+        save_figure(figure, tmp_path / "figure.svg")
+    assert axes.get_legend() is None
+    (legend,) = hidden.legends
+    assert len(legend.get_texts()) == 12
+    assert not legend.get_window_extent().overlaps(axes.get_window_extent())
+    assert empty.get_legend() is not None
+
+
+def test_one_solve_tells_of_no_scatter(small_run):
+    for row in small_run.comparison.rows:
+        assert np.isnan(row.pixel_scatter) == (row.solves == 1)
+    with (small_run.folder / "table.csv").open() as file:
+        said = {row["solves"]: row["pixel_scatter"] for row in csv.DictReader(file)}
+    assert said["1"] == "nan"
+    summary = json.loads((small_run.folder / "summary.json").read_text())
+    assert [row["pixel_scatter"] for row in summary["rows"] if row["solves"] == 1] == [None, None]
+
+
+def test_the_card_says_what_grids_and_what_surfaces_leave_open(small_run):
+    c = small_run.comparison
+    (alone,) = [card for card in run_page(c).answers if card.question == "How sure?"]
+    assert alone.answer.startswith("grid +- ")
+    assert "scatter between surfaces unknown" in alone.basis
+    several = dataclasses.replace(c, scatter=Scatter(areas=(0.1, 0.12), ratios=(1.0, 1.2), grid_error=0.001))
+    (both,) = [card for card in run_page(several).answers if card.question == "How sure?"]
+    assert both.answer == f"{alone.answer}, surfaces +- 13 %"

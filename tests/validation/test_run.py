@@ -65,7 +65,7 @@ def test_running_again_repeats_nothing_and_finds_the_same(small_run, tmp_path):
     again = run_scene(small_run.comparison.scene, small_run.folder)
     assert again.solved == 0
     assert again.reused == small_run.solved
-    assert again.comparison.rows == small_run.comparison.rows
+    assert repr(again.comparison.rows) == repr(small_run.comparison.rows)
 
 
 def test_a_plain_run_leaves_nothing_of_an_earlier_run_to_an_accuracy(small_run, tmp_path, monkeypatch):

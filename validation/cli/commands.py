@@ -20,6 +20,7 @@ from validation.cli.options import (
     OutputOption,
     PicturesOption,
     QuietOption,
+    ReportOption,
     SceneArgument,
     SchedulerOption,
     StoreOption,
@@ -73,6 +74,7 @@ def run(
     accuracy: AccuracyOption = None,
     time_limit: TimeLimitOption = None,
     pictures: PicturesOption = None,
+    with_report: ReportOption = True,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -111,7 +113,8 @@ def run(
             "progress": bar,
             "execution": execution,
             "store_folder": store_folder,
-            "pictures": said.pictures if pictures is None else pictures,
+            "pictures": with_report and (said.pictures if pictures is None else pictures),
+            "report": with_report,
         }
         if chosen is None:
             outputs = run_scene(loaded, folder, **options)
@@ -152,6 +155,7 @@ def study(
     scheduler: SchedulerOption = None,
     memory: MemoryOption = None,
     dry_run: DryRunOption = False,
+    with_report: ReportOption = True,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
     wants_help: Annotated[
@@ -206,7 +210,7 @@ def study(
             execution=execution,
             progress=bar,
         )
-        outputs = run_study(found, options, prepare_folder(folder), bench=bench)
+        outputs = run_study(found, options, prepare_folder(folder), bench=bench, report=with_report)
     if as_json:
         typer.echo(json.dumps(outputs.data.to_dict(), indent=2, default=str))
         return
@@ -316,10 +320,7 @@ def report(
     from validation.studies._outputs import check_results, is_study, report_study
 
     check_results(folder)
-    if is_study(folder):
-        files = report_study(folder).files
-    else:
-        files = report_run(folder, pictures=pictures is not False).files
+    files = report_study(folder).files if is_study(folder) else report_run(folder, pictures=pictures).files
     if as_json:
         typer.echo(json.dumps([str(path) for path in files], indent=2))
     else:

@@ -29,6 +29,7 @@ __all__ = [
     "OutputOption",
     "PicturesOption",
     "QuietOption",
+    "ReportOption",
     "SceneArgument",
     "SchedulerOption",
     "StoreOption",
@@ -102,7 +103,17 @@ DryRunOption = Annotated[
     bool, typer.Option("--dry-run", help="List the solves with predicted time and memory; do none.")
 ]
 PicturesOption = Annotated[
-    bool | None, typer.Option("--pictures/--no-pictures", help="3-D pictures in the report; some seconds.")
+    bool | None,
+    typer.Option(
+        "--pictures/--no-pictures",
+        help="3-D pictures in the report, which take seconds; none if not asked for.",
+    ),
+]
+ReportOption = Annotated[
+    bool,
+    typer.Option(
+        "--report/--no-report", help="Figures and report, which fem-contact report DIR can make later, too."
+    ),
 ]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar; for logs.")]
 

@@ -58,7 +58,7 @@ class Row:
     pixel, perimeter : float
         A/A0 by counting, and with the perimeter correction of the method's edge constant.
     pixel_scatter : float
-        Standard error of `pixel` over the shifts; 0 for one shift.
+        Standard error of `pixel` over the shifts; NaN for one shift, which tells nothing of it.
     kappa : float
         (A/A0) / p* from `perimeter`.
     density_at_zero : float
@@ -345,7 +345,7 @@ def _row(solves: Sequence[tuple[Job, ContactResult]], scene: Scene, reduced_pres
         under_resolved=not _resolved(scene, job.grid),
         solves=len(solves),
         pixel=float(pixel.mean()),
-        pixel_scatter=float(pixel.std(ddof=1) / np.sqrt(pixel.size)) if pixel.size > 1 else 0.0,
+        pixel_scatter=float(pixel.std(ddof=1) / np.sqrt(pixel.size)) if pixel.size > 1 else float("nan"),
         perimeter=perimeter,
         kappa=perimeter / reduced_pressure,
         density_at_zero=float(np.mean([_reduced_density(r, adhesive=adhesive) for _, r in solves])),

@@ -51,7 +51,7 @@ _WITH_TENSION = (
 
 
 def write_outputs(
-    comparison: Comparison, store: Store, folder: Path, *, pictures: bool = False
+    comparison: Comparison, store: Store, folder: Path, *, pictures: bool = False, report: bool = True
 ) -> tuple[Page, tuple[Path, ...]]:
     """Write tables, figures and report of a run; return the page, and what there is to open.
 
@@ -64,9 +64,11 @@ def write_outputs(
         Results folder.
     pictures : bool
         Whether to render 3-D pictures, too; that takes seconds.
+    report : bool
+        Whether to draw figures and write the report, or tables and JSON alone.
     """
-    page = run_page(comparison, store, pictures=pictures)
-    written = write_page(page, folder)
+    page = run_page(comparison, store if report else None, pictures=pictures)
+    written = write_page(page, folder, numbers_only=not report)
     return page, (*written, *_link_blocks(comparison.scene, store, folder / "fields"), store.folder)
 
 

@@ -62,6 +62,7 @@ def run_scene(
     execution: Execution | None = None,
     store_folder: Path | None = None,
     pictures: bool = False,
+    report: bool = True,
     accurate: bool = False,
 ) -> Outputs:
     """Run a scene into a folder; finished solves found in the store are used, not repeated.
@@ -78,6 +79,8 @@ def run_scene(
         Where the solves are kept, to be shared with other runs and studies; `folder`/solves if not given.
     pictures : bool
         Whether the report gets 3-D pictures, rendered off screen in some seconds.
+    report : bool
+        Whether to draw figures and write the report, which `report_run` can do later.
     accurate : bool
         Whether the grids were chosen for an accuracy; a plain run removes what an earlier such run reached.
 
@@ -98,11 +101,17 @@ def run_scene(
     _record(scene, folder, store)
     jobs = jobs_of(scene)
     solved = solve_jobs(jobs, store, progress=progress, execution=execution)
-    return _compared(scene, store, folder, pictures=pictures, accurate=accurate, solved=solved)
+    return _compared(scene, store, folder, pictures=pictures, report=report, accurate=accurate, solved=solved)
 
 
-def report_run(folder: Path, *, pictures: bool = False) -> Outputs:
+def report_run(folder: Path, *, pictures: bool | None = None) -> Outputs:
     """Write tables, figures and report of a finished run again, from its stored solves alone.
+
+    Parameters
+    ----------
+    folder : Path
+    pictures : bool, optional
+        Whether to render 3-D pictures, too; if not given, where the scene asks or the folder has some.
 
     Raises
     ------
@@ -113,17 +122,26 @@ def report_run(folder: Path, *, pictures: bool = False) -> Outputs:
     """
     scene, store = load_run(folder)
     accurate = (folder / ACCURACY_FILE).exists()
+    if pictures is None:
+        pictures = scene.run.pictures or any(folder.glob("figures/*.png"))
     return _compared(scene, store, prepare_folder(folder), pictures=pictures, accurate=accurate, solved=0)
 
 
 def _compared(
-    scene: Scene, store: Store, folder: Path, *, pictures: bool, accurate: bool, solved: int
+    scene: Scene,
+    store: Store,
+    folder: Path,
+    *,
+    pictures: bool,
+    accurate: bool,
+    solved: int,
+    report: bool = True,
 ) -> Outputs:
     from validation.comparison.compare import compare
     from validation.comparison.report import write_outputs
 
     comparison = compare(scene, store, accurate=accurate)
-    page, files = write_outputs(comparison, store, folder, pictures=pictures)
+    page, files = write_outputs(comparison, store, folder, pictures=pictures, report=report)
     return Outputs(
         comparison=comparison,
         page=page,

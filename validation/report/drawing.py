@@ -45,8 +45,6 @@ def write_drawing(drawing: Drawing, folder: Path) -> tuple[Path, ...]:
     for path in (svg, pdf):
         with atomic_path(path) as draft:
             save_figure(drawing.figure, draft)
-        # Laid out once; doing it again for the second format would cost as much as drawing.
-        drawing.figure.set_layout_engine("none")
     tables = write_dataset(drawing.data, table)
     with atomic_path(data) as draft:
         drawing.data.to_netcdf(draft, engine="netcdf4")

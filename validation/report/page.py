@@ -132,8 +132,16 @@ class _Embedded:
     pixels: int
 
 
-def write_page(page: Page, folder: Path) -> tuple[Path, ...]:
-    """Write tables, JSON, figures and the report into a folder; return the files, the report first."""
+def write_page(page: Page, folder: Path, *, numbers_only: bool = False) -> tuple[Path, ...]:
+    """Write tables, JSON, figures and the report into a folder; return the files, the report first.
+
+    Parameters
+    ----------
+    page : Page
+    folder : Path
+    numbers_only : bool
+        Whether figures and report are left out, as they can be made later from what is stored.
+    """
     written: list[Path] = []
     if page.data is not None:
         written += write_dataset(page.data, folder / "data.csv")
@@ -141,6 +149,9 @@ def write_page(page: Page, folder: Path) -> tuple[Path, ...]:
     written += [write_table(table, folder / f"{name}.csv") for name, table in records.items()]
     if page.summary is not None:
         written.append(write_json(folder / "summary.json", page.summary))
+    if numbers_only:
+        clear_page(folder, keep=written)
+        return tuple(written)
     figures = folder / "figures"
     if page.figures or page.pictures:
         figures.mkdir(exist_ok=True)

@@ -37,8 +37,10 @@ class StudyOutputs:
     files: tuple[Path, ...]
 
 
-def run_study(study: Study, options: Mapping[str, Any], folder: Path, *, bench: Bench) -> StudyOutputs:
-    """Run a study on a bench and write its outputs into a folder."""
+def run_study(
+    study: Study, options: Mapping[str, Any], folder: Path, *, bench: Bench, report: bool = True
+) -> StudyOutputs:
+    """Run a study on a bench and write its outputs into a folder, without `report` tables and JSON alone."""
     data = study.compute(bench=bench, options=options)
     said = {
         "format": _FORMAT,
@@ -50,7 +52,7 @@ def run_study(study: Study, options: Mapping[str, Any], folder: Path, *, bench: 
     write_json(folder / _RECORD, said)
     with atomic_path(folder / _DATA) as draft:
         data.to_netcdf(draft, engine="netcdf4")
-    return report_study(folder)
+    return report_study(folder, numbers_only=not report)
 
 
 def _all_options(study: Study, options: Mapping[str, Any]) -> dict[str, Any]:
@@ -86,8 +88,14 @@ def check_results(folder: Path) -> None:
     )
 
 
-def report_study(folder: Path) -> StudyOutputs:
+def report_study(folder: Path, *, numbers_only: bool = False) -> StudyOutputs:
     """Write tables, figures and report of a study again, from its stored dataset alone.
+
+    Parameters
+    ----------
+    folder : Path
+    numbers_only : bool
+        Whether to write tables and JSON alone.
 
     Raises
     ------
@@ -103,12 +111,13 @@ def report_study(folder: Path) -> StudyOutputs:
             data = stored.load()
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{folder}: holds no finished study ({error})") from None
-    page = study_page(study, data, said["options"])
-    return StudyOutputs(data=data, page=page, files=(*write_page(page, folder), folder / _DATA))
+    page = study_page(study, data, said["options"], figures=not numbers_only)
+    written = write_page(page, folder, numbers_only=numbers_only)
+    return StudyOutputs(data=data, page=page, files=(*written, folder / _DATA))
 
 
-def study_page(study: Study, data: xr.Dataset, options: Mapping[str, Any]) -> Page:
-    """Return the page of a study: all of it from its dataset and from what was asked."""
+def study_page(study: Study, data: xr.Dataset, options: Mapping[str, Any], *, figures: bool = True) -> Page:
+    """Return the page of a study, drawn or not: all of it from its dataset and from what was asked."""
     table = study.table(data)
     findings = (*study.findings(data), *_undetermined(data))
     return Page(
@@ -117,7 +126,7 @@ def study_page(study: Study, data: xr.Dataset, options: Mapping[str, Any]) -> Pa
         findings=findings,
         tables=shown_dataset(data, title="Numbers") if table is None else (shown(table, title="Numbers"),),
         budget=study.budget(data),
-        figures=study.figures(data),
+        figures=study.figures(data) if figures else (),
         settings=options,
         seeds=_seeds(options),
         papers=papers(str(data.attrs.get("methods", "theory bem perimeter")).split()),
