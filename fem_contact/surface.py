@@ -259,27 +259,84 @@ def random_surface(
     numbers outwards, so they depend neither on the grid nor on q_short: cutting the spectrum elsewhere keeps
     the remaining waves.
     """
-    shape, lengths = _checked_shape(shape), _checked_lengths(lengths)
+    waves = random_waves(spectrum, q_short=q_short, lengths=lengths, seed=seed, amplitudes=amplitudes)
+    return waves.on(shape, under_resolved=under_resolved)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RandomWaves:
+    """The waves of one realisation of a random surface, drawn once and sampled on any grid.
+
+    Attributes
+    ----------
+    m, n : (count,) arrays of int
+        Wave numbers, one of each pair +-q.
+    amplitudes : (count,) array of complex
+        Fourier coefficients of half the surface [m].
+    q_short : float
+        Cut-off wavevector [1/m].
+    lengths : tuple of float
+        Periods (Lx, Ly) [m].
+    """
+
+    m: NDArray[np.int64]
+    n: NDArray[np.int64]
+    amplitudes: NDArray[np.complex128]
+    q_short: float
+    lengths: Lengths
+
+    def on(self, shape: Shape, *, under_resolved: bool = False) -> HeightField:
+        """Sample the surface on a grid.
+
+        Parameters
+        ----------
+        shape : tuple of int
+            Grid points (nx, ny), odd or even.
+        under_resolved : bool
+            Accept a grid with lambda_short <= 2 dx. It gets the true point values, from which the surface
+            cannot be recovered.
+
+        Raises
+        ------
+        InvalidInput
+            For a grid that does not resolve q_short, unless asked for.
+        """
+        shape = _checked_shape(shape)
+        if not (under_resolved or resolves(shape, self.lengths, q_short=self.q_short)):
+            needed = tuple(
+                int(np.floor(length * self.q_short / np.pi * (1 + _EDGE))) + 1 for length in self.lengths
+            )
+            raise InvalidInput(
+                f"shape = {shape}: does not resolve lambda_short = {2 * np.pi / self.q_short:.6g} m; "
+                f"at least {needed} points are needed (or ask for an under-resolved grid)"
+            )
+        half = np.zeros((shape[0], shape[1]), dtype=complex)
+        np.add.at(half, (self.m % shape[0], self.n % shape[1]), self.amplitudes)
+        heights = 2 * scipy.fft.ifft2(half, norm="forward").real
+        return HeightField(heights=heights, lengths=self.lengths)
+
+
+def random_waves(
+    spectrum: Callable[[Array], Array],
+    *,
+    q_short: float,
+    lengths: Lengths,
+    seed: int | np.random.Generator,
+    amplitudes: Literal["exact", "gaussian"] = "exact",
+) -> RandomWaves:
+    """Draw the waves of one realisation; parameters and errors as of `random_surface`."""
+    lengths = _checked_lengths(lengths)
     if not (np.isfinite(q_short) and q_short > 0):
         raise InvalidInput(f"q_short = {q_short!r}: must be a positive, finite wavevector in 1/m")
     if amplitudes not in ("exact", "gaussian"):
         raise InvalidInput(f"amplitudes = {amplitudes!r}: must be 'exact' or 'gaussian'")
-    if not (under_resolved or resolves(shape, lengths, q_short=q_short)):
-        needed = tuple(int(np.floor(length * q_short / np.pi * (1 + _EDGE))) + 1 for length in lengths)
-        raise InvalidInput(
-            f"shape = {shape}: does not resolve lambda_short = {2 * np.pi / q_short:.6g} m; "
-            f"at least {needed} points are needed (or ask for an under-resolved grid)"
-        )
     m, n, q = _half_plane(lengths, q_short)
     power = np.asarray(spectrum(q), dtype=float)
     if not np.all(np.isfinite(power)) or np.any(power < 0):
         raise InvalidInput("the spectrum C(q) is negative or not finite at a wavevector of the surface")
     waves = _random_waves(m, n, seed=seed, gaussian=amplitudes == "gaussian")
     waves *= 2 * np.pi * np.sqrt(power / (lengths[0] * lengths[1]))
-    half = np.zeros((shape[0], shape[1]), dtype=complex)
-    np.add.at(half, (m % shape[0], n % shape[1]), waves)
-    heights = 2 * scipy.fft.ifft2(half, norm="forward").real
-    return HeightField(heights=heights, lengths=lengths)
+    return RandomWaves(m=m, n=n, amplitudes=waves, q_short=q_short, lengths=lengths)
 
 
 def _checked_generator(seed: int | np.random.Generator) -> np.random.Generator:

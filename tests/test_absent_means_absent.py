@@ -24,8 +24,6 @@ EFFECT_MODULES = {
     "persson.graded",
     "persson.hardness",
     "validation.solves.calibration",
-    "validation.methods.effect_theory",
-    "validation.methods.slots",
 }
 
 #: The probe's plain scene on commit d5147c4, before any effect was wired to a scene: transforms of all grids,

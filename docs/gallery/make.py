@@ -60,7 +60,8 @@ def _outputs(name: str, *, redraw: bool, workers: int) -> StudyOutputs:
     folder = prepare_folder(Path("results") / name)
     if redraw:
         return report_study(folder)
-    return run_study(find_study(name), {}, folder, bench=Bench.at(execution=Execution(workers=workers)))
+    study, bench = find_study(name), Bench.at(execution=Execution(workers=workers))
+    return run_study(study, study.options(), folder, bench=bench)
 
 
 if __name__ == "__main__":

@@ -33,14 +33,22 @@ from validation.studies import find_study
 from validation.studies._outputs import is_study, report_study, run_study
 
 
+def _run_area(folder, store, **how):
+    """Run the smallest study at a small size."""
+    area = find_study("area")
+    options = area.options(
+        reduced_pressures=(0.02, 0.1, 0.5), seed=3, surfaces=2, grids=(16, 24, 32), bandwidth=2.0
+    )
+    return run_study(area, options, folder, bench=Bench.at(store), **how)
+
+
 @pytest.fixture(scope="module")
 def outputs(small_run, tmp_path_factory):
     """What a run and a study left behind: page, folder, and how both are made again."""
     folder = tmp_path_factory.mktemp("outputs")
     shutil.copytree(small_run.folder, folder / "run")
     (folder / "study").mkdir()
-    options = {"pressures": (0.02, 0.1, 0.5), "seeds": (3, 4), "grids": (16, 24, 32), "bandwidth": 2.0}
-    study = run_study(find_study("area"), options, folder / "study", bench=Bench.at(folder / "solves"))
+    study = _run_area(folder / "study", folder / "solves")
     return {
         "run": (small_run.page, folder / "run", report_run),
         "study": (study.page, folder / "study", report_study),
@@ -128,7 +136,7 @@ def test_an_interrupted_run_of_another_scene_does_not_stand_beside_the_old_repor
     def interrupted(*args, **kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("validation.comparison.run.solve_jobs", interrupted)
+    monkeypatch.setattr("validation.comparison.run.solve_all", interrupted)
     with pytest.raises(KeyboardInterrupt):
         run_scene(small_run.comparison.scene, folder)
     assert (folder / "report.html").exists()
@@ -144,8 +152,7 @@ def test_a_folder_is_that_of_what_ran_in_it_last(outputs, small_run, tmp_path):
     assert is_study(folder)
     run_scene(small_run.comparison.scene, folder, store_folder=small_run.folder / "solves")
     assert not is_study(folder)
-    options = {"pressures": (0.1,), "seeds": (3, 4), "grids": (16, 24), "bandwidth": 2.0}
-    run_study(find_study("area"), options, folder, bench=Bench.at(tmp_path / "solves"))
+    _run_area(folder, tmp_path / "solves")
     assert is_study(folder)
     assert not (folder / "run.json").exists()
     assert not (folder / "table.csv").exists()
@@ -207,8 +214,10 @@ def test_a_log_says_how_many_of_how_many_as_it_goes(write_scene, tmp_path, capsy
 
 def test_a_bar_ends_full_and_counts(monkeypatch):
     monkeypatch.setattr("rich.console.Console.is_terminal", True)
-    monkeypatch.setattr("validation.solves.cost.predicted_cost", lambda job: SimpleNamespace(seconds=0.1))
-    jobs = tuple(SimpleNamespace(key=str(k), describe=lambda: "a solve") for k in range(3))
+    cost = SimpleNamespace(seconds=0.1)
+    jobs = tuple(
+        SimpleNamespace(key=str(k), describe=lambda: "a solve", predict=lambda: cost) for k in range(3)
+    )
     with Bar(quiet=False) as bar:
         bar.start(jobs, 2)
         for job in jobs:
@@ -241,9 +250,7 @@ def test_without_a_report_the_numbers_are_there_and_the_report_can_be_made_later
         run_scene(small_run.comparison.scene, folder, report=False)
     else:
         folder.mkdir()
-        options = {"pressures": (0.02, 0.1, 0.5), "seeds": (3, 4), "grids": (16, 24, 32), "bandwidth": 2.0}
-        bench = Bench.at(whole.parent / "solves")
-        run_study(find_study("area"), options, folder, bench=bench, report=False)
+        _run_area(folder, whole.parent / "solves", report=False)
     assert not (folder / "report.html").exists()
     assert not list(folder.glob("figures/*"))
     again(folder)

@@ -88,9 +88,10 @@ def run(
     from validation.cli.progress import Bar
     from validation.cli.results import print_page
     from validation.comparison.run import run_scene
-    from validation.methods.handled import check_effects
+    from validation.scenes.checks import check_scene
+    from validation.scenes.realised import realise
     from validation.scenes.scene import load_scene
-    from validation.solves.solve import jobs_of
+    from validation.solves.press import solves_of
     from validation.solves.store import Store
 
     loaded = load_scene(scene)
@@ -103,9 +104,10 @@ def run(
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
     chosen = chosen_accuracy(accuracy, time_limit=time_limit, dry_run=dry_run, execution=execution)
     with naming(scene):
-        check_effects(loaded)
+        realised = realise(loaded)
+        check_scene(loaded, realised)
     if dry_run:
-        print_plan(jobs_of(loaded), Store(folder=store_folder), as_json=as_json)
+        print_plan(solves_of(loaded, realised), Store(folder=store_folder), as_json=as_json)
         return
     reached = None
     with stopping_cleanly(), Bar(quiet=quiet or said.quiet or as_json) as bar:
@@ -117,7 +119,7 @@ def run(
             "report": with_report,
         }
         if chosen is None:
-            outputs = run_scene(loaded, folder, **options)
+            outputs = run_scene(loaded, folder, realised=realised, **options)
         else:
             from validation.comparison.accuracy import run_accurate
 
@@ -186,13 +188,9 @@ def study(
     extra = list(context.args)
     if extra and not extra[0].startswith("-") and scene is None:
         scene = extra.pop(0)
-    options = found.parse(extra)
-    said = RunOptions()
-    if scene is not None:
-        if not found.takes_scene:
-            raise UsageError(f"study {name}: takes no scene; leave {scene!r} out")
-        options["scene"] = load_scene(scene)
-        said = options["scene"].run
+    loaded = None if scene is None else load_scene(scene)
+    options = found.parse(extra, scene=loaded)
+    said = RunOptions() if loaded is None else loaded.run
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
     folder, store_folder = (
         output or said.output or Path("results") / name,
@@ -200,9 +198,9 @@ def study(
     )
     if dry_run:
         try:
-            found.compute(bench=Bench(store=Store(folder=store_folder), plan_only=True), options=options)
+            found.compute(options, bench=Bench(store=Store(folder=store_folder), plan_only=True))
         except PlannedOnly as plan:
-            print_plan(plan.jobs, plan.store, as_json=as_json)
+            print_plan(plan.solves, plan.store, as_json=as_json)
         return
     with stopping_cleanly(), Bar(quiet=quiet or said.quiet or as_json) as bar:
         bench = Bench(
@@ -381,7 +379,7 @@ def _list(files: tuple[Path, ...]) -> None:
 
 def _list_studies(known: list[Study], *, as_json: bool) -> None:
     if as_json:
-        words = {s.name: [o.words for o in s.options.values()] for s in known}
+        words = {s.name: list(s.options.flags()) for s in known}
         typer.echo(json.dumps(words, indent=2))
         return
     for found in known:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from validation.scenes.scene import RunOptions
     from validation.solves.running import Execution
-    from validation.solves.solve import AnyJob
+    from validation.solves.solve import Solve
     from validation.solves.store import Store
 
 __all__ = [
@@ -203,35 +203,35 @@ def stopping_cleanly() -> Iterator[None]:
         raise typer.Exit(130) from None
 
 
-def print_plan(jobs: Sequence[AnyJob], store: Store, *, as_json: bool) -> None:
+def print_plan(solves: Sequence[Solve], store: Store, *, as_json: bool) -> None:
     """Print every solve with its predicted cost and whether it is finished."""
     from rich.table import Table
 
-    from validation.solves.cost import predicted_cost, transform_seconds
+    from validation.solves.cost import transform_seconds
 
     pair = transform_seconds()
-    plan = [(job, predicted_cost(job, pair_seconds=pair), os.path.exists(store.path(job))) for job in jobs]
+    plan = [(solve, solve.predict(pair_seconds=pair), os.path.exists(store.path(solve))) for solve in solves]
     if as_json:
         rows = [
             {
-                "key": job.key,
-                "solve": job.describe(),
+                "key": solve.key,
+                "solve": solve.describe(),
                 "seconds": cost.seconds,
                 "peak_bytes": cost.peak_bytes,
                 "unknowns": cost.unknowns,
                 "stored": stored,
             }
-            for job, cost, stored in plan
+            for solve, cost, stored in plan
         ]
         typer.echo(json.dumps(rows, indent=2))
         return
     table = Table(title="What would be solved")
     for column in ("solve", "seconds", "peak MiB", "unknowns", "stored"):
         table.add_column(column, justify="left" if column == "solve" else "right")
-    for job, cost, stored in plan:
+    for solve, cost, stored in plan:
         memory = f"{cost.peak_bytes / 2**20:.3g}"
         table.add_row(
-            job.describe(), f"{cost.seconds:.2g}", memory, f"{cost.unknowns:,}", "yes" if stored else "no"
+            solve.describe(), f"{cost.seconds:.2g}", memory, f"{cost.unknowns:,}", "yes" if stored else "no"
         )
     show(table)
     todo = [cost for _, cost, stored in plan if not stored]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from validation.report.words import harmless
 
 if TYPE_CHECKING:
-    from validation.solves.solve import AnyJob
+    from validation.solves.solve import Solve
 
 __all__ = ["Bar", "steps_bar"]
 
@@ -19,10 +19,10 @@ _BETWEEN_LINES = 10.0
 
 
 class Bar:
-    """Progress over jobs: how many are done, and a bar weighted by their predicted cost.
+    """Progress over solves: how many are done, and a bar weighted by their predicted cost.
 
     Notes are shown even when it is quiet. Where stderr is no terminal, a line is written when the first and
-    the last job is done and every ten seconds between.
+    the last is done and every ten seconds between.
     """
 
     def __init__(self, *, quiet: bool) -> None:
@@ -54,11 +54,9 @@ class Bar:
         if self._progress.tasks:
             self._progress.stop()
 
-    def start(self, missing: tuple[AnyJob, ...], stored: int) -> None:
-        """Show the bar over the jobs still to be done."""
-        from validation.solves.cost import predicted_cost
-
-        self._weights = {job.key: predicted_cost(job).seconds for job in missing}
+    def start(self, missing: tuple[Solve, ...], stored: int) -> None:
+        """Show the bar over the solves still to be done."""
+        self._weights = {solve.key: solve.predict().seconds for solve in missing}
         self._done, self._told = 0, -float("inf")
         total = sum(self._weights.values())
         # Not earlier: what is refused before anything runs leaves no empty bar behind.
@@ -69,12 +67,12 @@ class Bar:
             f"{stored} solves found finished", total=total, count=f"0 of {len(missing)}"
         )
 
-    def begin(self, job: AnyJob) -> None:
+    def begin(self, solve: Solve) -> None:
         """Name the solve under way."""
-        self._progress.update(self._task, description=harmless(job.describe()))
+        self._progress.update(self._task, description=harmless(solve.describe()))
 
-    def done(self, job: AnyJob) -> None:
-        """Advance by the job's share; after the last the bar is full."""
+    def done(self, solve: Solve) -> None:
+        """Advance by the solve's share; after the last the bar is full."""
         self._done += 1
         count = len(self._weights)
         words = f"{self._done} of {count}"
@@ -82,10 +80,10 @@ class Bar:
             whole = sum(self._weights.values())
             self._progress.update(self._task, completed=whole, count=words, description="solved")
         else:
-            self._progress.update(self._task, advance=self._weights[job.key], count=words)
+            self._progress.update(self._task, advance=self._weights[solve.key], count=words)
         if self._logs and (self._done in (1, count) or time.monotonic() - self._told > _BETWEEN_LINES):
             self._told = time.monotonic()
-            self.note(f"{words}: {job.describe()} is solved")
+            self.note(f"{words}: {solve.describe()} is solved")
 
     def note(self, text: str) -> None:
         """Print a line above the bar."""

@@ -7,22 +7,25 @@ import os
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from validation.comparison.compare import Row
 from validation.comparison.findings import percent, yielded_row
 from validation.comparison.pictures import render_stored
 from validation.files import atomic_path
+from validation.methods import find_method
 from validation.report.drawing import Drawing
 from validation.report.page import Answer, Note, Page, Picture, write_page
-from validation.report.papers import papers
+from validation.report.papers import MEASURED, PERIMETER
 from validation.report.table import ResultTable, WordTable
 from validation.report.words import significant, with_error
-from validation.solves.solve import Job, block_file, jobs_of
+from validation.solves.press import Press
 
 if TYPE_CHECKING:
     from fem_contact.contact import ContactResult
-    from validation.comparison.compare import Comparison, Row
+    from validation.comparison.compare import Comparison
     from validation.scenes.scene import Scene
+    from validation.solves.running import Solves
     from validation.solves.store import Store
 
 __all__ = ["run_page", "write_outputs"]
@@ -51,15 +54,15 @@ _WITH_TENSION = (
 
 
 def write_outputs(
-    comparison: Comparison, store: Store, folder: Path, *, pictures: bool = False, report: bool = True
+    comparison: Comparison, results: Solves, folder: Path, *, pictures: bool = False, report: bool = True
 ) -> tuple[Page, tuple[Path, ...]]:
     """Write tables, figures and report of a run; return the page, and what there is to open.
 
     Parameters
     ----------
     comparison : Comparison
-    store : Store
-        Where the solves are; fields for the figures are read from it.
+    results : Solves
+        All results of the scene; fields for the figures are read from them.
     folder : Path
         Results folder.
     pictures : bool
@@ -67,24 +70,25 @@ def write_outputs(
     report : bool
         Whether to draw figures and write the report, or tables and JSON alone.
     """
-    page = run_page(comparison, store if report else None, pictures=pictures)
+    page = run_page(comparison, results if report else None, pictures=pictures)
     written = write_page(page, folder, numbers_only=not report)
-    return page, (*written, *_link_blocks(comparison.scene, store, folder / "fields"), store.folder)
+    return page, (*written, *_link_blocks(results, folder / "fields"), results.store.folder)
 
 
-def _link_blocks(scene: Scene, store: Store, folder: Path) -> Iterator[Path]:
+def _link_blocks(results: Solves, folder: Path) -> Iterator[Path]:
     """Yield the deformed blocks of this run, named by their grids; those of an earlier run are taken away.
 
     The store keeps the blocks of every scene that ran in it; here are those that belong to the report.
     """
     for earlier in folder.glob("*.vtu"):
         earlier.unlink()
-    for job in jobs_of(scene):
-        stored = block_file(store.folder, job)
-        if job.method != "fem" or not stored.exists():
+    pressed: list[Any] = list(results)
+    for solve in pressed:
+        stored = solve.block_file(results.store.folder) if solve.has_block else None
+        if stored is None or not stored.exists():
             continue
         folder.mkdir(exist_ok=True)
-        target = folder / f"{job.method}-{job.grid[0]}x{job.grid[1]}.vtu"
+        target = folder / f"{solve.prefix}.vtu"
         try:
             os.link(stored, target)
         except OSError:  # another file system, or one without links
@@ -93,20 +97,22 @@ def _link_blocks(scene: Scene, store: Store, folder: Path) -> Iterator[Path]:
         yield target
 
 
-def run_page(comparison: Comparison, store: Store | None = None, *, pictures: bool = False) -> Page:
+def run_page(comparison: Comparison, results: Solves | None = None, *, pictures: bool = False) -> Page:
     """Return the page of a run.
 
     Parameters
     ----------
     comparison : Comparison
-    store : Store, optional
-        Where the fields for the figures are; a page without figures if not given.
+    results : Solves, optional
+        All results of the scene, with the fields for the figures; a page without figures if not given.
     pictures : bool
         Whether to render 3-D pictures, too.
     """
     scene = comparison.scene
-    fields = {} if store is None else _shown(comparison, store)
-    picture, missing = _picture(fields, store) if pictures and store else (None, "not asked for")
+    fields = {} if results is None else _shown(comparison, results)
+    picture, missing = None, "not asked for"
+    if pictures and results is not None:
+        picture, missing = _picture(fields, results.store)
     return Page(
         title=scene.title or scene.name,
         lead=_lead(comparison),
@@ -120,7 +126,7 @@ def run_page(comparison: Comparison, store: Store | None = None, *, pictures: bo
         facts=(_realised(comparison),),
         settings=scene.model_dump(mode="json", exclude_none=True),
         seeds=_seeds(scene),
-        papers=papers(_papers_for(comparison)),
+        papers=_papers_for(comparison),
         records={"table": _record(comparison)},
         summary=comparison.summary(),
     )
@@ -160,8 +166,10 @@ def _answers(c: Comparison) -> Iterator[Answer]:
         yield Answer(
             question="How much has yielded? A_pl/A0",
             answer=significant(float("nan") if row.plastic is None else row.plastic),
-            basis=f"{row.method.upper()} on {_grid(row)}, points counted{predicted}",
+            basis=f"{find_method(row.method).label} on {_grid(row)}, points counted{predicted}",
         )
+    if not c.rows:
+        return
     yield Answer(
         question="What did it cost?",
         answer=f"{sum(row.seconds for row in c.rows):.3g} s",
@@ -241,7 +249,7 @@ def _cells(row: Row) -> tuple[str, ...]:
     pixel = with_error(row.pixel, row.pixel_scatter) if row.solves > 1 else significant(row.pixel)
     note = " (under-resolved)" if row.under_resolved else ""
     return (
-        row.method.upper() + note,
+        find_method(row.method).label + note,
         _grid(row) + (f" ({row.solves})" if row.solves > 1 else ""),
         pixel,
         significant(row.perimeter),
@@ -270,7 +278,7 @@ def _sums(comparison: Comparison) -> Iterator[tuple[str, ...]]:
     for row in comparison.rows:
         if row.plastic is not None:
             yield (
-                f"{row.method.upper()}, yielded",
+                f"{find_method(row.method).label}, yielded",
                 _grid(row),
                 significant(row.plastic),
                 *("" for _ in _COLUMNS[3:]),
@@ -281,7 +289,7 @@ def _sums(comparison: Comparison) -> Iterator[tuple[str, ...]]:
 
 def _record(comparison: Comparison) -> ResultTable:
     """Return every digit of every row, a grid as 64x64."""
-    names = [field.name for field in dataclasses.fields(type(comparison.rows[0]))]
+    names = [field.name for field in dataclasses.fields(Row)]
     rows = []
     for row in comparison.rows:
         values = (getattr(row, name) for name in names)
@@ -302,29 +310,24 @@ def _realised(c: Comparison) -> str:
     return text
 
 
-def _shown(comparison: Comparison, store: Store) -> dict[Job, ContactResult]:
+def _shown(comparison: Comparison, results: Solves) -> dict[Press, ContactResult]:
     """Return the solves of the scene's own surface on the grids of the table."""
     grids = {(row.method, row.grid) for row in comparison.rows}
-    shown = {}
-    for job in jobs_of(comparison.scene):
-        if job.realisation == 0 and (job.method, job.grid) in grids:
-            result = store.load(job)
-            assert result is not None, job.key
-            shown[job] = result
-    return shown
+    pressed: list[Any] = list(results)
+    return {
+        solve: results[solve]
+        for solve in pressed
+        if solve.realisation == 0 and (solve.method, solve.grid) in grids
+    }
 
 
-def _label(job: Job) -> str:
-    return f"{job.method.upper()} {job.grid[0]} x {job.grid[1]}"
-
-
-def _drawings(comparison: Comparison, shown: dict[Job, ContactResult]) -> tuple[Drawing, ...]:
+def _drawings(comparison: Comparison, shown: dict[Press, ContactResult]) -> tuple[Drawing, ...]:
     """Draw the four figures of a comparison."""
     from validation.comparison import figure_data, plots
 
     by_grid: dict[str, list[ContactResult]] = {}
-    for job, result in shown.items():
-        by_grid.setdefault(_label(job), []).append(result)
+    for solve, result in shown.items():
+        by_grid.setdefault(solve.label, []).append(result)
     near_zero = figure_data.pressure_at_zero_data(comparison, by_grid)
     pair = _side_by_side(shown)
     return (
@@ -359,36 +362,34 @@ def _drawings(comparison: Comparison, shown: dict[Job, ContactResult]) -> tuple[
     )
 
 
-def _side_by_side(shown: dict[Job, ContactResult]) -> dict[str, ContactResult]:
-    """Return the finest grid both solvers share, or the finest grid of each."""
-    unshifted = {job: result for job, result in shown.items() if job.shift == (0.0, 0.0)}
-    grids = [{job.grid for job in unshifted if job.method == method} for method in ("bem", "fem")]
-    shared = grids[0] & grids[1]
+def _side_by_side(shown: dict[Press, ContactResult]) -> dict[str, ContactResult]:
+    """Return the finest grid that all methods share, or the finest grid of each."""
+    unshifted = {solve: result for solve, result in shown.items() if solve.is_own}
+    names = dict.fromkeys(solve.method for solve in unshifted)
+    grids = [{solve.grid for solve in unshifted if solve.method == name} for name in names]
+    shared = set.intersection(*grids) if len(grids) > 1 else set()
     if shared:
         finest = max(shared, key=lambda grid: grid[0] * grid[1])
-        return {_label(job): result for job, result in unshifted.items() if job.grid == finest}
-    last = {job.method: (_label(job), result) for job, result in unshifted.items()}
+        return {solve.label: result for solve, result in unshifted.items() if solve.grid == finest}
+    last = {solve.method: (solve.label, result) for solve, result in unshifted.items()}
     return dict(last.values())
 
 
-def _picture(shown: dict[Job, ContactResult], store: Store) -> tuple[Picture | None, str]:
+def _picture(shown: dict[Press, ContactResult], store: Store) -> tuple[Picture | None, str]:
     """Render the finest finite-element solve, or the finest of all, of the surface as it stands."""
-    solves = [job for job in shown if job.shift == (0.0, 0.0)]
+    solves = [solve for solve in shown if solve.shift == (0.0, 0.0)]
     if not solves:
         return None, "no solve of the surface as it stands"
-    job = max(solves, key=lambda job: (job.method == "fem", job.grid[0] * job.grid[1]))
-    return render_stored(store.path(job), label=_label(job))
+    solve = max(solves, key=lambda solve: (solve.has_block, solve.grid[0] * solve.grid[1]))
+    return render_stored(store.path(solve), label=solve.label)
 
 
-def _papers_for(comparison: Comparison) -> set[str]:
-    """Name what is to be cited: methods, and effects where a solver had them."""
+def _papers_for(comparison: Comparison) -> tuple[str, ...]:
+    """Name what is to be cited: methods, effects, and how areas were corrected."""
     scene = comparison.scene
-    used = {name for name in ("theory", "bem", "fem") if getattr(scene.methods, name) is not None}
-    used |= {effect.kind for effect in scene.effects}
-    if comparison.adhesive:
-        # Its energy has many minima, which another algorithm finds.
-        used = (used - {"bem"}) | {"bem-adhesive"}
-    return used | {"perimeter"} | ({"measured"} if comparison.treatment else set())
+    cited = [paper for method in scene.methods.asked.values() for paper in method.cited(scene.effects)]
+    cited += [paper for effect in scene.effects for paper in effect.papers]
+    return (*cited, PERIMETER, *([MEASURED] if comparison.treatment else []))
 
 
 def _seeds(scene: Scene) -> str:

@@ -6,21 +6,18 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from validation.comparison.compare import Comparison, compare
+from validation.comparison.report import write_outputs
 from validation.errors import UsageError
 from validation.files import json_text, prepare_folder, write_json
-from validation.methods.handled import check_effects
-from validation.report.page import clear_page
-from validation.scenes.surfaces import reference_field
-from validation.solves.running import Execution, Progress, solve_jobs
-from validation.solves.solve import jobs_of
+from validation.report.page import Page, clear_page
+from validation.scenes.checks import check_scene
+from validation.scenes.realised import Realised, realise
+from validation.scenes.scene import Scene
+from validation.solves.press import solves_of
+from validation.solves.running import Execution, Progress, Solves, solve_all
 from validation.solves.store import Store
-
-if TYPE_CHECKING:
-    from validation.comparison.compare import Comparison
-    from validation.report.page import Page
-    from validation.scenes.scene import Scene
 
 __all__ = ["ACCURACY_FILE", "Outputs", "load_run", "report_run", "run_scene"]
 
@@ -43,7 +40,7 @@ class Outputs:
     files : tuple of Path
         Everything a reader may want to open, the report first.
     solved, reused : int
-        Jobs solved now, and jobs found finished.
+        Jobs solved now, and solves found finished.
     """
 
     comparison: Comparison
@@ -58,6 +55,7 @@ def run_scene(
     scene: Scene,
     folder: Path,
     *,
+    realised: Realised | None = None,
     progress: Progress | None = None,
     execution: Execution | None = None,
     store_folder: Path | None = None,
@@ -72,6 +70,8 @@ def run_scene(
     scene : Scene
     folder : Path
         For tables, figures and report.
+    realised : Realised, optional
+        What the scene asks for, where it has been made already.
     progress : Progress, optional
     execution : Execution, optional
         Where the solves run; in this process if not given.
@@ -91,17 +91,25 @@ def run_scene(
     RunFailed
         When a solve fails; everything finished is stored.
     """
-    check_effects(scene)
-    reference_field(scene.surface)
+    realised = realised or realise(scene)
+    check_scene(scene, realised)
     prepare_folder(folder)
     store = Store(folder=prepare_folder(store_folder or folder / "solves", option="--store"))
     if not accurate:
         # What an earlier run to an accuracy reached is not what this one finds.
         (folder / ACCURACY_FILE).unlink(missing_ok=True)
     _record(scene, folder, store)
-    jobs = jobs_of(scene)
-    solved = solve_jobs(jobs, store, progress=progress, execution=execution)
-    return _compared(scene, store, folder, pictures=pictures, report=report, accurate=accurate, solved=solved)
+    results = solve_all(solves_of(scene, realised), store, progress=progress, execution=execution)
+    comparison = compare(scene, realised, results, accurate=accurate)
+    page, files = write_outputs(comparison, results, folder, pictures=pictures, report=report)
+    return Outputs(
+        comparison=comparison,
+        page=page,
+        folder=folder,
+        files=files,
+        solved=results.solved,
+        reused=len(results) - results.solved,
+    )
 
 
 def report_run(folder: Path, *, pictures: bool | None = None) -> Outputs:
@@ -121,34 +129,14 @@ def report_run(folder: Path, *, pictures: bool | None = None) -> Outputs:
         When a solve of the run is missing.
     """
     scene, store = load_run(folder)
-    accurate = (folder / ACCURACY_FILE).exists()
+    realised = realise(scene)
+    results = Solves(solves=solves_of(scene, realised), store=store)
+    comparison = compare(scene, realised, results, accurate=(folder / ACCURACY_FILE).exists())
     if pictures is None:
         pictures = scene.run.pictures or any(folder.glob("figures/*.png"))
-    return _compared(scene, store, prepare_folder(folder), pictures=pictures, accurate=accurate, solved=0)
-
-
-def _compared(
-    scene: Scene,
-    store: Store,
-    folder: Path,
-    *,
-    pictures: bool,
-    accurate: bool,
-    solved: int,
-    report: bool = True,
-) -> Outputs:
-    from validation.comparison.compare import compare
-    from validation.comparison.report import write_outputs
-
-    comparison = compare(scene, store, accurate=accurate)
-    page, files = write_outputs(comparison, store, folder, pictures=pictures, report=report)
+    page, files = write_outputs(comparison, results, prepare_folder(folder), pictures=pictures)
     return Outputs(
-        comparison=comparison,
-        page=page,
-        folder=folder,
-        files=files,
-        solved=solved,
-        reused=len(jobs_of(scene)) - solved,
+        comparison=comparison, page=page, folder=folder, files=files, solved=0, reused=len(results)
     )
 
 
@@ -177,8 +165,6 @@ def load_run(folder: Path) -> tuple[Scene, Store]:
     UsageError
         When the folder holds none.
     """
-    from validation.scenes.scene import Scene
-
     path = folder / _RUN_FILE
     try:
         said = json.loads(path.read_text(encoding="utf-8"))

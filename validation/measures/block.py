@@ -13,7 +13,7 @@ from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
 from validation.scenes.scene import SelfAffineSurface, SolidSpec
 from validation.scenes.surfaces import height_field, reference_field
-from validation.solves.solve import NumbersJob, Prediction
+from validation.solves.solve import NumbersSolve, Prediction
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,7 +25,7 @@ _EDGE_CELLS = 1.5
 
 
 @dataclass(frozen=True, kw_only=True)
-class BlockMeasurement(NumbersJob):
+class BlockMeasurement(NumbersSolve):
     """A block of finite elements against boundary elements for the half-space and for the bonded layer of its depth.
 
     Attributes
@@ -86,7 +86,7 @@ class BlockMeasurement(NumbersJob):
         """Return a few words for a progress bar."""
         return f"FEM {self.method} {self.element} {self.points}x{self.points}, surface {self.realisation + 1}"
 
-    def predict(self) -> Prediction:
+    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict the cost."""
         from fem_contact.block import estimate
 

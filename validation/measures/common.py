@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import ArrayLike, NDArray
 
-    from validation.solves.solve import NumbersJob
+    from validation.solves.solve import NumbersSolve
 
 __all__ = [
     "LEAST_POINTS_PER_WAVE",
@@ -129,10 +129,10 @@ def solid_of(scene: Scene | None) -> SolidSpec:
     return SolidSpec(young=1e9, poisson=0.3) if scene is None else scene.solid
 
 
-def measure(bench: Bench | None, jobs: Sequence[NumbersJob]) -> list[xr.Dataset]:
-    """Run jobs on a bench, by default the one in `results/solves`, and return their numbers in order."""
-    results: Any = (bench or Bench.at()).solve(jobs)
-    return [results[job] for job in jobs]
+def measure(bench: Bench | None, solves: Sequence[NumbersSolve]) -> list[xr.Dataset]:
+    """Run solves on a bench, by default the one in `results/solves`, and return their numbers in order."""
+    results: Any = (bench or Bench.at()).solve(solves)
+    return [results[solve] for solve in solves]
 
 
 def persson_area(reduced_pressure: ArrayLike) -> NDArray[np.float64]:

@@ -48,7 +48,7 @@ class EdgeMeasurement(SingleSolve):
         """Return a few words for a progress bar."""
         return f"edge of contact, {self.points}x{self.points}, surface {self.realisation + 1}"
 
-    def predict(self) -> Prediction:
+    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict the cost."""
         n = self.points**2
         return Prediction(seconds=5e-3 + 1.2e-6 * n, peak_bytes=160 * n, unknowns=n)

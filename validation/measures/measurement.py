@@ -19,7 +19,7 @@ from fem_contact.surface import HeightField
 from validation.measures.common import LEAST_POINTS_PER_WAVE
 from validation.scenes.scene import SelfAffineSurface, SolidSpec
 from validation.scenes.surfaces import height_field, reference_field, spectrum_of
-from validation.solves.solve import NumbersJob, Prediction
+from validation.solves.solve import NumbersSolve, Prediction
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -56,7 +56,7 @@ def grid_for(surface: SelfAffineSurface, points_per_wave: float) -> Grid:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Measurement(NumbersJob):
+class Measurement(NumbersSolve):
     """One realisation, at ascending reduced pressures, on nested grids, each on `shifts`^2 sub-grid shifts.
 
     Attributes
@@ -118,7 +118,7 @@ class Measurement(NumbersJob):
             f"H = {self.surface.hurst:g}, surface {self.realisation + 1} ({sign}), to {finest[0]}x{finest[1]}"
         )
 
-    def predict(self) -> Prediction:
+    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict seconds, memory and unknowns from the sizes of the grids."""
         points = [nx * ny for nx, ny in self.grids]
         solves = len(self.reduced_pressures) * self.shifts**2

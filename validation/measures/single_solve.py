@@ -1,4 +1,4 @@
-"""What jobs have in common that press one surface once, on one grid, and keep numbers."""
+"""What solves have in common that press one surface once, on one grid, and keep numbers."""
 
 from __future__ import annotations
 
@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from validation.scenes.scene import SelfAffineSurface, SolidSpec
-from validation.solves.solve import NumbersJob
+from validation.solves.solve import NumbersSolve
 
 __all__ = ["SingleSolve"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class SingleSolve(NumbersJob):
+class SingleSolve(NumbersSolve):
     """One realisation of a surface at one load on one square grid; what is kept of it, its heirs say.
 
     Attributes

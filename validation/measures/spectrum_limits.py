@@ -1,4 +1,4 @@
-"""kappa as the sample grows and as the bandwidth grows: the ladders of the study `hurst`, as jobs and as numbers."""
+"""kappa as the sample grows and as the bandwidth grows: the ladders of the study `hurst`, as solves and as numbers."""
 
 from __future__ import annotations
 
@@ -58,15 +58,15 @@ class Ladders:
     shifts: int
     solid: SolidSpec
     seed: int
-    jobs: tuple[tuple[tuple[str, float, float], tuple[Measurement, ...]], ...] = field(init=False)
+    solves: tuple[tuple[tuple[str, float, float], tuple[Measurement, ...]], ...] = field(init=False)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "jobs", tuple(self._jobs()))
+        object.__setattr__(self, "solves", tuple(self._jobs()))
 
     @property
     def cases(self) -> list[Measurement]:
-        """All jobs in order."""
-        return [job for _, jobs in self.jobs for job in jobs]
+        """All solves in order."""
+        return [solve for _, solves in self.solves for solve in solves]
 
     def _jobs(self) -> Iterator[tuple[tuple[str, float, float], tuple[Measurement, ...]]]:
         for hurst in self.hursts:
@@ -97,8 +97,8 @@ class Ladders:
         import xarray as xr
 
         waiting, values, errors = iter(measured), {}, {}
-        for key, jobs in self.jobs:
-            limits = [area_limits(next(waiting)) for _ in jobs]
+        for key, solves in self.solves:
+            limits = [area_limits(next(waiting)) for _ in solves]
             if not np.all(np.isfinite([value for value, _ in limits])):
                 raise RunFailed(
                     f"ladder of {LADDERS[key[0]]}: contacts are too small for a limit of their area: raise the load or "

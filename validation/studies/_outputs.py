@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
+from validation.effects import effect_kinds
 from validation.errors import UsageError
 from validation.files import atomic_path, write_json
+from validation.methods import methods
 from validation.report.page import Page, write_page
-from validation.report.papers import papers
+from validation.report.papers import MEASURED, PERIMETER
 from validation.report.table import shown, shown_dataset
-from validation.studies import Study, find_study
+from validation.studies import Study, StudyOptions, find_study
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,14 +40,14 @@ class StudyOutputs:
 
 
 def run_study(
-    study: Study, options: Mapping[str, Any], folder: Path, *, bench: Bench, report: bool = True
+    study: Study, options: StudyOptions, folder: Path, *, bench: Bench, report: bool = True
 ) -> StudyOutputs:
     """Run a study on a bench and write its outputs into a folder, without `report` tables and JSON alone."""
-    data = study.compute(bench=bench, options=options)
+    data = study.compute(options, bench=bench)
     said = {
         "format": _FORMAT,
         "study": study.name,
-        "options": {name: _plain(value) for name, value in _all_options(study, options).items()},
+        "options": options.model_dump(mode="json", exclude_none=True),
     }
     for other in ("run.json", "accuracy.json"):  # the folder is that of this study now
         (folder / other).unlink(missing_ok=True)
@@ -53,14 +55,6 @@ def run_study(
     with atomic_path(folder / _DATA) as draft:
         data.to_netcdf(draft, engine="netcdf4")
     return report_study(folder, numbers_only=not report)
-
-
-def _all_options(study: Study, options: Mapping[str, Any]) -> dict[str, Any]:
-    return {name: option.default for name, option in study.options.items()} | dict(options)
-
-
-def _plain(value: Any) -> Any:
-    return value.model_dump(mode="json", exclude_none=True) if hasattr(value, "model_dump") else value
 
 
 def is_study(folder: Path) -> bool:
@@ -129,7 +123,7 @@ def study_page(study: Study, data: xr.Dataset, options: Mapping[str, Any], *, fi
         figures=study.figures(data) if figures else (),
         settings=options,
         seeds=_seeds(options),
-        papers=papers(str(data.attrs.get("methods", "theory bem perimeter")).split()),
+        papers=_papers(str(data.attrs.get("methods", "theory bem")).split()),
         records={} if table is None else {"table": table},
         data=data,
         summary={"study": study.name, "options": dict(options), "findings": list(findings)},
@@ -148,8 +142,16 @@ def _undetermined(data: xr.Dataset) -> Iterator[str]:
             )
 
 
+def _papers(used: Sequence[str]) -> tuple[str, ...]:
+    """Papers of the methods and effects that a study names."""
+    known: dict[str, Any] = {**methods(), **effect_kinds()}
+    cited = [paper for name, what in known.items() if name in used for paper in what.papers]
+    return (*cited, PERIMETER, *([MEASURED] if "measured" in used else []))
+
+
 def _seeds(options: Mapping[str, Any]) -> str:
-    found = options.get("seeds", options.get("seed"))
-    if found is None:
+    seed = options.get("seed")
+    if seed is None:
         return "see the options below"
-    return ", ".join(map(str, found)) if isinstance(found, (list, tuple)) else str(found)
+    surfaces = int(options.get("surfaces", 1))
+    return str(seed) if surfaces < 2 else f"{seed} to {seed + surfaces - 1}"

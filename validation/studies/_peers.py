@@ -20,7 +20,7 @@ from fem_contact.solid import Solid
 from validation.errors import RunFailed
 from validation.scenes.scene import SelfAffineSurface, SolidSpec
 from validation.scenes.surfaces import height_field, reference_field
-from validation.solves.solve import NumbersJob, Prediction
+from validation.solves.solve import NumbersSolve, Prediction
 from validation.studies._peer_solve import SOLVERS
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def installed_peers() -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, kw_only=True)
-class PeerMeasurement(NumbersJob):
+class PeerMeasurement(NumbersSolve):
     """One surface at one load on one grid, by another code, solved no further than its grid deserves.
 
     Attributes
@@ -83,7 +83,7 @@ class PeerMeasurement(NumbersJob):
         """Return a few words for a progress bar."""
         return f"{self.code} {self.points}x{self.points}, surface {self.realisation + 1}"
 
-    def predict(self) -> Prediction:
+    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict the cost; its interpreter and the libraries it loads take most of the memory."""
         n = self.points**2
         return Prediction(seconds=3.0 + 5e-5 * n, peak_bytes=300 * n + 200 * 2**20, unknowns=n)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from validation.scenes.scene import Scene
-    from validation.solves.solve import NumbersJob
+    from validation.solves.solve import NumbersSolve
 
 __all__ = ["figures", "findings", "run", "table"]
 
@@ -92,7 +92,7 @@ def run(
     points_per_wave, held_out = ladder("points_per_wave", points_per_wave), ladder("held_out", held_out)
     surface, solid = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed), solid_of(scene)
     codes = installed_peers() if peer_points_per_wave else ()
-    jobs = _jobs(
+    solves = _jobs(
         {"surface": surface, "solid": solid},
         reduced_pressure=reduced_pressure,
         surfaces=surfaces,
@@ -104,8 +104,8 @@ def run(
         },
         codes=codes,
     )
-    results = iter(measure(bench, [job for part in jobs.values() for job in part]))
-    found = {name: list(itertools.islice(results, len(part))) for name, part in jobs.items()}
+    results = iter(measure(bench, [solve for part in solves.values() for solve in part]))
+    found = {name: list(itertools.islice(results, len(part))) for name, part in solves.items()}
     limits = [area_limits(data) for data in found["fine"]]
     reference = np.array([value[0] for value, _ in limits])
     uncertainty = np.array([error[0] for _, error in limits]) / reference
@@ -156,10 +156,10 @@ def _jobs(
     surfaces: int,
     grids: dict[str, tuple[float, ...]],
     codes: Sequence[str],
-) -> dict[str, list[NumbersJob]]:
-    """List the jobs of each part: those of a name or element come together, then those of a grid."""
+) -> dict[str, list[NumbersSolve]]:
+    """List the solves of each part: those of a name or element come together, then those of a grid."""
     points = {part: tuple(grid_for(common["surface"], n) for n in some) for part, some in grids.items()}
-    jobs: dict[str, list[NumbersJob]] = {
+    solves: dict[str, list[NumbersSolve]] = {
         part: [
             Measurement(
                 realisation=k,
@@ -173,15 +173,15 @@ def _jobs(
         for part, tolerance in (("coarse", _TOLERANCE), ("fine", _FINE_TOLERANCE))
     }
     single: dict[str, Any] = {"reduced_pressure": reduced_pressure, **common}
-    jobs["fem"] = [
+    solves["fem"] = [
         BlockMeasurement(realisation=k, points=grid[0], element=element, **single)
         for element, grid, k in itertools.product(_ELEMENTS, points["fem"], range(surfaces))
     ]
-    jobs["peers"] = [
+    solves["peers"] = [
         PeerMeasurement(realisation=k, points=grid[0], code=code, **single)
         for code, grid, k in itertools.product(codes, points["peers"], range(surfaces))
     ]
-    return jobs
+    return solves
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -23,21 +23,22 @@ from persson.adhesion import Interface, solve_adhesion
 from persson.elastic import contact_area, stress_variance
 from persson.errors import PerssonError
 from persson.scale import Scale
-from validation.effects.judgement import full_contact_energy
-from validation.effects.tables import Adhesion, HardnessEffect
+from validation.effects.adhesion import Adhesion
+from validation.effects.base import full_contact_energy
+from validation.effects.hardness import Hardness
 from validation.errors import UsageError
 from validation.measures.common import truncated_surface
-from validation.methods.slots import gap_law
+from validation.scenes.realised import Realised
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.scenes.surfaces import reference_field, spectrum_of
 from validation.solves.bench import Bench
-from validation.solves.solve import Job
+from validation.solves.press import Press
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from validation.report.drawing import Drawing
-    from validation.solves.bench import Solves
+    from validation.solves.running import Solves
 
 __all__ = ["figures", "findings", "run"]
 
@@ -87,24 +88,22 @@ class _Case:
     def adhesion(self) -> Adhesion:
         return Adhesion(kind="adhesion", work=self.work, reach=self.reach)
 
-    def job(self, n: int, *, sticky: bool = True) -> Job:
-        effects: tuple[Adhesion | HardnessEffect, ...] = (self.adhesion,) if sticky else ()
+    def solve(self, n: int, *, sticky: bool = True) -> Press:
+        effects: tuple[Adhesion | Hardness, ...] = (self.adhesion,) if sticky else ()
         if self.hardness is not None:
-            effects += (HardnessEffect(kind="hardness", hardness=self.hardness),)
-        return Job(
+            effects += (Hardness(kind="hardness", hardness=self.hardness),)
+        return Press(
             method="bem",
             grid=(n, n),
-            surface=self.surface,
-            solid=_SOLID,
-            load=Load(pressure=self.pressure),
+            realised=Realised(surface=self.surface, solid=_SOLID, load=Load(pressure=self.pressure)),
             settings=(("tolerance", 1e-8),),
             effects=effects,
         )
 
     def measured(self, solved: Solves, grids: tuple[int, int]) -> dict[str, float]:
         """Read areas and energy off the solves."""
-        sticky = [solved[self.job(n)].checked() for n in grids]
-        plain = [solved[self.job(n, sticky=False)].checked() for n in grids]
+        sticky = [solved[self.solve(n)].checked() for n in grids]
+        plain = [solved[self.solve(n, sticky=False)].checked() for n in grids]
         area = _limit([float(np.mean(contact.in_contact)) for contact in sticky], grids)
         return {
             "area": area,
@@ -217,7 +216,7 @@ def run(
         "hardness": [(h, case(share, pressure, hardness=h * unit)) for h in hardnesses],
     }
     cases = [one for turns in dials.values() for _, one in turns]
-    solved = bench.solve([one.job(n, sticky=s) for one in cases for n in grids for s in (True, False)])
+    solved = bench.solve([one.solve(n, sticky=s) for one in cases for n in grids for s in (True, False)])
     columns = {}
     for dial, turns in dials.items():
         found = [one.measured(solved, grids) | one.theory() for _, one in turns]
@@ -254,7 +253,7 @@ def _limit(values: list[float], grids: tuple[int, int]) -> float:
 
 def _gained(contact: ContactResult, effect: Adhesion) -> float:
     """Energy that the law yields less what the solid stores, per nominal area [J/m^2]."""
-    law = gap_law(effect).on_grid(spacing=max(contact.spacing), contact_modulus=contact.contact_modulus)
+    law = effect.gap_law().on_grid(spacing=max(contact.spacing), contact_modulus=contact.contact_modulus)
     pressure, displacement = contact.pressure, contact.displacement
     stored = 0.5 * float(np.mean((pressure - pressure.mean()) * (displacement - displacement.mean())))
     return -float(np.mean(law.energy(np.maximum(contact.gap, 0.0)))) - stored

@@ -87,7 +87,7 @@ def run(
             elements, rising("reduced_points_per_wave", reduced_points_per_wave)
         )
     ]
-    jobs = [
+    solves = [
         BlockMeasurement(
             surface=surface,
             realisation=k,
@@ -99,7 +99,7 @@ def run(
         )
         for (_, method, element, n), k in itertools.product(legs, range(surfaces))
     ]
-    measured = measure(bench, jobs)
+    measured = measure(bench, solves)
     shape = (len(legs), surfaces)
     values = {
         name: np.array([float(d[name]) for d in measured if name in d])

@@ -73,7 +73,7 @@ def run(
         (e, 1.0, g, 0.3, "growth") for e, g in itertools.product(elements, rising("growths", growths))
     ]
     settings += [(e, 1.0, 1.2, nu, "poisson") for e, nu in itertools.product(elements, poissons)]
-    jobs = [
+    solves = [
         BlockMeasurement(
             surface=surface,
             solid=SolidSpec(young=young, poisson=nu),
@@ -85,7 +85,7 @@ def run(
         )
         for element, depth, growth, nu, _ in settings
     ]
-    measured = measure(bench, jobs)
+    measured = measure(bench, solves)
     names = {
         "pressure_half_space": "||p - p_half-space|| / ||p_half-space||",
         "pressure_layer": "||p - p_layer|| / ||p_layer||, bonded layer of the same depth",

@@ -43,7 +43,7 @@ def run(
     Parameters
     ----------
     bench : Bench, optional
-        Runs no job, as nothing is solved; one that only plans is obeyed.
+        Runs no solve, as nothing is solved; one that only plans is obeyed.
     ratios : tuple of float
         Modulus far below over that of the surface; of the solid over that of the coating.
     poisson : float

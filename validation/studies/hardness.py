@@ -21,19 +21,20 @@ from persson import elastic
 from persson.hardness import constant_hardness
 from persson.scale import Scale
 from persson.tabulated import smoothed
-from validation.effects.tables import HardnessEffect
+from validation.effects.hardness import Hardness
 from validation.errors import UsageError
 from validation.measures.common import truncated_surface
+from validation.scenes.realised import Realised
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.scenes.surfaces import reference_field, spectrum_of
 from validation.solves.bench import Bench
-from validation.solves.solve import Job
+from validation.solves.press import Press
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from validation.report.drawing import Drawing
-    from validation.solves.bench import Solves
+    from validation.solves.running import Solves
 
 __all__ = ["figures", "findings", "run"]
 
@@ -53,15 +54,13 @@ class _Case:
     pressure: float
     hardness: float
 
-    def job(self, n: int) -> Job:
-        return Job(
+    def solve(self, n: int) -> Press:
+        return Press(
             method="bem",
             grid=(n, n),
-            surface=self.surface,
-            solid=_SOLID,
-            load=Load(pressure=self.pressure),
+            realised=Realised(surface=self.surface, solid=_SOLID, load=Load(pressure=self.pressure)),
             settings=(("tolerance", 1e-8),),
-            effects=(HardnessEffect(kind="hardness", hardness=self.hardness),),
+            effects=(Hardness(kind="hardness", hardness=self.hardness),),
         )
 
     def theory(self) -> Array:
@@ -141,7 +140,9 @@ def run(
     by_wave = [cases(smoothing_pressure, cut(zeta)) for zeta in magnifications]
     last = cases(smoothing_pressure, whole)
     ladder = tuple(sorted(set(grids)))
-    solved = bench.solve([case.job(n) for row in [*by_load, *by_wave, last] for case in row for n in ladder])
+    solved = bench.solve(
+        [case.solve(n) for row in [*by_load, *by_wave, last] for case in row for n in ladder]
+    )
     columns = _columns(by_load, ladder, solved, dimension="pressure")
     columns |= _columns(by_wave, ladder, solved, dimension="magnification", suffix="_grown")
     q, kept, theory, inside = _kept(last, ladder[-1], solved)
@@ -177,7 +178,7 @@ def _columns(
 ) -> dict[str, tuple[str, Array, dict[str, str]]]:
     """Limits, their uncertainty, finest grid and theory of both parts of the area."""
     # row, surface, grid, part
-    found = np.array([[[_parts(solved[case.job(n)]) for n in ladder] for case in row] for row in rows])
+    found = np.array([[[_parts(solved[case.solve(n)]) for n in ladder] for case in row] for row in rows])
     theory = np.array([[case.theory() for case in row] for row in rows])
     limits = _linear(found[:, :, -2], found[:, :, -1], ladder[-2] / ladder[-1])
     coarser = (
@@ -216,7 +217,7 @@ def _kept(cases: Sequence[_Case], n: int, solved: Solves) -> tuple[Array, Array,
     """Share of C(q) that smoothing leaves, Persson's, and the share of <|grad h|^2> left where it yielded."""
     measured, theory, inside = [], [], []
     for case in cases:
-        contact = solved[case.job(n)].checked()
+        contact = solved[case.solve(n)].checked()
         before = HeightField(heights=np.array(contact.heights), lengths=contact.lengths)
         after = yielded(contact).surface
         spectrum = spectrum_of(case.surface)

@@ -137,7 +137,7 @@ def run(
     surface, solid = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed), solid_of(scene)
 
     def solved(counts: Sequence[int]) -> list[list[xr.Dataset]]:
-        jobs = [
+        solves = [
             [
                 Measurement(
                     surface=surface,
@@ -151,8 +151,8 @@ def run(
             ]
             for level, count in enumerate(counts)
         ]
-        results = iter(measure(bench, [job for part in jobs for job in part]))
-        return [[next(results) for _ in part] for part in jobs]
+        results = iter(measure(bench, [solve for part in solves for solve in part]))
+        return [[next(results) for _ in part] for part in solves]
 
     first = solved([pilot] * len(grids))
     levels = [_level(part, area) for part in first]

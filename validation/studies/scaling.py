@@ -49,7 +49,7 @@ class SolveCost(SingleSolve):
         """Return a few words for a progress bar."""
         return f"BEM {self.points}x{self.points}, surface {self.realisation + 1}"
 
-    def predict(self) -> Prediction:
+    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict the cost."""
         n = self.points**2
         return Prediction(seconds=2e-3 + 1.2e-6 * n, peak_bytes=120 * n, unknowns=n)
@@ -126,7 +126,7 @@ def run(
             f"--points = {','.join(map(str, points))}: at least three, rising, and above L/lambda_long x lambda_short/dx = "
             f"{coarsest:g}"
         )
-    jobs = [
+    solves = [
         SolveCost(
             surface=base_surface(hurst=hurst, size=size, ratio=n / coarsest, seed=seed),
             realisation=k,
@@ -136,7 +136,7 @@ def run(
         )
         for n, k in itertools.product(points, range(surfaces))
     ]
-    found = measure(bench, jobs)
+    found = measure(bench, solves)
     shape = (len(points), surfaces)
     units = {**_COSTS, "area": "1"}
     return xr.Dataset(

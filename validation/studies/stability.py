@@ -49,7 +49,7 @@ def run(*, bench: Bench | None = None, cases: tuple[str, ...] = (), slowest: flo
     Parameters
     ----------
     bench : Bench, optional
-        Runs no job: the cases are small, and what is studied is how a solve ends. One that only plans is obeyed.
+        Runs no solve: the cases are small, and what is studied is how a solve ends. One that only plans is obeyed.
     cases : tuple of str
         Names of cases; all if empty.
     slowest : float

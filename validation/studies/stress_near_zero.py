@@ -75,7 +75,7 @@ def run(
     at_least("surfaces", surfaces, 2)
     points_per_wave = rising("points_per_wave", points_per_wave)
     surface, solid = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed), solid_of(scene)
-    jobs = [
+    solves = [
         EdgeMeasurement(
             surface=surface,
             realisation=k,
@@ -85,11 +85,12 @@ def run(
         )
         for k, n in itertools.product(range(surfaces), points_per_wave)
     ]
-    measured = measure(bench, jobs)
+    measured = measure(bench, solves)
     shape = (surfaces, len(points_per_wave))
     step = float(np.diff(measured[0].upper[:2])[0])
     spacing = (
-        np.array([surface.lambda_short / surface.length[0] * job.points for job in jobs[: shape[1]]]) ** -1
+        np.array([surface.lambda_short / surface.length[0] * solve.points for solve in solves[: shape[1]]])
+        ** -1
     )
     below, slope = [], []
     for data, root in zip(measured, np.tile(np.sqrt(spacing), surfaces), strict=True):
