@@ -261,7 +261,7 @@ depth = "5 um"
 
 
 def test_a_measured_topography_goes_through_theory_and_solvers(tmp_path, monkeypatch):
-    monkeypatch.setattr("validation.comparison.report.write_drawings", lambda *a: ())
+    monkeypatch.setattr("validation.comparison.report._drawings", lambda *a: ())
     heights, _ = measured()
     np.save(tmp_path / "afm.npy", heights * 1e9)
     (tmp_path / "scene.toml").write_text(
