@@ -150,7 +150,7 @@ def chosen_execution(
             f"--workers = {workers}: not together with --scheduler, which has workers of its own"
         )
     if workers is None and scheduler is None:
-        workers, scheduler = said.workers, said.scheduler
+        workers = said.workers
     return Execution(workers=workers or 1, scheduler=scheduler, memory=None if limit is None else int(limit))
 
 

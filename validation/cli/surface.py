@@ -138,19 +138,21 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
     table = {"kind": "file", "path": str(path), **treatment}
     if unit is not None:
         table["unit"] = plain_number(unit)
-    if size is None or unit is None:
-        try:
-            own_size, own_unit = file_says(path)
-        except UsageError as error:
-            raise UsageError(f"{path}: {error}") from None
-        size = size or own_size
-        missing = [key for key, found in (("--length", size), ("--unit", unit or own_unit)) if not found]
-        if missing:
-            raise UsageError(
-                f"{path}: does not say its {' and '.join(_SAID[key] for key in missing)}: give "
-                + " and ".join(f"{key} {_EXAMPLES[key]}" for key in missing)
-            )
-        size = list(size or ())
+    try:
+        says = file_says(path)
+        if size is not None and len(size) == 1:
+            says.check_square("--length")
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from None
+    missing = [
+        key for key, found in (("--length", size or says.lengths), ("--unit", unit or says.unit)) if not found
+    ]
+    if missing:
+        raise UsageError(
+            f"{path}: does not say its {' and '.join(_SAID[key] for key in missing)}: give "
+            + " and ".join(f"{key} {_EXAMPLES[key]}" for key in missing)
+        )
+    size = size or list(says.lengths or ())
     table["length"] = size if len(size) > 1 else size[0]
     try:
         return FileSurface.model_validate(table)
@@ -164,6 +166,7 @@ def _inspected(
     from fem_contact.spectra import estimate_spectrum
     from validation.scenes.scene import builtin_scenes, load_scene
     from validation.scenes.surfaces import reference_field, topography_of
+    from validation.scenes.topography import measured
 
     facts: dict[str, Any] = {}
     surface: SelfAffineSurface | FileSurface
@@ -172,9 +175,9 @@ def _inspected(
     else:
         surface = _file_surface(Path(source), length=length, unit=unit, tilt=tilt, missing=missing)
     if surface.kind == "file":
-        raw = topography_of(surface.model_copy(update={"tilt": "keep", "missing": "nearest"}), edges=False)
+        raw = measured(surface).raw
         patch = topography_of(surface, edges=False)
-        facts |= {"missing points": _count_missing(surface), "slope along x": raw.slope[0]}
+        facts |= {"missing points": raw.missing, "slope along x": raw.slope[0]}
         facts |= {"slope along y": raw.slope[1], "edge jump over typical step": patch.edge_jump}
         facts["treatment"] = "; ".join(patch.history)
         field, window = patch.height_field(), "none" if patch.edge_jump < 4 else "hann"
@@ -197,12 +200,6 @@ def _inspected(
         if c > 0
     ]
     return facts
-
-
-def _count_missing(surface: FileSurface) -> int:
-    from validation.scenes.topography import read_topography
-
-    return read_topography(surface.path, lengths=surface.length, unit=surface.unit).missing
 
 
 def _spectrum_table(spectrum: list[dict[str, float]]) -> Any:

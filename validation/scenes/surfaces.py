@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import hashlib
+import contextlib
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 from fem_contact.surface import HeightField, random_surface
 from validation.errors import UsageError
 from validation.scenes.scene import FileSurface, SelfAffineSurface
-from validation.scenes.topography import Topography, read_topography
+from validation.scenes.topography import Topography, measured
 
 if TYPE_CHECKING:
     from persson.spectrum import SelfAffine
@@ -99,7 +99,27 @@ def reference_field(surface: SelfAffineSurface | FileSurface, *, realisation: in
     """Return the realisation on the smallest grid that resolves it; its moments are the surface's own."""
     if isinstance(surface, FileSurface):
         return _read(surface)
-    return height_field(surface, resolving_grid(surface), realisation=realisation)
+    grid = resolving_grid(surface)
+    _check_memory(surface, grid)
+    return height_field(surface, grid, realisation=realisation)
+
+
+#: Memory that making a random surface takes for each of its points at its peak [bytes], measured.
+_BYTES_PER_POINT = 32
+
+
+def _check_memory(surface: SelfAffineSurface, grid: tuple[int, int]) -> None:
+    """Refuse to resolve a surface that does not fit into memory, before anything of it is made."""
+    import psutil
+
+    needed, free = _BYTES_PER_POINT * grid[0] * grid[1], psutil.virtual_memory().available
+    if needed > free:
+        least = surface.lambda_short * math.sqrt(needed / free)
+        raise UsageError(
+            f"surface.lambda_short = {surface.lambda_short:.6g} m: resolving it takes {grid[0]} x {grid[1]} points and "
+            f"{needed / 2**30:.3g} GiB, of which {free / 2**30:.3g} are free; take a lambda_short above {least:.3g} m, "
+            "or a smaller length"
+        )
 
 
 def shortest_wavelength(surface: SelfAffineSurface | FileSurface) -> float:
@@ -117,15 +137,21 @@ def file_digest(surface: FileSurface) -> str:
     UsageError
         For a file that cannot be read.
     """
+    with _naming(surface):
+        return measured(surface).digest
+
+
+@contextlib.contextmanager
+def _naming(surface: FileSurface) -> Iterator[None]:
+    """Name the key in a complaint about a file or its treatment."""
     try:
-        return hashlib.sha256(surface.path.read_bytes()).hexdigest()
-    except OSError as error:
-        reason = error.strerror or error
-        raise UsageError(f"surface.path = {str(surface.path)!r}: cannot be read: {reason}") from None
+        yield
+    except UsageError as error:
+        raise UsageError(f"surface.path = {str(surface.path)!r}: {error}") from None
 
 
 def topography_of(surface: FileSurface, *, edges: bool = True) -> Topography:
-    """Read, level and fill a measured surface as its scene says.
+    """Return a measured surface, levelled and filled as its scene says.
 
     It is made periodic, too, unless `edges` is False.
 
@@ -134,12 +160,9 @@ def topography_of(surface: FileSurface, *, edges: bool = True) -> Topography:
     UsageError
         For a file or treatment that gives no surface, naming the key.
     """
-    try:
-        patch = read_topography(surface.path, lengths=surface.length, unit=surface.unit)
-        patch = patch.levelled(surface.tilt).filled(surface.missing)
-        return patch.made_periodic(surface.edges, margin=surface.margin) if edges else patch
-    except UsageError as error:
-        raise UsageError(f"surface.path = {str(surface.path)!r}: {error}") from None
+    with _naming(surface):
+        found = measured(surface)
+        return found.period if edges else found.patch
 
 
 def measured_spectrum(surface: FileSurface) -> Tabulated:
