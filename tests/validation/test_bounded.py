@@ -62,9 +62,8 @@ def test_a_call_that_takes_all_memory_is_refused_it():
 
 
 def test_an_array_larger_than_is_taken_back_is_not_read():
-    with Child() as child:
-        with pytest.raises(OutOfBounds, match="gave back more than 1 MiB"):
-            child.call(np.ones, 2**20, seconds=60, most_bytes=2**20)
+    with Child() as child, pytest.raises(OutOfBounds, match="gave back more than 1 MiB"):
+        child.call(np.ones, 2**20, seconds=60, most_bytes=2**20)
 
 
 def test_a_crash_is_said_with_its_signal():

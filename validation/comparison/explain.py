@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
@@ -9,12 +10,20 @@ from typing import TYPE_CHECKING, Any
 from validation.effects.judgement import Judgement, Roughness, judge, unlisted
 from validation.methods.handled import check_effects
 from validation.scenes.scene import FileSurface, Scene, SelfAffineSurface
-from validation.scenes.surfaces import reference_field, shortest_wavelength, spectrum_of, topography_of
+from validation.scenes.surfaces import (
+    Expected,
+    shortest_wavelength,
+    spectrum_of,
+    surveyed,
+    topography_of,
+)
 from validation.solves.cost import predicted_cost, transform_seconds
 from validation.solves.solve import Job, Prediction, jobs_of, nominal_pressure
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+    from fem_contact.surface import HeightField
 
 __all__ = ["Explanation", "Prediction", "explain", "judgements"]
 
@@ -154,15 +163,12 @@ def _cost_words(scene: Scene) -> str:
 def _facts(scene: Scene) -> tuple[tuple[str, str], ...]:
     """Return the numbers a reader checks first: realised and continuum roughness, load, bandwidth."""
     surface = scene.surface
-    field = reference_field(surface)
+    field = surveyed(surface)
     pressure = nominal_pressure(scene.load, scene.solid, field)
     modulus = scene.solid.young / (1 - scene.solid.poisson**2)
     facts = [
         ("E*", f"{modulus:.6g} Pa"),
-        (
-            "realised surface",
-            f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} (spectral)",
-        ),
+        ("realised surface", _realised_words(field)),
     ]
     if isinstance(surface, SelfAffineSurface):
         moments = spectrum_of(surface).moments()
@@ -182,7 +188,8 @@ def _facts(scene: Scene) -> tuple[tuple[str, str], ...]:
     else:
         facts.extend(("measured", words) for words in topography_of(surface).history)
     if field.rms_gradient > 0:
-        facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} (realised)"))
+        source = "of C(q)" if isinstance(field, Expected) else "realised"
+        facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"))
         facts.append(
             ("load", f"p0 = {pressure:.6g} Pa, p* = {pressure / (modulus * field.rms_gradient):.4g}")
         )
@@ -190,6 +197,15 @@ def _facts(scene: Scene) -> tuple[tuple[str, str], ...]:
     if scene.methods.theory is not None:
         facts.append(("theory", _theory_words(scene)))
     return tuple(facts)
+
+
+def _realised_words(field: HeightField | Expected) -> str:
+    if isinstance(field, Expected):
+        return (
+            f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points; all that follows is that "
+            "of C(q)"
+        )
+    return f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} (spectral)"
 
 
 def _theory_words(scene: Scene) -> str:
@@ -223,12 +239,18 @@ def _mesh_facts(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def _roughness(scene: Scene) -> Roughness:
-    return Roughness.of(
-        reference_field(scene.surface),
-        modulus=scene.solid.young / (1 - scene.solid.poisson**2),
-        longest=_longest(scene),
-        shortest=shortest_wavelength(scene.surface),
-    )
+    field = surveyed(scene.surface)
+    modulus = scene.solid.young / (1 - scene.solid.poisson**2)
+    waves = {"longest": _longest(scene), "shortest": shortest_wavelength(scene.surface)}
+    if isinstance(field, Expected):
+        return Roughness(
+            modulus=modulus,
+            gradient=field.rms_gradient,
+            curvature=math.sqrt(3 * field.moments[2] / 8),
+            full_energy=0.25 * modulus * field.first_moment,
+            **waves,
+        )
+    return Roughness.of(field, modulus=modulus, **waves)
 
 
 def _left_out(scene: Scene) -> tuple[Judgement, ...]:

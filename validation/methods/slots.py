@@ -25,7 +25,7 @@ from validation.effects.tables import (
     effect_key,
 )
 from validation.errors import UsageError
-from validation.scenes.surfaces import reference_field
+from validation.scenes.surfaces import surveyed
 from validation.solves.solve import nominal_pressure
 
 if TYPE_CHECKING:
@@ -183,7 +183,7 @@ def check_slots(scene: Scene) -> None:
 
 
 def _check_hardness(scene: Scene, effect: HardnessEffect, key: str) -> None:
-    pressure = nominal_pressure(scene.load, scene.solid, reference_field(scene.surface))
+    pressure = nominal_pressure(scene.load, scene.solid, surveyed(scene.surface))
     if effect.hardness < pressure:
         raise UsageError(
             f"{key} hardness = {effect.hardness:.6g} Pa: must not be below the nominal pressure "

@@ -255,7 +255,7 @@ def _harmless(text: str) -> str:
     """Refuse what would change a terminal, or how a line reads."""
     bad = next((c for c in text if unicodedata.category(c) in ("Cc", "Cs", "Zl", "Zp") or c in _TURNS), None)
     if bad is not None:
-        raise _wrong(f"must be a line of text; it holds the control character {ascii(bad)}")
+        raise _wrong(f"must be a line of text; it holds the control character {bad!a}")
     return text
 
 

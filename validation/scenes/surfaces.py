@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fem_contact.surface import HeightField, random_surface
@@ -17,12 +18,14 @@ if TYPE_CHECKING:
     from persson.tabulated import Tabulated
 
 __all__ = [
+    "Expected",
     "file_digest",
     "height_field",
     "measured_spectrum",
     "reference_field",
     "shortest_wavelength",
     "spectrum_of",
+    "surveyed",
     "topography_of",
 ]
 
@@ -105,21 +108,74 @@ def reference_field(surface: SelfAffineSurface | FileSurface, *, realisation: in
 
 
 #: Memory that making a random surface takes for each of its points at its peak [bytes], measured.
-_BYTES_PER_POINT = 32
+_BYTES_PER_POINT = 60
+#: Points of a surface that is made only to be looked at; a gigabyte.
+_SURVEYED_POINTS = 2**24
 
 
 def _check_memory(surface: SelfAffineSurface, grid: tuple[int, int]) -> None:
     """Refuse to resolve a surface that does not fit into memory, before anything of it is made."""
     import psutil
 
-    needed, free = _BYTES_PER_POINT * grid[0] * grid[1], psutil.virtual_memory().available
+    needed, free = _BYTES_PER_POINT * grid[0] * grid[1], int(0.9 * psutil.virtual_memory().available)
     if needed > free:
         least = surface.lambda_short * math.sqrt(needed / free)
         raise UsageError(
-            f"surface.lambda_short = {surface.lambda_short:.6g} m: resolving it takes {grid[0]} x {grid[1]} points and "
-            f"{needed / 2**30:.3g} GiB, of which {free / 2**30:.3g} are free; take a lambda_short above {least:.3g} m, "
-            "or a smaller length"
+            f"surface.lambda_short = {surface.lambda_short:.6g} m: resolving it takes {grid[0]} x {grid[1]} "
+            f"points and {needed / 2**30:.3g} GiB, of which {free / 2**30:.3g} are free; take a lambda_short "
+            f"above {least:.3g} m, or a smaller length"
         )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Expected:
+    """What C(q) gives for a random surface that is too large to be made only to be looked at.
+
+    Attributes
+    ----------
+    moments : tuple of float
+        (m0 [m^2], m2 [1], m4 [m^-2]): integrals over C(q) in place of sums over the waves of one surface.
+    first_moment : float
+        2 pi int q^2 C dq [m], to which the energy of full contact is proportional.
+    shape : tuple of int
+        Points that would resolve it.
+    """
+
+    moments: tuple[float, float, float]
+    first_moment: float
+    shape: tuple[int, int]
+
+    @property
+    def rms_height(self) -> float:
+        """h_rms [m]."""
+        return math.sqrt(self.moments[0])
+
+    @property
+    def rms_gradient(self) -> float:
+        """h'_rms [-]."""
+        return math.sqrt(self.moments[1])
+
+    @property
+    def nayak(self) -> float:
+        """Nayak parameter alpha = (3/2) m0 m4 / m2^2."""
+        m0, m2, m4 = self.moments
+        return 1.5 * m0 * m4 / m2**2
+
+
+def surveyed(surface: SelfAffineSurface | FileSurface) -> HeightField | Expected:
+    """Return a surface to be looked at: the realised one, or, where it has too many points, what C(q) gives."""
+    if isinstance(surface, FileSurface):
+        return _read(surface)
+    grid = resolving_grid(surface)
+    if grid[0] * grid[1] <= _SURVEYED_POINTS:
+        return reference_field(surface)
+    import numpy as np
+
+    spectrum = spectrum_of(surface)
+    found = spectrum.moments()
+    q = np.geomspace(spectrum.q_min, spectrum.q_short, 4001)
+    first = 2 * math.pi * float(np.trapezoid(q**3 * spectrum(q), np.log(q)))
+    return Expected(moments=(found.m0, found.m2, found.m4), first_moment=first, shape=grid)
 
 
 def shortest_wavelength(surface: SelfAffineSurface | FileSurface) -> float:

@@ -19,7 +19,7 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.effects.tables import EffectSpec
 from validation.scenes.scene import FileSurface, Load, Scene, SelfAffineSurface, SolidSpec
-from validation.scenes.surfaces import file_digest, height_field, reference_field
+from validation.scenes.surfaces import Expected, file_digest, height_field, reference_field
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -195,7 +195,7 @@ def jobs_of(scene: Scene) -> tuple[Job, ...]:
     return tuple({job.key: job for job in jobs}.values())
 
 
-def nominal_pressure(load: Load, solid: SolidSpec, field: HeightField) -> float:
+def nominal_pressure(load: Load, solid: SolidSpec, field: HeightField | Expected) -> float:
     """p0 [Pa]: as given, or p* E* h'_rms with the spectral gradient of the realised surface."""
     if load.pressure is not None:
         return load.pressure

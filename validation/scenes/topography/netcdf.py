@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from validation.errors import UsageError
 from validation.scenes.topography.raw import Array, Raw, check_shape, even_steps, plain_attribute, real
 
 __all__ = ["read_netcdf"]
@@ -17,19 +18,14 @@ def read_netcdf(data: bytes) -> Raw:
     """Read the map called heights, height, h or z, or the only two-dimensional one; x and y give the size."""
     import netCDF4
 
-    with netCDF4.Dataset("heights.nc", memory=data) as file:
-        variable = _map_of(file)
-        kind = np.dtype(variable.dtype)
-        if kind.kind not in "biuf":
-            raise ValueError(f"it holds {kind.name} values; heights are real numbers")
-        check_shape(variable.shape)
-        axes = [_axis(file, name) for name in variable.dimensions]
-        values = np.ma.asarray(variable[...])
-        heights = np.ma.filled(np.ma.asarray(real(values.data), dtype=float), np.nan)
-        heights = np.where(np.ma.getmaskarray(values), np.nan, heights)
-        if "mask" in file.variables and file.variables["mask"].shape == variable.shape:
-            heights = np.where(np.ma.getdata(file.variables["mask"][...]) != 0, np.nan, heights)
-        unit = _unit_of(variable)
+    try:
+        with netCDF4.Dataset("heights.nc", memory=data) as file:
+            heights, unit, axes = _read(file)
+    except (OSError, RuntimeError) as error:
+        said = getattr(error, "strerror", None) or error
+        raise UsageError(
+            f"cannot be read: it is damaged, cut short or no netCDF (its library says {str(said)[:80]!r})"
+        ) from None
     heights = _turned(heights, axes)
     sizes = [axis["length"] for axis in axes]
     units = [axis["unit"] for axis in axes]
@@ -40,6 +36,32 @@ def read_netcdf(data: bytes) -> Raw:
     if None in sizes or None in units:
         return Raw(heights=heights, unit=unit)
     return Raw(heights=heights, lengths=(sizes[0], sizes[1]), length_units=(units[0], units[1]), unit=unit)
+
+
+def _read(file: Any) -> tuple[Array, str | None, list[dict[str, Any]]]:
+    """Return heights, their unit, and what the axes say."""
+    variable = _map_of(file)
+    kind = np.dtype(variable.dtype)
+    if kind.kind not in "biuf":
+        raise ValueError(f"it holds {kind.name} values; heights are real numbers")
+    check_shape(variable.shape)
+    for key in {"scale_factor", "add_offset"} & set(variable.ncattrs()):
+        # The library would leave the heights unscaled, with a warning that nobody reads.
+        _number(variable.getncattr(key), f"{key!r} of {variable.name!r}")
+    axes = [_axis(file, name) for name in variable.dimensions]
+    values = np.ma.asarray(variable[...])
+    heights = np.where(np.ma.getmaskarray(values), np.nan, real(values.data))
+    mask = file.variables.get("mask")
+    if mask is not None and mask.shape == variable.shape and np.dtype(mask.dtype).kind in "biu":
+        heights = np.where(np.ma.getdata(mask[...]) != 0, np.nan, heights)
+    return heights, _unit_of(variable), axes
+
+
+def _number(value: Any, what: str) -> float:
+    array = np.asarray(value)
+    if array.size != 1 or array.dtype.kind not in "iuf" or not np.isfinite(array).all():
+        raise ValueError(f"{what} is no number")
+    return float(array.reshape(-1)[0])
 
 
 def _map_of(file: Any) -> Any:
@@ -76,10 +98,7 @@ def _axis(file: Any, name: str) -> dict[str, Any]:
         raise ValueError(f"{error}; interpolate the heights onto an even grid") from None
     axis["length"], axis["falls"] = abs(step) * x.size, step < 0
     if "length" in position.ncattrs():
-        length = np.asarray(position.getncattr("length"))
-        if length.shape not in ((), (1,)) or length.dtype.kind not in "iuf":
-            raise ValueError(f"'length' of {name!r} is no number")
-        said = float(length.reshape(-1)[0])
+        said = _number(position.getncattr("length"), f"'length' of {name!r}")
         if not abs(said - axis["length"]) <= 0.02 * axis["length"]:
             raise ValueError(f"'length' of {name!r} is {said:.6g}, its positions say {axis['length']:.6g}")
         axis["length"], axis["says_length"] = said, True

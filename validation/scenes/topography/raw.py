@@ -102,6 +102,8 @@ def even_steps(positions: Array, name: str) -> float:
     n = positions.size
     if n < 2:
         raise ValueError(f"{name} has {n} position{'s' * (n != 1)}; at least 2 are needed")
+    if not np.all(np.isfinite(positions)):
+        raise ValueError(f"{name} is not known everywhere")
     step = float(positions[-1] - positions[0]) / (n - 1)
     if not math.isfinite(step) or step == 0:
         raise ValueError(f"{name} runs from {positions[0]:.6g} to {positions[-1]:.6g}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import itertools
 import re
 from dataclasses import dataclass
 
@@ -20,6 +19,8 @@ _LEAST_XYZ = 4
 #: Points of the grid of x and y for each point that is listed; a sparser one is no grid.
 _SPARSEST = 4
 
+#: How lines begin that are no numbers, whatever they hold.
+_COMMENTS = ("#", "%", "//")
 _NUMBER = re.compile(
     r"[-+]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][-+]?\d+)?|[-+]?(?:nan|inf|infinity)", re.IGNORECASE
 )
@@ -85,16 +86,16 @@ def _layout(data: bytes) -> _Layout:
         end = data.find(b"\n", start)
         end = len(data) if end < 0 else end
         line = data[start:end].decode("ascii", errors="replace").strip()
-        if line and _NUMBER.match(line) and _tokens_are_numbers(line):
+        if not line.startswith(_COMMENTS) and _is_mostly_numbers(line):
             return _written(line, start)
         start = end + 1
     raise ValueError("no line of numbers at its beginning")
 
 
-def _tokens_are_numbers(line: str) -> bool:
-    """Whether the beginning of a line is numbers and what may stand between them."""
-    tokens = itertools.islice((token for token in re.split(r"[\s;,]+", line[:4096]) if token), 8)
-    return all(_NUMBER.fullmatch(token) for token in tokens)
+def _is_mostly_numbers(line: str) -> bool:
+    """Whether a line belongs to the numbers, one that is damaged included: it is refused, not taken for a title."""
+    tokens = [token for token in re.split(r"[\s;,]+", line[:4096]) if token][:8]
+    return 2 * sum(_NUMBER.fullmatch(token) is not None for token in tokens) > len(tokens)
 
 
 def _written(line: str, start: int) -> _Layout:
@@ -126,7 +127,11 @@ def _table(data: bytes, layout: _Layout) -> Array:
         mark = str(layout.delimiter).encode()
         body = re.sub(rb"[ \t]*%b[ \t]*(?=\r?(?:\n|\Z))" % mark, b"", body)
     lines = io.TextIOWrapper(io.BytesIO(body), encoding="ascii", errors="replace")
-    return np.loadtxt(lines, ndmin=2, delimiter=layout.delimiter)
+    try:
+        return np.loadtxt(lines, ndmin=2, delimiter=layout.delimiter)
+    except ValueError as error:
+        # What follows speaks of arguments that a reader of this has not.
+        raise ValueError(str(error).partition("; use `usecols`")[0]) from None
 
 
 def _sides(header: str) -> tuple[tuple[float, float] | None, tuple[str, str] | None]:
@@ -144,10 +149,8 @@ def _from_points(table: Array, header: str) -> Raw:
     """Sort points x, y, z onto their grid; points that are not listed are missing."""
     axes, indices = [], []
     for name, column in zip("xy", table[:, :2].T, strict=True):
-        if not np.all(np.isfinite(column)):
-            raise ValueError(f"three columns, but {name} is not known everywhere: {_REMEDY}")
-        values = _distinct(column)
         try:
+            values = _distinct(column)
             step = even_steps(values, name)
         except ValueError as error:
             raise ValueError(f"three columns are read as x, y, z, and {error}: {_REMEDY}") from None
@@ -180,4 +183,6 @@ _REMEDY = "interpolate onto an even grid, or write a map three points wide as .n
 def _distinct(column: Array) -> Array:
     """Return the positions of a column, those that differ by rounding taken for one."""
     values = np.unique(column)
+    if not np.all(np.isfinite(values)):
+        return values  # to be refused
     return np.asarray(values[np.concatenate([[True], np.diff(values) > 1e-6 * (values[-1] - values[0])])])
