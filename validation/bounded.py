@@ -1,8 +1,8 @@
 """Functions run in a child process within bounds of time and memory, for bytes that nobody vouches for.
 
-A library of formats that meets a damaged file may loop for ever, take all memory or crash; none of that can be
-caught in the process itself. The child is a fresh interpreter that serves one call after another, and is ended
-where a call breaks its bounds. Nothing is unpickled: what comes back is JSON and arrays of numbers.
+A library of formats that meets a damaged file may loop for ever, take all memory or crash; none of that can
+be caught in the process itself. The child is a fresh interpreter that serves one call after another, and is
+ended where a call breaks its bounds. Nothing is unpickled: what comes back is JSON and arrays of numbers.
 """
 
 from __future__ import annotations
@@ -91,8 +91,8 @@ class Child:
         OutOfBounds
             When it took more, or crashed.
         Exception
-            What the function raised, if it is built in or one of :mod:`validation.errors`; a RuntimeError that
-            names it otherwise.
+            What the function raised, if it is built in or one of :mod:`validation.errors`; a RuntimeError
+            that names it otherwise.
         """
         with self._lock:
             if self._owner != os.getpid():  # after a fork the child belongs to the parent

@@ -90,7 +90,7 @@ def quantity(unit: str, kind: str, example: str) -> BeforeValidator:
 
 
 def _converted(number: Fraction, symbol: str, unit: str) -> Fraction:
-    """Convert a number of one unit to another; a text that is no product of units is not handed to its parser."""
+    """Convert a number of one unit to another; what is no product of units is not handed to their parser."""
     if not _is_product(symbol):
         raise ValueError(f"{symbol!r} is no product of units")
     return Fraction(unit_registry().Quantity(number, symbol).to(unit).magnitude)

@@ -1,4 +1,4 @@
-"""Small files that readers of heights have been brought down with, made by code; and damage done to good ones."""
+"""Small files that bring readers of heights down, made by code; and damage done to good ones."""
 
 from __future__ import annotations
 
@@ -239,7 +239,7 @@ def _netcdf() -> Files:
             heights = file.createVariable("heights", kind, ("x", "y"), **storage)
             if unit is not None:
                 heights.units = unit
-            if nx and ny and nx * ny < 10**6 and kind != str:
+            if nx and ny and nx * ny < 10**6 and kind is not str:
                 heights[...] = np.ones((nx, ny))
 
         return build

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -197,11 +198,15 @@ def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(
     [
         ("workers = 0", "run.workers = 0"),
         ('memory = "3 m"', "run.memory = '3 m'"),
-        ('workers = 2\nscheduler = "tcp://x:1"', "workers or a scheduler"),
+        ('scheduler = "tcp://x:1"', "run: scheduler: is chosen on the command line alone: --scheduler"),
+        ('output = "/tmp/elsewhere"', "run.output = '/tmp/elsewhere': must lie below the folder"),
+        ('store = "results/../../solves"', "run.store = 'results/../../solves': must lie below the folder"),
+        ('output = "link/results"', "run.output = 'link/results': leads to"),
         ("worker = 2", "did you mean 'workers'"),
     ],
 )
-def test_a_wrong_option_in_the_scene_is_named(write_scene, tool, line, words):
+def test_a_wrong_option_in_the_scene_is_named(write_scene, tool, tmp_path, line, words):
+    Path("link").symlink_to(tmp_path.parent)
     code, _, err = tool("run", write_scene(("[solid]", f"[run]\n{line}\n[solid]")))
     assert code == 2
     assert words in err

@@ -7,7 +7,12 @@ from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from fem_contact import errors as fem_errors
+from persson import errors as persson_errors
 from validation.effects.judgement import Judgement, Roughness, judge, unlisted
+from validation.errors import UsageError
 from validation.methods.handled import check_effects
 from validation.scenes.scene import FileSurface, Scene, SelfAffineSurface
 from validation.scenes.surfaces import (
@@ -107,9 +112,18 @@ def explain(scene: Scene) -> Explanation:
     Raises
     ------
     UsageError
-        For an effect that a method of the scene lacks.
+        For an effect that a method of the scene lacks, and for numbers that no method can compute with.
     """
     check_effects(scene)
+    try:
+        return _explained(scene)
+    except (fem_errors.InvalidInput, persson_errors.InvalidInput) as error:
+        raise UsageError(str(error)) from None
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        raise UsageError(f"its numbers lie too far apart to compute with ({error})") from None
+
+
+def _explained(scene: Scene) -> Explanation:
     pair = transform_seconds()
     groups: dict[tuple[str, tuple[int, int]], list[Job]] = {}
     for job in jobs_of(scene):
@@ -202,8 +216,8 @@ def _facts(scene: Scene) -> tuple[tuple[str, str], ...]:
 def _realised_words(field: HeightField | Expected) -> str:
     if isinstance(field, Expected):
         return (
-            f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points; all that follows is that "
-            "of C(q)"
+            f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points; all that follows is "
+            "that of C(q)"
         )
     return f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} (spectral)"
 
@@ -226,12 +240,18 @@ def _mesh_facts(scene: Scene) -> Iterator[tuple[str, str]]:
     shortest, longest = shortest_wavelength(scene.surface), _longest(scene)
     for grid in sorted(fem.grids):
         spacing = max(length / n for length, n in zip(scene.surface.length, grid, strict=True))
-        waves = [max(shortest, 2 * spacing), longest]
+        name = f"finite elements, {grid[0]} x {grid[1]}"
+        if longest < 2 * spacing:
+            yield name, f"carry no wave of this surface, whose longest is {longest / spacing:.3g} cells long"
+            continue
+        # Cells count along x, whatever they are along y.
+        carried = 2 * max(spacing, scene.surface.length[0] / grid[0])
+        waves = [max(shortest, carried), max(longest, carried)]
         short, long = wave_errors(
             grid, scene.surface.length, waves, poisson=solid.poisson, depth=fem.depth, growth=fem.growth
         )
         yield (
-            f"finite elements, {grid[0]} x {grid[1]}",
+            name,
             f"compliance off by {short.along_axis:+.2%} along the axes and {short.along_diagonal:+.2%} along "
             f"the diagonal at {short.nodes:.3g} nodes per wave (the shortest), by {long.along_axis:+.2%} at "
             f"{long.nodes:.3g} (the longest); + is too soft",

@@ -99,11 +99,12 @@ def _effect_words(comparison: Comparison) -> str:
 
 def console_table(comparison: Comparison) -> Table:
     """Return the table a run prints."""
+    from rich.markup import escape
     from rich.table import Table
 
     scene = comparison.scene
     table = Table(
-        title=f"{scene.title or scene.name} ({_effect_words(comparison)}): "
+        title=f"{escape(scene.title or scene.name)} ({_effect_words(comparison)}): "
         f"p* = {comparison.reduced_pressure:.4g}, "
         f"h'_rms = {comparison.rms_gradient:.4g} (realised), p0 = {comparison.pressure:.4g} Pa",
         caption="A/A0 pixel: contact points counted, mean and standard error over sub-grid shifts; "

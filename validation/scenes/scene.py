@@ -156,6 +156,10 @@ class BemMethod(_Gridded):
     shifts: Annotated[StrictInt, Field(ge=1, le=8)] = 1
 
 
+#: Layers of a block; with the usual growth some forty reach the depth of the period.
+_MOST_LAYERS = 4096
+
+
 class FemMethod(_Gridded):
     """Finite-element block on these surface grids."""
 
@@ -194,10 +198,11 @@ class Ensemble(_Table):
 
 
 def _inside(path: Path) -> Path:
-    """Refuse a folder outside the one a scene runs in: who wrote the scene may not choose what is written over."""
+    """Refuse a folder outside the one a scene runs in: a scene may not choose what is written over."""
     if path.is_absolute() or path.drive or ".." in path.parts:
         raise _wrong(
-            "must lie below the folder the scene runs in, such as 'results/mine'; any other is named on the command line"
+            "must lie below the folder the scene runs in, such as 'results/mine'; any other is named on the "
+            "command line"
         )
     return path
 
@@ -208,8 +213,8 @@ Inside = Annotated[Path, AfterValidator(_inside)]
 class RunOptions(_Table):
     """How a scene is run; nothing here changes a result. An option of the command line goes before these.
 
-    Where it runs beyond this machine and this folder is no matter of a scene, which may come from elsewhere: a
-    scheduler, and folders outside, are named on the command line alone.
+    Where it runs beyond this machine and this folder is no matter of a scene, which may come from elsewhere:
+    a scheduler, and folders outside, are named on the command line alone.
     """
 
     workers: Annotated[StrictInt, Field(ge=1, le=4096)] = Field(
@@ -241,8 +246,8 @@ class RunOptions(_Table):
         led = path.resolve()
         if not led.is_relative_to(Path.cwd().resolve()):
             raise UsageError(
-                f"run.{key} = {str(path)!r}: leads to {str(led)!r}, outside the folder the scene runs in; say "
-                f"--{key} to have it so"
+                f"run.{key} = {str(path)!r}: leads to {str(led)!r}, outside the folder the scene runs in; "
+                f"say --{key} to have it so"
             )
         return path
 
@@ -302,6 +307,22 @@ class Scene(_Table):
                 check_resolution(f"{name if name == 'ensemble' else 'methods.' + name}.grids", grid, surface)
         if self.ensemble is not None and self.methods.bem is None:
             raise _wrong("ensemble: runs by boundary elements; add the table [methods.bem]")
+        return self
+
+    @model_validator(mode="after")
+    def _layers_are_few(self) -> Self:
+        fem = self.methods.fem
+        for grid in () if fem is None else fem.grids:
+            assert fem is not None
+            depth = fem.depth or max(self.surface.length)
+            first = max(length / n for length, n in zip(self.surface.length, grid, strict=True))
+            faster = math.log(fem.growth)
+            layers = depth / first if faster == 0 else math.log1p(depth / first * (fem.growth - 1)) / faster
+            if layers > _MOST_LAYERS:
+                raise _wrong(
+                    f"methods.fem.growth = {fem.growth:.6g}: makes {layers:.3g} layers of elements over a depth of "
+                    f"{depth:.3g} m; at most {_MOST_LAYERS} are solved: raise the growth or lower the depth"
+                )
         return self
 
     @property
@@ -422,7 +443,7 @@ def _named(data: dict[str, Any], scene: str) -> dict[str, Any]:
 
 
 def _sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
-    """Fill in the length of a measured surface from its file, and ask for what the two do not say together."""
+    """Fill in the length of a measured surface from its file, and ask for what neither of the two says."""
     surface = data.get("surface")
     if not isinstance(surface, dict) or surface.get("kind") != "file":
         return data

@@ -163,7 +163,7 @@ class Expected:
 
 
 def surveyed(surface: SelfAffineSurface | FileSurface) -> HeightField | Expected:
-    """Return a surface to be looked at: the realised one, or, where it has too many points, what C(q) gives."""
+    """Return a surface to be looked at: the realised one, or what C(q) gives of one with too many points."""
     if isinstance(surface, FileSurface):
         return _read(surface)
     grid = resolving_grid(surface)

@@ -1,4 +1,4 @@
-"""One file of heights read, whatever its format; runs in a child process that is ended where it takes too long."""
+"""One file of heights read, whatever its format; run in a child process that is held within bounds."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ def read_plain(path: str) -> dict[str, Any]:
 
 
 def one_line(words: object) -> str:
-    """Return the first line of a text, shortened, with what would change a terminal written as it is coded.
+    r"""Return the first line of a text, shortened, with what would change a terminal written as it is coded.
 
     >>> one_line("a\\x1b[31m red\\nb")
     'a\\\\x1b[31m red'
@@ -85,7 +85,8 @@ def _bytes_of(path: str) -> bytes:
         raise UsageError("cannot be read: it is a pipe or a device, not a file")
     if facts.st_size > MOST_BYTES:
         raise UsageError(
-            f"is {facts.st_size / 2**30:.3g} GiB long; at most {MOST_BYTES // 2**30} GiB are read: cut it or thin it out"
+            f"is {facts.st_size / 2**30:.3g} GiB long; at most {MOST_BYTES // 2**30} GiB are read: cut it or "
+            "thin it out"
         )
     with open(path, "rb") as file:
         return file.read(MOST_BYTES)
@@ -96,8 +97,8 @@ def _read_other(path: str) -> Raw:
         from SurfaceTopography import read_topography as read
     except ImportError:
         raise UsageError(
-            f"{os.path.splitext(path)[1] or 'no suffix'} is none of {', '.join(READERS)}; for other formats install "
-            "SurfaceTopography: pip install 'fem-contact[topography]'"
+            f"{os.path.splitext(path)[1] or 'no suffix'} is none of {', '.join(READERS)}; for other formats "
+            "install SurfaceTopography: pip install 'fem-contact[topography]'"
         ) from None
     try:
         found: Any = read(path)

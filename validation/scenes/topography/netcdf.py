@@ -1,4 +1,4 @@
-"""Reader of netCDF, that of SurfaceTopography included, whose sizes and units stand as `length` and `unit`."""
+"""Reader of netCDF, that of SurfaceTopography included, which says `length` and `unit` of its axes."""
 
 from __future__ import annotations
 

@@ -165,7 +165,7 @@ def _terms(shape: tuple[int, ...], tilt: Tilt) -> list[Array]:
 def _fitted(heights: Array, tilt: Tilt) -> Array:
     """Return the least-squares coefficients over the known points, from blocks of rows brought to triangles.
 
-    The whole matrix of a large map, and the copies that a solver makes of it, would take twenty times the map.
+    The matrix of a whole map, and the copies that a solver makes of it, would take twenty times the map.
     """
     terms = _terms(heights.shape, tilt)
     # Columns of like size: a constant beside squares of thousands would lose digits.

@@ -29,7 +29,8 @@ _SECONDS, _BYTES_PER_SECOND = 60.0, 2e6
 _MEMORY, _COPIES = 2**31 + 2**30, 4
 #: Cells are called oblong, and lengths at odds with a file, when ratios are off by more than this.
 _RATIO = 0.02
-#: A file that was changed less than this before it was read is read again: its time may not tell a later change [s].
+#: A file that was changed less than this before it was read is read again: a later change may have the same
+#: time [s].
 _SETTLED = 1.0
 
 
@@ -60,7 +61,7 @@ class FileSays:
     notes: tuple[str, ...]
 
     def check_square(self, key: str) -> None:
-        """Refuse one length for both sides where points along them differ in number and nothing else is known.
+        """Refuse one length for both sides if points along them differ in number and no size is known.
 
         Raises
         ------
@@ -69,8 +70,8 @@ class FileSays:
         nx, ny = self.heights.shape
         if self.lengths is None and abs(nx / ny - 1) > _RATIO:
             raise UsageError(
-                f"{key}: one length for {nx} x {ny} points makes oblong cells; give both sides, [Lx, Ly], x along the "
-                "first of the two numbers of points"
+                f"{key}: one length for {nx} x {ny} points makes oblong cells; give both sides, [Lx, Ly], x "
+                "along the first of the two numbers of points"
             )
 
 
@@ -151,8 +152,8 @@ def digest_of(path: Path) -> str:
 def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float | None = None) -> Topography:
     """Read a topography: .npy, text, .nc, .x3p, and whatever SurfaceTopography reads where it is installed.
 
-    Text is a matrix, rows along x, or three columns x, y, z of an even grid; a width and a height in its header,
-    as Gwyddion writes them, are the sizes along its columns and rows.
+    Text is a matrix, rows along x, or three columns x, y, z of an even grid; a width and a height in its
+    header, as Gwyddion writes them, are the sizes along its columns and rows.
 
     Parameters
     ----------
@@ -177,8 +178,8 @@ def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float |
         raise UsageError('does not say the unit of its heights: give unit, such as "1 nm"')
     if says.lengths is None and says.ratio is not None and abs(size[0] / size[1] / says.ratio - 1) > _RATIO:
         raise UsageError(
-            f"its sides are in the ratio {says.ratio:.4g}, and length = [{size[0]:.4g}, {size[1]:.4g}] m says "
-            f"{size[0] / size[1]:.4g}: give both sides, [Lx, Ly]"
+            f"its sides are in the ratio {says.ratio:.4g}, and length = [{size[0]:.4g}, {size[1]:.4g}] m "
+            f"says {size[0] / size[1]:.4g}: give both sides, [Lx, Ly]"
         )
     heights = np.where(np.isfinite(says.heights), says.heights, np.nan)
     peak = float(np.abs(says.heights).max(where=np.isfinite(says.heights), initial=0.0)) * scale

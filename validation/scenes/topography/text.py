@@ -1,4 +1,4 @@
-"""Reader of text: a matrix of numbers, or three columns x, y, z of an even grid; headers as Gwyddion writes them."""
+"""Reader of text: a matrix of numbers, or three columns x, y, z of an even grid; headers as of Gwyddion."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def read_text(data: bytes) -> Raw:
 
 
 def _as_bytes(data: bytes) -> bytes:
-    """Return text as numbers are read from it: no byte-order mark, no UTF-16, lines that end as they do here."""
+    """Return text as numbers are read from it: no byte-order mark, no UTF-16, lines ended as here."""
     if data.startswith((b"\xff\xfe", b"\xfe\xff")):
         data = data.decode("utf-16").encode()
     head = data[:_MOST_HEADER]
@@ -93,7 +93,7 @@ def _layout(data: bytes) -> _Layout:
 
 
 def _is_mostly_numbers(line: str) -> bool:
-    """Whether a line belongs to the numbers, one that is damaged included: it is refused, not taken for a title."""
+    """Whether a line belongs to the numbers; a damaged one does: it is refused, not taken for a title."""
     tokens = [token for token in re.split(r"[\s;,]+", line[:4096]) if token][:8]
     return 2 * sum(_NUMBER.fullmatch(token) is not None for token in tokens) > len(tokens)
 
@@ -118,8 +118,8 @@ def _table(data: bytes, layout: _Layout) -> Array:
     rows = body.count(b"\n") + 1
     if rows * layout.columns > 2 * MOST_POINTS or layout.columns > MOST_POINTS:
         raise ValueError(
-            f"up to {rows} rows of {layout.columns} numbers; at most {MOST_POINTS} heights are read: cut it or thin "
-            "it out"
+            f"up to {rows} rows of {layout.columns} numbers; at most {MOST_POINTS} heights are read: cut it "
+            "or thin it out"
         )
     if layout.decimal_comma:
         body = body.replace(b",", b".")

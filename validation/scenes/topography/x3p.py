@@ -76,7 +76,7 @@ def _unpacked(archive: zipfile.ZipFile, name: str, *, most: int) -> bytes:
 
 
 def _parsed(text: bytes) -> ElementTree.Element:
-    """Parse XML that declares no document type: without one there are no entities, which may grow for ever."""
+    """Parse XML that declares no document type: without one there are no entities, which may grow."""
     builder, depth = ElementTree.TreeBuilder(), 0
 
     def start(tag: str, attributes: dict[str, str]) -> None:
