@@ -281,7 +281,7 @@ def _serve(connection: Connection[Any, Any]) -> None:
         reply, arrays = _answer(connection, request)
         connection.send_bytes(json.dumps(reply).encode())
         for array in arrays:
-            connection.send_bytes(array.tobytes() if array.size == 0 else memoryview(array).cast("B"))
+            connection.send_bytes(array.reshape(-1).view(np.uint8).data)
 
 
 def _answer(

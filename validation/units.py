@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import functools
+import math
 import re
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated
@@ -117,11 +118,15 @@ def _is_product(symbol: str) -> bool:
 
 def _in_bounds(value: float | Fraction, unit: str) -> float:
     """Return a number of a size that is computed with; what a field allows is its own matter."""
-    if value != value or value in (float("inf"), float("-inf")):
+    try:
+        number = float(value)
+    except OverflowError:  # a whole number or a fraction of hundreds of digits
+        number = 10 * LARGEST
+    if not math.isfinite(number):
         raise wrong("must be a finite number")
-    if value != 0 and not SMALLEST <= abs(value) <= LARGEST:
+    if value != 0 and not SMALLEST <= abs(number) <= LARGEST:
         raise wrong(f"is out of range; sizes from {SMALLEST:.0e} to {LARGEST:.0e} {unit} are computed with")
-    return float(value)
+    return number
 
 
 def metres(symbol: str | None) -> float | None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -206,7 +205,7 @@ def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(
     ],
 )
 def test_a_wrong_option_in_the_scene_is_named(write_scene, tool, tmp_path, line, words):
-    Path("link").symlink_to(tmp_path.parent)
+    (tmp_path / "link").symlink_to(tmp_path.parent)
     code, _, err = tool("run", write_scene(("[solid]", f"[run]\n{line}\n[solid]")))
     assert code == 2
     assert words in err

@@ -1,4 +1,4 @@
-"""Values beyond all reason are refused by name when a scene is read; what is read is explained within bounds."""
+"""Values beyond all reason are refused by name when a scene is read; what is read is explained."""
 
 from __future__ import annotations
 
@@ -84,7 +84,6 @@ BEYOND = [
     (("load", "reduced_pressure"), 1e300, "must lie between 1e-12 and 1e+06"),
     (("methods", "bem", "grids"), [9 * 10**15], "must have at most 131072 points along a side"),
     (("methods", "bem", "grids"), [32] * 10**6, "at most 256 items"),
-    (("methods", "bem", "tolerance"), 5e-324, "must lie between 1e-15 and 0.01"),
     (
         ("ensemble",),
         {"realisations": 100_000_000, "grids": [32, 48]},
@@ -163,8 +162,12 @@ def explained(changes) -> str:
         return "refused when read"
     try:
         found = explain(Scene.model_validate(tree))
-    except UsageError as error:
-        assert "\n" not in str(error)
+    except UsageError as refusal:
+        sentence = str(refusal)
+    else:
+        sentence = ""
+    if sentence:
+        assert "\n" not in sentence
         return "refused when explained"
     assert math.isfinite(found.seconds)
     assert all("nan" not in words for _, words in found.facts)

@@ -25,7 +25,6 @@ from validation.units import (
     Ratio,
     exactly_one,
     unit_registry,
-    within,
 )
 from validation.units import Table as _Table
 from validation.units import wrong as _wrong
@@ -139,7 +138,7 @@ class Load(_Table):
         return self
 
 
-Tolerance = Annotated[Number, Field(gt=0, lt=1e-2), within(1e-15, 1e-2)]
+Tolerance = Annotated[Number, Field(gt=0, lt=1e-2)]
 
 
 class _Gridded(_Table):
@@ -320,7 +319,7 @@ class Scene(_Table):
             layers = depth / first if faster == 0 else math.log1p(depth / first * (fem.growth - 1)) / faster
             if layers > _MOST_LAYERS:
                 raise _wrong(
-                    f"methods.fem.growth = {fem.growth:.6g}: makes {layers:.3g} layers of elements over a depth of "
+                    f"methods.fem.growth = {fem.growth:.6g}: makes {layers:.3g} layers over a depth of "
                     f"{depth:.3g} m; at most {_MOST_LAYERS} are solved: raise the growth or lower the depth"
                 )
         return self

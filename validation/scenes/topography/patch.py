@@ -157,8 +157,9 @@ def _rms(values: Array) -> float:
 def _terms(shape: tuple[int, ...], tilt: Tilt) -> list[Array]:
     """Terms of a plane or quadratic at positions in points from the centre; they broadcast to the shape."""
     nx, ny = shape
-    x, y = (np.arange(nx) - (nx - 1) / 2)[:, None], (np.arange(ny) - (ny - 1) / 2)[None, :]
-    plane = [np.ones((1, 1)), x, y]
+    x = np.asarray(np.arange(nx) - (nx - 1) / 2, dtype=float)[:, None]
+    y = np.asarray(np.arange(ny) - (ny - 1) / 2, dtype=float)[None, :]
+    plane: list[Array] = [np.ones((1, 1)), x, y]
     return plane if tilt == "plane" else [*plane, x * x, x * y, y * y]
 
 
@@ -177,7 +178,7 @@ def _fitted(heights: Array, tilt: Tilt) -> Array:
         known = np.isfinite(heights[part])
         columns = [np.broadcast_to(t[part] if t.shape[0] > 1 else t, known.shape)[known] for t in terms]
         block = np.column_stack([*(c / s for c, s in zip(columns, scale, strict=True)), heights[part][known]])
-        triangle = np.linalg.qr(np.vstack([triangle, block]), mode="r")
+        triangle = np.asarray(np.linalg.qr(np.vstack([triangle, block]), mode="r"))
     return np.asarray(np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=None)[0] / scale)
 
 
