@@ -192,6 +192,18 @@ def test_extreme_scenes_are_refused_or_explained_thousands_of_times(changes):
         explained(changes)
 
 
+def test_a_study_of_two_billion_surfaces_is_refused(tmp_path):
+    from validation.solves.bench import Bench
+    from validation.solves.store import Store
+    from validation.studies import find_study
+
+    for name, flag in (("multilevel", "--pilot"), ("scaling", "--surfaces"), ("hurst", "--pairs")):
+        study = find_study(name)
+        options = study.parse([flag, "2147483648"])
+        with pytest.raises(UsageError, match="= 2147483648: must be at most 10000"):
+            study.compute(bench=Bench(store=Store(folder=tmp_path), plan_only=True), options=options)
+
+
 LARGE = SelfAffineSurface(
     kind="self-affine", length=1e-4, hurst=0.8, lambda_long=5e-5, lambda_short=1e-8, rms_gradient=0.1, seed=5
 )

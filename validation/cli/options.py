@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from validation.errors import SceneError, UsageError
+from validation.errors import SceneError, UsageError, shown
 
 if TYPE_CHECKING:
     from pydantic import ValidationError
@@ -240,9 +240,9 @@ def show(what: Any) -> None:
     # A log file or a pipe has no width: a table must not be squeezed to 80 columns there.
     if not console.is_terminal:
         console = Console(highlight=False, width=160, soft_wrap=isinstance(what, str))
-    console.print(what, markup=False) if isinstance(what, str) else console.print(what)
+    console.print(shown(what), markup=False) if isinstance(what, str) else console.print(what)
 
 
 def say(message: Exception | str, *, prefix: str = "fem-contact: ") -> None:
     """Print a line for the user on stderr."""
-    typer.echo(f"{prefix}{message}", err=True)
+    typer.echo(f"{prefix}{shown(message)}", err=True)

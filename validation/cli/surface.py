@@ -51,7 +51,7 @@ def generate(
 ) -> None:
     """Write the surface of a scene to a file."""
     from validation.scenes.scene import FileSurface, load_scene
-    from validation.scenes.surfaces import height_field, reference_field
+    from validation.scenes.surfaces import check_fits, height_field, reference_field
 
     surface = load_scene(scene).surface
     if realisation and isinstance(surface, FileSurface):
@@ -59,6 +59,7 @@ def generate(
     if grid is None:
         field = reference_field(surface, realisation=realisation)
     else:
+        check_fits((grid, grid), f"--grid = {grid}:", remedy="choose fewer")
         field = height_field(surface, (grid, grid), realisation=realisation)
     _write(field, target, force=force)
     if grid is None and not isinstance(surface, FileSurface):
@@ -112,13 +113,15 @@ def convert(
     table = _file_surface(
         source, length=length, unit=unit, tilt=tilt, missing=missing, edges=edges, margin=margin
     )
-    from validation.scenes.surfaces import topography_of
+    from validation.scenes.surfaces import check_fits, topography_of
 
     # Without a taper a conversion leaves the edges as they are, and does not ask whether they match.
     patch = topography_of(table, edges=edges is not None)
     for words in patch.history:
         typer.echo(words, err=True)
     field = patch.height_field()
+    if grid is not None:
+        check_fits((grid, grid), f"--grid = {grid}:", remedy="choose fewer")
     _write(field if grid is None else field.resampled((grid, grid)), target, force=force)
 
 

@@ -6,7 +6,6 @@ import math
 import os
 import re
 import tomllib
-import unicodedata
 from importlib import resources
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -14,7 +13,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import AfterValidator, BaseModel, Field, StrictBool, StrictInt, ValidationError, model_validator
 
 from validation.effects.tables import EFFECT_KINDS, EFFECT_TABLES, EffectSpec, clash, effect_key
-from validation.errors import SceneError, UsageError
+from validation.errors import SceneError, UsageError, shown
 from validation.units import (
     Grids,
     Length,
@@ -251,13 +250,9 @@ class RunOptions(_Table):
         return path
 
 
-#: Characters that turn the direction of what follows.
-_TURNS = frozenset("\u061c\u200e\u200f\u202a\u202b\u202c\u202d\u202e\u2066\u2067\u2068\u2069")
-
-
 def _harmless(text: str) -> str:
     """Refuse what would change a terminal, or how a line reads."""
-    bad = next((c for c in text if unicodedata.category(c) in ("Cc", "Cs", "Zl", "Zp") or c in _TURNS), None)
+    bad = next((c for c in text if c == "\n" or shown(c) != c), None)
     if bad is not None:
         raise _wrong(f"must be a line of text; it holds the control character {bad!a}")
     return text

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Expected",
+    "check_fits",
     "file_digest",
     "height_field",
     "measured_spectrum",
@@ -115,16 +116,34 @@ _SURVEYED_POINTS = 2**24
 
 def _check_memory(surface: SelfAffineSurface, grid: tuple[int, int]) -> None:
     """Refuse to resolve a surface that does not fit into memory, before anything of it is made."""
+    least = surface.lambda_short * math.sqrt(_share(grid))
+    check_fits(
+        grid,
+        f"surface.lambda_short = {surface.lambda_short:.6g} m: resolving it",
+        remedy=f"take a lambda_short above {least:.3g} m, or a smaller length",
+    )
+
+
+def check_fits(grid: tuple[int, int], what: str, *, remedy: str) -> None:
+    """Refuse a grid whose heights alone do not fit into memory.
+
+    Raises
+    ------
+    UsageError
+    """
+    if _share(grid) > 1:
+        needed = _BYTES_PER_POINT * grid[0] * grid[1]
+        raise UsageError(
+            f"{what} takes {grid[0]} x {grid[1]} points and {needed / 2**30:.3g} GiB, of which "
+            f"{needed / _share(grid) / 2**30:.3g} are free; {remedy}"
+        )
+
+
+def _share(grid: tuple[int, int]) -> float:
+    """Memory for the heights of a grid over what is free for it."""
     import psutil
 
-    needed, free = _BYTES_PER_POINT * grid[0] * grid[1], int(0.9 * psutil.virtual_memory().available)
-    if needed > free:
-        least = surface.lambda_short * math.sqrt(needed / free)
-        raise UsageError(
-            f"surface.lambda_short = {surface.lambda_short:.6g} m: resolving it takes {grid[0]} x {grid[1]} "
-            f"points and {needed / 2**30:.3g} GiB, of which {free / 2**30:.3g} are free; take a lambda_short "
-            f"above {least:.3g} m, or a smaller length"
-        )
+    return _BYTES_PER_POINT * grid[0] * grid[1] / (0.9 * psutil.virtual_memory().available)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,13 +5,12 @@ from __future__ import annotations
 import hashlib
 import os
 import stat
-import unicodedata
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
-from validation.errors import UsageError
+from validation.errors import UsageError, shown
 from validation.scenes.topography.arrays import read_npy
 from validation.scenes.topography.netcdf import read_netcdf
 from validation.scenes.topography.raw import MOST_BYTES, Raw, check_shape, plain_attribute
@@ -63,17 +62,9 @@ def read_plain(path: str) -> dict[str, Any]:
 
 
 def one_line(words: object) -> str:
-    r"""Return the first line of a text, shortened, with what would change a terminal written as it is coded.
-
-    >>> one_line("a\\x1b[31m red\\nb")
-    'a\\\\x1b[31m red'
-    """
+    """Return the first line of a text, shortened, as it is shown."""
     lines = str(words).strip().splitlines()
-    return "".join(c if _is_shown(c) else ascii(c)[1:-1] for c in (lines[0][:300] if lines else ""))
-
-
-def _is_shown(character: str) -> bool:
-    return character == " " or unicodedata.category(character)[0] not in "CZ"
+    return shown(lines[0][:300]) if lines else ""
 
 
 def _bytes_of(path: str) -> bytes:
