@@ -14,8 +14,14 @@ from persson import elastic
 from persson.variants import Variant, corrected_contact_area
 from validation.measures.budget import grid_drift
 from validation.measures.common import SHIFTS, Ladder, Rising, base_case, base_surface, over_surfaces
-from validation.measures.distributions import PATCH_EDGES, STRESS_EDGES, Distributions
-from validation.measures.load_independence import Distance, distance_to_reference, largest_difference
+from validation.measures.distributions import (
+    PATCH_EDGES,
+    STRESS_EDGES,
+    Distance,
+    Distributions,
+    distance_to_reference,
+    largest_difference,
+)
 from validation.measures.measurement import area_limits, grid_for
 from validation.measures.theory import VARIANTS, WITH_ENERGY, Waves, ensemble_stress_variance
 from validation.report.drawing import Drawing

@@ -14,9 +14,8 @@ from persson import elastic
 from persson.variants import corrected_contact_area
 from validation.measures.budget import Budget, budget_table, grid_share, solver_error
 from validation.measures.common import base_case
-from validation.measures.distributions import Distributions
+from validation.measures.distributions import Distributions, distance_to_reference, largest_difference
 from validation.measures.ladders import spectral_share, usual_ladders
-from validation.measures.load_independence import distance_to_reference, largest_difference
 from validation.measures.measurement import grid_for
 from validation.measures.statistics import mean_over_surfaces
 from validation.measures.theory import VARIANTS
