@@ -65,8 +65,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     found = _scores(options, data)
     found["solver_error"] = _solver_share(options, bench)
     if options.edge:
-        common = {"hurst": options.hurst, "periods": options.periods, "seed": options.seed}
-        edge = stress_near_zero.run(stress_near_zero.Options(**common), bench=bench)
+        small = stress_near_zero.Options(hurst=options.hurst, periods=options.periods, seed=options.seed)
+        edge = stress_near_zero.run(small, bench=bench)
         found = found.merge(_edge_scores(edge), combine_attrs="override")
     return found.assign(_spectral_shares(options, bench)) if options.ladder_reduced_pressures else found
 
