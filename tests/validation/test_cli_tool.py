@@ -197,14 +197,55 @@ def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(
     [
         ("workers = 0", "run.workers = 0"),
         ('memory = "3 m"', "run.memory = '3 m'"),
-        ('workers = 2\nscheduler = "tcp://x:1"', "workers or a scheduler"),
+        ('scheduler = "tcp://x:1"', "run: scheduler: is chosen on the command line alone: --scheduler"),
+        ('output = "/tmp/elsewhere"', "run.output = '/tmp/elsewhere': must lie below the folder"),
+        ('store = "results/../../solves"', "run.store = 'results/../../solves': must lie below the folder"),
+        ('output = "link/results"', "run.output = 'link/results': leads to"),
         ("worker = 2", "did you mean 'workers'"),
     ],
 )
-def test_a_wrong_option_in_the_scene_is_named(write_scene, tool, line, words):
+def test_a_wrong_option_in_the_scene_is_named(write_scene, tool, tmp_path, line, words):
+    (tmp_path / "link").symlink_to(tmp_path.parent)
     code, _, err = tool("run", write_scene(("[solid]", f"[run]\n{line}\n[solid]")))
     assert code == 2
     assert words in err
+
+
+def test_what_a_stranger_wrote_is_shown_harmlessly(write_scene, tool, tmp_path, monkeypatch):
+    monkeypatch.setattr("validation.comparison.report.write_drawings", lambda *a: ())
+    path = write_scene(('title = "A small scene"', 'title = "a [/] b [red]c <script>"'), fem=False)
+    code, out, err = tool("run", path, "--no-pictures")
+    assert code == 0, err
+    assert "a [/] b [red]c <script>" in out
+    assert "<script>" not in (tmp_path / "results" / "small" / "report.html").read_text().split("</head>")[1]
+    np.save(tmp_path / "a\x1b[31m\u202eb.npy", np.ones((3, 3)))
+    for words in (("surface", "inspect", "a\x1b[31m\u202eb.npy"), ("run", "a\x1b[31m\u202eb.toml")):
+        code, out, err = tool(*words)
+        assert code == 2
+        assert r"a\x1b[31m\u202eb" in err
+        assert "\x1b" not in out + err
+
+
+def test_a_grid_that_no_memory_holds_is_refused(tool, tmp_path):
+    np.save(tmp_path / "scan.npy", np.random.default_rng(12).normal(size=(8, 8)))
+    for words in (
+        ("generate", "quickstart", "a.npy"),
+        ("convert", "scan.npy", "b.npy", "--length", "1 um", "--unit", "1 nm"),
+    ):
+        code, _, err = tool("surface", *words, "--grid", "1000000")
+        assert code == 2
+        assert "--grid = 1000000: takes 1000000 x 1000000 points and 5.59e+04 GiB" in err
+
+
+def test_one_length_for_an_oblong_file_is_refused(tool, tmp_path):
+    np.save(tmp_path / "scan.npy", np.random.default_rng(12).normal(size=(8, 6)))
+    said = ("surface", "inspect", "scan.npy", "--unit", "1 nm", "--length")
+    code, _, err = tool(*said, "8 um")
+    assert code == 2
+    assert "--length: one length for 8 x 6 points makes oblong cells" in err
+    code, out, err = tool(*said, "8 um, 6 um")
+    assert code == 0, err
+    assert "size [m]: 8e-06 x 6e-06" in out
 
 
 def test_surfaces_are_generated_inspected_and_converted(tool, tmp_path):

@@ -96,11 +96,11 @@ def run(
 
     loaded = load_scene(scene)
     said = loaded.run
-    plain = output or said.output or Path("results") / loaded.name
+    plain = output or said.folder("output") or Path("results") / loaded.name
     # Beside the results of a plain run, whose solves it shares.
     beside = accuracy is not None and not (output or said.output)
     folder = plain.with_name(f"{plain.name}-accuracy") if beside else plain
-    store_folder = store or said.store or plain / "solves"
+    store_folder = store or said.folder("store") or plain / "solves"
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
     chosen = chosen_accuracy(accuracy, time_limit=time_limit, dry_run=dry_run, execution=execution)
     with naming(scene):
@@ -193,8 +193,8 @@ def study(
     said = RunOptions() if loaded is None else loaded.run
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
     folder, store_folder = (
-        output or said.output or Path("results") / name,
-        store or said.store or DEFAULT_STORE,
+        output or said.folder("output") or Path("results") / name,
+        store or said.folder("store") or DEFAULT_STORE,
     )
     if dry_run:
         try:

@@ -182,7 +182,7 @@ def embeddable(svg: str, name: str, *, words: str) -> str:
     """
     from markupsafe import escape
 
-    from validation.report.words import harmless
+    from validation.errors import harmless
 
     drawing = svg[svg.index("<svg") :]
     drawing = re.sub(r'\bid="', f'id="{name}-', drawing)
