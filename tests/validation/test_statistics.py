@@ -9,8 +9,8 @@ from validation.measures.statistics import combined, mean_over_surfaces, order_o
 
 
 def test_the_interval_of_a_mean_is_that_of_student():
-    # Samples and the interval of their mean from the first paper on it: Student, Biometrika 6 (1908), additional hours
-    # of sleep of ten patients, mean 1.58 and standard deviation 1.23; t of nine degrees of freedom is 2.262.
+    # From the first paper on it, Student, Biometrika 6 (1908): hours of sleep that ten patients gained, mean
+    # 1.58, standard deviation 1.23; t of nine degrees of freedom is 2.262.
     sleep = [1.2, 2.4, 1.3, 1.3, 0.0, 1.0, 1.8, 0.8, 4.6, 1.4]
     estimate = mean_over_surfaces(sleep)
     assert estimate.value == pytest.approx(1.58, abs=1e-12)

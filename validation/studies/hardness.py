@@ -65,7 +65,7 @@ class Options(StudyOptions):
         default=0.1, description="p* at which magnifications are walked through and surfaces are smoothed"
     )
     seed: Seed = 11
-    surfaces: int = Field(default=2, ge=1, description="how many")
+    surfaces: int = Field(default=2, ge=1, le=10_000, description="how many")
     grids: Annotated[tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=1)] = Field(
         default=(64, 128, 256),
         description="points along a side; the limit is that of the two finest, the one before says how sure it is",
