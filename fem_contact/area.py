@@ -16,7 +16,8 @@ import numpy as np
 import scipy.ndimage
 from numpy.typing import NDArray
 
-from fem_contact.contact import ContactResult
+from fem_contact._checks import choice, finite, listed, pair, positive, samples, truth, whole
+from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput
 
 __all__ = [
@@ -140,6 +141,9 @@ def contact_areas(
     Anciaux, J.-F. Molinari, Tribology International 114 (2017) 161, with their constant, .118, replaced by
     the caller's.
     """
+    check_result("result", result)
+    edge_constant = finite("edge_constant", edge_constant)
+    truth("subcell", subcell)
     contact = result.in_contact
     dx, dy = result.spacing
     across_x = int(np.count_nonzero(contact != np.roll(contact, 1, axis=0)))
@@ -220,6 +224,11 @@ def limit_area(
     InvalidInput
         For fewer than three areas, areas of a single spacing, or a definition that was not measured.
     """
+    listed("areas", areas, ContactAreas, what="`ContactAreas`")
+    choice("definition", definition, ("pixel", "subcell"))
+    if known_constant is not None:
+        known, spread = pair("known_constant", known_constant, what="a constant and its deviation")
+        known_constant = finite("known_constant", known), positive("known_constant", spread)
     sizes = {area.spacing for area in areas}
     if len(areas) < 3 or len(sizes) < 2:
         raise InvalidInput(
@@ -264,8 +273,7 @@ def subgrid_shifts(per_axis: int = 2) -> list[tuple[float, float]]:
     >>> subgrid_shifts(2)
     [(0.0, 0.0), (0.0, 0.5), (0.5, 0.0), (0.5, 0.5)]
     """
-    if per_axis < 1:
-        raise InvalidInput(f"per_axis = {per_axis!r}: must be at least 1")
+    whole("per_axis", per_axis, least=1, most=100)
     return [(i / per_axis, j / per_axis) for i in range(per_axis) for j in range(per_axis)]
 
 
@@ -277,6 +285,7 @@ def mean_areas(areas: Sequence[ContactAreas]) -> ContactAreas:
     InvalidInput
         For no area, or areas of different spacing or edge constant.
     """
+    listed("areas", areas, ContactAreas, what="`ContactAreas`")
     if len({(area.spacing, area.edge_constant) for area in areas}) != 1:
         raise InvalidInput("areas: must all be of one grid and one edge constant")
     located = [area.subcell for area in areas if area.subcell is not None]
@@ -337,6 +346,7 @@ class Edges:
 
 def contact_edges(result: ContactResult) -> Edges:
     """Find the edges of contact between grid cells, with what the fields say about their place."""
+    check_result("result", result)
     contact, spacing = result.in_contact, result.spacing
     smooth = scipy.ndimage.gaussian_filter(contact.astype(float), _SMOOTHING, mode="wrap")
     slopes = [(np.roll(smooth, 1, k) - np.roll(smooth, -1, k)) / spacing[k] for k in (0, 1)]
@@ -387,12 +397,18 @@ def subcell_area(result: ContactResult, *, edge_map: Sequence[float] = EDGE_MAPS
     Needs a few cells per patch; at the edge of a plastic or adhesive contact the law of the edge is another,
     and the estimate means nothing.
     """
+    check_result("result", result)
+    coefficients = samples("edge_map", edge_map)
+    if coefficients.size != len(EDGE_MAPS["bem"]):
+        raise InvalidInput(
+            f"edge_map of {coefficients.size} numbers: must have {len(EDGE_MAPS['bem'])}, as in `EDGE_MAPS`"
+        )
     dx, dy = result.spacing
     if abs(dx / dy - 1) > 0.05:
         raise InvalidInput(f"cells of {dx:.6g} m x {dy:.6g} m: the edge is located on square cells only")
     if result.weights is not None:
         raise InvalidInput("nodes of unequal weight: the edge is located on uniform nodes only")
     edges = contact_edges(result)
-    place = np.clip(edges.features() @ np.asarray(edge_map), -0.6, 1.2)
+    place = np.clip(edges.features() @ coefficients, -0.6, 1.2)
     shift = float(np.sum((place - 0.5) * edges.cosine**2))
     return float(np.mean(result.in_contact)) + shift / result.in_contact.size

@@ -12,11 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._checks import LEAST, array, field, finite, instance, positive, whole
 from fem_contact.adhesion.descent import Landscape, Minimum, Point, descend, least_curvature
 from fem_contact.adhesion.laws import GapLaw
 from fem_contact.contact import ContactResult, Cost, Residuals
 from fem_contact.errors import InvalidInput
-from fem_contact.response import Response
+from fem_contact.response import Response, check_response
 from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
@@ -106,6 +107,9 @@ def cells_in_process_zone(law: GapLaw, *, spacing: float, contact_modulus: float
     >>> round(cells_in_process_zone(law, spacing=1e-9, contact_modulus=25e6), 2)
     2.14
     """
+    check_law(law)
+    positive("spacing", spacing, unit="m")
+    positive("contact_modulus", contact_modulus, unit="Pa")
     return contact_modulus / law.strength * (law.work / law.strength / spacing)
 
 
@@ -185,6 +189,10 @@ def stability(state: AdhesiveContact, response: Response, *, steps: int = 80, se
     seed : int
         Of the random vector they start from.
     """
+    instance("state", state, AdhesiveContact, what="an `AdhesiveContact`")
+    check_response(response)
+    whole("steps", steps, least=1, most=10_000)
+    whole("seed", seed, least=0, most=2**63 - 1)
     contact = state.contact
     land = Landscape(
         contact.heights,
@@ -204,10 +212,14 @@ def checked_point(mean_pressure: float | None, offset: float | None) -> Point:
     """Return what is held; exactly one of the two, finite."""
     if (mean_pressure is None) == (offset is None):
         raise InvalidInput("mean_pressure, offset: give exactly one of them")
-    value = mean_pressure if offset is None else offset
-    if value is None or not np.isfinite(value):
-        raise InvalidInput(f"mean_pressure or offset = {value!r}: must be finite")
-    return Point(mean_pressure=mean_pressure, offset=offset)
+    if offset is not None:
+        return Point(offset=finite("offset", offset, unit="m"))
+    return Point(mean_pressure=finite("mean_pressure", mean_pressure, unit="Pa"))
+
+
+def check_law(law: GapLaw) -> None:
+    """Refuse what is no law of the gap."""
+    instance("law", law, GapLaw, what="a law of the gap, such as `Exponential`")  # type: ignore[type-abstract]
 
 
 class AdhesionProblem:
@@ -222,6 +234,9 @@ class AdhesionProblem:
         settings: Settings,
         hardness: float | Array | None = None,
     ) -> None:
+        instance("surface", surface, HeightField, what="a `HeightField`")
+        check_response(response)
+        check_law(law)
         spacing, modulus = max(surface.spacing), response.contact_modulus
         cells = cells_in_process_zone(law, spacing=spacing, contact_modulus=modulus)
         if cells < CELLS_NEEDED * (1 - 1e-12):
@@ -251,9 +266,7 @@ class AdhesionProblem:
         heights = self.surface.heights
         self.check(point)
         if start is not None:
-            if start.shape != heights.shape or not np.all(np.isfinite(start)):
-                raise InvalidInput(f"start: must be gaps [m] of shape {heights.shape}, all finite")
-            return start
+            return field("start", start, self.surface.shape, unit="m")
         if point.offset is not None:
             return point.offset - heights
         return np.asarray(float(heights.max()) - heights)
@@ -339,10 +352,10 @@ class AdhesionProblem:
 
 
 def _check_hardness(hardness: float | Array, surface: HeightField) -> None:
-    values = np.asarray(hardness, dtype=float)
+    values = array("hardness", hardness, unit="Pa")
     if values.ndim != 0 and values.shape != surface.shape:
         raise InvalidInput(f"hardness of shape {values.shape}: must be one pressure or {surface.shape}")
-    if not (np.all(np.isfinite(values)) and np.all(values > 0)):
+    if not np.all(values >= LEAST):
         raise InvalidInput("hardness: must be positive and finite everywhere, in Pa")
 
 

@@ -9,11 +9,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact._checks import choice
+from fem_contact._checks import LEAST, array, choice, instance, positive
+from fem_contact._checks import field as field_of
 from fem_contact.complementarity import FourierOperator, Solution, polonsky_keer, solve_nested
-from fem_contact.contact import ContactResult, Cost, Status, measure_residuals
+from fem_contact.contact import ContactResult, Cost, Residuals, Status, measure_residuals
 from fem_contact.errors import InvalidInput
-from fem_contact.response import Response
+from fem_contact.response import Response, check_response
 from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
@@ -48,6 +49,8 @@ class Problem:
     ) -> Problem:
         """Refuse what no computation can start from, and set up the operator."""
         clock, processor = time.perf_counter(), time.process_time()
+        instance("surface", surface, HeightField, what="a `HeightField`")
+        check_response(response)
         choice("method", method, ("preconditioned", "mixed", "polonsky-keer"))
         if method == "polonsky-keer" and bound is not None:
             raise InvalidInput("method = 'polonsky-keer' knows no pressure bound: use 'preconditioned'")
@@ -65,10 +68,7 @@ class Problem:
 
     def check_load(self, mean_pressure: float) -> None:
         """Refuse a load that cannot be carried."""
-        if not (np.isfinite(mean_pressure) and mean_pressure > 0):
-            raise InvalidInput(
-                f"mean_pressure = {mean_pressure!r}: must be a positive, finite pressure in Pa"
-            )
+        positive("mean_pressure", mean_pressure, unit="Pa")
         if self.bound is not None and float(np.mean(self.bound)) < mean_pressure * (1 - SLACK):
             raise InvalidInput(
                 f"pressure_bound with mean {float(np.mean(self.bound)):.6g} Pa: must not be below "
@@ -77,14 +77,12 @@ class Problem:
 
     def checked_start(self, start: Array | None) -> Array | None:
         """Refuse a start that is no pressure field."""
-        shape = self.surface.shape
         if start is None:
             return None
-        if start.shape != shape or not np.all(np.isfinite(start)) or start.min() < 0 or not start.max() > 0:
-            raise InvalidInput(
-                f"start: must be pressures of shape {shape}, finite, none negative, not all zero"
-            )
-        return start
+        values = field_of("start", start, self.surface.shape, unit="Pa")
+        if values.min() < 0 or not np.mean(values) > LEAST:
+            raise InvalidInput("start: must be pressures in Pa, none negative, not all zero")
+        return values
 
     def at(self, load: float, *, start: Array | None = None, settings: Settings | None = None) -> Solution:
         """Solve at one mean pressure."""
@@ -160,6 +158,11 @@ class Problem:
             peak_bytes=force.nbytes + displacement.nbytes,
         )
 
+    def _judged(self, status: Status, residuals: Residuals) -> Status:
+        """Return the status that the residuals of the final fields allow."""
+        converged = status is Status.CONVERGED and residuals.within(self.settings.tolerance)
+        return Status.STAGNATED if status is Status.CONVERGED and not converged else status
+
     def result(self, solution: Solution, *, target: float | None) -> ContactResult:
         """Measure a solution and dress it up."""
         surface = self.surface
@@ -187,7 +190,8 @@ class Problem:
             contact_modulus=self.response.contact_modulus,
             offset=solution.offset,
             mean_pressure=float(np.mean(solution.force)),
-            status=solution.status,
+            status=self._judged(solution.status, residuals),
+            tolerance=self.settings.tolerance,
             residuals=residuals,
             cost=Cost(
                 wall_seconds=time.perf_counter() - self.clock,
@@ -213,11 +217,11 @@ SLACK = 1e-12
 def _checked_bound(bound: float | Array | None, surface: HeightField) -> Array | None:
     if bound is None:
         return None
-    values = np.asarray(bound, dtype=float)
+    values = array("pressure_bound", bound, unit="Pa")
     if values.ndim > 0 and values.shape != surface.shape:
         raise InvalidInput(
             f"pressure_bound of shape {values.shape}: must be one pressure or of shape {surface.shape}"
         )
-    if not (np.all(values > 0) and np.all(np.isfinite(values))):
+    if not np.all(values >= LEAST):
         raise InvalidInput("pressure_bound: must be positive and finite everywhere, in Pa")
     return np.array(np.broadcast_to(values, surface.shape))
