@@ -29,6 +29,7 @@ __all__ = [
     "positive",
     "room_for",
     "samples",
+    "shape_of",
     "shown",
     "truth",
     "whole",
@@ -162,6 +163,14 @@ def array(name: str, value: object, *, unit: str = "", power: float = 1) -> Arra
             f"{GREATEST**power:g} (the first is {shown(values[bad].flat[0])}): fill or remove them{_in(unit)}"
         )
     return values
+
+
+def shape_of(name: str, value: object) -> tuple[int, ...]:
+    """Return the shape of what is to be an array, whatever it holds."""
+    try:
+        return np.shape(value)  # type: ignore[arg-type]
+    except ValueError:
+        raise _refused(name, value, "an array of numbers") from None
 
 
 def field(name: str, value: object, shape: tuple[int, int], *, unit: str = "") -> Array:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact._checks import doubles, finite, instance, non_negative, pair, positive, shown
+from fem_contact._checks import doubles, finite, instance, non_negative, pair, positive, shape_of, shown
 from fem_contact.errors import InvalidInput, NotConverged
 
 __all__ = ["ContactResult", "Cost", "Residuals", "Status", "measure_residuals"]
@@ -25,6 +25,7 @@ class Status(Enum):
     CONVERGED = "converged"
     ITERATION_LIMIT = "stopped at the iteration limit: allow more iterations or a larger tolerance"
     STAGNATED = "the residual no longer falls: the tolerance is below what the arithmetic can reach"
+    OBLONG_CELLS = "the residual no longer falls on cells far from square: choose spacings alike in x and y"
     CYCLING = "the active set repeats itself: solve the linear systems more accurately"
     TIME_LIMIT = "stopped at the time limit: allow more time or a coarser grid"
     SEPARATED = "pulled apart: adhesion does not bear this tension, and there is no equilibrium to return"
@@ -266,9 +267,9 @@ def _checked_fields(
 ) -> tuple[Array, Array, Array, NDArray[np.bool_], Array]:
     """Return all fields as arrays of one shape; NaN is let through, for it makes the residual NaN."""
     others = {"gap": gap, "heights": heights, "at_bound": at_bound, "weights": weights}
-    shape = np.shape(pressure)
+    shape = shape_of("pressure", pressure)
     for name, values in others.items():
-        if values is not None and np.shape(values) != shape:
+        if values is not None and shape_of(name, values) != shape:
             raise InvalidInput(f"{name} of shape {np.shape(values)}: must have the shape {shape} of pressure")
     if 0 in shape or not shape:
         raise InvalidInput(f"pressure of shape {shape}: must hold at least one point")

@@ -177,7 +177,9 @@ def _on_distinct(q: Array, compliance: Callable[[Array], Array]) -> Array:
     """Evaluate at the distinct |q| only, by far fewer than the wavevectors of a grid; 0 at q = 0."""
     values, places = np.unique(q, return_inverse=True)
     out = np.zeros(values.shape)
-    out[values > 0] = compliance(values[values > 0])
+    # Of a wave far longer than the solar system the compliance may exceed what a number can hold.
+    with np.errstate(over="ignore"):
+        out[values > 0] = compliance(values[values > 0])
     return np.asarray(out[places].reshape(q.shape))
 
 

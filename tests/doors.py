@@ -59,20 +59,33 @@ def solver_doors() -> dict[str, Door]:
     law = adhesion.Exponential(work=1e-4, reach=0.02)
     dugdale = adhesion.Dugdale(work=1e-4, reach=0.02, ramp=0.5)
     state = adhesion.solve(surface, half, law=law, mean_pressure=0.01)
-    areas = [area.contact_areas(bem.solve(surface.resampled((n, n)), half, mean_pressure=0.02), subcell=True)
-             for n in (12, 16, 24, 32)]
-    densities = [stress.DensityAtZero(density=1.0, reduced=0.5 * dx**0.5, threshold=0.1, points=20, spacing=dx)
-                 for dx in (1.0, 0.5, 0.25)]
+    areas = [
+        area.contact_areas(bem.solve(surface.resampled((n, n)), half, mean_pressure=0.02), subcell=True)
+        for n in (12, 16, 24, 32)
+    ]
+    densities = [
+        stress.DensityAtZero(density=1.0, reduced=0.5 * dx**0.5, threshold=0.1, points=20, spacing=dx)
+        for dx in (1.0, 0.5, 0.25)
+    ]
     fields = {"pressure": result.pressure, "gap": result.gap, "heights": wave}
     scales = {"lengths": (1.0, 1.0), "contact_modulus": 1.0, "rms_gradient": 0.3}
-    solve = {"surface": surface, "response": half, "tolerance": 1e-6, "max_iterations": 200, "threads": 1,
-             "time_limit": 5.0}
+    solve = {
+        "surface": surface,
+        "response": half,
+        "tolerance": 1e-6,
+        "max_iterations": 200,
+        "threads": 1,
+        "time_limit": 5.0,
+    }
     field = {"pressure_bound": 0.06, "start": np.ones((12, 12)), "method": "preconditioned"}
     grid = extrapolation.PlannedGrid(spacing=(0.01, 0.01), cells=10_000)
     return {
         "Solid": (fem_contact.Solid, {"young": 1.0, "poisson": 0.3}),
         "composite_modulus": (fem_contact.composite_modulus, {"first": solid, "second": solid}),
-        "Settings": (settings.Settings, {"tolerance": 1e-8, "max_iterations": 9, "time_limit": 1.0, "threads": 1}),
+        "Settings": (
+            settings.Settings,
+            {"tolerance": 1e-8, "max_iterations": 9, "time_limit": 1.0, "threads": 1},
+        ),
         "HeightField": (surfaces.HeightField, {"heights": wave, "lengths": (1.0, 2.0)}),
         "HeightField.resampled": (surface.resampled, {"shape": (6, 7)}),
         "HeightField.shifted": (surface.shifted, {"fraction": (0.5, 0.5)}),
@@ -80,13 +93,21 @@ def solver_doors() -> dict[str, Door]:
         "resolves": (surfaces.resolves, {"shape": (8, 8), "lengths": (1.0, 1.0), "q_short": 9.0}),
         "random_surface": (
             surfaces.random_surface,
-            {"spectrum": lambda q: q**-3.0, "q_short": 20.0, "lengths": (1.0, 1.0), "shape": (12, 12), "seed": 5,
-             "amplitudes": "exact", "under_resolved": False},
+            {
+                "spectrum": lambda q: q**-3.0,
+                "q_short": 20.0,
+                "lengths": (1.0, 1.0),
+                "shape": (12, 12),
+                "seed": 5,
+                "amplitudes": "exact",
+                "under_resolved": False,
+            },
         ),
         "radial_spectrum": (surfaces.radial_spectrum, {"surface": surface}),
         "window_weights": (surfaces.window_weights, {"shape": (8, 8), "window": "tukey", "margin": 0.2}),
         "estimate_spectrum": (
-            surfaces.estimate_spectrum, {"heights": wave, "lengths": (1.0, 1.0), "window": "hann"}
+            surfaces.estimate_spectrum,
+            {"heights": wave, "lengths": (1.0, 1.0), "window": "hann"},
         ),
         "HalfSpace": (response.HalfSpace, {"solid": solid}),
         "HalfSpace.compliance": (half.compliance, {"qx": q, "qy": q}),
@@ -94,44 +115,58 @@ def solver_doors() -> dict[str, Door]:
         "BondedLayer.compliance": (layer.compliance, {"qx": q, "qy": q}),
         "FrictionlessLayer": (response.FrictionlessLayer, {"solid": solid, "thickness": 0.2}),
         "FrictionlessLayer.compliance": (
-            response.FrictionlessLayer(solid=solid, thickness=0.2).compliance, {"qx": q, "qy": q}
+            response.FrictionlessLayer(solid=solid, thickness=0.2).compliance,
+            {"qx": q, "qy": q},
         ),
         "GivenResponse": (
-            response.GivenResponse, {"contact_modulus": 1.0, "function": lambda qx, qy: 1 / np.hypot(qx, qy)}
+            response.GivenResponse,
+            {"contact_modulus": 1.0, "function": lambda qx, qy: 1 / np.hypot(qx, qy)},
         ),
         "GivenResponse.compliance": (
-            response.GivenResponse(contact_modulus=1.0, function=lambda qx, qy: 1 / np.hypot(qx, qy)).compliance,
+            response.GivenResponse(
+                contact_modulus=1.0, function=lambda qx, qy: 1 / np.hypot(qx, qy)
+            ).compliance,
             {"qx": q, "qy": q},
         ),
         "LayeredSolid": (graded.LayeredSolid, {"layers": [solid], "thicknesses": [0.1], "base": solid}),
         "LayeredSolid.compliance": (
-            graded.LayeredSolid(layers=[solid], thicknesses=[0.1], base=solid).compliance, {"qx": q, "qy": q}
+            graded.LayeredSolid(layers=[solid], thicknesses=[0.1], base=solid).compliance,
+            {"qx": q, "qy": q},
         ),
         "ExponentialSolid": (
-            graded.ExponentialSolid, {"surface": solid, "bulk_young": 2.0, "depth": 0.1, "sublayers": 8}
+            graded.ExponentialSolid,
+            {"surface": solid, "bulk_young": 2.0, "depth": 0.1, "sublayers": 8},
         ),
         "ExponentialSolid.compliance": (
-            graded.ExponentialSolid(surface=solid, bulk_young=2.0, depth=0.1).compliance, {"qx": q, "qy": q}
+            graded.ExponentialSolid(surface=solid, bulk_young=2.0, depth=0.1).compliance,
+            {"qx": q, "qy": q},
         ),
         "ExponentialSolid.young_at": (
-            graded.ExponentialSolid(surface=solid, bulk_young=2.0, depth=0.1).young, {"depth": q}
+            graded.ExponentialSolid(surface=solid, bulk_young=2.0, depth=0.1).young,
+            {"depth": q},
         ),
         "bem.solve": (bem.solve, solve | field | {"mean_pressure": 0.02}),
         "bem.solve of a layer": (bem.solve, solve | {"response": layer, "mean_pressure": 0.02}),
-        "bem.solve_displacement": (
-            bem.solve_displacement, solve | {"mean_gap": 0.01, "pressure_bound": 0.2}
-        ),
+        "bem.solve_displacement": (bem.solve_displacement, solve | {"mean_gap": 0.01, "pressure_bound": 0.2}),
         "bem.solve_displacement of a layer": (
-            bem.solve_displacement, solve | {"response": layer, "offset": 0.01}
+            bem.solve_displacement,
+            solve | {"response": layer, "offset": 0.01},
         ),
-        "bem.solve_path": (
-            bem.solve_path, solve | {"mean_pressures": [0.01, 0.02], "pressure_bound": 0.2}
-        ),
+        "bem.solve_path": (bem.solve_path, solve | {"mean_pressures": [0.01, 0.02], "pressure_bound": 0.2}),
         "Hardness": (hardness.Hardness, {"pressure": 1.0}),
-        "press": (hardness.press, solve | {"hardness": hardness.Hardness(pressure=0.06), "mean_pressure": 0.02}),
+        "press": (
+            hardness.press,
+            solve | {"hardness": hardness.Hardness(pressure=0.06), "mean_pressure": 0.02},
+        ),
         "unload": (
             hardness.unload,
-            {"contact": yielding, "response": half, "mean_pressures": [0.01], "tolerance": 1e-6, "threads": 1},
+            {
+                "contact": yielding,
+                "response": half,
+                "mean_pressures": [0.01],
+                "tolerance": 1e-6,
+                "threads": 1,
+            },
         ),
         "yielded": (hardness.yielded, {"contact": yielding}),
         "Exponential": (adhesion.Exponential, {"work": 1.0, "reach": 1.0}),
@@ -145,7 +180,8 @@ def solver_doors() -> dict[str, Door]:
         "Dugdale.slope": (dugdale.slope, {"gap": wave}),
         "Dugdale.on_grid": (dugdale.on_grid, {"spacing": 0.1, "contact_modulus": 1.0}),
         "cells_in_process_zone": (
-            adhesion.cells_in_process_zone, {"law": law, "spacing": 0.1, "contact_modulus": 1.0}
+            adhesion.cells_in_process_zone,
+            {"law": law, "spacing": 0.1, "contact_modulus": 1.0},
         ),
         "adhesion.solve": (
             adhesion.solve,
@@ -158,18 +194,22 @@ def solver_doors() -> dict[str, Door]:
             solve | {"law": law, "offsets": [0.08, 0.06], "resolution": 0.01, "least_jump": 0.5},
         ),
         "follow under loads": (
-            adhesion.follow, solve | {"law": law, "mean_pressures": [0.01, 0.012], "start": wave - wave.min()}
+            adhesion.follow,
+            solve | {"law": law, "mean_pressures": [0.01, 0.012], "start": wave - wave.min()},
         ),
         "measure_residuals": (
             contact_module.measure_residuals,
-            fields | scales | {"target_pressure": 0.02, "at_bound": result.at_bound, "weights": np.ones((12, 12))},
+            fields
+            | scales
+            | {"target_pressure": 0.02, "at_bound": result.at_bound, "weights": np.ones((12, 12))},
         ),
         "contact_areas": (
             area.contact_areas,
             {"result": result, "edge_constant": 0.1, "subcell": True, "edge_map": area.EDGE_MAPS["bem"]},
         ),
         "limit_area": (
-            area.limit_area, {"areas": areas, "definition": "pixel", "known_constant": (0.1, 0.01)}
+            area.limit_area,
+            {"areas": areas, "definition": "pixel", "known_constant": (0.1, 0.01)},
         ),
         "subgrid_shifts": (area.subgrid_shifts, {"per_axis": 2}),
         "mean_areas": (area.mean_areas, {"areas": areas[:1] * 2}),
@@ -180,10 +220,12 @@ def solver_doors() -> dict[str, Door]:
         "counted_limit": (extrapolation.counted_limit, {"areas": areas}),
         "too_small": (extrapolation.too_small, {"areas": areas}),
         "predicted_uncertainty": (
-            extrapolation.predicted_uncertainty, {"coarse": areas[0], "grids": [grid, grid]}
+            extrapolation.predicted_uncertainty,
+            {"coarse": areas[0], "grids": [grid, grid]},
         ),
         "find_patches": (
-            patches.find_patches, {"in_contact": wave > 0, "spacing": (1.0, 1.0), "diagonal": True}
+            patches.find_patches,
+            {"in_contact": wave > 0, "spacing": (1.0, 1.0), "diagonal": True},
         ),
         "pressure_distribution": (stress.pressure_distribution, {"result": result, "edges": [0.0, 0.1, 0.2]}),
         "density_at_zero": (stress.density_at_zero, {"result": result, "factor": 0.2}),
@@ -200,10 +242,19 @@ def solver_doors() -> dict[str, Door]:
 def theory_doors() -> dict[str, Door]:
     """The doors of `persson`."""
     rough = spectrum.SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=1e6)
-    bent = spectrum.SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=1e7, rolloff="smooth", q_min=1e4)
+    bent = spectrum.SelfAffine.from_rms_gradient(
+        0.1, hurst=0.8, q_long=1e5, q_short=1e7, rolloff="smooth", q_min=1e4
+    )
     table = tabulated.Tabulated(wavevectors=[1e5, 2e5, 1e6], power=[3e-28, 2e-28, 1e-29])
-    waves = {"temperature": 370.0, "surface_tension": 0.04, "q_bend": 1.7e9, "q_min": 6.28e4, "q_short": 7e9,
-             "q_gravity": 0.0, "multiple": 1.0}
+    waves = {
+        "temperature": 370.0,
+        "surface_tension": 0.04,
+        "q_bend": 1.7e9,
+        "q_min": 6.28e4,
+        "q_short": 7e9,
+        "q_gravity": 0.0,
+        "multiple": 1.0,
+    }
     moments = rough.moments()
     summits = asperities.nayak_asperities(moments)
     one = scale.Scale(rough, contact_modulus=1e9)
@@ -222,16 +273,25 @@ def theory_doors() -> dict[str, Door]:
     doors: dict[str, Door] = {
         "SelfAffine": (spectrum.SelfAffine, power | {"amplitude": 1e-27}),
         "SelfAffine.from_rms_height": (spectrum.SelfAffine.from_rms_height, power | {"rms_height": 1e-6}),
-        "SelfAffine.from_rms_gradient": (spectrum.SelfAffine.from_rms_gradient, power | {"rms_gradient": 0.1}),
+        "SelfAffine.from_rms_gradient": (
+            spectrum.SelfAffine.from_rms_gradient,
+            power | {"rms_gradient": 0.1},
+        ),
         "CapillaryWaves": (capillary.CapillaryWaves, waves),
         "maximum_height": (capillary.maximum_height, {"independent_points": 1e6}),
         "Tabulated": (tabulated.Tabulated, {"wavevectors": [1.0, 2.0], "power": [1.0, 2.0]}),
         "Tabulated.from_areal_psd": (
-            tabulated.Tabulated.from_areal_psd, {"wavevectors": [1.0, 2.0], "power": [1.0, 2.0]}
+            tabulated.Tabulated.from_areal_psd,
+            {"wavevectors": [1.0, 2.0], "power": [1.0, 2.0]},
         ),
         "smoothed": (
             tabulated.smoothed,
-            {"spectrum": rough, "wavevectors": [1e5, 2e5, 5e5], "yielded": [0.0, 0.2, 0.6], "form": "gradual"},
+            {
+                "spectrum": rough,
+                "wavevectors": [1e5, 2e5, 5e5],
+                "yielded": [0.0, 0.2, 0.6],
+                "form": "gradual",
+            },
         ),
         "area_factor": (spectrum.area_factor, {"m2": 0.1}),
         "stress_variance": (elastic.stress_variance, {"m2": 0.1, "contact_modulus": 1e9}),
@@ -241,12 +301,19 @@ def theory_doors() -> dict[str, Door]:
         "pressure_for_area": (elastic.pressure_for_area, {"area": 0.1, "stress_variance": 1.0}),
         "area_against_magnification": (
             elastic.area_against_magnification,
-            {"spectrum": rough, "pressure": 1e6, "contact_modulus": 1e9, "magnification": 5.0, "q_reference": 1e5},
+            {
+                "spectrum": rough,
+                "pressure": 1e6,
+                "contact_modulus": 1e9,
+                "magnification": 5.0,
+                "q_reference": 1e5,
+            },
         ),
         "pressure_distribution": (elastic.pressure_distribution, load | {"stress": 1.0}),
         "initial_slope": (elastic.initial_slope, load),
         "reduced_pressure": (
-            elastic.reduced_pressure, {"pressure": 1.0, "contact_modulus": 1e3, "rms_gradient": 0.1}
+            elastic.reduced_pressure,
+            {"pressure": 1.0, "contact_modulus": 1e3, "rms_gradient": 0.1},
         ),
         "kappa": (elastic.kappa, {"area": 0.1, "reduced_pressure": 0.05}),
         "persson_kappa": (elastic.persson_kappa, {"reduced_pressure": 0.05}),
@@ -255,47 +322,80 @@ def theory_doors() -> dict[str, Door]:
         "Scale.modulus": (one.modulus, {"q": 2e5}),
         "Scale.variance": (one.variance, {"q": 2e5}),
         "Scale.wavevector": (one.wavevector, {"variance": 1e14}),
-        "mean_separation": (
-            separation.mean_separation, {"pressure": 1e6, "scale": one, "energy_ratio": 0.5}
-        ),
+        "mean_separation": (separation.mean_separation, {"pressure": 1e6, "scale": one, "energy_ratio": 0.5}),
         "macroasperity_magnification": (
             separation.macroasperity_magnification,
             {"spectrum": bent, "pressure": 1e6, "contact_modulus": 1e9, "q_reference": 1e5},
         ),
-        "energy_factor": (variants.energy_factor, {"area": 0.1, "variant": "yang_persson", "energy_ratio": 0.4}),
+        "energy_factor": (
+            variants.energy_factor,
+            {"area": 0.1, "variant": "yang_persson", "energy_ratio": 0.4},
+        ),
         "light_load_kappa": (variants.light_load_kappa, {"variant": "xu", "energy_ratio": 0.4}),
         "corrected_contact_area": (
-            variants.corrected_contact_area, load | {"variant": "wang_mueser", "energy_ratio": 0.4}
+            variants.corrected_contact_area,
+            load | {"variant": "wang_mueser", "energy_ratio": 0.4},
         ),
         "corrected_contact_area of Xu": (
-            variants.corrected_contact_area, load | {"variant": "xu", "energy_ratio": 0.4}
+            variants.corrected_contact_area,
+            load | {"variant": "xu", "energy_ratio": 0.4},
         ),
         "constant_hardness": (theory_hardness.constant_hardness, load | {"yield_stress": 5.0}),
         "size_dependent_hardness": (
             theory_hardness.size_dependent_hardness,
-            {"scale": one, "pressure": 1e6, "yield_stress": lambda q: 1e9 + 0 * q, "wavevectors": [2e5, 1e6],
-             "tolerance": 1e-4},
+            {
+                "scale": one,
+                "pressure": 1e6,
+                "yield_stress": lambda q: 1e9 + 0 * q,
+                "wavevectors": [2e5, 1e6],
+                "tolerance": 1e-4,
+            },
         ),
         "nix_gao_hardness": (theory_hardness.nix_gao_hardness, {"depth": 1e-6, "bulk": 1e8, "length": 1e-6}),
         "solve_diffusion": (
             diffusion.solve_diffusion,
-            {"variance": [1.0, 4.0], "pressure": 1.0, "tensile_limit": 0.5, "yield_stress": 9.0, "breaks": (2.0,),
-             "tolerance": 1e-4, "modes": None, "step": None},
+            {
+                "variance": [1.0, 4.0],
+                "pressure": 1.0,
+                "tensile_limit": 0.5,
+                "yield_stress": 9.0,
+                "breaks": (2.0,),
+                "tolerance": 1e-4,
+                "modes": None,
+                "step": None,
+            },
         ),
         "solve_diffusion on given steps": (
             diffusion.solve_diffusion,
-            {"variance": [1.0, 4.0], "pressure": 1.0, "tensile_limit": lambda v: 0.5 + 0 * v, "modes": 30, "step": 0.1},
+            {
+                "variance": [1.0, 4.0],
+                "pressure": 1.0,
+                "tensile_limit": lambda v: 0.5 + 0 * v,
+                "modes": 30,
+                "step": 0.1,
+            },
         ),
         "Diffusion.distribution": (diffused.distribution, {"index": 0, "stress": 1.0}),
         "sine_expansion": (
             sine.sine_expansion,
-            {"variance": 1.0, "pressure": 1.0, "tensile_limit": 0.5, "yield_stress": 4.0, "modes": 20,
-             "tolerance": 1e-6},
+            {
+                "variance": 1.0,
+                "pressure": 1.0,
+                "tensile_limit": 0.5,
+                "yield_stress": 4.0,
+                "modes": 20,
+                "tolerance": 1e-6,
+            },
         ),
         "sine_expansion of moving walls": (
             sine.sine_expansion,
-            {"variance": 1.0, "pressure": 1.0, "tensile_limit": lambda v: 0.5, "yield_stress": lambda v: 4.0,
-             "modes": 10},
+            {
+                "variance": 1.0,
+                "pressure": 1.0,
+                "tensile_limit": lambda v: 0.5,
+                "yield_stress": lambda v: 4.0,
+                "modes": 10,
+            },
         ),
         "SineExpansion.distribution": (sines.distribution, {"stress": 1.0}),
         "Interface": (
@@ -314,14 +414,19 @@ def theory_doors() -> dict[str, Door]:
         "closing_work": (theory_adhesion.closing_work, {"work_of_adhesion": 0.05, "dissipation": 1.0}),
         "solve_adhesion": (
             theory_adhesion.solve_adhesion,
-            {"scale": one, "pressure": 1e6, "interface": sticky, "yield_stress": 1e9, "start": pressed,
-             "tolerance": 1e-3, "rounds": 20},
+            {
+                "scale": one,
+                "pressure": 1e6,
+                "interface": sticky,
+                "yield_stress": 1e9,
+                "start": pressed,
+                "tolerance": 1e-3,
+                "rounds": 20,
+            },
         ),
         "AdhesiveContact.area_at": (pressed.area_at, {"wavevector": 2e5}),
         "AdhesiveContact.work_at": (pressed.work_at, {"wavevector": 2e5}),
-        "pull_off_stress": (
-            limits.pull_off_stress, {"scale": one, "interface": sticky, "tolerance": 0.1}
-        ),
+        "pull_off_stress": (limits.pull_off_stress, {"scale": one, "interface": sticky, "tolerance": 0.1}),
         "critical_roughness": (
             limits.critical_roughness,
             {"spectrum": rough, "contact_modulus": 1e6, "interface": sticky, "tolerance": 0.5},
@@ -339,17 +444,20 @@ def theory_doors() -> dict[str, Door]:
         "ring_asperities": (asperities.ring_asperities, {"wavevector": 1e6, "rms_height": 1e-7}),
         "nayak_asperities": (asperities.nayak_asperities, {"moments": moments}),
         "bush_gibson_thomas": (
-            asperities.bush_gibson_thomas, {"separation": 1e-7, "moments": moments, "contact_modulus": 1e9}
+            asperities.bush_gibson_thomas,
+            {"separation": 1e-7, "moments": moments, "contact_modulus": 1e9},
         ),
         "FullerTabor": (
-            asperities.FullerTabor, {"asperities": summits, "contact_modulus": 1e9, "work_of_adhesion": 0.05}
+            asperities.FullerTabor,
+            {"asperities": summits, "contact_modulus": 1e9, "work_of_adhesion": 0.05},
         ),
         "FullerTabor.pressure": (tabor.pressure, {"separation": 1e-7}),
         "effective_radius": (spheres.effective_radius, {"first": 1.0, "second": 2.0}),
         "hertz": (spheres.hertz, {"force": 1.0, "radius": 1e-2, "contact_modulus": 1e9}),
         "HertzContact.pressure": (hertz.pressure, {"distance": 1e-5}),
         "hertz_pressure_distribution": (
-            spheres.hertz_pressure_distribution, {"stress": 1.0, "peak_pressure": 2.0}
+            spheres.hertz_pressure_distribution,
+            {"stress": 1.0, "peak_pressure": 2.0},
         ),
         "jkr_load": (
             spheres.jkr_load,
@@ -368,7 +476,11 @@ def theory_doors() -> dict[str, Door]:
         "DoubleHertz.contact_force": (double.contact_force, {"contact_radius": 1.0}),
         "DoubleHertz.distribution": (double.distribution, {"stress": 0.5}),
     }
-    for name, kind in (("SelfAffine", bent), ("CapillaryWaves", capillary.CapillaryWaves(**waves)), ("Tabulated", table)):
+    for name, kind in (
+        ("SelfAffine", bent),
+        ("CapillaryWaves", capillary.CapillaryWaves(**waves)),
+        ("Tabulated", table),
+    ):
         doors |= {
             f"{name}()": (kind, {"q": 2e5}),
             f"{name}.truncated": (kind.truncated, {"q_max": math.sqrt(kind.q_long * kind.q_short)}),

@@ -29,6 +29,8 @@ class Problem:
     """A surface, a solid and solver settings, ready to be solved at any load."""
 
     surface: HeightField
+    heights: Array
+    level: float
     response: Response
     operator: FourierOperator
     bound: Array | None
@@ -55,8 +57,11 @@ class Problem:
         if method == "polonsky-keer" and bound is not None:
             raise InvalidInput("method = 'polonsky-keer' knows no pressure bound: use 'preconditioned'")
         operator = FourierOperator(response, surface.shape, surface.lengths, threads=settings.threads)
+        heights, level = _levelled(surface)
         return cls(
             surface=surface,
+            heights=heights,
+            level=level,
             response=response,
             operator=operator,
             bound=_checked_bound(bound, surface),
@@ -94,7 +99,7 @@ class Problem:
         return replace(solution, fft_pairs=solution.fft_pairs + self.operator.pairs)
 
     def _iterated(self, load: float, *, start: Array | None, settings: Settings) -> Solution:
-        heights, operator = self.surface.heights, self.operator
+        heights, operator = self.heights, self.operator
         if self.method == "polonsky-keer":
             return polonsky_keer(
                 operator,
@@ -122,7 +127,7 @@ class Problem:
     def full_pressure(self) -> Array:
         """Pressure [Pa] of full contact but for its mean: p-hat = h-hat / C(q)."""
         pressure = np.empty(self.surface.shape)
-        self.operator.precondition(self.surface.heights, pressure)
+        self.operator.precondition(self.heights, pressure)
         pressure -= np.mean(pressure)
         return pressure
 
@@ -139,7 +144,7 @@ class Problem:
         if self.bound is None or float(np.mean(self.bound)) > load * (1 + SLACK):
             return None
         solution = self.solution(self.bound.copy(), pairs=1.0)
-        offset = -float(np.max(solution.displacement - self.surface.heights))
+        offset = -float(np.max(solution.displacement - self.heights))
         return replace(solution, offset=offset, at_bound=np.ones(self.surface.shape, dtype=bool))
 
     def solution(self, force: Array, *, pairs: float) -> Solution:
@@ -149,7 +154,7 @@ class Problem:
         return Solution(
             force=force,
             displacement=displacement,
-            offset=float(np.mean(self.surface.heights - displacement)),
+            offset=float(np.mean(self.heights - displacement)),
             in_contact=np.ones(force.shape, dtype=bool),
             at_bound=np.zeros(force.shape, dtype=bool),
             status=Status.CONVERGED,
@@ -160,18 +165,21 @@ class Problem:
 
     def _judged(self, status: Status, residuals: Residuals) -> Status:
         """Return the status that the residuals of the final fields allow."""
-        converged = status is Status.CONVERGED and residuals.within(self.settings.tolerance)
-        return Status.STAGNATED if status is Status.CONVERGED and not converged else status
+        if status is Status.CONVERGED and not residuals.within(self.settings.tolerance):
+            status = Status.STAGNATED
+        dx, dy = self.surface.spacing
+        oblong = max(dx, dy) > _OBLONG * min(dx, dy)
+        return Status.OBLONG_CELLS if status is Status.STAGNATED and oblong else status
 
     def result(self, solution: Solution, *, target: float | None) -> ContactResult:
         """Measure a solution and dress it up."""
         surface = self.surface
-        gap = solution.displacement - surface.heights
+        gap = solution.displacement - self.heights
         gap += solution.offset
         residuals = measure_residuals(
             pressure=solution.force,
             gap=gap,
-            heights=surface.heights,
+            heights=self.heights,
             lengths=surface.lengths,
             contact_modulus=self.response.contact_modulus,
             rms_gradient=surface.rms_gradient,
@@ -188,7 +196,7 @@ class Problem:
             heights=surface.heights,
             lengths=surface.lengths,
             contact_modulus=self.response.contact_modulus,
-            offset=solution.offset,
+            offset=solution.offset + self.level,
             mean_pressure=float(np.mean(solution.force)),
             status=self._judged(solution.status, residuals),
             tolerance=self.settings.tolerance,
@@ -212,6 +220,22 @@ class Problem:
 #: Relative difference at which a load counts as equal to the bound: means of equal numbers differ by
 #: rounding.
 SLACK = 1e-12
+
+
+#: Ratio of the sides of a cell beyond which a residual that no longer falls is put down to it.
+_OBLONG = 30.0
+
+#: Mean height over the rms height beyond which heights are counted from their mean while solving: the digits
+#: that a distant reference plane costs would be missing in the gap.
+_DISTANT = 100.0
+
+
+def _levelled(surface: HeightField) -> tuple[Array, float]:
+    """Heights to solve with, and the level [m] they are counted from."""
+    mean = float(np.mean(surface.heights))
+    if abs(mean) <= _DISTANT * surface.rms_height:
+        return surface.heights, 0.0
+    return surface.heights - mean, mean
 
 
 def _checked_bound(bound: float | Array | None, surface: HeightField) -> Array | None:
