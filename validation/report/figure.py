@@ -171,7 +171,7 @@ def embeddable(svg: str, name: str, *, words: str) -> str:
 
     from validation.report.words import harmless
 
-    drawing = svg[svg.index("<svg") :]
+    drawing = harmless(svg[svg.index("<svg") :])
     drawing = re.sub(r'\bid="', f'id="{name}-', drawing)
     drawing = re.sub(r'(xlink:href="|href="|url\()#', rf"\1#{name}-", drawing)
     return drawing.replace("<svg", f'<svg role="img" aria-label="{escape(harmless(words))}"', 1)
