@@ -18,8 +18,8 @@ from fem_contact.block.column import element_matrices
 from fem_contact.block.fields import FourierSource
 from fem_contact.block.problem import Found, Problem
 from fem_contact.block.reduced import BlockResponse, SurfaceOperator, solve_reduced, surface_operator
+from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.errors import InvalidInput
-from fem_contact.fourier import FourierOperator
 from fem_contact.solid import Solid
 
 __all__ = ["HeterogeneousBlock", "solve_heterogeneous"]

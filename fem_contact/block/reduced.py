@@ -14,10 +14,11 @@ from fem_contact.block.column import FoldedLayers, fold, surface_compliance
 from fem_contact.block.mesh import BlockMesh, node_weights
 from fem_contact.block.problem import Found, Problem
 from fem_contact.complementarity import Operator, Solution, solve_nested
+from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput
-from fem_contact.fourier import FourierOperator
 from fem_contact.response import BondedLayer
+from fem_contact.settings import Settings
 from fem_contact.solid import Solid
 
 __all__ = ["BlockResponse", "SurfaceOperator", "phase_pairs", "solve_reduced", "surface_operator"]
@@ -216,12 +217,10 @@ def solve_reduced(
             coarse=lambda shape: FourierOperator(layer, shape, lengths, threads=threads),
             mean_force=problem.pressure,
             length_scale=problem.roughness,
-            tolerance=problem.tolerance,
-            max_iterations=problem.steps,
+            settings=Settings(tolerance=problem.tolerance, max_iterations=problem.steps, threads=threads),
             start=first,
             bound=bound if bound is None or weights is None else bound * weights,
             weights=weights,
-            threads=threads,
         )
     return Found(
         force=solution.force * (mesh.aspect / mesh.element.types),

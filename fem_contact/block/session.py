@@ -18,10 +18,10 @@ from fem_contact.block.mesh import BlockMesh, MeshOptions, nodal_pressure, node_
 from fem_contact.block.problem import Found, Problem
 from fem_contact.block.reduced import BlockResponse, solve_reduced, surface_operator
 from fem_contact.block.solution import BlockSolution
+from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.contact import ContactResult, Cost, Status, measure_residuals
 from fem_contact.errors import InsufficientMemory, InvalidInput
-from fem_contact.fourier import FourierOperator
-from fem_contact.rows import available_processors
+from fem_contact.settings import available_processors
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 

@@ -6,7 +6,7 @@ import pytest
 from validation.comparison.explain import explain
 from validation.errors import UsageError
 from validation.scenes.scene import load_scene
-from validation.solves.solve import execute, solves_of
+from validation.solves.press import solves_of
 from validation.studies import find_study, graded
 
 
@@ -51,6 +51,6 @@ def test_a_stiff_layer_has_less_contact_and_a_soft_one_more_than_the_solid_below
     solve = solves_of(scene)[0]
     plain = scene.model_copy(update={"effects": ()})
     coated, bare = (
-        execute(one, threads=1).contact.checked().in_contact.mean() for one in (solve, solves_of(plain)[0])
+        one.do(threads=1).contact.checked().in_contact.mean() for one in (solve, solves_of(plain)[0])
     )
     assert (coated < 0.9 * bare) if less else (coated > 1.1 * bare)

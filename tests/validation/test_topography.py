@@ -9,8 +9,8 @@ import math
 import numpy as np
 import pytest
 
-from fem_contact.spectra import estimate_spectrum, window_weights
 from fem_contact.surface import HeightField, radial_spectrum, random_surface
+from fem_contact.surface.spectra import estimate_spectrum, window_weights
 from persson.spectrum import SelfAffine
 from validation.comparison.explain import explain
 from validation.comparison.run import run_scene

@@ -268,7 +268,7 @@ def report_page(
 def _papers_for(comparison: Comparison) -> tuple[str, ...]:
     """Name what is to be cited: methods, effects, and how areas were corrected."""
     scene = comparison.scene
-    cited = [paper for method in scene.methods.asked.values() for paper in method.papers]
+    cited = [paper for method in scene.methods.asked.values() for paper in method.cited(scene.effects)]
     cited += [paper for effect in scene.effects for paper in effect.papers]
     return (*cited, PERIMETER, *([MEASURED] if comparison.treatment else []))
 

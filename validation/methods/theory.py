@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from persson.tabulated import Tabulated
     from validation.scenes.realised import Realised
 
-__all__ = ["Prediction", "Theory", "TheoryOptions", "predict", "theory_words"]
+__all__ = ["Areas", "Prediction", "Theory", "TheoryOptions", "predict", "theory_words", "with_effects"]
 
 Array = NDArray[np.float64]
 Modulus = float | Callable[[Any], Array]
@@ -107,11 +107,11 @@ def predict(realised: Realised, effects: Sequence[Effect]) -> Prediction:
         return Prediction(area=area, ensemble_area=ensemble, stress_variance=variance)
     ensemble = None
     if spectrum is not None and alone is not None:
-        found = _with_effects(told, realised.pressure, variance=alone, spectrum=spectrum)
+        found = with_effects(told, realised.pressure, variance=alone, spectrum=spectrum)
         ensemble = found.area if np.isfinite(found.area) else None
     shape = realised.spectrum_shape
     own = shape.scaled(float(realised.field.rms_gradient**2 / shape.m2()))
-    found = _with_effects(told, realised.pressure, variance=variance, spectrum=own)
+    found = with_effects(told, realised.pressure, variance=variance, spectrum=own)
     return Prediction(
         area=found.area,
         ensemble_area=ensemble,
@@ -153,7 +153,7 @@ def _spectral_variance(spectrum: SelfAffine | Tabulated, modulus: Modulus) -> fl
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Areas:
+class Areas:
     """A/A0 (NaN without an answer), A_pl/A0, A/A0 by the other energy, which part of the theory it is."""
 
     area: float
@@ -179,9 +179,7 @@ def theory_words(told: Told) -> str:
     return "Persson 2006, elastic, without adhesion"
 
 
-def _with_effects(
-    told: Told, pressure: float, *, variance: float, spectrum: SelfAffine | Tabulated
-) -> _Areas:
+def with_effects(told: Told, pressure: float, *, variance: float, spectrum: SelfAffine | Tabulated) -> Areas:
     """Evaluate the theory with a hardness, adhesion, or both."""
     note = theory_words(told)
     try:
@@ -191,16 +189,16 @@ def _with_effects(
             assert isinstance(told.hardness, float)
             parts = constant_hardness(pressure, stress_variance=variance, yield_stress=told.hardness)
             plastic = float(parts.plastic)
-            return _Areas(area=float(parts.elastic) + plastic, plastic=plastic, other=None, note=note)
+            return Areas(area=float(parts.elastic) + plastic, plastic=plastic, other=None, note=note)
         improved = _adhesive(told, pressure, spectrum=spectrum, energy="improved")
     except PerssonError as error:
-        return _Areas(area=float("nan"), plastic=None, other=None, note=f"no answer: {error}")
+        return Areas(area=float("nan"), plastic=None, other=None, note=f"no answer: {error}")
     try:
         old = _adhesive(told, pressure, spectrum=spectrum, energy="old")[0]
     except PerssonError:
         old = float("nan")
     plastic_area = None if told.hardness is None else improved[1]
-    return _Areas(area=improved[0], plastic=plastic_area, other=old, note=note)
+    return Areas(area=improved[0], plastic=plastic_area, other=old, note=note)
 
 
 def _adhesive(

@@ -186,8 +186,8 @@ def _hard(ratio: float) -> Measured:
 
 def _sticky(maugis: float) -> Measured:
     """Pull-off force of a sphere with a Dugdale law, relative to Maugis's."""
-    from fem_contact import adhesion_path
-    from fem_contact.gap_laws import Dugdale
+    from fem_contact.adhesion import path as adhesion_path
+    from fem_contact.adhesion.laws import Dugdale
     from persson.spheres import maugis_pull_off
 
     points, length, radius, stiffness = 96, 12.0, 100.0, 4 / 3

@@ -82,7 +82,7 @@ def _yielding_block(ratio: float) -> Measured:
 def _yielding_under_adhesion(ratio: float) -> Measured:
     """Hardness over the mean pressure under a law of the gap as strong as the contact's own stresses."""
     from fem_contact import adhesion
-    from fem_contact.gap_laws import Exponential
+    from fem_contact.adhesion.laws import Exponential
 
     work, points = 1e-4, 64
     state = adhesion.solve(

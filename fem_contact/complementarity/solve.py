@@ -1,186 +1,23 @@
-r"""The bounded quadratic programme of frictionless contact; it knows nothing but "apply the response".
-
-.. math:: \min_x\ \tfrac12\, x\cdot S x - x\cdot h ,\qquad 0 \le x \le x_{\max},\qquad \textstyle\sum x = F
-
-Its optimality conditions are those of contact: with the gap g = S x - h + offset (the offset is the
-multiplier of the load), g = 0 where 0 < x < x_max, g >= 0 where x = 0, g <= 0 where x = x_max.
-
-Protocol
---------
-The unknown x is the *force* on each surface node in units of the mean cell area, x = w p with the node's
-weight w (area of the node over the mean cell area). In forces the response S of any discretisation is a
-symmetric matrix and the load is a plain sum, so the solver needs no weights: where all nodes are alike x is
-the pressure; with several node types per cell (quadratic elements) the caller passes x = w p and divides the
-answer by w. Arrays have the shape (nx, ny) of a periodic lattice of nodes, in order of their places (corner,
-edge and centre nodes of quadratic elements interleaved); they are C-contiguous doubles.
-
-An :class:`Operator` offers
-
-``apply(force, out)``
-    out = S force: displacement [m] of every node. Must not keep or change ``force``; ``out`` is another
-    array.
-``precondition(residual, out)``
-    out = M residual with M symmetric, positive semi-definite, close to the inverse of S, at the same scale;
-    the mean may be left out. The solver extends the residual beyond the working set and masks the answer, so
-    neither needs care. ``out`` may be ``residual`` itself.
-``stiffness``
-    Force per displacement [Pa/m] of a single node, roughly: the mean over wavevectors of the inverse
-    response.
-``pairs``
-    FFT pairs that one ``apply`` costs, counted on the finest grid; ``precondition`` is counted the same.
-
-Whether S moves the mean (layer, block) or leaves it out (half-space) does not matter when the load is
-prescribed: a constant displacement only changes the offset.
-"""
+"""Preconditioned conjugate gradients under bounds, on one grid and from coarse to fine grids."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Protocol
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact.complementarity.fourier import coarsened, refined
+from fem_contact.complementarity.operator import Operator, Solution
+from fem_contact.complementarity.passes import Errors, Passes
 from fem_contact.contact import Status
-from fem_contact.fourier import coarsened, refined
-from fem_contact.passes import Errors, Passes
+from fem_contact.settings import Settings
 
-__all__ = ["Operator", "Solution", "polonsky_keer", "solve_bounded", "solve_nested"]
+__all__ = ["solve_bounded", "solve_nested"]
 
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-
-
-class Operator(Protocol):
-    """A symmetric positive semi-definite response and an approximate inverse of it; see the protocol."""
-
-    @property
-    def stiffness(self) -> float:
-        """Force per displacement [Pa/m] at the grid scale: mean inverse response over wavevectors."""
-        ...
-
-    @property
-    def pairs(self) -> float:
-        """FFT pairs per application."""
-        ...
-
-    def apply(self, force: Array, out: Array) -> None:
-        """Write the displacement [m] under ``force`` [Pa] into ``out``."""
-        ...
-
-    def precondition(self, residual: Array, out: Array) -> None:
-        """Write an approximate inverse of the response, applied to ``residual`` [m], into ``out`` [Pa]."""
-        ...
-
-
-@dataclass(frozen=True, kw_only=True)
-class Solution:
-    """What a complementarity solver returns.
-
-    Attributes
-    ----------
-    force : array
-        x [Pa], within its bounds, its mean the prescribed one to rounding.
-    displacement : array
-        S x [m], applied afresh to the returned force.
-    offset : float
-        Multiplier of the load [m].
-    in_contact, at_bound : array of bool
-        The solver's working sets.
-    status : Status
-    iterations : int
-    fft_pairs : float
-    """
-
-    force: Array
-    displacement: Array
-    offset: float
-    in_contact: Mask
-    at_bound: Mask
-    status: Status
-    iterations: int
-    fft_pairs: float
-    peak_bytes: int = 0
-
-
-def polonsky_keer(
-    operator: Operator,
-    heights: Array,
-    *,
-    mean_force: float,
-    length_scale: float,
-    tolerance: float,
-    max_iterations: int,
-    start: Array | None = None,
-) -> Solution:
-    """Bounded conjugate gradients without preconditioner: slow, simple, and the oracle of the faster solver.
-
-    Parameters
-    ----------
-    operator : Operator
-    heights : array
-        h [m] of the rigid body at the nodes.
-    mean_force : float
-        Prescribed mean of x [Pa], positive.
-    length_scale : float
-        Length [m] in which the residuals are measured.
-    tolerance : float
-        Stop at sum x |g| <= tolerance * length_scale * sum x and penetration <= 10 tolerance * length_scale.
-    max_iterations : int
-    start : array, optional
-        Forces [Pa] to start from, not negative, scaled to the load here; uniform if not given.
-
-    Notes
-    -----
-    I. A. Polonsky, L. M. Keer, Wear 231 (1999) 206, without a pressure bound.
-    """
-    force = np.full(heights.shape, mean_force) if start is None else start * (mean_force / np.mean(start))
-    gap, image, direction = np.empty_like(force), np.empty_like(force), np.zeros_like(force)
-    previous, keep, status = 1.0, False, Status.ITERATION_LIMIT
-    iteration = 0
-    while iteration < max_iterations:
-        iteration += 1
-        operator.apply(force, gap)
-        gap -= heights
-        contact = force > 0
-        offset = -float(np.mean(gap[contact]))
-        gap += offset
-        error = float(np.sum(force * np.abs(gap))) / float(np.sum(force)) / length_scale
-        penetration = -float(gap.min()) / length_scale
-        if error <= tolerance and penetration <= 10 * tolerance:
-            status = Status.CONVERGED
-            break
-        squared = float(np.sum(gap[contact] ** 2))
-        direction *= squared / previous if keep else 0.0
-        direction += gap
-        direction[~contact] = 0
-        previous = squared
-        operator.apply(direction, image)
-        image -= float(np.mean(image[contact]))
-        curvature = float(np.sum(image * direction))
-        if not curvature > 0:
-            status = Status.STAGNATED
-            break
-        step = float(np.sum(gap * direction)) / curvature
-        force -= step * direction
-        np.maximum(force, 0, out=force)
-        violated = (force == 0) & (gap < 0)
-        keep = not violated.any()
-        force[violated] -= step * gap[violated]
-        force *= mean_force / np.mean(force)
-    operator.apply(force, image)
-    contact = force > 0
-    return Solution(
-        force=force,
-        displacement=image,
-        offset=float(np.mean((heights - image)[contact])),
-        in_contact=contact,
-        at_bound=np.zeros(force.shape, dtype=bool),
-        status=status,
-        iterations=iteration,
-        fft_pairs=(2 * iteration + 1) * operator.pairs,
-    )
 
 
 def solve_bounded(
@@ -189,11 +26,9 @@ def solve_bounded(
     *,
     mean_force: float,
     length_scale: float,
-    tolerance: float,
-    max_iterations: int,
+    settings: Settings,
     start: Array | None = None,
     bound: Array | None = None,
-    threads: int = 1,
     single: bool = False,
 ) -> Solution:
     """Preconditioned conjugate gradients under bounds; two operator applications per step.
@@ -207,16 +42,14 @@ def solve_bounded(
         Prescribed mean of x [Pa], positive.
     length_scale : float
         Length [m] in which the residuals are measured.
-    tolerance : float
+    settings : Settings
         Stop at sum x |g| <= tolerance * length_scale * sum x and penetration <= 10 tolerance * length_scale,
-        both over points below the bound, and no opening above that at points on the bound.
-    max_iterations : int
+        both over points below the bound, and no opening above that at points on the bound. The threads share
+        the passes over the arrays.
     start : (nx, ny) array, optional
         Forces [Pa] to start from, scaled to the load here; uniform if not given.
     bound : (nx, ny) array, optional
         Upper bound of x [Pa]; its mean must exceed `mean_force`.
-    threads : int
-        Threads that share the passes over the arrays.
     single : bool
         Precondition in single precision: the operator is handed arrays of that kind. Directions then differ
         in the seventh digit; residuals, and what is returned, are of double precision as ever.
@@ -234,17 +67,10 @@ def solve_bounded(
     hardly depends on the grid.
     """
     passes = Passes(
-        heights, bound=bound, stiffness=_CAUTION * operator.stiffness, threads=threads, single=single
+        heights, bound=bound, stiffness=_CAUTION * operator.stiffness, threads=settings.workers, single=single
     )
-    return _iterate(
-        operator,
-        passes,
-        start=start,
-        mean_force=mean_force,
-        length_scale=length_scale,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
-    )
+    _set_start(passes, start, mean_force)
+    return _iterate(operator, passes, mean_force=mean_force, length_scale=length_scale, settings=settings)
 
 
 #: Trial length of the first step, and the range it may move in; the preconditioner is scaled like the inverse
@@ -264,13 +90,11 @@ def _iterate(
     operator: Operator,
     passes: Passes,
     *,
-    start: Array | None,
     mean_force: float,
     length_scale: float,
-    tolerance: float,
-    max_iterations: int,
+    settings: Settings,
 ) -> Solution:
-    _set_start(passes, start, mean_force)
+    began, tolerance = time.monotonic(), settings.tolerance
     total, moment, energy = passes.start(operator)
     applications, iteration, length, curvature = 1, 0, _FIRST, 0.0
     least, patience, status = np.inf, _PATIENCE, Status.ITERATION_LIMIT
@@ -296,7 +120,10 @@ def _iterate(
         if patience == 0:
             status = Status.STAGNATED
             break
-        if iteration == max_iterations:
+        if iteration == settings.max_iterations:
+            break
+        if settings.expired(began):
+            status = Status.TIME_LIMIT
             break
         iteration += 1
         if plain:
@@ -408,12 +235,10 @@ def solve_nested(
     coarse: Callable[[tuple[int, int]], Operator],
     mean_force: float,
     length_scale: float,
-    tolerance: float,
-    max_iterations: int,
+    settings: Settings,
     start: Array | None = None,
     bound: Array | None = None,
     weights: Array | None = None,
-    threads: int = 1,
     single: bool = False,
 ) -> Solution:
     """Solve from coarse to fine: each grid starts from the interpolated forces of the one before.
@@ -427,18 +252,19 @@ def solve_nested(
         Forces [Pa] to start from; the coarser grids are then left out.
     weights : (nx, ny) array, optional
         Weights of the nodes of the finest grid, where they differ.
-    operator, heights, mean_force, length_scale, tolerance, max_iterations, bound, threads, single
-        As in `solve_bounded`. Coarse grids are solved to `_COARSE` at best.
+    operator, heights, mean_force, length_scale, settings, bound, single
+        As in `solve_bounded`. Coarse grids are solved to `_COARSE` at best; the time is for all grids.
 
     Notes
     -----
     The heights of a coarse grid are freed of the waves it cannot carry. `Solution.fft_pairs` counts the pairs
     of all grids, each by its share of points.
     """
-    given, pairs = start is not None, 0.0
+    given, pairs, began = start is not None, 0.0, time.monotonic()
+    coarsely = replace(settings, tolerance=max(settings.tolerance, _COARSE))
     levels = [heights]
     for shape in [] if given else _coarse_shapes(heights.shape):
-        levels.append(coarsened(levels[-1], shape, threads=threads))
+        levels.append(coarsened(levels[-1], shape, threads=settings.workers))
     for smooth in reversed(levels[1:]):
         shape = (smooth.shape[0], smooth.shape[1])
         solution = solve_bounded(
@@ -446,11 +272,9 @@ def solve_nested(
             smooth,
             mean_force=mean_force,
             length_scale=length_scale,
-            tolerance=max(tolerance, _COARSE),
-            max_iterations=max_iterations,
+            settings=coarsely.remaining(began),
             start=None if start is None else refined(start, shape),
             bound=None if bound is None else _nearest(bound if weights is None else bound / weights, shape),
-            threads=threads,
             single=single,
         )
         start = solution.force
@@ -463,11 +287,9 @@ def solve_nested(
         heights,
         mean_force=mean_force,
         length_scale=length_scale,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
+        settings=settings.remaining(began),
         start=start,
         bound=bound,
-        threads=threads,
         single=single,
     )
     return replace(solution, fft_pairs=solution.fft_pairs + pairs)

@@ -1,7 +1,7 @@
-r"""Adhesive contact by boundary elements: a gap law on a hard wall.
+"""One state of adhesive contact: a gap law on a hard wall, by boundary elements.
 
 The energy of an adhesive contact has many local minima. A state is the minimum that lies downhill of where
-the solve starts; `fem_contact.adhesion_path` follows minima through a history of loads.
+the solve starts; `fem_contact.adhesion.path` follows minima through a history of loads.
 """
 
 from __future__ import annotations
@@ -12,19 +12,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact.adhesion.descent import Landscape, Minimum, Point, descend, least_curvature
+from fem_contact.adhesion.laws import GapLaw
 from fem_contact.contact import ContactResult, Cost, Residuals
-from fem_contact.descent import Landscape, Minimum, Point, descend, least_curvature
 from fem_contact.errors import InvalidInput
-from fem_contact.gap_laws import Dugdale, Exponential, GapLaw
 from fem_contact.response import Response
+from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
 __all__ = [
+    "CELLS_NEEDED",
     "AdhesionProblem",
     "AdhesiveContact",
-    "Dugdale",
-    "Exponential",
-    "GapLaw",
     "Stability",
     "cells_in_process_zone",
     "checked_point",
@@ -102,6 +101,7 @@ def cells_in_process_zone(law: GapLaw, *, spacing: float, contact_modulus: float
 
     Examples
     --------
+    >>> from fem_contact.adhesion import Exponential
     >>> law = Exponential(work=0.05, reach=2.071e-9)
     >>> round(cells_in_process_zone(law, spacing=1e-9, contact_modulus=25e6), 2)
     2.14
@@ -163,10 +163,9 @@ def solve(
         surface,
         response,
         law=law,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
-        time_limit=time_limit,
-        threads=threads,
+        settings=Settings(
+            tolerance=tolerance, max_iterations=max_iterations, time_limit=time_limit, threads=threads
+        ),
         hardness=hardness,
     )
     point = checked_point(mean_pressure, offset)
@@ -220,18 +219,9 @@ class AdhesionProblem:
         response: Response,
         *,
         law: GapLaw,
-        tolerance: float,
-        max_iterations: int,
-        time_limit: float | None,
-        threads: int | None,
+        settings: Settings,
         hardness: float | Array | None = None,
     ) -> None:
-        if not (np.isfinite(tolerance) and 0 < tolerance < 1):
-            raise InvalidInput(f"tolerance = {tolerance!r}: must lie in (0, 1), relative to the stresses")
-        if max_iterations < 1:
-            raise InvalidInput(f"max_iterations = {max_iterations!r}: must be at least 1")
-        if time_limit is not None and not time_limit > 0:
-            raise InvalidInput(f"time_limit = {time_limit!r}: must be a positive number of seconds")
         spacing, modulus = max(surface.spacing), response.contact_modulus
         cells = cells_in_process_zone(law, spacing=spacing, contact_modulus=modulus)
         if cells < CELLS_NEEDED * (1 - 1e-12):
@@ -243,7 +233,7 @@ class AdhesionProblem:
             )
         self.surface, self.response = surface, response
         self.law = law.on_grid(spacing=spacing, contact_modulus=modulus)
-        self.tolerance, self.max_iterations, self.time_limit = tolerance, max_iterations, time_limit
+        self.settings = settings
         if hardness is not None:
             _check_hardness(hardness, surface)
         self.land = Landscape(
@@ -251,7 +241,7 @@ class AdhesionProblem:
             response=response,
             lengths=surface.lengths,
             law=self.law,
-            threads=threads,
+            threads=settings.threads,
             hardness=hardness,
         )
         self.clock, self.processor = time.perf_counter(), time.process_time()
@@ -290,14 +280,7 @@ class AdhesionProblem:
 
     def at(self, point: Point, start: Array) -> Minimum:
         """Descend from a gap to the minimum below it."""
-        return descend(
-            self.land,
-            point,
-            start,
-            tolerance=self.tolerance,
-            max_iterations=self.max_iterations,
-            time_limit=self.time_limit,
-        )
+        return descend(self.land, point, start, settings=self.settings)
 
     def packed(self, minimum: Minimum) -> AdhesiveContact:
         """Fields and residuals of a minimum."""

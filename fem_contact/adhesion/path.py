@@ -14,12 +14,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.adhesion import AdhesionProblem, AdhesiveContact, checked_point
+from fem_contact.adhesion.descent import Minimum, Point
+from fem_contact.adhesion.laws import GapLaw
+from fem_contact.adhesion.state import AdhesionProblem, AdhesiveContact, checked_point
 from fem_contact.contact import Status
-from fem_contact.descent import Minimum, Point
 from fem_contact.errors import InvalidInput, NotConverged
-from fem_contact.gap_laws import GapLaw
 from fem_contact.response import Response
+from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
 __all__ = ["AdhesionPath", "Jump", "PathPoint", "follow"]
@@ -118,6 +119,7 @@ def follow(
     least_jump: float = 0.02,
     tolerance: float = 1e-6,
     max_iterations: int = 500,
+    time_limit: float | None = None,
     threads: int | None = None,
 ) -> AdhesionPath:
     """Follow a path of offsets or mean pressures, each state from the one before, and locate its jumps.
@@ -130,8 +132,8 @@ def follow(
         Jumps are located to this fraction of the range (offsets) or of the largest pressure of the path.
     least_jump : float
         Least energy lost that counts as a jump, over the work of adhesion of the area within reach.
-    surface, response, law, start, tolerance, max_iterations, threads
-        As in `fem_contact.adhesion.solve`; `start` is for the first state.
+    surface, response, law, start, tolerance, max_iterations, time_limit, threads
+        As in `fem_contact.adhesion.solve`; `start` is for the first state, the time for each.
 
     Returns
     -------
@@ -156,10 +158,9 @@ def follow(
         surface,
         response,
         law=law,
-        tolerance=tolerance,
-        max_iterations=max_iterations,
-        time_limit=None,
-        threads=threads,
+        settings=Settings(
+            tolerance=tolerance, max_iterations=max_iterations, time_limit=time_limit, threads=threads
+        ),
     )
     if offsets is not None:
         points = [checked_point(None, float(value)) for value in offsets]

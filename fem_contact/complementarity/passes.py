@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.rows import Rows
+from fem_contact.complementarity.rows import Rows
 
 if TYPE_CHECKING:
-    from fem_contact.complementarity import Operator
+    from fem_contact.complementarity.operator import Operator
 
 __all__ = ["Errors", "Passes", "Slopes"]
 
@@ -94,7 +94,7 @@ class Passes:
     def __init__(
         self, heights: Array, *, bound: Array | None, stiffness: float, threads: int, single: bool = False
     ) -> None:
-        from fem_contact import kernels
+        from fem_contact.complementarity import kernels
 
         self.kernels, self.heights, self.bound, self.stiffness = kernels, heights, bound, stiffness
         nx, ny = heights.shape

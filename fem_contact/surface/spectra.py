@@ -1,19 +1,59 @@
-"""Power spectra of surfaces that are not periodic: measured ones."""
+"""Power spectra of given surfaces: of periodic ones, and of measured patches that are not."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fem_contact.errors import InvalidInput
-from fem_contact.surface import HeightField, RadialSpectrum, radial_spectrum
+from fem_contact.surface.heights import HeightField, interpolant
 
-__all__ = ["Window", "estimate_spectrum", "window_weights"]
+__all__ = ["RadialSpectrum", "Window", "estimate_spectrum", "radial_spectrum", "window_weights"]
 
 Array = NDArray[np.float64]
 Window = Literal["none", "hann", "tukey"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RadialSpectrum:
+    """A power spectrum averaged over rings of wavevectors.
+
+    Attributes
+    ----------
+    q : (n,) array
+        Mean |q| of the waves in each ring [1/m].
+    power : (n,) array
+        C(q) [m^4]: ring average of |h(q)|^2 Lx Ly / (2 pi)^2.
+    count : (n,) array
+        Number of waves in the ring.
+    """
+
+    q: Array
+    power: Array
+    count: NDArray[np.int64]
+
+
+def radial_spectrum(surface: HeightField) -> RadialSpectrum:
+    """Measure C(q) of a periodic surface, averaged over rings one fundamental wavevector wide.
+
+    Convention as in Persson 2006, <h^2> = 2 pi int q C dq; multiply by (2 pi)^2 for the areal PSD of other
+    communities.
+    """
+    qx, qy, coefficients = interpolant(surface)
+    q = np.hypot(qx[:, None], qy[None, :])
+    unit = 2 * np.pi / min(surface.lengths)
+    ring = np.rint(q / unit).astype(np.int64).ravel()
+    count = np.bincount(ring)
+    cell = (2 * np.pi) ** 2 / (surface.lengths[0] * surface.lengths[1])
+    power = np.bincount(ring, weights=(np.abs(coefficients) ** 2).ravel()) / cell
+    mean_q = np.bincount(ring, weights=q.ravel())
+    filled = (count > 0) & (np.arange(count.size) > 0)
+    return RadialSpectrum(
+        q=mean_q[filled] / count[filled], power=power[filled] / count[filled], count=count[filled]
+    )
 
 
 def window_weights(shape: tuple[int, int], *, window: Window, margin: float = 0.1) -> Array:

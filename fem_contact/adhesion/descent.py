@@ -18,10 +18,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact.adhesion.laws import GapLaw
+from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.contact import Status
-from fem_contact.fourier import FourierOperator
-from fem_contact.gap_laws import GapLaw
 from fem_contact.response import Response
+from fem_contact.settings import Settings
 
 __all__ = ["Landscape", "Minimum", "Point", "descend", "least_curvature"]
 
@@ -264,10 +265,8 @@ def descend(
     point: Point,
     start: Array,
     *,
-    tolerance: float = 1e-6,
-    max_iterations: int = 200,
+    settings: Settings,
     step_limit: float = 2.0,
-    time_limit: float | None = None,
 ) -> Minimum:
     """Follow the energy downhill from a gap to a local minimum.
 
@@ -275,29 +274,25 @@ def descend(
     ----------
     start : (nx, ny) array
         Gap [m] to start from; projected on what is allowed.
-    tolerance : float
-        Largest `imbalance` that will do.
-    max_iterations : int
-        Newton steps allowed.
+    settings : Settings
+        Largest `imbalance` that will do, Newton steps and time allowed.
     step_limit : float
         Farthest a point within reach may move in one step, in ranges of the law.
-    time_limit : float, optional
-        Seconds allowed.
     """
     before, clock = land.pairs, time.monotonic()
     state = _State(land, point, start)
     status, iteration = Status.ITERATION_LIMIT, 0
     slow = 0
     while True:
-        if state.imbalance <= tolerance:
+        if state.imbalance <= settings.tolerance:
             status = Status.CONVERGED
             break
         if state.separated:
             status = Status.SEPARATED
             break
-        if iteration == max_iterations:
+        if iteration == settings.max_iterations:
             break
-        if time_limit is not None and time.monotonic() - clock > time_limit:
+        if settings.expired(clock):
             status = Status.TIME_LIMIT
             break
         iteration += 1

@@ -10,9 +10,10 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from fem_contact.complementarity.rows import Rows
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
-from fem_contact.rows import Rows, available_processors
+from fem_contact.settings import available_processors
 
 __all__ = ["FourierOperator", "coarsened", "refined"]
 
@@ -71,7 +72,7 @@ class FourierOperator:
 
     def apply(self, force: Array, out: Array) -> None:
         """Write the displacement [m] under the pressure ``force`` [Pa] into ``out``."""
-        from fem_contact.kernels import multiply
+        from fem_contact.complementarity.kernels import multiply
 
         self._filter(force, out, multiply)
 
@@ -80,7 +81,7 @@ class FourierOperator:
 
         Both may be of single precision, and the transforms then are.
         """
-        from fem_contact.kernels import divide
+        from fem_contact.complementarity.kernels import divide
 
         self._filter(residual, out, divide)
 
