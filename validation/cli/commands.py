@@ -204,7 +204,7 @@ def study(
         return
     with stopping_cleanly(), Bar(quiet=quiet or said.quiet or as_json) as bar:
         bench = Bench(
-            store=Store(folder=prepare_folder(store_folder, option="--store")),
+            store=Store(folder=store_folder),
             execution=execution,
             progress=bar,
         )
