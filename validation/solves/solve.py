@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from fem_contact.rows import available_processors
+from fem_contact.settings import available_processors
 
 if TYPE_CHECKING:
     import xarray as xr
