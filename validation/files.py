@@ -30,6 +30,7 @@ __all__ = [
     "refusal",
     "remove_drafts",
     "sync_folder",
+    "system_words",
     "write_json",
     "write_whole",
 ]
@@ -200,7 +201,7 @@ def remove_drafts(folder: Path, *, of: int | None = None) -> None:
                     os.unlink(entry.path)
 
 
-#: What the system said, why that may be, what to do.
+#: What a refusal of the system means, and what to do.
 _REMEDIES = {
     errno.EFBIG: "larger than files may be here (ulimit -f)",
     errno.EMFILE: "too many open files (ulimit -n)",
@@ -212,7 +213,15 @@ _REMEDIES = {
     errno.ENOTDIR: "a part of its path is a file; name another folder",
     errno.EIO: "the disk failed (Input/output error); look at it before you go on",
     errno.ENAMETOOLONG: "its name is too long for this file system",
+    errno.ENOMEM: "memory does not suffice (ulimit -v, --memory)",
+    errno.EAGAIN: "no further process or thread is allowed (ulimit -u)",
 }
+
+
+def system_words(error: OSError) -> str:
+    """Say in words what the system refused, with the file, if it is one."""
+    why = _REMEDIES.get(error.errno or 0, error.strerror or str(error))
+    return f"{error.filename}: {why}" if isinstance(error.filename, str) else why
 
 
 def refusal(path: Path, error: OSError) -> str:

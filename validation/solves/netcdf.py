@@ -58,8 +58,10 @@ def dataset_bytes(data: xr.Dataset) -> memoryview:
 
 def read_dataset(content: memoryview) -> xr.Dataset:
     """Return the dataset of a netCDF file."""
+    import netCDF4
     import xarray as xr
     from xarray.backends import NetCDF4DataStore
 
-    with reading(content) as file, xr.open_dataset(NetCDF4DataStore(file)) as data:
+    # xarray closes the file.
+    with xr.open_dataset(NetCDF4DataStore(netCDF4.Dataset("memory", memory=content))) as data:
         return data.load()

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 
 from fem_contact.errors import FemContactError
 from validation.errors import RunFailed, UsageError
-from validation.files import prepare_folder, sync_folder
+from validation.files import prepare_folder, sync_folder, system_words
 from validation.solves.cost import available_memory, too_large
 from validation.solves.provenance import Made
 from validation.solves.solve import Solve
@@ -73,11 +73,14 @@ class Execution:
         Address of a Dask scheduler, which then does the work; its workers write into the same store.
     memory : int or None
         Bytes that all solves running at a time may take together; what is free on this machine if not given.
+    patience : float
+        How long to wait for a worker of the scheduler while there is none [s]; hours where they queue.
     """
 
     workers: int = 1
     scheduler: str | None = None
     memory: int | None = None
+    patience: float = 300.0
 
     def __post_init__(self) -> None:
         if self.workers < 1:
@@ -256,7 +259,9 @@ def _outcomes(
     if execution.scheduler is not None:
         from validation.solves.cluster import solve_on_cluster
 
-        return solve_on_cluster(solves, store, address=execution.scheduler, progress=progress)
+        return solve_on_cluster(
+            solves, store, address=execution.scheduler, patience=execution.patience, progress=progress
+        )
     if execution.workers > 1:
         from validation.solves.pool import solve_in_processes
 
@@ -296,6 +301,8 @@ def attempt(solve: Solve, store: Store, *, threads: int | None = None) -> Outcom
         return Outcome(solve=solve, error=f"{solve.describe()}: {error}")
     except RunFailed as error:
         return Outcome(solve=solve, error=str(error), fatal=True)
+    except OSError as error:  # too many open files, no further thread: the others would meet the same
+        return Outcome(solve=solve, error=f"{solve.describe()}: {system_words(error)}", fatal=True)
     return Outcome(solve=solve)
 
 

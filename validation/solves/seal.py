@@ -1,9 +1,9 @@
 """A seal at the end of a stored file: what it is a result of, how it was made, and a SHA-256 over all of it.
 
-A sealed file is the bytes of a netCDF file, one line of JSON, and a last line ``sha256`` with the digest of every
-byte before it. netCDF readers know where their data end and do not see the two lines. Nothing is parsed before
-the digest is found right: what a flipped bit, a lost block or a cut end would make of the file is never asked,
-and reading takes the time of one pass over the bytes.
+A sealed file is the bytes of a netCDF file, one line of JSON, and a last line ``sha256`` with the digest of
+every byte before it. netCDF readers know where their data end and do not see the two lines. Nothing is parsed
+before the digest is found right: what a flipped bit, a lost block or a cut end would make of it is never
+asked, and reading takes the time of one pass over the bytes.
 """
 
 from __future__ import annotations

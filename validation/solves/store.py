@@ -46,8 +46,16 @@ class Store:
         """Return where the result of a solve is, or will be."""
         return self.folder / f"{solve.key}{_SUFFIX}"
 
-    def save(self, solve: Solve, result: Any, *, made: Made) -> None:
+    def save(self, solve: Solve, result: Any, *, made: Made | None = None) -> None:
         """Write a finished solve, and what belongs beside it.
+
+        Parameters
+        ----------
+        solve : Solve
+        result : object
+            What `do` returned.
+        made : Made, optional
+            How it was made; in this process and in no time if not given.
 
         Raises
         ------
@@ -62,6 +70,7 @@ class Store:
                 f"{solve.describe()}: memory does not suffice to store it ({error}); name fewer "
                 "--workers, or a smaller --memory"
             ) from error
+        made = made or Made.now(threads=solve.threads_used(None), seconds=0.0)
         # The folder is synced by who collects the outcomes: a name lost with the power is a solve to repeat.
         write_whole(self.path(solve), (content, seal(content, recipe=solve.recipe_text, made=made.as_json())))
 
