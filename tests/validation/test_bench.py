@@ -452,7 +452,7 @@ def test_the_study_of_the_documentation_runs_and_leaves_what_is_said(tmp_path, m
     monkeypatch.setattr("validation.studies._outputs.find_study", lambda name: study)
     options = study.parse(["--grids", "32,64"])
     assert study.question.endswith("counts?")
-    assert study.options["grids"].meaning == "Points along a side."
+    assert study.options.model_fields["grids"].description == "points along a side"
     bench = Bench.at(tmp_path / "solves", execution=Execution(workers=1))
     outputs = run_study(study, options, prepare_folder(tmp_path / "out"), bench=bench)
     coarse, fine = outputs.data.area.values
