@@ -42,6 +42,7 @@ __all__ = [
     "SolidSpec",
     "builtin_scenes",
     "load_scene",
+    "not_led_out",
     "scene_problems",
     "scene_text",
     "unit_registry",
@@ -239,15 +240,23 @@ class RunOptions(_Table):
         UsageError
         """
         path: Path | None = getattr(self, key)
-        if path is None:
-            return None
-        led = path.resolve()
-        if not led.is_relative_to(Path.cwd().resolve()):
-            raise UsageError(
-                f"run.{key} = {str(path)!r}: leads to {str(led)!r}, outside the folder the scene runs in; "
-                f"say --{key} to have it so"
-            )
-        return path
+        return None if path is None else not_led_out(path, of=Path(), option=f"--{key}")
+
+
+def not_led_out(path: Path, *, of: Path, option: str) -> Path:
+    """Refuse a folder that a link leads out of another; what came with a scene may hold such links.
+
+    Raises
+    ------
+    UsageError
+    """
+    led = path.resolve()
+    if not led.is_relative_to(of.resolve()):
+        raise UsageError(
+            f"{str(path)!r} is a link that leads to {str(led)!r}; remove it, or say {option} {str(path)!r} to "
+            "follow it"
+        )
+    return path
 
 
 def _harmless(text: str) -> str:
