@@ -25,6 +25,7 @@ __all__ = [
     "Lengths",
     "Memory",
     "Number",
+    "Positive",
     "Pressure",
     "Ratio",
     "Table",
@@ -158,6 +159,7 @@ Work = Annotated[float, quantity("J/m^2", "work of adhesion", "50 mJ/m^2"), Fiel
 Memory = Annotated[float, quantity("byte", "memory size", "4 GiB"), Field(ge=1)]
 Duration = Annotated[float, quantity("s", "time", "10 min"), Field(gt=0)]
 Number = Annotated[float, Field(strict=True)]
+Positive = Annotated[float, Field(gt=0)]
 
 
 def within(least: float, most: float) -> AfterValidator:

@@ -29,9 +29,10 @@ def main() -> None:
     import atheris
 
     with atheris.instrument_imports(include=["validation"]):
+        from validation.methods.handled import check_effects
+
         from validation.cli import commands as cli
         from validation.errors import SceneError, UsageError
-        from validation.methods.handled import check_effects
         from validation.paper.theory_scene import load_theory_scene
         from validation.scenes.scene import load_scene
 

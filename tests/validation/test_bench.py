@@ -23,8 +23,8 @@ from validation.errors import RunFailed, UsageError
 from validation.files import prepare_folder
 from validation.solves import pool
 from validation.solves.bench import Bench, PlannedOnly
-from validation.solves.cost import available_memory, predicted_cost
-from validation.solves.running import Execution, Silent, solve_jobs
+from validation.solves.cost import available_memory
+from validation.solves.running import Execution, Silent, solve_all
 from validation.solves.solve import execute
 from validation.solves.store import Store
 from validation.studies import Study, area, find_study, studies
@@ -51,11 +51,11 @@ class Notes(Silent):
     def start(self, missing, stored):
         self.missing = len(missing)
 
-    def begin(self, job):
-        self.begun.append(job.key)
+    def begin(self, solve):
+        self.begun.append(solve.key)
 
-    def done(self, job):
-        self.finished.append(job.key)
+    def done(self, solve):
+        self.finished.append(solve.key)
 
     def note(self, text):
         self.notes.append(text)
@@ -101,7 +101,7 @@ def test_two_workers_give_the_same_bits_although_one_is_killed(serial, tmp_path)
     assert 40 <= killed["stored"] < 200
     assert data.identical(serial[1])
     assert len(progress.finished) == len(set(progress.finished)) == 200
-    # Whoever was killed was at one job at most; only that one was begun twice.
+    # Whoever was killed was at one solve at most; only that one was begun twice.
     assert len(progress.begun) - 200 in (0, 1)
     assert not list(tmp_path.glob(".*")), "drafts of the dead"
 
@@ -147,7 +147,7 @@ def test_a_dask_cluster_gives_the_same_bits_although_a_worker_is_killed(serial, 
         assert 40 <= killed["stored"] < 200
         assert team[0].wait() == -signal.SIGKILL
         assert team[1].poll() is None
-        too_large = area.jobs(**{**FEW, "grids": (8192,), "seeds": (21,), "pressures": (0.1,)})
+        too_large = area.solves(**{**FEW, "grids": (8192,), "seeds": (21,), "pressures": (0.1,)})
         with pytest.raises(UsageError, match=r"8192x8192: needs about .* GiB and on any worker 1 GiB"):
             bench.solve(too_large)
     assert data.identical(serial[1])
@@ -243,36 +243,36 @@ def test_a_full_disk_is_a_clear_error_and_leaves_finished_cases_intact(tmp_path,
     with small_disk(tmp_path / "disk", 600) as disk:
         with pytest.raises(RunFailed, match=r"the disk is full: .*finished solves are intact"):
             area.run(bench=bench_at(disk, workers=workers), **CASES)
-        store, jobs = Store(folder=disk), area.jobs(**CASES)
-        kept = [job for job in jobs if store.path(job).exists()]
+        store, solves = Store(folder=disk), area.solves(**CASES)
+        kept = [solve for solve in solves if store.path(solve).exists()]
         assert 3 <= len(kept) < 200
-        assert all(store.holds(job) for job in kept)
+        assert all(store.holds(solve) for solve in kept)
         names = {path.name for path in disk.iterdir()}
-        assert names == {store.path(job).name for job in kept}, "half-written files"
+        assert names == {store.path(solve).name for solve in kept}, "half-written files"
 
 
 def test_a_case_that_fails_does_not_keep_the_others_from_being_done(tmp_path, monkeypatch):
     from fem_contact.errors import NotConverged
     from validation.solves import running as run
 
-    jobs = area.jobs(**FEW)
+    solves = area.solves(**FEW)
 
-    def fails_once(job):
-        if job is jobs[2]:
+    def fails_once(solve):
+        if solve is solves[2]:
             raise NotConverged("stopped at the iteration limit")
-        return execute(job)
+        return execute(solve)
 
     monkeypatch.setattr(run, "execute", fails_once)
     store = Store(folder=prepare_folder(tmp_path / "store"))
     with pytest.raises(RunFailed, match=r"1 of 16 solves failed, the others are stored:\n.*BEM 16x16"):
-        solve_jobs(jobs, store)
-    assert [job for job in jobs if not store.holds(job)] == [jobs[2]]
+        solve_all(solves, store)
+    assert [solve for solve in solves if not store.holds(solve)] == [solves[2]]
 
 
 def test_a_job_whose_workers_always_die_is_given_up_by_name(tmp_path, monkeypatch):
     monkeypatch.setattr(pool, "_start", _dying)
     with pytest.raises(RunFailed, match=r"its worker died 3 times"):
-        bench_at(tmp_path, workers=2).solve(area.jobs(**{**FEW, "grids": (12,), "seeds": (21,)}))
+        bench_at(tmp_path, workers=2).solve(area.solves(**{**FEW, "grids": (12,), "seeds": (21,)}))
 
 
 def _dying():
@@ -285,24 +285,24 @@ def _dying():
 
 
 def test_cases_that_do_not_fit_together_wait_and_one_that_never_fits_is_refused(tmp_path, monkeypatch):
-    jobs = area.jobs(**FEW)
-    largest = max(predicted_cost(job).peak_bytes for job in jobs)
+    solves = area.solves(**FEW)
+    largest = max(solve.predict().peak_bytes for solve in solves)
     running, most = set(), []
     monkeypatch.setattr(pool, "_IDLE_BYTES", 0)
 
     class Watch(Notes):
-        def begin(self, job):
-            running.add(job.key)
-            most.append(sum(predicted_cost(j).peak_bytes for j in jobs if j.key in running))
+        def begin(self, solve):
+            running.add(solve.key)
+            most.append(sum(j.predict().peak_bytes for j in solves if j.key in running))
 
-        def done(self, job):
-            running.discard(job.key)
+        def done(self, solve):
+            running.discard(solve.key)
 
     bench = bench_at(tmp_path / "narrow", Watch(), workers=2, memory=int(1.2 * largest))
-    bench.solve(jobs)
+    bench.solve(solves)
     assert max(most) <= 1.2 * largest
     with pytest.raises(UsageError, match=r"BEM 20x20: needs about .* raise the limit with --memory"):
-        bench_at(tmp_path / "refused", memory=largest // 2).solve(jobs)
+        bench_at(tmp_path / "refused", memory=largest // 2).solve(solves)
     assert list((tmp_path / "refused").iterdir()) == []
     assert available_memory() > 0
 
@@ -311,7 +311,7 @@ def test_a_bench_that_only_plans_solves_nothing(tmp_path):
     store = Store(folder=tmp_path / "store")
     with pytest.raises(PlannedOnly) as planned:
         area.run(bench=Bench(store=store, plan_only=True), **CASES)
-    assert len(planned.value.jobs) == 200
+    assert len(planned.value.solves) == 200
     assert not store.folder.exists()
 
 
@@ -328,16 +328,16 @@ def test_every_study_has_a_question_and_options_with_defaults():
 
 
 def test_a_mirrored_job_presses_the_other_side_and_has_a_name_of_its_own():
-    job = area.jobs(**FEW)[0]
-    other = dataclasses.replace(job, mirrored=True)
-    np.testing.assert_array_equal(other.height_field().heights, -job.height_field().heights)
-    assert other.key != job.key
-    assert "mirrored" not in job.recipe
+    solve = area.solves(**FEW)[0]
+    other = dataclasses.replace(solve, mirrored=True)
+    np.testing.assert_array_equal(other.height_field().heights, -solve.height_field().heights)
+    assert other.key != solve.key
+    assert "mirrored" not in solve.recipe
 
 
 def test_the_number_of_threads_changes_nothing_but_rounding():
-    job = area.jobs(**{**FEW, "grids": (300,), "seeds": (21,), "pressures": (0.05,)})[0]
-    one, two = (execute(job, threads=threads).contact for threads in (1, 2))
+    solve = area.solves(**{**FEW, "grids": (300,), "seeds": (21,), "pressures": (0.05,)})[0]
+    one, two = (execute(solve, threads=threads).contact for threads in (1, 2))
     # The transforms group their sums by the number of threads: rounding of 2e-16, times the condition of the
     # response (about the number of points along a side) and some 30 steps.
     assert np.abs(one.pressure - two.pressure).max() < 2e-16 * 300 * 30 * one.pressure.max()
@@ -373,12 +373,12 @@ def test_overhead_of_the_bench_is_below_20_milliseconds_per_case(tmp_path):
     overheads = []
     for k in range(3):
         store = Store(folder=prepare_folder(tmp_path / f"store{k}"))
-        jobs = area.jobs(**{**CASES, "grids": (64,)})
+        solves = area.solves(**{**CASES, "grids": (64,)})
         began = time.perf_counter()
-        solve_jobs(jobs, store)
+        solve_all(solves, store)
         total = time.perf_counter() - began
-        solves = sum(store.load(job).cost.wall_seconds for job in jobs)
-        overheads.append((total - solves) / len(jobs))
+        solves = sum(store.load(solve).cost.wall_seconds for solve in solves)
+        overheads.append((total - solves) / len(solves))
     print(f"overhead per case: {1e3 * np.median(overheads):.1f} ms")
     assert np.median(overheads) < 20e-3
 
@@ -432,7 +432,7 @@ def test_the_study_of_the_documentation_runs_and_leaves_what_is_said(tmp_path, m
     coarse, fine = outputs.data.area.values
     assert 1.03 < coarse / fine < 1.5
     names = {path.name for path in outputs.files}
-    assert names == {"report.html", "data.csv", "data.nc", "figures"}
+    assert names == {"report.html", "data.csv", "data.nc", "summary.json"}
     assert not (tmp_path / "out" / "table.csv").exists()
 
 

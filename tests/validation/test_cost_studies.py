@@ -124,7 +124,7 @@ def test_a_peer_is_solved_no_further_than_its_grid_deserves(tmp_path, monkeypatc
 
 
 def test_a_peer_that_fails_is_a_sentence(monkeypatch):
-    job = _peers.PeerMeasurement(
+    solve = _peers.PeerMeasurement(
         code="no-such-code",
         surface=base_surface(hurst=0.8, seed=4177, **SMALL),
         solid=SOLID,
@@ -132,20 +132,20 @@ def test_a_peer_that_fails_is_a_sentence(monkeypatch):
         points=16,
     )
     with pytest.raises(RunFailed, match="no-such-code 16x16, surface 1: KeyError"):
-        job.measure()
+        solve.measure()
 
 
 @pytest.mark.parametrize("code", _peer_solve.SOLVERS)
 def test_an_installed_peer_counts_the_area_that_is_counted_here(code):
     pytest.importorskip(code)
-    job = _peers.PeerMeasurement(
+    solve = _peers.PeerMeasurement(
         code=code,
         surface=base_surface(hurst=0.8, seed=4178, size=2.0, ratio=4.0),
         solid=SOLID,
         reduced_pressure=0.1,
         points=64,
     )
-    found = job.measure()
+    found = solve.measure()
     assert float(found.solver_error) < 0.1 * 0.103 * float(found.pixel) * 2
     assert float(found.seconds) > 0
 
@@ -224,9 +224,9 @@ def test_equal_numbers_of_the_same_surfaces_would_give_the_mean_on_the_finest_gr
         grids=((24, 24), (32, 32)),
         shifts=1,
     )
-    jobs = [dataclasses.replace(finest, realisation=k) for k in range(4)]
-    solved = bench.solve(jobs)
-    mean = np.mean([float(solved[job].subcell[-1, 0, 0]) for job in jobs])
+    solves = [dataclasses.replace(finest, realisation=k) for k in range(4)]
+    solved = bench.solve(solves)
+    mean = np.mean([float(solved[solve].subcell[-1, 0, 0]) for solve in solves])
     # Rounding of the sums.
     assert multilevel.estimate(data)[0] == pytest.approx(mean, rel=1e-12)
     assert json.loads(json.dumps(data.attrs))["area"] == "subcell"

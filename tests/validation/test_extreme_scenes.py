@@ -14,7 +14,7 @@ from validation.comparison.explain import explain
 from validation.errors import UsageError
 from validation.scenes import surfaces
 from validation.scenes.scene import Scene, SelfAffineSurface, scene_problems
-from validation.scenes.surfaces import Expected, reference_field, surveyed
+from validation.scenes.surfaces import Expected, expected, reference_field
 
 TEXT = """
 name = "extreme"
@@ -220,12 +220,12 @@ def test_what_the_spectrum_tells_is_near_what_a_surface_has(monkeypatch):
     surface = LARGE.model_copy(update={"lambda_long": 1e-5, "lambda_short": 5e-7})
     field = reference_field(surface)
     monkeypatch.setattr(surfaces, "_SURVEYED_POINTS", 100)
-    told = surveyed(surface)
+    told = expected(surface)
     assert isinstance(told, Expected)
     assert told.rms_height == pytest.approx(field.rms_height, rel=0.05)
     assert told.rms_gradient == pytest.approx(field.rms_gradient, rel=0.02)
     assert told.nayak == pytest.approx(field.nayak, rel=0.1)
-    from validation.effects.judgement import full_contact_energy
+    from validation.effects.base import full_contact_energy
 
     # U = (E*/4) sum q |h(q)|^2: half of what the integral of q C over the plane gives, per E*/2.
     assert 0.25 * told.first_moment == pytest.approx(full_contact_energy(field, modulus=1.0), rel=0.05)

@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from validation.errors import SceneError, UsageError, shown
+from validation.errors import SceneError, UsageError
 
 if TYPE_CHECKING:
     from pydantic import ValidationError
 
     from validation.scenes.scene import RunOptions
     from validation.solves.running import Execution
-    from validation.solves.solve import AnyJob
+    from validation.solves.solve import Solve
     from validation.solves.store import Store
 
 __all__ = [
@@ -29,6 +29,7 @@ __all__ = [
     "OutputOption",
     "PicturesOption",
     "QuietOption",
+    "ReportOption",
     "SceneArgument",
     "SchedulerOption",
     "StoreOption",
@@ -42,6 +43,7 @@ __all__ = [
     "say",
     "show",
     "stopping_cleanly",
+    "terminal_width",
 ]
 
 
@@ -101,7 +103,17 @@ DryRunOption = Annotated[
     bool, typer.Option("--dry-run", help="List the solves with predicted time and memory; do none.")
 ]
 PicturesOption = Annotated[
-    bool | None, typer.Option("--pictures/--no-pictures", help="3-D pictures in the report; some seconds.")
+    bool | None,
+    typer.Option(
+        "--pictures/--no-pictures",
+        help="3-D pictures in the report, which take seconds; none if not asked for.",
+    ),
+]
+ReportOption = Annotated[
+    bool,
+    typer.Option(
+        "--report/--no-report", help="Figures and report, which fem-contact report DIR can make later, too."
+    ),
 ]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar; for logs.")]
 
@@ -191,35 +203,35 @@ def stopping_cleanly() -> Iterator[None]:
         raise typer.Exit(130) from None
 
 
-def print_plan(jobs: Sequence[AnyJob], store: Store, *, as_json: bool) -> None:
+def print_plan(solves: Sequence[Solve], store: Store, *, as_json: bool) -> None:
     """Print every solve with its predicted cost and whether it is finished."""
     from rich.table import Table
 
-    from validation.solves.cost import predicted_cost, transform_seconds
+    from validation.solves.cost import transform_seconds
 
     pair = transform_seconds()
-    plan = [(job, predicted_cost(job, pair_seconds=pair), os.path.exists(store.path(job))) for job in jobs]
+    plan = [(solve, solve.predict(pair_seconds=pair), os.path.exists(store.path(solve))) for solve in solves]
     if as_json:
         rows = [
             {
-                "key": job.key,
-                "solve": job.describe(),
+                "key": solve.key,
+                "solve": solve.describe(),
                 "seconds": cost.seconds,
                 "peak_bytes": cost.peak_bytes,
                 "unknowns": cost.unknowns,
                 "stored": stored,
             }
-            for job, cost, stored in plan
+            for solve, cost, stored in plan
         ]
         typer.echo(json.dumps(rows, indent=2))
         return
     table = Table(title="What would be solved")
     for column in ("solve", "seconds", "peak MiB", "unknowns", "stored"):
         table.add_column(column, justify="left" if column == "solve" else "right")
-    for job, cost, stored in plan:
+    for solve, cost, stored in plan:
         memory = f"{cost.peak_bytes / 2**20:.3g}"
         table.add_row(
-            job.describe(), f"{cost.seconds:.2g}", memory, f"{cost.unknowns:,}", "yes" if stored else "no"
+            solve.describe(), f"{cost.seconds:.2g}", memory, f"{cost.unknowns:,}", "yes" if stored else "no"
         )
     show(table)
     todo = [cost for _, cost, stored in plan if not stored]
@@ -233,16 +245,28 @@ def print_plan(jobs: Sequence[AnyJob], store: Store, *, as_json: bool) -> None:
 
 
 def show(what: Any) -> None:
-    """Print a text or a table."""
+    """Print a text, what is dangerous to a terminal made harmless, or a table."""
     from rich.console import Console
+
+    from validation.report.words import harmless
 
     console = Console(highlight=False, soft_wrap=isinstance(what, str))
     # A log file or a pipe has no width: a table must not be squeezed to 80 columns there.
     if not console.is_terminal:
         console = Console(highlight=False, width=160, soft_wrap=isinstance(what, str))
-    console.print(shown(what), markup=False) if isinstance(what, str) else console.print(what)
+    console.print(harmless(what), markup=False) if isinstance(what, str) else console.print(what)
+
+
+def terminal_width() -> int | None:
+    """Columns of the terminal; None for a log file or a pipe, which have no width."""
+    from rich.console import Console
+
+    console = Console()
+    return console.width if console.is_terminal else None
 
 
 def say(message: Exception | str, *, prefix: str = "fem-contact: ") -> None:
     """Print a line for the user on stderr."""
-    typer.echo(f"{prefix}{shown(message)}", err=True)
+    from validation.report.words import harmless
+
+    typer.echo(harmless(f"{prefix}{message}"), err=True)

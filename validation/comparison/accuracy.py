@@ -19,15 +19,17 @@ from typing import Any
 from validation.comparison.accuracy_search import Search, grid_words
 from validation.comparison.findings import percent
 from validation.comparison.run import ACCURACY_FILE, Outputs, run_scene
-from validation.effects.tables import effect_key
+from validation.effects.base import effect_key
 from validation.errors import UsageError
 from validation.files import atomic_path, prepare_folder
-from validation.methods.handled import check_effects
-from validation.scenes.scene import BemMethod, Ensemble, Methods, Scene
+from validation.methods.bem import BemOptions
+from validation.scenes.checks import check_scene
+from validation.scenes.realised import realise
+from validation.scenes.scene import Ensemble, Methods, Scene
 from validation.solves.bench import Bench
 from validation.solves.cost import memory_words
-from validation.solves.running import Execution, Progress, Silent
-from validation.solves.solve import jobs_of, warm_up
+from validation.solves.press import solves_of
+from validation.solves.running import Execution, Progress, Silent, warm_up
 from validation.solves.store import Store
 
 __all__ = ["AccurateRun", "Reached", "parse_accuracy", "reach", "run_accurate"]
@@ -116,7 +118,7 @@ class Reached:
 
     def chosen(self, scene: Scene) -> Scene:
         """Return the scene with the methods, grids and surfaces that were chosen for it."""
-        bem = BemMethod(grids=self.grids, shifts=self.shifts, tolerance=self.tolerance)
+        bem = BemOptions(grids=self.grids, shifts=self.shifts, tolerance=self.tolerance)
         ensemble = None
         if self.surfaces > 1:
             ensemble = Ensemble(realisations=self.surfaces, grids=self.surface_grids)
@@ -161,6 +163,7 @@ def run_accurate(
     execution: Execution | None = None,
     store_folder: Path | None = None,
     pictures: bool = False,
+    report: bool = True,
 ) -> AccurateRun:
     """Run a scene to an accuracy and write its report; it holds the grids that were chosen.
 
@@ -187,6 +190,7 @@ def run_accurate(
         execution=execution,
         store_folder=store_folder,
         pictures=pictures,
+        report=report,
         accurate=True,
     )
     with atomic_path(folder / ACCURACY_FILE) as draft:
@@ -218,15 +222,16 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
     RunFailed
         When that is seen only later, or a solve fails; everything finished is stored.
     """
-    check_effects(scene)
+    realised = realise(scene)
+    check_scene(scene, realised)
     if scene.effects:
         raise UsageError(
             f"--accuracy: the law of error is known for the bare half-space, not with "
             f"{effect_key(0, 'kind')} = {scene.effects[0].kind!r}; leave --accuracy out and refine by hand"
         )
     # Not charged to the solves, whose time tells how fast the machine is.
-    warm_up(jobs_of(scene))
-    search = Search(scene=scene, target=target, bench=bench, time_limit=time_limit)
+    warm_up(solves_of(scene, realised))
+    search = Search(scene=scene, realised=realised, target=target, bench=bench, time_limit=time_limit)
     single = search.own_surface()
     mean = None if scene.ensemble is None else search.ensemble(single)
     said: dict[str, Any] = {}

@@ -16,14 +16,16 @@ from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.extrapolation import PlannedGrid, located_limit, predicted_uncertainty
 from validation.comparison.findings import percent
 from validation.errors import RunFailed, UsageError
-from validation.scenes.scene import BemMethod, Methods, Scene
-from validation.scenes.surfaces import shortest_wavelength
-from validation.solves.bench import Bench, Solves
-from validation.solves.cost import available_memory, memory_words, predicted_cost, transform_seconds
-from validation.solves.solve import Job, jobs_of
+from validation.methods.bem import BemOptions
+from validation.scenes.realised import Realised
+from validation.scenes.scene import Methods, Scene
+from validation.solves.bench import Bench
+from validation.solves.cost import available_memory, memory_words, transform_seconds
+from validation.solves.press import Press, solves_of
+from validation.solves.running import Solves
 
 if TYPE_CHECKING:
-    from fem_contact.contact import ContactResult
+    pass
 
 __all__ = ["Ladder", "Mean", "Search", "Single", "grid_words"]
 
@@ -90,6 +92,7 @@ class Search:
     """A search for the cheapest grids; what it has learnt of the surface and of the machine."""
 
     scene: Scene
+    realised: Realised
     target: float
     bench: Bench
     time_limit: float | None
@@ -97,8 +100,9 @@ class Search:
     clock: float = field(default_factory=time.perf_counter)
     solves: int = 0
     #: Jobs wanted so far that were found finished when they were first wanted.
-    found: set[Job] = field(default_factory=set)
-    done: set[Job] = field(default_factory=set)
+    found: set[Press] = field(default_factory=set)
+    done: set[Press] = field(default_factory=set)
+    areas: dict[Press, ContactAreas] = field(default_factory=dict)
     solving: float = 0.0
     predicted: float = 0.0
     peak_bytes: int = 0
@@ -200,7 +204,7 @@ class Search:
 
     def _grid(self, per_wave: float) -> Grid:
         """Return an even grid of fast transforms and nearly square cells of at least that resolution."""
-        wave = shortest_wavelength(self.scene.surface)
+        wave = self.realised.shortest
         halves = (int(np.ceil(per_wave * x / wave / 2 - 1e-9)) for x in self.scene.surface.length)
         nx, ny = (2 * scipy.fft.next_fast_len(n, real=True) for n in halves)
         return nx, ny
@@ -219,7 +223,7 @@ class Search:
                 continue
             area = known.pixel if known.subcell is None else known.subcell
             claim = 2 * predicted_uncertainty(known, plan) / max(area, known.cell_share)
-            costs = [predicted_cost(job, pair_seconds=self.pair) for job in self._jobs(grids, shift)]
+            costs = [solve.predict(pair_seconds=self.pair) for solve in self._jobs(grids, shift)]
             yield Ladder(
                 grids=grids,
                 shifts=shift,
@@ -275,30 +279,35 @@ class Search:
         )
         return in_time and peak_bytes <= self.memory
 
-    def _jobs(self, grids: Sequence[Grid], shifts: int) -> tuple[Job, ...]:
-        method = BemMethod(grids=tuple(grids), shifts=shifts, tolerance=self.tolerance)
-        return jobs_of(self.scene.model_copy(update={"methods": Methods(bem=method), "ensemble": None}))
+    def _jobs(self, grids: Sequence[Grid], shifts: int) -> tuple[Press, ...]:
+        method = BemOptions(grids=tuple(grids), shifts=shifts, tolerance=self.tolerance)
+        chosen = self.scene.model_copy(update={"methods": Methods(bem=method), "ensemble": None})
+        return solves_of(chosen, self.realised)
 
     def _solved(self, ladder: Ladder, *, realisations: Sequence[int] = (0,)) -> list[list[ContactAreas]]:
         """Solve a ladder of each surface, coarse grids first, and read the areas."""
         own = self._jobs(ladder.grids, ladder.shifts)
-        jobs = [[replace(job, realisation=k) for job in own] for k in realisations]
+        surfaces = [self.realised.further(k) for k in realisations]
+        solves = [[replace(solve, realised=surface) for solve in own] for surface in surfaces]
         for grid in ladder.grids:
-            self._solve([job for one in jobs for job in one if job.grid == grid])
-        found = Solves(jobs=tuple(job for one in jobs for job in one), store=self.bench.store)
-        return [[self._areas(found[job]) for job in one] for one in jobs]
+            self._solve([solve for one in solves for solve in one if solve.grid == grid])
+        return [[self._areas(solve) for solve in one] for one in solves]
 
-    def _areas(self, result: ContactResult) -> ContactAreas:
-        self.peak_bytes = max(self.peak_bytes, result.cost.peak_bytes)
-        return contact_areas(result, subcell=True)
+    def _areas(self, solve: Press) -> ContactAreas:
+        """Read the areas of a stored solve, once."""
+        if solve not in self.areas:
+            result = Solves(solves=(solve,), store=self.bench.store)[solve]
+            self.peak_bytes = max(self.peak_bytes, result.cost.peak_bytes)
+            self.areas[solve] = contact_areas(result, subcell=True)
+        return self.areas[solve]
 
-    def _solve(self, jobs: Sequence[Job]) -> None:
-        missing = [job for job in jobs if not self.bench.store.path(job).exists()]
-        self.found |= set(jobs) - set(missing) - self.done
+    def _solve(self, solves: Sequence[Press]) -> None:
+        missing = [solve for solve in solves if not self.bench.store.path(solve).exists()]
+        self.found |= set(solves) - set(missing) - self.done
         self.done |= set(missing)
         if not missing:
             return
-        predicted = sum(predicted_cost(job, pair_seconds=self.pair).seconds for job in missing)
+        predicted = sum(solve.predict(pair_seconds=self.pair).seconds for solve in missing)
         if not self._affordable(self._slowness * predicted, 0):
             raise RunFailed(
                 f"--accuracy = {100 * self.target:g} %: solves take longer here than predicted, "

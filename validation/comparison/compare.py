@@ -3,41 +3,37 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from fem_contact.area import EDGE_CONSTANTS, ContactAreas, Limit, contact_areas
+from fem_contact.area import ContactAreas, Limit, contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.extrapolation import counted_limit, located_limit
 from fem_contact.stress import density_at_zero
-from fem_contact.surface import resolves
-from validation.errors import RunFailed
-from validation.methods.scene_theory import Theory, theory_of
+from validation.effects.base import Effect
+from validation.methods.theory import Prediction, predict
 from validation.report.words import json_ready
-from validation.scenes.scene import FileSurface, Scene
-from validation.scenes.surfaces import (
-    measured_spectrum,
-    reference_field,
-    shortest_wavelength,
-    spectrum_of,
-    topography_of,
-)
-from validation.solves.solve import Job, jobs_of, nominal_pressure
-from validation.solves.store import Store
+from validation.scenes.realised import Realised
+from validation.scenes.scene import Scene
+from validation.solves.press import Press
 
 if TYPE_CHECKING:
-    from validation.effects.judgement import Judgement
+    from validation.effects.base import Judgement
 
-__all__ = ["Comparison", "CrossCheck", "Row", "Scatter", "Theory", "compare", "edge_constant"]
+__all__ = ["Comparison", "CrossCheck", "Row", "Scatter", "compare"]
 
 _TOO_FEW_GRIDS = (
     "it needs two resolved grids of boundary elements with square cells, or three solves on two grids"
 )
+
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +43,7 @@ class Row:
     Attributes
     ----------
     method : str
-        "bem" or "fem".
+        Its name.
     grid : tuple of int
     points_per_wave : float
         lambda_short / dx, on the coarser axis.
@@ -58,7 +54,7 @@ class Row:
     pixel, perimeter : float
         A/A0 by counting, and with the perimeter correction of the method's edge constant.
     pixel_scatter : float
-        Standard error of `pixel` over the shifts; 0 for one shift.
+        Standard error of `pixel` over the shifts; NaN for one shift, which tells nothing of it.
     kappa : float
         (A/A0) / p* from `perimeter`.
     density_at_zero : float
@@ -92,19 +88,23 @@ class Row:
 
 @dataclass(frozen=True, kw_only=True)
 class CrossCheck:
-    """Finite elements against boundary elements on the same surface and grid.
+    """One method against the first on the same surface and grid.
 
     Attributes
     ----------
+    method, reference : str
+        Finite elements and boundary elements, say.
     grid : tuple of int
     points_per_wave : float
         lambda_short / dx.
     pressure : float
-        ||p_fem - p_bem|| / ||p_bem||, over all points.
+        ||p - p_reference|| / ||p_reference||, over all points.
     pixel, perimeter : float
-        A_fem / A_bem - 1, by counting and with each method's perimeter correction.
+        A / A_reference - 1, by counting and with each method's perimeter correction.
     """
 
+    method: str
+    reference: str
     grid: tuple[int, int]
     points_per_wave: float
     pressure: float
@@ -153,6 +153,8 @@ class Comparison:
     Attributes
     ----------
     scene : Scene
+    realised : Realised
+        Its surface, solid and load.
     pressure, contact_modulus, rms_gradient : float
         p0 [Pa], E* [Pa], and the realised, spectral h'_rms.
     rms_height, nayak : float
@@ -165,7 +167,7 @@ class Comparison:
     limit : Limit or None
         Limit of A/A0 over the resolved BEM grids (FEM grids where there is no BEM); None from a single grid,
         fewer than three counted areas, or a contact too small to carry the law.
-    theory : Theory or None
+    theory : Prediction or None
         None unless the scene asks for it.
     scatter : Scatter or None
     no_limit : str
@@ -175,6 +177,7 @@ class Comparison:
     """
 
     scene: Scene
+    realised: Realised
     pressure: float
     contact_modulus: float
     rms_gradient: float
@@ -185,7 +188,7 @@ class Comparison:
     rows: tuple[Row, ...]
     cross: tuple[CrossCheck, ...]
     limit: Limit | None
-    theory: Theory | None
+    theory: Prediction | None
     scatter: Scatter | None
     no_limit: str = ""
     accurate: bool = False
@@ -193,14 +196,14 @@ class Comparison:
     @property
     def adhesive(self) -> bool:
         """Whether the surfaces attract each other, so that pressures are negative near the edges."""
-        return any(effect.kind == "adhesion" for effect in self.scene.effects)
+        return _adhesive(self.scene.effects)
 
     @cached_property
     def judgements(self) -> tuple[tuple[Judgement, ...], tuple[Judgement, ...]]:
         """Effects that ran and effects left out, each with the number that decides."""
         from validation.comparison.explain import judgements
 
-        return judgements(self.scene)
+        return judgements(self.scene, self.realised)
 
     @property
     def reduced_pressure(self) -> float:
@@ -235,7 +238,7 @@ class Comparison:
             "continuum": self.continuum,
             "treatment": list(self.treatment),
             "rows": [json_ready(asdict(row)) for row in self.rows],
-            "fem_against_bem": [asdict(check) for check in self.cross],
+            "cross_checks": [asdict(check) for check in self.cross],
             "limit": None if self.limit is None else asdict(self.limit),
             "no_limit": self.no_limit,
             "theory": None if self.theory is None else self.theory.summary(),
@@ -244,123 +247,130 @@ class Comparison:
         }
 
 
-def edge_constant(job: Job, result: ContactResult) -> float:
-    """Edge constant of the perimeter correction: of boundary elements, or of the finite element used."""
-    if job.method == "bem":
-        return EDGE_CONSTANTS["bem"]
-    from fem_contact.block import ELEMENTS
-
-    return ELEMENTS[result.provenance["element"]].edge_constant
-
-
-def compare(scene: Scene, store: Store, *, accurate: bool = False) -> Comparison:
-    """Read all stored solves of a scene and put them beside the theory.
+def compare(
+    scene: Scene, realised: Realised, results: Mapping[Press, ContactResult], *, accurate: bool = False
+) -> Comparison:
+    """Put all solves of a scene beside the theory.
 
     Parameters
     ----------
     scene : Scene
-    store : Store
+    realised : Realised
+        What the scene asks for.
+    results : mapping
+        Result of each of its solves, which is read once.
     accurate : bool
         Whether its grids were chosen for an accuracy of the limit.
-
-    Raises
-    ------
-    RunFailed
-        When a solve of the scene is not stored.
     """
-    surface = scene.surface
-    field = reference_field(surface)
-    pressure = nominal_pressure(scene.load, scene.solid, field)
-    results = {job: _stored(store, job) for job in jobs_of(scene)}
-    modulus = next(iter(results.values())).contact_modulus
-    shown = [job for job in results if job.realisation == 0 and job.grid in _asked_grids(scene, job.method)]
-    groups = [list(group) for _, group in itertools.groupby(shown, key=lambda job: (job.method, job.grid))]
-    reduced = pressure / (modulus * field.rms_gradient)
-    rows = tuple(_row([(job, results[job]) for job in group], scene, reduced) for group in groups)
+    asked = {name: scene.methods.options(name).grids for name in scene.methods.solvers}
+    readings = [
+        _Reading.of(solve, results[solve], bare=not scene.effects, shown=solve.grid in asked[solve.method])
+        for solve in results
+    ]
+    modulus = readings[0].contact_modulus
+    shown = [
+        one for one in readings if one.solve.realisation == 0 and one.solve.grid in asked[one.solve.method]
+    ]
+    groups = itertools.groupby(shown, key=lambda one: (one.solve.method, one.solve.grid))
+    reduced = realised.pressure / (modulus * realised.field.rms_gradient)
+    rows = tuple(_row(list(group), scene, realised, reduced) for _, group in groups)
     continuum = None
-    treatment: tuple[str, ...] = ()
-    if isinstance(surface, FileSurface):
-        treatment = topography_of(surface).history
-        if surface.edges in ("tukey", "hann"):
-            moments = measured_spectrum(surface).moments()
-            continuum = {"rms_height_m": moments.rms_height, "rms_gradient": moments.rms_gradient}
-    else:
-        moments = spectrum_of(surface).moments()
+    if realised.spectrum is not None:
+        moments = realised.spectrum.moments()
         continuum = {"rms_height_m": moments.rms_height, "rms_gradient": moments.rms_gradient}
-    limit, no_limit = _limit(results, scene, rows)
+    limit, no_limit = _limit(readings, scene, rows)
+    field = realised.field
     return Comparison(
         scene=scene,
-        pressure=pressure,
+        realised=realised,
+        pressure=realised.pressure,
         contact_modulus=modulus,
         rms_gradient=field.rms_gradient,
         rms_height=field.rms_height,
         nayak=field.nayak if field.rms_gradient > 0 else float("nan"),
         continuum=continuum,
-        treatment=treatment,
+        treatment=() if realised.topography is None else realised.topography.history,
         rows=rows,
-        cross=_cross_checks(results, scene),
+        cross=_cross_checks(readings, scene, realised),
         limit=limit,
         no_limit=no_limit,
         accurate=accurate,
-        theory=theory_of(scene, field, pressure, modulus),
-        scatter=_scatter(results, scene, modulus),
+        theory=_theory(scene, realised),
+        scatter=_scatter(readings, scene, realised),
     )
 
 
-def _stored(store: Store, job: Job) -> ContactResult:
-    result: ContactResult | None = store.load(job)
-    if result is None:
-        raise RunFailed(f"{job.describe()}: no result in {store.folder}; run the scene first")
-    return result
+def _theory(scene: Scene, realised: Realised) -> Prediction | None:
+    return predict(realised, scene.effects) if scene.methods.options("theory") is not None else None
 
 
-def _asked_grids(scene: Scene, method: str) -> tuple[tuple[int, int], ...]:
-    table = scene.methods.bem if method == "bem" else scene.methods.fem
-    return () if table is None else table.grids
+@dataclass(frozen=True, kw_only=True)
+class _Reading:
+    """What the comparison needs of one solve, so that its fields are read once and let go.
+
+    Attributes
+    ----------
+    pressure : (nx, ny) array or None
+        Kept where it is compared with that of another method.
+    plastic : float
+        Share of points at the pressure bound.
+    """
+
+    solve: Press
+    areas: ContactAreas
+    density: float
+    plastic: float
+    residual: float
+    seconds: float
+    unknowns: int
+    contact_modulus: float
+    pressure: Array | None
+
+    @classmethod
+    def of(cls, solve: Press, result: ContactResult, *, bare: bool, shown: bool) -> _Reading:
+        solver = solve.solver
+        dx, dy = result.spacing
+        # The place of an edge is known for the bare half-space, on square cells.
+        located = solver.locates_edges and bare and abs(dx / dy - 1) <= 0.05
+        at_bound = result.at_bound if result.weights is None else result.weights * result.at_bound
+        return cls(
+            solve=solve,
+            areas=contact_areas(result, edge_constant=solver.edge_constant(result), subcell=located),
+            density=_reduced_density(result, adhesive=_adhesive(solve.effects)),
+            plastic=float(np.mean(at_bound)),
+            residual=result.residuals.worst,
+            seconds=result.cost.wall_seconds,
+            unknowns=result.cost.unknowns,
+            contact_modulus=result.contact_modulus,
+            pressure=result.pressure if shown and solve.is_own else None,
+        )
 
 
-def _areas(job: Job, result: ContactResult) -> ContactAreas:
-    dx, dy = result.spacing
-    # The place of an edge is known for the bare half-space, by boundary elements, on square cells.
-    located = job.method == "bem" and not job.effects and abs(dx / dy - 1) <= 0.05
-    return contact_areas(result, edge_constant=edge_constant(job, result), subcell=located)
+def _adhesive(effects: Sequence[Effect]) -> bool:
+    return any(effect.slot == "gap law" for effect in effects)
 
 
-def _points_per_wave(scene: Scene, grid: tuple[int, int]) -> float:
-    spacing = max(length / n for length, n in zip(scene.surface.length, grid, strict=True))
-    return shortest_wavelength(scene.surface) / spacing
-
-
-def _row(solves: Sequence[tuple[Job, ContactResult]], scene: Scene, reduced_pressure: float) -> Row:
-    job = solves[0][0]
-    areas = [_areas(job, result) for _, result in solves]
-    pixel = np.array([area.pixel for area in areas])
-    perimeter = float(np.mean([area.perimeter for area in areas]))
-    per_wave = _points_per_wave(scene, job.grid)
-    adhesive = any(effect.kind == "adhesion" for effect in scene.effects)
+def _row(solves: Sequence[_Reading], scene: Scene, realised: Realised, reduced_pressure: float) -> Row:
+    solve = solves[0].solve
+    pixel = np.array([one.areas.pixel for one in solves])
+    perimeter = float(np.mean([one.areas.perimeter for one in solves]))
+    yields = any(effect.slot == "pressure bound" for effect in scene.effects)
     return Row(
-        method=job.method,
-        grid=job.grid,
-        points_per_wave=per_wave,
-        under_resolved=not _resolved(scene, job.grid),
+        method=solve.method,
+        grid=solve.grid,
+        points_per_wave=realised.points_per_wave(solve.grid),
+        under_resolved=not realised.resolved_by(solve.grid),
         solves=len(solves),
         pixel=float(pixel.mean()),
-        pixel_scatter=float(pixel.std(ddof=1) / np.sqrt(pixel.size)) if pixel.size > 1 else 0.0,
+        pixel_scatter=float(pixel.std(ddof=1) / np.sqrt(pixel.size)) if pixel.size > 1 else float("nan"),
         perimeter=perimeter,
         kappa=perimeter / reduced_pressure,
-        density_at_zero=float(np.mean([_reduced_density(r, adhesive=adhesive) for _, r in solves])),
-        residual=max(result.residuals.worst for _, result in solves),
-        seconds=sum(result.cost.wall_seconds for _, result in solves),
-        unknowns=solves[0][1].cost.unknowns,
-        plastic=_plastic(scene, [result for _, result in solves]),
+        density_at_zero=float(np.mean([one.density for one in solves])),
+        residual=max(one.residual for one in solves),
+        seconds=sum(one.seconds for one in solves),
+        unknowns=solves[0].unknowns,
+        plastic=float(np.mean([one.plastic for one in solves])) if yields else None,
     )
-
-
-def _plastic(scene: Scene, results: Sequence[ContactResult]) -> float | None:
-    if not any(effect.kind == "hardness" for effect in scene.effects):
-        return None
-    shares = [np.mean(r.at_bound if r.weights is None else r.weights * r.at_bound) for r in results]
-    return float(np.mean(shares))
 
 
 def _reduced_density(result: ContactResult, *, adhesive: bool) -> float:
@@ -375,51 +385,50 @@ def _reduced_density(result: ContactResult, *, adhesive: bool) -> float:
     return float("nan") if reached else found.reduced
 
 
-def _resolved(scene: Scene, grid: tuple[int, int]) -> bool:
-    return resolves(grid, scene.surface.length, q_short=2 * np.pi / shortest_wavelength(scene.surface))
-
-
-def _cross_checks(results: dict[Job, ContactResult], scene: Scene) -> tuple[CrossCheck, ...]:
-    own = [job for job in results if job.realisation == 0 and job.shift == (0.0, 0.0)]
-    bem = {job.grid: job for job in own if job.method == "bem"}
+def _cross_checks(readings: Sequence[_Reading], scene: Scene, realised: Realised) -> tuple[CrossCheck, ...]:
+    """Put every other method beside the first, on the grids they share."""
+    own = [one for one in readings if one.solve.is_own]
+    first, *others = scene.methods.solvers
+    reference = {one.solve.grid: one for one in own if one.solve.method == first}
     checks = []
-    for job in own:
-        other = bem.get(job.grid)
-        if job.method != "fem" or other is None:
+    for one in own:
+        other = reference.get(one.solve.grid)
+        if one.solve.method not in others or other is None:
             continue
-        fem_areas, bem_areas = _areas(job, results[job]), _areas(other, results[other])
-        p_fem, p_bem = results[job].pressure, results[other].pressure
+        if one.pressure is None or other.pressure is None:
+            continue
+        difference = np.linalg.norm(one.pressure - other.pressure) / np.linalg.norm(other.pressure)
         checks.append(
             CrossCheck(
-                grid=job.grid,
-                points_per_wave=_points_per_wave(scene, job.grid),
-                pressure=float(np.linalg.norm(p_fem - p_bem) / np.linalg.norm(p_bem)),
-                pixel=fem_areas.pixel / bem_areas.pixel - 1,
-                perimeter=fem_areas.perimeter / bem_areas.perimeter - 1,
+                method=one.solve.method,
+                reference=first,
+                grid=one.solve.grid,
+                points_per_wave=realised.points_per_wave(one.solve.grid),
+                pressure=float(difference),
+                pixel=one.areas.pixel / other.areas.pixel - 1,
+                perimeter=one.areas.perimeter / other.areas.perimeter - 1,
             )
         )
     return tuple(checks)
 
 
-def _limit(
-    results: dict[Job, ContactResult], scene: Scene, rows: tuple[Row, ...]
-) -> tuple[Limit | None, str]:
-    """Limit of this surface, or why there is none: boundary elements first, resolved grids only."""
+def _limit(readings: Sequence[_Reading], scene: Scene, rows: tuple[Row, ...]) -> tuple[Limit | None, str]:
+    """Limit of this surface, or why there is none: the first method that has one, resolved grids only."""
     reasons = []
-    for method in ("bem", "fem"):
+    for method in scene.methods.solvers:
         grids = {row.grid for row in rows if row.method == method and not row.under_resolved}
         limit = _limit_over(
-            [_areas(job, r) for job, r in results.items() if _is_own(job, method) and job.grid in grids]
+            [
+                one.areas
+                for one in readings
+                if one.solve.method == method and one.solve.realisation == 0 and one.solve.grid in grids
+            ]
         )
         if limit is not None and limit.determinable:
             return limit, ""
         if limit is not None:
             reasons.append(limit.doubt)
     return None, reasons[0] if reasons else _TOO_FEW_GRIDS
-
-
-def _is_own(job: Job, method: str) -> bool:
-    return job.method == method and job.realisation == 0
 
 
 def _limit_over(areas: Sequence[ContactAreas]) -> Limit | None:
@@ -431,25 +440,24 @@ def _limit_over(areas: Sequence[ContactAreas]) -> Limit | None:
     return counted_limit(areas) if len(areas) >= 3 else None
 
 
-def _scatter(results: dict[Job, ContactResult], scene: Scene, modulus: float) -> Scatter | None:
-    if scene.ensemble is None:
+def _scatter(readings: Sequence[_Reading], scene: Scene, realised: Realised) -> Scatter | None:
+    if scene.ensemble is None or scene.ensemble_solver is None:
         return None
+    surfaces = {one.solve.realisation: one.solve.realised for one in readings}
     areas, ratios, errors = [], [], []
     for k in range(scene.ensemble.realisations):
         own = [
-            (job, result)
-            for job, result in results.items()
-            if job.method == "bem"
-            and job.realisation == k
-            and job.shift == (0.0, 0.0)
-            and job.grid in scene.ensemble.grids
+            one.areas
+            for one in readings
+            if one.solve.method == scene.ensemble_solver.name
+            and one.solve.realisation == k
+            and one.solve.shift == (0.0, 0.0)
+            and one.solve.grid in scene.ensemble.grids
         ]
-        limit = _limit_over([_areas(job, result) for job, result in own])
+        limit = _limit_over(own)
         if limit is None or not limit.determinable:
             return None
-        field = reference_field(scene.surface, realisation=k)
-        pressure = nominal_pressure(scene.load, scene.solid, field)
-        theory = theory_of(scene, field, pressure, modulus)
+        theory = _theory(scene, surfaces.get(k, realised))
         areas.append(limit.value)
         ratios.append(limit.value / theory.area if theory is not None and theory.answers else limit.value)
         errors.append(limit.uncertainty / limit.value)

@@ -4,31 +4,28 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
-from validation.effects.judgement import Judgement, Roughness, judge, unlisted
+from validation.effects import effect_kinds
+from validation.effects.base import Judgement, Roughness, Told
 from validation.errors import UsageError
-from validation.methods.handled import check_effects
-from validation.scenes.scene import FileSurface, Scene, SelfAffineSurface
-from validation.scenes.surfaces import (
-    Expected,
-    shortest_wavelength,
-    spectrum_of,
-    surveyed,
-    topography_of,
-)
-from validation.solves.cost import predicted_cost, transform_seconds
-from validation.solves.solve import Job, Prediction, jobs_of, nominal_pressure
+from validation.methods import methods
+from validation.methods.theory import theory_words
+from validation.scenes.checks import check_scene
+from validation.scenes.realised import Realised, Surveyed, survey
+from validation.scenes.scene import Scene
+from validation.solves.calibration import effect_costs
+from validation.solves.cost import transform_seconds
+from validation.solves.press import Press, solves_of
+from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
     from rich.table import Table
-
-    from fem_contact.surface import HeightField
 
 __all__ = ["Explanation", "Prediction", "explain", "judgements"]
 
@@ -114,7 +111,6 @@ def explain(scene: Scene) -> Explanation:
     UsageError
         For an effect that a method of the scene lacks, and for numbers that no method can compute with.
     """
-    check_effects(scene)
     try:
         return _explained(scene)
     except (fem_errors.InvalidInput, persson_errors.InvalidInput) as error:
@@ -124,29 +120,30 @@ def explain(scene: Scene) -> Explanation:
 
 
 def _explained(scene: Scene) -> Explanation:
+    realised = survey(scene)
+    check_scene(scene, realised)
     pair = transform_seconds()
-    groups: dict[tuple[str, tuple[int, int]], list[Job]] = {}
-    for job in jobs_of(scene):
-        groups.setdefault((job.method, job.grid), []).append(job)
+    groups: dict[tuple[str, tuple[int, int]], list[Press]] = {}
+    for solve in solves_of(scene, realised):
+        groups.setdefault((solve.method, solve.grid), []).append(solve)
     grids = []
-    for (method, grid), jobs in groups.items():
-        cost = predicted_cost(jobs[0], pair_seconds=pair)
-        spacing = max(length / n for length, n in zip(scene.surface.length, grid, strict=True))
+    for (method, grid), solves in groups.items():
+        cost = solves[0].predict(pair_seconds=pair)
         grids.append(
             PlannedGrid(
                 method=method,
                 grid=grid,
-                points_per_wave=shortest_wavelength(scene.surface) / spacing,
-                solves=len(jobs),
+                points_per_wave=realised.points_per_wave(grid),
+                solves=len(solves),
                 unknowns=cost.unknowns,
-                seconds=cost.seconds * len(jobs),
+                seconds=cost.seconds * len(solves),
                 peak_bytes=cost.peak_bytes,
             )
         )
-    effects, left_out = judgements(scene)
+    effects, left_out = judgements(scene, realised)
     return Explanation(
         name=scene.name,
-        facts=_facts(scene),
+        facts=_facts(scene, realised),
         grids=tuple(sorted(grids, key=lambda g: (g.method, g.grid))),
         effects=effects,
         left_out=left_out,
@@ -154,67 +151,68 @@ def _explained(scene: Scene) -> Explanation:
     )
 
 
-def judgements(scene: Scene) -> tuple[tuple[Judgement, ...], tuple[Judgement, ...]]:
+def judgements(scene: Scene, realised: Realised) -> tuple[tuple[Judgement, ...], tuple[Judgement, ...]]:
     """Return the effects that a scene lists and those it leaves out, each with the number that decides."""
-    return tuple(judge(effect, _roughness(scene)) for effect in scene.effects), _left_out(scene)
+    rough = _roughness(realised)
+    listed = tuple(_priced(effect.judged(rough)) for effect in scene.effects)
+    return listed, _left_out(scene, rough)
+
+
+def _roughness(realised: Realised) -> Roughness:
+    waves = {"longest": realised.longest, "shortest": realised.shortest}
+    modulus = realised.contact_modulus
+    if isinstance(realised, Surveyed):
+        told = realised.expected
+        return Roughness(
+            modulus=modulus,
+            gradient=told.rms_gradient,
+            curvature=math.sqrt(3 * told.moments[2] / 8),
+            full_energy=0.25 * modulus * told.first_moment,
+            **waves,
+        )
+    return Roughness.of(realised.field, modulus=modulus, **waves)
+
+
+def _priced(judgement: Judgement) -> Judgement:
+    """Say what an effect costs that could be left out."""
+    if not judgement.negligible:
+        return judgement
+    costs = effect_costs()
+    words = f"it costs {costs.factors[judgement.effect]:.2g} times the plain solve ({costs.source})"
+    return replace(judgement, verdict=f"{judgement.verdict}; {words}")
 
 
 def _cost_words(scene: Scene) -> str:
     """Say what the effects of a scene cost over a plain solve, and where these numbers were measured."""
     if not scene.effects:
         return ""
-    from validation.solves.calibration import effect_costs
-
     costs = effect_costs()
-    factors = ", ".join(
-        f"{effect.kind} {costs.factors[effect.kind]:.2g}"
-        for effect in scene.effects
-        if effect.kind in costs.factors
-    )
+    factors = ", ".join(f"{effect.kind} {costs.factors[effect.kind]:.2g}" for effect in scene.effects)
     return f"{factors} times ({costs.source})"
 
 
-def _facts(scene: Scene) -> tuple[tuple[str, str], ...]:
+def _facts(scene: Scene, realised: Realised) -> tuple[tuple[str, str], ...]:
     """Return the numbers a reader checks first: realised and continuum roughness, load, bandwidth."""
-    surface = scene.surface
-    field = surveyed(surface)
-    pressure = nominal_pressure(scene.load, scene.solid, field)
-    modulus = scene.solid.young / (1 - scene.solid.poisson**2)
+    field, modulus = realised.field, realised.contact_modulus
     facts = [
         ("E*", f"{modulus:.6g} Pa"),
-        ("realised surface", _realised_words(field)),
+        ("realised surface", _realised_words(realised)),
     ]
-    if isinstance(surface, SelfAffineSurface):
-        moments = spectrum_of(surface).moments()
-        facts.append(
-            (
-                "integrals over C(q)",
-                f"h_rms = {moments.rms_height:.6g} m, h'_rms = {moments.rms_gradient:.6g}",
-            )
-        )
-        facts.append(
-            (
-                "bandwidth",
-                f"L/lambda_long = {min(surface.length) / surface.lambda_long:.3g}, "
-                f"lambda_long/lambda_short = {surface.lambda_long / surface.lambda_short:.3g}",
-            )
-        )
-    else:
-        facts.extend(("measured", words) for words in topography_of(surface).history)
+    facts += _surface_facts(realised)
     if field.rms_gradient > 0:
-        source = "of C(q)" if isinstance(field, Expected) else "realised"
+        source = "of C(q)" if isinstance(realised, Surveyed) else "realised"
         facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"))
-        facts.append(
-            ("load", f"p0 = {pressure:.6g} Pa, p* = {pressure / (modulus * field.rms_gradient):.4g}")
-        )
-    facts.extend(_mesh_facts(scene))
-    if scene.methods.theory is not None:
-        facts.append(("theory", _theory_words(scene)))
+        facts.append(("load", f"p0 = {realised.pressure:.6g} Pa, p* = {realised.reduced_pressure:.4g}"))
+    for name, method in scene.methods.asked.items():
+        facts += method.facts(scene.methods.options(name), realised)
+    if scene.methods.options("theory") is not None:
+        facts.append(("theory", _theory_words(scene, realised)))
     return tuple(facts)
 
 
-def _realised_words(field: HeightField | Expected) -> str:
-    if isinstance(field, Expected):
+def _realised_words(realised: Realised) -> str:
+    field = realised.field
+    if isinstance(realised, Surveyed):
         return (
             f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points; all that follows is "
             "that of C(q)"
@@ -222,61 +220,32 @@ def _realised_words(field: HeightField | Expected) -> str:
     return f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} (spectral)"
 
 
-def _theory_words(scene: Scene) -> str:
+def _surface_facts(realised: Realised) -> list[tuple[str, str]]:
+    """Return the integrals over C(q) and the bandwidth, or what was done to a measured surface."""
+    if realised.topography is not None:
+        return [("measured", words) for words in realised.topography.history]
+    assert realised.spectrum is not None
+    moments = realised.spectrum.moments()
+    sizes = (
+        f"L/lambda_long = {min(realised.lengths) / realised.longest:.3g}, "
+        f"lambda_long/lambda_short = {realised.longest / realised.shortest:.3g}"
+    )
+    integrals = f"h_rms = {moments.rms_height:.6g} m, h'_rms = {moments.rms_gradient:.6g}"
+    return [("integrals over C(q)", integrals), ("bandwidth", sizes)]
+
+
+def _theory_words(scene: Scene, realised: Realised) -> str:
     if not scene.effects:
         return "Persson 2006, elastic, without adhesion: A/A0, P(sigma), kappa; milliseconds"
-    from validation.methods.effect_theory import words
-
-    return words(scene.effects)
+    return theory_words(Told.by(realised.elastic, scene.effects))
 
 
-def _mesh_facts(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Yield for each finite-element grid the discretisation error that its waves are answered with."""
-    fem, solid = scene.methods.fem, scene.solid
-    if fem is None:
-        return
-    from fem_contact.block import wave_errors
-
-    shortest, longest = shortest_wavelength(scene.surface), _longest(scene)
-    for grid in sorted(fem.grids):
-        spacing = max(length / n for length, n in zip(scene.surface.length, grid, strict=True))
-        name = f"finite elements, {grid[0]} x {grid[1]}"
-        if longest < 2 * spacing:
-            yield name, f"carry no wave of this surface, whose longest is {longest / spacing:.3g} cells long"
-            continue
-        # Cells count along x, whatever they are along y.
-        carried = 2 * max(spacing, scene.surface.length[0] / grid[0])
-        waves = [max(shortest, carried), max(longest, carried)]
-        short, long = wave_errors(
-            grid, scene.surface.length, waves, poisson=solid.poisson, depth=fem.depth, growth=fem.growth
-        )
-        yield (
-            name,
-            f"compliance off by {short.along_axis:+.2%} along the axes and {short.along_diagonal:+.2%} along "
-            f"the diagonal at {short.nodes:.3g} nodes per wave (the shortest), by {long.along_axis:+.2%} at "
-            f"{long.nodes:.3g} (the longest); + is too soft",
-        )
-
-
-def _roughness(scene: Scene) -> Roughness:
-    field = surveyed(scene.surface)
-    modulus = scene.solid.young / (1 - scene.solid.poisson**2)
-    waves = {"longest": _longest(scene), "shortest": shortest_wavelength(scene.surface)}
-    if isinstance(field, Expected):
-        return Roughness(
-            modulus=modulus,
-            gradient=field.rms_gradient,
-            curvature=math.sqrt(3 * field.moments[2] / 8),
-            full_energy=0.25 * modulus * field.first_moment,
-            **waves,
-        )
-    return Roughness.of(field, modulus=modulus, **waves)
-
-
-def _left_out(scene: Scene) -> tuple[Judgement, ...]:
+def _left_out(scene: Scene, rough: Roughness) -> tuple[Judgement, ...]:
     """Return the effects that are not listed, each with the number that decides whether it may be."""
-    rough = _roughness(scene)
-    items = list(unlisted(scene, rough))
+    slots = {effect.slot for effect in scene.effects}
+    # Where one effect fills a slot, its rivals are not missing.
+    rivals = (kind for kind in effect_kinds().values() if kind.slot not in slots)
+    items = [judged for kind in rivals if (judged := kind.unlisted(rough)) is not None]
     neglected = rough.gradient**2
     items.append(
         Judgement(
@@ -287,17 +256,13 @@ def _left_out(scene: Scene) -> tuple[Judgement, ...]:
             else "matters: every method here is linear in the slope",
         )
     )
-    if scene.methods.fem is None:
+    if not any(method.independent for method in scene.methods.solvers.values()):
+        missing = [name for name, method in methods().items() if method.independent]
         items.append(
             Judgement(
-                effect="finite elements",
-                number="no [methods.fem]",
+                effect="an independent solver",
+                number=f"no [methods.{missing[0]}]",
                 verdict="the contact algorithm is not cross-checked",
             )
         )
     return tuple(items)
-
-
-def _longest(scene: Scene) -> float:
-    surface = scene.surface
-    return max(surface.length) if isinstance(surface, FileSurface) else surface.lambda_long

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
+from validation.methods import find_method, find_solver
 from validation.report.words import significant, with_error
 
 if TYPE_CHECKING:
     from fem_contact.area import Limit
-    from validation.comparison.compare import Comparison, Row
+    from validation.comparison.compare import Comparison, CrossCheck, Row
 
 __all__ = ["findings", "percent", "yielded_row"]
 
@@ -49,6 +50,14 @@ def percent(value: float) -> str:
 
 def _side(difference: float, above: str = "above", below: str = "below") -> str:
     return f"{percent(abs(difference))} {above if difference > 0 else below}"
+
+
+def _label(method: str) -> str:
+    return find_method(method).label
+
+
+def _words(c: Comparison, method: str) -> str:
+    return find_solver(method).words(c.scene.methods.options(method))
 
 
 def _grid(row: Row) -> str:
@@ -118,7 +127,7 @@ def _yielded(c: Comparison) -> list[str]:
         return []
     (finest,) = found
     assert finest.plastic is not None
-    text = f"Yielded, A_pl/A0 = {significant(finest.plastic)} by {finest.method.upper()} on {_grid(finest)} (points counted)"
+    text = f"Yielded, A_pl/A0 = {significant(finest.plastic)} by {_label(finest.method)} on {_grid(finest)} (points counted)"
     if c.theory is None or c.theory.plastic is None:
         return [text + "."]
     distance = ""
@@ -155,7 +164,7 @@ def _grids(c: Comparison) -> list[str]:
     if c.limit is None:
         return []
     sentences = []
-    for method in ("bem", "fem"):
+    for method in c.scene.methods.solvers:
         rows = [row for row in c.rows_of(method) if not row.under_resolved]
         if len(rows) < 2:
             continue
@@ -163,11 +172,11 @@ def _grids(c: Comparison) -> list[str]:
         errors = [row.pixel / c.limit.value - 1 for row in (first, last)]
         corrected = first.perimeter / c.limit.value - 1
         if max(abs(error) for error in errors) < 1e-9:
-            sentences.append(f"{method.upper()} counting gives the same area on every grid.")
+            sentences.append(f"{_label(method)} counting gives the same area on every grid.")
             continue
         word = "overestimates" if errors[0] > 0 else "underestimates"
         sentences.append(
-            f"Counting contact cells ({method.upper()}) {word} the limit by {percent(abs(errors[0]))} "
+            f"Counting contact cells ({_label(method)}) {word} the limit by {percent(abs(errors[0]))} "
             f"on the {_grid(first)} grid (lambda_short/dx = {first.points_per_wave:.3g}) and is {_side(errors[1])} it "
             f"on {_grid(last)} (lambda_short/dx = {last.points_per_wave:.3g}); the perimeter correction leaves "
             f"{percent(corrected)} on {_grid(first)}."
@@ -176,27 +185,34 @@ def _grids(c: Comparison) -> list[str]:
 
 
 def _cross(c: Comparison) -> list[str]:
-    if not c.cross:
-        if c.rows_of("fem") and c.rows_of("bem"):
-            return ["FEM and BEM share no grid, so their pressures are not compared point by point."]
-        return []
-    first, last = c.cross[0], c.cross[-1]
-    fem = c.scene.methods.fem
-    reduced = fem is not None and fem.method == "reduced"
-    name = "reduced finite-element block" if reduced else "full finite-element system"
+    first, *others = c.scene.methods.solvers
+    sentences = []
+    for method in others:
+        checks = [check for check in c.cross if check.method == method]
+        if checks:
+            sentences.append(_difference(c, checks))
+        elif c.rows_of(method) and c.rows_of(first):
+            sentences.append(
+                f"{_label(method)} and {_label(first)} share no grid, so their pressures are not compared point by point."
+            )
+    return sentences
+
+
+def _difference(c: Comparison, checks: list[CrossCheck]) -> str:
+    first, last = checks[0], checks[-1]
     text = (
-        f"On the same surface and {last.grid[0]} x {last.grid[1]} grid the {name} and the "
-        f"boundary elements differ by {percent(last.pressure)} in pressure (relative L2) and {percent(last.pixel)} in pixel area"
+        f"On the same surface and {last.grid[0]} x {last.grid[1]} grid the {_words(c, last.method)} and the "
+        f"{_words(c, last.reference)} differ by {percent(last.pressure)} in pressure (relative L2) and {percent(last.pixel)} in pixel area"
     )
     if first is last:
-        return [text + "."]
+        return text + "."
     pressure = "shrinks" if last.pressure < first.pressure else "does not shrink"
     area = "shrinks" if abs(last.pixel) < abs(first.pixel) else "does not shrink"
-    return [
+    return (
         text
         + f"; on {first.grid[0]} x {first.grid[1]} by {percent(first.pressure)} and {percent(first.pixel)}: "
         f"with refinement the difference in pressure {pressure} and that in area {area}."
-    ]
+    )
 
 
 def _pressure_at_zero(c: Comparison) -> list[str]:
@@ -205,7 +221,7 @@ def _pressure_at_zero(c: Comparison) -> list[str]:
         return []
     rows = [
         row
-        for row in c.rows_of("bem")
+        for row in c.rows_of(next(iter(c.scene.methods.solvers)))
         if not row.under_resolved
         and row.density_at_zero > 0
         and row.pixel * row.grid[0] * row.grid[1] >= LEAST_CONTACT_POINTS
@@ -238,7 +254,7 @@ def _cost(c: Comparison) -> list[str]:
         return ["No solve of this run is within 1 % of the limit: refine the grids."]
     seconds, row, name, error = min(good, key=lambda way: way[0])
     return [
-        f"The cheapest way to within 1 % of the limit was {row.method.upper()} on {_grid(row)} with the {name} area: {seconds:.2g} s "
+        f"The cheapest way to within 1 % of the limit was {_label(row.method)} on {_grid(row)} with the {name} area: {seconds:.2g} s "
         f"for {row.solves} solve{'s' if row.solves > 1 else ''}, error {percent(error)}."
     ]
 
@@ -247,7 +263,7 @@ def _warnings(c: Comparison) -> list[str]:
     sentences = []
     coarse = [row for row in c.rows if row.under_resolved]
     if coarse:
-        names = ", ".join(f"{row.method.upper()} {_grid(row)}" for row in coarse)
+        names = ", ".join(f"{_label(row.method)} {_grid(row)}" for row in coarse)
         measured = c.scene.surface.kind == "file"
         why = (
             "the measured heights may hold waves down to two of their own samples, so that only finer grids resolve them"

@@ -6,14 +6,28 @@ import math
 import os
 import re
 import tomllib
+from functools import reduce
 from importlib import resources
+from operator import or_
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
-from pydantic import AfterValidator, BaseModel, Field, StrictBool, StrictInt, ValidationError, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    Field,
+    StrictBool,
+    StrictInt,
+    ValidationError,
+    create_model,
+    model_validator,
+)
 
-from validation.effects.tables import EFFECT_KINDS, EFFECT_TABLES, EffectSpec, clash, effect_key
-from validation.errors import SceneError, UsageError, shown
+from validation.effects import effect_kinds
+from validation.effects.base import Effect, clash, effect_key
+from validation.errors import SceneError, UsageError
+from validation.methods import Method, Solver, methods
+from validation.report.words import harmless
 from validation.units import (
     Grids,
     Length,
@@ -29,12 +43,11 @@ from validation.units import Table as _Table
 from validation.units import wrong as _wrong
 
 __all__ = [
-    "BemMethod",
     "EffectSpec",
     "Ensemble",
-    "FemMethod",
     "FileSurface",
     "Load",
+    "MethodTables",
     "Methods",
     "RunOptions",
     "Scene",
@@ -138,55 +151,50 @@ class Load(_Table):
         return self
 
 
-Tolerance = Annotated[Number, Field(gt=0, lt=1e-2)]
-
-
-class _Gridded(_Table):
-    grids: Annotated[Grids, Field(min_length=1)] = Field(description="surface points, e.g. [32, 64]")
-    tolerance: Tolerance = 1e-8
-    under_resolved: StrictBool = Field(
-        default=False, description="run grids with lambda_short <= 2 dx, labelled"
-    )
-
-
-class BemMethod(_Gridded):
-    """FFT boundary elements on these grids, each on `shifts`^2 sub-grid shifts of the surface."""
-
-    shifts: Annotated[StrictInt, Field(ge=1, le=8)] = 1
-
-
-#: Layers of a block; with the usual growth some forty reach the depth of the period.
-_MOST_LAYERS = 4096
-
-
-class FemMethod(_Gridded):
-    """Finite-element block on these surface grids."""
-
-    method: Literal["full", "reduced"] = Field(
-        default="full", description="the whole system, or its exact reduction to the surface"
-    )
-    depth: Length | None = Field(default=None, description="depth of the block; default: the longer period")
-    growth: Number = Field(
-        default=1.2, ge=1, le=4, description="ratio of the thicknesses of successive layers"
-    )
-
-
-class TheoryMethod(_Table):
-    """Persson's theory; it has no settings in an elastic scene."""
-
-
-class Methods(_Table):
-    """Which methods run: those whose table is present, no others."""
-
-    bem: BemMethod | None = None
-    fem: FemMethod | None = None
-    theory: TheoryMethod | None = None
+class MethodTables(_Table):
+    """Which methods run: those whose table is present, no others; see `validation.methods`."""
 
     @model_validator(mode="after")
     def _some_solver(self) -> Self:
-        if self.bem is None and self.fem is None:
-            raise _wrong("give at least one of the tables [methods.bem] and [methods.fem]")
+        if not self.solvers:
+            names = [name for name, method in methods().items() if isinstance(method, Solver)]
+            tables = " and ".join(f"[methods.{name}]" for name in names)
+            raise _wrong(f"give at least one of the tables {tables}")
         return self
+
+    @property
+    def asked(self) -> dict[str, Method]:
+        """Methods whose table is present, by name, in the order of the registry."""
+        return {name: method for name, method in methods().items() if getattr(self, name, None) is not None}
+
+    @property
+    def solvers(self) -> dict[str, Solver]:
+        """Those of them that press a surface; the first is what the others are compared with."""
+        return {name: method for name, method in self.asked.items() if isinstance(method, Solver)}
+
+    def options(self, name: str) -> Any:
+        """Return the table of a method; None where it is not listed."""
+        return getattr(self, name, None)
+
+
+if TYPE_CHECKING:
+    EffectSpec: TypeAlias = Effect
+
+    class Methods(MethodTables):
+        """One optional table for each method of the registry."""
+
+        def __init__(self, **tables: Any) -> None: ...
+
+        def __getattr__(self, name: str) -> Any: ...
+
+else:
+    Methods = create_model(
+        "Methods",
+        __base__=MethodTables,
+        __doc__="One optional table for each method of the registry.",
+        **{name: (method.options | None, None) for name, method in methods().items()},
+    )
+    EffectSpec = Annotated[reduce(or_, effect_kinds().values()), Field(discriminator="kind")]
 
 
 class Ensemble(_Table):
@@ -223,7 +231,7 @@ class RunOptions(_Table):
     store: Inside | None = Field(default=None, description="folder of finished solves, shared between runs")
     output: Inside | None = Field(default=None, description="results folder; default: results/<name>")
     quiet: StrictBool = Field(default=False, description="no progress bar")
-    pictures: StrictBool = Field(default=True, description="3-D pictures in the report")
+    pictures: StrictBool = Field(default=False, description="3-D pictures in the report")
 
     @model_validator(mode="before")
     @classmethod
@@ -253,15 +261,15 @@ def not_led_out(path: Path, *, of: Path, option: str) -> Path:
     led = path.resolve()
     if not led.is_relative_to(of.resolve()):
         raise UsageError(
-            f"{str(path)!r} is a link that leads to {str(led)!r}; remove it, or say {option} {str(path)!r} to "
-            "follow it"
+            f"{str(path)!r} is a link that leads to {str(led)!r}; remove it, or say {option} {str(path)!r} "
+            "to follow it"
         )
     return path
 
 
 def _harmless(text: str) -> str:
     """Refuse what would change a terminal, or how a line reads."""
-    bad = next((c for c in text if c == "\n" or shown(c) != c), None)
+    bad = next((c for c in text if c in "\n\t\u2028\u2029" or harmless(c) != c), None)
     if bad is not None:
         raise _wrong(f"must be a line of text; it holds the control character {bad!a}")
     return text
@@ -299,34 +307,23 @@ class Scene(_Table):
             if self.ensemble is not None:
                 raise _wrong("ensemble: a measured surface has one realisation; remove the table")
             return self
-        for name, method in (
-            ("bem", self.methods.bem),
-            ("fem", self.methods.fem),
-            ("ensemble", self.ensemble),
-        ):
-            if method is None or getattr(method, "under_resolved", False):
+        tables = {f"methods.{name}": self.methods.options(name) for name in self.methods.solvers}
+        for name, table in (*tables.items(), ("ensemble", self.ensemble)):
+            if table is None or getattr(table, "under_resolved", False):
                 continue
-            for grid in method.grids:
-                check_resolution(f"{name if name == 'ensemble' else 'methods.' + name}.grids", grid, surface)
-        if self.ensemble is not None and self.methods.bem is None:
-            raise _wrong("ensemble: runs by boundary elements; add the table [methods.bem]")
+            for grid in table.grids:
+                check_resolution(f"{name}.grids", grid, surface)
+        if self.ensemble is not None and self.ensemble_solver is None:
+            quick = [name for name, method in methods().items() if getattr(method, "for_ensembles", False)]
+            raise _wrong(
+                f"ensemble: add the table of a method that is quick enough for it: {', '.join(quick)}"
+            )
         return self
 
-    @model_validator(mode="after")
-    def _layers_are_few(self) -> Self:
-        fem = self.methods.fem
-        for grid in () if fem is None else fem.grids:
-            assert fem is not None
-            depth = fem.depth or max(self.surface.length)
-            first = max(length / n for length, n in zip(self.surface.length, grid, strict=True))
-            faster = math.log(fem.growth)
-            layers = depth / first if faster == 0 else math.log1p(depth / first * (fem.growth - 1)) / faster
-            if layers > _MOST_LAYERS:
-                raise _wrong(
-                    f"methods.fem.growth = {fem.growth:.6g}: makes {layers:.3g} layers over a depth of "
-                    f"{depth:.3g} m; at most {_MOST_LAYERS} are solved: raise the growth or lower the depth"
-                )
-        return self
+    @property
+    def ensemble_solver(self) -> Solver | None:
+        """The listed method that further realisations are solved by: the first that is quick enough."""
+        return next((method for method in self.methods.solvers.values() if method.for_ensembles), None)
 
     @property
     def is_random(self) -> bool:
@@ -477,7 +474,7 @@ def scene_problems(error: ValidationError) -> list[str]:
 
 
 #: Values of `kind` by the table that has one; they stand in pydantic's locations, but are no keys.
-_TAGS = {"surface": frozenset({"self-affine", "file"}), "effects": EFFECT_KINDS}
+_TAGS = {"surface": frozenset({"self-affine", "file"}), "effects": frozenset(effect_kinds())}
 
 
 #: The same of scenes that only the theory computes.
@@ -537,17 +534,16 @@ def _short(value: object) -> str:
 
 def _described(location: list[str]) -> str:
     """Say what a missing key is, from the description of its field."""
-    tables = (
+    tables: tuple[type[BaseModel], ...] = (
         Scene,
         SelfAffineSurface,
         FileSurface,
         SolidSpec,
         Load,
-        BemMethod,
-        FemMethod,
         Ensemble,
         RunOptions,
-        *EFFECT_TABLES,
+        *(method.options for method in methods().values()),
+        *effect_kinds().values(),
     )
     for table in tables:
         field = table.model_fields.get(location[-1])

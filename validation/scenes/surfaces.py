@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from fem_contact.surface import HeightField, random_surface
+from fem_contact.surface import HeightField, RandomWaves, random_waves
 from validation.errors import UsageError
 from validation.scenes.scene import FileSurface, SelfAffineSurface
 from validation.scenes.topography import Topography, measured
@@ -20,14 +20,18 @@ if TYPE_CHECKING:
 __all__ = [
     "Expected",
     "check_fits",
+    "check_memory",
+    "expected",
     "file_digest",
     "height_field",
+    "measured_field",
     "measured_spectrum",
     "reference_field",
-    "shortest_wavelength",
+    "resolving_grid",
+    "sampled",
     "spectrum_of",
-    "surveyed",
     "topography_of",
+    "waves_of",
 ]
 
 
@@ -51,6 +55,41 @@ def spectrum_of(surface: SelfAffineSurface) -> SelfAffine:
     )
 
 
+def waves_of(surface: SelfAffineSurface, realisation: int = 0) -> RandomWaves:
+    """Draw the waves of one realisation; realisation k is the surface of seed + k."""
+    spectrum = spectrum_of(surface)
+    return random_waves(
+        spectrum,
+        q_short=spectrum.q_short,
+        lengths=surface.length,
+        seed=surface.seed + realisation,
+        amplitudes=surface.amplitudes,
+    )
+
+
+def sampled(
+    waves: RandomWaves,
+    surface: SelfAffineSurface,
+    grid: tuple[int, int],
+    shift: tuple[float, float] = (0.0, 0.0),
+) -> HeightField:
+    """Sample a surface on a grid, moved by parts of a cell.
+
+    A grid that does not resolve the surface gets its point values; the scene has already been asked whether
+    that is wanted. Such a field is shifted on a resolving grid, then sampled.
+    """
+    field = waves.on(grid, under_resolved=True)
+    if shift == (0.0, 0.0):
+        return field
+    resolving = resolving_grid(surface)
+    if all(n >= least for n, least in zip(grid, resolving, strict=True)):
+        return field.shifted(shift)
+    factors = tuple(-(-least // n) for n, least in zip(grid, resolving, strict=True))
+    fine = waves.on((grid[0] * factors[0], grid[1] * factors[1]), under_resolved=True)
+    moved = fine.shifted((shift[0] * factors[0], shift[1] * factors[1]))
+    return HeightField(heights=moved.heights[:: factors[0], :: factors[1]], lengths=field.lengths)
+
+
 def height_field(
     surface: SelfAffineSurface | FileSurface,
     grid: tuple[int, int],
@@ -58,39 +97,11 @@ def height_field(
     realisation: int = 0,
     shift: tuple[float, float] = (0.0, 0.0),
 ) -> HeightField:
-    """Heights of one realisation on one grid, moved by fractions of a cell.
-
-    Realisation k is the surface of seed + k. A grid that does not resolve the surface gets its point values;
-    the scene has already been asked whether that is wanted.
-    """
+    """Heights of one realisation on one grid, moved by parts of a cell; `Realised` does it for many grids."""
     if isinstance(surface, FileSurface):
-        field = _read(surface).resampled(grid)
+        field = measured_field(surface, topography_of(surface)).resampled(grid)
         return field if shift == (0.0, 0.0) else field.shifted(shift)
-    spectrum = spectrum_of(surface)
-    field = random_surface(
-        spectrum,
-        q_short=spectrum.q_short,
-        lengths=surface.length,
-        shape=grid,
-        seed=surface.seed + realisation,
-        amplitudes=surface.amplitudes,
-        under_resolved=True,
-    )
-    return field if shift == (0.0, 0.0) else _moved(surface, field, realisation, shift)
-
-
-def _moved(
-    surface: SelfAffineSurface, field: HeightField, realisation: int, shift: tuple[float, float]
-) -> HeightField:
-    """Shift by parts of a cell; an under-resolved field is shifted on a resolving grid, then sampled."""
-    resolving = resolving_grid(surface)
-    if all(n >= least for n, least in zip(field.shape, resolving, strict=True)):
-        return field.shifted(shift)
-    fine_shape = tuple(n * -(-least // n) for n, least in zip(field.shape, resolving, strict=True))
-    factors = tuple(fine // n for fine, n in zip(fine_shape, field.shape, strict=True))
-    fine = height_field(surface, (fine_shape[0], fine_shape[1]), realisation=realisation)
-    moved = fine.shifted((shift[0] * factors[0], shift[1] * factors[1]))
-    return HeightField(heights=moved.heights[:: factors[0], :: factors[1]], lengths=field.lengths)
+    return sampled(waves_of(surface, realisation), surface, grid, shift)
 
 
 def resolving_grid(surface: SelfAffineSurface) -> tuple[int, int]:
@@ -102,9 +113,9 @@ def resolving_grid(surface: SelfAffineSurface) -> tuple[int, int]:
 def reference_field(surface: SelfAffineSurface | FileSurface, *, realisation: int = 0) -> HeightField:
     """Return the realisation on the smallest grid that resolves it; its moments are the surface's own."""
     if isinstance(surface, FileSurface):
-        return _read(surface)
+        return measured_field(surface, topography_of(surface))
     grid = resolving_grid(surface)
-    _check_memory(surface, grid)
+    check_memory(surface, grid)
     return height_field(surface, grid, realisation=realisation)
 
 
@@ -114,7 +125,7 @@ _BYTES_PER_POINT = 60
 _SURVEYED_POINTS = 2**24
 
 
-def _check_memory(surface: SelfAffineSurface, grid: tuple[int, int]) -> None:
+def check_memory(surface: SelfAffineSurface, grid: tuple[int, int]) -> None:
     """Refuse to resolve a surface that does not fit into memory, before anything of it is made."""
     least = surface.lambda_short * math.sqrt(_share(grid))
     check_fits(
@@ -181,13 +192,11 @@ class Expected:
         return 1.5 * m0 * m4 / m2**2
 
 
-def surveyed(surface: SelfAffineSurface | FileSurface) -> HeightField | Expected:
-    """Return a surface to be looked at: the realised one, or what C(q) gives of one with too many points."""
-    if isinstance(surface, FileSurface):
-        return _read(surface)
+def expected(surface: SelfAffineSurface) -> Expected | None:
+    """Return what C(q) gives for a surface with too many points to be looked at; None for any other."""
     grid = resolving_grid(surface)
     if grid[0] * grid[1] <= _SURVEYED_POINTS:
-        return reference_field(surface)
+        return None
     import numpy as np
 
     spectrum = spectrum_of(surface)
@@ -195,13 +204,6 @@ def surveyed(surface: SelfAffineSurface | FileSurface) -> HeightField | Expected
     q = np.geomspace(spectrum.q_min, spectrum.q_short, 4001)
     first = 2 * math.pi * float(np.trapezoid(q**3 * spectrum(q), np.log(q)))
     return Expected(moments=(found.m0, found.m2, found.m4), first_moment=first, shape=grid)
-
-
-def shortest_wavelength(surface: SelfAffineSurface | FileSurface) -> float:
-    """lambda_short [m]; of a file, two of its grid spacings."""
-    if isinstance(surface, FileSurface):
-        return 2 * max(_read(surface).spacing)
-    return surface.lambda_short
 
 
 def file_digest(surface: FileSurface) -> str:
@@ -245,7 +247,7 @@ def measured_spectrum(surface: FileSurface) -> Tabulated:
 
     A patch that is one period needs no window; any other gets a Hann window, with its loss made up for.
     """
-    from fem_contact.spectra import estimate_spectrum
+    from fem_contact.surface.spectra import estimate_spectrum
     from persson.tabulated import Tabulated
 
     patch = topography_of(surface, edges=False)
@@ -255,9 +257,9 @@ def measured_spectrum(surface: FileSurface) -> Tabulated:
     return Tabulated(wavevectors=rings.q[rough], power=rings.power[rough])
 
 
-def _read(surface: FileSurface) -> HeightField:
+def measured_field(surface: FileSurface, topography: Topography) -> HeightField:
     """Heights of a measured surface as one period; they must be rough, since every p* divides by h'_rms."""
-    field = topography_of(surface).height_field()
+    field = topography.height_field()
     if not field.rms_gradient > 0:
         raise UsageError(
             f"surface.path = {str(surface.path)!r}: is flat (h'_rms = 0); a scene needs a rough surface"

@@ -8,17 +8,17 @@ from __future__ import annotations
 
 import json
 import math
-import os
-import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import date
 from pathlib import Path
 from types import MappingProxyType
 
-from validation.effects.tables import Adhesion, Coating, EffectSpec, Graded, HardnessEffect, Thickness
+import platformdirs
 
-__all__ = ["REFERENCE", "EffectCosts", "cache_file", "calibrate", "effect_costs"]
+from validation.effects import Effect, effect_kinds
+
+__all__ = ["EffectCosts", "cache_file", "calibrate", "effect_costs", "reference"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,23 +37,20 @@ class EffectCosts:
     source: str
 
 
-#: Without a calibration of this machine: one surface on 256 x 256 points, one thread. Adhesion's factor grows
-#: with the grid (12 on 512 x 512), that of grading, most of which is set-up, falls (3).
-REFERENCE = EffectCosts(
-    factors=MappingProxyType(
-        {"hardness": 1.4, "adhesion": 5.1, "thickness": 1.0, "coating": 1.4, "graded": 6.1}
-    ),
-    source="measured on a virtual AMD EPYC, 2026-11-21; 'fem-contact calibrate' measures this machine",
-)
+def reference() -> EffectCosts:
+    """Return what stands without a calibration of this machine: 256 x 256 points, one thread.
+
+    Adhesion's factor grows with the grid (12 on 512 x 512); that of grading, most of which is set-up, falls.
+    """
+    return EffectCosts(
+        factors=MappingProxyType({name: kind.cost for name, kind in effect_kinds().items()}),
+        source="measured on a virtual AMD EPYC, 2026-11-21; 'fem-contact calibrate' measures this machine",
+    )
 
 
 def cache_file() -> Path:
     """Where this machine's factors are kept."""
-    if sys.platform == "win32":
-        base = os.environ.get("LOCALAPPDATA", str(Path.home() / "AppData" / "Local"))
-    else:
-        base = os.environ.get("XDG_CACHE_HOME", str(Path.home() / ".cache"))
-    return Path(base) / "fem-contact" / "effect-costs.json"
+    return platformdirs.user_cache_path("fem-contact") / "effect-costs.json"
 
 
 def effect_costs() -> EffectCosts:
@@ -63,11 +60,11 @@ def effect_costs() -> EffectCosts:
         factors = {str(kind): float(value) for kind, value in kept["factors"].items()}
         measured_on = str(kept["date"])
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
-        return REFERENCE
-    if set(factors) != set(REFERENCE.factors) or not all(
+        return reference()
+    if set(factors) != set(effect_kinds()) or not all(
         math.isfinite(value) and value > 0 for value in factors.values()
     ):
-        return REFERENCE
+        return reference()
     return EffectCosts(factors=MappingProxyType(factors), source=f"measured on this machine, {measured_on}")
 
 
@@ -105,49 +102,30 @@ def calibrate(
 def _measured(points: int, repeats: int, tell: Callable[[str], None] | None) -> dict[str, float]:
     """Processor seconds of each solve, all on one surface, grid and load, on one thread."""
     from fem_contact.solid import Solid
-    from validation.methods.slots import solve_bem
-    from validation.scenes.scene import SelfAffineSurface
-    from validation.scenes.surfaces import height_field
+    from validation.effects.base import Slots
+    from validation.methods import find_solver
+    from validation.methods.base import example_field
 
-    surface = SelfAffineSurface(
-        kind="self-affine",
-        length=(1.0, 1.0),
-        hurst=0.8,
-        lambda_long=1 / 4,
-        lambda_short=1 / 32,
-        rms_gradient=0.1,
-        seed=8,
-    )
-    field, solid = height_field(surface, (points, points)), Solid(young=1.0, poisson=0.0)
-    cases = _cases(points)
+    field, solid, bem = example_field(points), Solid(young=1.0, poisson=0.0), find_solver("bem")
+    cases: dict[str, tuple[Effect, ...]] = {"plain": ()}
+    cases |= {name: (kind.example(1 / points),) for name, kind in effect_kinds().items()}
+    cases = {name: effects for name, effects in cases.items() if all(bem.handles(type(e)) for e in effects)}
     seconds, pairs = dict.fromkeys(cases, math.inf), dict.fromkeys(cases, 0.0)
     # In turns, and the least processor time counts: other processes of the machine must not decide a ratio.
     for turn in range(repeats + 1):
-        for kind, effect in cases.items():
-            effects = () if effect is None else (effect,)
-            contact = solve_bem(
-                field, solid, effects=effects, mean_pressure=0.005, tolerance=1e-8, threads=1
-            ).checked()
+        for name, effects in cases.items():
+            contact = bem.solve(
+                field,
+                mean_pressure=0.005,
+                slots=Slots.filled(solid, effects),
+                settings={"tolerance": 1e-8},
+                threads=1,
+            ).contact.checked()
             if turn > 0:
-                seconds[kind] = min(seconds[kind], contact.cost.cpu_seconds)
-                pairs[kind] = contact.cost.fft_pairs
-    for kind, value in seconds.items():
+                seconds[name] = min(seconds[name], contact.cost.cpu_seconds)
+                pairs[name] = contact.cost.fft_pairs
+    for name, value in seconds.items():
         if tell is not None:
             ratio = value / seconds["plain"]
-            tell(f"{kind:10s} {value:8.3f} s, {ratio:5.2f} times plain, {pairs[kind]:4.0f} FFT pairs")
+            tell(f"{name:10s} {value:8.3f} s, {ratio:5.2f} times plain, {pairs[name]:4.0f} FFT pairs")
     return seconds
-
-
-def _cases(points: int) -> dict[str, EffectSpec | None]:
-    """Return one table for each effect, strong enough to matter; the plain solve first."""
-    # Attraction and repulsion of the same order; a process zone of three cells.
-    work = 5e-5
-    reach = math.sqrt(3 / points * work)
-    return {
-        "plain": None,
-        "hardness": HardnessEffect(kind="hardness", hardness=0.06),
-        "adhesion": Adhesion(kind="adhesion", work=work, reach=reach),
-        "thickness": Thickness(kind="thickness", thickness=0.1),
-        "coating": Coating(kind="coating", young=0.3, thickness=0.02),
-        "graded": Graded(kind="graded", bulk_young=3.0, depth=0.05),
-    }

@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.errors import UsageError
-from validation.solves.cost import predicted_cost, too_large
+from validation.solves.cost import too_large
 from validation.solves.running import Outcome, attempt
 from validation.solves.store import Store
 
 if TYPE_CHECKING:
-    from validation.solves.solve import AnyJob
+    from validation.solves.solve import Solve
 
 __all__ = ["solve_on_cluster"]
 
@@ -25,46 +25,46 @@ _PATIENCE = 60.0
 
 
 def solve_on_cluster(
-    jobs: tuple[AnyJob, ...], store: Store, *, address: str, begin: Callable[[AnyJob], None]
+    solves: tuple[Solve, ...], store: Store, *, address: str, begin: Callable[[Solve], None]
 ) -> Iterator[Outcome]:
-    """Do jobs on a Dask cluster; yield each outcome when it is known.
+    """Do solves on a Dask cluster; yield each outcome when it is known.
 
     Workers write their results into the store themselves: its folder must be on a file system that they and
-    this machine share. The scheduler repeats the job of a worker that dies.
+    this machine share. The scheduler repeats the solve of a worker that dies.
 
     Parameters
     ----------
-    jobs : tuple of AnyJob
+    solves : tuple of Solve
     store : Store
     address : str
         Of the scheduler, such as "tcp://host:8786".
     begin : callable
-        Told each job that is handed to the scheduler.
+        Told each solve that is handed to the scheduler.
 
     Raises
     ------
     UsageError
         When dask is not installed, no scheduler or worker answers, a worker has more than one thread, or a
-        job fits on no worker.
+        solve fits on no worker.
     """
     client = _connected(address)
     try:
         import distributed
 
         limits = _workers(client, address)
-        allowed = {job.key: _fitting(job, limits) for job in jobs}
+        allowed = {solve.key: _fitting(solve, limits) for solve in solves}
         store = replace(store, folder=store.folder.resolve())
-        waiting = list(jobs)
-        submitted: dict[str, AnyJob] = {}
+        waiting = list(solves)
+        submitted: dict[str, Solve] = {}
         pending: Any = distributed.as_completed(loop=client.loop, raise_errors=False)
 
         def hand_out() -> None:
             while waiting and len(submitted) < _AHEAD * len(limits):
-                job = waiting.pop(0)
-                begin(job)
-                name = f"{job.key}-{uuid.uuid4()}"
-                future = client.submit(_remote, job, store.folder, key=name, workers=allowed[job.key])
-                submitted[future.key] = job
+                solve = waiting.pop(0)
+                begin(solve)
+                name = f"{solve.key}-{uuid.uuid4()}"
+                future = client.submit(_remote, solve, store.folder, key=name, workers=allowed[solve.key])
+                submitted[future.key] = solve
                 pending.add(future)
 
         hand_out()
@@ -115,29 +115,31 @@ def _described(dask_scheduler: Any) -> dict[str, tuple[int, int]]:
     return {name: (state.nthreads, state.memory_limit) for name, state in dask_scheduler.workers.items()}
 
 
-def _fitting(job: AnyJob, limits: dict[str, int | None]) -> list[str] | None:
-    """Return the workers a job fits on; None if on all, so that workers that come later may take it."""
-    needed = predicted_cost(job).peak_bytes
+def _fitting(solve: Solve, limits: dict[str, int | None]) -> list[str] | None:
+    """Return the workers a solve fits on; None if on all, so that workers that come later may take it."""
+    needed = solve.predict().peak_bytes
     fitting = [name for name, limit in limits.items() if limit is None or needed <= limit]
     if not fitting:
-        raise UsageError(too_large(job, max(limit or 0 for limit in limits.values()), where="on any worker"))
+        raise UsageError(
+            too_large(solve, max(limit or 0 for limit in limits.values()), where="on any worker")
+        )
     return None if len(fitting) == len(limits) else fitting
 
 
-def _remote(job: AnyJob, folder: Path) -> Outcome:
+def _remote(solve: Solve, folder: Path) -> Outcome:
     from validation.files import prepare_folder
 
-    return attempt(job, Store(folder=prepare_folder(folder)), threads=1)
+    return attempt(solve, Store(folder=prepare_folder(folder)), threads=1)
 
 
-def _outcome(future: Any, job: AnyJob, store: Store) -> Outcome:
+def _outcome(future: Any, solve: Solve, store: Store) -> Outcome:
     if future.status != "finished":
-        return Outcome(job=job, error=f"{job.describe()}: {_reason(future)}")
+        return Outcome(solve=solve, error=f"{solve.describe()}: {_reason(future)}")
     outcome: Outcome = future.result()
-    if outcome.error is None and not _visible(store.path(job)):
+    if outcome.error is None and not _visible(store.path(solve)):
         return Outcome(
-            job=job,
-            error=f"{store.folder}: a worker stored {store.path(job).name} there, but it is not to be seen "
+            solve=solve,
+            error=f"{store.folder}: a worker stored {store.path(solve).name} there, but it is not to be seen "
             "here; the store must be on a file system shared with the workers (--store)",
             fatal=True,
         )

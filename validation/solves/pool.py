@@ -1,4 +1,4 @@
-"""Local worker processes of one thread each; one that dies loses only its job, which is repeated."""
+"""Local worker processes of one thread each; one that dies loses only its solve, which is repeated."""
 
 from __future__ import annotations
 
@@ -13,11 +13,10 @@ from multiprocessing.connection import Connection, Pipe, wait
 from typing import TYPE_CHECKING, Any
 
 from validation.files import remove_drafts
-from validation.solves.cost import predicted_cost
 from validation.solves.running import Outcome
 
 if TYPE_CHECKING:
-    from validation.solves.solve import AnyJob
+    from validation.solves.solve import Solve
     from validation.solves.store import Store
 
 __all__ = ["ONE_THREAD", "solve_in_processes"]
@@ -33,7 +32,7 @@ ONE_THREAD = dict.fromkeys(
     ),
     "1",
 )
-#: A job whose worker died this often is given up: it is probably what kills them.
+#: A solve whose worker died this often is given up: it is probably what kills them.
 _ATTEMPTS = 3
 #: Memory of an idle worker: the interpreter and its libraries.
 _IDLE_BYTES = 250 * 2**20
@@ -43,61 +42,61 @@ _IDLE_BYTES = 250 * 2**20
 class _Worker:
     process: subprocess.Popen[bytes]
     connection: Connection[Any, Any]
-    job: AnyJob | None = None
+    solve: Solve | None = None
 
 
 @dataclass(eq=False, kw_only=True)
 class _Pool:
-    """The workers, what waits, and how often each job was tried."""
+    """The workers, what waits, and how often each solve was tried."""
 
     store: Store
     memory: int
-    waiting: list[AnyJob]
+    waiting: list[Solve]
     workers: list[_Worker] = field(default_factory=list)
     tries: Counter[str] = field(default_factory=Counter)
 
     def busy(self) -> list[_Worker]:
-        return [worker for worker in self.workers if worker.job is not None]
+        return [worker for worker in self.workers if worker.solve is not None]
 
-    def next_job(self) -> AnyJob | None:
-        """Take the first waiting job that fits beside those under way; one always runs."""
-        taken = sum(predicted_cost(w.job).peak_bytes for w in self.busy() if w.job is not None)
+    def next_solve(self) -> Solve | None:
+        """Take the first waiting solve that fits beside those under way; one always runs."""
+        taken = sum(w.solve.predict().peak_bytes for w in self.busy() if w.solve is not None)
         free = self.memory - len(self.workers) * _IDLE_BYTES - taken
-        for job in self.waiting:
-            if not self.busy() or predicted_cost(job).peak_bytes <= free:
-                self.waiting.remove(job)
-                return job
+        for solve in self.waiting:
+            if not self.busy() or solve.predict().peak_bytes <= free:
+                self.waiting.remove(solve)
+                return solve
         return None
 
-    def hand_out(self, begin: Callable[[AnyJob], None]) -> None:
+    def hand_out(self, begin: Callable[[Solve], None]) -> None:
         for worker in self.workers:
-            if worker.job is None:
-                job = self.next_job()
-                if job is None:
+            if worker.solve is None:
+                solve = self.next_solve()
+                if solve is None:
                     return
-                worker.job = job
-                self.tries[job.key] += 1
-                begin(job)
+                worker.solve = solve
+                self.tries[solve.key] += 1
+                begin(solve)
                 with contextlib.suppress(OSError):  # a worker that is dead already is noticed when it is read
-                    worker.connection.send((job, self.store))
+                    worker.connection.send((solve, self.store))
 
     def collect(self, worker: _Worker) -> Outcome | None:
-        """Return what a worker sends, or None if it died and its job waits again."""
-        job, worker.job = worker.job, None
-        assert job is not None
+        """Return what a worker sends, or None if it died and its solve waits again."""
+        solve, worker.solve = worker.solve, None
+        assert solve is not None
         try:
             outcome: Outcome = worker.connection.recv()
             return outcome
         except (EOFError, OSError):
             self._replace(worker)
-        if self.store.path(job).exists():  # it died after its work was done
-            return Outcome(job=job)
-        if self.tries[job.key] < _ATTEMPTS:
-            self.waiting.insert(0, job)
+        if self.store.path(solve).exists():  # it died after its work was done
+            return Outcome(solve=solve)
+        if self.tries[solve.key] < _ATTEMPTS:
+            self.waiting.insert(0, solve)
             return None
         return Outcome(
-            job=job,
-            error=f"{job.describe()}: its worker died {_ATTEMPTS} times, killed from outside or for lack "
+            solve=solve,
+            error=f"{solve.describe()}: its worker died {_ATTEMPTS} times, killed from outside or for lack "
             "of memory",
         )
 
@@ -108,13 +107,13 @@ class _Pool:
 
 
 def solve_in_processes(
-    jobs: tuple[AnyJob, ...], store: Store, *, workers: int, memory: int, begin: Callable[[AnyJob], None]
+    solves: tuple[Solve, ...], store: Store, *, workers: int, memory: int, begin: Callable[[Solve], None]
 ) -> Iterator[Outcome]:
-    """Do jobs on local processes, the longest first; yield each outcome when it is known.
+    """Do solves on local processes, the longest first; yield each outcome when it is known.
 
     Parameters
     ----------
-    jobs : tuple of AnyJob
+    solves : tuple of Solve
     store : Store
         Where the workers put their results.
     workers : int
@@ -123,12 +122,12 @@ def solve_in_processes(
         Bytes that workers and the solves under way may take together; a solve that does not fit beside the
         others waits.
     begin : callable
-        Told each job that is handed to a worker, again when it has to be repeated.
+        Told each solve that is handed to a worker, again when it has to be repeated.
     """
-    longest_first = sorted(jobs, key=lambda job: predicted_cost(job).seconds, reverse=True)
+    longest_first = sorted(solves, key=lambda solve: solve.predict().seconds, reverse=True)
     pool = _Pool(store=store, memory=memory, waiting=longest_first)
     try:
-        pool.workers += [_start() for _ in range(min(workers, len(jobs)))]
+        pool.workers += [_start() for _ in range(min(workers, len(solves)))]
         while pool.waiting or pool.busy():
             pool.hand_out(begin)
             ready = wait([worker.connection for worker in pool.busy()])
@@ -159,7 +158,7 @@ def _start() -> _Worker:
 
 def _end(worker: _Worker) -> None:
     worker.connection.close()
-    if worker.job is None:
+    if worker.solve is None:
         with contextlib.suppress(subprocess.TimeoutExpired):  # an idle one ends by itself
             worker.process.wait(timeout=2)
     worker.process.kill()

@@ -3,34 +3,41 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Protocol
 
 from fem_contact.errors import FemContactError
 from validation.errors import RunFailed, UsageError
-from validation.files import atomic_path, remove_drafts
-from validation.solves.cost import available_memory, predicted_cost, too_large
-from validation.solves.solve import AnyJob, NumbersJob, block_file, execute, warm_up
+from validation.files import remove_drafts
+from validation.solves.cost import available_memory, too_large
+from validation.solves.solve import Solve
 from validation.solves.store import Store
 
-if TYPE_CHECKING:
-    pass
-
-__all__ = ["Execution", "Outcome", "Progress", "Silent", "attempt", "one_blas_thread", "solve_jobs"]
+__all__ = [
+    "Execution",
+    "Outcome",
+    "Progress",
+    "Silent",
+    "Solves",
+    "attempt",
+    "one_blas_thread",
+    "solve_all",
+    "warm_up",
+]
 
 
 class Progress(Protocol):
     """What a run tells the person who watches it."""
 
-    def start(self, missing: tuple[AnyJob, ...], stored: int) -> None:
-        """Tell which jobs are to be done, and how many were found finished."""
+    def start(self, missing: tuple[Solve, ...], stored: int) -> None:
+        """Tell which solves are to be done, and how many were found finished."""
 
-    def begin(self, job: AnyJob) -> None:
-        """Tell that a job starts."""
+    def begin(self, solve: Solve) -> None:
+        """Tell that a solve starts."""
 
-    def done(self, job: AnyJob) -> None:
-        """Tell that a job is solved and stored."""
+    def done(self, solve: Solve) -> None:
+        """Tell that a solve is solved and stored."""
 
     def note(self, text: str) -> None:
         """Tell something the user should know, such as a damaged file that was set aside."""
@@ -39,13 +46,13 @@ class Progress(Protocol):
 class Silent:
     """Progress that nobody watches."""
 
-    def start(self, missing: tuple[AnyJob, ...], stored: int) -> None:
+    def start(self, missing: tuple[Solve, ...], stored: int) -> None:
         """Say nothing."""
 
-    def begin(self, job: AnyJob) -> None:
+    def begin(self, solve: Solve) -> None:
         """Say nothing."""
 
-    def done(self, job: AnyJob) -> None:
+    def done(self, solve: Solve) -> None:
         """Say nothing."""
 
     def note(self, text: str) -> None:
@@ -81,30 +88,90 @@ class Execution:
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """How the attempt at one job ended; the result itself is in the store.
+    """How the attempt at one solve ended; the result itself is in the store.
 
     Attributes
     ----------
-    job : AnyJob
+    solve : Solve
     error : str or None
         Why there is no result.
     fatal : bool
         Whether the others need not be tried: a full disk.
     """
 
-    job: AnyJob
+    solve: Solve
     error: str | None = None
     fatal: bool = False
 
 
-def solve_jobs(
-    jobs: tuple[AnyJob, ...],
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Solves(Mapping[Any, Any]):
+    """Results by solve, fields or numbers; each is read once, when asked for, while memory lasts.
+
+    Attributes
+    ----------
+    solves : tuple of Solve
+        In the order they were asked for.
+    store : Store
+    solved : int
+        How many were solved now; the others were found finished.
+    """
+
+    solves: tuple[Solve, ...]
+    store: Store
+    solved: int = 0
+    kept: _Kept = field(default_factory=lambda: _Kept(_KEPT_BYTES))
+
+    def __getitem__(self, solve: Solve) -> Any:
+        """Read a result from the store."""
+        result = self.kept.get(solve)
+        if result is None:
+            result = self.store.load(solve)
+            if result is None:
+                raise RunFailed(f"{solve.describe()}: no intact result in {self.store.folder}; run it again")
+            self.kept.put(solve, result, self.store)
+        return result
+
+    def __iter__(self) -> Iterator[Solve]:
+        """Solves in the order they were asked for."""
+        return iter(self.solves)
+
+    def __len__(self) -> int:
+        """Count the solves."""
+        return len(self.solves)
+
+
+#: Results that are held in memory after they were read, in all.
+_KEPT_BYTES = 2**29
+
+
+class _Kept:
+    """Results that were read already, up to a size in all."""
+
+    def __init__(self, limit: int) -> None:
+        self._results: dict[str, Any] = {}
+        self._free = limit
+
+    def get(self, solve: Solve) -> Any:
+        """Return a result; None if it is not kept."""
+        return self._results.get(solve.key)
+
+    def put(self, solve: Solve, result: Any, store: Store) -> None:
+        """Keep a result if there is room; files of mostly zeros take more in memory than on disk."""
+        size = 3 * store.path(solve).stat().st_size
+        if size <= self._free and solve.key not in self._results:
+            self._results[solve.key] = result
+            self._free -= size
+
+
+def solve_all(
+    solves: Iterable[Solve],
     store: Store,
     *,
     progress: Progress | None = None,
     execution: Execution | None = None,
-) -> int:
-    """Solve and store the jobs that are not stored yet; return how many that were.
+) -> Solves:
+    """Solve and store what is not stored yet; return all results.
 
     Each result is on disk as soon as its solve ends, written by whoever solved it: an interruption loses at
     most the solves under way. A solve that fails does not keep the others from being done.
@@ -112,87 +179,93 @@ def solve_jobs(
     Raises
     ------
     UsageError
-        For a job that does not fit into memory, or a scheduler that does not answer, before anything runs.
+        For a solve that does not fit into memory, or a scheduler that does not answer, before anything runs.
     RunFailed
         When solves failed, naming them, or the disk is full.
     """
     execution, progress = execution or Execution(), progress or Silent()
+    wanted = tuple({solve.key: solve for solve in solves}.values())
     remove_drafts(store.folder)
-    missing = tuple(job for job in jobs if not store.holds(job, on_damage=progress.note))
+    kept = _Kept(_KEPT_BYTES)
+    missing: list[Solve] = []
+    for solve in wanted:
+        result = store.load(solve, on_damage=progress.note)
+        if result is None:
+            missing.append(solve)
+        else:
+            kept.put(solve, result, store)
     if execution.scheduler is None:
         _refuse_too_large(missing, execution)
-    progress.start(missing, len(jobs) - len(missing))
+    progress.start(tuple(missing), len(wanted) - len(missing))
     failures = []
-    for outcome in _outcomes(missing, store, execution, progress.begin):
+    for outcome in _outcomes(tuple(missing), store, execution, progress.begin):
         if outcome.fatal:
             raise RunFailed(outcome.error)
         if outcome.error is not None:
             failures.append(outcome)
         else:
-            progress.done(outcome.job)
+            progress.done(outcome.solve)
     if failures:
         raise RunFailed(_failed(failures, len(missing)))
-    return len(missing)
+    return Solves(solves=wanted, store=store, solved=len(missing), kept=kept)
+
+
+def warm_up(solves: Iterable[Solve]) -> None:
+    """Load the compiled passes of methods and effects, so that no solve is charged with it."""
+    for path, solve in {solve.code_path: solve for solve in solves}.items():
+        if path:
+            solve.warm_up()
 
 
 def _outcomes(
-    jobs: tuple[AnyJob, ...], store: Store, execution: Execution, begin: Callable[[AnyJob], None]
+    solves: tuple[Solve, ...], store: Store, execution: Execution, begin: Callable[[Solve], None]
 ) -> Iterator[Outcome]:
-    if not jobs:
+    if not solves:
         return iter(())
     if execution.scheduler is not None:
         from validation.solves.cluster import solve_on_cluster
 
-        return solve_on_cluster(jobs, store, address=execution.scheduler, begin=begin)
+        return solve_on_cluster(solves, store, address=execution.scheduler, begin=begin)
     if execution.workers > 1:
         from validation.solves.pool import solve_in_processes
 
         memory = available_memory() if execution.memory is None else execution.memory
-        return solve_in_processes(jobs, store, workers=execution.workers, memory=memory, begin=begin)
-    return _in_this_process(jobs, store, begin)
+        return solve_in_processes(solves, store, workers=execution.workers, memory=memory, begin=begin)
+    return _in_this_process(solves, store, begin)
 
 
 def _in_this_process(
-    jobs: Sequence[AnyJob], store: Store, begin: Callable[[AnyJob], None]
+    solves: Sequence[Solve], store: Store, begin: Callable[[Solve], None]
 ) -> Iterator[Outcome]:
-    warm_up(jobs)
-    for job in jobs:
-        begin(job)
-        yield attempt(job, store)
+    warm_up(solves)
+    previous: Solve | None = None
+    for solve in solves:
+        begin(solve)
+        previous = solve.after(previous)
+        yield attempt(previous, store)
 
 
-def attempt(job: AnyJob, store: Store, *, threads: int | None = None) -> Outcome:
-    """Do one job and store its result; what a worker does.
+def attempt(solve: Solve, store: Store, *, threads: int | None = None) -> Outcome:
+    """Do one solve and store its result; what a worker does.
 
     Parameters
     ----------
-    job : AnyJob
+    solve : Solve
     store : Store
     threads : int, optional
         Threads for this solve; all that there are if not given. Their number changes the result by rounding:
         the transforms group their sums by it.
     """
     try:
-        if isinstance(job, NumbersJob):
-            with one_blas_thread():
-                store.save(job, job.measure())
-            return Outcome(job=job)
         # Sparse solvers gain nothing from a threaded BLAS, whose idle threads spin on cores that others need.
         with one_blas_thread():
-            solved = execute(job) if threads is None else execute(job, threads=threads)
-        solved.contact.checked()
-        # The reduced method never holds the inside of the block, which may be a thousand times the surface.
-        if solved.block is not None and dict(job.settings).get("method", "full") == "full":
-            from fem_contact.export import write_block
-
-            with atomic_path(block_file(store.folder, job)) as draft:
-                write_block(draft, solved.block)
-        store.save(job, solved.contact)
+            result = solve.do(threads=threads)
+        store.save(solve, result)
     except (FemContactError, MemoryError) as error:
-        return Outcome(job=job, error=f"{job.describe()}: {error}")
+        return Outcome(solve=solve, error=f"{solve.describe()}: {error}")
     except RunFailed as error:
-        return Outcome(job=job, error=str(error), fatal=True)
-    return Outcome(job=job)
+        return Outcome(solve=solve, error=str(error), fatal=True)
+    return Outcome(solve=solve)
 
 
 def one_blas_thread() -> contextlib.AbstractContextManager[object]:
@@ -211,8 +284,8 @@ def _failed(failures: Sequence[Outcome], tried: int) -> str:
     return f"{len(failures)} of {tried} solves failed, the others are stored:\n{lines}{more}"
 
 
-def _refuse_too_large(jobs: Sequence[AnyJob], execution: Execution) -> None:
+def _refuse_too_large(solves: Sequence[Solve], execution: Execution) -> None:
     limit = available_memory() if execution.memory is None else execution.memory
-    largest = max(jobs, key=lambda job: predicted_cost(job).peak_bytes, default=None)
-    if largest is not None and predicted_cost(largest).peak_bytes > limit:
+    largest = max(solves, key=lambda solve: solve.predict().peak_bytes, default=None)
+    if largest is not None and largest.predict().peak_bytes > limit:
         raise UsageError(too_large(largest, limit))

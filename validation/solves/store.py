@@ -1,41 +1,19 @@
-"""Results on disk: one netCDF file for each finished solve, written atomically, checked when read."""
+"""Results on disk: one file for each finished solve, written atomically, checked when read."""
 
 from __future__ import annotations
 
 import contextlib
 import errno
-import json
 import os
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
+from validation.files import atomic_path
+from validation.solves.solve import Solve
 
-from fem_contact.contact import ContactResult, Cost, Residuals, Status
-from validation.files import atomic_path, prepare_folder, remove_drafts
-from validation.solves.solve import AnyJob, NumbersJob, recipe_text
-
-if TYPE_CHECKING:
-    import xarray as xr
-
-__all__ = ["Store", "atomic_path", "prepare_folder", "read_result", "remove_drafts"]
-
-_FIELDS = {
-    "pressure": ("Pa", "contact pressure, compression positive"),
-    "gap": ("m", "gap u - h + offset"),
-    "displacement": ("m", "surface displacement, positive into the elastic body"),
-    "heights": ("m", "rigid profile, positive towards the elastic body"),
-    "contacting_points": ("1", "membership of the contact set"),
-    "at_bound": ("1", "points held at the pressure bound"),
-}
-_OPTIONAL = {"weights": ("1", "area carried by each point over the mean cell area")}
-_FORMAT = "fem-contact result 1"
-
-#: Fields that are mostly zero or one; compressing others costs 50 ms per 256 x 256 points and saves nothing.
-_COMPRESSED = frozenset({"pressure", "contacting_points", "at_bound"})
+__all__ = ["Store"]
 
 #: Errors of the machine, not of the file: no reason to throw a result away.
 _NOT_DAMAGE = frozenset({errno.EACCES, errno.EPERM, errno.EMFILE, errno.ENFILE, errno.ENOMEM})
@@ -47,35 +25,32 @@ class Store:
 
     folder: Path
 
-    def path(self, job: AnyJob) -> Path:
-        """Return where the result of a job is, or will be."""
-        return self.folder / f"{job.key}.nc"
+    def path(self, solve: Solve) -> Path:
+        """Return where the result of a solve is, or will be."""
+        return self.folder / f"{solve.key}.nc"
 
-    def save(self, job: AnyJob, result: ContactResult | xr.Dataset) -> None:
-        """Write a finished solve.
+    def save(self, solve: Solve, result: Any) -> None:
+        """Write a finished solve, and what belongs beside it.
 
         Raises
         ------
         RunFailed
             When the disk is full.
         """
-        with atomic_path(self.path(job)) as draft:
-            if isinstance(result, ContactResult):
-                _to_file(draft, job, result)
-            else:
-                result.attrs["recipe"] = recipe_text(job)
-                result.to_netcdf(draft, engine="netcdf4")
+        solve.written_beside(result, self.folder)
+        with atomic_path(self.path(solve)) as draft:
+            solve.write(draft, result)
 
-    def load(self, job: AnyJob, *, on_damage: Callable[[str], None] | None = None) -> Any:
+    def load(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> Any:
         """Read a finished solve; None if there is none.
 
         A damaged file is set aside as `*.corrupt`, counts as none, and is told to `on_damage` in a sentence.
         """
-        path = self.path(job)
+        path = self.path(solve)
         if not path.exists():
             return None
         try:
-            return _numbers(path) if isinstance(job, NumbersJob) else read_result(path)
+            return solve.read(path)
         except Exception as error:
             # What a damaged HDF5 file raises depends on the byte: anything but a result is damage.
             if isinstance(error, OSError) and error.errno in _NOT_DAMAGE:
@@ -87,100 +62,6 @@ class Store:
                 on_damage(f"{path}: damaged; set aside as {aside.name}, to be computed again")
             return None
 
-    def holds(self, job: AnyJob, *, on_damage: Callable[[str], None] | None = None) -> bool:
-        """Whether an intact result of the job is stored."""
-        return self.load(job, on_damage=on_damage) is not None
-
-
-def _numbers(path: Path) -> xr.Dataset:
-    import xarray as xr
-
-    with xr.open_dataset(path, engine="netcdf4") as dataset:
-        return dataset.load()
-
-
-def _to_file(path: Path, job: AnyJob, result: ContactResult) -> None:
-    # netCDF4 itself: through xarray the same file takes five times as long, and a study writes thousands.
-    import netCDF4
-
-    values: dict[str, NDArray[Any]] = {
-        "pressure": result.pressure,
-        "gap": result.gap,
-        "displacement": result.displacement,
-        "heights": result.heights,
-        "contacting_points": result.in_contact.astype(np.int8),
-        "at_bound": result.at_bound.astype(np.int8),
-    }
-    if result.weights is not None:
-        values["weights"] = result.weights
-    try:
-        with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
-            file.setncatts(_attributes(job, result))
-            for axis, count, step in zip("xy", result.shape, result.spacing, strict=True):
-                file.createDimension(axis, count)
-                positions = file.createVariable(axis, "f8", (axis,))
-                positions.units = "m"
-                positions[...] = np.arange(count) * step
-            for name in values:
-                unit, words = (_FIELDS | _OPTIONAL)[name]
-                packed = name in _COMPRESSED
-                # Checksums on all: a damaged file must be noticed when it is read.
-                options: Any = {"zlib": packed, "complevel": 1, "shuffle": packed, "fletcher32": True}
-                variable = file.createVariable(name, values[name].dtype, ("x", "y"), **options)
-                variable.setncatts({"units": unit, "long_name": words})
-                variable[...] = values[name]
-    except (RuntimeError, PermissionError) as error:
-        # The library says "HDF error" or "Permission denied" for whatever the system refused it.
-        if _is_full(path.parent, 2 * sum(array.nbytes for array in values.values())):
-            raise OSError(errno.ENOSPC, "No space left on device") from error
-        raise
-
-
-def _is_full(folder: Path, wanted: int) -> bool:
-    space = os.statvfs(folder)
-    return space.f_bavail * space.f_frsize < wanted
-
-
-def _attributes(job: AnyJob, result: ContactResult) -> dict[str, Any]:
-    return {
-        "format": _FORMAT,
-        "recipe": recipe_text(job),
-        "lengths": list(result.lengths),
-        "contact_modulus": result.contact_modulus,
-        "offset": result.offset,
-        "mean_pressure": result.mean_pressure,
-        "status": result.status.name,
-        "residuals": json.dumps(asdict(result.residuals)),
-        "cost": json.dumps(asdict(result.cost)),
-        "provenance": json.dumps(dict(result.provenance)),
-    }
-
-
-def read_result(path: Path) -> ContactResult:
-    """Read one stored solve; whatever is wrong with the file raises."""
-    import netCDF4
-
-    with netCDF4.Dataset(path) as file:
-        file.set_auto_maskandscale(False)
-        attributes = {name: file.getncattr(name) for name in file.ncattrs()}
-        if attributes["format"] != _FORMAT:
-            raise ValueError(f"{path}: is not a '{_FORMAT}' file")
-        values = {name: file.variables[name][...] for name in _FIELDS}
-        weights = file.variables["weights"][...] if "weights" in file.variables else None
-    return ContactResult(
-        pressure=values["pressure"],
-        gap=values["gap"],
-        displacement=values["displacement"],
-        heights=values["heights"],
-        in_contact=values["contacting_points"].astype(bool),
-        at_bound=values["at_bound"].astype(bool),
-        lengths=(float(attributes["lengths"][0]), float(attributes["lengths"][1])),
-        contact_modulus=float(attributes["contact_modulus"]),
-        offset=float(attributes["offset"]),
-        mean_pressure=float(attributes["mean_pressure"]),
-        weights=weights,
-        status=Status[attributes["status"]],
-        residuals=Residuals(**json.loads(attributes["residuals"])),
-        cost=Cost(**json.loads(attributes["cost"])),
-        provenance=json.loads(attributes["provenance"]),
-    )
+    def holds(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> bool:
+        """Whether an intact result of the solve is stored."""
+        return self.load(solve, on_damage=on_damage) is not None

@@ -1,4 +1,4 @@
-"""A local worker process: receives jobs, solves and stores them, until nobody listens."""
+"""A local worker process: receives solves, solves and stores them, until nobody listens."""
 
 from __future__ import annotations
 
@@ -6,30 +6,36 @@ import signal
 import sys
 import traceback
 from multiprocessing.connection import Connection
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from validation.solves.solve import Solve
 
 __all__ = ["main", "serve"]
 
 
 def serve(connection: Connection[Any, Any]) -> None:
-    """Do jobs until the other end is closed."""
-    from validation.solves.running import Outcome, attempt
-    from validation.solves.solve import code_path, warm_up
+    """Do solves until the other end is closed."""
+    from validation.solves.running import Outcome, attempt, warm_up
 
     warm: set[tuple[str, ...]] = set()
+    previous: Solve | None = None
     while True:
         try:
-            job, store = connection.recv()
+            solve, store = connection.recv()
         except EOFError:
             return
         try:
-            if code_path(job) not in warm:
-                warm_up([job])
-                warm.add(code_path(job))
-            outcome = attempt(job, store, threads=1)
+            if solve.code_path not in warm:
+                warm_up([solve])
+                warm.add(solve.code_path)
+            previous = solve.after(previous)
+            outcome = attempt(previous, store, threads=1)
         except Exception as error:
             traceback.print_exc()
-            outcome = Outcome(job=job, error=f"{job.describe()}: {type(error).__name__}: {error}", fatal=True)
+            outcome = Outcome(
+                solve=solve, error=f"{solve.describe()}: {type(error).__name__}: {error}", fatal=True
+            )
         try:
             connection.send(outcome)
         except OSError:  # the one who asked is gone; the result is stored

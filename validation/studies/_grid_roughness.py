@@ -44,7 +44,7 @@ class GridRoughness(SingleSolve):
         """Return a few words for a progress bar."""
         return f"roughness to the grid scale, {self.points}x{self.points}, surface {self.realisation + 1}"
 
-    def predict(self) -> Prediction:
+    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict the cost; roughness at the grid scale converges slowly."""
         n = self.points**2
         return Prediction(seconds=2e-3 + 4e-6 * n, peak_bytes=120 * n, unknowns=n)

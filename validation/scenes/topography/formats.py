@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from validation.errors import UsageError, shown
+from validation.errors import UsageError
+from validation.report.words import harmless
 from validation.scenes.topography.arrays import read_npy
 from validation.scenes.topography.netcdf import read_netcdf
 from validation.scenes.topography.raw import MOST_BYTES, Raw, check_shape, plain_attribute
@@ -64,7 +65,7 @@ def read_plain(path: str) -> dict[str, Any]:
 def one_line(words: object) -> str:
     """Return the first line of a text, shortened, as it is shown."""
     lines = str(words).strip().splitlines()
-    return shown(lines[0][:300]) if lines else ""
+    return harmless(lines[0][:300]) if lines else ""
 
 
 def _bytes_of(path: str) -> bytes:

@@ -9,8 +9,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.spectra import window_weights
 from fem_contact.surface import HeightField
+from fem_contact.surface.spectra import window_weights
 from validation.errors import UsageError
 
 __all__ = ["Edges", "Missing", "Tilt", "Topography"]
