@@ -179,12 +179,8 @@ def ladder(name: str, values: Sequence[float], *, shifts: int = 2) -> tuple[floa
     return grids
 
 
-#: Surfaces, pairs or shifts that a study is given at most: what they scatter by is long known.
-_MOST = 10_000
-
-
 def at_least(name: str, value: int, least: int) -> int:
-    """Return a number of things that must not be below `least`, nor beyond what any study needs.
+    """Return an option that must not be below `least`.
 
     Raises
     ------
@@ -193,8 +189,6 @@ def at_least(name: str, value: int, least: int) -> int:
     """
     if value < least:
         raise UsageError(f"{name} = {value}: must be at least {least}")
-    if value > _MOST:
-        raise UsageError(f"{name} = {value}: must be at most {_MOST}")
     return value
 
 
