@@ -312,8 +312,8 @@ class _CyclePreconditioner:
         answer, share = self._free(coupling), 1.0
         moment = float(coupling @ answer)
         if isinstance(block, RefinedBlock):
-            # A cycle on other cells may overestimate the inverse; scaled to the least energy, the answer still
-            # leaves a positive complement. On the cells themselves it never does.
+            # A cycle on other cells may overestimate the inverse; scaled to the least energy, the answer
+            # still leaves a positive complement. On the cells themselves it never does.
             image = block.apply(answer)
             image[held] = 0
             energy = float(answer @ image)
