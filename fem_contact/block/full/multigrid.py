@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact.block.elements import ELEMENTS
-from fem_contact.block.full.active_set import AssembledBlock, Block, SetPreconditioner
+from fem_contact.block.full.block import AssembledBlock, Block, SetPreconditioner
 from fem_contact.block.full.stencil import LineFactors, stencil
 
 if TYPE_CHECKING:
