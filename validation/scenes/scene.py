@@ -260,8 +260,8 @@ def not_led_out(path: Path, *, of: Path, option: str) -> Path:
     led = path.resolve()
     if not led.is_relative_to(of.resolve()):
         raise UsageError(
-            f"{str(path)!r} is a link that leads to {str(led)!r}; remove it, or say {option} {str(path)!r} to "
-            "follow it"
+            f"{str(path)!r} is a link that leads to {str(led)!r}; remove it, or say {option} {str(path)!r} "
+            "to follow it"
         )
     return path
 
