@@ -26,7 +26,8 @@ _SYMBOLS = (
     (r"\bdx(?![\w-])", "Δx"),
     (r"(?<=[\w)])\^\(?(-?[\d./]*\d)\)?", r"<sup>\1</sup>"),
     (_APART.format("|".join(_GREEK)), lambda found: _GREEK[found[0]]),
-    (r"\+- ?", "± "),
+    (r"\+- ?", "±\u00a0"),
+    (r"(?<=\d) %", "\u00a0%"),
 )
 
 
@@ -40,10 +41,10 @@ def json_ready(values: dict[str, Any]) -> dict[str, Any]:
 
 
 def mathematics(text: str) -> Markup:
-    """Return a text for HTML with the symbols of the field as in a book; markup in it is shown as it is.
+    r"""Return a text for HTML with the symbols of the field as in a book; markup in it is shown as it is.
 
     >>> mathematics("kappa = (A/A0)/p*, 2 +- 1")
-    Markup('κ = (A/A<sub>0</sub>)/p*, 2 ± 1')
+    Markup('κ = (A/A<sub>0</sub>)/p*, 2 ±\xa01')
     >>> mathematics("h'_rms < 1, dx^0.51, kappa-against-hurst")
     Markup('h′<sub>rms</sub> &lt; 1, Δx<sup>0.51</sup>, kappa-against-hurst')
     """
