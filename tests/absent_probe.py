@@ -30,11 +30,11 @@ def main(effects: list[dict[str, object]]) -> None:
     # Where ducc0 is installed it transforms in place; without it every installation allocates the same.
     sys.modules["ducc0"] = None  # type: ignore[assignment]
     from fem_contact.complementarity import fourier
-    from validation.jobs import execute, jobs_of
-    from validation.scene import Scene
+    from validation.scenes.scene import Scene
+    from validation.solves.press import solves_of
 
-    (job,) = jobs_of(Scene.model_validate(SCENE | {"effects": effects}))
-    execute(job)
+    (solve,) = solves_of(Scene.model_validate(SCENE | {"effects": effects}))
+    solve.do()
     transforms = 0
     plain = fourier.FourierOperator._filter
 
@@ -45,7 +45,7 @@ def main(effects: list[dict[str, object]]) -> None:
 
     fourier.FourierOperator._filter = counted  # type: ignore[method-assign, assignment]
     tracemalloc.start()
-    contact = execute(job).contact.checked()
+    contact = solve.do().contact
     peak = tracemalloc.get_traced_memory()[1]
     packages = ("fem_contact", "persson", "validation")
     print(

@@ -1,7 +1,7 @@
 """Periodic height fields: given ones, random ones, and their power spectra."""
 
 from fem_contact.surface.heights import HeightField
-from fem_contact.surface.random import random_surface, resolves
+from fem_contact.surface.random import RandomWaves, random_surface, random_waves, resolves
 from fem_contact.surface.spectra import (
     RadialSpectrum,
     Window,
@@ -13,10 +13,12 @@ from fem_contact.surface.spectra import (
 __all__ = [
     "HeightField",
     "RadialSpectrum",
+    "RandomWaves",
     "Window",
     "estimate_spectrum",
     "radial_spectrum",
     "random_surface",
+    "random_waves",
     "resolves",
     "window_weights",
 ]

@@ -8,6 +8,7 @@ spectrum is cut.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -18,7 +19,7 @@ from fem_contact._checks import array, choice, function, positive, room_for, sho
 from fem_contact.errors import InvalidInput
 from fem_contact.surface.heights import HeightField, checked_lengths, checked_shape
 
-__all__ = ["random_surface", "resolves"]
+__all__ = ["RandomWaves", "random_surface", "random_waves", "resolves"]
 
 Array = NDArray[np.float64]
 Shape = tuple[int, int]
@@ -92,25 +93,89 @@ def random_surface(
     """
     shape, lengths = checked_shape(shape), checked_lengths(lengths)
     q_short = positive("q_short", q_short, unit="1/m")
-    function("spectrum", spectrum)
     truth("under_resolved", under_resolved)
+    _check_resolved(shape, lengths, q_short, under_resolved)
+    waves = random_waves(spectrum, q_short=q_short, lengths=lengths, seed=seed, amplitudes=amplitudes)
+    return waves.on(shape, under_resolved=under_resolved)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RandomWaves:
+    """The waves of one realisation of a random surface, drawn once and sampled on any grid.
+
+    Attributes
+    ----------
+    m, n : (count,) arrays of int
+        Wave numbers, one of each pair +-q.
+    amplitudes : (count,) array of complex
+        Fourier coefficients of half the surface [m].
+    q_short : float
+        Cut-off wavevector [1/m].
+    lengths : tuple of float
+        Periods (Lx, Ly) [m].
+    """
+
+    m: NDArray[np.int64]
+    n: NDArray[np.int64]
+    amplitudes: NDArray[np.complex128]
+    q_short: float
+    lengths: Lengths
+
+    def on(self, shape: Shape, *, under_resolved: bool = False) -> HeightField:
+        """Sample the surface on a grid.
+
+        Parameters
+        ----------
+        shape : tuple of int
+            Grid points (nx, ny), odd or even.
+        under_resolved : bool
+            Accept a grid with lambda_short <= 2 dx. It gets the true point values, from which the surface
+            cannot be recovered.
+
+        Raises
+        ------
+        InvalidInput
+            For a grid that does not resolve q_short, unless asked for.
+        """
+        shape = checked_shape(shape)
+        truth("under_resolved", under_resolved)
+        _check_resolved(shape, self.lengths, self.q_short, under_resolved)
+        half = np.zeros((shape[0], shape[1]), dtype=complex)
+        np.add.at(half, (self.m % shape[0], self.n % shape[1]), self.amplitudes)
+        heights = 2 * scipy.fft.ifft2(half, norm="forward").real
+        return HeightField(heights=heights, lengths=self.lengths)
+
+
+def random_waves(
+    spectrum: Callable[[Array], Array],
+    *,
+    q_short: float,
+    lengths: Lengths,
+    seed: int | np.random.Generator,
+    amplitudes: Literal["exact", "gaussian"] = "exact",
+) -> RandomWaves:
+    """Draw the waves of one realisation; parameters and errors as of `random_surface`."""
+    lengths = checked_lengths(lengths)
+    q_short = positive("q_short", q_short, unit="1/m")
+    function("spectrum", spectrum)
     choice("amplitudes", amplitudes, ("exact", "gaussian"))
-    if not (under_resolved or resolves(shape, lengths, q_short=q_short)):
-        needed = tuple(int(np.floor(length * q_short / np.pi * (1 + _EDGE))) + 1 for length in lengths)
-        raise InvalidInput(
-            f"shape = {shape}: does not resolve lambda_short = {2 * np.pi / q_short:.6g} m; "
-            f"at least {needed} points are needed (or ask for an under-resolved grid)"
-        )
     m, n, q = _half_plane(lengths, q_short)
     power = array("spectrum(q)", spectrum(q), power=4)
     if power.shape not in ((), q.shape) or np.any(power < 0):
         raise InvalidInput("the spectrum C(q) is negative or not finite at a wavevector of the surface")
     waves = _random_waves(m, n, seed=seed, gaussian=amplitudes == "gaussian")
     waves *= 2 * np.pi * np.sqrt(power / (lengths[0] * lengths[1]))
-    half = np.zeros((shape[0], shape[1]), dtype=complex)
-    np.add.at(half, (m % shape[0], n % shape[1]), waves)
-    heights = 2 * scipy.fft.ifft2(half, norm="forward").real
-    return HeightField(heights=heights, lengths=lengths)
+    return RandomWaves(m=m, n=n, amplitudes=waves, q_short=q_short, lengths=lengths)
+
+
+def _check_resolved(shape: Shape, lengths: Lengths, q_short: float, under_resolved: bool) -> None:
+    if under_resolved or resolves(shape, lengths, q_short=q_short):
+        return
+    needed = tuple(int(np.floor(length * q_short / np.pi * (1 + _EDGE))) + 1 for length in lengths)
+    raise InvalidInput(
+        f"shape = {shape}: does not resolve lambda_short = {2 * np.pi / q_short:.6g} m; "
+        f"at least {needed} points are needed (or ask for an under-resolved grid)"
+    )
 
 
 def _checked_generator(seed: int | np.random.Generator) -> np.random.Generator:

@@ -78,8 +78,8 @@ def main(method: str = "bem", cases: int = 100) -> None:
     generator = np.random.default_rng(2024)
     features, places, weights = [], [], []
     constants: dict[str, list[tuple[float, float]]] = {"paraboloid": [], "wave": []}
-    jobs = [("paraboloid", k) for k in range(cases)] + [("wave", k) for k in range(cases // 3)]
-    for kind, k in jobs:
+    solves = [("paraboloid", k) for k in range(cases)] + [("wave", k) for k in range(cases // 3)]
+    for kind, k in solves:
         if kind == "paraboloid":
             radius = 0.035 + 0.04 * generator.random()
             shift = (float(generator.random()), float(generator.random()))

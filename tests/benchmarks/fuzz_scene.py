@@ -29,11 +29,12 @@ def main() -> None:
     import atheris
 
     with atheris.instrument_imports(include=["validation"]):
-        from validation import cli
-        from validation.effects import check_effects
+        from validation.methods.handled import check_effects
+
+        from validation.cli import commands as cli
         from validation.errors import SceneError, UsageError
-        from validation.scene import load_scene
-        from validation.theory_scene import load_theory_scene
+        from validation.paper.theory_scene import load_theory_scene
+        from validation.scenes.scene import load_scene
 
     # The corpus and what libFuzzer writes are named relative to where the run was started.
     arguments = [os.path.abspath(a) if not a.startswith("-") else a for a in sys.argv[1:]]

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from validation.run import Outputs, run_scene
-from validation.scene import load_scene
+from validation.comparison.run import Outputs, run_scene
+from validation.scenes.scene import load_scene
 
 _HEAD = """
 name = "small"

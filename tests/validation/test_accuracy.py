@@ -8,15 +8,17 @@ import pytest
 
 from fem_contact.area import contact_areas
 from fem_contact.extrapolation import located_limit
-from validation.accuracy import parse_accuracy, reach
-from validation.bench import Bench
+from validation.comparison.accuracy import parse_accuracy, reach
 from validation.errors import RunFailed, UsageError
-from validation.jobs import jobs_of
-from validation.run import Execution, solve_jobs
-from validation.scene import BemMethod, Load, Methods, Scene, SolidSpec, load_scene
-from validation.store import Store
-from validation.studies._common import base_surface
-from validation.studies._measurement import Measurement, area_limits, grid_for
+from validation.measures.common import base_surface
+from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.methods.bem import BemOptions
+from validation.scenes.realised import realise
+from validation.scenes.scene import Load, Methods, Scene, SolidSpec, load_scene
+from validation.solves.bench import Bench
+from validation.solves.press import solves_of
+from validation.solves.running import Execution, solve_all
+from validation.solves.store import Store
 
 MIB = 2**20
 
@@ -39,12 +41,12 @@ def bench(tmp_path):
 
 def truth_of(scene, folder) -> tuple[float, float]:
     """Limit of the located area over grids of 12 to 32 points per shortest wave, with its uncertainty."""
-    bem = BemMethod(grids=((48, 48), (64, 64), (96, 96), (128, 128)), shifts=1)
+    bem = BemOptions(grids=((48, 48), (64, 64), (96, 96), (128, 128)), shifts=1)
     fine = scene.model_copy(update={"methods": scene.methods.model_copy(update={"bem": bem})})
-    store, jobs = Store(folder=folder), jobs_of(fine)
+    store, solves = Store(folder=folder), solves_of(fine)
     folder.mkdir()
-    solve_jobs(jobs, store)
-    limit = located_limit([contact_areas(store.load(job), subcell=True) for job in jobs])
+    solve_all(solves, store)
+    limit = located_limit([contact_areas(store.load(solve), subcell=True) for solve in solves])
     return limit.value, limit.uncertainty
 
 
@@ -132,22 +134,18 @@ def test_full_contact_is_exact_on_the_coarsest_grids(write_scene, bench):
 def test_claims_hold_as_often_as_they_say_on_surfaces_and_loads_of_many_kinds(target, bench):
     held = 0
     for k in range(24):
-        surface = base_surface(hurst=(0.3, 0.8)[k % 2], size=2.0, ratio=8.0, seed=991_000 + k)
+        surface = base_surface(hurst=(0.3, 0.8)[k % 2], periods=2.0, bandwidth=8.0, seed=991_000 + k)
         load = Load(reduced_pressure=(0.02, 0.05, 0.2)[k % 3])
         scene = Scene(
             name="one",
             surface=surface,
             solid=SolidSpec(young=1e9, poisson=0.3),
             load=load,
-            methods=Methods(bem=BemMethod(grids=((64, 64),))),
+            methods=Methods(bem=BemOptions(grids=((64, 64),))),
         )
         reached = reach(scene, bench, target=target)
-        fine = Measurement(
-            surface=surface,
-            solid=scene.solid,
-            reduced_pressures=(load.reduced_pressure,),
-            grids=tuple(grid_for(surface, n) for n in (16, 24, 32)),
-        )
+        pressed = realise(scene)
+        fine = Measurement(realised=pressed, grids=tuple(grid_for(pressed, n) for n in (16, 24, 32)))
         (truth,), (uncertainty,) = area_limits(bench.solve([fine])[fine])
         assert reached.error <= target
         held += abs(reached.area / truth - 1) <= math.hypot(reached.error, 2 * uncertainty / truth)

@@ -9,7 +9,7 @@ import pytest
 
 from validation import cases
 from validation.cases import Case, Check, all_cases, chosen_cases, run_cases
-from validation.closed_forms import HertzInPeriod, westergaard_mean_pressure, westergaard_pressure
+from validation.cases._closed_forms import HertzInPeriod, westergaard_mean_pressure, westergaard_pressure
 from validation.errors import UsageError
 
 #: Finite-element cases take longer than the fast suite allows; `fem-contact validate` runs them.
@@ -85,7 +85,7 @@ def test_a_case_that_raises_or_checks_nothing_has_failed_and_the_others_go_on():
 
 
 def test_validate_exits_with_1_and_names_what_failed(monkeypatch, capsys):
-    from validation.cli import main
+    from validation.cli.commands import main
 
     wrong = Case(name="wrong", claim="Two is three.", run=lambda: [Check.relative("two", 2.0, 3.0, 0.01)])
     right = Case(name="right", claim="Two is two.", run=lambda: [Check.relative("two", 2.0, 2.0, 0.01)])

@@ -12,22 +12,24 @@ from pydantic import TypeAdapter
 from fem_contact import bem
 from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.solid import Solid
-from validation.effect_tables import EffectSpec
-from validation.effects import HANDLED_BY, check_effects, explain
+from validation.comparison.explain import explain
+from validation.effects import effect_kinds
+from validation.effects.base import Roughness, Slots, Told, full_contact_energy
 from validation.errors import SceneError, UsageError
-from validation.jobs import execute, jobs_of, warm_up
-from validation.neglect import Roughness, full_contact_energy, judge
-from validation.scene import Scene, load_scene
-from validation.slots import response_of, theory_modulus, theory_variance
-from validation.surfaces import reference_field
+from validation.methods.bem import Bem
+from validation.methods.theory import predict
+from validation.scenes.checks import check_scene
+from validation.scenes.realised import realise
+from validation.scenes.scene import EffectSpec, Scene, load_scene
+from validation.scenes.surfaces import reference_field
+from validation.solves.press import solves_of
+from validation.solves.running import warm_up
 
 HARD = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n'
 STICKY = '[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "40 nm"\n'
 LAYER = '[[effects]]\nkind = "thickness"\nthickness = "1 um"\n'
 COATED = '[[effects]]\nkind = "coating"\nyoung = "6 MPa"\nthickness = "0.4 um"\n'
 GRADED = '[[effects]]\nkind = "graded"\nbulk_young = "6 MPa"\ndepth = "0.4 um"\n'
-CRACKS = '[[effects]]\nkind = "cracks"\ndissipation = 0.5\n'
-SIZED = '[[effects]]\nkind = "size-dependent-hardness"\nhardness = "1 MPa"\nlength = "1 um"\n'
 
 
 @pytest.fixture
@@ -42,9 +44,11 @@ def with_effects(write_scene):
 
 
 def solved(scene, grid=48):
-    return execute(
-        next(job for job in jobs_of(scene) if job.grid == (grid, grid)), threads=1
-    ).contact.checked()
+    return (
+        next(solve for solve in solves_of(scene) if solve.grid == (grid, grid))
+        .do(threads=1)
+        .contact.checked()
+    )
 
 
 def test_hardness_bounds_the_pressure(with_effects):
@@ -66,23 +70,23 @@ def test_a_stiffer_response_has_less_contact(with_effects, effect):
 
 def test_thickness_is_the_layer_of_the_library(with_effects):
     scene = with_effects(LAYER)
-    (job,) = (job for job in jobs_of(scene) if job.grid == (24, 24) and job.shift == (0.0, 0.0))
-    field = job.height_field()
+    (solve,) = (solve for solve in solves_of(scene) if solve.grid == (24, 24) and solve.shift == (0.0, 0.0))
+    field = solve.height_field()
     layer = BondedLayer(solid=Solid(young=2e6, poisson=0.3), thickness=1e-6)
     pressure = 0.1 * layer.contact_modulus * reference_field(scene.surface).rms_gradient
     direct = bem.solve(field, layer, mean_pressure=pressure, threads=1)
-    np.testing.assert_array_equal(execute(job, threads=1).contact.pressure, direct.pressure)
+    np.testing.assert_array_equal(solve.do(threads=1).contact.pressure, direct.pressure)
 
 
 def test_finite_elements_and_boundary_elements_agree_on_a_graded_solid(with_effects):
     scene = with_effects(GRADED, fem=True)
     one, two = (
-        next(job for job in jobs_of(scene) if job.method == method and job.grid == (24, 24))
+        next(solve for solve in solves_of(scene) if solve.method == method and solve.grid == (24, 24))
         for method in ("bem", "fem")
     )
-    fine, block = execute(one, threads=1).contact, execute(two).contact
+    fine, block = one.do(threads=1).contact, two.do().contact
     difference = np.linalg.norm(block.pressure - fine.pressure) / np.linalg.norm(fine.pressure)
-    plain = execute(next(job for job in jobs_of(with_effects()) if job.grid == (24, 24)), threads=1).contact
+    plain = next(solve for solve in solves_of(with_effects()) if solve.grid == (24, 24)).do(threads=1).contact
     grading = np.linalg.norm(plain.pressure - fine.pressure) / np.linalg.norm(fine.pressure)
     # Trilinear elements with 6 nodes on the shortest wave, in a block as deep as the longest.
     assert difference < 0.12
@@ -91,8 +95,8 @@ def test_finite_elements_and_boundary_elements_agree_on_a_graded_solid(with_effe
 
 def test_finite_elements_yield_under_the_same_hardness(with_effects):
     scene = with_effects(HARD, fem=True)
-    job = next(job for job in jobs_of(scene) if job.method == "fem" and job.grid == (24, 24))
-    contact = execute(job).contact.checked()
+    solve = next(solve for solve in solves_of(scene) if solve.method == "fem" and solve.grid == (24, 24))
+    contact = solve.do().contact.checked()
     assert contact.pressure.max() == pytest.approx(40e3, rel=1e-12)
     assert contact.at_bound.any()
 
@@ -107,8 +111,8 @@ def test_adhesion_and_hardness_act_together(with_effects, order):
 
 
 def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
-    plain, hard = jobs_of(with_effects())[0], jobs_of(with_effects(HARD))[0]
-    assert "effects" not in plain.recipe
+    plain, hard = solves_of(with_effects())[0], solves_of(with_effects(HARD))[0]
+    assert plain.recipe["effects"] == []
     assert json.loads(json.dumps(hard.recipe))["effects"] == [{"kind": "hardness", "hardness": 40e3}]
     assert plain.key != hard.key
 
@@ -119,19 +123,13 @@ def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
         ((STICKY,), {"fem": True}, r"\[\[effects\]\] 1 kind = 'adhesion': method 'fem' does not handle it"),
         ((COATED,), {"fem": True}, r"'coating': method 'fem'"),
         ((LAYER,), {"theory": True}, r"'thickness': method 'theory'"),
-        (
-            (CRACKS,),
-            {},
-            r"'cracks': method 'bem' does not handle it; handled by: the functions of the package",
-        ),
-        ((SIZED,), {}, r"'size-dependent-hardness': method 'bem' does not handle it"),
         ((HARD.replace("40 kPa", "9 kPa"),), {}, r"\[\[effects\]\] 1 hardness = 9000 Pa: must not be below"),
         ((STICKY.replace("40 nm", "2 nm"),), {}, r"\[\[effects\]\] 1 reach = 2e-09 m: grid \[12, 12\] has"),
         ((LAYER,), {"fem": True}, r"methods\.fem\.depth: \[\[effects\]\] 1 thickness says the depth"),
         (
             (LAYER + 'base = "frictionless"\n',),
             {"fem": True, "extra": [('depth = "5 um"', "")]},
-            r"\[\[effects\]\] 1 base = 'frictionless': must be 'bonded'",
+            r"\[\[effects\]\] 1 kind = 'thickness': as it stands it is no body on a clamped base",
         ),
         (
             (COATED + "poisson = 0.4\n",),
@@ -141,8 +139,9 @@ def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
     ],
 )
 def test_what_a_method_lacks_is_refused_by_name_before_computing(with_effects, effects, options, message):
+    scene = with_effects(*effects, **options)
     with pytest.raises(UsageError, match=message):
-        check_effects(with_effects(*effects, **options))
+        check_scene(scene, realise(scene))
 
 
 @pytest.mark.parametrize(
@@ -151,7 +150,7 @@ def test_what_a_method_lacks_is_refused_by_name_before_computing(with_effects, e
         ('[[effects]]\nkind = "hardness"\n', "[[effects]] 1 hardness: missing"),
         (
             "[[effects]]\nhardness = 1.0\n",
-            "[[effects]] 1 kind: missing; one of 'adhesion', 'coating', 'cracks'",
+            "[[effects]] 1 kind: missing; one of 'adhesion', 'coating', 'graded'",
         ),
         (HARD.replace("kPa", "nm"), "[[effects]] 1 hardness = '40 nm': is not a pressure"),
         (STICKY.replace("mJ/m^2", "mJ"), "is not a work of adhesion"),
@@ -167,15 +166,21 @@ def test_a_wrong_effect_is_one_line_naming_the_key(with_effects, effect, message
 
 
 def test_theory_of_a_graded_solid_uses_the_modulus_each_wave_feels(with_effects):
-    scene = with_effects(GRADED)
-    field = reference_field(scene.surface)
-    solid = Solid(young=2e6, poisson=0.3)
-    modulus = theory_modulus(solid, scene.effects)
-    constant = theory_variance(field, lambda q: np.full(np.shape(q), solid.contact_modulus))
-    assert constant == pytest.approx(solid.contact_modulus**2 / 4 * field.rms_gradient**2, rel=1e-12)
-    assert constant < theory_variance(field, modulus) < 9 * constant
-    assert theory_modulus(solid, ()) is None
-    assert isinstance(response_of(solid, ()), HalfSpace)
+    realised = realise(with_effects())
+    plain = predict(realised, ()).stress_variance
+    assert plain == pytest.approx(realised.contact_modulus**2 / 4 * realised.field.rms_gradient**2, rel=1e-12)
+    # The bulk is three times as stiff.
+    assert plain < predict(realised, with_effects(GRADED).effects).stress_variance < 9 * plain
+    assert Told.by(realised.elastic, ()).modulus is None
+    assert isinstance(Slots.filled(realised.elastic, ()).felt_response, HalfSpace)
+
+
+def test_a_graded_solid_of_one_modulus_is_the_plain_one_for_the_theory(with_effects):
+    realised = realise(with_effects())
+    same = with_effects(GRADED.replace("6 MPa", "2 MPa")).effects
+    assert predict(realised, same).stress_variance == pytest.approx(
+        predict(realised, ()).stress_variance, rel=1e-12
+    )
 
 
 def rough(gradient=0.1):
@@ -216,10 +221,10 @@ def effect(text):
     ],
 )
 def test_the_word_of_a_listed_effect_turns_with_its_parameter(template, matters, negligible):
-    assert judge(effect(template.format(matters)), rough()).matters
-    word = judge(effect(template.format(negligible)), rough())
+    assert effect(template.format(matters)).judged(rough()).matters
+    word = effect(template.format(negligible)).judged(rough())
     assert word.verdict.startswith("negligible")
-    assert not judge(effect(template.format(matters)), rough(gradient=0.0)).matters
+    assert not effect(template.format(matters)).judged(rough(gradient=0.0)).matters
 
 
 def test_explain_gives_numbers_for_what_is_listed_and_what_is_not(with_effects):
@@ -232,7 +237,7 @@ def test_explain_gives_numbers_for_what_is_listed_and_what_is_not(with_effects):
     assert "hardness" not in words
     assert words["adhesion"].verdict.startswith("unknown without a work of adhesion")
     assert words["thickness"].verdict.startswith("unknown without a thickness")
-    assert {"finite slopes", "finite elements"} <= set(words)
+    assert {"finite slopes", "an independent solver"} <= set(words)
     assert any("E* h'_rms / H" in part for part in said.parts() if isinstance(part, str))
 
 
@@ -248,13 +253,12 @@ def test_the_energy_of_full_contact_is_that_of_the_pressure_that_makes_it(with_e
 def test_the_pastewka_robbins_number_is_the_printed_one():
     # h' = .1, half Laplacian: rms curvature of a profile is sqrt(3/2) of it, 1e5 / sqrt(3/2) = 8.165e4 /m;
     # E* = 1 GPa, w = 1 J/m^2, rho = 1 nm: (.1 * 1e-9 / (2 * 1e-9)) (.1^2 / 8.165e4 / 1e-9)^(2/3).
-    word = judge(effect('[[effects]]\nkind = "adhesion"\nwork = "1 J/m^2"\nreach = "1 nm"\n'), rough())
+    word = effect('[[effects]]\nkind = "adhesion"\nwork = "1 J/m^2"\nreach = "1 nm"\n').judged(rough())
     assert "Pastewka-Robbins number 1.23 " in word.number
 
 
 def test_no_solve_is_charged_with_loading_what_its_effects_need(with_effects, monkeypatch):
     from fem_contact import block
-    from validation import slots
 
     rehearsed = []
 
@@ -265,16 +269,18 @@ def test_no_solve_is_charged_with_loading_what_its_effects_need(with_effects, mo
 
         return keeping
 
-    monkeypatch.setattr(slots, "solve_bem", kept(slots.solve_bem))
+    monkeypatch.setattr(Bem, "solve", kept(Bem.solve))
     monkeypatch.setattr(block, "solve", kept(block.solve))
-    jobs = [job for effects in ((HARD,), (STICKY,), (GRADED,)) for job in jobs_of(with_effects(*effects))]
-    jobs += jobs_of(with_effects(HARD, fem=True))
-    warm_up(jobs)
-    hard, sticky, graded, elements = rehearsed
+    solves = [
+        solve for effects in ((HARD,), (STICKY,), (GRADED,)) for solve in solves_of(with_effects(*effects))
+    ]
+    solves += solves_of(with_effects(HARD, fem=True))
+    warm_up(solves)
+    hard, sticky, graded, elements = (one.contact for one in rehearsed)
     assert hard.at_bound.any()
     assert sticky.pressure.min() < 0
     assert 0 < graded.in_contact.mean() < 1
-    assert elements.contact.at_bound.any()
+    assert elements.at_bound.any()
 
 
 def test_blocks_of_the_documentation_are_effects_with_the_defaults_they_name():
@@ -286,4 +292,4 @@ def test_blocks_of_the_documentation_are_effects_with_the_defaults_they_name():
         read = [TypeAdapter(EffectSpec).validate_python(table) for table in listed]
         assert read == [TypeAdapter(EffectSpec).validate_python(table) for table in in_full]
         said += [effect.kind for effect in read]
-    assert sorted(said) == sorted(kind for kind, handled in HANDLED_BY.items() if handled)
+    assert sorted(said) == sorted(effect_kinds())

@@ -8,10 +8,11 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
-from validation.effects import check_effects
 from validation.errors import SceneError, UsageError
-from validation.scene import Scene, load_scene, scene_text
-from validation.theory_scene import load_theory_scene
+from validation.paper.theory_scene import load_theory_scene
+from validation.scenes.checks import check_scene
+from validation.scenes.realised import realise
+from validation.scenes.scene import Scene, load_scene, scene_text
 
 BASE = """
 name = "fuzz"
@@ -122,7 +123,7 @@ def judged(tree):
     """Read a scene as the command line does; None where it is refused in words."""
     from pydantic import ValidationError
 
-    from validation.scene import scene_problems
+    from validation.scenes.scene import scene_problems
 
     try:
         scene = Scene.model_validate(tree)
@@ -132,7 +133,7 @@ def judged(tree):
         assert all(isinstance(line, str) and line for line in lines)
         return None
     try:
-        check_effects(scene)
+        check_scene(scene, realise(scene))
     except UsageError:
         return None
     return scene
@@ -211,7 +212,7 @@ WORDS_OF_THE_COMMAND = (
 def test_the_command_line_ends_with_an_exit_code_and_no_traceback(tmp_path, arguments):
     from typer.testing import CliRunner
 
-    from validation import cli
+    from validation.cli import commands as cli
 
     if "run" in arguments and "quickstart" in arguments:
         arguments = [*arguments, "--dry-run"]
@@ -227,16 +228,19 @@ def test_the_command_line_ends_with_an_exit_code_and_no_traceback(tmp_path, argu
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ("hardness --pressures 0.0 --grids 64,32", "pressure = 0.0: must be greater than 0"),
-        ("hardness --grids ,", "at least one"),
-        ("adhesion --works nan", "must be finite"),
-        ("hardness --periods 0", "division by zero"),
+        (
+            "hardness --reduced-pressures 0.0 --grids 64,32",
+            "--reduced-pressures = '0.0': must be greater than 0",
+        ),
+        ("hardness --grids ,", r"--grids = \[\]: .* at least 1 item"),
+        ("adhesion --works nan", "--works = 'nan': must be a finite number"),
+        ("hardness --periods 0", "--periods = '0': must be greater than or equal to 1"),
     ],
 )
 def test_options_of_a_study_that_make_no_case_are_refused_in_words(monkeypatch, tmp_path, arguments, message):
     from typer.testing import CliRunner
 
-    from validation import cli
+    from validation.cli import commands as cli
 
     monkeypatch.chdir(tmp_path)
     words = ["study", *arguments.split(), "--dry-run"]
@@ -248,7 +252,7 @@ def test_options_of_a_study_that_make_no_case_are_refused_in_words(monkeypatch, 
 def test_a_dry_run_of_a_study_that_needs_no_job_computes_nothing(monkeypatch, tmp_path, name):
     from typer.testing import CliRunner
 
-    from validation import cli
+    from validation.cli import commands as cli
 
     monkeypatch.chdir(tmp_path)
     result = CliRunner().invoke(cli.app, ["study", name, "--dry-run"], catch_exceptions=False)

@@ -10,10 +10,10 @@ import sys
 
 import pytest
 
-from validation.effects import predicted_cost
-from validation.jobs import Job
-from validation.pool import ONE_THREAD
-from validation.scene import Load, SelfAffineSurface, SolidSpec
+from validation.scenes.realised import Realised
+from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
+from validation.solves.pool import ONE_THREAD
+from validation.solves.press import Press
 
 #: method, points along a side, p*, settings
 LIST = [
@@ -29,7 +29,7 @@ LIST = [
 ]
 
 
-def job_of(number: int, *, small: bool = False) -> Job:
+def job_of(number: int, *, small: bool = False) -> Press:
     method, n, pressure, settings = LIST[number]
     surface = SelfAffineSurface(
         kind="self-affine",
@@ -41,12 +41,14 @@ def job_of(number: int, *, small: bool = False) -> Job:
         seed=12,
     )
     side = 16 if small else n
-    return Job(
+    return Press(
         method=method,
         grid=(side, side),
-        surface=surface,
-        solid=SolidSpec(young=1e9, poisson=0.3),
-        load=Load(reduced_pressure=pressure),
+        realised=Realised(
+            surface=surface,
+            solid=SolidSpec(young=1e9, poisson=0.3),
+            load=Load(reduced_pressure=pressure),
+        ),
         settings=tuple(settings.items()),
     )
 
@@ -56,9 +58,9 @@ import importlib.util, json, pathlib, resource, sys, tempfile, time
 spec = importlib.util.spec_from_file_location("listed", sys.argv[1])
 listed = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(listed)
-from validation.effects import predicted_cost, transform_seconds
-from validation.run import attempt
-from validation.store import Store
+from validation.solves.cost import transform_seconds
+from validation.solves.running import attempt
+from validation.solves.store import Store
 number = int(sys.argv[2])
 with tempfile.TemporaryDirectory() as folder:
     store = Store(folder=pathlib.Path(folder))
@@ -68,7 +70,7 @@ with tempfile.TemporaryDirectory() as folder:
     attempt(listed.job_of(number), store, threads=1)
     seconds = time.process_time() - began
 memory = 1024 * (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before)
-predicted = predicted_cost(listed.job_of(number), pair_seconds=pair)
+predicted = listed.job_of(number).predict(pair_seconds=pair)
 print(json.dumps([seconds / predicted.seconds, memory / predicted.peak_bytes]))
 """
 
@@ -97,11 +99,11 @@ def test_prediction_is_right_within_a_factor_of_two(number):
 
 
 def test_prediction_grows_with_the_grid_and_knows_the_reduction():
-    bem = [predicted_cost(job_of(k)) for k in (0, 1, 3, 4)]
+    bem = [job_of(k).predict() for k in (0, 1, 3, 4)]
     for smaller, larger in itertools.pairwise(bem):
         assert larger.seconds > smaller.seconds
         assert larger.peak_bytes > smaller.peak_bytes
-    full, reduced = predicted_cost(job_of(6)), predicted_cost(job_of(7))
+    full, reduced = job_of(6).predict(), job_of(7).predict()
     assert reduced.unknowns > full.unknowns
     assert reduced.seconds < full.seconds
-    assert predicted_cost(job_of(0), pair_seconds=2e-3).seconds == pytest.approx(4 * bem[0].seconds)
+    assert job_of(0).predict(pair_seconds=2e-3).seconds == pytest.approx(4 * bem[0].seconds)

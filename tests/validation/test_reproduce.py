@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 
-from validation import reproduce
+from validation.paper import reproduce
 from validation.paper.claims import Reading, judge
 from validation.paper.figures import FIGURES
 from validation.paper.table import CLAIMS
@@ -77,7 +77,7 @@ def test_tolerances_bracket_the_stated_number():
 
 @pytest.mark.parametrize("name", ["spectra", "coarse_grid", "elastoplastic"])
 def test_a_figure_is_written_with_its_numbers(name, tmp_path):
-    from validation import plots_paper
+    from validation.paper import plots as plots_paper
 
     figure = next(make for make in FIGURES if make.__name__ == name)()
     png, svg = plots_paper.save(figure, tmp_path)

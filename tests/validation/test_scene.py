@@ -9,10 +9,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from validation import scene as scene_module
-from validation.effects import check_effects
 from validation.errors import SceneError, UsageError
-from validation.scene import builtin_scenes, load_scene
+from validation.scenes import scene as scene_module
+from validation.scenes.checks import check_scene
+from validation.scenes.realised import realise
+from validation.scenes.scene import builtin_scenes, load_scene
 
 WRONG = [
     # what is replaced, by what, words of the message
@@ -86,7 +87,7 @@ def test_units_are_converted_exactly(write_scene):
 
 @given(exponent=st.integers(-9, 9), digits=st.integers(1, 9999))
 def test_a_quantity_is_the_correctly_rounded_number_in_si(exponent, digits):
-    from validation.scene import SolidSpec
+    from validation.scenes.scene import SolidSpec
 
     found = SolidSpec.model_validate({"young": f"{digits}e{exponent} kPa", "poisson": 0.2}).young
     assert found == float(f"{digits}e{exponent + 3}")
@@ -148,14 +149,14 @@ def test_the_scene_in_the_readme_is_a_scene(tmp_path):
     (tmp_path / "mine.toml").write_text(text)
     scene = load_scene(str(tmp_path / "mine.toml"))
     assert (scene.name, scene.surface.length) == ("mine", (1e-4, 1e-4))
-    check_effects(scene)
+    check_scene(scene, realise(scene))
 
 
 def test_a_scene_of_the_theory_alone_is_recognised_with_the_way_to_run_it(tmp_path):
-    from validation.theory_scene import theory_scenes
+    from validation.paper.theory_scene import theory_scenes
 
     for name in theory_scenes():
-        file = Path(scene_module.__file__).parent / "scenes" / "theory" / f"{name}.toml"
+        file = Path(scene_module.__file__).parent / "theory_library" / f"{name}.toml"
         for scene in (name, str(file)):
             with pytest.raises(SceneError, match=r"scene of the theory alone.*run_theory_scene") as caught:
                 load_scene(scene)

@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from validation.errors import SceneError
-from validation.theory_scene import load_theory_scene, run_theory_scene, theory_scenes
+from validation.paper.theory_scene import load_theory_scene, run_theory_scene, theory_scenes
 
 RIM = """
 name = "mine"
@@ -88,7 +88,7 @@ def test_what_is_not_listed_is_not_imported(tmp_path):
     path.write_text(RIM, encoding="utf-8")
     code = (
         "import sys\n"
-        "from validation.theory_scene import load_theory_scene, run_theory_scene\n"
+        "from validation.paper.theory_scene import load_theory_scene, run_theory_scene\n"
         f"run_theory_scene(load_theory_scene({str(path)!r}))\n"
         "unwanted = {'numba', 'matplotlib', 'persson.adhesion', 'persson.hardness', 'persson.graded'}\n"
         "print(sorted(unwanted & set(sys.modules)))\n"

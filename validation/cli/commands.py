@@ -1,0 +1,430 @@
+"""The command `fem-contact`."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from validation.cli.options import (
+    AccuracyOption,
+    DryRunOption,
+    JsonOption,
+    MemoryOption,
+    OutputOption,
+    PicturesOption,
+    QuietOption,
+    ReportOption,
+    SceneArgument,
+    SchedulerOption,
+    StoreOption,
+    TimeLimitOption,
+    WorkersOption,
+    chosen_accuracy,
+    chosen_execution,
+    naming,
+    print_plan,
+    say,
+    show,
+    stopping_cleanly,
+)
+from validation.cli.refusals import refusals_in_words
+from validation.cli.store import store_app
+from validation.cli.surface import surface_app
+from validation.errors import RunFailed, UsageError
+
+if TYPE_CHECKING:
+    from validation.paper.claims import ClaimRow
+    from validation.studies import Study
+
+__all__ = ["app", "main"]
+
+app = typer.Typer(
+    name="fem-contact",
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="Press a rough surface against an elastic solid by two solvers and compare with Persson's theory.",
+    epilog="Exit codes: 0 done; 1 a solve or a check failed; 2 a mistake in the request, nothing was "
+    "computed; "
+    "130 interrupted. Shell completion: fem-contact --install-completion.",
+)
+scenes_app = typer.Typer(no_args_is_help=True, help="The scenes that come with the package.")
+app.add_typer(scenes_app, name="scenes")
+app.add_typer(surface_app, name="surface")
+app.add_typer(store_app, name="store")
+
+
+@app.command(
+    epilog="Examples: fem-contact run quickstart  |  fem-contact run mine.toml --workers 2 --store "
+    "results/solves"
+    "  |  fem-contact run mine.toml --dry-run  |  fem-contact run mine.toml --accuracy 1%"
+)
+def run(
+    scene: SceneArgument = "quickstart",
+    output: OutputOption = None,
+    store: StoreOption = None,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
+    memory: MemoryOption = None,
+    dry_run: DryRunOption = False,
+    accuracy: AccuracyOption = None,
+    time_limit: TimeLimitOption = None,
+    pictures: PicturesOption = None,
+    with_report: ReportOption = True,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Run a scene: solve, compare, write table, fields and report.
+
+    Finished solves in the store are used again, so an interrupted run continues where it stopped. Options of
+    where and how to run may also stand in the scene, in its table 'run'. With --accuracy, grids, tolerance
+    and number of surfaces are chosen instead of read from the scene, and results go to
+    results/NAME-accuracy.
+    """
+    from validation.cli.progress import Bar
+    from validation.cli.results import print_page
+    from validation.comparison.run import run_scene
+    from validation.scenes.checks import check_scene
+    from validation.scenes.realised import realise
+    from validation.scenes.scene import load_scene
+    from validation.solves.press import solves_of
+    from validation.solves.store import Store
+
+    loaded = load_scene(scene)
+    said = loaded.run
+    plain = output or said.folder("output") or Path("results") / loaded.name
+    # Beside the results of a plain run, whose solves it shares.
+    beside = accuracy is not None and not (output or said.output)
+    folder = plain.with_name(f"{plain.name}-accuracy") if beside else plain
+    store_folder = store or said.folder("store") or plain / "solves"
+    execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
+    chosen = chosen_accuracy(accuracy, time_limit=time_limit, dry_run=dry_run, execution=execution)
+    with naming(scene):
+        realised = realise(loaded)
+        check_scene(loaded, realised)
+    if dry_run:
+        print_plan(solves_of(loaded, realised), Store(folder=store_folder), as_json=as_json)
+        return
+    reached = None
+    with stopping_cleanly(), Bar(quiet=quiet or said.quiet or as_json) as bar:
+        options: dict[str, Any] = {
+            "progress": bar,
+            "execution": execution,
+            "store_folder": store_folder,
+            "pictures": with_report and (said.pictures if pictures is None else pictures),
+            "report": with_report,
+        }
+        if chosen is None:
+            outputs = run_scene(loaded, folder, realised=realised, **options)
+        else:
+            from validation.comparison.accuracy import run_accurate
+
+            accurate = run_accurate(loaded, folder, **chosen, **options)
+            outputs, reached = accurate.outputs, accurate.reached
+    if as_json:
+        summary = outputs.comparison.summary()
+        if reached is not None:
+            summary["accuracy"] = reached.summary()
+        typer.echo(json.dumps(summary, indent=2))
+        return
+    solved, reused = (outputs.solved, outputs.reused) if reached is None else (reached.solves, reached.reused)
+    print_page(
+        outputs.page,
+        outputs.files,
+        more=() if reached is None else tuple(reached.sentences()),
+        done=f"{solved} solves done, {reused} found finished. Written:",
+    )
+
+
+@app.command(
+    context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
+    add_help_option=False,
+    epilog="Examples: fem-contact study --list  |  fem-contact study area --seeds 3,4,5 --grids 128,192 "
+    "--workers 2",
+)
+def study(
+    context: typer.Context,
+    name: Annotated[str | None, typer.Argument(metavar="NAME", help="A study; see --list.")] = None,
+    list_all: Annotated[bool, typer.Option("--list", help="Name the studies and their options.")] = False,
+    scene: Annotated[str | None, typer.Option("--scene", help="Scene, for studies that take one.")] = None,
+    output: OutputOption = None,
+    store: StoreOption = None,
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = None,
+    memory: MemoryOption = None,
+    dry_run: DryRunOption = False,
+    with_report: ReportOption = True,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+    wants_help: Annotated[
+        bool, typer.Option("--help", "-h", help="Show this; after a NAME, the options of that study.")
+    ] = False,
+) -> None:
+    """Run a study: many independent solves, one dataset, figures and a report.
+
+    Whatever follows as --option VALUE is an option of the study, see fem-contact study NAME --help. All
+    studies keep their solves in results/solves, so that they share them, unless --store says otherwise.
+    """
+    from validation.cli.progress import Bar
+    from validation.cli.results import print_page
+    from validation.files import prepare_folder
+    from validation.scenes.scene import RunOptions, load_scene
+    from validation.solves.bench import DEFAULT_STORE, Bench, PlannedOnly
+    from validation.solves.store import Store
+    from validation.studies import find_study, studies
+    from validation.studies._outputs import run_study
+
+    if wants_help:
+        _help_study(context, name)
+        return
+    if list_all or name is None:
+        _list_studies(list(studies().values()), as_json=as_json)
+        return
+    found = find_study(name)
+    extra = list(context.args)
+    if extra and not extra[0].startswith("-") and scene is None:
+        scene = extra.pop(0)
+    loaded = None if scene is None else load_scene(scene)
+    options = found.parse(extra, scene=loaded)
+    said = RunOptions() if loaded is None else loaded.run
+    execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
+    folder, store_folder = (
+        output or said.folder("output") or Path("results") / name,
+        store or said.folder("store") or DEFAULT_STORE,
+    )
+    if dry_run:
+        try:
+            found.compute(options, bench=Bench(store=Store(folder=store_folder), plan_only=True))
+        except PlannedOnly as plan:
+            print_plan(plan.solves, plan.store, as_json=as_json)
+        return
+    with stopping_cleanly(), Bar(quiet=quiet or said.quiet or as_json) as bar:
+        bench = Bench(
+            store=Store(folder=store_folder),
+            execution=execution,
+            progress=bar,
+        )
+        outputs = run_study(found, options, prepare_folder(folder), bench=bench, report=with_report)
+    if as_json:
+        typer.echo(json.dumps(outputs.data.to_dict(), indent=2, default=str))
+        return
+    print_page(outputs.page, outputs.files)
+
+
+@app.command(epilog="Example: fem-contact explain quickstart")
+def explain(scene: SceneArgument = "quickstart", as_json: JsonOption = False) -> None:
+    """Say what a scene would run, on which grids, at what cost, and what it leaves out. Solves nothing."""
+    from validation.comparison.explain import explain as explain_scene
+    from validation.scenes.scene import load_scene
+
+    loaded = load_scene(scene)
+    with naming(scene):
+        explanation = explain_scene(loaded)
+    if as_json:
+        typer.echo(json.dumps(explanation.summary(), indent=2))
+    else:
+        for part in explanation.parts():
+            show(part)
+
+
+@app.command(epilog="Example: fem-contact calibrate")
+def calibrate(
+    points: Annotated[int, typer.Option("--points", min=32, help="Points along a side.")] = 256,
+    as_json: JsonOption = False,
+) -> None:
+    """Measure what each effect costs on this machine; explain and --dry-run then predict from it."""
+    from validation.solves.calibration import cache_file
+    from validation.solves.calibration import calibrate as measure
+
+    with stopping_cleanly():
+        found = measure(points=points, tell=None if as_json else typer.echo)
+    if as_json:
+        typer.echo(json.dumps({"factors": dict(found.factors), "source": found.source}, indent=2))
+    else:
+        typer.echo(f"Kept in {cache_file()}")
+
+
+@app.command(epilog="Examples: fem-contact validate --quick  |  fem-contact validate hertz westergaard")
+def validate(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="CASE", help="Cases to run; all if not given.")
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Only what takes seconds; under three minutes.")
+    ] = False,
+    list_all: Annotated[bool, typer.Option("--list", help="Name the cases and their claims.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Check every case with a known answer; exit with 1 if any fails."""
+    from validation.cases import chosen_cases, run_cases, verdict_table
+
+    cases = chosen_cases(names or [], quick=quick)
+    if list_all:
+        for case in cases:
+            typer.echo(f"{case.name:28s} {'quick' if case.quick else 'long '}  {case.claim}")
+        return
+    with stopping_cleanly():
+        verdicts = tuple(run_cases(cases, tell=None if as_json else lambda line: say(line, prefix="")))
+    if as_json:
+        typer.echo(json.dumps([verdict.summary() for verdict in verdicts], indent=2))
+    else:
+        show(verdict_table(verdicts))
+    failed = [verdict.case for verdict in verdicts if not verdict.passed]
+    if failed:
+        raise RunFailed(f"{len(failed)} of {len(verdicts)} cases failed: {', '.join(failed)}")
+    if not as_json:
+        typer.echo(f"all {len(verdicts)} cases passed")
+
+
+@app.command(epilog="Examples: fem-contact reproduce  |  fem-contact reproduce --no-figures --json")
+def reproduce(
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder for figures and claims.")
+    ] = None,
+    figures: Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the figures, too.")] = True,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Recompute Persson (2006): every calculated figure and every claim with a number, and say what holds."""
+    from validation.cli.progress import steps_bar
+    from validation.files import prepare_folder
+    from validation.paper import reproduce as reproduction
+
+    folder = prepare_folder(output or Path("results") / "persson-2006")
+    with (
+        stopping_cleanly(),
+        steps_bar(reproduction.steps() if figures else None, quiet=quiet or as_json) as tell,
+    ):
+        rows = reproduction.run(folder, figures=figures, progress=tell)
+    if as_json:
+        typer.echo(json.dumps([dataclasses.asdict(row) for row in rows], indent=2))
+        return
+    show(_claims_table(rows))
+    typer.echo(f"Written: {folder}")
+
+
+@app.command(epilog="Example: fem-contact report results/quickstart")
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Results folder of a run or a study.")],
+    pictures: PicturesOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Write the report of a finished run or study again, from stored results alone. Solves nothing."""
+    from validation.comparison.run import report_run
+    from validation.studies._outputs import check_results, is_study, report_study
+
+    check_results(folder)
+    files = report_study(folder).files if is_study(folder) else report_run(folder, pictures=pictures).files
+    if as_json:
+        typer.echo(json.dumps([str(path) for path in files], indent=2))
+    else:
+        _list(files)
+
+
+@scenes_app.command("list", epilog="Example: fem-contact scenes list")
+def list_scenes(as_json: JsonOption = False) -> None:
+    """Name the built-in scenes and what each shows."""
+    from validation.scenes.scene import builtin_scenes, load_scene
+
+    titles = {name: load_scene(name).title for name in builtin_scenes()}
+    if as_json:
+        typer.echo(json.dumps(titles, indent=2))
+        return
+    for name, title in titles.items():
+        typer.echo(f"{name:20s} {title}")
+
+
+@scenes_app.command("show", epilog="Example: fem-contact scenes show quickstart")
+def show_scene(scene: SceneArgument) -> None:
+    """Print the text of a scene."""
+    from validation.scenes.scene import scene_text
+
+    typer.echo(scene_text(scene)[0], nl=False)
+
+
+@scenes_app.command("copy", epilog="Example: fem-contact scenes copy quickstart mine.toml")
+def copy_scene(
+    scene: SceneArgument,
+    target: Annotated[Path, typer.Argument(metavar="FILE", help="TOML file to write.")],
+) -> None:
+    """Copy a scene to a file of your own, to be changed; it takes the name of its file."""
+    from validation.scenes.scene import scene_text
+
+    text = _named_after(scene_text(scene)[0], target)
+    try:
+        with target.open("x", encoding="utf-8") as file:
+            file.write(text)
+    except OSError as error:
+        raise UsageError(f"{target}: not written: {error.strerror}") from None
+    typer.echo(f"{target}: a copy of {scene}; run it with: fem-contact run {target}")
+
+
+def _named_after(text: str, target: Path) -> str:
+    """Take the name out of a scene's text: its file names it, and its results go to a folder of their own."""
+    head, table, rest = text.partition("\n[")
+    stem = re.sub(r"[^A-Za-z0-9._-]+", "-", target.stem).strip("-._")
+    # A file whose name cannot name a folder is named in its text.
+    name = "" if stem == target.stem else f'name = "{stem or "copy"}"\n'
+    return re.sub(r"(?m)^name\s*=.*\n?", lambda _: name, head, count=1) + table + rest
+
+
+def _list(files: tuple[Path, ...]) -> None:
+    for path in files:
+        typer.echo(f"  {path}")
+
+
+def _list_studies(known: list[Study], *, as_json: bool) -> None:
+    if as_json:
+        words = {s.name: list(s.options.flags()) for s in known}
+        typer.echo(json.dumps(words, indent=2))
+        return
+    for found in known:
+        typer.echo("\n".join(found.help_lines()))
+
+
+def _help_study(context: typer.Context, name: str | None) -> None:
+    """Print the options of one study, or the help of the command."""
+    from validation.studies import find_study
+
+    if name is None:
+        typer.echo(context.get_help())
+        return
+    typer.echo("\n".join(find_study(name).help_lines()))
+    typer.echo("\nOptions of all studies, where and how they run: fem-contact study --help")
+
+
+def _claims_table(rows: Sequence[ClaimRow]) -> Any:
+    from rich.table import Table
+
+    table = Table(title="Numbers of Persson (2006)")
+    names = [field.name for field in dataclasses.fields(rows[0])]
+    for name in names:
+        table.add_column(name, overflow="fold")
+    for row in rows:
+        values = (getattr(row, name) for name in names)
+        table.add_row(*(v if isinstance(v, str) else f"{v:.4g}" for v in values))
+    return table
+
+
+def main() -> None:
+    """Run the command line: a user's mistake is one line on stderr and exit code 2, never a traceback."""
+    with refusals_in_words():
+        try:
+            app()
+        except UsageError as error:
+            say(error)
+            sys.exit(2)
+        except RunFailed as error:
+            say(error)
+            sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,235 @@
+"""The commands `fem-contact surface`: generate, inspect, convert."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from validation.cli.options import JsonOption, SceneArgument, plain_number, say, show
+from validation.errors import UsageError
+
+if TYPE_CHECKING:
+    from fem_contact.surface import HeightField
+    from validation.scenes.scene import FileSurface, SelfAffineSurface
+
+__all__ = ["surface_app"]
+
+surface_app = typer.Typer(no_args_is_help=True, help="Surfaces: generate, inspect, convert.")
+
+TargetArgument = Annotated[
+    Path, typer.Argument(metavar="FILE", help="File to write: .npy, .txt, .nc or .x3p.")
+]
+GridOption = Annotated[int | None, typer.Option("--grid", min=2, help="Points along x and y.")]
+ForceOption = Annotated[bool, typer.Option("--force", help="Overwrite the file if it is there.")]
+LengthOption = Annotated[
+    str | None,
+    typer.Option("--length", help='Size, e.g. "100 um" or "100 um, 50 um", if the file does not say.'),
+]
+UnitOption = Annotated[str | None, typer.Option("--unit", help='Unit of the heights, e.g. "1 nm".')]
+TiltOption = Annotated[str, typer.Option("--tilt", help="keep, plane or quadratic: what to take out.")]
+MissingOption = Annotated[
+    str, typer.Option("--missing", help="refuse, nearest or harmonic: how to fill holes.")
+]
+EdgesOption = Annotated[
+    str | None, typer.Option("--edges", help="tukey or hann: taper that makes it periodic; or periodic.")
+]
+MarginOption = Annotated[float, typer.Option("--margin", help="Share of each side a tukey taper takes.")]
+
+
+@surface_app.command(epilog="Example: fem-contact surface generate quickstart rough.npy --grid 512")
+def generate(
+    scene: SceneArgument,
+    target: TargetArgument,
+    grid: GridOption = None,
+    realisation: Annotated[
+        int, typer.Option(min=0, help="Which surface of the spectrum; 0 is the scene's.")
+    ] = 0,
+    force: ForceOption = False,
+) -> None:
+    """Write the surface of a scene to a file."""
+    from validation.scenes.scene import FileSurface, load_scene
+    from validation.scenes.surfaces import check_fits, height_field, reference_field
+
+    surface = load_scene(scene).surface
+    if realisation and isinstance(surface, FileSurface):
+        raise UsageError(f"--realisation = {realisation}: a measured surface has one realisation")
+    if grid is None:
+        field = reference_field(surface, realisation=realisation)
+    else:
+        check_fits((grid, grid), f"--grid = {grid}:", remedy="choose fewer")
+        field = height_field(surface, (grid, grid), realisation=realisation)
+    _write(field, target, force=force)
+    if grid is None and not isinstance(surface, FileSurface):
+        say(
+            f"{field.shape[0]} x {field.shape[1]} is the smallest grid that resolves this surface, with two "
+            "points per shortest wave: enough to interpolate, too few for contact; choose with --grid",
+            prefix="note: ",
+        )
+
+
+@surface_app.command(
+    epilog="Examples: fem-contact surface inspect quickstart  |  fem-contact surface inspect afm.x3p "
+    "--tilt plane"
+)
+def inspect(
+    source: Annotated[str, typer.Argument(metavar="SCENE|FILE", help="A scene, or a file of heights.")],
+    length: LengthOption = None,
+    unit: UnitOption = None,
+    tilt: TiltOption = "keep",
+    missing: MissingOption = "refuse",
+    as_json: JsonOption = False,
+) -> None:
+    """Print size, tilt, missing points, edges, moments and C(q) of a surface."""
+    facts = _inspected(source, length=length, unit=unit, tilt=tilt, missing=missing)
+    spectrum = facts.pop("spectrum")
+    if as_json:
+        typer.echo(json.dumps({**facts, "spectrum": spectrum}, indent=2))
+        return
+    for name, value in facts.items():
+        show(f"{name}: {value:.6g}" if isinstance(value, float) else f"{name}: {value}")
+    if spectrum:
+        show(_spectrum_table(spectrum))
+
+
+@surface_app.command(
+    epilog="Example: fem-contact surface convert afm.txt afm.nc --length '10 um' --unit '1 nm' --tilt plane"
+)
+def convert(
+    source: Annotated[Path, typer.Argument(metavar="SOURCE", help="File of heights.")],
+    target: TargetArgument,
+    length: LengthOption = None,
+    unit: UnitOption = None,
+    tilt: TiltOption = "keep",
+    missing: MissingOption = "refuse",
+    edges: EdgesOption = None,
+    margin: MarginOption = 0.1,
+    grid: GridOption = None,
+    force: ForceOption = False,
+) -> None:
+    """Read a topography, level, fill and taper it as asked, and write it in another format."""
+    table = _file_surface(
+        source, length=length, unit=unit, tilt=tilt, missing=missing, edges=edges, margin=margin
+    )
+    from validation.scenes.surfaces import check_fits, measured_surface
+
+    # Without a taper a conversion leaves the edges as they are, and does not ask whether they match.
+    found = measured_surface(table)
+    patch = found.patch if edges is None else found.period
+    for words in patch.history:
+        typer.echo(words, err=True)
+    field = patch.height_field()
+    if grid is not None:
+        check_fits((grid, grid), f"--grid = {grid}:", remedy="choose fewer")
+    _write(field if grid is None else field.resampled((grid, grid)), target, force=force)
+
+
+#: What a file of heights may leave out, and how it is said on the command line.
+_SAID = {"--length": "size", "--unit": "unit of the heights"}
+_EXAMPLES = {"--length": "'10 um'", "--unit": "'1 nm'"}
+
+
+def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatment: Any) -> FileSurface:
+    """Read the options as the table of a scene is read, so that they allow and refuse the same."""
+    from pydantic import ValidationError
+
+    from validation.scenes.scene import FileSurface, scene_problems
+    from validation.scenes.topography import file_says
+
+    size: Any = None if length is None else [plain_number(part.strip()) for part in length.split(",")]
+    table = {"kind": "file", "path": str(path), **treatment}
+    if unit is not None:
+        table["unit"] = plain_number(unit)
+    try:
+        says = file_says(path)
+        if size is not None and len(size) == 1:
+            says.check_square("--length")
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from None
+    missing = [
+        key for key, found in (("--length", size or says.lengths), ("--unit", unit or says.unit)) if not found
+    ]
+    if missing:
+        raise UsageError(
+            f"{path}: does not say its {' and '.join(_SAID[key] for key in missing)}: give "
+            + " and ".join(f"{key} {_EXAMPLES[key]}" for key in missing)
+        )
+    size = size or list(says.lengths or ())
+    table["length"] = size if len(size) > 1 else size[0]
+    try:
+        return FileSurface.model_validate(table)
+    except ValidationError as error:
+        raise UsageError("\n".join(f"--{problem}" for problem in scene_problems(error))) from None
+
+
+def _inspected(
+    source: str, *, length: str | None, unit: str | None, tilt: str, missing: str
+) -> dict[str, Any]:
+    from fem_contact.surface.spectra import estimate_spectrum
+    from validation.scenes.scene import builtin_scenes, load_scene
+    from validation.scenes.surfaces import measured_surface, reference_field
+
+    facts: dict[str, Any] = {}
+    surface: SelfAffineSurface | FileSurface
+    if source in builtin_scenes() or Path(source).suffix == ".toml":
+        surface = load_scene(source).surface
+    else:
+        surface = _file_surface(Path(source), length=length, unit=unit, tilt=tilt, missing=missing)
+    if surface.kind == "file":
+        found = measured_surface(surface)
+        raw, patch = found.raw, found.patch
+        facts |= {"missing points": raw.missing, "slope along x": raw.slope[0]}
+        facts |= {"slope along y": raw.slope[1], "edge jump over typical step": patch.edge_jump}
+        facts["treatment"] = "; ".join(patch.history)
+        field, window = patch.height_field(), "none" if patch.edge_jump < 4 else "hann"
+    else:
+        field, window = reference_field(surface), "none"
+    facts |= {
+        "points": f"{field.shape[0]} x {field.shape[1]}",
+        "size [m]": f"{field.lengths[0]:.6g} x {field.lengths[1]:.6g}",
+        "h_rms [m]": field.rms_height,
+    }
+    if window == "none":
+        facts |= {"h'_rms (spectral)": field.rms_gradient}
+        if field.rms_gradient > 0:
+            facts["Nayak parameter"] = field.nayak
+    facts["window of C(q)"] = window
+    rings = estimate_spectrum(field.heights, field.lengths, window="none" if window == "none" else "hann")
+    facts["spectrum"] = [
+        {"q_1/m": float(q), "C_m4": float(c), "waves": int(n)}
+        for q, c, n in zip(rings.q, rings.power, rings.count, strict=True)
+        if c > 0
+    ]
+    return facts
+
+
+def _spectrum_table(spectrum: list[dict[str, float]]) -> Any:
+    """Return at most twelve rings, evenly spread."""
+    from rich.table import Table
+
+    table = Table(title="C(q), convention <h^2> = 2 pi int q C dq")
+    for column in ("q [1/m]", "wavelength [m]", "C [m^4]", "waves"):
+        table.add_column(column, justify="right")
+    step = max(1, len(spectrum) // 12)
+    for ring in spectrum[::step]:
+        q = ring["q_1/m"]
+        table.add_row(f"{q:.4g}", f"{6.283185307179586 / q:.4g}", f"{ring['C_m4']:.4g}", str(ring["waves"]))
+    return table
+
+
+def _write(field: HeightField, target: Path, *, force: bool) -> None:
+    from validation.scenes.topography import write_topography
+
+    if target.exists() and not force:
+        raise UsageError(f"{target}: is there already; name another file or say --force")
+    try:
+        write_topography(target, field)
+    except OSError as error:
+        raise UsageError(f"{target}: not written: {error.strerror or error}") from None
+    words = f"{target}: {field.shape[0]} x {field.shape[1]} heights, h_rms = {field.rms_height:.6g} m"
+    if target.suffix.lower() in (".npy", ".txt"):
+        lx, ly = field.lengths
+        words += f'; it does not say length = [{lx:.6g}, {ly:.6g}] (m) and unit = "1 m"'
+    typer.echo(words)

@@ -1,0 +1,466 @@
+"""The comparison: stored solves of one scene read side by side with the theory."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.area import ContactAreas, Limit, contact_areas
+from fem_contact.contact import ContactResult
+from fem_contact.errors import InvalidInput
+from fem_contact.extrapolation import counted_limit, located_limit
+from fem_contact.stress import density_at_zero
+from validation.effects.base import Effect
+from validation.methods.theory import Prediction, predict
+from validation.report.words import json_ready
+from validation.scenes.realised import Realised
+from validation.scenes.scene import Scene
+from validation.solves.press import Press
+
+if TYPE_CHECKING:
+    from validation.effects.base import Judgement
+
+__all__ = ["Comparison", "CrossCheck", "Row", "Scatter", "compare"]
+
+_TOO_FEW_GRIDS = (
+    "it needs two resolved grids of boundary elements with square cells, or three solves on two grids"
+)
+
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One method on one grid, averaged over the sub-grid shifts that were run.
+
+    Attributes
+    ----------
+    method : str
+        Its name.
+    grid : tuple of int
+    points_per_wave : float
+        lambda_short / dx, on the coarser axis.
+    under_resolved : bool
+        Whether lambda_short <= 2 dx.
+    solves : int
+        Number of shifts averaged.
+    pixel, perimeter : float
+        A/A0 by counting, and with the perimeter correction of the method's edge constant.
+    pixel_scatter : float
+        Standard error of `pixel` over the shifts; NaN for one shift, which tells nothing of it.
+    kappa : float
+        (A/A0) / p* from `perimeter`.
+    density_at_zero : float
+        P(0+) E* h'_rms, from the points below a pressure that falls like sqrt(dx); NaN with adhesion, where
+        pressures do not start at zero.
+    residual : float
+        The largest of the four contact residuals over the solves.
+    seconds : float
+        Wall time of all the solves.
+    unknowns : int
+        Of one solve.
+    plastic : float or None
+        A_pl/A0, points at the pressure bound counted; None without a hardness.
+    """
+
+    method: str
+    grid: tuple[int, int]
+    points_per_wave: float
+    under_resolved: bool
+    solves: int
+    pixel: float
+    pixel_scatter: float
+    perimeter: float
+    kappa: float
+    density_at_zero: float
+    residual: float
+    seconds: float
+    unknowns: int
+    plastic: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class CrossCheck:
+    """One method against the first on the same surface and grid.
+
+    Attributes
+    ----------
+    method, reference : str
+        Finite elements and boundary elements, say.
+    grid : tuple of int
+    points_per_wave : float
+        lambda_short / dx.
+    pressure : float
+        ||p - p_reference|| / ||p_reference||, over all points.
+    pixel, perimeter : float
+        A / A_reference - 1, by counting and with each method's perimeter correction.
+    """
+
+    method: str
+    reference: str
+    grid: tuple[int, int]
+    points_per_wave: float
+    pressure: float
+    pixel: float
+    perimeter: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scatter:
+    """Spread of the contact area between realisations of the same spectrum.
+
+    Attributes
+    ----------
+    areas : tuple of float
+        Limit of A/A0 of each realisation.
+    ratios : tuple of float
+        Each over the theory conditional on that realisation.
+    grid_error : float
+        Root mean square of the uncertainties of the single limits, relative.
+    """
+
+    areas: tuple[float, ...]
+    ratios: tuple[float, ...]
+    grid_error: float
+
+    @property
+    def mean_ratio(self) -> float:
+        """Mean of area over theory."""
+        return float(np.mean(self.ratios))
+
+    @property
+    def relative(self) -> float:
+        """Standard deviation between surfaces over the mean."""
+        return float(np.std(self.ratios, ddof=1) / np.mean(self.ratios))
+
+    @property
+    def mean_error(self) -> float:
+        """Standard error of `mean_ratio`."""
+        return float(np.std(self.ratios, ddof=1) / np.sqrt(len(self.ratios)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Comparison:
+    """Everything a run found, in numbers; plots, tables and sentences are made from it.
+
+    Attributes
+    ----------
+    scene : Scene
+    realised : Realised
+        Its surface, solid and load.
+    pressure, contact_modulus, rms_gradient : float
+        p0 [Pa], E* [Pa], and the realised, spectral h'_rms.
+    rms_height, nayak : float
+        h_rms [m] and Nayak parameter of the realised surface.
+    continuum : dict of str to float, or None
+        h_rms [m] and h'_rms of the integrals over C(q), which for a measured surface is estimated.
+    treatment : tuple of str
+        What was done to a measured surface, in words; empty for a generated one.
+    rows, cross : tuples
+    limit : Limit or None
+        Limit of A/A0 over the resolved BEM grids (FEM grids where there is no BEM); None from a single grid,
+        fewer than three counted areas, or a contact too small to carry the law.
+    theory : Prediction or None
+        None unless the scene asks for it.
+    scatter : Scatter or None
+    no_limit : str
+        Why there is no limit, in words; empty where there is one.
+    accurate : bool
+        Whether the grids were chosen for an accuracy of the limit.
+    """
+
+    scene: Scene
+    realised: Realised
+    pressure: float
+    contact_modulus: float
+    rms_gradient: float
+    rms_height: float
+    nayak: float
+    continuum: dict[str, float] | None
+    treatment: tuple[str, ...]
+    rows: tuple[Row, ...]
+    cross: tuple[CrossCheck, ...]
+    limit: Limit | None
+    theory: Prediction | None
+    scatter: Scatter | None
+    no_limit: str = ""
+    accurate: bool = False
+
+    @property
+    def adhesive(self) -> bool:
+        """Whether the surfaces attract each other, so that pressures are negative near the edges."""
+        return _adhesive(self.scene.effects)
+
+    @cached_property
+    def judgements(self) -> tuple[tuple[Judgement, ...], tuple[Judgement, ...]]:
+        """Effects that ran and effects left out, each with the number that decides."""
+        from validation.comparison.explain import judgements
+
+        return judgements(self.scene, self.realised)
+
+    @property
+    def reduced_pressure(self) -> float:
+        """p* = p0 / (E* h'_rms) with the realised gradient."""
+        return self.pressure / (self.contact_modulus * self.rms_gradient)
+
+    @cached_property
+    def findings(self) -> tuple[str, ...]:
+        """What the run found, in words."""
+        from validation.comparison.findings import findings
+
+        return findings(self)
+
+    def rows_of(self, method: str) -> tuple[Row, ...]:
+        """Rows of one method, coarse to fine."""
+        return tuple(row for row in self.rows if row.method == method)
+
+    def summary(self) -> dict[str, Any]:
+        """Everything as JSON-ready data."""
+        return {
+            "scene": self.scene.model_dump(mode="json"),
+            "pressure_Pa": self.pressure,
+            "reduced_pressure": self.reduced_pressure,
+            "contact_modulus_Pa": self.contact_modulus,
+            "realised": json_ready(
+                {
+                    "rms_height_m": self.rms_height,
+                    "rms_gradient": self.rms_gradient,
+                    "nayak": self.nayak,
+                }
+            ),
+            "continuum": self.continuum,
+            "treatment": list(self.treatment),
+            "rows": [json_ready(asdict(row)) for row in self.rows],
+            "cross_checks": [asdict(check) for check in self.cross],
+            "limit": None if self.limit is None else asdict(self.limit),
+            "no_limit": self.no_limit,
+            "theory": None if self.theory is None else self.theory.summary(),
+            "scatter": None if self.scatter is None else asdict(self.scatter),
+            "findings": list(self.findings),
+        }
+
+
+def compare(
+    scene: Scene, realised: Realised, results: Mapping[Press, ContactResult], *, accurate: bool = False
+) -> Comparison:
+    """Put all solves of a scene beside the theory.
+
+    Parameters
+    ----------
+    scene : Scene
+    realised : Realised
+        What the scene asks for.
+    results : mapping
+        Result of each of its solves, which is read once.
+    accurate : bool
+        Whether its grids were chosen for an accuracy of the limit.
+    """
+    asked = {name: scene.methods.options(name).grids for name in scene.methods.solvers}
+    readings = [
+        _Reading.of(solve, results[solve], bare=not scene.effects, shown=solve.grid in asked[solve.method])
+        for solve in results
+    ]
+    modulus = readings[0].contact_modulus
+    shown = [
+        one for one in readings if one.solve.realisation == 0 and one.solve.grid in asked[one.solve.method]
+    ]
+    groups = itertools.groupby(shown, key=lambda one: (one.solve.method, one.solve.grid))
+    reduced = realised.pressure / (modulus * realised.field.rms_gradient)
+    rows = tuple(_row(list(group), scene, realised, reduced) for _, group in groups)
+    continuum = None
+    if realised.spectrum is not None:
+        moments = realised.spectrum.moments()
+        continuum = {"rms_height_m": moments.rms_height, "rms_gradient": moments.rms_gradient}
+    limit, no_limit = _limit(readings, scene, rows)
+    field = realised.field
+    return Comparison(
+        scene=scene,
+        realised=realised,
+        pressure=realised.pressure,
+        contact_modulus=modulus,
+        rms_gradient=field.rms_gradient,
+        rms_height=field.rms_height,
+        nayak=field.nayak if field.rms_gradient > 0 else float("nan"),
+        continuum=continuum,
+        treatment=() if realised.topography is None else realised.topography.history,
+        rows=rows,
+        cross=_cross_checks(readings, scene, realised),
+        limit=limit,
+        no_limit=no_limit,
+        accurate=accurate,
+        theory=_theory(scene, realised),
+        scatter=_scatter(readings, scene, realised),
+    )
+
+
+def _theory(scene: Scene, realised: Realised) -> Prediction | None:
+    return predict(realised, scene.effects) if scene.methods.options("theory") is not None else None
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Reading:
+    """What the comparison needs of one solve, so that its fields are read once and let go.
+
+    Attributes
+    ----------
+    pressure : (nx, ny) array or None
+        Kept where it is compared with that of another method.
+    plastic : float
+        Share of points at the pressure bound.
+    """
+
+    solve: Press
+    areas: ContactAreas
+    density: float
+    plastic: float
+    residual: float
+    seconds: float
+    unknowns: int
+    contact_modulus: float
+    pressure: Array | None
+
+    @classmethod
+    def of(cls, solve: Press, result: ContactResult, *, bare: bool, shown: bool) -> _Reading:
+        solver = solve.solver
+        dx, dy = result.spacing
+        # The place of an edge is known for the bare half-space, on square cells.
+        located = solver.locates_edges and bare and abs(dx / dy - 1) <= 0.05
+        at_bound = result.at_bound if result.weights is None else result.weights * result.at_bound
+        return cls(
+            solve=solve,
+            areas=contact_areas(result, edge_constant=solver.edge_constant(result), subcell=located),
+            density=_reduced_density(result, adhesive=_adhesive(solve.effects)),
+            plastic=float(np.mean(at_bound)),
+            residual=result.residuals.worst,
+            seconds=result.cost.wall_seconds,
+            unknowns=result.cost.unknowns,
+            contact_modulus=result.contact_modulus,
+            pressure=result.pressure if shown and solve.is_own else None,
+        )
+
+
+def _adhesive(effects: Sequence[Effect]) -> bool:
+    return any(effect.slot == "gap law" for effect in effects)
+
+
+def _row(solves: Sequence[_Reading], scene: Scene, realised: Realised, reduced_pressure: float) -> Row:
+    solve = solves[0].solve
+    pixel = np.array([one.areas.pixel for one in solves])
+    perimeter = float(np.mean([one.areas.perimeter for one in solves]))
+    yields = any(effect.slot == "pressure bound" for effect in scene.effects)
+    return Row(
+        method=solve.method,
+        grid=solve.grid,
+        points_per_wave=realised.points_per_wave(solve.grid),
+        under_resolved=not realised.resolved_by(solve.grid),
+        solves=len(solves),
+        pixel=float(pixel.mean()),
+        pixel_scatter=float(pixel.std(ddof=1) / np.sqrt(pixel.size)) if pixel.size > 1 else float("nan"),
+        perimeter=perimeter,
+        kappa=perimeter / reduced_pressure,
+        density_at_zero=float(np.mean([one.density for one in solves])),
+        residual=max(one.residual for one in solves),
+        seconds=sum(one.seconds for one in solves),
+        unknowns=solves[0].unknowns,
+        plastic=float(np.mean([one.plastic for one in solves])) if yields else None,
+    )
+
+
+def _reduced_density(result: ContactResult, *, adhesive: bool) -> float:
+    if adhesive:  # a window from zero on would hold all the tension
+        return float("nan")
+    try:
+        found = density_at_zero(result)
+    except InvalidInput:  # a flat surface has no scale of pressure
+        return float("nan")
+    # A window that reaches up to the hardness sees what has yielded.
+    reached = np.any(result.at_bound & (result.pressure < found.threshold))
+    return float("nan") if reached else found.reduced
+
+
+def _cross_checks(readings: Sequence[_Reading], scene: Scene, realised: Realised) -> tuple[CrossCheck, ...]:
+    """Put every other method beside the first, on the grids they share."""
+    own = [one for one in readings if one.solve.is_own]
+    first, *others = scene.methods.solvers
+    reference = {one.solve.grid: one for one in own if one.solve.method == first}
+    checks = []
+    for one in own:
+        other = reference.get(one.solve.grid)
+        if one.solve.method not in others or other is None:
+            continue
+        if one.pressure is None or other.pressure is None:
+            continue
+        difference = np.linalg.norm(one.pressure - other.pressure) / np.linalg.norm(other.pressure)
+        checks.append(
+            CrossCheck(
+                method=one.solve.method,
+                reference=first,
+                grid=one.solve.grid,
+                points_per_wave=realised.points_per_wave(one.solve.grid),
+                pressure=float(difference),
+                pixel=one.areas.pixel / other.areas.pixel - 1,
+                perimeter=one.areas.perimeter / other.areas.perimeter - 1,
+            )
+        )
+    return tuple(checks)
+
+
+def _limit(readings: Sequence[_Reading], scene: Scene, rows: tuple[Row, ...]) -> tuple[Limit | None, str]:
+    """Limit of this surface, or why there is none: the first method that has one, resolved grids only."""
+    reasons = []
+    for method in scene.methods.solvers:
+        grids = {row.grid for row in rows if row.method == method and not row.under_resolved}
+        limit = _limit_over(
+            [
+                one.areas
+                for one in readings
+                if one.solve.method == method and one.solve.realisation == 0 and one.solve.grid in grids
+            ]
+        )
+        if limit is not None and limit.determinable:
+            return limit, ""
+        if limit is not None:
+            reasons.append(limit.doubt)
+    return None, reasons[0] if reasons else _TOO_FEW_GRIDS
+
+
+def _limit_over(areas: Sequence[ContactAreas]) -> Limit | None:
+    """Limit over at least two grids: of the located area where there is one, else of the counted."""
+    if len({area.spacing for area in areas}) < 2:
+        return None
+    if all(area.subcell is not None for area in areas):
+        return located_limit(areas)
+    return counted_limit(areas) if len(areas) >= 3 else None
+
+
+def _scatter(readings: Sequence[_Reading], scene: Scene, realised: Realised) -> Scatter | None:
+    if scene.ensemble is None or scene.ensemble_solver is None:
+        return None
+    surfaces = {one.solve.realisation: one.solve.realised for one in readings}
+    areas, ratios, errors = [], [], []
+    for k in range(scene.ensemble.realisations):
+        own = [
+            one.areas
+            for one in readings
+            if one.solve.method == scene.ensemble_solver.name
+            and one.solve.realisation == k
+            and one.solve.shift == (0.0, 0.0)
+            and one.solve.grid in scene.ensemble.grids
+        ]
+        limit = _limit_over(own)
+        if limit is None or not limit.determinable:
+            return None
+        theory = _theory(scene, surfaces.get(k, realised))
+        areas.append(limit.value)
+        ratios.append(limit.value / theory.area if theory is not None and theory.answers else limit.value)
+        errors.append(limit.uncertainty / limit.value)
+    return Scatter(
+        areas=tuple(areas), ratios=tuple(ratios), grid_error=float(np.sqrt(np.mean(np.square(errors))))
+    )

@@ -1,0 +1,266 @@
+"""Which effects and methods a scene calls for, what they will cost, and what is left out and why."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_contact import errors as fem_errors
+from persson import errors as persson_errors
+from validation.effects import effect_kinds
+from validation.effects.base import Judgement, Roughness, Told
+from validation.errors import UsageError
+from validation.methods import methods
+from validation.methods.theory import theory_words
+from validation.scenes.checks import check_scene
+from validation.scenes.realised import Realised, Surveyed
+from validation.scenes.scene import Scene
+from validation.scenes.surfaces import Expected
+from validation.solves.calibration import effect_costs
+from validation.solves.cost import transform_seconds
+from validation.solves.press import Press, solves_of
+from validation.solves.solve import Prediction
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from fem_contact.surface import HeightField
+
+__all__ = ["Explanation", "Prediction", "explain", "judgements"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlannedGrid:
+    """One line of an explanation: a method on a grid."""
+
+    method: str
+    grid: tuple[int, int]
+    points_per_wave: float
+    solves: int
+    unknowns: int
+    seconds: float
+    peak_bytes: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Explanation:
+    """What a scene runs and what it leaves out."""
+
+    name: str
+    facts: tuple[tuple[str, str], ...]
+    grids: tuple[PlannedGrid, ...]
+    effects: tuple[Judgement, ...]
+    left_out: tuple[Judgement, ...]
+    costs: str = ""
+
+    @property
+    def seconds(self) -> float:
+        """Predicted time of all solves, one after the other [s]."""
+        return sum(grid.seconds for grid in self.grids)
+
+    @property
+    def peak_bytes(self) -> int:
+        """Largest memory of any one solve."""
+        return max(grid.peak_bytes for grid in self.grids)
+
+    def summary(self) -> dict[str, Any]:
+        """Return everything as JSON-ready data."""
+        return {**asdict(self), "seconds": self.seconds, "peak_bytes": self.peak_bytes}
+
+    def parts(self) -> Iterator[str | Table]:
+        """Yield what the command line prints, in order."""
+        from rich.table import Table
+
+        yield f"Scene {self.name}"
+        for name, value in self.facts:
+            yield f"  {name}: {value}"
+        table = Table(title="What will run")
+        for column in ("method", "grid", "lambda_short/dx", "solves", "unknowns each", "seconds", "peak MiB"):
+            table.add_column(column, justify="left" if column in ("method", "grid") else "right")
+        for g in self.grids:
+            table.add_row(
+                g.method,
+                f"{g.grid[0]} x {g.grid[1]}",
+                f"{g.points_per_wave:.3g}",
+                str(g.solves),
+                f"{g.unknowns:,}",
+                f"{g.seconds:.2g}",
+                f"{g.peak_bytes / 2**20:.3g}",
+            )
+        yield table
+        yield (
+            f"About {self.seconds:.0f} s in all and {self.peak_bytes / 2**20:.0f} MiB at most on this "
+            "machine (meant to be right within a factor of 2)."
+        )
+        if self.costs:
+            yield f"Solves with effects are predicted from their cost over plain ones, {self.costs}."
+        yield f"Effects that run:{'' if self.effects else ' none beyond linear elasticity.'}"
+        for item in self.effects:
+            yield f"  {item.effect}: {item.number} - {item.verdict}"
+        yield "Left out:"
+        for item in self.left_out:
+            yield f"  {item.effect}: {item.number} - {item.verdict}"
+
+
+def explain(scene: Scene) -> Explanation:
+    """Say what a scene will run and at what cost, without solving anything.
+
+    Raises
+    ------
+    UsageError
+        For an effect that a method of the scene lacks, and for numbers that no method can compute with.
+    """
+    realised = Surveyed(surface=scene.surface, solid=scene.solid, load=scene.load)
+    try:
+        check_scene(scene, realised)
+        return _explained(scene, realised)
+    except (fem_errors.InvalidInput, persson_errors.InvalidInput) as error:
+        raise UsageError(str(error)) from None
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        raise UsageError(f"its numbers lie too far apart to compute with ({error})") from None
+
+
+def _explained(scene: Scene, realised: Realised) -> Explanation:
+    pair = transform_seconds()
+    groups: dict[tuple[str, tuple[int, int]], list[Press]] = {}
+    for solve in solves_of(scene, realised):
+        groups.setdefault((solve.method, solve.grid), []).append(solve)
+    grids = []
+    for (method, grid), solves in groups.items():
+        cost = solves[0].predict(pair_seconds=pair)
+        grids.append(
+            PlannedGrid(
+                method=method,
+                grid=grid,
+                points_per_wave=realised.points_per_wave(grid),
+                solves=len(solves),
+                unknowns=cost.unknowns,
+                seconds=cost.seconds * len(solves),
+                peak_bytes=cost.peak_bytes,
+            )
+        )
+    effects, left_out = judgements(scene, realised)
+    return Explanation(
+        name=scene.name,
+        facts=_facts(scene, realised),
+        grids=tuple(sorted(grids, key=lambda g: (g.method, g.grid))),
+        effects=effects,
+        left_out=left_out,
+        costs=_cost_words(scene),
+    )
+
+
+def judgements(scene: Scene, realised: Realised) -> tuple[tuple[Judgement, ...], tuple[Judgement, ...]]:
+    """Return the effects that a scene lists and those it leaves out, each with the number that decides."""
+    rough = _roughness(realised)
+    listed = tuple(_priced(effect.judged(rough)) for effect in scene.effects)
+    return listed, _left_out(scene, rough)
+
+
+def _roughness(realised: Realised) -> Roughness:
+    field: HeightField | Expected = realised.field
+    waves = {"longest": realised.longest, "shortest": realised.shortest}
+    if isinstance(field, Expected):
+        return Roughness(
+            modulus=realised.contact_modulus,
+            gradient=field.rms_gradient,
+            curvature=math.sqrt(3 * field.moments[2] / 8),
+            full_energy=0.25 * realised.contact_modulus * field.first_moment,
+            **waves,
+        )
+    return Roughness.of(field, modulus=realised.contact_modulus, **waves)
+
+
+def _priced(judgement: Judgement) -> Judgement:
+    """Say what an effect costs that could be left out."""
+    if not judgement.negligible:
+        return judgement
+    costs = effect_costs()
+    words = f"it costs {costs.factors[judgement.effect]:.2g} times the plain solve ({costs.source})"
+    return replace(judgement, verdict=f"{judgement.verdict}; {words}")
+
+
+def _cost_words(scene: Scene) -> str:
+    """Say what the effects of a scene cost over a plain solve, and where these numbers were measured."""
+    if not scene.effects:
+        return ""
+    costs = effect_costs()
+    factors = ", ".join(f"{effect.kind} {costs.factors[effect.kind]:.2g}" for effect in scene.effects)
+    return f"{factors} times ({costs.source})"
+
+
+def _facts(scene: Scene, realised: Realised) -> tuple[tuple[str, str], ...]:
+    """Return the numbers a reader checks first: realised and continuum roughness, load, bandwidth."""
+    field: HeightField | Expected = realised.field
+    facts = [("E*", f"{realised.contact_modulus:.6g} Pa"), ("realised surface", _realised_words(field))]
+    facts += _surface_facts(realised)
+    if field.rms_gradient > 0:
+        source = "of C(q)" if isinstance(field, Expected) else "realised"
+        facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"))
+        facts.append(("load", f"p0 = {realised.pressure:.6g} Pa, p* = {realised.reduced_pressure:.4g}"))
+    for name, method in scene.methods.asked.items():
+        facts += method.facts(scene.methods.options(name), realised)
+    if scene.methods.options("theory") is not None:
+        facts.append(("theory", _theory_words(scene, realised)))
+    return tuple(facts)
+
+
+def _realised_words(field: HeightField | Expected) -> str:
+    if isinstance(field, Expected):
+        return (
+            f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points; all that follows is "
+            "that of C(q)"
+        )
+    return f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} (spectral)"
+
+
+def _surface_facts(realised: Realised) -> list[tuple[str, str]]:
+    """Return the integrals over C(q) and the bandwidth, or what was done to a measured surface."""
+    if realised.topography is not None:
+        return [("measured", words) for words in realised.topography.history]
+    assert realised.spectrum is not None
+    moments = realised.spectrum.moments()
+    sizes = (
+        f"L/lambda_long = {min(realised.lengths) / realised.longest:.3g}, "
+        f"lambda_long/lambda_short = {realised.longest / realised.shortest:.3g}"
+    )
+    integrals = f"h_rms = {moments.rms_height:.6g} m, h'_rms = {moments.rms_gradient:.6g}"
+    return [("integrals over C(q)", integrals), ("bandwidth", sizes)]
+
+
+def _theory_words(scene: Scene, realised: Realised) -> str:
+    if not scene.effects:
+        return "Persson 2006, elastic, without adhesion: A/A0, P(sigma), kappa; milliseconds"
+    return theory_words(Told.by(realised.elastic, scene.effects))
+
+
+def _left_out(scene: Scene, rough: Roughness) -> tuple[Judgement, ...]:
+    """Return the effects that are not listed, each with the number that decides whether it may be."""
+    slots = {effect.slot for effect in scene.effects}
+    # Where one effect fills a slot, its rivals are not missing.
+    rivals = (kind for kind in effect_kinds().values() if kind.slot not in slots)
+    items = [judged for kind in rivals if (judged := kind.unlisted(rough)) is not None]
+    neglected = rough.gradient**2
+    items.append(
+        Judgement(
+            effect="finite slopes",
+            number=f"h'_rms^2 = {neglected:.2g}, the relative size of the neglected terms",
+            verdict="negligible"
+            if neglected <= 0.02
+            else "matters: every method here is linear in the slope",
+        )
+    )
+    if not any(method.independent for method in scene.methods.solvers.values()):
+        missing = [name for name, method in methods().items() if method.independent]
+        items.append(
+            Judgement(
+                effect="an independent solver",
+                number=f"no [methods.{missing[0]}]",
+                verdict="the contact algorithm is not cross-checked",
+            )
+        )
+    return tuple(items)

@@ -1,0 +1,315 @@
+"""What an effect is: a table of a scene, the slot of a solver it fills, and how to judge it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.response import Response
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+from validation.units import Table
+
+if TYPE_CHECKING:
+    from fem_contact.adhesion import GapLaw
+    from validation.scenes.realised import Realised
+
+__all__ = ["Body", "Effect", "Judgement", "Roughness", "SlotName", "Slots", "Told", "clash", "effect_key"]
+
+Array = NDArray[np.float64]
+Grid = tuple[int, int]
+SlotName = Literal["response", "pressure bound", "gap law", "spectrum"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Body:
+    """The solid as a body of finite depth, for methods that mesh it.
+
+    Attributes
+    ----------
+    depth : float or None
+        Distance of the clamped base [m]; None where no effect says it.
+    modulus : callable or None
+        E(x, y, z) over that of the solid; None where it is constant. It must be picklable.
+    """
+
+    depth: float | None = None
+    modulus: Callable[[Array, Array, Array], Array] | None = None
+
+
+@dataclass(kw_only=True)
+class Slots:
+    """What solvers ask for and effects fill in; a slot that no effect fills is None.
+
+    Attributes
+    ----------
+    solid : Solid
+        That of the scene.
+    response : Response or None
+        Displacement from pressure; the half-space of the solid if None.
+    body : Body or None
+        The same for methods that mesh the solid.
+    pressure_bound : float or None
+        Largest pressure [Pa].
+    gap_law : GapLaw or None
+        Attraction across the gap.
+    """
+
+    solid: Solid
+    response: Response | None = None
+    body: Body | None = None
+    pressure_bound: float | None = None
+    gap_law: GapLaw | None = None
+
+    @classmethod
+    def filled(cls, solid: Solid, effects: Sequence[Effect]) -> Slots:
+        """Return the slots as the effects of a scene fill them."""
+        slots = cls(solid=solid)
+        for effect in effects:
+            effect.fill(slots)
+        return slots
+
+    @property
+    def felt_response(self) -> Response:
+        """Return the response; that of the half-space if no effect changes it."""
+        if self.response is not None:
+            return self.response
+        from fem_contact.response import HalfSpace
+
+        return HalfSpace(solid=self.solid)
+
+
+@dataclass(kw_only=True)
+class Told:
+    """What Persson's theory is told beyond an elastic half-space; None where no effect says it.
+
+    Attributes
+    ----------
+    solid : Solid
+        That of the scene.
+    modulus : callable or None
+        E* [Pa] that a wave of wavevector q [1/m] feels.
+    hardness : float, callable of q, or None
+        Largest pressure [Pa].
+    work : float or None
+        Work of adhesion [J/m^2].
+    smoothing : mapping or None
+        Arguments of an earlier squeezing that changed C(q).
+    """
+
+    solid: Solid
+    modulus: Callable[[Any], Array] | None = None
+    hardness: float | Callable[[Array], Array] | None = None
+    work: float | None = None
+    smoothing: Mapping[str, Any] | None = None
+
+    @classmethod
+    def by(cls, solid: Solid, effects: Sequence[Effect]) -> Told:
+        """Return what the effects of a scene tell the theory."""
+        told = cls(solid=solid)
+        for effect in effects:
+            effect.theory(told)
+        return told
+
+    @property
+    def felt_modulus(self) -> float | Callable[[Any], Array]:
+        """E* [Pa], or what each wave feels."""
+        return self.solid.contact_modulus if self.modulus is None else self.modulus
+
+
+@dataclass(frozen=True, kw_only=True)
+class Judgement:
+    """A number and what follows from it.
+
+    Attributes
+    ----------
+    effect : str
+    number : str
+        The dimensionless number, in words and digits, with its source.
+    verdict : str
+        Begins with "negligible", "matters" or "unknown without".
+    """
+
+    effect: str
+    number: str
+    verdict: str
+
+    @property
+    def matters(self) -> bool:
+        """Whether the effect should not be left out."""
+        return self.verdict.startswith("matters")
+
+    @property
+    def negligible(self) -> bool:
+        """Whether the effect may be left out."""
+        return self.verdict.startswith("negligible")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Roughness:
+    """What the judgements need to know of a scene.
+
+    Attributes
+    ----------
+    modulus : float
+        E* [Pa].
+    gradient, curvature : float
+        h'_rms, and the rms curvature of a profile sqrt(3 m4 / 8) [1/m].
+    longest, shortest : float
+        Longest and shortest wavelength [m].
+    full_energy : float
+        Elastic energy per area at full contact [J/m^2].
+    """
+
+    modulus: float
+    gradient: float
+    curvature: float
+    longest: float
+    shortest: float
+    full_energy: float
+
+    @classmethod
+    def of(cls, surface: HeightField, *, modulus: float, longest: float, shortest: float) -> Roughness:
+        """Measure a surface."""
+        return cls(
+            modulus=modulus,
+            gradient=surface.rms_gradient,
+            curvature=math.sqrt(3 * surface.moments[2] / 8),
+            longest=longest,
+            shortest=shortest,
+            full_energy=full_contact_energy(surface, modulus=modulus),
+        )
+
+
+def full_contact_energy(surface: HeightField, *, modulus: float) -> float:
+    """Elastic energy per area of a half-space that follows the whole surface, (E*/4) sum q |h(q)|^2 [J/m^2].
+
+    Examples
+    --------
+    >>> x = np.arange(16) / 16
+    >>> wave = HeightField(heights=np.cos(2 * np.pi * x)[:, None] * np.ones(4), lengths=(1.0, 0.25))
+    >>> round(full_contact_energy(wave, modulus=8.0) / (2 * np.pi), 12)
+    1.0
+    """
+    nx, ny = surface.shape
+    power = np.abs(np.fft.fft2(surface.heights, norm="forward")) ** 2
+    qx = 2 * np.pi * np.fft.fftfreq(nx, surface.lengths[0] / nx)
+    qy = 2 * np.pi * np.fft.fftfreq(ny, surface.lengths[1] / ny)
+    return 0.25 * modulus * float(np.sum(np.hypot(qx[:, None], qy[None, :]) * power))
+
+
+class Effect(Table):
+    """A physical effect beyond linear elastic contact of a half-space; a subclass is one file.
+
+    Its fields are its table in the scene, with units. A scene that does not list it never touches it.
+
+    Attributes
+    ----------
+    slot : str
+        The slot of a solver that it fills.
+    meshed : bool
+        Whether a method that meshes the solid can be given it.
+    cost : float
+        Processor time of a boundary-element solve with it over that of a plain one, on the reference machine.
+    papers : tuple of str
+        What to cite.
+    """
+
+    kind: str
+    slot: ClassVar[SlotName]
+    meshed: ClassVar[bool] = True
+    cost: ClassVar[float] = 1.0
+    papers: ClassVar[tuple[str, ...]] = ()
+
+    def fill(self, slots: Slots) -> None:
+        """Fill the slot that solvers ask for."""
+
+    def theory(self, told: Told) -> None:
+        """Tell Persson's theory; an effect that does not override this has none there."""
+
+    def check(self, realised: Realised, grids: Sequence[Grid], *, slots: Slots, key: str) -> None:
+        """Refuse, before anything is computed, what does not fit the load or the grids.
+
+        Parameters
+        ----------
+        realised : Realised
+        grids : sequence
+            All grids of methods to which it gives its slot.
+        slots : Slots
+            As all effects of the scene fill them.
+        key : str
+            How a message names the effect.
+
+        Raises
+        ------
+        UsageError
+        """
+
+    def judge(self, rough: Roughness) -> Judgement:
+        """Say by a number whether it matters on a rough surface."""
+        raise NotImplementedError
+
+    def judged(self, rough: Roughness) -> Judgement:
+        """Say whether it matters; on a flat surface nothing tells."""
+        if rough.gradient > 0:
+            return self.judge(rough)
+        return Judgement(effect=self.kind, number="flat surface", verdict="unknown without roughness")
+
+    @classmethod
+    def unlisted(cls, rough: Roughness) -> Judgement | None:
+        """Say what would decide whether it may be left out; None if nothing need be said."""
+        return None
+
+    @classmethod
+    def example(cls, spacing: float) -> Self:
+        """Return one that matters where E* = 1 and h'_rms = 0.1, on waves of 1/4 to 1/32.
+
+        It warms up the compiled passes, measures the cost, and stands in docs and tests.
+        """
+        raise NotImplementedError
+
+    @classmethod
+    def kind_name(cls) -> str:
+        """Return the word by which a scene lists it."""
+        return str(cls.model_fields["kind"].annotation.__args__[0])  # type: ignore[union-attr]
+
+    @classmethod
+    def has_theory(cls) -> bool:
+        """Whether Persson's theory knows it."""
+        return cls.theory is not Effect.theory
+
+    def said(self, number: str, *, matters: bool) -> Judgement:
+        """Return a judgement of this effect."""
+        return Judgement(effect=self.kind, number=number, verdict="matters" if matters else "negligible")
+
+    @classmethod
+    def unknown(cls, number: str, without: str) -> Judgement:
+        """Return the judgement of an effect that is not listed."""
+        return Judgement(effect=cls.kind_name(), number=number, verdict=f"unknown without {without}")
+
+
+def effect_key(index: int, key: str) -> str:
+    """How a message names a key of an effect: counted from one, as a reader of the file counts.
+
+    >>> effect_key(0, "hardness")
+    '[[effects]] 1 hardness'
+    """
+    return f"[[effects]] {index + 1} {key}".rstrip()
+
+
+def clash(effects: Sequence[Effect]) -> str | None:
+    """Say which two effects fill the same slot; None if each has its own."""
+    filled: dict[str, str] = {}
+    for effect in effects:
+        if effect.slot in filled:
+            return (
+                f"effects: {filled[effect.slot]!r} and {effect.kind!r} both fill the slot '{effect.slot}'; "
+                "list one of them"
+            )
+        filled[effect.slot] = effect.kind
+    return None

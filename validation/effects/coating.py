@@ -1,0 +1,76 @@
+"""A homogeneous layer of another modulus on top of the solid."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
+
+from pydantic import Field
+
+from validation.effects.base import Effect, Judgement, Roughness, SlotName, Slots, Told
+from validation.errors import UsageError
+from validation.units import Length, Number, Pressure
+
+if TYPE_CHECKING:
+    from fem_contact.solid import Solid
+
+__all__ = ["Coating"]
+
+#: q_short d below which a coating is not felt.
+_THIN = 0.1
+
+
+class Coating(Effect):
+    """A homogeneous layer of another modulus on top of the solid."""
+
+    kind: Literal["coating"] = "coating"
+    young: Pressure = Field(description="Young's modulus of the coating")
+    poisson: Number | None = Field(default=None, gt=-1, le=0.5, description="that of the solid if not given")
+    thickness: Length = Field(description='thickness of the coating, e.g. "1 um"')
+
+    slot: ClassVar[SlotName] = "response"
+    meshed: ClassVar[bool] = False
+    cost: ClassVar[float] = 1.4
+    papers: ClassVar[tuple[str, ...]] = (
+        "Coated solid: K. L. Johnson, Contact Mechanics (Cambridge, 1985), Sec. 5.8.",
+    )
+
+    def _layer(self, solid: Solid) -> Solid:
+        from fem_contact.solid import Solid
+
+        return Solid(young=self.young, poisson=solid.poisson if self.poisson is None else self.poisson)
+
+    def fill(self, slots: Slots) -> None:
+        """Give the compliance of the coated half-space."""
+        from fem_contact.graded import LayeredSolid
+
+        slots.response = LayeredSolid(
+            layers=[self._layer(slots.solid)], thicknesses=[self.thickness], base=slots.solid
+        )
+
+    def theory(self, told: Told) -> None:
+        """Persson 2006, Sec. 5; the theory has one Poisson ratio for layer and solid."""
+        from persson.graded import SurfaceLayer
+
+        if self.poisson is not None and self.poisson != told.solid.poisson:
+            raise UsageError(
+                f"poisson = {self.poisson!r}: method 'theory' knows one Poisson ratio, that of "
+                f"the solid, {told.solid.poisson!r}"
+            )
+        told.modulus = SurfaceLayer(
+            bulk=told.solid.young,
+            layer=self.young,
+            thickness=self.thickness,
+            poisson=told.solid.poisson,
+        )
+
+    def judge(self, rough: Roughness) -> Judgement:
+        """Compare the thickness with the shortest wave."""
+        thin = 2 * math.pi * self.thickness / rough.shortest
+        number = f"q_short d = {thin:.3g}: the shortest waves feel the coating where it is above 0.1"
+        return self.said(number, matters=thin > _THIN)
+
+    @classmethod
+    def example(cls, spacing: float) -> Self:
+        """Return a soft coating."""
+        return cls(young=0.3, thickness=0.02)

@@ -1,0 +1,78 @@
+"""A modulus that relaxes with depth."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import ClassVar, Literal, Self
+
+import numpy as np
+from pydantic import Field
+
+from validation.effects.base import Array, Body, Effect, Judgement, Roughness, SlotName, Slots, Told
+from validation.units import Length, Pressure
+
+__all__ = ["Graded"]
+
+
+@dataclass(frozen=True)
+class _Profile:
+    """E(z) over that of the surface, at cell centres; a class, so that it can go to another process."""
+
+    ratio: float
+    depth: float
+
+    def __call__(self, x: Array, y: Array, z: Array) -> Array:
+        del x, y
+        return np.asarray(self.ratio + (1 - self.ratio) * np.exp(z / self.depth))
+
+
+class Graded(Effect):
+    """The modulus relaxes exponentially from that of the solid at the surface to another one below."""
+
+    kind: Literal["graded"] = "graded"
+    bulk_young: Pressure = Field(description="Young's modulus far below the surface")
+    depth: Length = Field(description='depth over which it relaxes, e.g. "5 um"')
+
+    slot: ClassVar[SlotName] = "response"
+    cost: ClassVar[float] = 6.1
+    papers: ClassVar[tuple[str, ...]] = (
+        "Modulus that varies with depth: B. N. J. Persson, Surf. Sci. Rep. 61, 201 (2006), Sec. 5.",
+    )
+
+    def fill(self, slots: Slots) -> None:
+        """Give the compliance of the graded half-space, and its profile for a mesh."""
+        from fem_contact.graded import ExponentialSolid
+
+        slots.response = ExponentialSolid(surface=slots.solid, bulk_young=self.bulk_young, depth=self.depth)
+        slots.body = Body(modulus=_Profile(self.bulk_young / slots.solid.young, self.depth))
+
+    def theory(self, told: Told) -> None:
+        """Persson 2006, Sec. 5."""
+        from persson.graded import ExponentialLayers
+
+        told.modulus = ExponentialLayers(
+            bulk=self.bulk_young,
+            excess=[told.solid.young - self.bulk_young],
+            depths=[self.depth],
+            poisson=told.solid.poisson,
+        )
+
+    def judge(self, rough: Roughness) -> Judgement:
+        """Compare the depth with the longest wave."""
+        wave = 2 * math.pi * self.depth / rough.longest
+        number = (
+            f"q_long d = {wave:.3g}: the longest wave feels the profile where it is below 100; "
+            "theory wants max E'/(E q) < 1 (Persson 2006, Sec. 5)"
+        )
+        return self.said(number, matters=wave < 100)
+
+    @classmethod
+    def unlisted(cls, rough: Roughness) -> Judgement:
+        """Without a profile there is nothing to judge."""
+        return cls.unknown("E(z) constant", "a profile of the modulus")
+
+    @classmethod
+    def example(cls, spacing: float) -> Self:
+        """Return a stiffer bulk."""
+        return cls(bulk_young=3.0, depth=0.05)

@@ -1,0 +1,55 @@
+"""A layer on a rigid base."""
+
+from __future__ import annotations
+
+import math
+from typing import ClassVar, Literal, Self
+
+from pydantic import Field
+
+from validation.effects.base import Body, Effect, Judgement, Roughness, SlotName, Slots
+from validation.units import Length
+
+__all__ = ["Thickness"]
+
+#: q_long d beyond which a rigid base changes the compliance by less than a tenth of a percent.
+_DEEP = 8.0
+
+
+class Thickness(Effect):
+    """The solid is a layer on a rigid base."""
+
+    kind: Literal["thickness"] = "thickness"
+    thickness: Length = Field(description='thickness of the layer, e.g. "20 um"')
+    base: Literal["bonded", "frictionless"] = "bonded"
+
+    slot: ClassVar[SlotName] = "response"
+    papers: ClassVar[tuple[str, ...]] = (
+        "Layer on a rigid base: K. L. Johnson, Contact Mechanics (Cambridge, 1985), Sec. 5.8.",
+    )
+
+    def fill(self, slots: Slots) -> None:
+        """Give the compliance of the layer; a mesh is clamped, so that only a bonded layer is a body."""
+        from fem_contact.response import BondedLayer, FrictionlessLayer
+
+        kind = BondedLayer if self.base == "bonded" else FrictionlessLayer
+        slots.response = kind(solid=slots.solid, thickness=self.thickness)
+        slots.body = Body(depth=self.thickness) if self.base == "bonded" else None
+
+    def judge(self, rough: Roughness) -> Judgement:
+        """Compare the thickness with the longest wave."""
+        deep = 2 * math.pi * self.thickness / rough.longest
+        return self.said(f"q_long d = {deep:.3g} (bonded layer, Johnson 1985)", matters=deep < _DEEP)
+
+    @classmethod
+    def unlisted(cls, rough: Roughness) -> Judgement:
+        """Name the thickness above which the base is not felt."""
+        deep = _DEEP * rough.longest / (2 * math.pi)
+        return cls.unknown(
+            f"longest wave {rough.longest:.4g} m", f"a thickness; negligible above {deep:.3g} m"
+        )
+
+    @classmethod
+    def example(cls, spacing: float) -> Self:
+        """Return a thin layer."""
+        return cls(thickness=0.1)

@@ -1,0 +1,1 @@
+"""What studies read off many surfaces, with its uncertainty."""

@@ -1,0 +1,286 @@
+"""The unit of work of the studies: one surface, pressed along a path of loads on several grids, reduced to numbers."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_contact.area import EDGE_CONSTANTS, ContactAreas, contact_areas, subgrid_shifts
+from fem_contact.contact import ContactResult
+from fem_contact.extrapolation import located_limit
+from fem_contact.patches import find_patches
+from fem_contact.stress import density_at_zero
+from fem_contact.surface import HeightField
+from validation.measures.common import LEAST_POINTS_PER_WAVE, SHIFTS, reduced_load
+from validation.scenes.realised import Realised
+from validation.scenes.scene import FileSurface, SelfAffineSurface
+from validation.scenes.surfaces import spectrum_of
+from validation.solves.solve import NumbersSolve, Prediction
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Measurement", "area_limits", "areas_of", "grid_for"]
+
+Grid = tuple[int, int]
+
+#: What is read off every solve: name, unit, meaning.
+QUANTITIES = {
+    "pixel": ("1", "A/A0, contact points counted"),
+    "perimeter": ("1", "A/A0, perimeter-corrected"),
+    "subcell": ("1", "A/A0, edge located inside the cells"),
+    "edge_fraction": ("1", "edges between contact and non-contact per grid point"),
+    "density_at_zero": ("1", "P(0+) E* h'_rms from pressures below a threshold ~ sqrt(dx)"),
+    "patches": ("1", "number of contact patches"),
+    "patch_size": ("m^2", "mean patch size, sum A_i^2 / sum A_i"),
+    "cells_per_patch": ("1", "cells of the patch in which the median point of the contact area lies"),
+    "mean_gap": ("m", "mean gap"),
+    "energy": ("Pa m", "elastic energy per nominal area, mean of p (u - u_mean) / 2"),
+    "residual": ("1", "largest contact residual"),
+    "seconds": ("s", "processor time of the solve, on one thread"),
+    "peak_bytes": ("byte", "largest memory of the arrays of the solve"),
+}
+
+
+def grid_for(realised: Realised, points_per_wave: float) -> Grid:
+    """Smallest even grid with at least that many points on lambda_short, along both axes."""
+    nx, ny = (
+        2 * int(np.ceil(points_per_wave * length / realised.shortest / 2 - 1e-9))
+        for length in realised.lengths
+    )
+    return nx, ny
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measurement(NumbersSolve):
+    """One surface, at ascending loads, on nested grids, each on `shifts`^2 sub-grid shifts.
+
+    Attributes
+    ----------
+    realised : Realised
+        Surface, solid and load.
+    reduced_pressures : tuple of float
+        A path of ascending loads instead of the one of `realised`: p* = p0 / (E* h'_rms), with the realised gradient
+        of the whole, untruncated surface.
+    truncation : float or None
+        Drop waves beyond this wavevector [1/m]: roughness up to a magnification.
+    grids : tuple of (int, int)
+    shifts : int
+        Sub-grid shifts along each axis.
+    tolerance : float
+    """
+
+    realised: Realised
+    reduced_pressures: tuple[float, ...] = ()
+    truncation: float | None = None
+    grids: tuple[Grid, ...]
+    shifts: int = SHIFTS
+    tolerance: float = 1e-8
+
+    @property
+    def loads(self) -> tuple[float, ...]:
+        """All p*, ascending."""
+        return self.reduced_pressures or (reduced_load(self.realised),)
+
+    @property
+    def recipe(self) -> dict[str, Any]:
+        """Everything that determines the numbers, as JSON-ready data."""
+        made = {name: value for name, value in self.realised.recipe.items() if name != "load"}
+        return made | {
+            "truncation": self.truncation,
+            "reduced_pressures": list(self.loads),
+            "grids": [list(grid) for grid in self.grids],
+            "shifts": self.shifts,
+            "tolerance": self.tolerance,
+            # What is read off belongs to the result: a stored one that lacks a number is another one.
+            "quantities": sorted(QUANTITIES),
+        }
+
+    @property
+    def prefix(self) -> str:
+        """Readable start of the name on disk."""
+        return f"measure-{max(self.grids)[0]}x{max(self.grids)[1]}"
+
+    def describe(self) -> str:
+        """Return a few words for a progress bar."""
+        own, finest = self.realised, max(self.grids)
+        kind = "" if isinstance(own.surface, FileSurface) else f"H = {own.surface.hurst:g}, "
+        sign = "-h" if own.inverted else "h"
+        return f"{kind}surface {own.realisation + 1} ({sign}), to {finest[0]}x{finest[1]}"
+
+    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
+        """Predict seconds, memory and unknowns from the sizes of the grids."""
+        points = [nx * ny for nx, ny in self.grids]
+        solves = len(self.loads) * self.shifts**2
+        return Prediction(
+            seconds=solves * sum(2e-3 + 8e-7 * n for n in points),
+            peak_bytes=120 * max(points),
+            unknowns=max(points),
+        )
+
+    def heights(self, grid: Grid, shift: tuple[float, float] = (0.0, 0.0)) -> HeightField:
+        """Return the heights that are pressed on one grid."""
+        if self.truncation is None:
+            return self.realised.heights(grid, shift)
+        field = self._truncated(grid).shifted(shift)
+        heights = -field.heights if self.realised.inverted else field.heights
+        return HeightField(heights=heights, lengths=field.lengths)
+
+    def _truncated(self, grid: Grid) -> HeightField:
+        from fem_contact.surface import random_surface
+
+        surface = self.realised.surface
+        assert self.truncation is not None
+        assert isinstance(surface, SelfAffineSurface)
+        spectrum = spectrum_of(surface)
+        return random_surface(
+            spectrum,
+            q_short=min(self.truncation, spectrum.q_short),
+            lengths=surface.length,
+            shape=grid,
+            seed=surface.seed + self.realised.realisation,
+            amplitudes=surface.amplitudes,
+        )
+
+    def measure(self) -> xr.Dataset:
+        """Solve everything and keep the numbers; dimensions (grid, shift, load)."""
+        offsets = subgrid_shifts(self.shifts)
+        shape = (len(self.grids), len(offsets), len(self.loads))
+        values = {name: np.empty(shape) for name in QUANTITIES}
+        profiles: dict[str, np.ndarray] = {}
+        for (i, grid), (j, shift) in itertools.product(enumerate(self.grids), enumerate(offsets)):
+            for k, result in enumerate(self._path(grid, shift)):
+                for name, value in _read_off(result).items():
+                    values[name][i, j, k] = value
+                for name, profile in self.profiles(result).items():
+                    profiles.setdefault(name, np.zeros((shape[0], shape[2], profile.size)))[i, k] += profile
+        return self._dataset(values, {name: sums / len(offsets) for name, sums in profiles.items()})
+
+    def _dataset(self, values: dict[str, np.ndarray], profiles: dict[str, np.ndarray]) -> xr.Dataset:
+        import xarray as xr
+
+        data: dict[str, Any] = {
+            name: (("grid", "shift", "load"), values[name], {"units": unit, "long_name": words})
+            for name, (unit, words) in QUANTITIES.items()
+        }
+        for name, profile in profiles.items():
+            data[f"{name}_profile"] = (("grid", "load", f"{name}_bin"), profile)
+        own = self.realised
+        per_wave = [own.points_per_wave(grid) for grid in self.grids]
+        return xr.Dataset(
+            data,
+            coords={
+                "points": ("grid", [nx for nx, _ in self.grids]),
+                "points_per_wave": ("grid", per_wave, {"long_name": "lambda_short / dx"}),
+                "reduced_pressure": ("load", list(self.loads), {"long_name": "p0 / (E* h'_rms)"}),
+            },
+            attrs={
+                "rms_height": own.field.rms_height,
+                "rms_gradient": own.field.rms_gradient,
+                "nayak": own.field.nayak,
+                "contact_modulus": own.contact_modulus,
+                "full_contact_energy": _full_contact_energy(own.field, own.contact_modulus),
+            },
+        )
+
+    def profiles(self, result: ContactResult) -> dict[str, np.ndarray]:
+        """Return distributions to keep of one solve, by name; they are averaged over the shifts. None here."""
+        return {}
+
+    def _path(self, grid: Grid, shift: tuple[float, float]) -> Iterator[ContactResult]:
+        """Solve the loads of one grid in order, each from the one before; only one result is held at a time."""
+        from fem_contact import bem
+        from fem_contact.response import HalfSpace
+
+        response, field = HalfSpace(solid=self.realised.elastic), self.heights(grid, shift)
+        start = None
+        for reduced in self.loads:
+            solved = bem.solve(
+                field,
+                response,
+                mean_pressure=reduced * self.realised.pressure_scale,
+                start=start,
+                tolerance=self.tolerance,
+                threads=1,
+            )
+            yield solved.checked()
+            start = solved.pressure
+
+
+def _full_contact_energy(field: HeightField, contact_modulus: float) -> float:
+    """Elastic energy per area of complete contact, (E*/4) sum |q| |h(q)|^2 [Pa m]."""
+    nx, ny = field.shape
+    spectrum = np.fft.fft2(field.heights) / (nx * ny)
+    qx, qy = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(field.shape, field.spacing, strict=True))
+    q = np.hypot(qx[:, None], qy[None, :])
+    return float(contact_modulus / 4 * np.sum(q * np.abs(spectrum) ** 2))
+
+
+def _read_off(result: ContactResult) -> dict[str, float]:
+    areas = contact_areas(result, edge_constant=EDGE_CONSTANTS["bem"], subcell=True)
+    patches = find_patches(result.in_contact, result.spacing)
+    sizes = np.sort(patches.areas)[::-1]
+    cell = result.spacing[0] * result.spacing[1]
+    half = np.searchsorted(np.cumsum(sizes), sizes.sum() / 2)
+    displacement = result.displacement - result.displacement.mean()
+    return {
+        "pixel": areas.pixel,
+        "perimeter": areas.perimeter,
+        "subcell": np.nan if areas.subcell is None else areas.subcell,
+        "edge_fraction": areas.edge_fraction,
+        "density_at_zero": density_at_zero(result).reduced,
+        "patches": patches.count,
+        "patch_size": patches.mean_size,
+        "cells_per_patch": float(sizes[half] / cell) if sizes.size else 0.0,
+        "mean_gap": float(result.gap.mean()),
+        "energy": float(0.5 * np.mean(result.pressure * displacement)),
+        "residual": result.residuals.worst,
+        "seconds": result.cost.cpu_seconds,
+        "peak_bytes": result.cost.peak_bytes,
+    }
+
+
+def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0.0) -> list[ContactAreas]:
+    """Return the areas of a measurement at one load, one for each grid and shift, as `located_limit` takes them.
+
+    Parameters
+    ----------
+    dataset : xarray.Dataset
+        From `Measurement.measure`.
+    load : int
+        Which of its loads.
+    least_points_per_wave : float
+        Coarser grids are left out.
+    """
+    keep = dataset.points_per_wave.values >= least_points_per_wave * (1 - 1e-9)
+    return [
+        ContactAreas(
+            pixel=float(dataset.pixel[i, j, load]),
+            perimeter=float(dataset.perimeter[i, j, load]),
+            edge_length=np.nan,
+            edge_fraction=float(dataset.edge_fraction[i, j, load]),
+            edge_constant=EDGE_CONSTANTS["bem"],
+            spacing=(1 / int(dataset.points[i]), 1 / int(dataset.points[i])),
+            subcell=float(dataset.subcell[i, j, load]),
+            cells=int(dataset.points[i]) ** 2,
+        )
+        for i, j in itertools.product(np.flatnonzero(keep), range(dataset.sizes["shift"]))
+    ]
+
+
+def area_limits(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
+    """Return the limit of A/A0 over the grids of one measurement and its standard error, for each load.
+
+    It is that of the areas located inside the cells (`fem_contact.extrapolation`); grids of less than
+    `LEAST_POINTS_PER_WAVE` are left out. Both are NaN where the contact is too small to carry the law; the report
+    of a study says so.
+    """
+    limits = [
+        located_limit(areas_of(dataset, k, least_points_per_wave=LEAST_POINTS_PER_WAVE))
+        for k in range(dataset.sizes["load"])
+    ]
+    return np.array([limit.value for limit in limits]), np.array([limit.uncertainty for limit in limits])

@@ -1,0 +1,114 @@
+"""Numbers with their error: means over surfaces, never over pixels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.stats
+from numpy.typing import ArrayLike, NDArray
+
+__all__ = ["Estimate", "combined", "mean_over_surfaces", "order_of_convergence", "pair_means"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Estimate:
+    """A mean with its uncertainty.
+
+    Attributes
+    ----------
+    value : float
+    standard_error : float
+        Of the mean, from the scatter of the samples.
+    half_width : float
+        Half of the 95 % interval: standard error times Student's factor for the number of samples.
+    samples : int
+        Independent samples behind it: surfaces, or pairs of surfaces where they come in pairs.
+    """
+
+    value: float
+    standard_error: float
+    half_width: float
+    samples: int
+
+    def __str__(self) -> str:
+        if not np.isfinite(self.value):
+            return "not determinable"
+        return f"{self.value:.4g} +- {self.half_width:.2g}"
+
+
+def pair_means(values: ArrayLike) -> NDArray[np.float64]:
+    """Means of the pairs (+h, -h) along the last axis, of shape (..., n/2).
+
+    The two surfaces of a pair are anti-correlated, so that their mean is one sample, not two.
+
+    Raises
+    ------
+    ValueError
+        For an odd number of values.
+
+    Examples
+    --------
+    >>> pair_means([1.0, 3.0, 2.0, 6.0])
+    array([2., 4.])
+    """
+    array = np.asarray(values, dtype=float)
+    if array.shape[-1] % 2:
+        raise ValueError(f"{array.shape[-1]} values: pairs need an even number")
+    return np.asarray(array.reshape(*array.shape[:-1], -1, 2).mean(axis=-1))
+
+
+def mean_over_surfaces(values: ArrayLike) -> Estimate:
+    """Mean of independent samples, with its standard error and Student's 95 % interval.
+
+    Parameters
+    ----------
+    values : (n,) array
+        One number for each surface, or for each pair; at least two.
+
+    Raises
+    ------
+    ValueError
+        For fewer than two samples: one surface has no scatter.
+
+    Examples
+    --------
+    >>> estimate = mean_over_surfaces([1.0, 2.0, 3.0, 2.0])
+    >>> estimate.value, estimate.samples
+    (2.0, 4)
+    >>> print(estimate)
+    2 +- 1.3
+    """
+    array = np.asarray(values, dtype=float)
+    if array.ndim != 1 or array.size < 2:
+        raise ValueError(f"samples of shape {array.shape}: the scatter needs at least two surfaces")
+    error = float(scipy.stats.sem(array))
+    return Estimate(
+        value=float(array.mean()),
+        standard_error=error,
+        half_width=float(scipy.stats.t.ppf(0.975, array.size - 1)) * error,
+        samples=array.size,
+    )
+
+
+def combined(*errors: float) -> float:
+    """Root sum of squares of independent errors.
+
+    Examples
+    --------
+    >>> combined(3.0, 4.0)
+    5.0
+    """
+    return float(np.sqrt(np.sum(np.square(errors))))
+
+
+def order_of_convergence(spacing: ArrayLike, error: ArrayLike) -> float:
+    """Slope of log |error| against log spacing, by least squares over all grids.
+
+    Examples
+    --------
+    >>> round(order_of_convergence([0.4, 0.2, 0.1], [0.16, 0.04, 0.01]), 12)
+    2.0
+    """
+    slope, _ = np.polyfit(np.log(np.asarray(spacing)), np.log(np.abs(np.asarray(error))), 1)
+    return float(slope)

@@ -1,0 +1,50 @@
+"""The ways to answer a scene: solvers and theory, one file each, found by name or entry point."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+
+from validation.errors import UsageError
+from validation.methods.base import Method, Solver
+from validation.registry import found_in
+
+__all__ = ["Method", "Solver", "find_method", "find_solver", "methods"]
+
+
+@cache
+def methods() -> Mapping[str, Method]:
+    """Return all methods by name: those of this package, then those of other packages.
+
+    Another package adds one by an entry point of the group ``fem_contact.methods``. The first solver that a
+    scene lists is the one its limit is taken from and the others are compared with.
+    """
+    kinds = found_in(__name__, Method, group="fem_contact.methods")  # type: ignore[type-abstract]
+    return {kind.name: kind() for kind in kinds}
+
+
+def find_method(name: str) -> Method:
+    """Return one method.
+
+    Raises
+    ------
+    UsageError
+        For an unknown name.
+    """
+    if name not in methods():
+        raise UsageError(f"method {name!r}: no such method; one of: {', '.join(methods())}")
+    return methods()[name]
+
+
+def find_solver(name: str) -> Solver:
+    """Return one method that solves.
+
+    Raises
+    ------
+    UsageError
+        For an unknown name, or a method that presses no surface.
+    """
+    found = find_method(name)
+    if not isinstance(found, Solver):
+        raise UsageError(f"method {name!r}: presses no surface")
+    return found

@@ -1,0 +1,212 @@
+"""What a method is: its table in a scene, the slots it can be given, its cost, and how it solves."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+import numpy as np
+from pydantic import Field, StrictBool
+
+from fem_contact.contact import ContactResult
+from fem_contact.surface import HeightField
+from validation.effects.base import Effect, SlotName, Slots, effect_key
+from validation.errors import UsageError
+from validation.units import Grids, Number, Table
+
+if TYPE_CHECKING:
+    from validation.scenes.realised import Realised
+
+__all__ = ["Cost", "Gridded", "Method", "Settings", "Solved", "Solver", "example_field"]
+
+Grid = tuple[int, int]
+Shift = tuple[float, float]
+#: What a solver was told beyond surface, load and slots; only what was said, so that it is its own recipe.
+Settings = tuple[tuple[str, float | str], ...]
+
+
+class Gridded(Table):
+    """Options of every method that solves on grids."""
+
+    grids: Annotated[Grids, Field(min_length=1)] = Field(description="surface points, e.g. [32, 64]")
+    tolerance: Annotated[Number, Field(gt=0, lt=1e-2)] = 1e-8
+    under_resolved: StrictBool = Field(
+        default=False, description="run grids with lambda_short <= 2 dx, labelled"
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cost:
+    """What a solve takes.
+
+    Attributes
+    ----------
+    pairs : float
+        Time in pairs of real 256 x 256 transforms on one thread.
+    peak_bytes, unknowns : int
+    """
+
+    pairs: float
+    peak_bytes: int
+    unknowns: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class Solved:
+    """Result of one solve, and the block it came from where there is one to export."""
+
+    contact: ContactResult
+    block: Any = None
+
+
+class Method(ABC):
+    """A way to answer a scene: its table ``[methods.NAME]``, and what it can be given.
+
+    Attributes
+    ----------
+    name, label : str
+        By which a scene lists it, and what tables call it.
+    options : type
+        Its table in a scene.
+    independent : bool
+        Whether it shares no contact algorithm with `bem`.
+    papers : tuple of str
+        What to cite.
+    """
+
+    name: ClassVar[str]
+    label: ClassVar[str]
+    options: ClassVar[type[Table]]
+    independent: ClassVar[bool] = False
+    papers: ClassVar[tuple[str, ...]] = ()
+
+    def available(self) -> str | None:
+        """Return the sentence that says what to install; None where nothing is missing."""
+        return None
+
+    @abstractmethod
+    def handles(self, effect: type[Effect]) -> bool:
+        """Whether it can be given an effect of that kind."""
+
+    def cited(self, effects: Sequence[Effect]) -> tuple[str, ...]:
+        """Return the papers to cite for it with these effects."""
+        return self.papers
+
+    def check(self, options: Any, realised: Realised, effects: Sequence[Effect]) -> None:  # noqa: B027
+        """Refuse, before anything is computed, what it cannot do.
+
+        Raises
+        ------
+        UsageError
+        """
+
+    def facts(self, options: Any, realised: Realised) -> Iterator[tuple[str, str]]:
+        """Yield what a reader of `explain` should know of it: name and words."""
+        yield from ()
+
+
+class Solver(Method):
+    """A method that presses a surface on a grid.
+
+    Attributes
+    ----------
+    slots : frozenset of str
+        What effects may fill; a scene that lists another is refused by name.
+    locates_edges : bool
+        Whether the place of an edge inside a cell is known for the bare half-space on square cells.
+    for_ensembles : bool
+        Whether it is quick enough for the realisations of an ensemble.
+    """
+
+    slots: ClassVar[frozenset[SlotName]] = frozenset()
+    locates_edges: ClassVar[bool] = False
+    for_ensembles: ClassVar[bool] = False
+
+    def handles(self, effect: type[Effect]) -> bool:
+        """Whether the slot of the effect is one of its own."""
+        return effect.slot in self.slots
+
+    def places(self, options: Any) -> Iterator[tuple[Grid, Shift]]:
+        """Yield the grids and sub-grid shifts that a scene asks for, coarse grids first."""
+        for grid in sorted(options.grids):
+            yield grid, (0.0, 0.0)
+
+    def settings(self, options: Any) -> Settings:
+        """Return what a solve is told, of what the scene's table says."""
+        return (("tolerance", options.tolerance),)
+
+    @abstractmethod
+    def cost(
+        self,
+        grid: Grid,
+        lengths: tuple[float, float],
+        *,
+        settings: Mapping[str, Any],
+        effects: Sequence[Effect],
+        dearer: float,
+    ) -> Cost:
+        """Predict what a solve takes; `dearer` is what the effects make of the time of boundary elements."""
+
+    @abstractmethod
+    def solve(
+        self,
+        field: HeightField,
+        *,
+        mean_pressure: float,
+        slots: Slots,
+        settings: Mapping[str, Any],
+        threads: int | None = None,
+    ) -> Solved:
+        """Press a surface [m] with a nominal pressure [Pa]."""
+
+    def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
+        """Run through the compiled passes once, so that no solve is charged with loading them."""
+
+    @abstractmethod
+    def edge_constant(self, result: ContactResult) -> float:
+        """Edge constant of the perimeter correction of a result."""
+
+    def words(self, options: Any) -> str:
+        """Name it in a sentence, after "the"."""
+        return self.label
+
+    def variant(self, settings: Mapping[str, Any]) -> str:
+        """Name the compiled passes that the settings choose."""
+        return ""
+
+    def has_block(self, settings: Mapping[str, Any]) -> bool:
+        """Whether a solve leaves a block to look at."""
+        return False
+
+
+def check_effects_handled(
+    wanted: Mapping[str, Method], effects: Sequence[Effect], known: Mapping[str, Method]
+) -> None:
+    """Refuse an effect that a wanted method cannot be given.
+
+    Raises
+    ------
+    UsageError
+        Naming the key, the method, and the methods that handle it.
+    """
+    for k, effect in enumerate(effects):
+        able = sorted(name for name, method in known.items() if method.handles(type(effect)))
+        for name in wanted:
+            if name not in able:
+                raise UsageError(
+                    f"{effect_key(k, 'kind')} = {effect.kind!r}: method {name!r} does not handle it; "
+                    f"handled by: {', '.join(able) or 'none'}"
+                )
+
+
+def example_field(points: int) -> HeightField:
+    """Return waves of gradient 0.1 on which the examples of effects matter."""
+    x = np.arange(points) / points
+    waves = np.zeros(points)
+    for k in (4, 8, 16, 32):
+        waves += np.cos(2 * np.pi * k * x + k) / k**1.8 if 2 * k < points else 0
+    heights = waves[:, None] + np.roll(waves, 3)[None, :]
+    rough = HeightField(heights=heights, lengths=(1.0, 1.0))
+    return HeightField(heights=heights * (0.1 / rough.rms_gradient), lengths=(1.0, 1.0))

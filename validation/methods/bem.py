@@ -1,0 +1,134 @@
+"""FFT boundary elements."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+from pydantic import Field, StrictInt
+
+from fem_contact.area import EDGE_CONSTANTS
+from fem_contact.contact import ContactResult
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+from validation.effects.base import Effect, SlotName, Slots
+from validation.methods.base import Cost, Grid, Gridded, Shift, Solved, Solver, example_field
+from validation.units import Table
+
+if TYPE_CHECKING:
+    from validation.scenes.realised import Realised
+
+__all__ = ["Bem", "BemOptions"]
+
+# In units of a pair of real 256 x 256 transforms on one thread.
+#: What a solve costs whatever its grid: surface, set-up, storing.
+FIXED_PAIRS = 26.0
+#: Per pair of transforms on the grid; 25 to 30 are needed, and the passes between them cost.
+_PAIRS = 80.0
+BYTES_PER_POINT, FIXED_BYTES = 15 * 8, 3 * 2**19
+
+
+class BemOptions(Gridded):
+    """FFT boundary elements on these grids, each on `shifts`^2 sub-grid shifts of the surface."""
+
+    shifts: Annotated[StrictInt, Field(ge=1, le=8)] = 1
+
+
+class Bem(Solver):
+    """FFT boundary elements."""
+
+    name = "bem"
+    label = "BEM"
+    options: ClassVar[type[Table]] = BemOptions
+    slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound", "gap law"})
+    locates_edges = True
+    for_ensembles = True
+    papers = (
+        "Boundary elements by FFT: H. M. Stanley, T. Kato, J. Tribol. 119, 481 (1997); conjugate gradients "
+        "with bounds: I. A. Polonsky, L. M. Keer, Wear 231, 206 (1999).",
+    )
+
+    def cited(self, effects: Sequence[Effect]) -> tuple[str, ...]:
+        """With attraction the energy has many minima, which another algorithm finds."""
+        if not any(effect.slot == "gap law" for effect in effects):
+            return self.papers
+        return (
+            "Boundary elements by FFT: H. M. Stanley, T. Kato, J. Tribol. 119, 481 (1997); projected Newton "
+            "method: D. P. Bertsekas, SIAM J. Control Optim. 20, 221 (1982).",
+        )
+
+    def words(self, options: BemOptions) -> str:
+        """Name it in a sentence."""
+        return "boundary elements"
+
+    def places(self, options: BemOptions) -> Iterator[tuple[Grid, Shift]]:
+        """Yield each grid on all of its shifts."""
+        steps = [k / options.shifts for k in range(options.shifts)]
+        yield from itertools.product(sorted(options.grids), itertools.product(steps, steps))
+
+    def cost(
+        self,
+        grid: Grid,
+        lengths: tuple[float, float],
+        *,
+        settings: Mapping[str, Any],
+        effects: Sequence[Effect],
+        dearer: float,
+    ) -> Cost:
+        """Predict from the size of the grid."""
+        points = grid[0] * grid[1]
+        scale = points * math.log2(points) / (256**2 * 16)
+        return Cost(
+            pairs=FIXED_PAIRS + _PAIRS * dearer * scale,
+            peak_bytes=FIXED_BYTES + BYTES_PER_POINT * points,
+            unknowns=points,
+        )
+
+    def solve(
+        self,
+        field: HeightField,
+        *,
+        mean_pressure: float,
+        slots: Slots,
+        settings: Mapping[str, Any],
+        threads: int | None = None,
+    ) -> Solved:
+        """Press; attraction makes the problem one of many minima, which another algorithm finds."""
+        said: dict[str, Any] = {"mean_pressure": mean_pressure, "threads": threads, **settings}
+        if slots.gap_law is not None:
+            from fem_contact import adhesion
+
+            state = adhesion.solve(
+                field, slots.felt_response, law=slots.gap_law, hardness=slots.pressure_bound, **said
+            )
+            return Solved(contact=state.contact)
+        if slots.pressure_bound is not None:
+            from fem_contact.hardness import Hardness, press
+
+            return Solved(
+                contact=press(
+                    field, slots.felt_response, hardness=Hardness(pressure=slots.pressure_bound), **said
+                )
+            )
+        from fem_contact import bem
+
+        return Solved(contact=bem.solve(field, slots.felt_response, **said))
+
+    def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
+        """Press a small surface: large enough for the passes between grids, and done in milliseconds."""
+        points = 64
+        examples = [type(effect).example(1 / points) for effect in effects]
+        slots = Slots.filled(Solid(young=1.0, poisson=0.0), examples)
+        self.solve(
+            example_field(points), mean_pressure=0.02, slots=slots, settings={"tolerance": 1e-6}, threads=1
+        )
+
+    def edge_constant(self, result: ContactResult) -> float:
+        """Return that of boundary elements."""
+        return EDGE_CONSTANTS["bem"]
+
+    def facts(self, options: BemOptions, realised: Realised) -> Iterator[tuple[str, str]]:
+        """Nothing beyond the table of grids."""
+        yield from ()

@@ -1,0 +1,228 @@
+"""The finite-element block."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
+
+from pydantic import Field
+
+from fem_contact.contact import ContactResult
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+from validation.effects.base import Effect, SlotName, Slots, effect_key
+from validation.errors import UsageError
+from validation.methods.base import Cost, Grid, Gridded, Settings, Solved, Solver, example_field
+from validation.methods.bem import BYTES_PER_POINT, FIXED_BYTES, FIXED_PAIRS
+from validation.units import Length, Number, Table
+
+if TYPE_CHECKING:
+    from validation.scenes.realised import Realised
+
+__all__ = ["Fem", "FemOptions"]
+
+# In units of a pair of real 256 x 256 transforms on one thread.
+#: The reduced block, per pair of transforms on the grid; it makes its compliance first.
+_REDUCED_PAIRS = 110.0
+#: The whole block, per unknown: assembly, active sets, export.
+_FULL_PAIRS_PER_UNKNOWN = 0.17
+#: Active sets of a block that yields over those of an elastic one: 1 to 4, by how little it can bear.
+_YIELDING_SETS = 2.0
+_FULL_BYTES_PER_UNKNOWN = 4900
+#: Beyond this Poisson ratio elements of displacement alone lock.
+_LOCKING = 0.49
+
+
+#: Layers of a block; with the usual growth some forty reach the depth of the period.
+_MOST_LAYERS = 4096
+
+
+class FemOptions(Gridded):
+    """Finite-element block on these surface grids."""
+
+    method: Literal["full", "reduced"] = Field(
+        default="full", description="the whole system, or its exact reduction to the surface"
+    )
+    depth: Length | None = Field(default=None, description="depth of the block; default: the longer period")
+    growth: Number = Field(
+        default=1.2, ge=1, le=4, description="ratio of the thicknesses of successive layers"
+    )
+
+
+class Fem(Solver):
+    """The finite-element block: the whole system, or its exact reduction to the surface."""
+
+    name = "fem"
+    label = "FEM"
+    options: ClassVar[type[Table]] = FemOptions
+    slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound"})
+    independent = True
+    papers = (
+        "Finite elements: T. Gustafsson, G. D. McBain, scikit-fem, J. Open Source Softw. 5, 2369 (2020); "
+        "linear systems: N. Bell, L. N. Olson, J. Schroder, PyAMG, J. Open Source Softw. 7, 4142 (2022).",
+    )
+
+    def handles(self, effect: type[Effect]) -> bool:
+        """Whether the slot is one of its own, and the effect can be meshed."""
+        return super().handles(effect) and effect.meshed
+
+    def check(self, options: FemOptions, realised: Realised, effects: Sequence[Effect]) -> None:
+        """Refuse elements that lock, two depths, and a solid that is no clamped body."""
+        for grid in options.grids:
+            _check_layers(options, grid, realised.lengths)
+        if options.method == "full" and realised.solid.poisson > _LOCKING:
+            raise UsageError(
+                f"solid.poisson = {realised.solid.poisson!r}: method 'fem' locks above {_LOCKING} with "
+                "elements of displacement alone; leave [methods.fem] out or lower it"
+            )
+        for k, effect in enumerate(effects):
+            if effect.slot != "response":
+                continue
+            body = Slots.filled(realised.elastic, [effect]).body
+            if body is None:
+                raise UsageError(
+                    f"{effect_key(k, 'kind')} = {effect.kind!r}: as it stands it is no body on a clamped "
+                    "base, which is what method 'fem' meshes; change it, or leave [methods.fem] out"
+                )
+            if body.depth is not None and options.depth is not None:
+                raise UsageError(
+                    f"methods.fem.depth: {effect_key(k, effect.kind)} says the depth; leave one of them out"
+                )
+
+    def words(self, options: FemOptions) -> str:
+        """Name it in a sentence."""
+        whole = options.method == "full"
+        return "full finite-element system" if whole else "reduced finite-element block"
+
+    def settings(self, options: FemOptions) -> Settings:
+        """Return what was said."""
+        said = {
+            "method": options.method,
+            "tolerance": options.tolerance,
+            "growth": options.growth,
+            "depth": options.depth,
+        }
+        return tuple((name, value) for name, value in said.items() if value is not None)
+
+    def variant(self, settings: Mapping[str, Any]) -> str:
+        """Full or reduced."""
+        return str(settings.get("method", "full"))
+
+    def has_block(self, settings: Mapping[str, Any]) -> bool:
+        """Only the full method holds the inside of the block, which may be a thousand times the surface."""
+        return self.variant(settings) == "full"
+
+    def cost(
+        self,
+        grid: Grid,
+        lengths: tuple[float, float],
+        *,
+        settings: Mapping[str, Any],
+        effects: Sequence[Effect],
+        dearer: float,
+    ) -> Cost:
+        """Predict from the unknowns of the mesh."""
+        from fem_contact.block import estimate
+
+        points = grid[0] * grid[1]
+        method = self.variant(settings)
+        mesh = {name: settings[name] for name in ("depth", "growth") if name in settings}
+        unknowns = estimate(grid, lengths, method=method, **mesh).unknowns  # type: ignore[arg-type]
+        if method == "full":
+            yields = any(effect.slot == "pressure bound" for effect in effects)
+            sets = _YIELDING_SETS if yields else 1.0
+            return Cost(
+                pairs=FIXED_PAIRS + _FULL_PAIRS_PER_UNKNOWN * sets * unknowns,
+                peak_bytes=FIXED_BYTES + _FULL_BYTES_PER_UNKNOWN * unknowns,
+                unknowns=unknowns,
+            )
+        scale = points * math.log2(points) / (256**2 * 16)
+        return Cost(
+            pairs=FIXED_PAIRS + _REDUCED_PAIRS * scale,
+            peak_bytes=FIXED_BYTES + BYTES_PER_POINT * points,
+            unknowns=unknowns,
+        )
+
+    def solve(
+        self,
+        field: HeightField,
+        *,
+        mean_pressure: float,
+        slots: Slots,
+        settings: Mapping[str, Any],
+        threads: int | None = None,
+    ) -> Solved:
+        """Press the block."""
+        from fem_contact import block
+
+        said: dict[str, Any] = {"method": "full", **settings}
+        if slots.body is not None:
+            body = {"depth": slots.body.depth, "modulus": slots.body.modulus}
+            said |= {name: value for name, value in body.items() if value is not None}
+        if slots.pressure_bound is not None:
+            said["pressure_bound"] = slots.pressure_bound
+        solution = block.solve(field, slots.solid, mean_pressure=mean_pressure, **said)
+        return Solved(contact=solution.contact, block=solution)
+
+    def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
+        """Press a small block."""
+        points = 16
+        examples = [type(effect).example(1 / points) for effect in effects]
+        slots = Slots.filled(Solid(young=1.0, poisson=0.0), examples)
+        said = {"method": self.variant(settings or {})}
+        self.solve(example_field(points), mean_pressure=0.02, slots=slots, settings=said)
+
+    def edge_constant(self, result: ContactResult) -> float:
+        """Return that of the finite element used."""
+        from fem_contact.block import ELEMENTS
+
+        return ELEMENTS[result.provenance["element"]].edge_constant
+
+    def facts(self, options: FemOptions, realised: Realised) -> Iterator[tuple[str, str]]:
+        """Yield for each grid the discretisation error that its waves are answered with."""
+        from fem_contact.block import wave_errors
+
+        for grid in sorted(options.grids):
+            spacing = max(length / n for length, n in zip(realised.lengths, grid, strict=True))
+            name = f"finite elements, {grid[0]} x {grid[1]}"
+            if realised.longest < 2 * spacing:
+                cells = realised.longest / spacing
+                yield name, f"carry no wave of this surface, whose longest is {cells:.3g} cells long"
+                continue
+            # Cells count along x, whatever they are along y.
+            carried = 2 * max(spacing, realised.lengths[0] / grid[0])
+            waves = [max(realised.shortest, carried), max(realised.longest, carried)]
+            short, long = wave_errors(
+                grid,
+                realised.lengths,
+                waves,
+                poisson=realised.solid.poisson,
+                depth=options.depth,
+                growth=options.growth,
+            )
+            yield (
+                name,
+                f"compliance off by {short.along_axis:+.2%} along the axes and {short.along_diagonal:+.2%} "
+                f"along the diagonal at {short.nodes:.3g} nodes per wave (the shortest), by "
+                f"{long.along_axis:+.2%} at {long.nodes:.3g} (the longest); + is too soft",
+            )
+
+
+def _check_layers(options: FemOptions, grid: Grid, lengths: tuple[float, float]) -> None:
+    """Refuse a block of more layers than are solved.
+
+    Raises
+    ------
+    UsageError
+    """
+    depth = options.depth or max(lengths)
+    first = max(length / n for length, n in zip(lengths, grid, strict=True))
+    faster = math.log(options.growth)
+    ratio = depth / first
+    layers = ratio if faster == 0 else math.log1p(ratio * (options.growth - 1)) / faster
+    if layers > _MOST_LAYERS:
+        raise UsageError(
+            f"methods.fem.growth = {options.growth:.6g}: makes {layers:.3g} layers over a depth of "
+            f"{depth:.3g} m; at most {_MOST_LAYERS} are solved: raise the growth or lower the depth"
+        )

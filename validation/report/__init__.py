@@ -1,0 +1,1 @@
+"""Pages, tables, figures and words; knows neither scene nor study."""

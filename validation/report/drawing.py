@@ -1,0 +1,51 @@
+"""A figure with the numbers behind it and a caption, written as SVG, PDF, CSV and netCDF."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from validation.files import atomic_path
+from validation.report.table import write_dataset
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+__all__ = ["Drawing", "write_drawing"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Drawing:
+    """One figure of a report.
+
+    Attributes
+    ----------
+    name : str
+        Names its files.
+    figure : matplotlib.figure.Figure
+    data : xarray.Dataset
+        Every number that is drawn, with units.
+    caption : str
+        What is seen, in words.
+    """
+
+    name: str
+    figure: Figure
+    data: xr.Dataset
+    caption: str
+
+
+def write_drawing(drawing: Drawing, folder: Path) -> tuple[Path, ...]:
+    """Write a figure and its data into a folder; return the files, SVG first."""
+    from validation.report.figure import save_figure
+
+    svg, pdf, table, data = (folder / f"{drawing.name}.{suffix}" for suffix in ("svg", "pdf", "csv", "nc"))
+    for path in (svg, pdf):
+        with atomic_path(path) as draft:
+            save_figure(drawing.figure, draft)
+    tables = write_dataset(drawing.data, table)
+    with atomic_path(data) as draft:
+        drawing.data.to_netcdf(draft, engine="netcdf4")
+    return (svg, pdf, *tables, data)

@@ -1,0 +1,95 @@
+"""Numbers in words: significant digits, values with their error."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+from validation.errors import harmless
+
+__all__ = ["json_ready", "mathematics", "significant", "with_error"]
+
+_GREEK = {"kappa": "κ", "sigma": "σ", "gamma": "γ", "lambda": "λ", "zeta": "ζ", "alpha": "α"}
+_APART = r"(?<![\w-])(?:{})(?![\w-])"
+#: How symbols of the field are typed (in text that was made safe for HTML), and how they are set.
+_SYMBOLS = (
+    (r"h(?:&#39;|')_?rms(?![\w-])", "h\u2032<sub>rms</sub>"),
+    (r"\bh_rms(?![\w-])", "h<sub>rms</sub>"),
+    (r"\blambda_(short|long)(?![\w-])", r"λ<sub>\1</sub>"),
+    (r"\b([AU])_(pl|el|full|limit)(?![\w-])", r"\1<sub>\2</sub>"),
+    (r"\b([Ap])0(?![\w-])", r"\1<sub>0</sub>"),
+    (r"\bdx(?![\w-])", "Δx"),
+    (r"(?<=[\w)])\^\(?(-?[\d./]*\d)\)?", r"<sup>\1</sup>"),
+    (_APART.format("|".join(_GREEK)), lambda found: _GREEK[found[0]]),
+    (r"\+- ?", "±\u00a0"),
+    (r"(?<=\d) %", "\u00a0%"),
+)
+
+
+def json_ready(values: dict[str, Any]) -> dict[str, Any]:
+    """Return values with None for NaN, which JSON does not know.
+
+    >>> json_ready({"area": float("nan"), "grid": (2, 3)})
+    {'area': None, 'grid': (2, 3)}
+    """
+    return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in values.items()}
+
+
+def mathematics(text: str) -> Markup:
+    r"""Return a text for HTML with the symbols of the field as in a book; markup in it is shown as it is.
+
+    >>> mathematics("kappa = (A/A0)/p*, 2 +- 1")
+    Markup('κ = (A/A<sub>0</sub>)/p*, 2 ±\xa01')
+    >>> mathematics("h'_rms < 1, dx^0.51, kappa-against-hurst")
+    Markup('h′<sub>rms</sub> &lt; 1, Δx<sup>0.51</sup>, kappa-against-hurst')
+    """
+    from markupsafe import Markup, escape
+
+    safe = str(escape(harmless(text)))
+    for typed, printed in _SYMBOLS:
+        safe = re.sub(typed, printed, safe)
+    # Nothing but the tags above was added to what `escape` made safe.
+    return Markup(safe)
+
+
+def significant(value: float, digits: int = 4) -> str:
+    """Return a number with that many significant digits, without an exponent between 1e-4 and 1e5.
+
+    >>> significant(12904.486), significant(0.000161234), significant(0.5), significant(float("nan"))
+    ('12904', '0.0001612', '0.5000', '')
+    """
+    if not np.isfinite(value):
+        return ""
+    if value == 0:
+        return "0"
+    rounded = float(f"{value:.{digits - 1}e}")
+    order = int(np.floor(np.log10(abs(rounded))))
+    if -4 <= order < 5:
+        return f"{value:.{max(0, digits - 1 - order)}f}"
+    return f"{value:.{digits - 1}e}"
+
+
+def with_error(value: float, error: float) -> str:
+    """Return a number and its error, the error with two significant digits, both with as many decimals.
+
+    >>> with_error(0.1238876, 0.0000016), with_error(0.12, 0.03), with_error(1.0, 0.0)
+    ('0.1238876 +- 0.0000016', '0.120 +- 0.030', '1.0000 +- 0')
+    >>> with_error(2.1e-5, 3.2e-8), with_error(13000.0, 420.0)
+    ('(2.1000 +- 0.0032)e-05', '13000 +- 420')
+    """
+    if not np.isfinite(value):
+        return "not determinable"
+    if not (np.isfinite(error) and error > 0):
+        return f"{significant(value, 5)} +- {'0' if error == 0 else 'unknown'}"
+    order = int(np.floor(np.log10(max(abs(value), error))))
+    power = 0 if -4 <= order < 5 else order
+    value, error = value / 10.0**power, error / 10.0**power
+    # 0.0996 is 0.10 to two digits: the order is that of the rounded error.
+    decimals = min(max(0, 1 - int(np.floor(np.log10(float(f"{error:.1e}"))))), 12)
+    text = f"{value:.{decimals}f} +- {error:.{decimals}f}"
+    return text if power == 0 else f"({text})e{power:+03d}"

@@ -1,0 +1,198 @@
+"""What a scene asks for, made once: the surface, its spectrum, the solid, the load, the units of pressure."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields, replace
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
+
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField, RandomWaves, resolves
+from validation.scenes import surfaces
+from validation.scenes.scene import FileSurface, Load, Scene, SolidSpec, Surface
+
+if TYPE_CHECKING:
+    from persson.spectrum import SelfAffine
+    from persson.tabulated import Tabulated
+    from validation.scenes.topography import Measured, Topography
+
+__all__ = ["Realised", "Surveyed", "realise"]
+
+Grid = tuple[int, int]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Realised:
+    """One realisation of a surface, the solid under it and the load, each derived once and handed down.
+
+    Attributes
+    ----------
+    surface, solid, load
+        Tables of a scene.
+    realisation : int
+        Counts further surfaces of the same spectrum from 0, the scene's own: added to its seed.
+    inverted : bool
+        Press -h instead of h: hills become valleys, which halves much of the scatter between surfaces.
+
+    Notes
+    -----
+    What is derived stays with the value and does not travel with it: another process makes it anew.
+    """
+
+    surface: Surface
+    solid: SolidSpec
+    load: Load
+    realisation: int = 0
+    inverted: bool = False
+
+    def __reduce__(self) -> Any:
+        return partial(Realised, **{field.name: getattr(self, field.name) for field in fields(self)}), ()
+
+    def further(self, realisation: int) -> Realised:
+        """Return another realisation of the same spectrum; the same value for its own."""
+        return self if realisation == self.realisation else replace(self, realisation=realisation)
+
+    @cached_property
+    def _waves(self) -> RandomWaves | None:
+        """The waves of a random surface, drawn once for all grids."""
+        if isinstance(self.surface, FileSurface):
+            return None
+        return surfaces.waves_of(self.surface, self.realisation)
+
+    @cached_property
+    def measured(self) -> Measured | None:
+        """The measured surface, read and hashed once; None for a random one."""
+        return surfaces.measured_surface(self.surface) if isinstance(self.surface, FileSurface) else None
+
+    @property
+    def topography(self) -> Topography | None:
+        """The measured surface, levelled, filled and made periodic; None for a random one."""
+        return None if self.measured is None else self.measured.period
+
+    @cached_property
+    def field(self) -> HeightField:
+        """The surface on the smallest grid that resolves it; its moments are the surface's own."""
+        if self.measured is not None:
+            return self._signed(surfaces.measured_field(self.measured))
+        assert self._waves is not None
+        assert not isinstance(self.surface, FileSurface)
+        grid = surfaces.resolving_grid(self.surface)
+        surfaces.check_memory(self.surface, grid)
+        return self._signed(surfaces.sampled(self._waves, self.surface, grid))
+
+    def heights(self, grid: Grid, shift: tuple[float, float] = (0.0, 0.0)) -> HeightField:
+        """Return the surface on a grid, moved by parts of a cell."""
+        if isinstance(self.surface, FileSurface):
+            field = self.field.resampled(grid)
+            return field if shift == (0.0, 0.0) else field.shifted(shift)
+        assert self._waves is not None
+        return self._signed(surfaces.sampled(self._waves, self.surface, grid, shift))
+
+    def _signed(self, field: HeightField) -> HeightField:
+        return HeightField(heights=-field.heights, lengths=field.lengths) if self.inverted else field
+
+    @cached_property
+    def spectrum(self) -> SelfAffine | Tabulated | None:
+        """C(q) of the scene, estimated for a measured patch with tapered edges; None for one period."""
+        if not isinstance(self.surface, FileSurface):
+            return surfaces.spectrum_of(self.surface)
+        return self._estimate if self.surface.edges in ("tukey", "hann") else None
+
+    @cached_property
+    def _estimate(self) -> Tabulated:
+        """C(q) of a measured surface, whatever its edges."""
+        assert self.measured is not None
+        return surfaces.measured_spectrum(self.measured)
+
+    @cached_property
+    def spectrum_shape(self) -> SelfAffine | Tabulated:
+        """C(q) whose scale may be another: for a measured surface an estimate, whatever its edges."""
+        return self._estimate if self.spectrum is None else self.spectrum
+
+    @cached_property
+    def elastic(self) -> Solid:
+        """The solid."""
+        return Solid(young=self.solid.young, poisson=self.solid.poisson)
+
+    @cached_property
+    def contact_modulus(self) -> float:
+        """E* [Pa]."""
+        return self.elastic.contact_modulus
+
+    @cached_property
+    def pressure_scale(self) -> float:
+        """E* h'_rms [Pa] with the spectral gradient of this surface: the unit of p*."""
+        return self.contact_modulus * self.field.rms_gradient
+
+    @cached_property
+    def pressure(self) -> float:
+        """p0 [Pa]: as given, or p* E* h'_rms."""
+        if self.load.pressure is not None:
+            return self.load.pressure
+        assert self.load.reduced_pressure is not None
+        return self.load.reduced_pressure * self.contact_modulus * self.field.rms_gradient
+
+    @property
+    def reduced_pressure(self) -> float:
+        """p* = p0 / (E* h'_rms)."""
+        return self.pressure / self.pressure_scale
+
+    @property
+    def lengths(self) -> tuple[float, float]:
+        """Periods (Lx, Ly) [m]."""
+        return self.surface.length
+
+    @cached_property
+    def shortest(self) -> float:
+        """lambda_short [m]; of a measured surface, two of its grid spacings."""
+        surface = self.surface
+        return 2 * max(self.field.spacing) if isinstance(surface, FileSurface) else surface.lambda_short
+
+    @property
+    def longest(self) -> float:
+        """lambda_long [m]; of a measured surface, the longer period."""
+        surface = self.surface
+        return max(surface.length) if isinstance(surface, FileSurface) else surface.lambda_long
+
+    def points_per_wave(self, grid: Grid) -> float:
+        """lambda_short / dx, on the coarser axis."""
+        return self.shortest / max(length / n for length, n in zip(self.lengths, grid, strict=True))
+
+    def resolved_by(self, grid: Grid) -> bool:
+        """Whether lambda_short > 2 dx on both axes."""
+        return resolves(grid, self.lengths, q_short=2 * math.pi / self.shortest)
+
+    @cached_property
+    def recipe(self) -> dict[str, Any]:
+        """Everything that determines surface, solid and load, as JSON-ready data."""
+        surface = self.surface.model_dump(mode="json")
+        if self.measured is not None:
+            surface["path"] = self.measured.digest
+        else:
+            surface["seed"] = surface["seed"] + self.realisation
+        said = {
+            "surface": surface,
+            "solid": self.solid.model_dump(mode="json"),
+            "load": self.load.model_dump(mode="json"),
+        }
+        return said | {"inverted": True} if self.inverted else said
+
+
+@dataclass(frozen=True, kw_only=True)
+class Surveyed(Realised):
+    """A surface that is only looked at: one with too many points to be made is told by its C(q)."""
+
+    @cached_property
+    def field(self) -> HeightField:
+        """The surface, or the moments of its C(q) in place of it."""
+        if not isinstance(self.surface, FileSurface):
+            found = surfaces.expected(self.surface)
+            if found is not None:
+                return found  # type: ignore[return-value]
+        return super().field
+
+
+def realise(scene: Scene) -> Realised:
+    """Return what a scene asks for, to be made once and handed down."""
+    return Realised(surface=scene.surface, solid=scene.solid, load=scene.load)

@@ -1,0 +1,542 @@
+"""Scenes: what to compute, read from TOML, checked, in SI units. A scene describes; it computes nothing."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+import tomllib
+from functools import reduce
+from importlib import resources
+from operator import or_
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
+
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    Field,
+    StrictBool,
+    StrictInt,
+    ValidationError,
+    create_model,
+    model_validator,
+)
+
+from validation.effects import effect_kinds
+from validation.effects.base import Effect, clash, effect_key
+from validation.errors import SceneError, UsageError, harmless
+from validation.methods import Method, Solver, methods
+from validation.units import (
+    Grids,
+    Length,
+    Lengths,
+    Memory,
+    Number,
+    Pressure,
+    Ratio,
+    exactly_one,
+    unit_registry,
+)
+from validation.units import Table as _Table
+from validation.units import wrong as _wrong
+
+__all__ = [
+    "EffectSpec",
+    "Ensemble",
+    "FileSurface",
+    "Load",
+    "MethodTables",
+    "Methods",
+    "RunOptions",
+    "Scene",
+    "SelfAffineSurface",
+    "SolidSpec",
+    "builtin_scenes",
+    "load_scene",
+    "scene_problems",
+    "scene_text",
+    "unit_registry",
+]
+
+
+#: What a scene may be called, since a folder of results is named so.
+_NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
+
+
+#: Surfaces of one scene: the scatter between ten thousand is known to a percent of itself.
+_MOST_REALISATIONS = 10_000
+
+
+class SelfAffineSurface(_Table):
+    """A random periodic surface with C(q) ~ q^(-2(1+H)) between lambda_long and lambda_short."""
+
+    kind: Literal["self-affine"]
+    length: Lengths = Field(description='period L, or [Lx, Ly], e.g. "100 um"')
+    hurst: Number = Field(ge=0, le=1, description="Hurst exponent H, in [0, 1]")
+    lambda_long: Length = Field(description="longest wavelength of the self-affine range")
+    lambda_short: Length = Field(description="shortest wavelength")
+    rms_gradient: Ratio | None = Field(default=None, description="h'_rms of C(q), both directions together")
+    rms_height: Length | None = Field(default=None, description="h_rms of C(q)")
+    rolloff: Literal["sharp", "smooth", "plateau"] = "sharp"
+    amplitudes: Literal["exact", "gaussian"] = "exact"
+    seed: Annotated[StrictInt, Field(ge=0, lt=2**63)] = Field(
+        description="whole number that names the realisation"
+    )
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        exactly_one(self, ("rms_gradient", "rms_height"))
+        if self.lambda_short >= self.lambda_long:
+            raise _wrong(
+                f"lambda_short = {self.lambda_short:.6g} m: must be below "
+                f"lambda_long = {self.lambda_long:.6g} m"
+            )
+        if self.lambda_long > min(self.length) * (1 + 1e-12):
+            raise _wrong(
+                f"lambda_long = {self.lambda_long:.6g} m: must not exceed the period {min(self.length):.6g} m"
+            )
+        return self
+
+
+class FileSurface(_Table):
+    """Heights read from a file: .npy, text, .nc, .x3p, or what SurfaceTopography reads; shape (nx, ny).
+
+    They are levelled, filled and made periodic, in this order, as the table says.
+    """
+
+    kind: Literal["file"]
+    path: Path = Field(description="file of heights, relative to the scene file")
+    length: Lengths = Field(
+        description='size L, or [Lx, Ly], e.g. "100 um"; may be left out where the file says it'
+    )
+    unit: Length | None = Field(
+        default=None, description='unit of the heights, e.g. "1 nm"; may be left out where the file says it'
+    )
+    tilt: Literal["keep", "plane", "quadratic"] = Field(
+        default="keep", description="what to take out before anything else"
+    )
+    missing: Literal["refuse", "nearest", "harmonic"] = Field(
+        default="refuse", description="what to do with points without a height"
+    )
+    edges: Literal["periodic", "tukey", "hann"] | None = Field(
+        default=None, description="taper that makes it periodic; not needed where opposite edges match"
+    )
+    margin: Ratio = Field(
+        default=0.1, gt=0, le=0.5, description="share of each side over which a tukey taper falls"
+    )
+
+
+Surface = Annotated[SelfAffineSurface | FileSurface, Field(discriminator="kind")]
+
+
+class SolidSpec(_Table):
+    """The elastic half-space or block; the rough body is rigid."""
+
+    young: Pressure = Field(description='Young\'s modulus, e.g. "1 GPa"')
+    poisson: Number = Field(gt=-1, le=0.5, description="Poisson ratio, in (-1, 0.5]")
+
+
+class Load(_Table):
+    """The nominal pressure p0, or p* = p0 / (E* h'_rms) with the realised gradient."""
+
+    pressure: Pressure | None = None
+    reduced_pressure: Ratio | None = None
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        exactly_one(self, ("pressure", "reduced_pressure"))
+        return self
+
+
+class MethodTables(_Table):
+    """Which methods run: those whose table is present, no others; see `validation.methods`."""
+
+    @model_validator(mode="after")
+    def _some_solver(self) -> Self:
+        if not self.solvers:
+            names = [name for name, method in methods().items() if isinstance(method, Solver)]
+            tables = " and ".join(f"[methods.{name}]" for name in names)
+            raise _wrong(f"give at least one of the tables {tables}")
+        return self
+
+    @property
+    def asked(self) -> dict[str, Method]:
+        """Methods whose table is present, by name, in the order of the registry."""
+        return {name: method for name, method in methods().items() if getattr(self, name, None) is not None}
+
+    @property
+    def solvers(self) -> dict[str, Solver]:
+        """Those of them that press a surface; the first is what the others are compared with."""
+        return {name: method for name, method in self.asked.items() if isinstance(method, Solver)}
+
+    def options(self, name: str) -> Any:
+        """Return the table of a method; None where it is not listed."""
+        return getattr(self, name, None)
+
+
+if TYPE_CHECKING:
+    EffectSpec: TypeAlias = Effect
+
+    class Methods(MethodTables):
+        """One optional table for each method of the registry."""
+
+        def __init__(self, **tables: Any) -> None: ...
+
+        def __getattr__(self, name: str) -> Any: ...
+
+else:
+    Methods = create_model(
+        "Methods",
+        __base__=MethodTables,
+        __doc__="One optional table for each method of the registry.",
+        **{name: (method.options | None, None) for name, method in methods().items()},
+    )
+    EffectSpec = Annotated[reduce(or_, effect_kinds().values()), Field(discriminator="kind")]
+
+
+class Ensemble(_Table):
+    """Further realisations of the same C(q), by boundary elements, for the scatter between surfaces."""
+
+    realisations: Annotated[StrictInt, Field(ge=2, le=_MOST_REALISATIONS)]
+    grids: Annotated[Grids, Field(min_length=2)]
+
+
+def _inside(path: Path) -> Path:
+    """Refuse a folder outside the one a scene runs in: a scene may not choose what is written over."""
+    if path.is_absolute() or path.drive or ".." in path.parts:
+        raise _wrong(
+            "must lie below the folder the scene runs in, such as 'results/mine'; any other is named on the "
+            "command line"
+        )
+    return path
+
+
+Inside = Annotated[Path, AfterValidator(_inside)]
+
+
+class RunOptions(_Table):
+    """How a scene is run; nothing here changes a result. An option of the command line goes before these.
+
+    Where it runs beyond this machine and this folder is no matter of a scene, which may come from elsewhere:
+    a scheduler, and folders outside, are named on the command line alone.
+    """
+
+    workers: Annotated[StrictInt, Field(ge=1, le=4096)] = Field(
+        default=1, description="local processes; 1 runs everything in the process itself"
+    )
+    memory: Memory | None = Field(default=None, description='memory for all solves, e.g. "4 GiB"')
+    store: Inside | None = Field(default=None, description="folder of finished solves, shared between runs")
+    output: Inside | None = Field(default=None, description="results folder; default: results/<name>")
+    quiet: StrictBool = Field(default=False, description="no progress bar")
+    pictures: StrictBool = Field(default=True, description="3-D pictures in the report")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _no_scheduler(cls, data: object) -> object:
+        if isinstance(data, dict) and "scheduler" in data:
+            raise _wrong("scheduler: is chosen on the command line alone: --scheduler tcp://host:8786")
+        return data
+
+    def folder(self, key: Literal["output", "store"]) -> Path | None:
+        """Return a folder that the scene names, None if it does not; links may not lead outside, either.
+
+        Raises
+        ------
+        UsageError
+        """
+        path: Path | None = getattr(self, key)
+        if path is None:
+            return None
+        led = path.resolve()
+        if not led.is_relative_to(Path.cwd().resolve()):
+            raise UsageError(
+                f"run.{key} = {str(path)!r}: leads to {str(led)!r}, outside the folder the scene runs in; "
+                f"say --{key} to have it so"
+            )
+        return path
+
+
+def _one_line(text: str) -> str:
+    """Refuse what would change a terminal, or how a line reads."""
+    bad = next((c for c in text if c == "\n" or harmless(c) != c), None)
+    if bad is not None:
+        raise _wrong(f"must be a line of text; it holds the control character {bad!a}")
+    return text
+
+
+class Scene(_Table):
+    """One comparison: a surface, a solid, a load, the methods, and nothing that is not listed.
+
+    Attributes are the tables of the scene file; every quantity is in SI units.
+    """
+
+    name: str = Field(
+        min_length=1, pattern=_NAME, description="names the results folder; that of the file if not given"
+    )
+    title: Annotated[str, AfterValidator(_one_line)] = Field(default="", max_length=200)
+    surface: Surface
+    solid: SolidSpec
+    load: Load
+    methods: Methods
+    ensemble: Ensemble | None = None
+    effects: tuple[EffectSpec, ...] = ()
+    run: RunOptions = RunOptions()
+
+    @model_validator(mode="after")
+    def _one_effect_per_slot(self) -> Self:
+        found = clash(self.effects)
+        if found is not None:
+            raise _wrong(found)
+        return self
+
+    @model_validator(mode="after")
+    def _grids_resolve(self) -> Self:
+        surface = self.surface
+        if isinstance(surface, FileSurface):
+            if self.ensemble is not None:
+                raise _wrong("ensemble: a measured surface has one realisation; remove the table")
+            return self
+        tables = {f"methods.{name}": self.methods.options(name) for name in self.methods.solvers}
+        for name, table in (*tables.items(), ("ensemble", self.ensemble)):
+            if table is None or getattr(table, "under_resolved", False):
+                continue
+            for grid in table.grids:
+                check_resolution(f"{name}.grids", grid, surface)
+        if self.ensemble is not None and self.ensemble_solver is None:
+            quick = [name for name, method in methods().items() if getattr(method, "for_ensembles", False)]
+            raise _wrong(
+                f"ensemble: add the table of a method that is quick enough for it: {', '.join(quick)}"
+            )
+        return self
+
+    @property
+    def ensemble_solver(self) -> Solver | None:
+        """The listed method that further realisations are solved by: the first that is quick enough."""
+        return next((method for method in self.methods.solvers.values() if method.for_ensembles), None)
+
+    @property
+    def is_random(self) -> bool:
+        """Whether the surface is a realisation of a spectrum C(q), rather than read from a file."""
+        return isinstance(self.surface, SelfAffineSurface)
+
+
+#: Points along a side beyond which a resolving grid is taken for a mistake in a length.
+_LARGEST_GRID = 2**17
+
+
+def check_resolution(key: str, grid: tuple[int, int], surface: SelfAffineSurface) -> None:
+    """Refuse a grid with lambda_short <= 2 dx on either axis."""
+    needed = [math.floor(2 * length / surface.lambda_short * (1 + 1e-12)) + 1 for length in surface.length]
+    if any(n < least for n, least in zip(grid, needed, strict=True)):
+        size = max(surface.length)
+        # No machine holds that: more likely a number without a unit, which counts as metres.
+        hint = f"; length: {size:.6g} was read as {size:.6g} m" if max(needed) > _LARGEST_GRID else ""
+        raise _wrong(
+            f"{key} = {list(grid)}: too coarse for lambda_short = {surface.lambda_short:.6g} m; "
+            f"at least {needed} points, or say under_resolved = true in the method's table{hint}"
+        )
+
+
+def builtin_scenes() -> tuple[str, ...]:
+    """Names of the scenes that come with the package."""
+    folder = resources.files("validation.scenes") / "library"
+    return tuple(
+        sorted(entry.name.removesuffix(".toml") for entry in folder.iterdir() if entry.name.endswith(".toml"))
+    )
+
+
+def scene_text(scene: str) -> tuple[str, Path]:
+    """Text of a built-in scene or a scene file, and the folder its relative paths refer to.
+
+    Raises
+    ------
+    SceneError
+        For a name that is neither.
+    """
+    path = Path(scene)
+    # os.path, because pathlib raises for a name that is too long.
+    if path.suffix == ".toml" or os.path.isfile(scene):
+        try:
+            return path.read_text(encoding="utf-8"), path.parent
+        except UnicodeDecodeError:
+            raise SceneError(scene, ["is not UTF-8 text; a scene is a TOML file"]) from None
+        except OSError as error:
+            raise SceneError(scene, [f"cannot be read: {error.strerror}"]) from None
+        except ValueError:  # a zero byte in the name
+            raise SceneError(scene, ["is no name of a file"]) from None
+    if scene in _theory_scenes():
+        raise SceneError(scene, [_of_theory(scene)])
+    if scene in builtin_scenes():
+        entry = resources.files("validation.scenes") / "library" / f"{scene}.toml"
+        return entry.read_text(encoding="utf-8"), Path()
+    raise SceneError(scene, [f"no such scene; give a .toml file or one of: {', '.join(builtin_scenes())}"])
+
+
+def _theory_scenes() -> tuple[str, ...]:
+    folder = resources.files("validation.scenes") / "theory_library"
+    return tuple(entry.name.removesuffix(".toml") for entry in folder.iterdir())
+
+
+def _of_theory(scene: str) -> str:
+    """Say how a scene of the theory alone is run."""
+    return (
+        "is a scene of the theory alone, which no solver runs; from Python: "
+        f"validation.paper.theory_scene.run_theory_scene(load_theory_scene({scene!r}))"
+    )
+
+
+def parsed_toml(text: str, scene: str) -> dict[str, Any]:
+    """Parse the text of a scene.
+
+    Raises
+    ------
+    SceneError
+        For text that is not TOML, and for what the parser gives up on.
+    """
+    try:
+        return tomllib.loads(text)
+    except RecursionError:
+        raise SceneError(scene, ["is nested too deeply; a scene has tables within lists at most"]) from None
+    except ValueError as error:  # of which TOMLDecodeError is one; a number of thousands of digits another
+        raise SceneError(scene, [f"is not valid TOML: {error}"]) from None
+
+
+def load_scene(scene: str) -> Scene:
+    """Read and check a scene, built-in by name or from a TOML file by path.
+
+    Raises
+    ------
+    SceneError
+        With one line for each problem: key, value, what is allowed.
+    """
+    text, folder = scene_text(scene)
+    data = _named(parsed_toml(text, scene), scene)
+    if "q_reference" in data:
+        raise SceneError(scene, [_of_theory(scene)])
+    try:
+        checked = Scene.model_validate(_sized(data, folder, scene))
+    except ValidationError as error:
+        raise SceneError(scene, scene_problems(error)) from None
+    if isinstance(checked.surface, FileSurface) and not checked.surface.path.is_absolute():
+        # Absolute, because a worker may stand in another folder.
+        path = (folder / checked.surface.path).resolve()
+        surface = checked.surface.model_copy(update={"path": path})
+        checked = checked.model_copy(update={"surface": surface})
+    return checked
+
+
+def _named(data: dict[str, Any], scene: str) -> dict[str, Any]:
+    """Name a scene that has no name after its file, if that makes a name."""
+    stem = Path(scene).stem
+    return data if "name" in data or re.fullmatch(_NAME, stem) is None else {"name": stem, **data}
+
+
+def _sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
+    """Fill in the length of a measured surface from its file, and ask for what neither of the two says."""
+    surface = data.get("surface")
+    if not isinstance(surface, dict) or surface.get("kind") != "file":
+        return data
+    path = surface.get("path")
+    if not isinstance(path, str):
+        return data
+    from validation.scenes.topography import file_says
+
+    try:
+        says = file_says(folder / path)
+        if "length" in surface and not isinstance(surface["length"], list):
+            says.check_square("surface.length")
+    except UsageError as error:
+        raise SceneError(scene, [f"surface.path = {path!r}: {error}"]) from None
+    if says.unit is None and "unit" not in surface:
+        allowed = FileSurface.model_fields["unit"].description
+        raise SceneError(scene, [f"surface.unit: missing, and {path!r} does not say it; {allowed}"])
+    if says.lengths is None or "length" in surface:
+        return data
+    return {**data, "surface": {**surface, "length": list(says.lengths)}}
+
+
+def scene_problems(error: ValidationError) -> list[str]:
+    """List one line for each mistake; an array with a wrong item is not also called too short."""
+    items = error.errors()
+    within = {item["loc"][:depth] for item in items for depth in range(len(item["loc"]))}
+    return [_problem(item) for item in items if item["loc"] not in within]
+
+
+#: Values of `kind` by the table that has one; they stand in pydantic's locations, but are no keys.
+_TAGS = {"surface": frozenset({"self-affine", "file"}), "effects": frozenset(effect_kinds())}
+
+
+#: The same of scenes that only the theory computes.
+_THEORY_TAGS = frozenset({"capillary", "smoothing"})
+
+
+def _keys(location: tuple[str | int, ...]) -> list[str]:
+    """Keys that lead to a mistake, as the file has them."""
+    parts = [str(part) for part in location]
+    place = {"surface": 1, "effects": 2}.get(parts[0]) if parts else None
+    if place is not None and len(parts) > place and parts[place] in _TAGS[parts[0]] | _THEORY_TAGS:
+        del parts[place]
+    return parts
+
+
+def _written(location: list[str]) -> str:
+    """Write the keys that lead to a mistake for a reader, who counts from one.
+
+    >>> _written(["effects", "0", "hardness"]), _written(["methods", "bem", "grids", "1"])
+    ('[[effects]] 1 hardness', 'methods.bem.grids (item 2)')
+    """
+    if len(location) > 1 and location[0] == "effects" and location[1].isdigit():
+        return effect_key(int(location[1]), _written(location[2:])).rstrip()
+    if location and location[-1].isdigit():
+        return f"{_written(location[:-1])} (item {int(location[-1]) + 1})"
+    return ".".join(location)
+
+
+def _problem(item: Any) -> str:
+    """One line for one error of the schema: key = value: what is allowed."""
+    location = _keys(item["loc"])
+    key = _written(location)
+    message = str(item["msg"]).replace("Input should be", "must be")
+    if item["type"] == "missing":
+        return f"{key}: missing; {_described(location)}"
+    if item["type"] == "union_tag_not_found":
+        named = ", ".join(repr(kind) for kind in sorted(_TAGS.get(location[0], ())))
+        kind = _written([*location, "kind"])
+        return f"{kind}: missing; " + (f"one of {named}" if named else "it says which table this is")
+    if item["type"] == "union_tag_invalid":
+        kind = _written([*location, "kind"])
+        return f"{kind} = {_short(item['input'].get('kind'))}: must be one of {item['ctx']['expected_tags']}"
+    value = item["input"]
+    if isinstance(value, (dict, BaseModel)):
+        return f"{key}: {message}" if key else message
+    return f"{key} = {_short(value)}: {message}"
+
+
+def _short(value: object) -> str:
+    """Write a value as Python does, and no more of it than tells it from others."""
+    try:
+        words = repr(value)
+    except ValueError:  # a whole number of thousands of digits
+        return "a number of thousands of digits"
+    return words if len(words) <= 100 else f"{words[:60]}... ({len(words)} characters)"
+
+
+def _described(location: list[str]) -> str:
+    """Say what a missing key is, from the description of its field."""
+    tables: tuple[type[BaseModel], ...] = (
+        Scene,
+        SelfAffineSurface,
+        FileSurface,
+        SolidSpec,
+        Load,
+        Ensemble,
+        RunOptions,
+        *(method.options for method in methods().values()),
+        *effect_kinds().values(),
+    )
+    for table in tables:
+        field = table.model_fields.get(location[-1])
+        if field is not None and field.description:
+            return field.description
+    return f"the table [{'.'.join(location)}] is required"

@@ -1,0 +1,1 @@
+"""A recipe, done once and kept."""

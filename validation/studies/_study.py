@@ -1,0 +1,221 @@
+"""What a study is: a module with a table of options, a `run`, and what is shown of its dataset."""
+
+from __future__ import annotations
+
+import types
+import typing
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
+
+from pydantic import ValidationError, model_validator
+from pydantic.fields import FieldInfo
+
+from fem_contact import errors as fem_errors
+from persson import errors as persson_errors
+from validation.errors import RunFailed, UsageError
+from validation.scenes.scene import Scene, scene_problems
+from validation.units import Table, wrong
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from validation.report.drawing import Drawing
+    from validation.report.table import ResultTable
+    from validation.solves.bench import Bench
+
+__all__ = ["Study", "StudyOptions"]
+
+
+#: Things that a study counts (surfaces, pairs, shifts, points): beyond this a number is a mistake.
+_MOST = 1_000_000
+
+
+class StudyOptions(Table):
+    """Options of a study: a table like those of a scene, with units, ranges and meanings; all have defaults."""
+
+    @model_validator(mode="after")
+    def _bounded(self) -> typing.Self:
+        for name in type(self).model_fields:
+            value = getattr(self, name)
+            counts = value if isinstance(value, tuple) else (value,)
+            if name != "seed" and any(isinstance(n, int) and n > _MOST for n in counts):
+                raise wrong(f"{name} = {value}: must be at most {_MOST}")
+        return self
+
+    @classmethod
+    def flags(cls) -> dict[str, FieldInfo]:
+        """Fields that the command line sets, by flag; a scene is an argument, not a flag."""
+        return {
+            "--" + name.replace("_", "-"): field
+            for name, field in cls.model_fields.items()
+            if name != "scene"
+        }
+
+    @classmethod
+    def takes_scene(cls) -> bool:
+        """Whether it accepts a scene."""
+        return "scene" in cls.model_fields
+
+    @classmethod
+    def parse(cls, arguments: Sequence[str], *, scene: Scene | None = None) -> typing.Self:
+        """Read ``--option value`` and ``--option=value`` pairs.
+
+        Raises
+        ------
+        UsageError
+            For an unknown option, or a value it does not allow, naming both and what is allowed.
+        """
+        values: dict[str, Any] = {}
+        flags = cls.flags()
+        for flag, text in _pairs(arguments, flags):
+            several = typing.get_origin(_bare(flags[flag].annotation)) is tuple
+            parts = [part.strip() for part in text.split(",") if part.strip()]
+            values[flag.removeprefix("--").replace("-", "_")] = parts if several else text
+        try:
+            # Strings are numbers here, and quantities may carry units as in a scene.
+            parsed = cls.model_validate_strings(values)
+        except ValidationError as error:
+            raise UsageError("\n".join(_problems(error))) from None
+        return parsed if scene is None else parsed.model_copy(update={"scene": scene})
+
+    @classmethod
+    def help_lines(cls) -> Iterator[str]:
+        """Yield two lines for each option: flag, kind and default; what it means."""
+        for flag, field in cls.flags().items():
+            default = _default_words(field.default)
+            said = "may be left out" if default is None else f"default: {default}"
+            yield f"    {flag} {_kind_words(field)} ({said})"
+            yield f"        {field.description}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Study:
+    """A study by name."""
+
+    name: str
+    module: ModuleType
+
+    @property
+    def question(self) -> str:
+        """First line of its docstring."""
+        return (self.module.__doc__ or "").strip().partition("\n")[0]
+
+    @property
+    def options(self) -> type[StudyOptions]:
+        """Its table of options."""
+        found: type[StudyOptions] = self.module.Options
+        return found
+
+    def compute(self, options: StudyOptions, *, bench: Bench) -> xr.Dataset:
+        """Run it on a bench.
+
+        Raises
+        ------
+        UsageError
+            For options that make no surface, solid or load.
+        RunFailed
+            For a solve whose answer cannot be used.
+        """
+        try:
+            data: xr.Dataset = self.module.run(options, bench=bench)
+        except ValidationError as error:
+            problems = "; ".join(scene_problems(error))
+            raise UsageError(f"study {self.name}: its options make no case: {problems}") from None
+        except (fem_errors.InvalidInput, persson_errors.InvalidInput, ArithmeticError) as error:
+            raise UsageError(f"study {self.name}: {error}") from None
+        except (fem_errors.FemContactError, persson_errors.PerssonError) as error:
+            raise RunFailed(f"study {self.name}: {error}") from error
+        return data
+
+    def parse(self, arguments: Sequence[str], *, scene: Scene | None = None) -> StudyOptions:
+        """Read its options from the command line.
+
+        Raises
+        ------
+        UsageError
+            For what it does not allow, and for a scene that it does not take.
+        """
+        if scene is not None and not self.options.takes_scene():
+            raise UsageError(f"study {self.name}: takes no scene; leave {scene.name!r} out")
+        try:
+            return self.options.parse(arguments, scene=scene)
+        except UsageError as error:
+            raise UsageError(f"study {self.name}: {error}") from None
+
+    def help_lines(self) -> tuple[str, ...]:
+        """Question and options, each with kind, default and meaning."""
+        takes = "  [takes a SCENE]" if self.options.takes_scene() else ""
+        return (f"{self.name}: {self.question}{takes}", *self.options.help_lines())
+
+    def figures(self, data: xr.Dataset) -> tuple[Drawing, ...]:
+        """Return its figures of a dataset; none if it draws none."""
+        draw = getattr(self.module, "figures", None)
+        return () if draw is None else tuple(draw(data))
+
+    def table(self, data: xr.Dataset) -> ResultTable | None:
+        """Return the table it makes of a dataset; None if it leaves that to the report."""
+        make = getattr(self.module, "table", None)
+        return None if make is None else make(data)
+
+    def budget(self, data: xr.Dataset) -> ResultTable | None:
+        """Return its uncertainties source by source; None if it lists none."""
+        make = getattr(self.module, "budget", None)
+        return None if make is None else make(data)
+
+    def findings(self, data: xr.Dataset) -> tuple[str, ...]:
+        """Return its sentences on a dataset."""
+        say = getattr(self.module, "findings", None)
+        return () if say is None else tuple(say(data))
+
+
+def _pairs(arguments: Sequence[str], flags: Mapping[str, FieldInfo]) -> Iterator[tuple[str, str]]:
+    """Yield flag and text of each option."""
+    waiting = list(arguments)
+    while waiting:
+        flag, equals, text = waiting.pop(0).partition("=")
+        if flag not in flags:
+            raise UsageError(f"unknown option {flag!r}; it has: {', '.join(flags) or 'none'}")
+        if not equals:
+            if not waiting:
+                raise UsageError(f"{flag}: needs a value, {_kind_words(flags[flag])}")
+            text = waiting.pop(0)
+        yield flag, text
+
+
+def _problems(error: ValidationError) -> Iterator[str]:
+    """Yield one line for each mistake: flag, value, what is allowed."""
+    for item in error.errors():
+        name = str(item["loc"][0]).replace("_", "-") if item["loc"] else ""
+        message = str(item["msg"]).replace("Input should be", "must be").replace("Value error, ", "")
+        value = item["input"]
+        said = ",".join(map(str, value)) if isinstance(value, list) and value else repr(value)
+        yield f"--{name} = {said}: {message}" if name else message
+
+
+def _bare(kind: Any) -> Any:
+    """Return the kind without the None that an option which may be left out allows."""
+    kinds = [part for part in typing.get_args(kind) if part is not type(None)]
+    return kinds[0] if typing.get_origin(kind) in (typing.Union, types.UnionType) else kind
+
+
+def _kind_words(field: FieldInfo) -> str:
+    kind = _bare(field.annotation)
+    words = {int: "a whole number", float: "a number", str: "a text", bool: "true or false"}
+    if typing.get_origin(kind) is typing.Literal:
+        return "one of " + ", ".join(map(str, typing.get_args(kind)))
+    if typing.get_origin(kind) is not tuple:
+        return words.get(kind, "a text")
+    item = typing.get_args(kind)[0]
+    while hasattr(item, "__metadata__"):
+        item = item.__origin__
+    if typing.get_origin(item) is typing.Literal:
+        return "some of " + ", ".join(map(str, typing.get_args(item))) + ", with commas"
+    return words.get(item, "a text").removeprefix("a ") + "s with commas"
+
+
+def _default_words(value: Any) -> str | None:
+    if value is None or value == ():
+        return None
+    return ",".join(map(str, value)) if isinstance(value, tuple) else str(value)
