@@ -88,7 +88,7 @@ def _bad(value: Array, bad: NDArray[np.bool_]) -> str:
 
 def _computable(array: Array, power: float) -> NDArray[np.bool_]:
     size = np.abs(array)
-    return (array == 0) | ((size >= LAST) & (size <= GREATEST**power))
+    return np.asarray((array == 0) | ((size >= LAST) & (size <= GREATEST**power)))
 
 
 def _sizes(power: float) -> str:
@@ -148,12 +148,12 @@ def poisson_ratio(value: object) -> float:
     return within("poisson", value, -1, 0.5, interval="(-1, 0.5]")
 
 
-def scalar(name: str, value: object, *, unit: str = "") -> float:
+def scalar(name: str, value: object, *, unit: str = "", power: float = 1) -> float:
     """Return one number that is zero or of a size that can be computed with."""
     number = _number(value)
     if number is None:
         raise InvalidInput(f"{name} = {shown(value)}: must be one number{_in(unit)}")
-    return float(real(name, number, unit=unit))
+    return float(real(name, number, unit=unit, power=power))
 
 
 def whole(name: str, value: object, *, least: int, most: int) -> int:
