@@ -17,6 +17,7 @@ from validation.units import Table
 
 if TYPE_CHECKING:
     from fem_contact.gap_laws import GapLaw
+    from persson.spectrum import Spectrum
     from validation.scenes.realised import Realised
 
 __all__ = ["Body", "Effect", "Judgement", "Roughness", "SlotName", "Slots", "Told", "clash", "effect_key"]
@@ -185,6 +186,22 @@ class Roughness:
             full_energy=full_contact_energy(surface, modulus=modulus),
         )
 
+    @classmethod
+    def of_spectrum(
+        cls, spectrum: Spectrum, *, modulus: float, longest: float, shortest: float
+    ) -> Roughness:
+        """Integrate over C(q), where no surface is made."""
+        q = np.geomspace(spectrum.q_min, spectrum.q_short, 4001)
+        first_moment = 2 * math.pi * float(np.trapezoid(q**3 * spectrum(q), np.log(q / q[0])))
+        return cls(
+            modulus=modulus,
+            gradient=math.sqrt(float(spectrum.m2())),
+            curvature=math.sqrt(3 * float(spectrum.m4()) / 8),
+            longest=longest,
+            shortest=shortest,
+            full_energy=0.25 * modulus * first_moment,
+        )
+
 
 def full_contact_energy(surface: HeightField, *, modulus: float) -> float:
     """Elastic energy per area of a half-space that follows the whole surface, (E*/4) sum q |h(q)|^2 [J/m^2].
@@ -239,9 +256,24 @@ class Effect(Table):
         ----------
         realised : Realised
         grids : sequence
-            All grids of methods to which it gives its slot.
+            All grids of methods to which it gives its slot; none where the theory stands alone.
         slots : Slots
-            As all effects of the scene fill them.
+            As all effects of the scene fill them; unfilled where the theory stands alone.
+        key : str
+            How a message names the effect.
+
+        Raises
+        ------
+        UsageError
+        """
+
+    def check_solver(self, name: str, *, key: str) -> None:
+        """Refuse, as it stands, a solver that could be given others of its kind.
+
+        Parameters
+        ----------
+        name : str
+            Of the solver.
         key : str
             How a message names the effect.
 

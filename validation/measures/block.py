@@ -63,7 +63,7 @@ class BlockMeasurement(NumbersSolve):
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
         surface = self.surface.model_dump(mode="json")
-        surface["seed"] = self.surface.seed + self.realisation
+        surface["seed"] = self.surface.seed_of(self.realisation)
         said = {} if self.tolerance is None else {"tolerance": self.tolerance}
         return said | {
             "surface": surface,

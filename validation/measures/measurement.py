@@ -91,7 +91,7 @@ class Measurement(NumbersSolve):
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers, as JSON-ready data."""
         surface = self.surface.model_dump(mode="json")
-        surface["seed"] = self.surface.seed + self.realisation
+        surface["seed"] = self.surface.seed_of(self.realisation)
         return {
             "surface": surface,
             "inverted": self.inverted,
@@ -146,7 +146,7 @@ class Measurement(NumbersSolve):
             q_short=min(self.truncation, spectrum.q_short),
             lengths=self.surface.length,
             shape=grid,
-            seed=self.surface.seed + self.realisation,
+            seed=self.surface.seed_of(self.realisation),
             amplitudes=self.surface.amplitudes,
         )
 

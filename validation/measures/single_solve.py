@@ -37,7 +37,7 @@ class SingleSolve(NumbersSolve):
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
         surface = self.surface.model_dump(mode="json")
-        surface["seed"] = self.surface.seed + self.realisation
+        surface["seed"] = self.surface.seed_of(self.realisation)
         return {
             "surface": surface,
             "solid": self.solid.model_dump(mode="json"),

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, RandomWaves, resolves
 from validation.scenes import surfaces
-from validation.scenes.scene import FileSurface, Load, Scene, SolidSpec, Surface
+from validation.scenes.scene import Scene
+from validation.scenes.tables import FileSurface, Load, SolidSpec, Surface
 
 if TYPE_CHECKING:
+    from persson.capillary import CapillaryWaves
     from persson.spectrum import SelfAffine
     from persson.tabulated import Tabulated
     from validation.scenes.topography import Topography
@@ -34,6 +36,9 @@ class Realised:
         Counts further surfaces of the same spectrum from 0, the scene's own: added to its seed.
     inverted : bool
         Press -h instead of h: hills become valleys, which halves much of the scatter between surfaces.
+    drawn : bool
+        Whether a random surface is made of C(q); where the theory stands alone it is not, and h'_rms is that of
+        C(q).
 
     Notes
     -----
@@ -45,6 +50,7 @@ class Realised:
     load: Load
     realisation: int = 0
     inverted: bool = False
+    drawn: bool = True
 
     def __reduce__(self) -> Any:
         return partial(Realised, **{field.name: getattr(self, field.name) for field in fields(self)}), ()
@@ -88,19 +94,37 @@ class Realised:
         return HeightField(heights=-field.heights, lengths=field.lengths) if self.inverted else field
 
     @cached_property
-    def spectrum(self) -> SelfAffine | Tabulated | None:
+    def spectrum(self) -> SelfAffine | CapillaryWaves | Tabulated | None:
         """C(q) of the scene, estimated for a measured patch with tapered edges; None for one period."""
         if not isinstance(self.surface, FileSurface):
             return surfaces.spectrum_of(self.surface)
         return surfaces.measured_spectrum(self.surface) if self.surface.edges in ("tukey", "hann") else None
 
     @cached_property
-    def spectrum_shape(self) -> SelfAffine | Tabulated:
+    def spectrum_shape(self) -> SelfAffine | CapillaryWaves | Tabulated:
         """C(q) whose scale may be another: for a measured surface an estimate, whatever its edges."""
         if self.spectrum is not None:
             return self.spectrum
         assert isinstance(self.surface, FileSurface)
         return surfaces.measured_spectrum(self.surface)
+
+    @cached_property
+    def own_spectrum(self) -> SelfAffine | CapillaryWaves | Tabulated:
+        """C(q), scaled to the gradient of this surface; that of the scene where no surface is drawn."""
+        shape = self.spectrum_shape
+        return shape.scaled(float(self.field.rms_gradient**2 / shape.m2())) if self.has_heights else shape
+
+    @property
+    def has_heights(self) -> bool:
+        """Whether there is a surface: a measured one, or one that is drawn."""
+        return self.drawn or isinstance(self.surface, FileSurface)
+
+    @cached_property
+    def rms_gradient(self) -> float:
+        """h'_rms: the spectral gradient of this surface; that of C(q) where no surface is drawn."""
+        if self.has_heights:
+            return self.field.rms_gradient
+        return math.sqrt(float(self.spectrum_shape.m2()))
 
     @cached_property
     def elastic(self) -> Solid:
@@ -114,16 +138,21 @@ class Realised:
 
     @cached_property
     def pressure_scale(self) -> float:
-        """E* h'_rms [Pa] with the spectral gradient of this surface: the unit of p*."""
-        return self.contact_modulus * self.field.rms_gradient
+        """E* h'_rms [Pa]: the unit of p*."""
+        return self.contact_modulus * self.rms_gradient
 
     @cached_property
-    def pressure(self) -> float:
-        """p0 [Pa]: as given, or p* E* h'_rms."""
+    def pressures(self) -> tuple[float, ...]:
+        """p0 [Pa] of each load: as given, or p* E* h'_rms."""
         if self.load.pressure is not None:
-            return self.load.pressure
-        assert self.load.reduced_pressure is not None
-        return self.load.reduced_pressure * self.contact_modulus * self.field.rms_gradient
+            return self.load.values
+        return tuple(value * self.contact_modulus * self.rms_gradient for value in self.load.values)
+
+    @property
+    def pressure(self) -> float:
+        """p0 [Pa] of the one load."""
+        (pressure,) = self.pressures
+        return pressure
 
     @property
     def reduced_pressure(self) -> float:
@@ -162,7 +191,7 @@ class Realised:
         if isinstance(self.surface, FileSurface):
             surface["path"] = surfaces.file_digest(self.surface)
         else:
-            surface["seed"] = self.surface.seed + self.realisation
+            surface["seed"] = self.surface.seed_of(self.realisation)
         said = {
             "surface": surface,
             "solid": self.solid.model_dump(mode="json"),
@@ -173,4 +202,6 @@ class Realised:
 
 def realise(scene: Scene) -> Realised:
     """Return what a scene asks for, to be made once and handed down."""
-    return Realised(surface=scene.surface, solid=scene.solid, load=scene.load)
+    return Realised(
+        surface=scene.surface, solid=scene.solid, load=scene.load, drawn=bool(scene.methods.solvers)
+    )

@@ -5,14 +5,15 @@ from __future__ import annotations
 import hashlib
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 from fem_contact.surface import HeightField, RandomWaves, random_waves
 from validation.errors import UsageError
-from validation.scenes.scene import FileSurface, SelfAffineSurface
+from validation.scenes.tables import CapillarySurface, FileSurface, RandomSurface, SelfAffineSurface, Surface
 from validation.scenes.topography import Topography, read_topography
 
 if TYPE_CHECKING:
+    from persson.capillary import CapillaryWaves
     from persson.spectrum import SelfAffine
     from persson.tabulated import Tabulated
 
@@ -30,8 +31,15 @@ __all__ = [
 ]
 
 
-def spectrum_of(surface: SelfAffineSurface) -> SelfAffine:
-    """C(q) of a self-affine surface, normalised as its scene says."""
+@overload
+def spectrum_of(surface: SelfAffineSurface) -> SelfAffine: ...
+@overload
+def spectrum_of(surface: RandomSurface) -> SelfAffine | CapillaryWaves: ...
+def spectrum_of(surface: RandomSurface) -> SelfAffine | CapillaryWaves:
+    """C(q) of a random surface, as its scene says."""
+    if isinstance(surface, CapillarySurface):
+        return _capillary(surface)
+    assert isinstance(surface, SelfAffineSurface)
     from persson.spectrum import SelfAffine
 
     build: Callable[..., SelfAffine]
@@ -50,21 +58,34 @@ def spectrum_of(surface: SelfAffineSurface) -> SelfAffine:
     )
 
 
-def waves_of(surface: SelfAffineSurface, realisation: int = 0) -> RandomWaves:
+def _capillary(surface: CapillarySurface) -> CapillaryWaves:
+    from persson.capillary import CapillaryWaves
+
+    return CapillaryWaves(
+        temperature=surface.temperature,
+        surface_tension=surface.surface_tension,
+        q_bend=2 * math.pi / surface.lambda_bend,
+        q_min=2 * math.pi / surface.lambda_long,
+        q_short=2 * math.pi / surface.lambda_short,
+        multiple=float(surface.surfaces**2),
+    )
+
+
+def waves_of(surface: RandomSurface, realisation: int = 0) -> RandomWaves:
     """Draw the waves of one realisation; realisation k is the surface of seed + k."""
     spectrum = spectrum_of(surface)
     return random_waves(
         spectrum,
         q_short=spectrum.q_short,
         lengths=surface.length,
-        seed=surface.seed + realisation,
+        seed=surface.seed_of(realisation),
         amplitudes=surface.amplitudes,
     )
 
 
 def sampled(
     waves: RandomWaves,
-    surface: SelfAffineSurface,
+    surface: RandomSurface,
     grid: tuple[int, int],
     shift: tuple[float, float] = (0.0, 0.0),
 ) -> HeightField:
@@ -86,7 +107,7 @@ def sampled(
 
 
 def height_field(
-    surface: SelfAffineSurface | FileSurface,
+    surface: Surface,
     grid: tuple[int, int],
     *,
     realisation: int = 0,
@@ -99,13 +120,13 @@ def height_field(
     return sampled(waves_of(surface, realisation), surface, grid, shift)
 
 
-def resolving_grid(surface: SelfAffineSurface) -> tuple[int, int]:
+def resolving_grid(surface: RandomSurface) -> tuple[int, int]:
     """Fewest points that resolve the surface on each axis."""
     nx, ny = (math.floor(2 * length / surface.lambda_short * (1 + 1e-12)) + 1 for length in surface.length)
     return nx, ny
 
 
-def reference_field(surface: SelfAffineSurface | FileSurface, *, realisation: int = 0) -> HeightField:
+def reference_field(surface: Surface, *, realisation: int = 0) -> HeightField:
     """Return the realisation on the smallest grid that resolves it; its moments are the surface's own."""
     if isinstance(surface, FileSurface):
         return measured_field(surface, topography_of(surface))

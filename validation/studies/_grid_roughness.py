@@ -65,7 +65,7 @@ class GridRoughness(SingleSolve):
             q_short=q_short,
             lengths=self.surface.length,
             shape=(self.points, self.points),
-            seed=self.surface.seed + self.realisation,
+            seed=self.surface.seed_of(self.realisation),
         )
         response = HalfSpace(solid=Solid(**self.solid.model_dump()))
         slopes = rms_slopes(field)

@@ -65,7 +65,7 @@ class PeerMeasurement(NumbersSolve):
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
         surface = self.surface.model_dump(mode="json")
-        surface["seed"] = self.surface.seed + self.realisation
+        surface["seed"] = self.surface.seed_of(self.realisation)
         return {
             "code": self.code,
             "version": importlib.metadata.version(self.code),
