@@ -83,7 +83,6 @@ def run(
     results/NAME-accuracy.
     """
     from validation.cli.progress import Bar
-    from validation.comparison.report import console_table
     from validation.comparison.run import run_scene
     from validation.scenes.checks import check_scene
     from validation.scenes.realised import realise
@@ -127,7 +126,7 @@ def run(
             summary["accuracy"] = reached.summary()
         typer.echo(json.dumps(summary, indent=2))
         return
-    show(console_table(outputs.comparison))
+    show(outputs.console_table())
     for finding in outputs.comparison.findings:
         show(f"- {finding}")
     for sentence in () if reached is None else reached.sentences():

@@ -6,9 +6,12 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from validation.comparison import theory_alone
 from validation.comparison.compare import Comparison, compare
-from validation.comparison.report import write_outputs
+from validation.comparison.report import console_table, write_outputs
+from validation.comparison.theory_alone import TheoryAlone
 from validation.errors import UsageError
 from validation.files import atomic_path, prepare_folder
 from validation.scenes.checks import check_scene
@@ -17,6 +20,9 @@ from validation.scenes.scene import Scene
 from validation.solves.press import solves_of
 from validation.solves.running import Execution, Progress, Solves, solve_all
 from validation.solves.store import Store
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 __all__ = ["ACCURACY_FILE", "Outputs", "load_run", "report_run", "run_scene"]
 
@@ -33,7 +39,8 @@ class Outputs:
 
     Attributes
     ----------
-    comparison : Comparison
+    comparison : Comparison or TheoryAlone
+        The latter for a scene without a solver.
     folder : Path
     files : tuple of Path
         Everything a reader may want to open, the report first.
@@ -41,11 +48,23 @@ class Outputs:
         Jobs solved now, and solves found finished.
     """
 
-    comparison: Comparison
+    comparison: Comparison | TheoryAlone
     folder: Path
     files: tuple[Path, ...]
     solved: int
     reused: int
+
+    @property
+    def against_solvers(self) -> Comparison:
+        """The comparison of a run in which something was solved."""
+        assert isinstance(self.comparison, Comparison)
+        return self.comparison
+
+    def console_table(self) -> Table:
+        """Return the table that a run prints."""
+        if isinstance(self.comparison, TheoryAlone):
+            return theory_alone.console_table(self.comparison)
+        return console_table(self.comparison)
 
 
 def run_scene(
@@ -88,6 +107,9 @@ def run_scene(
     realised = realised or realise(scene)
     check_scene(scene, realised)
     prepare_folder(folder)
+    if not scene.methods.solvers:
+        _record(scene, folder, Store(folder=store_folder or folder / "solves"))
+        return _without_solver(scene, realised, folder)
     store = Store(folder=prepare_folder(store_folder or folder / "solves", option="--store"))
     if not accurate:
         # What an earlier run to an accuracy reached is not what this one finds.
@@ -116,10 +138,19 @@ def report_run(folder: Path, *, pictures: bool = False) -> Outputs:
     """
     scene, store = load_run(folder)
     realised = realise(scene)
+    if not scene.methods.solvers:
+        return _without_solver(scene, realised, prepare_folder(folder))
     results = Solves(solves=solves_of(scene, realised), store=store)
     comparison = compare(scene, realised, results, accurate=(folder / ACCURACY_FILE).exists())
     files = write_outputs(comparison, results, prepare_folder(folder), pictures=pictures)
     return Outputs(comparison=comparison, folder=folder, files=files, solved=0, reused=len(results))
+
+
+def _without_solver(scene: Scene, realised: Realised, folder: Path) -> Outputs:
+    """Evaluate the theory, which takes a second, and write what it says."""
+    found = theory_alone.answer_alone(scene, realised)
+    files = theory_alone.write_outputs(found, folder)
+    return Outputs(comparison=found, folder=folder, files=files, solved=0, reused=0)
 
 
 def _record(scene: Scene, folder: Path, store: Store) -> None:

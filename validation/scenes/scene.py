@@ -61,7 +61,7 @@ class MethodTables(_Table):
 
     @model_validator(mode="after")
     def _some_method(self) -> Self:
-        if not self.asked:
+        if not self.solvers and self.options("theory") is None:
             tables = ", ".join(f"[methods.{name}]" for name in methods())
             raise _wrong(f"give at least one of the tables {tables}")
         return self
