@@ -279,5 +279,5 @@ def _seeds(scene: Scene) -> str:
         return "none: the surface was measured"
     if scene.ensemble is None or scene.ensemble.realisations < 2:
         return str(surface.seed)
-    last = surface.seed + scene.ensemble.realisations - 1
+    last = surface.seed_of(scene.ensemble.realisations - 1)
     return f"{surface.seed} (the surface shown), {surface.seed} to {last} (scatter between surfaces)"

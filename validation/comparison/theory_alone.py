@@ -35,6 +35,8 @@ Array = NDArray[np.float64]
 
 _COLUMNS = ("p0 [Pa]", "p*", "A/A0", "A_pl/A0", "gamma_eff(1) [J/m^2]", "error of A/A0")
 
+_YIELDED = " Dotted: the part that has yielded."
+
 
 @dataclass(frozen=True, kw_only=True)
 class TheoryAlone:
@@ -144,7 +146,7 @@ def _what_it_rests_on(found: TheoryAlone) -> Iterator[str]:
     realised = found.realised
     gradient = f"h'_rms = {realised.rms_gradient:.4g}"
     if realised.has_heights:
-        yield f"C(q) is that of the measured surface, estimated, with its gradient {gradient} ({found.words})."
+        yield f"C(q) is estimated from the measured surface and has its gradient, {gradient} ({found.words})."
     else:
         yield f"No surface was drawn: {gradient}, and p*, are those of C(q) ({found.words})."
     points = max(math.floor(2 * length / realised.shortest) + 1 for length in realised.lengths)
@@ -195,8 +197,8 @@ def records(found: TheoryAlone) -> dict[str, ResultTable]:
         parts = [f"{_last(values):.6g}" for values in (answer.area, answer.area_plastic)]
         areas.append([load, *parts, energy, f"{answer.error_estimate:.2g}"])
         work = np.full(answer.area.shape, np.nan) if answer.work is None else answer.work
-        for values in zip(found.magnification(answer), answer.area, answer.area_plastic, work, strict=True):
-            curves.append([load, *("" if np.isnan(value) else f"{value:.9g}" for value in values)])
+        table = np.column_stack([found.magnification(answer), answer.area, answer.area_plastic, work])
+        curves += [[load, *("" if np.isnan(value) else f"{value:.9g}" for value in row)] for row in table]
     named = ["A/A0", "A_pl/A0"]
     return {
         "areas": ResultTable.of(
@@ -212,11 +214,8 @@ def drawings(found: TheoryAlone) -> tuple[Drawing, ...]:
         name="area-against-magnification",
         figure=_figure(found, "area"),
         data=_curves(found, "area"),
-        caption="Share of the nominal area that is in contact when roughness up to q = zeta q_L is seen, one line "
-        "for each load; q_L = 2 pi / L. Dotted: the part that has yielded."
-        if found.told.hardness is not None
-        else "Share of the nominal area that is in contact when roughness up to q = zeta q_L is seen, one line for "
-        "each load; q_L = 2 pi / L.",
+        caption="Share of the nominal area that is in contact when roughness up to q = zeta q_L is seen, one "
+        f"line for each load; q_L = 2 pi / L.{'' if found.told.hardness is None else _YIELDED}",
     )
     if found.told.work is None:
         return (area,)
@@ -224,8 +223,9 @@ def drawings(found: TheoryAlone) -> tuple[Drawing, ...]:
         name="energy-against-magnification",
         figure=_figure(found, "work"),
         data=_curves(found, "work"),
-        caption="Work of adhesion that is left of an interface seen at magnification zeta, after the elastic energy "
-        "of all shorter waves is paid; below zero the surfaces do not stick. Grey: that of flat surfaces.",
+        caption="Work of adhesion that is left of an interface seen at magnification zeta, after the elastic "
+        "energy of all shorter waves is paid; below zero the surfaces do not stick. Grey: that of flat "
+        "surfaces.",
     )
     return area, energy
 
@@ -316,7 +316,9 @@ def _page(found: TheoryAlone, figures: Any) -> str:
         moments=found.realised.own_spectrum.moments(),
         figures=figures,
         settings=json.dumps(scene.model_dump(mode="json", exclude_none=True), indent=2),
-        seeds="none: the surface was measured" if found.realised.has_heights else "none: no surface was drawn",
+        seeds="none: the surface was measured"
+        if found.realised.has_heights
+        else "none: no surface was drawn",
         versions=versions(),
         papers=tuple(dict.fromkeys(cited)),
     )

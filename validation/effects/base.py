@@ -187,9 +187,7 @@ class Roughness:
         )
 
     @classmethod
-    def of_spectrum(
-        cls, spectrum: Spectrum, *, modulus: float, longest: float, shortest: float
-    ) -> Roughness:
+    def of_spectrum(cls, spectrum: Spectrum, *, modulus: float, longest: float, shortest: float) -> Roughness:
         """Integrate over C(q), where no surface is made."""
         q = np.geomspace(spectrum.q_min, spectrum.q_short, 4001)
         first_moment = 2 * math.pi * float(np.trapezoid(q**3 * spectrum(q), np.log(q / q[0])))

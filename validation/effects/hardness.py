@@ -67,8 +67,8 @@ class Hardness(Effect):
         """Refuse a hardness that depends on the size of what is pressed in."""
         if self.size_wavelength is not None:
             raise UsageError(
-                f"{key} size_wavelength = {self.size_wavelength:.6g} m: method {name!r} knows one hardness for "
-                "all sizes; handled by: theory"
+                f"{key} size_wavelength = {self.size_wavelength:.6g} m: method {name!r} knows one "
+                "hardness for all sizes; handled by: theory"
             )
 
     def check(self, realised: Realised, grids: Sequence[Grid], *, slots: Slots, key: str) -> None:

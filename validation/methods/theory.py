@@ -25,7 +25,15 @@ if TYPE_CHECKING:
     from persson.spectrum import Spectrum
     from validation.scenes.realised import Realised
 
-__all__ = ["Answer", "Prediction", "Theory", "TheoryOptions", "against_magnification", "predict", "theory_words"]
+__all__ = [
+    "Answer",
+    "Prediction",
+    "Theory",
+    "TheoryOptions",
+    "against_magnification",
+    "predict",
+    "theory_words",
+]
 
 Array = NDArray[np.float64]
 Modulus = float | Callable[[Any], Array]
@@ -68,8 +76,8 @@ class Theory(Method):
         said = sorted(options.model_fields_set)
         if said and Told.by(realised.elastic, effects).work is None:
             raise UsageError(
-                f"methods.theory.{said[0]} = {getattr(options, said[0])!r}: belongs to the effect 'adhesion', "
-                "which is not listed"
+                f"methods.theory.{said[0]} = {getattr(options, said[0])!r}: belongs to the effect "
+                "'adhesion', which is not listed"
             )
 
 

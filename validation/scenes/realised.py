@@ -37,8 +37,8 @@ class Realised:
     inverted : bool
         Press -h instead of h: hills become valleys, which halves much of the scatter between surfaces.
     drawn : bool
-        Whether a random surface is made of C(q); where the theory stands alone it is not, and h'_rms is that of
-        C(q).
+        Whether a random surface is made of C(q); where the theory stands alone it is not, and h'_rms is that
+        of C(q).
 
     Notes
     -----

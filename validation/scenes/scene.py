@@ -172,7 +172,7 @@ class Scene(_Table):
         solvers = list(self.methods.solvers)
         if solvers and isinstance(self.surface, RandomSurface) and self.surface.seed is None:
             raise _wrong(
-                f"surface.seed: missing; method {solvers[0]!r} presses one surface, and a whole number names it"
+                f"surface.seed: missing; method {solvers[0]!r} presses one surface; a whole number names it"
             )
         return self
 

@@ -33,7 +33,7 @@ __all__ = [
 
 
 class RandomSurface(Table):
-    """What random periodic surfaces have in common: waves between lambda_long and lambda_short in one period."""
+    """What random periodic surfaces share: waves between lambda_long and lambda_short in one period."""
 
     kind: str
     length: Lengths = Field(description='period L, or [Lx, Ly], e.g. "100 um"')
@@ -42,7 +42,7 @@ class RandomSurface(Table):
     amplitudes: Literal["exact", "gaussian"] = "exact"
     seed: Annotated[StrictInt, Field(ge=0)] | None = Field(
         default=None,
-        description="whole number that names the realisation; every solver needs it, the theory knows C(q) alone",
+        description="whole number that names the realisation; every solver needs it, the theory none",
     )
 
     @model_validator(mode="after")
@@ -145,8 +145,7 @@ def _amount(value: object) -> str:
 _Pressure = Annotated[float, quantity("Pa", "pressure", "10 MPa"), Field(ge=0)]
 _Ratio = Annotated[Number, Field(ge=0)]
 _Pressures = Annotated[
-    Annotated[_Pressure, Tag("one")]
-    | Annotated[tuple[_Pressure, ...], Field(min_length=1), Tag("several")],
+    Annotated[_Pressure, Tag("one")] | Annotated[tuple[_Pressure, ...], Field(min_length=1), Tag("several")],
     Discriminator(_amount),
 ]
 _Ratios = Annotated[

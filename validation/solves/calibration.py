@@ -65,9 +65,7 @@ def effect_costs() -> EffectCosts:
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return reference()
     measured = {name for name, kind in effect_kinds().items() if find_solver("bem").handles(kind)}
-    if set(factors) != measured or not all(
-        math.isfinite(value) and value > 0 for value in factors.values()
-    ):
+    if set(factors) != measured or not all(math.isfinite(value) and value > 0 for value in factors.values()):
         return reference()
     # What boundary elements are not given is not measured.
     known = {**reference().factors, **factors}
