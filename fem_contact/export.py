@@ -131,7 +131,7 @@ def render_surface(path: Path, solution: BlockSolution, *, magnification: float 
     grid = pyvista.StructuredGrid(x / unit, y / unit, magnification * _unfolded(rise) / unit)
     grid.point_data["pressure [MPa]"] = _unfolded(contact.pressure).ravel(order="F") / 1e6
     plotter = pyvista.Plotter(off_screen=True, window_size=(1200, 900))
-    plotter.add_mesh(grid, scalars="pressure [MPa]", cmap="inferno", smooth_shading=True)
+    plotter.add_mesh(grid, scalars="pressure [MPa]", cmap="viridis_r", smooth_shading=True)
     plotter.view_vector((-0.6, -1.0, 0.9), viewup=(0, 0, 1))
     plotter.camera.zoom(1.3)
     _shoot(plotter, path)
@@ -185,7 +185,7 @@ def render_section(
     grid = pyvista.StructuredGrid(s, np.zeros_like(s), z)
     grid.cell_data["von Mises [MPa]"] = cut.ravel(order="F") / 1e6
     plotter = pyvista.Plotter(off_screen=True, window_size=(1200, 900))
-    plotter.add_mesh(grid, scalars="von Mises [MPa]", cmap="viridis")
+    plotter.add_mesh(grid, scalars="von Mises [MPa]", cmap="viridis_r")
     plotter.view_xz()
     _shoot(plotter, path)
 

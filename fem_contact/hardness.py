@@ -123,13 +123,14 @@ def press(
     mean_pressure: float,
     tolerance: float = 1e-8,
     max_iterations: int = 1000,
+    time_limit: float | None = None,
     threads: int | None = None,
 ) -> ContactResult:
     """Press a rigid rough surface against a solid that yields; boundary elements.
 
     Parameters
     ----------
-    surface, response, mean_pressure, tolerance, max_iterations, threads
+    surface, response, mean_pressure, tolerance, max_iterations, time_limit, threads
         As in `fem_contact.bem.solve`.
     hardness : Hardness
 
@@ -145,6 +146,7 @@ def press(
         pressure_bound=hardness.pressure,
         tolerance=tolerance,
         max_iterations=max_iterations,
+        time_limit=time_limit,
         threads=threads,
     )
 
@@ -155,6 +157,7 @@ def unload(
     *,
     mean_pressures: Iterable[float],
     tolerance: float = 1e-8,
+    time_limit: float | None = None,
     threads: int | None = None,
 ) -> list[ContactResult]:
     """Follow a yielded contact to lower loads, elastically.
@@ -167,7 +170,7 @@ def unload(
         The solid.
     mean_pressures : iterable of float
         Loads [Pa], none above that of `contact`: beyond it more would yield.
-    tolerance, threads
+    tolerance, time_limit, threads
         As in `fem_contact.bem.solve`.
 
     Raises
@@ -183,5 +186,10 @@ def unload(
                 "yielded under; press further with `press`"
             )
     return bem.solve_path(
-        yielded(contact).surface, response, mean_pressures=loads, tolerance=tolerance, threads=threads
+        yielded(contact).surface,
+        response,
+        mean_pressures=loads,
+        tolerance=tolerance,
+        time_limit=time_limit,
+        threads=threads,
     )

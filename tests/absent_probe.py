@@ -29,12 +29,12 @@ def main(effects: list[dict[str, object]]) -> None:
     """Solve twice: once to load and compile, once to measure."""
     # Where ducc0 is installed it transforms in place; without it every installation allocates the same.
     sys.modules["ducc0"] = None  # type: ignore[assignment]
-    from fem_contact import fourier
+    from fem_contact.complementarity import fourier
     from validation.scenes.scene import Scene
-    from validation.solves.solve import execute, solves_of
+    from validation.solves.press import solves_of
 
     (solve,) = solves_of(Scene.model_validate(SCENE | {"effects": effects}))
-    execute(solve)
+    solve.do()
     transforms = 0
     plain = fourier.FourierOperator._filter
 
@@ -45,7 +45,7 @@ def main(effects: list[dict[str, object]]) -> None:
 
     fourier.FourierOperator._filter = counted  # type: ignore[method-assign, assignment]
     tracemalloc.start()
-    contact = execute(solve).contact.checked()
+    contact = solve.do().contact
     peak = tracemalloc.get_traced_memory()[1]
     packages = ("fem_contact", "persson", "validation")
     print(

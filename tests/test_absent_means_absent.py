@@ -14,9 +14,9 @@ PROBE = Path(__file__).with_name("absent_probe.py")
 #: Modules that only an effect, or the theory of one, may load.
 EFFECT_MODULES = {
     "fem_contact.adhesion",
-    "fem_contact.adhesion_path",
-    "fem_contact.descent",
-    "fem_contact.gap_laws",
+    "fem_contact.adhesion.path",
+    "fem_contact.adhesion.descent",
+    "fem_contact.adhesion.laws",
     "fem_contact.hardness",
     "fem_contact.graded",
     "persson.adhesion",
@@ -24,8 +24,6 @@ EFFECT_MODULES = {
     "persson.graded",
     "persson.hardness",
     "validation.solves.calibration",
-    "validation.methods.effect_theory",
-    "validation.methods.slots",
 }
 
 #: The probe's plain scene on commit d5147c4, before any effect was wired to a scene: transforms of all grids,

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import json
 import os
 import re
 import shutil
 import socket
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from validation.errors import RunFailed, UsageError
 
-__all__ = ["atomic_path", "prepare_folder", "remove_drafts"]
+__all__ = ["atomic_path", "json_text", "prepare_folder", "remove_drafts", "write_json"]
 
 #: Bytes below which a disk counts as full when a library cannot say why it failed.
 _NOTHING_LEFT = 64 * 1024
@@ -68,6 +70,18 @@ def atomic_path(path: Path) -> Iterator[Path]:
         raise
     finally:
         draft.unlink(missing_ok=True)
+
+
+def write_json(path: Path, values: Mapping[str, Any]) -> Path:
+    """Write values as JSON for people and scripts, atomically; return the path."""
+    with atomic_path(path) as draft:
+        draft.write_text(json_text(values), encoding="utf-8")
+    return path
+
+
+def json_text(values: Mapping[str, Any]) -> str:
+    """Return values as JSON as `write_json` writes them."""
+    return json.dumps(values, indent=2) + "\n"
 
 
 def remove_drafts(folder: Path, *, of: int | None = None) -> None:

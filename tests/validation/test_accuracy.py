@@ -12,10 +12,11 @@ from validation.comparison.accuracy import parse_accuracy, reach
 from validation.errors import RunFailed, UsageError
 from validation.measures.common import base_surface
 from validation.measures.measurement import Measurement, area_limits, grid_for
-from validation.scenes.scene import BemMethod, Load, Methods, Scene, SolidSpec, load_scene
+from validation.methods.bem import BemOptions
+from validation.scenes.scene import Load, Methods, Scene, SolidSpec, load_scene
 from validation.solves.bench import Bench
+from validation.solves.press import solves_of
 from validation.solves.running import Execution, solve_all
-from validation.solves.solve import solves_of
 from validation.solves.store import Store
 
 MIB = 2**20
@@ -39,7 +40,7 @@ def bench(tmp_path):
 
 def truth_of(scene, folder) -> tuple[float, float]:
     """Limit of the located area over grids of 12 to 32 points per shortest wave, with its uncertainty."""
-    bem = BemMethod(grids=((48, 48), (64, 64), (96, 96), (128, 128)), shifts=1)
+    bem = BemOptions(grids=((48, 48), (64, 64), (96, 96), (128, 128)), shifts=1)
     fine = scene.model_copy(update={"methods": scene.methods.model_copy(update={"bem": bem})})
     store, solves = Store(folder=folder), solves_of(fine)
     folder.mkdir()
@@ -139,7 +140,7 @@ def test_claims_hold_as_often_as_they_say_on_surfaces_and_loads_of_many_kinds(ta
             surface=surface,
             solid=SolidSpec(young=1e9, poisson=0.3),
             load=load,
-            methods=Methods(bem=BemMethod(grids=((64, 64),))),
+            methods=Methods(bem=BemOptions(grids=((64, 64),))),
         )
         reached = reach(scene, bench, target=target)
         fine = Measurement(

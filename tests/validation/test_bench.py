@@ -432,7 +432,7 @@ def test_the_study_of_the_documentation_runs_and_leaves_what_is_said(tmp_path, m
     coarse, fine = outputs.data.area.values
     assert 1.03 < coarse / fine < 1.5
     names = {path.name for path in outputs.files}
-    assert names == {"report.html", "data.csv", "data.nc", "figures"}
+    assert names == {"report.html", "data.csv", "data.nc", "summary.json"}
     assert not (tmp_path / "out" / "table.csv").exists()
 
 

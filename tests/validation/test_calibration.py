@@ -7,7 +7,7 @@ import pytest
 from validation.comparison.explain import explain
 from validation.scenes.scene import load_scene
 from validation.solves import calibration
-from validation.solves.solve import solves_of
+from validation.solves.press import solves_of
 
 EFFECT = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n[solid]'
 
@@ -21,14 +21,14 @@ def cache(tmp_path, monkeypatch):
 
 def test_without_a_calibration_the_reference_machine_is_named(cache):
     assert not cache.exists()
-    assert calibration.effect_costs() is calibration.REFERENCE
-    assert "fem-contact calibrate" in calibration.REFERENCE.source
+    assert calibration.effect_costs() == calibration.reference()
+    assert "fem-contact calibrate" in calibration.reference().source
 
 
 def test_a_calibration_is_kept_and_used_and_named(cache, write_scene):
     lines = []
     found = calibration.calibrate(points=32, repeats=1, tell=lines.append)
-    assert set(found.factors) == set(calibration.REFERENCE.factors)
+    assert set(found.factors) == set(calibration.reference().factors)
     assert all(value > 0 for value in found.factors.values())
     assert len(lines) == len(found.factors) + 1
     assert calibration.effect_costs() == found
@@ -42,7 +42,7 @@ def test_a_prediction_grows_with_the_factor_that_was_measured(cache, write_scene
     seconds = []
     for factor in (1.0, 1e4):
         cache.parent.mkdir(parents=True, exist_ok=True)
-        factors = dict(calibration.REFERENCE.factors) | {"hardness": factor}
+        factors = dict(calibration.reference().factors) | {"hardness": factor}
         cache.write_text(json.dumps({"date": "2026-01-01", "factors": factors}))
         seconds.append(solve.predict().seconds)
     assert seconds[1] > 2 * seconds[0]
@@ -55,4 +55,4 @@ def test_a_prediction_grows_with_the_factor_that_was_measured(cache, write_scene
 def test_a_damaged_or_foreign_cache_is_as_none(cache, text):
     cache.parent.mkdir(parents=True)
     cache.write_text(text)
-    assert calibration.effect_costs() is calibration.REFERENCE
+    assert calibration.effect_costs() == calibration.reference()

@@ -172,7 +172,7 @@ def test_a_dry_run_lists_solves_and_does_none(tool, tmp_path):
 def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(
     write_scene, tool, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("validation.comparison.report.write_drawings", lambda *a: ())
+    monkeypatch.setattr("validation.comparison.report._drawings", lambda *a: ())
     path = write_scene(
         ("[solid]", '[run]\noutput = "there"\nstore = "kept"\nquiet = true\npictures = false\n[solid]'),
         fem=False,
@@ -361,3 +361,14 @@ def test_every_option_of_every_study_says_what_it_is(tool):
     assert "L/lambda_long" in out
     assert "Example" not in out
     assert tool("study", "nothing", "-h")[0] == 2
+
+
+@pytest.mark.parametrize(
+    ("file", "name"), [("mine.toml", "mine"), ("my scene!.toml", "my-scene"), ("äöü.toml", "copy")]
+)
+def test_a_copied_scene_has_results_of_its_own(tmp_path, file, name):
+    target = tmp_path / file
+    cli.copy_scene("quickstart", target)
+    copied, original = load_scene(str(target)), load_scene("quickstart")
+    assert copied.name == name
+    assert copied.model_copy(update={"name": "quickstart"}) == original

@@ -5,18 +5,22 @@ import math
 
 import numpy as np
 import pytest
-from validation.methods.effect_theory import predicted
 
+from fem_contact.solid import Solid
 from persson import elastic
 from persson.hardness import constant_hardness
 from persson.spectrum import SelfAffine
-from validation.comparison.compare import Theory, compare
+from validation.comparison.compare import compare
 from validation.comparison.figure_data import pressure_at_zero_data
 from validation.comparison.report import _summary_rows
 from validation.effects.adhesion import Adhesion
+from validation.effects.base import Told
 from validation.effects.hardness import Hardness
+from validation.methods.theory import Prediction, with_effects
+from validation.scenes.realised import realise
 from validation.scenes.scene import load_scene
-from validation.solves.solve import execute, solves_of
+from validation.solves.press import solves_of
+from validation.solves.running import solve_all
 from validation.solves.store import Store
 
 SPECTRUM = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=2e5, q_short=8e5)
@@ -34,7 +38,8 @@ def sticky(work):
 
 
 def areas(*effects):
-    return predicted(effects, LOAD, variance=VARIANCE, spectrum=SPECTRUM, modulus=MODULUS)
+    told = Told.by(Solid(young=MODULUS, poisson=0.0), effects)
+    return with_effects(told, LOAD, variance=VARIANCE, spectrum=SPECTRUM)
 
 
 def test_a_hardness_without_end_is_elastic_theory_and_a_finite_one_the_closed_form():
@@ -57,7 +62,7 @@ def test_where_the_theory_has_no_answer_the_reason_is_kept():
     found = areas(hard(LOAD / 2))
     assert math.isnan(found.area)
     assert found.note.startswith("no answer: pressure = ")
-    theory = Theory(area=found.area, ensemble_area=None, stress_variance=VARIANCE, note=found.note)
+    theory = Prediction(area=found.area, ensemble_area=None, stress_variance=VARIANCE, note=found.note)
     assert not theory.answers
     # JSON has no NaN.
     assert json.loads(json.dumps(theory.summary(), allow_nan=False))["area"] is None
@@ -66,10 +71,8 @@ def test_where_the_theory_has_no_answer_the_reason_is_kept():
 def test_a_scene_that_yields_is_set_beside_its_theory(write_scene, tmp_path):
     effect = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n[solid]'
     scene = load_scene(str(write_scene(("[solid]", effect))))
-    store = Store(folder=tmp_path)
-    for solve in solves_of(scene):
-        store.save(solve, execute(solve, threads=1).contact)
-    found = compare(scene, store)
+    realised = realise(scene)
+    found = compare(scene, realised, solve_all(solves_of(scene, realised), Store(folder=tmp_path)))
     assert found.theory.plastic is not None
     assert found.theory.area >= found.theory.plastic
     assert all(row.plastic > 0 for row in found.rows)

@@ -112,7 +112,7 @@ def test_adhesion_and_hardness_act_together(with_effects, order):
 
 def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
     plain, hard = solves_of(with_effects())[0], solves_of(with_effects(HARD))[0]
-    assert "effects" not in plain.recipe
+    assert plain.recipe["effects"] == []
     assert json.loads(json.dumps(hard.recipe))["effects"] == [{"kind": "hardness", "hardness": 40e3}]
     assert plain.key != hard.key
 
@@ -139,8 +139,8 @@ def test_a_plain_solve_keeps_its_name_and_an_effect_changes_it(with_effects):
     ],
 )
 def test_what_a_method_lacks_is_refused_by_name_before_computing(with_effects, effects, options, message):
+    scene = with_effects(*effects, **options)
     with pytest.raises(UsageError, match=message):
-        scene = with_effects(*effects, **options)
         check_scene(scene, realise(scene))
 
 

@@ -7,10 +7,11 @@ import tomllib
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
-from validation.methods.handled import check_effects
 
 from validation.errors import SceneError, UsageError
 from validation.paper.theory_scene import load_theory_scene
+from validation.scenes.checks import check_scene
+from validation.scenes.realised import realise
 from validation.scenes.scene import Scene, load_scene, scene_text
 
 BASE = """
@@ -132,7 +133,7 @@ def judged(tree):
         assert all(isinstance(line, str) and line for line in lines)
         return None
     try:
-        check_effects(scene)
+        check_scene(scene, realise(scene))
     except UsageError:
         return None
     return scene

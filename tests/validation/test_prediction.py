@@ -10,9 +10,10 @@ import sys
 
 import pytest
 
+from validation.scenes.realised import Realised
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.solves.pool import ONE_THREAD
-from validation.solves.solve import Press
+from validation.solves.press import Press
 
 #: method, points along a side, p*, settings
 LIST = [
@@ -43,9 +44,11 @@ def job_of(number: int, *, small: bool = False) -> Press:
     return Press(
         method=method,
         grid=(side, side),
-        surface=surface,
-        solid=SolidSpec(young=1e9, poisson=0.3),
-        load=Load(reduced_pressure=pressure),
+        realised=Realised(
+            surface=surface,
+            solid=SolidSpec(young=1e9, poisson=0.3),
+            load=Load(reduced_pressure=pressure),
+        ),
         settings=tuple(settings.items()),
     )
 
@@ -55,9 +58,9 @@ import importlib.util, json, pathlib, resource, sys, tempfile, time
 spec = importlib.util.spec_from_file_location("listed", sys.argv[1])
 listed = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(listed)
-from validation.effects import predicted_cost, transform_seconds
-from validation.run import attempt
-from validation.store import Store
+from validation.solves.cost import transform_seconds
+from validation.solves.running import attempt
+from validation.solves.store import Store
 number = int(sys.argv[2])
 with tempfile.TemporaryDirectory() as folder:
     store = Store(folder=pathlib.Path(folder))

@@ -8,10 +8,11 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from validation.methods.handled import check_effects
 
 from validation.errors import SceneError, UsageError
 from validation.scenes import scene as scene_module
+from validation.scenes.checks import check_scene
+from validation.scenes.realised import realise
 from validation.scenes.scene import builtin_scenes, load_scene
 
 WRONG = [
@@ -148,7 +149,7 @@ def test_the_scene_in_the_readme_is_a_scene(tmp_path):
     (tmp_path / "mine.toml").write_text(text)
     scene = load_scene(str(tmp_path / "mine.toml"))
     assert (scene.name, scene.surface.length) == ("mine", (1e-4, 1e-4))
-    check_effects(scene)
+    check_scene(scene, realise(scene))
 
 
 def test_a_scene_of_the_theory_alone_is_recognised_with_the_way_to_run_it(tmp_path):

@@ -6,20 +6,12 @@ import numpy as np
 import pytest
 
 from validation.errors import UsageError
-from validation.measures.common import base_surface, persson_area
+from validation.measures.common import base_surface
 from validation.measures.measurement import Measurement, area_limits, grid_for
 from validation.scenes.scene import SolidSpec
 from validation.solves.bench import Bench
 from validation.solves.running import Execution
-from validation.studies import (
-    cross,
-    hurst,
-    magnification,
-    refinement,
-    stress_near_zero,
-    studies,
-    theory_verdict,
-)
+from validation.studies import cross, refinement, stress_near_zero, studies
 from validation.studies._grid_roughness import GridRoughness
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)
@@ -140,47 +132,6 @@ def test_two_workers_measure_the_same_as_this_process(bench, tmp_path):
     assert found.drop_vars("seconds").identical(expected.drop_vars("seconds"))
 
 
-def test_hurst_study_reports_change_by_surface_and_finds_the_bandwidth_of_equal_nayak(bench):
-    data = hurst.run(
-        bench=bench,
-        hursts=(0.2, 0.8),
-        ratios=(2.0,),
-        equal_nayak=2.2,
-        reduced_pressures=(0.1,),
-        size=2.0,
-        pairs=2,
-        points_per_wave=(4.0, 6.0),
-        shifts=2,
-        ladder_hursts=(),
-    )
-    assert data.family.values.tolist() == ["ratio 2", "ratio 2", "alpha 2.2", "alpha 2.2"]
-    same = data.isel(spectrum=[2, 3])
-    assert same.ratio.values[0] != same.ratio.values[1]
-    trend = hurst.findings(data)[0]
-    assert "from H = 0.2 to 0.8" in trend
-    flat = data.assign(kappa=data.kappa * 0 + 2.0)
-    assert "+0.0 +- 0.0 %" in hurst.findings(flat)[0]
-
-
-def test_an_impossible_nayak_parameter_is_refused_by_name(bench):
-    with pytest.raises(UsageError, match=r"equal_nayak = 1\.2: no bandwidth gives it"):
-        hurst.run(bench=bench, equal_nayak=1.2)
-
-
-def test_magnification_ends_at_the_theory_of_the_whole_surface(bench):
-    data = magnification.run(
-        bench=bench,
-        reduced_pressures=(0.1,),
-        magnifications=(1.0, 2.0),
-        surfaces=2,
-        points_per_wave=(4.0, 6.0),
-        shifts=2,
-        **SMALL,
-    )
-    np.testing.assert_allclose(data.theory.values[:, -1, 0], persson_area(0.1), rtol=1e-9)
-    assert np.all(data.area.values[:, 0, 0] > data.area.values[:, -1, 0])
-
-
 def test_the_density_of_small_pressures_falls_with_the_grid(bench):
     data = stress_near_zero.run(bench=bench, surfaces=2, points_per_wave=(8.0, 16.0, 24.0), **SMALL)
     mean = data.density_at_zero.mean("surface").values
@@ -208,19 +159,6 @@ def test_the_independent_leg_is_named_and_agrees_better_on_the_finer_grid(bench)
     assert full.pressure_half_space.values[1, 0] < full.pressure_half_space.values[0, 0]
     # The reduction is exact: both legs have one solution, to the tolerance of the solvers.
     np.testing.assert_allclose(full.pressure_half_space, reduced.pressure_half_space, rtol=1e-4)
-
-
-@pytest.mark.parametrize(
-    ("ratio", "interval", "words"),
-    [
-        (1.0, 0.0, "exact"),
-        (1.3, 0.02, "off by +30 %"),
-        (0.8, 0.02, "off by -20 %"),
-        (1.01, 0.5, "not determinable"),
-    ],
-)
-def test_a_verdict_follows_from_the_ratio_and_its_interval(ratio, interval, words):
-    assert theory_verdict.verdict(ratio, interval) == words
 
 
 def test_grids_have_the_points_that_are_asked_for():

@@ -9,8 +9,8 @@ import math
 import numpy as np
 import pytest
 
-from fem_contact.spectra import estimate_spectrum, window_weights
 from fem_contact.surface import HeightField, radial_spectrum, random_surface
+from fem_contact.surface.spectra import estimate_spectrum, window_weights
 from persson.spectrum import SelfAffine
 from validation.comparison.explain import explain
 from validation.comparison.run import run_scene
@@ -261,7 +261,7 @@ depth = "5 um"
 
 
 def test_a_measured_topography_goes_through_theory_and_solvers(tmp_path, monkeypatch):
-    monkeypatch.setattr("validation.comparison.report.write_drawings", lambda *a: ())
+    monkeypatch.setattr("validation.comparison.report._drawings", lambda *a: ())
     heights, _ = measured()
     np.save(tmp_path / "afm.npy", heights * 1e9)
     (tmp_path / "scene.toml").write_text(

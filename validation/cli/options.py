@@ -29,6 +29,7 @@ __all__ = [
     "OutputOption",
     "PicturesOption",
     "QuietOption",
+    "ReportOption",
     "SceneArgument",
     "SchedulerOption",
     "StoreOption",
@@ -42,6 +43,7 @@ __all__ = [
     "say",
     "show",
     "stopping_cleanly",
+    "terminal_width",
 ]
 
 
@@ -101,7 +103,17 @@ DryRunOption = Annotated[
     bool, typer.Option("--dry-run", help="List the solves with predicted time and memory; do none.")
 ]
 PicturesOption = Annotated[
-    bool | None, typer.Option("--pictures/--no-pictures", help="3-D pictures in the report; some seconds.")
+    bool | None,
+    typer.Option(
+        "--pictures/--no-pictures",
+        help="3-D pictures in the report, which take seconds; none if not asked for.",
+    ),
+]
+ReportOption = Annotated[
+    bool,
+    typer.Option(
+        "--report/--no-report", help="Figures and report, which fem-contact report DIR can make later, too."
+    ),
 ]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar; for logs.")]
 
@@ -233,16 +245,28 @@ def print_plan(solves: Sequence[Solve], store: Store, *, as_json: bool) -> None:
 
 
 def show(what: Any) -> None:
-    """Print a text or a table."""
+    """Print a text, what is dangerous to a terminal made harmless, or a table."""
     from rich.console import Console
+
+    from validation.report.words import harmless
 
     console = Console(highlight=False, soft_wrap=isinstance(what, str))
     # A log file or a pipe has no width: a table must not be squeezed to 80 columns there.
     if not console.is_terminal:
         console = Console(highlight=False, width=160, soft_wrap=isinstance(what, str))
-    console.print(what, markup=False) if isinstance(what, str) else console.print(what)
+    console.print(harmless(what), markup=False) if isinstance(what, str) else console.print(what)
+
+
+def terminal_width() -> int | None:
+    """Columns of the terminal; None for a log file or a pipe, which have no width."""
+    from rich.console import Console
+
+    console = Console()
+    return console.width if console.is_terminal else None
 
 
 def say(message: Exception | str, *, prefix: str = "fem-contact: ") -> None:
     """Print a line for the user on stderr."""
-    typer.echo(f"{prefix}{message}", err=True)
+    from validation.report.words import harmless
+
+    typer.echo(harmless(f"{prefix}{message}"), err=True)

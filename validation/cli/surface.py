@@ -162,7 +162,7 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
 def _inspected(
     source: str, *, length: str | None, unit: str | None, tilt: str, missing: str
 ) -> dict[str, Any]:
-    from fem_contact.spectra import estimate_spectrum
+    from fem_contact.surface.spectra import estimate_spectrum
     from validation.scenes.scene import builtin_scenes, load_scene
     from validation.scenes.surfaces import reference_field, topography_of
 

@@ -163,6 +163,7 @@ def run_accurate(
     execution: Execution | None = None,
     store_folder: Path | None = None,
     pictures: bool = False,
+    report: bool = True,
 ) -> AccurateRun:
     """Run a scene to an accuracy and write its report; it holds the grids that were chosen.
 
@@ -189,6 +190,7 @@ def run_accurate(
         execution=execution,
         store_folder=store_folder,
         pictures=pictures,
+        report=report,
         accurate=True,
     )
     with atomic_path(folder / ACCURACY_FILE) as draft:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -14,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.comparison.explain import judgements
+from validation.comparison.report import effects_note
 from validation.effects.base import Judgement, Told
-from validation.files import atomic_path
 from validation.methods.theory import Answer, against_magnification, theory_words
-from validation.report.drawing import Drawing, write_drawings
-from validation.report.page import render, versions
-from validation.report.table import ResultTable
+from validation.report.drawing import Drawing
+from validation.report.page import Answer as CardAnswer
+from validation.report.page import Page, write_page
+from validation.report.table import ResultTable, WordTable
 from validation.report.words import json_ready, significant
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Scene
@@ -27,9 +27,8 @@ from validation.scenes.scene import Scene
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
-    from rich.table import Table
 
-__all__ = ["TheoryAlone", "answer_alone", "console_table", "write_outputs"]
+__all__ = ["TheoryAlone", "alone_page", "answer_alone", "write_outputs"]
 
 Array = NDArray[np.float64]
 
@@ -156,9 +155,10 @@ def _what_it_rests_on(found: TheoryAlone) -> Iterator[str]:
     )
 
 
-def _rows(found: TheoryAlone) -> list[tuple[str, ...]]:
+def _table(found: TheoryAlone) -> WordTable:
+    """Return the table of loads as it is read."""
     yields = found.told.hardness is not None
-    return [
+    rows = tuple(
         (
             f"{answer.pressure:.4g}",
             f"{found.reduced(answer):.4g}",
@@ -168,27 +168,18 @@ def _rows(found: TheoryAlone) -> list[tuple[str, ...]]:
             f"{answer.error_estimate:.1g}" if answer.error_estimate > 0 else "",
         )
         for answer in found.answers
-    ]
-
-
-def console_table(found: TheoryAlone) -> Table:
-    """Return the table a run prints."""
-    from rich.table import Table
-
-    scene = found.scene
-    table = Table(
-        title=f"{scene.title or scene.name} (theory alone)",
-        caption="With all roughness; p* = p0/(E* h'_rms); gamma_eff(1): work of adhesion left of the whole "
-        "interface; error: by the theory's own estimate, none where a closed form was used.",
     )
-    for column in _COLUMNS:
-        table.add_column(column, justify="right", no_wrap=True)
-    for cells in _rows(found):
-        table.add_row(*cells)
-    return table
+    return WordTable(
+        title="Every load, by the theory alone",
+        columns=_COLUMNS,
+        rows=rows,
+        yielding=("p*", "error of A/A0"),
+        note="With all roughness; p* = p0/(E* h'_rms); gamma_eff(1) is the work of adhesion left of the "
+        "whole interface; the error is the theory's own estimate, none where a closed form was used.",
+    )
 
 
-def records(found: TheoryAlone) -> dict[str, ResultTable]:
+def _records(found: TheoryAlone) -> dict[str, ResultTable]:
     """Return the tables that are written as CSV: areas at each load, and all against magnification."""
     areas, curves = [], []
     for answer in found.answers:
@@ -208,7 +199,7 @@ def records(found: TheoryAlone) -> dict[str, ResultTable]:
     }
 
 
-def drawings(found: TheoryAlone) -> tuple[Drawing, ...]:
+def _drawings(found: TheoryAlone) -> tuple[Drawing, ...]:
     """Draw area, and with adhesion the work of adhesion that is left, against magnification."""
     area = Drawing(
         name="area-against-magnification",
@@ -282,72 +273,63 @@ def _figure(found: TheoryAlone, name: str) -> Figure:
     return figure
 
 
-def write_outputs(found: TheoryAlone, folder: Path) -> tuple[Path, ...]:
-    """Write tables, figures and report; return what there is to open, the report first."""
-    import csv
-
-    written = []
-    for name, table in records(found).items():
-        path = folder / f"{name}.csv"
-        with atomic_path(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file).writerows([table.columns, *table.rows])
-        written.append(path)
-    summary, report = folder / "summary.json", folder / "report.html"
-    with atomic_path(summary) as draft:
-        draft.write_text(json.dumps(found.summary(), indent=2) + "\n", encoding="utf-8")
-    figures = write_drawings(drawings(found), folder)
-    with atomic_path(report) as draft:
-        draft.write_text(_page(found, figures), encoding="utf-8")
-    return (report, *written, summary, folder / "figures")
-
-
-def _page(found: TheoryAlone, figures: Any) -> str:
-    """Return the report as one page of HTML."""
+def alone_page(found: TheoryAlone, *, figures: bool = True) -> Page:
+    """Return the page of a scene of the theory alone."""
     scene = found.scene
     cited = [paper for method in scene.methods.asked.values() for paper in method.papers]
     cited += [paper for effect in scene.effects for paper in effect.papers]
-    return render(
-        "theory.html.j2",
+    moments = found.realised.own_spectrum.moments()
+    return Page(
         title=scene.title or scene.name,
-        found=found,
-        columns=_COLUMNS,
-        rows=_rows(found),
-        answers=_answers(found),
-        moments=found.realised.own_spectrum.moments(),
-        figures=figures,
-        settings=json.dumps(scene.model_dump(mode="json", exclude_none=True), indent=2),
-        seeds="none: the surface was measured"
-        if found.realised.has_heights
-        else "none: no surface was drawn",
-        versions=versions(),
+        lead=f"Rigid rough surface on an elastic solid, by the theory alone: {found.words}; "
+        f"E* = {found.realised.contact_modulus:.4g} Pa, h'_rms = {found.realised.rms_gradient:.4g}",
+        answers=tuple(_answers(found)),
+        findings=found.findings,
+        notes=(effects_note(found.judgements),),
+        tables=(_table(found),),
+        figures=_drawings(found) if figures else (),
+        no_picture="no surface was pressed",
+        facts=(
+            f"Integrals over C(q): h_rms = {moments.rms_height:.4g} m, h'_rms = {moments.rms_gradient:.4g}, "
+            f"Nayak parameter {moments.nayak:.4g}.",
+        ),
+        settings=scene.model_dump(mode="json", exclude_none=True),
+        seeds=f"none: {'the surface was measured' if found.realised.has_heights else 'no surface was drawn'}",
         papers=tuple(dict.fromkeys(cited)),
+        records=_records(found),
+        summary=found.summary(),
     )
 
 
-def _answers(found: TheoryAlone) -> list[tuple[str, str, str]]:
-    """Return the cards on top of the page: question, answer, what it rests on."""
+def write_outputs(found: TheoryAlone, folder: Path, *, report: bool = True) -> tuple[Page, tuple[Path, ...]]:
+    """Write tables, figures and report; return the page, and what there is to open, the report first."""
+    page = alone_page(found, figures=report)
+    return page, write_page(page, folder, numbers_only=not report)
+
+
+def _answers(found: TheoryAlone) -> Iterator[CardAnswer]:
+    """Yield the cards on top of the page."""
     shown = [answer for answer in found.answers if not answer.note]
+    how_large = "How large is the contact? A/A0"
     if not shown:
-        return [("How large is the contact? A/A0", "no answer", found.answers[0].note)]
+        yield CardAnswer(question=how_large, answer="no answer", basis=found.answers[0].note)
+        return
     loads = _between([answer.pressure for answer in shown])
-    cards = [
-        (
-            "How large is the contact? A/A0",
-            _between([_last(answer.area) for answer in shown]),
-            f"at p0 = {loads} Pa, with all roughness",
-        )
-    ]
+    area = _between([_last(answer.area) for answer in shown])
+    yield CardAnswer(question=how_large, answer=area, basis=f"at p0 = {loads} Pa, with all roughness")
     if found.told.hardness is not None:
         plastic = _between([_last(answer.area_plastic) for answer in shown])
-        cards.append(("How much has yielded? A_pl/A0", plastic, f"at p0 = {loads} Pa"))
+        yield CardAnswer(
+            question="How much has yielded? A_pl/A0", answer=plastic, basis=f"at p0 = {loads} Pa"
+        )
     left = [answer.macroscopic_work for answer in shown if answer.macroscopic_work is not None]
     if left:
         basis = f"J/m^2 of {found.told.work:.4g} J/m^2: gamma_eff(1)"
-        cards.append(("How much adhesion is left?", _between(left), basis))
+        yield CardAnswer(question="How much adhesion is left?", answer=_between(left), basis=basis)
     error = max(answer.error_estimate for answer in shown)
     sure = f"+- {error:.1g}" if error > 0 else "closed form"
-    cards.append(("How sure?", sure, "of A/A0, by the theory's own estimate; no solver checks it"))
-    return cards
+    rests = "of A/A0, by the theory's own estimate; no solver checks it"
+    yield CardAnswer(question="How sure?", answer=sure, basis=rests)
 
 
 def _between(values: list[float]) -> str:

@@ -15,7 +15,7 @@ from validation.units import Length, Work
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from fem_contact.gap_laws import GapLaw
+    from fem_contact.adhesion import GapLaw
     from validation.scenes.realised import Realised
 
 __all__ = ["Adhesion"]
@@ -46,7 +46,7 @@ class Adhesion(Effect):
 
     def gap_law(self) -> GapLaw:
         """Return the law of the gap."""
-        from fem_contact.gap_laws import Dugdale, Exponential
+        from fem_contact.adhesion import Dugdale, Exponential
 
         kind = Exponential if self.law == "exponential" else Dugdale
         return kind(work=self.work, reach=self._range)
@@ -106,7 +106,8 @@ class Adhesion(Effect):
         r"""Repulsion in the contacts over the attraction around them.
 
         .. math:: \frac{h' \rho}{\kappa_\mathrm{rep}\, \ell_a}
-                  \left(\frac{h' d_\mathrm{rep}}{4\rho}\right)^{2/3}, \qquad \ell_a = w/E^*,\quad d_\mathrm{rep} = 4 h'/h'',\quad \kappa_\mathrm{rep} = 2
+                  \left(\frac{h' d_\mathrm{rep}}{4\rho}\right)^{2/3},
+                  \qquad \ell_a = w/E^*,\quad d_\mathrm{rep} = 4 h'/h'',\quad \kappa_\mathrm{rep} = 2
 
         L. Pastewka, M. O. Robbins, PNAS 111 (2014) 3298, Eq. 10, with h'' half of the rms Laplacian.
         """

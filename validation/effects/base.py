@@ -1,4 +1,4 @@
-"""What an effect is: a table of a scene, the slot of a solver it fills, the number that says if it matters."""
+"""What an effect is: a table of a scene, the slot of a solver it fills, and how to judge it."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from fem_contact.surface import HeightField
 from validation.units import Table
 
 if TYPE_CHECKING:
-    from fem_contact.gap_laws import GapLaw
+    from fem_contact.adhesion import GapLaw
     from persson.spectrum import Spectrum
     from validation.scenes.realised import Realised
 

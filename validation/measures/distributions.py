@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
 from validation.measures.measurement import Measurement
-from validation.scenes.surfaces import reference_field
 
 __all__ = ["PATCH_EDGES", "STRESS_EDGES", "Distributions", "weighted_percentile"]
 
@@ -31,15 +30,14 @@ class Distributions(Measurement):
 
     def profiles(self, result: ContactResult) -> dict[str, NDArray[np.float64]]:
         """Return the histograms of one solve."""
-        whole = reference_field(self.surface, realisation=self.realisation)
-        unit = result.contact_modulus * whole.rms_gradient
+        unit = self.realised.pressure_scale
         contact = np.asarray(result.in_contact)
         pressure = np.asarray(result.pressure)[contact] / unit
         inside = np.clip(pressure, 0.0, STRESS_EDGES[-1])
         stress, _ = np.histogram(inside, bins=STRESS_EDGES)
         load, _ = np.histogram(inside, bins=STRESS_EDGES, weights=pressure)
         sizes = find_patches(contact, result.spacing).areas
-        scaled = np.clip(sizes / self.surface.lambda_short**2, PATCH_EDGES[0], PATCH_EDGES[-1])
+        scaled = np.clip(sizes / self.realised.shortest**2, PATCH_EDGES[0], PATCH_EDGES[-1])
         number, _ = np.histogram(scaled, bins=PATCH_EDGES)
         cell = result.spacing[0] * result.spacing[1]
         area, _ = np.histogram(scaled, bins=PATCH_EDGES, weights=sizes / cell)

@@ -90,6 +90,10 @@ class Method(ABC):
     def handles(self, effect: type[Effect]) -> bool:
         """Whether it can be given an effect of that kind."""
 
+    def cited(self, effects: Sequence[Effect]) -> tuple[str, ...]:
+        """Return the papers to cite for it with these effects."""
+        return self.papers
+
     def check(self, options: Any, realised: Realised, effects: Sequence[Effect]) -> None:  # noqa: B027
         """Refuse, before anything is computed, what it cannot do.
 

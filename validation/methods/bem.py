@@ -47,9 +47,17 @@ class Bem(Solver):
     for_ensembles = True
     papers = (
         "Boundary elements by FFT: H. M. Stanley, T. Kato, J. Tribol. 119, 481 (1997); conjugate gradients "
-        "with bounds: I. A. Polonsky, L. M. Keer, Wear 231, 206 (1999); with adhesion, projected Newton method: "
-        "D. P. Bertsekas, SIAM J. Control Optim. 20, 221 (1982).",
+        "with bounds: I. A. Polonsky, L. M. Keer, Wear 231, 206 (1999).",
     )
+
+    def cited(self, effects: Sequence[Effect]) -> tuple[str, ...]:
+        """With attraction the energy has many minima, which another algorithm finds."""
+        if not any(effect.slot == "gap law" for effect in effects):
+            return self.papers
+        return (
+            "Boundary elements by FFT: H. M. Stanley, T. Kato, J. Tribol. 119, 481 (1997); projected Newton "
+            "method: D. P. Bertsekas, SIAM J. Control Optim. 20, 221 (1982).",
+        )
 
     def words(self, options: BemOptions) -> str:
         """Name it in a sentence."""

@@ -67,8 +67,8 @@ class Fem(Solver):
         """Refuse elements that lock, two depths, and a solid that is no clamped body."""
         if options.method == "full" and realised.solid.poisson > _LOCKING:
             raise UsageError(
-                f"solid.poisson = {realised.solid.poisson!r}: method 'fem' locks above {_LOCKING} with elements "
-                "of displacement alone; leave [methods.fem] out or lower it"
+                f"solid.poisson = {realised.solid.poisson!r}: method 'fem' locks above {_LOCKING} with "
+                "elements of displacement alone; leave [methods.fem] out or lower it"
             )
         for k, effect in enumerate(effects):
             if effect.slot != "response":

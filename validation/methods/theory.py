@@ -27,12 +27,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Answer",
+    "Areas",
     "Prediction",
     "Theory",
     "TheoryOptions",
     "against_magnification",
     "predict",
     "theory_words",
+    "with_effects",
 ]
 
 Array = NDArray[np.float64]
@@ -135,13 +137,12 @@ def predict(
         )
         area = float(elastic.contact_area(realised.pressure, stress_variance=variance))
         return Prediction(area=area, ensemble_area=ensemble, stress_variance=variance)
-    readings = options or TheoryOptions()
     ensemble = None
     if spectrum is not None and alone is not None:
-        found = _with_effects(told, realised.pressure, readings, variance=alone, spectrum=spectrum)
+        found = with_effects(told, realised.pressure, variance=alone, spectrum=spectrum, options=options)
         ensemble = found.area if np.isfinite(found.area) else None
-    found = _with_effects(
-        told, realised.pressure, readings, variance=variance, spectrum=realised.own_spectrum
+    found = with_effects(
+        told, realised.pressure, variance=variance, spectrum=realised.own_spectrum, options=options
     )
     return Prediction(
         area=found.area,
@@ -184,7 +185,7 @@ def _spectral_variance(spectrum: Spectrum, modulus: Modulus) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Areas:
+class Areas:
     """A/A0 (NaN without an answer), A_pl/A0, A/A0 by the other energy, which part of the theory it is."""
 
     area: float
@@ -219,10 +220,16 @@ def theory_words(told: Told, options: TheoryOptions | None = None) -> str:
     return "Persson 2006, elastic, without adhesion"
 
 
-def _with_effects(
-    told: Told, pressure: float, options: TheoryOptions, *, variance: float, spectrum: Spectrum
-) -> _Areas:
+def with_effects(
+    told: Told,
+    pressure: float,
+    *,
+    variance: float,
+    spectrum: Spectrum,
+    options: TheoryOptions | None = None,
+) -> Areas:
     """Evaluate the theory with a hardness, adhesion, or both."""
+    options = options or TheoryOptions()
     note = theory_words(told, options)
     try:
         if told.work is None:
@@ -231,20 +238,20 @@ def _with_effects(
             assert isinstance(told.hardness, float)
             parts = constant_hardness(pressure, stress_variance=variance, yield_stress=told.hardness)
             plastic = float(parts.plastic)
-            return _Areas(area=float(parts.elastic) + plastic, plastic=plastic, other=None, note=note)
+            return Areas(area=float(parts.elastic) + plastic, plastic=plastic, other=None, note=note)
         from persson.scale import Scale
 
         scale = Scale(spectrum, contact_modulus=told.felt_modulus)
         asked = _adhesive(told, pressure, options, scale=scale)
     except PerssonError as error:
-        return _Areas(area=float("nan"), plastic=None, other=None, note=f"no answer: {error}")
+        return Areas(area=float("nan"), plastic=None, other=None, note=f"no answer: {error}")
     another = options.model_copy(update={"energy": "improved" if options.energy == "old" else "old"})
     try:
         other = _adhesive(told, pressure, another, scale=scale).real_area
     except PerssonError:
         other = float("nan")
     plastic_area = None if told.hardness is None else float(asked.area_plastic[-1])
-    return _Areas(area=asked.real_area, plastic=plastic_area, other=other, note=note)
+    return Areas(area=asked.real_area, plastic=plastic_area, other=other, note=note)
 
 
 def _adhesive(told: Told, pressure: float, options: TheoryOptions, *, scale: Scale) -> AdhesiveContact:

@@ -119,7 +119,7 @@ class RunOptions(_Table):
     store: Path | None = Field(default=None, description="folder of finished solves, shared between runs")
     output: Path | None = Field(default=None, description="results folder; default: results/<name>")
     quiet: StrictBool = Field(default=False, description="no progress bar")
-    pictures: StrictBool = Field(default=True, description="3-D pictures in the report")
+    pictures: StrictBool = Field(default=False, description="3-D pictures in the report")
 
     @model_validator(mode="after")
     def _one_place(self) -> Self:

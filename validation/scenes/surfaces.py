@@ -171,7 +171,7 @@ def measured_spectrum(surface: FileSurface) -> Tabulated:
 
     A patch that is one period needs no window; any other gets a Hann window, with its loss made up for.
     """
-    from fem_contact.spectra import estimate_spectrum
+    from fem_contact.surface.spectra import estimate_spectrum
     from persson.tabulated import Tabulated
 
     patch = topography_of(surface, edges=False)

@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact.errors import InvalidInput
-from fem_contact.spectra import window_weights
 from fem_contact.surface import HeightField
+from fem_contact.surface.spectra import window_weights
 from validation.errors import UsageError
 from validation.files import atomic_path
 

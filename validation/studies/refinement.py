@@ -12,9 +12,9 @@ from validation.measures.block import BlockMeasurement
 from validation.measures.budget import Budget, budget_table, grid_share, solver_error
 from validation.measures.common import at_least, base_surface, ladder, measure, persson_area, rising, solid_of
 from validation.measures.distributions import Distributions
+from validation.measures.ladders import spectral_share, usual_ladders
 from validation.measures.measurement import grid_for
 from validation.measures.references import KAPPA_LITERATURE
-from validation.measures.spectrum_limits import spectral_share, usual_ladders
 from validation.measures.statistics import Estimate, combined, mean_over_surfaces, order_of_convergence
 from validation.measures.theory import ensemble_area, modes_sentence
 from validation.report.drawing import Drawing

@@ -1,0 +1,273 @@
+"""A toy effect, a toy method and a toy study, each one file of another package, found by entry points."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+EFFECT = '''
+"""A skin of another stiffness that weighs nothing."""
+from typing import ClassVar, Literal
+
+from pydantic import Field
+
+from fem_contact.graded import LayeredSolid
+from fem_contact.solid import Solid
+from validation.effects.base import Effect
+from validation.units import Length, Pressure
+
+
+class Skin(Effect):
+    """A skin on the solid."""
+
+    kind: Literal["skin"] = "skin"
+    young: Pressure = Field(description="Young's modulus of the skin")
+    thickness: Length = Field(description="thickness of the skin")
+
+    slot: ClassVar = "response"
+    meshed: ClassVar = False
+    papers: ClassVar = ("Skin: A. Nobody, J. Toys 1, 1 (2026).",)
+
+    def fill(self, slots):
+        skin = Solid(young=self.young, poisson=slots.solid.poisson)
+        slots.response = LayeredSolid(layers=[skin], thicknesses=[self.thickness], base=slots.solid)
+
+    def judge(self, rough):
+        return self.said(f"skin over wave {self.thickness / rough.shortest:.3g}", matters=True)
+
+    @classmethod
+    def unlisted(cls, rough):
+        return cls.unknown(f"shortest wave {rough.shortest:.3g} m", "a skin")
+
+    @classmethod
+    def example(cls, spacing):
+        return cls(young=3.0, thickness=0.02)
+'''
+
+METHOD = '''
+"""Projected gradient descent: the textbook's slowest."""
+import time
+
+import numpy as np
+
+from fem_contact.contact import ContactResult, Cost, Status, measure_residuals
+from validation.methods.base import Cost as Predicted, Gridded, Solved, Solver
+
+
+class Descent(Solver):
+    """Projected gradient descent on the pressures."""
+
+    name = "descent"
+    label = "Descent"
+    options = Gridded
+    independent = True
+    papers = ("Descent: A. Nobody, J. Toys 1, 2 (2026).",)
+
+    def cost(self, grid, lengths, *, settings, effects, dearer):
+        return Predicted(pairs=10.0, peak_bytes=10 * 8 * grid[0] * grid[1], unknowns=grid[0] * grid[1])
+
+    def solve(self, field, *, mean_pressure, slots, settings, threads=None):
+        began = time.perf_counter()
+        nx, ny = field.shape
+        qx = 2 * np.pi * np.fft.fftfreq(nx, field.lengths[0] / nx)
+        qy = 2 * np.pi * np.fft.rfftfreq(ny, field.lengths[1] / ny)
+        q = np.hypot(qx[:, None], qy[None, :])
+        stiff = slots.solid.contact_modulus * q / 2
+        compliance = np.divide(1, stiff, out=np.zeros_like(stiff), where=stiff > 0)
+
+        def displaced(p):
+            return np.fft.irfft2(compliance * np.fft.rfft2(p), s=field.shape)
+
+        p, step = np.full(field.shape, mean_pressure), stiff[stiff > 0].min()
+        for _ in range(4000):
+            gap = displaced(p) - field.heights
+            p = p - step * (gap - gap[p > 0].mean())
+            level = np.sort(p.ravel())[::-1]
+            sums = np.cumsum(level) - mean_pressure * p.size
+            k = np.flatnonzero(level * np.arange(1, p.size + 1) > sums)[-1]
+            p = np.maximum(p - sums[k] / (k + 1), 0)
+        u = displaced(p)
+        offset = -(u - field.heights)[p > 0].mean()
+        gap = u - field.heights + offset
+        seconds = time.perf_counter() - began
+        residuals = measure_residuals(
+            pressure=p, gap=gap, heights=field.heights, lengths=field.lengths,
+            contact_modulus=slots.solid.contact_modulus, rms_gradient=field.rms_gradient,
+            target_pressure=mean_pressure,
+        )
+        return Solved(contact=ContactResult(
+            pressure=p, gap=gap, displacement=u, in_contact=p > 0, at_bound=np.zeros(p.shape, bool),
+            heights=field.heights, lengths=field.lengths, contact_modulus=slots.solid.contact_modulus,
+            offset=float(offset), mean_pressure=float(p.mean()), status=Status.CONVERGED, residuals=residuals,
+            cost=Cost(wall_seconds=seconds, cpu_seconds=seconds, iterations=4000, unknowns=p.size,
+                      peak_bytes=10 * p.nbytes),
+        ))
+
+    def edge_constant(self, result):
+        return 0.1
+'''
+
+STUDY = '''
+"""Is one surface as good as another?"""
+from pydantic import Field
+
+from validation.scenes.realised import Realised
+from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
+from validation.solves.press import Press
+from validation.studies import StudyOptions
+
+
+class Options(StudyOptions):
+    """How many."""
+
+    surfaces: int = Field(default=2, ge=1, description="how many surfaces")
+
+
+def _solve(k):
+    surface = SelfAffineSurface(kind="self-affine", length=(1.0, 1.0), hurst=0.8, lambda_long=0.5,
+                                lambda_short=0.25, rms_gradient=0.1, seed=5 + k)
+    load = Load(reduced_pressure=0.1)
+    realised = Realised(surface=surface, solid=SolidSpec(young=1.0, poisson=0.0), load=load)
+    return Press(method="bem", grid=(16, 16), realised=realised)
+
+
+def run(options, *, bench):
+    import xarray as xr
+
+    wanted = [_solve(k) for k in range(options.surfaces)]
+    solved = bench.solve(wanted)
+    areas = [float(solved[solve].in_contact.mean()) for solve in wanted]
+    return xr.Dataset({"area": ("surface", areas, {"units": "1", "long_name": "A/A0"})})
+
+
+def findings(data):
+    return (f"{data.sizes['surface']} surfaces.",)
+'''
+
+ENTRY_POINTS = """[fem_contact.effects]
+skin = toy_effect:Skin
+[fem_contact.methods]
+descent = toy_method:Descent
+[fem_contact.studies]
+toy = toy_study
+"""
+
+SCENE = """
+[surface]
+kind = "self-affine"
+length = "10 um"
+hurst = 0.7
+lambda_long = "5 um"
+lambda_short = "2.5 um"
+rms_gradient = 0.05
+seed = 77
+[solid]
+young = "2 MPa"
+poisson = 0.3
+[load]
+reduced_pressure = 0.1
+[methods.bem]
+grids = [12, 24]
+"""
+SKIN = '[[effects]]\nkind = "skin"\nyoung = "20 MPa"\nthickness = "0.5 um"\n'
+DESCENT = "[methods.descent]\ngrids = [12, 24]\n"
+
+
+@pytest.fixture(scope="module")
+def toys(tmp_path_factory):
+    """Return a folder that holds the toy package as pip would have installed it."""
+    folder = tmp_path_factory.mktemp("toys")
+    for name, text in (("toy_effect", EFFECT), ("toy_method", METHOD), ("toy_study", STUDY)):
+        (folder / f"{name}.py").write_text(text)
+    info = folder / "toys-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: toys\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(ENTRY_POINTS)
+    return folder
+
+
+@pytest.fixture
+def command(toys, tmp_path):
+    """Run the command with the toys installed."""
+
+    def run(*arguments, scene=None):
+        if scene is not None:
+            (tmp_path / "toy.toml").write_text(scene)
+        path = os.pathsep.join([str(toys), str(ROOT), *filter(None, sys.path)])
+        return subprocess.run(
+            [sys.executable, "-m", "validation.cli", *arguments],
+            env=os.environ | {"PYTHONPATH": path},
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=300,
+        )
+
+    return run
+
+
+def test_an_effect_of_another_package_runs_is_explained_and_stands_in_the_report(command, tmp_path):
+    done = command("run", "toy.toml", "--quiet", "--no-pictures", scene=SCENE + SKIN)
+    assert done.returncode == 0, done.stderr
+    page = (tmp_path / "results" / "toy" / "report.html").read_text()
+    assert "skin over wave" in page
+    assert "J. Toys 1, 1" in page
+    listed = json.loads(command("explain", "toy.toml", "--json").stdout)
+    assert listed["effects"][0]["effect"] == "skin"
+    plain = json.loads(command("explain", "toy.toml", "--json", scene=SCENE).stdout)
+    assert "skin" in [item["effect"] for item in plain["left_out"]]
+
+
+@pytest.mark.parametrize(
+    ("table", "method"),
+    [("[methods.theory]\n", "theory"), (DESCENT, "descent"), ("[methods.fem]\ngrids = [12]\n", "fem")],
+)
+def test_an_effect_is_refused_by_name_where_a_method_lacks_its_slot(command, table, method):
+    done = command("run", "toy.toml", "--quiet", scene=SCENE + table + SKIN)
+    assert done.returncode == 2
+    assert (
+        f"[[effects]] 1 kind = 'skin': method '{method}' does not handle it; handled by: bem" in done.stderr
+    )
+
+
+def test_a_method_of_another_package_is_compared_with_boundary_elements(command, tmp_path):
+    done = command("run", "toy.toml", "--quiet", "--no-pictures", "--json", scene=SCENE + DESCENT)
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout)
+    assert {row["method"] for row in said["rows"]} == {"bem", "descent"}
+    # Both solve the same discrete problem; 4000 steps of descent bring 12 x 12 points to 1e-3.
+    (coarse, _) = said["cross_checks"]
+    assert (coarse["method"], coarse["reference"], coarse["grid"]) == ("descent", "bem", [12, 12])
+    assert coarse["pressure"] < 1e-3
+    assert "J. Toys 1, 2" in (tmp_path / "results" / "toy" / "report.html").read_text()
+    assert "descent" in command("explain", "toy.toml").stdout
+
+
+def test_a_study_of_another_package_is_listed_and_leaves_a_report(command, tmp_path):
+    assert "toy: Is one surface as good as another?" in command("study", "--list").stdout
+    assert "--surfaces a whole number (default: 2)" in command("study", "toy", "--help").stdout
+    done = command("study", "toy", "--surfaces", "3", "--quiet")
+    assert done.returncode == 0, done.stderr
+    assert "3 surfaces." in done.stdout
+    assert (tmp_path / "results" / "toy" / "report.html").exists()
+    assert (
+        "--surfaces = '0': must be greater than or equal to 1"
+        in command("study", "toy", "--surfaces", "0").stderr
+    )
+
+
+def test_an_entry_point_that_cannot_be_loaded_is_named(command, toys, tmp_path):
+    info = tmp_path / "broken-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: broken\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[fem_contact.studies]\nlost = no_such_module\n")
+    # The command runs in that folder, which Python searches.
+    done = command("study", "--list")
+    assert done.returncode == 2
+    assert "entry point lost = no_such_module of fem_contact.studies: cannot be loaded" in done.stderr
