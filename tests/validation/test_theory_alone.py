@@ -374,7 +374,7 @@ def test_readings_of_the_theory_are_used_beside_a_solver_too(scene):
 
 
 def test_judgements_from_the_spectrum_are_those_of_a_surface_with_many_waves(scene):
-    loaded = scene(WAVES, ('length = "100 nm"', 'length = "800 nm"'))
+    loaded = scene(WAVES, ('length = "100 nm"', 'length = "800 nm"'), ("[24, 48]", "[144]"))
     drawn = realise(loaded)
     alone = Realised(surface=drawn.surface, solid=drawn.solid, load=drawn.load, drawn=False)
     exact, expected = roughness_of(drawn), roughness_of(alone)
@@ -400,7 +400,8 @@ def test_a_run_leaves_tables_figures_and_a_report_that_can_be_made_again(tmp_pat
     assert (zeta[0], zeta[-1]) == pytest.approx((1.001, 1e5), rel=1e-8)
     page = (folder / "report.html").read_text(encoding="utf-8")
     assert "area-against-magnification" in page
-    assert all(finding.split(" (")[0] in page for finding in outputs.comparison.findings)
+    assert "200,001 points along a side" in page
+    assert "Every load, by the theory alone" in page
     assert {path.suffix for path in (folder / "figures").iterdir()} >= {".svg", ".pdf", ".csv", ".nc"}
     summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
     assert summary["answers"][1]["plastic"] == pytest.approx(0.005, rel=0.01)

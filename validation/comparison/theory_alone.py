@@ -201,6 +201,8 @@ def _records(found: TheoryAlone) -> dict[str, ResultTable]:
 
 def _drawings(found: TheoryAlone) -> tuple[Drawing, ...]:
     """Draw area, and with adhesion the work of adhesion that is left, against magnification."""
+    if all(answer.note for answer in found.answers):
+        return ()
     area = Drawing(
         name="area-against-magnification",
         figure=_figure(found, "area"),
