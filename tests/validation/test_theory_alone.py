@@ -445,7 +445,7 @@ def test_an_application_is_explained_with_its_spectrum(name):
     assert said.grids == ()
     assert (said.seconds, said.peak_bytes) == (0, 0)
     words = "\n".join(part for part in said.parts() if isinstance(part, str))
-    assert "none is drawn: p* is that of C(q)" in words
+    assert "none is drawn, for no solver runs; all that follows is that of C(q)" in words
     assert "No solver runs" in words
     assert {"a solver", "finite slopes"} <= {item.effect for item in said.left_out}
     assert said.effects

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from fem_contact import errors as fem_errors
+from persson import errors as persson_errors
 from validation.effects import effect_kinds
 from validation.effects.base import Judgement, Roughness, Told
+from validation.errors import UsageError
 from validation.methods import Solver, methods
 from validation.methods.theory import theory_words
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import Realised, realise
+from validation.scenes.realised import Realised, Surveyed
 from validation.scenes.scene import Scene
+from validation.scenes.surfaces import Expected
 from validation.solves.calibration import effect_costs
 from validation.solves.cost import transform_seconds
 from validation.solves.press import Press, solves_of
@@ -20,6 +27,8 @@ from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+    from fem_contact.surface import HeightField
 
 __all__ = ["Explanation", "Prediction", "explain", "judgements"]
 
@@ -110,10 +119,21 @@ def explain(scene: Scene) -> Explanation:
     Raises
     ------
     UsageError
-        For an effect that a method of the scene lacks.
+        For an effect that a method of the scene lacks, and for numbers that no method can compute with.
     """
-    realised = realise(scene)
-    check_scene(scene, realised)
+    realised = Surveyed(
+        surface=scene.surface, solid=scene.solid, load=scene.load, drawn=bool(scene.methods.solvers)
+    )
+    try:
+        check_scene(scene, realised)
+        return _explained(scene, realised)
+    except (fem_errors.InvalidInput, persson_errors.InvalidInput) as error:
+        raise UsageError(str(error)) from None
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        raise UsageError(f"its numbers lie too far apart to compute with ({error})") from None
+
+
+def _explained(scene: Scene, realised: Realised) -> Explanation:
     pair = transform_seconds()
     groups: dict[tuple[str, tuple[int, int]], list[Press]] = {}
     for solve in solves_of(scene, realised):
@@ -152,11 +172,18 @@ def judgements(scene: Scene, realised: Realised) -> tuple[tuple[Judgement, ...],
 
 
 def roughness_of(realised: Realised) -> Roughness:
-    """Return what judgements need to know of a surface; of C(q) where none is drawn."""
+    """Return what judgements need to know of a surface; of C(q) where none is made."""
+    field: HeightField | Expected = realised.field
     waves = {"longest": realised.longest, "shortest": realised.shortest}
-    if realised.has_heights:
-        return Roughness.of(realised.field, modulus=realised.contact_modulus, **waves)
-    return Roughness.of_spectrum(realised.spectrum_shape, modulus=realised.contact_modulus, **waves)
+    if isinstance(field, Expected):
+        return Roughness(
+            modulus=realised.contact_modulus,
+            gradient=field.rms_gradient,
+            curvature=math.sqrt(3 * field.moments[2] / 8),
+            full_energy=0.25 * realised.contact_modulus * field.first_moment,
+            **waves,
+        )
+    return Roughness.of(field, modulus=realised.contact_modulus, **waves)
 
 
 def _priced(judgement: Judgement) -> Judgement:
@@ -179,9 +206,12 @@ def _cost_words(scene: Scene) -> str:
 
 def _facts(scene: Scene, realised: Realised) -> tuple[tuple[str, str], ...]:
     """Return the numbers a reader checks first: realised and continuum roughness, load, bandwidth."""
-    facts = [("E*", f"{realised.contact_modulus:.6g} Pa")]
-    facts += _surface_facts(realised) if realised.has_heights else _spectrum_facts(realised)
-    if realised.rms_gradient > 0:
+    field: HeightField | Expected = realised.field
+    facts = [("E*", f"{realised.contact_modulus:.6g} Pa"), ("realised surface", _realised_words(realised))]
+    facts += _surface_facts(realised)
+    if field.rms_gradient > 0:
+        source = "of C(q)" if isinstance(field, Expected) else "realised"
+        facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"))
         facts.append(("load", _load_words(realised)))
     for name, method in scene.methods.asked.items():
         facts += method.facts(scene.methods.options(name), realised)
@@ -190,22 +220,29 @@ def _facts(scene: Scene, realised: Realised) -> tuple[tuple[str, str], ...]:
     return tuple(facts)
 
 
+def _load_words(realised: Realised) -> str:
+    """Write p0 and p* of all loads."""
+    each = ", ".join(f"{pressure:.6g}" for pressure in realised.pressures)
+    reduced = ", ".join(f"{pressure / realised.pressure_scale:.4g}" for pressure in realised.pressures)
+    return f"p0 = {each} Pa, p* = {reduced}"
+
+
+def _realised_words(realised: Realised) -> str:
+    field: HeightField | Expected = realised.field
+    if not realised.has_heights:
+        return "none is drawn, for no solver runs; all that follows is that of C(q)"
+    if isinstance(field, Expected):
+        return (
+            f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points; all that follows is "
+            "that of C(q)"
+        )
+    return f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} (spectral)"
+
+
 def _surface_facts(realised: Realised) -> list[tuple[str, str]]:
-    """Return the moments of the surface; the integrals over C(q), or what was done to a measured surface."""
-    field = realised.field
-    sizes = f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} (spectral)"
-    facts = [("realised surface", sizes)]
+    """Return the integrals over C(q) and the bandwidth, or what was done to a measured surface."""
     if realised.topography is not None:
-        facts += [("measured", words) for words in realised.topography.history]
-    else:
-        facts += _spectrum_facts(realised)[:2]
-    if field.rms_gradient > 0:
-        facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} (realised)"))
-    return facts
-
-
-def _spectrum_facts(realised: Realised) -> list[tuple[str, str]]:
-    """Return the integrals over C(q), the bandwidth, and what no drawn surface means."""
+        return [("measured", words) for words in realised.topography.history]
     assert realised.spectrum is not None
     moments = realised.spectrum.moments()
     sizes = (
@@ -213,19 +250,7 @@ def _spectrum_facts(realised: Realised) -> list[tuple[str, str]]:
         f"lambda_long/lambda_short = {realised.longest / realised.shortest:.3g}"
     )
     integrals = f"h_rms = {moments.rms_height:.6g} m, h'_rms = {moments.rms_gradient:.6g}"
-    return [
-        ("integrals over C(q)", integrals),
-        ("bandwidth", sizes),
-        ("Nayak parameter", f"alpha = {moments.nayak:.4g} (of C(q))"),
-        ("realised surface", "none is drawn: p* is that of C(q)"),
-    ]
-
-
-def _load_words(realised: Realised) -> str:
-    """Write p0 and p* of all loads."""
-    each = ", ".join(f"{pressure:.6g}" for pressure in realised.pressures)
-    reduced = ", ".join(f"{pressure / realised.pressure_scale:.4g}" for pressure in realised.pressures)
-    return f"p0 = {each} Pa, p* = {reduced}"
+    return [("integrals over C(q)", integrals), ("bandwidth", sizes)]
 
 
 def _theory_words(scene: Scene, realised: Realised) -> str:

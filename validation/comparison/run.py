@@ -97,10 +97,10 @@ def run_scene(
     realised = realised or realise(scene)
     check_scene(scene, realised)
     prepare_folder(folder)
+    store = Store(folder=store_folder or folder / "solves")
     if not scene.methods.solvers:
-        _record(scene, folder, Store(folder=store_folder or folder / "solves"))
+        _record(scene, folder, store)
         return _without_solver(scene, realised, folder, report=report)
-    store = Store(folder=prepare_folder(store_folder or folder / "solves", option="--store"))
     if not accurate:
         # What an earlier run to an accuracy reached is not what this one finds.
         (folder / ACCURACY_FILE).unlink(missing_ok=True)

@@ -143,7 +143,7 @@ def _at_load(found: TheoryAlone, answer: Answer) -> str:
 def _what_it_rests_on(found: TheoryAlone) -> Iterator[str]:
     """Say what these numbers are of, and what nobody has checked."""
     realised = found.realised
-    gradient = f"h'_rms = {realised.rms_gradient:.4g}"
+    gradient = f"h'_rms = {realised.field.rms_gradient:.4g}"
     if realised.has_heights:
         yield f"C(q) is estimated from the measured surface and has its gradient, {gradient} ({found.words})."
     else:
@@ -284,7 +284,7 @@ def alone_page(found: TheoryAlone, *, figures: bool = True) -> Page:
     return Page(
         title=scene.title or scene.name,
         lead=f"Rigid rough surface on an elastic solid, by the theory alone: {found.words}; "
-        f"E* = {found.realised.contact_modulus:.4g} Pa, h'_rms = {found.realised.rms_gradient:.4g}",
+        f"E* = {found.realised.contact_modulus:.4g} Pa, h'_rms = {found.realised.field.rms_gradient:.4g}",
         answers=tuple(_answers(found)),
         findings=found.findings,
         notes=(effects_note(found.judgements),),

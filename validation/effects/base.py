@@ -17,7 +17,6 @@ from validation.units import Table
 
 if TYPE_CHECKING:
     from fem_contact.adhesion import GapLaw
-    from persson.spectrum import Spectrum
     from validation.scenes.realised import Realised
 
 __all__ = ["Body", "Effect", "Judgement", "Roughness", "SlotName", "Slots", "Told", "clash", "effect_key"]
@@ -184,20 +183,6 @@ class Roughness:
             longest=longest,
             shortest=shortest,
             full_energy=full_contact_energy(surface, modulus=modulus),
-        )
-
-    @classmethod
-    def of_spectrum(cls, spectrum: Spectrum, *, modulus: float, longest: float, shortest: float) -> Roughness:
-        """Integrate over C(q), where no surface is made."""
-        q = np.geomspace(spectrum.q_min, spectrum.q_short, 4001)
-        first_moment = 2 * math.pi * float(np.trapezoid(q**3 * spectrum(q), np.log(q / q[0])))
-        return cls(
-            modulus=modulus,
-            gradient=math.sqrt(float(spectrum.m2())),
-            curvature=math.sqrt(3 * float(spectrum.m4()) / 8),
-            longest=longest,
-            shortest=shortest,
-            full_energy=0.25 * modulus * first_moment,
         )
 
 

@@ -11,10 +11,11 @@ from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from validation.errors import harmless
 from validation.files import atomic_path, remove_drafts, write_json
 from validation.report.drawing import Drawing, write_drawing
 from validation.report.table import ResultTable, WordTable, shown, write_dataset, write_table
-from validation.report.words import harmless, mathematics
+from validation.report.words import mathematics
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -176,8 +177,8 @@ def clear_page(folder: Path, *, keep: Collection[Path] = ()) -> None:
     images and numbers in the folder of figures.
     """
     figures = folder / "figures"
-    names = ("report.html", "summary.json", "table.csv", "budget.csv", "data.csv", "data-*.csv")
-    names += ("areas.csv", "magnification.csv")
+    tables = ("table.csv", "areas.csv", "magnification.csv", "budget.csv", "data.csv", "data-*.csv")
+    names = ("report.html", "summary.json", *tables)
     earlier = [path for name in names for path in folder.glob(name)]
     if figures.is_dir() and not figures.is_symlink():
         earlier += [

@@ -23,7 +23,7 @@ def check_scene(scene: Scene, realised: Realised) -> None:
     UsageError
         Naming the key, the method, and what is allowed.
     """
-    _ = realised.pressure_scale  # a surface that cannot be made is refused here, by name
+    _ = realised.field  # a surface that cannot be made is refused here, by name
     asked = scene.methods.asked
     check_effects_handled(asked, scene.effects, methods())
     for name, method in asked.items():

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from persson.capillary import CapillaryWaves
     from persson.spectrum import SelfAffine
     from persson.tabulated import Tabulated
-    from validation.scenes.topography import Topography
+    from validation.scenes.topography import Measured, Topography
 
-__all__ = ["Realised", "realise"]
+__all__ = ["Realised", "Surveyed", "realise"]
 
 Grid = tuple[int, int]
 
@@ -67,20 +67,30 @@ class Realised:
         return surfaces.waves_of(self.surface, self.realisation)
 
     @cached_property
+    def measured(self) -> Measured | None:
+        """The measured surface, read and hashed once; None for a random one."""
+        return surfaces.measured_surface(self.surface) if isinstance(self.surface, FileSurface) else None
+
+    @property
     def topography(self) -> Topography | None:
         """The measured surface, levelled, filled and made periodic; None for a random one."""
-        return surfaces.topography_of(self.surface) if isinstance(self.surface, FileSurface) else None
+        return None if self.measured is None else self.measured.period
 
     @cached_property
     def field(self) -> HeightField:
-        """The surface on the smallest grid that resolves it; its moments are the surface's own."""
-        if isinstance(self.surface, FileSurface):
-            assert self.topography is not None
-            return self._signed(surfaces.measured_field(self.surface, self.topography))
+        """The surface on the smallest grid that resolves it; its moments are the surface's own.
+
+        Where no surface is drawn, the moments of C(q) in place of it.
+        """
+        if self.measured is not None:
+            return self._signed(surfaces.measured_field(self.measured))
+        assert not isinstance(self.surface, FileSurface)
+        if not self.drawn:
+            return surfaces.expected(self.surface)  # type: ignore[return-value]
         assert self._waves is not None
-        return self._signed(
-            surfaces.sampled(self._waves, self.surface, surfaces.resolving_grid(self.surface))
-        )
+        grid = surfaces.resolving_grid(self.surface)
+        surfaces.check_memory(self.surface, grid)
+        return self._signed(surfaces.sampled(self._waves, self.surface, grid))
 
     def heights(self, grid: Grid, shift: tuple[float, float] = (0.0, 0.0)) -> HeightField:
         """Return the surface on a grid, moved by parts of a cell."""
@@ -98,15 +108,18 @@ class Realised:
         """C(q) of the scene, estimated for a measured patch with tapered edges; None for one period."""
         if not isinstance(self.surface, FileSurface):
             return surfaces.spectrum_of(self.surface)
-        return surfaces.measured_spectrum(self.surface) if self.surface.edges in ("tukey", "hann") else None
+        return self._estimate if self.surface.edges in ("tukey", "hann") else None
+
+    @cached_property
+    def _estimate(self) -> Tabulated:
+        """C(q) of a measured surface, whatever its edges."""
+        assert self.measured is not None
+        return surfaces.measured_spectrum(self.measured)
 
     @cached_property
     def spectrum_shape(self) -> SelfAffine | CapillaryWaves | Tabulated:
         """C(q) whose scale may be another: for a measured surface an estimate, whatever its edges."""
-        if self.spectrum is not None:
-            return self.spectrum
-        assert isinstance(self.surface, FileSurface)
-        return surfaces.measured_spectrum(self.surface)
+        return self._estimate if self.spectrum is None else self.spectrum
 
     @cached_property
     def own_spectrum(self) -> SelfAffine | CapillaryWaves | Tabulated:
@@ -120,13 +133,6 @@ class Realised:
         return self.drawn or isinstance(self.surface, FileSurface)
 
     @cached_property
-    def rms_gradient(self) -> float:
-        """h'_rms: the spectral gradient of this surface; that of C(q) where no surface is drawn."""
-        if self.has_heights:
-            return self.field.rms_gradient
-        return math.sqrt(float(self.spectrum_shape.m2()))
-
-    @cached_property
     def elastic(self) -> Solid:
         """The solid."""
         return Solid(young=self.solid.young, poisson=self.solid.poisson)
@@ -138,15 +144,15 @@ class Realised:
 
     @cached_property
     def pressure_scale(self) -> float:
-        """E* h'_rms [Pa]: the unit of p*."""
-        return self.contact_modulus * self.rms_gradient
+        """E* h'_rms [Pa] with the spectral gradient of this surface: the unit of p*."""
+        return self.contact_modulus * self.field.rms_gradient
 
     @cached_property
     def pressures(self) -> tuple[float, ...]:
         """p0 [Pa] of each load: as given, or p* E* h'_rms."""
         if self.load.pressure is not None:
             return self.load.values
-        return tuple(value * self.contact_modulus * self.rms_gradient for value in self.load.values)
+        return tuple(value * self.contact_modulus * self.field.rms_gradient for value in self.load.values)
 
     @property
     def pressure(self) -> float:
@@ -188,9 +194,10 @@ class Realised:
     def recipe(self) -> dict[str, Any]:
         """Everything that determines surface, solid and load, as JSON-ready data."""
         surface = self.surface.model_dump(mode="json")
-        if isinstance(self.surface, FileSurface):
-            surface["path"] = surfaces.file_digest(self.surface)
+        if self.measured is not None:
+            surface["path"] = self.measured.digest
         else:
+            assert not isinstance(self.surface, FileSurface)
             surface["seed"] = self.surface.seed_of(self.realisation)
         said = {
             "surface": surface,
@@ -198,6 +205,18 @@ class Realised:
             "load": self.load.model_dump(mode="json"),
         }
         return said | {"inverted": True} if self.inverted else said
+
+
+@dataclass(frozen=True, kw_only=True)
+class Surveyed(Realised):
+    """A surface that is only looked at: one with too many points to be made is told by its C(q)."""
+
+    @cached_property
+    def field(self) -> HeightField:
+        """The surface, or the moments of its C(q) in place of it."""
+        if not isinstance(self.surface, FileSurface) and surfaces.too_large_to_look_at(self.surface):
+            return surfaces.expected(self.surface)  # type: ignore[return-value]
+        return super().field
 
 
 def realise(scene: Scene) -> Realised:

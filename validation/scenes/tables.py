@@ -5,14 +5,16 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Annotated, Literal, Self
 
-from pydantic import Discriminator, Field, StrictInt, Tag, model_validator
+from pydantic import AfterValidator, Discriminator, Field, StrictInt, Tag, model_validator
 
 from validation.errors import UsageError
 from validation.units import (
+    MOST_ITEMS,
     Length,
     Lengths,
     Number,
     Pressure,
+    Ratio,
     Table,
     Temperature,
     Tension,
@@ -40,7 +42,7 @@ class RandomSurface(Table):
     lambda_long: Length = Field(description="longest wavelength of the self-affine range, or of all waves")
     lambda_short: Length = Field(description="shortest wavelength")
     amplitudes: Literal["exact", "gaussian"] = "exact"
-    seed: Annotated[StrictInt, Field(ge=0)] | None = Field(
+    seed: Annotated[StrictInt, Field(ge=0, lt=2**63)] | None = Field(
         default=None,
         description="whole number that names the realisation; every solver needs it, the theory none",
     )
@@ -76,9 +78,7 @@ class SelfAffineSurface(RandomSurface):
 
     kind: Literal["self-affine"]
     hurst: Number = Field(ge=0, le=1, description="Hurst exponent H, in [0, 1]")
-    rms_gradient: Number | None = Field(
-        default=None, gt=0, description="h'_rms of C(q), both directions together"
-    )
+    rms_gradient: Ratio | None = Field(default=None, description="h'_rms of C(q), both directions together")
     rms_height: Length | None = Field(default=None, description="h_rms of C(q)")
     rolloff: Literal["sharp", "smooth", "plateau"] = "sharp"
 
@@ -95,7 +95,7 @@ class CapillarySurface(RandomSurface):
     temperature: Temperature = Field(description='at which they froze: the glass transition, e.g. "370 K"')
     surface_tension: Tension = Field(description='of the melt, e.g. "0.04 J/m^2"')
     lambda_bend: Length = Field(description="wavelength below which bending stiffness suppresses the waves")
-    surfaces: Annotated[StrictInt, Field(ge=1)] = Field(
+    surfaces: Annotated[StrictInt, Field(ge=1, le=1000)] = Field(
         default=1, description="equal surfaces that touch, such as 2 of the same glass"
     )
 
@@ -123,7 +123,7 @@ class FileSurface(Table):
     edges: Literal["periodic", "tukey", "hann"] | None = Field(
         default=None, description="taper that makes it periodic; not needed where opposite edges match"
     )
-    margin: Number = Field(
+    margin: Ratio = Field(
         default=0.1, gt=0, le=0.5, description="share of each side over which a tukey taper falls"
     )
 
@@ -138,18 +138,26 @@ class SolidSpec(Table):
     poisson: Number = Field(gt=-1, le=0.5, description="Poisson ratio, in (-1, 0.5]")
 
 
+def _zero_or_ratio(value: float) -> float:
+    if value != 0 and not 1e-12 <= value <= 1e6:
+        raise wrong("must lie between 1e-12 and 1e+06")
+    return value
+
+
 def _amount(value: object) -> str:
     return "several" if isinstance(value, (list, tuple)) else "one"
 
 
 _Pressure = Annotated[float, quantity("Pa", "pressure", "10 MPa"), Field(ge=0)]
-_Ratio = Annotated[Number, Field(ge=0)]
+_Ratio = Annotated[Number, Field(ge=0), AfterValidator(_zero_or_ratio)]
 _Pressures = Annotated[
-    Annotated[_Pressure, Tag("one")] | Annotated[tuple[_Pressure, ...], Field(min_length=1), Tag("several")],
+    Annotated[_Pressure, Tag("one")]
+    | Annotated[tuple[_Pressure, ...], Field(min_length=1, max_length=MOST_ITEMS), Tag("several")],
     Discriminator(_amount),
 ]
 _Ratios = Annotated[
-    Annotated[_Ratio, Tag("one")] | Annotated[tuple[_Ratio, ...], Field(min_length=1), Tag("several")],
+    Annotated[_Ratio, Tag("one")]
+    | Annotated[tuple[_Ratio, ...], Field(min_length=1, max_length=MOST_ITEMS), Tag("several")],
     Discriminator(_amount),
 ]
 

@@ -22,8 +22,8 @@ from fem_contact.block.full.linear import (
     LinearSolution,
     conjugate_gradients,
     factorised,
-    multigrid,
     rigid_modes,
+    smoothed_aggregation,
 )
 from fem_contact.contact import Status
 
@@ -207,8 +207,8 @@ class AssembledBlock(MeshedBlock):
     matrix : scipy.sparse.bsr_array
         Stiffness above the clamped plane, over E.
     direct : bool
-        Precondition by a factorisation, which takes multigrid's place where that crawls and the block is
-        small.
+        Precondition by a factorisation, which takes smoothed aggregation's place where that crawls and the
+        block is small.
     """
 
     matrix: sp.bsr_array
@@ -257,13 +257,13 @@ class AssembledBlock(MeshedBlock):
 
 
 class _AssembledPreconditioner:
-    """Multigrid on the free unknowns; the offset by its Schur complement."""
+    """Smoothed aggregation on the free unknowns; the offset by its Schur complement."""
 
     def __init__(self, block: AssembledBlock, nodes: Mask) -> None:
         self.tied = block.vertical(nodes)
         matrix, fixed = block.without(self.tied)
         modes = block.modes * ~fixed[:, None]
-        self.inverse = factorised(matrix) if block.direct else multigrid(matrix, modes)
+        self.inverse = factorised(matrix) if block.direct else smoothed_aggregation(matrix, modes)
         self.nbytes = int(matrix.data.nbytes) + self.inverse.nbytes
         unit = np.zeros(matrix.shape[0])
         unit[self.tied] = 1
