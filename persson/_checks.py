@@ -107,13 +107,18 @@ def real(name: str, value: ArrayLike, *, unit: str = "", power: float = 1) -> Ar
     return array
 
 
-def non_negative(name: str, value: ArrayLike, *, unit: str = "", power: float = 1) -> Array:
-    """Return `value` as a float array, refusing anything but numbers >= 0 that can be computed with."""
+def non_negative(
+    name: str, value: ArrayLike, *, unit: str = "", power: float = 1, vanishing: bool = False
+) -> Array:
+    """Return `value` as a float array, refusing anything but numbers >= 0 that can be computed with.
+
+    Where they may be `vanishing`, such as the tail of a distribution, no size is too small.
+    """
     array = _numbers(name, value, unit=unit)
     bad = ~(np.isfinite(array) & (array >= 0))
     if bad.any():
         raise InvalidInput(f"{name} = {_bad(array, bad)}: must be finite and not negative{_in(unit)}")
-    bad = ~_computable(array, power)
+    bad = ~_computable(array, power) & ~(vanishing & (array < LAST))
     if bad.any():
         raise InvalidInput(f"{name} = {_bad(array, bad)}: must be zero or {_sizes(power)}{_in(unit)}")
     return array

@@ -108,7 +108,7 @@ class Measurement(NumbersSolve):
     def describe(self) -> str:
         """Return a few words for a progress bar."""
         own, finest = self.realised, max(self.grids)
-        kind = "" if isinstance(own.surface, FileSurface) else f"H = {own.surface.hurst:g}, "
+        kind = f"H = {own.surface.hurst:g}, " if isinstance(own.surface, SelfAffineSurface) else ""
         sign = "-h" if own.inverted else "h"
         return f"{kind}surface {own.realisation + 1} ({sign}), to {finest[0]}x{finest[1]}"
 
@@ -142,7 +142,7 @@ class Measurement(NumbersSolve):
             q_short=min(self.truncation, spectrum.q_short),
             lengths=surface.length,
             shape=grid,
-            seed=surface.seed + self.realised.realisation,
+            seed=surface.seed_of(self.realised.realisation),
             amplitudes=surface.amplitudes,
         )
 
