@@ -17,7 +17,7 @@ from fem_contact.stress import density_at_zero
 from fem_contact.surface import HeightField
 from validation.measures.common import LEAST_POINTS_PER_WAVE, SHIFTS, reduced_load
 from validation.scenes.realised import Realised
-from validation.scenes.scene import FileSurface, SelfAffineSurface
+from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
 from validation.solves.solve import NumbersSolve, Prediction
 
