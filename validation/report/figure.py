@@ -225,7 +225,9 @@ def lines_figure(
             here = data if value is None else data.sel({along: value})
             look = next(looks)
             words = str(data[name].attrs.get("long_name", name))
-            label = words if value is None else f"{words}, {along} = {value:g}"
+            # What is drawn stands at the axis; where it is one thing only, the legend need not repeat it.
+            said = "" if len(lines) == 1 else f"{words}, "
+            label = words if value is None else f"{said}{along} = {value:g}"
             error = here[f"{name}_error"].values if f"{name}_error" in data else None
             axes.errorbar(here[x].values, here[name].values, yerr=error, capsize=2, label=label, **look)
     for k, (words, level) in enumerate((reference or {}).items()):
