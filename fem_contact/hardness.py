@@ -13,9 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact import bem
+from fem_contact._checks import LEAST, array, instance, numbers_of, positive
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
+from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
 __all__ = ["Hardness", "YieldedContact", "press", "unload", "yielded"]
@@ -41,8 +43,8 @@ class Hardness:
     pressure: float | Array
 
     def __post_init__(self) -> None:
-        values = np.asarray(self.pressure, dtype=float)
-        if values.size == 0 or not np.all(np.isfinite(values)) or not np.all(values > 0):
+        values = array("hardness", self.pressure, unit="Pa")
+        if values.size == 0 or not np.all(values >= LEAST):
             raise InvalidInput("hardness: must be positive and finite everywhere, in Pa")
 
 
@@ -97,6 +99,7 @@ def yielded(contact: ContactResult) -> YieldedContact:
     >>> f"{found.elastic_load + found.plastic_load:.12g}"
     '0.1'
     """
+    instance("contact", contact, ContactResult, what="a `ContactResult`")
     # A point between two nodes of different area counts by its own.
     weights = np.ones(contact.shape) if contact.weights is None else contact.weights
     load = weights * contact.pressure
@@ -123,13 +126,14 @@ def press(
     mean_pressure: float,
     tolerance: float = 1e-8,
     max_iterations: int = 1000,
+    time_limit: float | None = None,
     threads: int | None = None,
 ) -> ContactResult:
     """Press a rigid rough surface against a solid that yields; boundary elements.
 
     Parameters
     ----------
-    surface, response, mean_pressure, tolerance, max_iterations, threads
+    surface, response, mean_pressure, tolerance, max_iterations, time_limit, threads
         As in `fem_contact.bem.solve`.
     hardness : Hardness
 
@@ -138,6 +142,7 @@ def press(
     InvalidInput
         For a mean pressure above the mean hardness, or a hardness field of another shape.
     """
+    instance("hardness", hardness, Hardness, what="a `Hardness`")
     return bem.solve(
         surface,
         response,
@@ -145,6 +150,7 @@ def press(
         pressure_bound=hardness.pressure,
         tolerance=tolerance,
         max_iterations=max_iterations,
+        time_limit=time_limit,
         threads=threads,
     )
 
@@ -155,6 +161,7 @@ def unload(
     *,
     mean_pressures: Iterable[float],
     tolerance: float = 1e-8,
+    time_limit: float | None = None,
     threads: int | None = None,
 ) -> list[ContactResult]:
     """Follow a yielded contact to lower loads, elastically.
@@ -167,7 +174,7 @@ def unload(
         The solid.
     mean_pressures : iterable of float
         Loads [Pa], none above that of `contact`: beyond it more would yield.
-    tolerance, threads
+    tolerance, time_limit, threads
         As in `fem_contact.bem.solve`.
 
     Raises
@@ -175,7 +182,12 @@ def unload(
     InvalidInput
         For a load above that of `contact`.
     """
-    loads = list(mean_pressures)
+    instance("contact", contact, ContactResult, what="a `ContactResult`")
+    Settings(tolerance=tolerance)
+    loads = [
+        positive("mean_pressures", load, unit="Pa")
+        for load in numbers_of("mean_pressures", mean_pressures, unit="Pa")
+    ]
     for load in loads:
         if not load <= contact.mean_pressure * (1 + tolerance):
             raise InvalidInput(
@@ -183,5 +195,10 @@ def unload(
                 "yielded under; press further with `press`"
             )
     return bem.solve_path(
-        yielded(contact).surface, response, mean_pressures=loads, tolerance=tolerance, threads=threads
+        yielded(contact).surface,
+        response,
+        mean_pressures=loads,
+        tolerance=tolerance,
+        time_limit=time_limit,
+        threads=threads,
     )

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from persson._checks import Array
+from persson._checks import Array, returned, within
 from persson.errors import InvalidInput, OutsideTheory
 
 __all__ = ["TAIL", "Grid", "Pieces", "Problem", "Wall", "distance", "find_pieces", "make_grid"]
@@ -50,17 +51,15 @@ def distance(wall: Wall, pressure: float, sign: float, name: str) -> Callable[[A
         function = wall
 
         def moving(variance: Array) -> Array:
-            limit = np.asarray(function(variance), dtype=float)
-            if limit.shape != variance.shape or np.any(np.isnan(limit)) or np.any(limit < 0):
+            limit = returned(f"{name}(V)", function(variance), np.shape(variance), unit="Pa")
+            if np.any(limit < 0):
                 raise InvalidInput(
                     f"{name}(V): must give a stress that is not negative for every V of an array"
                 )
             return sign * pressure + limit if sign > 0 else limit - pressure
 
         return moving
-    limit = float(wall)
-    if np.isnan(limit) or limit < 0:
-        raise InvalidInput(f"{name} = {limit!r}: must not be negative")
+    limit = within(name, wall, 0, math.inf, interval="[0, inf]", unit="Pa")
     gap = pressure + limit if sign > 0 else limit - pressure
     return lambda variance: np.full(np.shape(variance), gap)
 

@@ -18,7 +18,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
-from persson._checks import Array, non_negative, positive, real
+from persson._checks import (
+    Array,
+    choice,
+    in_proportion,
+    instance,
+    non_negative,
+    positive,
+    real,
+    scalar,
+    together,
+    whole,
+    within,
+)
 from persson.diffusion import Diffusion, Wall, diffuse_once
 from persson.errors import InvalidInput, NotConverged, OutsideTheory
 from persson.scale import Scale
@@ -72,10 +84,8 @@ class Interface:
         positive("alpha", self.alpha)
         if self.ideal_strength is not None:
             positive("ideal_strength", self.ideal_strength, unit="Pa")
-        if self.energy not in ("improved", "old", "as_printed"):
-            raise InvalidInput(f"energy = {self.energy!r}: must be 'improved', 'old' or 'as_printed'")
-        if self.area not in ("star", "projected"):
-            raise InvalidInput(f"area = {self.area!r}: must be 'star' or 'projected'")
+        choice("energy", self.energy, ("improved", "old", "as_printed"))
+        choice("area", self.area, ("star", "projected"))
 
 
 def detachment_stress(
@@ -100,7 +110,10 @@ def detachment_stress(
     Persson 2006, Eq. 36 and Sec. 8.4.
     """
     energy = np.maximum(real("work", work, unit="J/m^2"), 0.0)
-    bare = np.sqrt(interface.alpha * energy * np.asarray(contact_modulus) * np.asarray(wavevector))
+    instance("interface", interface, Interface, what="an `Interface`")
+    modulus = non_negative("contact_modulus", contact_modulus, unit="Pa")
+    together(work=energy, contact_modulus=modulus, wavevector=non_negative("wavevector", wavevector))
+    bare = np.sqrt(interface.alpha * energy * modulus * non_negative("wavevector", wavevector, unit="1/m"))
     strength = interface.ideal_strength
     return np.asarray(bare if strength is None else bare / (1 + bare / strength))[()]
 
@@ -297,16 +310,31 @@ def solve_adhesion(
     adhesion sets in under load sigma_a starts like a square root; nodes are dense there and the steps are
     even in its argument.
     """
+    instance("scale", scale, Scale, what="a `Scale`")
+    instance("interface", interface, Interface, what="an `Interface`")
+    if start is not None:
+        instance("start", start, AdhesiveContact, what="an earlier result of `solve_adhesion`")
+    if yield_stress is not None and not callable(yield_stress):
+        positive("yield_stress", yield_stress, unit="Pa")
+    within("tolerance", tolerance, 1e-14, 0.1, interval="[1e-14, 0.1]")
+    whole("rounds", rounds, least=1, most=100_000)
+    pressure = scalar("pressure", pressure, unit="Pa")
     if pressure < 0 and scale.spectrum.q_min == 0:
         raise InvalidInput("q_min = 0: under tension the size L of the sample matters; give q_min = 2 pi / L")
     reference = float(scale.variance(scale.q_short))
     case = _Case(
         scale=scale,
-        pressure=float(real("pressure", pressure, unit="Pa")),
+        pressure=pressure,
         interface=interface,
         yield_stress=yield_stress,
         reference=reference,
     )
+    with in_proportion():
+        return _solved(case, start, tolerance, rounds)
+
+
+def _solved(case: _Case, start: AdhesiveContact | None, tolerance: float, rounds: int) -> AdhesiveContact:
+    """Iterate on coarse and on fine nodes."""
     if start is None and case.pressure <= 0:
         start = _approach(replace(case, pressure=0.0), tolerance, rounds)
     coarse: AdhesiveContact | None = None
@@ -418,7 +446,7 @@ def _diffuse(case: _Case, nodes: _Nodes, work: Array, onset: float | None) -> Di
     wall: Wall
     if callable(hardness):
         of_q = hardness
-        wall = lambda variance: np.asarray(of_q(case.scale.wavevector(variance)), dtype=float)  # noqa: E731
+        wall = lambda variance: np.asarray(of_q(case.scale.wavevector(variance)))  # noqa: E731
     else:
         wall = hardness
     return diffuse_once(

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 from scipy.special import binom, ellipe, ellipk, ellipkm1, gamma, pbdv
 
-from persson._checks import Array, positive, real
+from persson._checks import Array, instance, positive, real
 from persson.errors import InvalidInput
 from persson.spectrum import Moments
 
@@ -100,13 +100,15 @@ class Asperities:
         t = real("separation", separation, unit="m") / self.rms_height
         one = _tail_moment(1, t)
         scale = self.density * self.radius * self.rms_height
+        # Where nothing touches there is no patch.
+        patch = math.pi * self.radius * self.rms_height * _tail_moment(2, t) / np.where(one > 0, one, 1.0)
         # R^(1/2) h^(3/2) = R h sqrt(h / R): the ratio is dimensionless.
         slope = math.sqrt(self.rms_height / self.radius)
         return AsperityContact(
             area=math.pi * scale * one,
             pressure=4 / 3 * modulus * scale * slope * _tail_moment(1.5, t),
             density=self.density * _tail_moment(0, t),
-            patch_area=math.pi * self.radius * self.rms_height * _tail_moment(2, t) / one,
+            patch_area=np.where(one > 0, patch, np.nan)[()],
         )
 
     def contact_at(self, pressure: float, *, contact_modulus: float) -> AsperityContact:
@@ -160,6 +162,7 @@ def nayak_asperities(moments: Moments) -> Asperities:
     >>> round(ring.density, 4), round(ring.rms_height, 3)
     (0.023, 0.634)
     """
+    instance("moments", moments, Moments, what="`Moments`")
     if not (moments.m0 > 0 and moments.m2 > 0 and moments.m4 > 0):
         raise InvalidInput("moments: a flat surface has no summits")
     reduction = 1.5 / moments.nayak * (2 / 3 + 32 / (3 * math.pi) - 2 * math.sqrt(3))
@@ -190,6 +193,9 @@ def bush_gibson_thomas(separation: ArrayLike, *, moments: Moments, contact_modul
     Solids 56, 2555, 2008).
     """
     modulus = positive("contact_modulus", contact_modulus, unit="Pa")
+    instance("moments", moments, Moments, what="`Moments`")
+    if not (moments.m0 > 0 and moments.m2 > 0 and moments.m4 > 0):
+        raise InvalidInput("moments: a flat surface has no summits")
     alpha = moments.nayak
     if not alpha > 1.5 * (1 + 1e-9):
         raise InvalidInput(
@@ -293,6 +299,7 @@ class FullerTabor:
     work_of_adhesion: float
 
     def __post_init__(self) -> None:
+        instance("asperities", self.asperities, Asperities, what="`Asperities`")
         positive("contact_modulus", self.contact_modulus, unit="Pa")
         positive("work_of_adhesion", self.work_of_adhesion, unit="J/m^2")
 

@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from persson._checks import Array, non_negative, positive
+from persson._checks import Array, non_negative, positive, real, within
 from persson.errors import InvalidInput
 from persson.spectrum import EDGE, SpectrumMoments
 
@@ -70,10 +70,9 @@ class CapillaryWaves(SpectrumMoments):
             ("multiple", ""),
         ):
             positive(name, getattr(self, name), unit=unit)
-        if not (math.isfinite(self.q_short) and self.q_short >= self.q_min):
+        if not positive("q_short", self.q_short, unit="1/m") >= self.q_min:
             raise InvalidInput(f"q_short = {self.q_short!r}: must be finite, at least q_min = {self.q_min!r}")
-        if not 0 <= self.q_gravity <= self.q_bend / 2:
-            raise InvalidInput(f"q_gravity = {self.q_gravity!r}: must lie in [0, q_bend / 2]")
+        within("q_gravity", self.q_gravity, 0, self.q_bend / 2, interval="[0, q_bend / 2]", unit="1/m")
 
     @property
     def q_long(self) -> float:
@@ -86,7 +85,7 @@ class CapillaryWaves(SpectrumMoments):
 
     def __call__(self, q: ArrayLike) -> Array:
         """C(q) [m^4] for wavevectors [1/m]; 0 outside [q_min, q_short]."""
-        wave = np.asarray(q, dtype=float)
+        wave = real("q", q, unit="1/m")
         inside = (wave >= self.q_min * (1 - EDGE)) & (wave <= self.q_short * (1 + EDGE))
         ratio = np.where(inside, wave, self.q_min) / self.q_bend
         gravity = self.q_gravity / self.q_bend
@@ -97,7 +96,7 @@ class CapillaryWaves(SpectrumMoments):
 
     def truncated(self, q_max: float) -> Self:
         """Return the same surface without its waves beyond q_max [1/m]."""
-        if not q_max >= self.q_min * (1 - EDGE):
+        if not positive("q_max", q_max, unit="1/m") >= self.q_min * (1 - EDGE):
             raise InvalidInput(f"q_max = {q_max!r}: must be at least q_min = {self.q_min!r}")
         return replace(self, q_short=max(min(self.q_short, q_max), self.q_min))
 

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
-from persson._checks import Array, non_negative, real
+from persson._checks import Array, in_proportion, non_negative, real, scalar, sequence, whole, within
 from persson._window import TAIL, Grid, Pieces, Problem, Wall, distance, find_pieces, make_grid
 from persson.errors import InvalidInput, NotConverged
 
@@ -106,7 +106,8 @@ class Diffusion:
 
         The elastic contact only.
         """
-        sigma = np.asarray(stress, dtype=float) - self.pressure
+        whole("index", index, least=-self.variance.size, most=self.variance.size - 1)
+        sigma = real("stress", stress, unit="Pa") - self.pressure
         left, right = self._windows[index]
         variance = self.variance[index]
         if np.isnan(left):
@@ -179,10 +180,27 @@ def solve_diffusion(
     array([0.68269, 0.38292])
     """
     outputs, problem = _checked(variance, pressure, tensile_limit, yield_stress)
-    if not 0 < tolerance < 1:
-        raise InvalidInput(f"tolerance = {tolerance!r}: must lie between 0 and 1")
+    within("tolerance", tolerance, 0, 1, interval="(0, 1)")
+    if modes is not None:
+        whole("modes", modes, least=4, most=400)
+    if step is not None:
+        within("step", step, 1e-4, 1, interval="[1e-4, 1]")
+    kinks = np.ravel(real("breaks", sequence("breaks", breaks) or np.empty(0), unit="Pa^2", power=2))
     levels = _LEVELS if modes is None and step is None else ((step or 0.1, modes or 48),)
-    pieces = find_pieces(problem, outputs, np.asarray(breaks, dtype=float))
+    with in_proportion():
+        return _refined(problem, outputs, kinks, levels=levels, tolerance=tolerance)
+
+
+def _refined(
+    problem: Problem,
+    outputs: Array,
+    breaks: Array,
+    *,
+    levels: Sequence[tuple[float, int]],
+    tolerance: float,
+) -> Diffusion:
+    """Refine the discretisation until two of them agree and the ledger closes."""
+    pieces = find_pieces(problem, outputs, breaks)
     probes = np.unique(np.linspace(0, outputs.size - 1, min(outputs.size, 8)).astype(int))
     longest, fewest = levels[0]
     coarse = _integrate(problem, outputs[probes], pieces, largest=2 * longest, modes=max(fewest - 8, 24))
@@ -225,10 +243,10 @@ def diffuse_once(
 def _checked(
     variance: ArrayLike, pressure: float, tensile_limit: Wall, yield_stress: Wall
 ) -> tuple[Array, Problem]:
-    outputs = np.atleast_1d(non_negative("variance", variance, unit="Pa^2"))
+    outputs = np.atleast_1d(non_negative("variance", variance, unit="Pa^2", power=2))
     if outputs.ndim != 1 or outputs.size == 0 or np.any(np.diff(outputs) < 0):
         raise InvalidInput("variance: must be a one-dimensional array of values that do not decrease")
-    load = float(real("pressure", pressure, unit="Pa"))
+    load = scalar("pressure", pressure, unit="Pa")
     problem = Problem(
         pressure=load,
         below=distance(tensile_limit, load, 1.0, "tensile_limit"),

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import erf, erfc, erfinv
 
-from persson._checks import Array, non_negative, positive, real
+from persson._checks import Array, instance, non_negative, positive, real, together
 from persson.errors import InvalidInput
 from persson.spectrum import Spectrum
 
@@ -61,19 +61,20 @@ def stress_variance(m2: ArrayLike, *, contact_modulus: float) -> Array:
     10000000000.0
     """
     half = positive("contact_modulus", contact_modulus, unit="Pa") / 2
-    return non_negative("m2", m2) * (half * half)
+    return non_negative("m2", m2, power=2) * (half * half)
 
 
 def diffusion_parameter(pressure: float, *, stress_variance: ArrayLike) -> Array:
     """G = V / (2 sigma0^2) [-] of Persson 2006, Eq. 20, for pressure sigma0 > 0 [Pa] and V [Pa^2]."""
     load = positive("pressure", pressure, unit="Pa")
-    return non_negative("stress_variance", stress_variance, unit="Pa^2") / (2 * load * load)
+    return non_negative("stress_variance", stress_variance, unit="Pa^2", power=2) / (2 * load * load)
 
 
 def _argument(pressure: ArrayLike, variance: ArrayLike) -> Array:
     """sigma0 / sqrt(2 V), infinite where V = 0 under load and 0 without load."""
     load = non_negative("pressure", pressure, unit="Pa")
-    width = np.sqrt(2 * non_negative("stress_variance", variance, unit="Pa^2"))
+    width = np.sqrt(2 * non_negative("stress_variance", variance, unit="Pa^2", power=2))
+    together(pressure=load, stress_variance=width)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         return np.where(load > 0, load / width, 0.0)
 
@@ -132,7 +133,9 @@ def pressure_for_area(area: ArrayLike, *, stress_variance: ArrayLike) -> Array:
         raise InvalidInput(
             f"area = {float(np.max(fraction))!r}: must lie in [0, 1); full contact needs infinite pressure"
         )
-    return np.sqrt(2 * non_negative("stress_variance", stress_variance, unit="Pa^2")) * erfinv(fraction)
+    variance = non_negative("stress_variance", stress_variance, unit="Pa^2", power=2)
+    together(area=fraction, stress_variance=variance)
+    return np.sqrt(2 * variance) * erfinv(fraction)
 
 
 def area_against_magnification(
@@ -162,6 +165,7 @@ def area_against_magnification(
     -----
     Persson 2006, Eqs. 15 and 20.
     """
+    instance("spectrum", spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
     q_upper = non_negative("magnification", magnification) * positive("q_reference", q_reference, unit="1/m")
     variance = stress_variance(spectrum.m2(q_upper), contact_modulus=contact_modulus)
     return contact_area(pressure, stress_variance=variance)
@@ -196,7 +200,9 @@ def pressure_distribution(stress: ArrayLike, *, pressure: ArrayLike, stress_vari
     """
     load = non_negative("pressure", pressure, unit="Pa")
     width = np.sqrt(_positive_variance(stress_variance))
-    sigma = np.maximum(real("stress", stress, unit="Pa"), 0.0) / width
+    sigma = np.maximum(real("stress", stress, unit="Pa"), 0.0)
+    together(stress=sigma, pressure=load, stress_variance=width)
+    sigma = sigma / width
     mean = load / width
     # One Gaussian times 1 - exp(-2 sigma sigma0 / V): the difference itself would cancel for small sigma
     # sigma0.
@@ -223,13 +229,15 @@ def initial_slope(pressure: ArrayLike, *, stress_variance: ArrayLike) -> Array:
     distributions.
     """
     width = np.sqrt(_positive_variance(stress_variance))
-    mean = non_negative("pressure", pressure, unit="Pa") / width
+    load = non_negative("pressure", pressure, unit="Pa")
+    together(pressure=load, stress_variance=width)
+    mean = load / width
     with np.errstate(under="ignore"):
         return 2 * mean * np.exp(-0.5 * mean**2) / math.sqrt(2 * math.pi) / width / width
 
 
 def _positive_variance(variance: ArrayLike) -> Array:
-    value = non_negative("stress_variance", variance, unit="Pa^2")
+    value = non_negative("stress_variance", variance, unit="Pa^2", power=2)
     if np.any(value == 0):
         raise InvalidInput(
             "stress_variance = 0: the stress distribution is a delta function at the nominal pressure"
@@ -250,7 +258,9 @@ def kappa(area: ArrayLike, *, reduced_pressure: ArrayLike) -> Array:
         raise InvalidInput(
             "reduced_pressure = 0: the secant slope needs a load; its limit in the theory is KAPPA_PERSSON"
         )
-    return non_negative("area", area) / load
+    fraction = non_negative("area", area)
+    together(area=fraction, reduced_pressure=load)
+    return fraction / load
 
 
 def persson_kappa(reduced_pressure: ArrayLike) -> Array:

@@ -8,19 +8,30 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from persson._checks import Array, positive
+from persson._checks import (
+    Array,
+    function,
+    non_negative,
+    poisson_ratio,
+    positive,
+    real,
+    returned,
+    sequence,
+)
 from persson.errors import InvalidInput
 
 __all__ = ["ExponentialLayers", "GradedModulus", "SurfaceLayer"]
 
 
+def _wavevectors(value: ArrayLike) -> Array:
+    q = non_negative("wavevector", value, unit="1/m")
+    if np.any(q == 0):
+        raise InvalidInput("wavevector = 0.0: must be positive [1/m]")
+    return q
+
+
 def _plane_strain(modulus: Array, poisson: float) -> Array:
     return np.asarray(modulus / (1 - poisson * poisson))
-
-
-def _checked_poisson(poisson: float) -> None:
-    if not -1 < poisson <= 0.5:
-        raise InvalidInput(f"poisson = {poisson!r}: must lie in (-1, 0.5]")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,13 +67,14 @@ class GradedModulus:
     breaks: Sequence[float] = ()
 
     def __post_init__(self) -> None:
-        _checked_poisson(self.poisson)
-        for depth in self.breaks:
+        poisson_ratio(self.poisson)
+        function("young", self.young)
+        for depth in sequence("breaks", self.breaks):
             positive("breaks", depth, unit="m")
 
     def __call__(self, wavevector: ArrayLike) -> Array:
         """E~*(q) [Pa] for wavevectors [1/m]."""
-        q = np.asarray(wavevector, dtype=float)
+        q = _wavevectors(wavevector)
         points, weights = np.polynomial.legendre.leggauss(12)
         # Panels grow with depth: fine near the surface, where a thin layer may lie, and up to exp(-60).
         panels = np.concatenate([[0.0], np.geomspace(1e-9, 60.0, 80)])
@@ -71,7 +83,7 @@ class GradedModulus:
         for index, wave in enumerate(q.flat):
             edges = np.unique(np.concatenate([panels, np.minimum(breaks * wave, 60.0)]))
             x = edges[:-1, None] + np.diff(edges)[:, None] * (1 + points) / 2
-            values = np.asarray(self.young(x / wave), dtype=float) * np.exp(-x)
+            values = returned("young(z)", self.young(x / wave), x.shape, unit="Pa") * np.exp(-x)
             result[index] = np.sum((values @ weights) * np.diff(edges) / 2)
         return _plane_strain(result.reshape(q.shape), self.poisson)[()]
 
@@ -102,26 +114,26 @@ class ExponentialLayers:
 
     def __post_init__(self) -> None:
         positive("bulk", self.bulk, unit="Pa")
-        _checked_poisson(self.poisson)
-        if len(self.excess) != len(self.depths):
-            raise InvalidInput(
-                f"{len(self.excess)} excess moduli and {len(self.depths)} depths: must be as many"
-            )
-        for depth in self.depths:
+        poisson_ratio(self.poisson)
+        excess, depths = sequence("excess", self.excess), sequence("depths", self.depths)
+        if len(excess) != len(depths):
+            raise InvalidInput(f"{len(excess)} excess moduli and {len(depths)} depths: must be as many")
+        for depth in depths:
             positive("depths", depth, unit="m")
-        if not self.bulk + sum(self.excess) > 0:
+        total = real("excess", self.excess, unit="Pa").sum()
+        if not self.bulk + total > 0:
             raise InvalidInput("excess: the modulus at the surface, bulk + sum(excess), must be positive")
 
     def young(self, depth: ArrayLike) -> Array:
         """E(z) [Pa]."""
-        z = np.asarray(depth, dtype=float)
+        z = non_negative("depth", depth, unit="m")
         return np.asarray(
             self.bulk + sum(e * np.exp(-z / d) for e, d in zip(self.excess, self.depths, strict=True))
         )
 
     def __call__(self, wavevector: ArrayLike) -> Array:
         """E~*(q) [Pa] for wavevectors [1/m]."""
-        q = np.asarray(wavevector, dtype=float)
+        q = _wavevectors(wavevector)
         value = self.bulk + sum(
             e * (q * d / (1 + q * d)) for e, d in zip(self.excess, self.depths, strict=True)
         )
@@ -150,9 +162,9 @@ class SurfaceLayer:
     def __post_init__(self) -> None:
         for name, unit in (("layer", "Pa"), ("bulk", "Pa"), ("thickness", "m")):
             positive(name, getattr(self, name), unit=unit)
-        _checked_poisson(self.poisson)
+        poisson_ratio(self.poisson)
 
     def __call__(self, wavevector: ArrayLike) -> Array:
         """E~*(q) [Pa] for wavevectors [1/m]."""
-        share = -np.expm1(-np.asarray(wavevector, dtype=float) * self.thickness)
+        share = -np.expm1(-_wavevectors(wavevector) * self.thickness)
         return _plane_strain(np.asarray(self.bulk + (self.layer - self.bulk) * share), self.poisson)[()]

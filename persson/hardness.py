@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import erf, erfc
 
-from persson._checks import Array, non_negative, positive
+from persson._checks import Array, function, instance, non_negative, positive
 from persson.diffusion import Diffusion, solve_diffusion
 from persson.errors import InvalidInput, OutsideTheory
 from persson.scale import Scale
@@ -70,7 +70,7 @@ def constant_hardness(pressure: float, *, stress_variance: ArrayLike, yield_stre
     )
     if load >= hardness:
         raise OutsideTheory(f"pressure = {load!r} Pa: must stay below yield_stress = {hardness!r} Pa")
-    variance = non_negative("stress_variance", stress_variance, unit="Pa^2")
+    variance = non_negative("stress_variance", stress_variance, unit="Pa^2", power=2)
     root = np.sqrt(variance) / hardness
     v = root * root
     x, y = load / hardness, (hardness - load) / hardness
@@ -164,13 +164,15 @@ def size_dependent_hardness(
     -----
     Persson 2006, Eqs. 33 and 34.
     """
+    instance("scale", scale, Scale, what="a `Scale`")
+    function("yield_stress", yield_stress)
     q = np.atleast_1d(non_negative("wavevectors", wavevectors, unit="1/m"))
-    if np.any(np.diff(q) < 0):
-        raise InvalidInput("wavevectors: must increase")
+    if q.ndim != 1 or q.size == 0 or np.any(np.diff(q) < 0):
+        raise InvalidInput("wavevectors: must be a sequence of values that increase")
     return solve_diffusion(
         scale.variance(q),
         pressure=pressure,
-        yield_stress=lambda variance: np.asarray(yield_stress(scale.wavevector(variance)), dtype=float),
+        yield_stress=lambda variance: np.asarray(yield_stress(scale.wavevector(variance))),
         tolerance=tolerance,
     )
 

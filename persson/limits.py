@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable
 from typing import Protocol, Self
 
-from persson._checks import Array, positive
+from persson._checks import Array, function, instance, within
 from persson.adhesion import AdhesionStatus, Interface, solve_adhesion
 from persson.errors import InvalidInput, OutsideTheory
 from persson.scale import Scale
@@ -41,6 +41,9 @@ def pull_off_stress(scale: Scale, *, interface: Interface, tolerance: float = 1e
     >>> pull_off_stress(stiff, interface=Interface(work_of_adhesion=0.05))
     0.0
     """
+    instance("scale", scale, Scale, what="a `Scale`")
+    instance("interface", interface, Interface, what="an `Interface`")
+    within("tolerance", tolerance, 1e-12, 0.5, interval="[1e-12, 0.5]")
     if scale.spectrum.q_min == 0:
         raise InvalidInput(
             "q_min = 0: the size L of the sample sets the pull-off stress; give q_min = 2 pi / L"
@@ -90,7 +93,10 @@ def critical_roughness(
     Persson 2006, Secs. 8.3 and 10.2: the macroscopic gamma_eff(1) left by a load that is taken away vanishes
     there.
     """
-    accuracy = positive("tolerance", tolerance)
+    instance("spectrum", spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
+    function("spectrum.scaled", getattr(spectrum, "scaled", None))
+    instance("interface", interface, Interface, what="an `Interface`")
+    accuracy = within("tolerance", tolerance, 1e-12, 1, interval="[1e-12, 1]")
 
     def sticks(factor: float) -> bool:
         scale = Scale(spectrum.scaled(factor * factor), contact_modulus=contact_modulus)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 
-from persson._checks import Array, non_negative, positive
+from persson._checks import Array, instance, non_negative, positive, returned
 from persson.errors import InvalidInput
 from persson.spectrum import Spectrum
 
@@ -43,6 +43,7 @@ class Scale:
     """
 
     def __init__(self, spectrum: Spectrum, *, contact_modulus: float | Callable[[Array], Array]) -> None:
+        instance("spectrum", spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
         self.spectrum = spectrum
         # A roll-off that reaches q = 0 starts where nothing of it is felt.
         self.q_min = float(spectrum.q_min if spectrum.q_min > 0 else spectrum.q_long * 1e-9)
@@ -59,7 +60,8 @@ class Scale:
         self.graded = callable(contact_modulus)
         if callable(contact_modulus):
             self._modulus = contact_modulus
-            if not np.all(self.modulus(self._q) > 0):
+            found = non_negative("contact_modulus(q)", self.modulus(self._q), unit="Pa")
+            if found.shape != self._q.shape or np.any(found == 0):
                 raise InvalidInput("contact_modulus(q): must be positive at every wavevector")
         else:
             constant = positive("contact_modulus", contact_modulus, unit="Pa")
@@ -75,7 +77,8 @@ class Scale:
 
     def modulus(self, q: ArrayLike) -> Array:
         """E*(q) [Pa]."""
-        return np.asarray(self._modulus(np.asarray(q, dtype=float)), dtype=float)
+        wave = non_negative("q", q, unit="1/m")
+        return returned("contact_modulus(q)", self._modulus(wave), wave.shape, unit="Pa")
 
     def _sum(self) -> Array:
         if not self.graded:
@@ -112,7 +115,7 @@ class Scale:
 
     def wavevector(self, variance: ArrayLike) -> Array:
         """Q [1/m] at which V(q) equals `variance` [Pa^2]; q_min below the first, q_short above the last."""
-        asked = np.asarray(variance, dtype=float)
+        asked = non_negative("variance", variance, unit="Pa^2", power=2)
         value = np.clip(asked, self._first, self._top)
         q = self._origin + self.q_min * np.exp(self._inverse(np.log(value / self._top)))
         for _ in range(2):

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import erf, exp1
 
-from persson._checks import Array, positive
+from persson._checks import Array, instance, non_negative, positive, within
 from persson.elastic import area_against_magnification
 from persson.errors import InvalidInput, OutsideTheory
 from persson.scale import Scale
@@ -43,11 +43,11 @@ def mean_separation(pressure: ArrayLike, *, scale: Scale, energy_ratio: float = 
     The work of the load is stored elastically, p du = -dU (Persson, Phys. Rev. Lett. 99, 125502, 2007; Yang
     and Persson, J. Phys. Condens. Matter 20, 215214, 2008), with dV = (E*^2/4) 2 pi q^3 C dq.
     """
-    if not 0 < energy_ratio <= 1:
-        raise InvalidInput(f"energy_ratio = {energy_ratio!r}: must lie in (0, 1]")
-    load = np.asarray(pressure, dtype=float)
-    for value in load.flat:
-        positive("pressure", float(value), unit="Pa")
+    within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
+    instance("scale", scale, Scale, what="a `Scale`")
+    load = non_negative("pressure", pressure, unit="Pa")
+    if np.any(load == 0):
+        raise InvalidInput("pressure = 0: must be positive; without load the surfaces are not held together")
     top = float(scale.variance(scale.q_short))
     edges = np.linspace(-30.0, 0.0, 241)
     points, weights = np.polynomial.legendre.leggauss(5)
@@ -99,12 +99,14 @@ def macroasperity_magnification(
         curvature, or where the curvature has no maximum inside the spectrum.
     """
     q0 = positive("q_reference", q_reference, unit="1/m")
+    instance("spectrum", spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
+    load = positive("pressure", pressure, unit="Pa")
     if getattr(spectrum, "rolloff", "smooth") != "smooth":
         raise OutsideTheory("the spectrum has a kink at q_long: ln A bends most there; use rolloff='smooth'")
     low = max(spectrum.q_min, spectrum.q_long * 1e-2)
     x = np.linspace(math.log(low / q0), math.log(spectrum.q_short / q0), 4001)[1:-1]
     area = area_against_magnification(
-        spectrum, pressure=pressure, contact_modulus=contact_modulus, magnification=np.exp(x), q_reference=q0
+        spectrum, pressure=load, contact_modulus=contact_modulus, magnification=np.exp(x), q_reference=q0
     )
     bend = np.diff(np.log(area), 2) / (x[1] - x[0]) ** 2
     top = int(np.argmax(bend))

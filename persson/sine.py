@@ -6,13 +6,24 @@ for work and this module to check it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from persson._checks import Array, positive
+from persson._checks import (
+    Array,
+    in_proportion,
+    non_negative,
+    positive,
+    real,
+    returned,
+    scalar,
+    whole,
+    within,
+)
 from persson.errors import InvalidInput, NotConverged
 
 __all__ = ["SineExpansion", "sine_expansion"]
@@ -44,7 +55,7 @@ class SineExpansion:
     def distribution(self, stress: Array) -> Array:
         """P(sigma) [1/Pa] for stresses [Pa]."""
         width = self.tensile_limit + self.yield_stress
-        s = (self.yield_stress - np.asarray(stress, dtype=float)) / width
+        s = (self.yield_stress - real("stress", stress, unit="Pa")) / width
         n = np.arange(1, self.amplitudes.size + 1)
         inside = (s > 0) & (s < 1)
         return np.where(inside, np.sin(np.pi * s[..., None] * n) @ self.amplitudes, 0.0)
@@ -83,18 +94,36 @@ def sine_expansion(
     -----
     Persson 2006, Eq. 52, with the term for a moving sigma_Y that the paper leaves out.
     """
-    below = tensile_limit if callable(tensile_limit) else _constant(tensile_limit)
-    above = yield_stress if callable(yield_stress) else _constant(yield_stress)
-    end = positive("variance", variance, unit="Pa^2")
+    below, above = _wall("tensile_limit", tensile_limit), _wall("yield_stress", yield_stress)
+    end = positive("variance", variance, unit="Pa^2", power=2)
+    whole("modes", modes, least=1, most=2000)
+    within("tolerance", tolerance, 1e-13, 0.1, interval="[1e-13, 0.1]")
+    pressure = scalar("pressure", pressure, unit="Pa")
     start_width = below(0.0) + above(0.0)
-    s0 = (above(0.0) - pressure) / start_width
+    s0 = (above(0.0) - pressure) / start_width if start_width > 0 else math.nan
     if not 0 < s0 < 1:
         raise InvalidInput(f"pressure = {pressure!r}: must lie between the walls")
     n = np.arange(1, modes + 1)
-    amplitudes = 2 / start_width * np.sin(np.pi * n * s0)
+    with in_proportion():
+        amplitudes = 2 / start_width * np.sin(np.pi * n * s0)
     if not (callable(tensile_limit) or callable(yield_stress)):
         amplitudes = amplitudes * np.exp(-0.5 * end * (np.pi * n / start_width) ** 2)
         return SineExpansion(amplitudes=amplitudes, tensile_limit=below(end), yield_stress=above(end))
+    with in_proportion():
+        return _moving(below, above, amplitudes, end=end, tolerance=tolerance)
+
+
+def _moving(
+    below: Callable[[float], float],
+    above: Callable[[float], float],
+    amplitudes: Array,
+    *,
+    end: float,
+    tolerance: float,
+) -> SineExpansion:
+    """Integrate the amplitudes between moving walls up to V = end."""
+    modes = amplitudes.size
+    n, start_width = np.arange(1, modes + 1), below(0.0) + above(0.0)
     stretch, shift = _coupling(modes)
     h = 1e-6 * end
 
@@ -122,8 +151,11 @@ def sine_expansion(
     return SineExpansion(amplitudes=solution.y[:, -1], tensile_limit=below(end), yield_stress=above(end))
 
 
-def _constant(value: float) -> Callable[[float], float]:
-    return lambda variance: float(value)
+def _wall(name: str, wall: float | Callable[[float], float]) -> Callable[[float], float]:
+    if not callable(wall):
+        value = float(non_negative(name, within(name, wall, 0, math.inf, interval="[0, inf)"), unit="Pa"))
+        return lambda variance: value
+    return lambda variance: float(returned(f"{name}(V)", wall(variance), (), unit="Pa"))
 
 
 def _coupling(modes: int) -> tuple[Array, Array]:

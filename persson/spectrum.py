@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import erfcx
 
-from persson._checks import Array, non_negative, positive
+from persson._checks import Array, choice, non_negative, positive, real, scalar, within
 from persson.errors import InvalidInput
 
 __all__ = ["Moments", "SelfAffine", "Spectrum", "SpectrumMoments", "area_factor"]
@@ -38,6 +38,10 @@ class Moments:
     m0: float
     m2: float
     m4: float
+
+    def __post_init__(self) -> None:
+        for name, unit, power in (("m0", "m^2", 2), ("m2", "", 4), ("m4", "1/m^2", 6)):
+            non_negative(name, getattr(self, name), unit=unit, power=power)
 
     @property
     def rms_height(self) -> float:
@@ -114,6 +118,8 @@ class SpectrumMoments:
 
     def moments(self, q_upper: float | None = None) -> Moments:
         """Return m0, m2 and m4 of the waves up to q_upper [1/m], together."""
+        if q_upper is not None:
+            q_upper = scalar("q_upper", q_upper, unit="1/m")
         return Moments(m0=float(self.m0(q_upper)), m2=float(self.m2(q_upper)), m4=float(self.m4(q_upper)))
 
 
@@ -163,25 +169,23 @@ class SelfAffine(SpectrumMoments):
     q_min: float = None  # type: ignore[assignment]
 
     def __post_init__(self) -> None:
-        if not 0 <= self.hurst <= 1:
-            raise InvalidInput(f"hurst = {self.hurst!r}: must lie in [0, 1]")
+        within("hurst", self.hurst, 0, 1, interval="[0, 1]")
         positive("q_long", self.q_long, unit="1/m")
-        positive("amplitude", self.amplitude, unit="m^4")
-        if self.rolloff not in ("sharp", "smooth", "plateau"):
-            raise InvalidInput(f"rolloff = {self.rolloff!r}: must be 'sharp', 'smooth' or 'plateau'")
-        if not (math.isfinite(self.q_short) and self.q_short >= self.q_long):
+        positive("amplitude", self.amplitude, unit="m^4", power=4)
+        choice("rolloff", self.rolloff, ("sharp", "smooth", "plateau"))
+        if not positive("q_short", self.q_short, unit="1/m") >= self.q_long:
             raise InvalidInput(
                 f"q_short = {self.q_short!r}: must be finite and at least q_long = {self.q_long!r}"
             )
         lowest = self.q_min
         if lowest is None:
             object.__setattr__(self, "q_min", self.q_long if self.rolloff == "sharp" else 0.0)
-        elif self.rolloff == "sharp" and lowest != self.q_long:
+        elif self.rolloff == "sharp" and non_negative("q_min", lowest).ravel()[0] != self.q_long:
             raise InvalidInput(
                 f"q_min = {lowest!r}: a sharp roll-off ends at q_long; name a plateau or smooth one"
             )
-        elif not 0 <= lowest <= self.q_long:
-            raise InvalidInput(f"q_min = {lowest!r}: must lie in [0, q_long = {self.q_long!r}]")
+        else:
+            within("q_min", lowest, 0, self.q_long, interval=f"[0, q_long = {self.q_long!r}]")
 
     @classmethod
     def from_rms_height(
@@ -260,7 +264,7 @@ class SelfAffine(SpectrumMoments):
 
     def __call__(self, q: ArrayLike) -> Array:
         """C(q) [m^4] for an array of q [1/m]; 0 outside [q_min, q_short]."""
-        ratio = np.asarray(q, dtype=float) / self.q_long
+        ratio = real("q", q, unit="1/m") / self.q_long
         inside = (ratio >= self.q_min / self.q_long * (1 - EDGE)) & (
             ratio <= self.q_short / self.q_long * (1 + EDGE)
         )
@@ -275,7 +279,7 @@ class SelfAffine(SpectrumMoments):
 
     def truncated(self, q_max: float) -> Self:
         """Return the same roughness without its waves beyond q_max [1/m], q_long <= q_max."""
-        if not q_max >= self.q_long * (1 - EDGE):
+        if not positive("q_max", q_max, unit="1/m") >= self.q_long * (1 - EDGE):
             raise InvalidInput(f"q_max = {q_max!r}: must be at least q_long = {self.q_long!r}")
         return replace(self, q_short=max(min(self.q_short, q_max), self.q_long))
 
@@ -371,6 +375,6 @@ def area_factor(m2: ArrayLike) -> Array:
     >>> float(area_factor(0.0))
     1.0
     """
-    slope = np.sqrt(non_negative("m2", m2))
+    slope = np.sqrt(non_negative("m2", m2, power=2))
     safe = np.where(slope > 0, slope, 1.0)
     return 1 + np.where(slope > 0, 0.5 * math.sqrt(math.pi) * safe * erfcx(1 / safe), 0.0)

@@ -32,7 +32,7 @@ __all__ = [
 def effective_radius(first: float, second: float) -> float:
     """R = R1 R2 / (R1 + R2) [m] of two spheres; infinite second radius for a flat."""
     a = positive("first", first, unit="m")
-    if second == math.inf:
+    if isinstance(second, float) and second == math.inf:
         return a
     b = positive("second", second, unit="m")
     return a * (b / (a + b))
@@ -58,7 +58,7 @@ class HertzContact:
 
     def pressure(self, distance: ArrayLike) -> Array:
         """Pressure [Pa] at distances r [m] from the centre; 0 outside."""
-        ratio = np.asarray(distance, dtype=float) / self.radius
+        ratio = real("distance", distance, unit="m") / self.radius
         return self.peak_pressure * np.sqrt(np.maximum(1 - ratio * ratio, 0.0))
 
 
@@ -223,7 +223,7 @@ class DoubleHertz:
     def __post_init__(self) -> None:
         positive("peak_pressure", self.peak_pressure, unit="Pa")
         non_negative("tensile_limit", self.tensile_limit, unit="Pa")
-        if not self.eta > 1:
+        if not positive("eta", self.eta) > 1:
             raise InvalidInput(f"eta = {self.eta!r}: must exceed 1")
 
     @property

@@ -9,7 +9,7 @@ from typing import Literal, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from persson._checks import Array, non_negative, positive
+from persson._checks import Array, choice, instance, non_negative, positive, real
 from persson.errors import InvalidInput
 from persson.spectrum import EDGE, Spectrum, SpectrumMoments
 
@@ -43,7 +43,8 @@ class Tabulated(SpectrumMoments):
     power: Array
 
     def __post_init__(self) -> None:
-        q, c = (np.array(x, dtype=float) for x in (self.wavevectors, self.power))
+        q = np.array(real("wavevectors", self.wavevectors, unit="1/m"))
+        c = np.array(real("power", self.power, unit="m^4", power=4))
         if q.ndim != 1 or q.size < 2 or q.shape != c.shape:
             raise InvalidInput(
                 f"wavevectors {q.shape} and power {c.shape}: must be equal, one-dimensional, n >= 2"
@@ -59,8 +60,8 @@ class Tabulated(SpectrumMoments):
     @classmethod
     def from_areal_psd(cls, wavevectors: ArrayLike, power: ArrayLike) -> Self:
         """Read the areal PSD of other communities, (2 pi)^2 C(q) [m^4]."""
-        c = np.asarray(power, dtype=float) / (4 * math.pi**2)
-        return cls(wavevectors=np.asarray(wavevectors, dtype=float), power=c)
+        c = real("power", power, unit="m^4", power=4) / (4 * math.pi**2)
+        return cls(wavevectors=real("wavevectors", wavevectors, unit="1/m"), power=c)
 
     def areal_psd(self) -> Array:
         """(2 pi)^2 C(q) [m^4] at the points."""
@@ -89,7 +90,7 @@ class Tabulated(SpectrumMoments):
 
     def __call__(self, q: ArrayLike) -> Array:
         """C(q) [m^4]; 0 outside the table."""
-        wave = np.asarray(q, dtype=float)
+        wave = real("q", q, unit="1/m")
         inside = (wave >= self.q_min * (1 - EDGE)) & (wave <= self.q_short * (1 + EDGE))
         safe = np.clip(wave, self.q_min, self.q_short)
         index = np.clip(np.searchsorted(self.wavevectors, safe, side="right") - 1, 0, self.power.size - 2)
@@ -98,7 +99,7 @@ class Tabulated(SpectrumMoments):
 
     def truncated(self, q_max: float) -> Self:
         """Return the same surface without its waves beyond q_max [1/m]."""
-        if not q_max > self.q_min:
+        if not positive("q_max", q_max, unit="1/m") > self.q_min:
             raise InvalidInput(f"q_max = {q_max!r}: must exceed q_min = {self.q_min!r}")
         if q_max >= self.q_short:
             return self
@@ -153,6 +154,8 @@ def smoothed(
     -----
     Persson 2006, Sec. 10.2.
     """
+    instance("spectrum", spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
+    choice("form", form, ("gradual", "sharp"))
     q = np.atleast_1d(non_negative("wavevectors", wavevectors, unit="1/m"))
     share = np.atleast_1d(non_negative("yielded", yielded))
     if q.shape != share.shape or np.any(share > 1 + 1e-6):
@@ -161,9 +164,7 @@ def smoothed(
     power = spectrum(q)
     if form == "gradual":
         power = power * np.where(keep > 1e-12, keep, 0.0)
-    elif form == "sharp":
-        power = np.where(share <= 0.5, power, 0.0)
     else:
-        raise InvalidInput(f"form = {form!r}: must be 'gradual' or 'sharp'")
+        power = np.where(share <= 0.5, power, 0.0)
     rough = power > 0
     return Tabulated(wavevectors=q[rough], power=power[rough])

@@ -7,14 +7,14 @@ the stress variance grow by dV = S(P) dV_full, with P the relative contact area:
 from __future__ import annotations
 
 import math
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 from scipy.special import erf
 
-from persson._checks import Array, non_negative
+from persson._checks import Array, choice, non_negative, real, shown, together, within
 from persson.elastic import KAPPA_PERSSON, contact_area
 from persson.errors import InvalidInput
 
@@ -41,14 +41,16 @@ def energy_factor(area: ArrayLike, *, variant: Variant, energy_ratio: float = EN
     energy_ratio : float
         g of Yang and Persson.
     """
-    p2 = np.square(non_negative("area", area))
+    choice("variant", variant, get_args(Variant)[:-1])
+    within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
+    p2 = np.square(real("area", area))
+    if np.any(p2 > 1) or np.any(np.asarray(area) < 0):
+        raise InvalidInput(f"area = {shown(area)}: must lie in [0, 1]")
     if variant == "persson":
         return np.ones_like(p2)
     if variant == "yang_persson":
         return np.asarray(energy_ratio + (1 - energy_ratio) * p2)
-    if variant == "wang_mueser":
-        return np.asarray((5 - 2 * p2 + 6 * p2 * p2) / 9)
-    raise InvalidInput(f"variant = {variant!r}: must be 'persson', 'yang_persson' or 'wang_mueser'")
+    return np.asarray((5 - 2 * p2 + 6 * p2 * p2) / 9)
 
 
 def light_load_kappa(variant: Variant, *, energy_ratio: float = ENERGY_RATIO) -> float:
@@ -59,8 +61,9 @@ def light_load_kappa(variant: Variant, *, energy_ratio: float = ENERGY_RATIO) ->
     >>> round(light_load_kappa("wang_mueser"), 3), round(light_load_kappa("yang_persson"), 3)
     (2.141, 2.379)
     """
+    choice("variant", variant, get_args(Variant))
     zero = (
-        energy_ratio
+        within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
         if variant == "xu"
         else float(energy_factor(0.0, variant=variant, energy_ratio=energy_ratio))
     )
@@ -101,15 +104,18 @@ def corrected_contact_area(
     2.14
     """
     load = non_negative("pressure", pressure, unit="Pa")
-    full = non_negative("stress_variance", stress_variance, unit="Pa^2")
-    if not 0 < energy_ratio <= 1:
-        raise InvalidInput(f"energy_ratio = {energy_ratio!r}: must lie in (0, 1]")
+    full = non_negative("stress_variance", stress_variance, unit="Pa^2", power=2)
+    within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
+    choice("variant", variant, get_args(Variant))
     if variant == "persson":
         return contact_area(load, stress_variance=full)
+    together(pressure=load, stress_variance=full)
     load, full = np.broadcast_arrays(load, full)
     loaded = (load > 0) & (full > 0)
     root = np.sqrt(full)
     x = np.where(loaded, np.where(loaded, root, 1.0) / np.where(loaded, load, 1.0), 1.0)
+    # Beyond it the area is below 1e-100, and its square could not be represented.
+    x = np.minimum(x, 1e100)
     y = _xu(x * x, energy_ratio) if variant == "xu" else _grown(x * x, variant, energy_ratio)
     area = np.asarray(erf(1 / np.sqrt(2 * y)))
     return np.where(loaded, area, np.where(load > 0, 1.0, 0.0))[()]

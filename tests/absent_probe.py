@@ -29,7 +29,7 @@ def main(effects: list[dict[str, object]]) -> None:
     """Solve twice: once to load and compile, once to measure."""
     # Where ducc0 is installed it transforms in place; without it every installation allocates the same.
     sys.modules["ducc0"] = None  # type: ignore[assignment]
-    from fem_contact import fourier
+    from fem_contact.complementarity import fourier
     from validation.scenes.scene import Scene
     from validation.solves.press import solves_of
 

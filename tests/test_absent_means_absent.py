@@ -14,9 +14,9 @@ PROBE = Path(__file__).with_name("absent_probe.py")
 #: Modules that only an effect, or the theory of one, may load.
 EFFECT_MODULES = {
     "fem_contact.adhesion",
-    "fem_contact.adhesion_path",
-    "fem_contact.descent",
-    "fem_contact.gap_laws",
+    "fem_contact.adhesion.path",
+    "fem_contact.adhesion.descent",
+    "fem_contact.adhesion.laws",
     "fem_contact.hardness",
     "fem_contact.graded",
     "persson.adhesion",

@@ -17,7 +17,8 @@ import time
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.bem import FourierOperator, Method, solve
+from fem_contact.bem import Method, solve
+from fem_contact.complementarity import FourierOperator
 from fem_contact.contact import Residuals, measure_residuals
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid

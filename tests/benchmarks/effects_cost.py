@@ -9,8 +9,8 @@ from __future__ import annotations
 import sys
 
 from fem_contact import adhesion, bem
+from fem_contact.adhesion.laws import Dugdale, Exponential
 from fem_contact.contact import ContactResult
-from fem_contact.gap_laws import Dugdale, Exponential
 from fem_contact.graded import ExponentialSolid, LayeredSolid
 from fem_contact.hardness import Hardness, press
 from fem_contact.response import BondedLayer, HalfSpace

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from fem_contact import adhesion
+from fem_contact.adhesion.descent import Landscape
+from fem_contact.adhesion.laws import Dugdale, Exponential
 from fem_contact.errors import InvalidInput
-from fem_contact.gap_laws import Dugdale, Exponential
 from fem_contact.hardness import Hardness, press, yielded
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
@@ -83,9 +84,7 @@ def test_adhesion_adds_yielded_contact_and_yielding_adds_contact():
 def test_the_state_is_lower_in_energy_than_its_perturbed_neighbours():
     state = sticky(1e-4, 0.03)
     contact, rng = state.contact, np.random.default_rng(23)
-    land = adhesion.Landscape(
-        contact.heights, response=HALF, lengths=contact.lengths, law=state.law, hardness=0.03
-    )
+    land = Landscape(contact.heights, response=HALF, lengths=contact.lengths, law=state.law, hardness=0.03)
 
     def potential(gap):
         return land.energy(gap) + LOAD * float(np.mean(gap))

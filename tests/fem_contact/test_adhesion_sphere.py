@@ -7,10 +7,11 @@ import pytest
 from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq, minimize_scalar
 
-from fem_contact import adhesion, adhesion_path
+from fem_contact import adhesion
+from fem_contact.adhesion import path as adhesion_path
+from fem_contact.adhesion.laws import Dugdale, Exponential
 from fem_contact.contact import Status
 from fem_contact.errors import NotConverged
-from fem_contact.gap_laws import Dugdale, Exponential
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from fem_contact import kernels
-from fem_contact.complementarity import polonsky_keer, solve_bounded, solve_nested
+from fem_contact.complementarity import kernels, polonsky_keer, solve_bounded, solve_nested
+from fem_contact.complementarity.fourier import FourierOperator, coarsened, refined
+from fem_contact.complementarity.passes import Passes
+from fem_contact.complementarity.rows import Rows
 from fem_contact.contact import Status
-from fem_contact.fourier import FourierOperator, coarsened, refined
-from fem_contact.passes import Passes
 from fem_contact.response import HalfSpace
-from fem_contact.rows import Rows
+from fem_contact.settings import Settings
 from fem_contact.solid import Solid
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
@@ -205,10 +205,8 @@ def run(
         heights,
         mean_force=load,
         length_scale=float(heights.std()),
-        tolerance=tolerance,
-        max_iterations=500,
+        settings=Settings(tolerance=tolerance, max_iterations=500, threads=threads),
         bound=bound,
-        threads=threads,
     )
 
 
@@ -222,8 +220,7 @@ def test_preconditioned_and_plain_solver_agree(load: float) -> None:
         heights,
         mean_force=load,
         length_scale=float(heights.std()),
-        tolerance=1e-11,
-        max_iterations=5000,
+        settings=Settings(tolerance=1e-11, max_iterations=5000),
     )
     assert fast.status is slow.status is Status.CONVERGED
     assert np.linalg.norm(fast.force - slow.force) < 1e-8 * np.linalg.norm(slow.force)
@@ -268,8 +265,7 @@ def test_coarse_start_changes_the_cost_and_not_the_answer() -> None:
         coarse=lambda shape: FourierOperator(SOFT, shape, lengths, threads=1),
         mean_force=0.3,
         length_scale=float(heights.std()),
-        tolerance=1e-10,
-        max_iterations=500,
+        settings=Settings(tolerance=1e-10, max_iterations=500, threads=1),
     )
     cold = run(heights, load=0.3)
     assert np.linalg.norm(nested.force - cold.force) < 1e-7 * np.linalg.norm(cold.force)
@@ -294,7 +290,11 @@ def test_weights_turn_the_interpolated_pressure_into_forces() -> None:
         def precondition(self, residual: Array, out: Array) -> None:
             self.inner.precondition(residual, out)
 
-    settings = {"mean_force": 0.3, "length_scale": 1.0, "tolerance": 1e-10, "max_iterations": 500}
+    settings = {
+        "mean_force": 0.3,
+        "length_scale": 1.0,
+        "settings": Settings(tolerance=1e-10, max_iterations=500, threads=1),
+    }
     plain = solve_bounded(Weighted(), heights, **settings)
     nested = solve_nested(
         Weighted(),
@@ -346,8 +346,7 @@ def test_single_precision_preconditioner_changes_the_path_and_not_the_answer() -
     settings = {
         "mean_force": 0.3,
         "length_scale": float(heights.std()),
-        "tolerance": 1e-12,
-        "max_iterations": 500,
+        "settings": Settings(tolerance=1e-12, max_iterations=500, threads=1),
     }
     double = solve_bounded(operator, heights, **settings)
     single = solve_bounded(operator, heights, single=True, **settings)

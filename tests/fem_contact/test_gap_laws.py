@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from fem_contact.adhesion.laws import Dugdale, Exponential
 from fem_contact.errors import InvalidInput
-from fem_contact.gap_laws import Dugdale, Exponential
 
 LAWS = [
     Exponential(work=0.3, reach=0.7),

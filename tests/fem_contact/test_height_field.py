@@ -7,12 +7,21 @@ import pickle
 import numpy as np
 import pytest
 
+from fem_contact import HalfSpace, Solid, bem, elastic_energy
 from fem_contact.errors import InvalidInput
 from fem_contact.surface import HeightField
 
 
 def rough():
     return HeightField(heights=np.random.default_rng(19).standard_normal((16, 17)), lengths=(2.0, 3.0))
+
+
+def test_masked_heights_are_refused_with_the_remedy():
+    masked = np.ma.masked_greater(rough().heights, 1.0)
+    with pytest.raises(InvalidInput, match=r"heights: \d+ of 272 points are masked: fill them"):
+        HeightField(heights=masked, lengths=(1.0, 1.0))
+    whole = np.ma.masked_array(rough().heights)
+    assert HeightField(heights=whole, lengths=(2.0, 3.0)).rms_height == rough().rms_height
 
 
 @pytest.mark.parametrize(
@@ -73,3 +82,30 @@ def test_a_copied_height_field_is_the_same_surface_and_read_only(copied):
     assert arrived.rms_gradient == original.rms_gradient
     assert not arrived.heights.flags.writeable
     assert arrived != original
+
+
+@pytest.mark.parametrize("shape", [(16, 17), (15, 12), (1, 8), (9, 1)])
+def test_the_spectral_sum_of_even_powers_are_the_moments(shape):
+    surface = HeightField(heights=np.random.default_rng(23).standard_normal(shape), lengths=(2.0, 3.0))
+    sums = [surface.spectral_sum(lambda q, n=n: q**n) for n in (0, 2, 4)]
+    np.testing.assert_allclose(sums, surface.moments, rtol=1e-12)
+
+
+def test_the_spectral_sum_is_the_energy_of_full_contact_that_a_solver_stores():
+    wave = np.cos(2 * np.pi * np.arange(24) / 12)[:, None] * np.cos(2 * np.pi * np.arange(20) / 10)
+    surface = HeightField(heights=wave, lengths=(2.0, 1.5))
+    solid = HalfSpace(solid=Solid(young=3.0, poisson=0.2))
+    pressed = bem.solve(surface, solid, mean_pressure=100.0)
+    stored = surface.spectral_sum(lambda q: solid.contact_modulus * q / 4)
+    assert elastic_energy(pressed) == pytest.approx(stored, rel=1e-10)
+
+
+def test_a_mean_height_is_no_roughness_to_the_spectral_sum():
+    flat = HeightField(heights=np.full((6, 8), 7.0), lengths=(1.0, 1.0))
+    assert flat.spectral_sum(lambda q: 1 / q) == 0
+
+
+@pytest.mark.parametrize("weight", [lambda q: q * np.nan, lambda q: None, lambda q: q[:3], lambda q: "wide"])
+def test_a_weight_that_is_no_number_for_every_wave_is_refused(weight):
+    with pytest.raises(InvalidInput, match=r"weight\(q\)"):
+        rough().spectral_sum(weight)

@@ -6,13 +6,15 @@ import pytest
 from validation.comparison.explain import explain
 from validation.errors import UsageError
 from validation.scenes.scene import load_scene
+from validation.solves.bench import Bench
 from validation.solves.press import solves_of
 from validation.studies import find_study, graded
 
 
 @pytest.fixture(scope="module")
-def data():
-    return graded.run(ratios=(0.5, 2.0))
+def data(tmp_path_factory):
+    bench = Bench.at(tmp_path_factory.mktemp("solves"))
+    return graded.run(graded.Options(ratios=(0.5, 2.0)), bench=bench)
 
 
 def test_both_moduli_are_those_of_the_solid_felt_alone_at_the_ends(data):
@@ -40,8 +42,8 @@ def test_findings_say_where_the_claim_holds_and_turn_with_the_numbers(data):
 
 
 def test_no_grading_is_refused():
-    with pytest.raises(UsageError, match="--ratios"):
-        graded.run(ratios=(1.0,))
+    with pytest.raises(UsageError, match="ratios = 2, 1: must not be 1"):
+        find_study("graded").parse(["--ratios", "2,1"])
 
 
 @pytest.mark.parametrize(("name", "less"), [("oxide-layer", True), ("soft-layer", False)])

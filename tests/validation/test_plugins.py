@@ -231,7 +231,9 @@ def test_an_effect_of_another_package_runs_is_explained_and_stands_in_the_report
 def test_an_effect_is_refused_by_name_where_a_method_lacks_its_slot(command, table, method):
     done = command("run", "toy.toml", "--quiet", scene=SCENE + table + SKIN)
     assert done.returncode == 2
-    assert f"[[effects]] 1 kind = 'skin': method '{method}' does not handle it; handled by: bem" in done.stderr
+    assert (
+        f"[[effects]] 1 kind = 'skin': method '{method}' does not handle it; handled by: bem" in done.stderr
+    )
 
 
 def test_a_method_of_another_package_is_compared_with_boundary_elements(command, tmp_path):
@@ -254,9 +256,10 @@ def test_a_study_of_another_package_is_listed_and_leaves_a_report(command, tmp_p
     assert done.returncode == 0, done.stderr
     assert "3 surfaces." in done.stdout
     assert (tmp_path / "results" / "toy" / "report.html").exists()
-    assert "--surfaces = '0': must be greater than or equal to 1" in command(
-        "study", "toy", "--surfaces", "0"
-    ).stderr
+    assert (
+        "--surfaces = '0': must be greater than or equal to 1"
+        in command("study", "toy", "--surfaces", "0").stderr
+    )
 
 
 def test_an_entry_point_that_cannot_be_loaded_is_named(command, toys, tmp_path):

@@ -162,7 +162,7 @@ def chosen_execution(
             f"--workers = {workers}: not together with --scheduler, which has workers of its own"
         )
     if workers is None and scheduler is None:
-        workers, scheduler = said.workers, said.scheduler
+        workers = said.workers
     return Execution(workers=workers or 1, scheduler=scheduler, memory=None if limit is None else int(limit))
 
 
@@ -248,7 +248,7 @@ def show(what: Any) -> None:
     """Print a text, what is dangerous to a terminal made harmless, or a table."""
     from rich.console import Console
 
-    from validation.report.words import harmless
+    from validation.errors import harmless
 
     # Without markup: a title such as "[/]" is a title.
     console = Console(highlight=False, markup=False, soft_wrap=isinstance(what, str))
@@ -268,6 +268,6 @@ def terminal_width() -> int | None:
 
 def say(message: Exception | str, *, prefix: str = "fem-contact: ") -> None:
     """Print a line for the user on stderr."""
-    from validation.report.words import harmless
+    from validation.errors import harmless
 
     typer.echo(harmless(f"{prefix}{message}"), err=True)

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from fem_contact import errors as fem_errors
+from persson import errors as persson_errors
 from validation.effects import effect_kinds
 from validation.effects.base import Judgement, Roughness, Told
+from validation.errors import UsageError
 from validation.methods import methods
 from validation.methods.theory import theory_words
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import Realised, realise
+from validation.scenes.realised import Realised, Surveyed
 from validation.scenes.scene import Scene
+from validation.scenes.surfaces import Expected
 from validation.solves.calibration import effect_costs
 from validation.solves.cost import transform_seconds
 from validation.solves.press import Press, solves_of
@@ -20,6 +27,8 @@ from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+    from fem_contact.surface import HeightField
 
 __all__ = ["Explanation", "Prediction", "explain", "judgements"]
 
@@ -103,10 +112,19 @@ def explain(scene: Scene) -> Explanation:
     Raises
     ------
     UsageError
-        For an effect that a method of the scene lacks.
+        For an effect that a method of the scene lacks, and for numbers that no method can compute with.
     """
-    realised = realise(scene)
-    check_scene(scene, realised)
+    realised = Surveyed(surface=scene.surface, solid=scene.solid, load=scene.load)
+    try:
+        check_scene(scene, realised)
+        return _explained(scene, realised)
+    except (fem_errors.InvalidInput, persson_errors.InvalidInput) as error:
+        raise UsageError(str(error)) from None
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        raise UsageError(f"its numbers lie too far apart to compute with ({error})") from None
+
+
+def _explained(scene: Scene, realised: Realised) -> Explanation:
     pair = transform_seconds()
     groups: dict[tuple[str, tuple[int, int]], list[Press]] = {}
     for solve in solves_of(scene, realised):
@@ -138,14 +156,23 @@ def explain(scene: Scene) -> Explanation:
 
 def judgements(scene: Scene, realised: Realised) -> tuple[tuple[Judgement, ...], tuple[Judgement, ...]]:
     """Return the effects that a scene lists and those it leaves out, each with the number that decides."""
-    rough = Roughness.of(
-        realised.field,
-        modulus=realised.contact_modulus,
-        longest=realised.longest,
-        shortest=realised.shortest,
-    )
+    rough = _roughness(realised)
     listed = tuple(_priced(effect.judged(rough)) for effect in scene.effects)
     return listed, _left_out(scene, rough)
+
+
+def _roughness(realised: Realised) -> Roughness:
+    field: HeightField | Expected = realised.field
+    waves = {"longest": realised.longest, "shortest": realised.shortest}
+    if isinstance(field, Expected):
+        return Roughness(
+            modulus=realised.contact_modulus,
+            gradient=field.rms_gradient,
+            curvature=math.sqrt(3 * field.moments[2] / 8),
+            full_energy=0.25 * realised.contact_modulus * field.first_moment,
+            **waves,
+        )
+    return Roughness.of(field, modulus=realised.contact_modulus, **waves)
 
 
 def _priced(judgement: Judgement) -> Judgement:
@@ -168,23 +195,27 @@ def _cost_words(scene: Scene) -> str:
 
 def _facts(scene: Scene, realised: Realised) -> tuple[tuple[str, str], ...]:
     """Return the numbers a reader checks first: realised and continuum roughness, load, bandwidth."""
-    field, modulus = realised.field, realised.contact_modulus
-    facts = [
-        ("E*", f"{modulus:.6g} Pa"),
-        (
-            "realised surface",
-            f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} (spectral)",
-        ),
-    ]
+    field: HeightField | Expected = realised.field
+    facts = [("E*", f"{realised.contact_modulus:.6g} Pa"), ("realised surface", _realised_words(field))]
     facts += _surface_facts(realised)
     if field.rms_gradient > 0:
-        facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} (realised)"))
+        source = "of C(q)" if isinstance(field, Expected) else "realised"
+        facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"))
         facts.append(("load", f"p0 = {realised.pressure:.6g} Pa, p* = {realised.reduced_pressure:.4g}"))
     for name, method in scene.methods.asked.items():
         facts += method.facts(scene.methods.options(name), realised)
     if scene.methods.options("theory") is not None:
         facts.append(("theory", _theory_words(scene, realised)))
     return tuple(facts)
+
+
+def _realised_words(field: HeightField | Expected) -> str:
+    if isinstance(field, Expected):
+        return (
+            f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points; all that follows is "
+            "that of C(q)"
+        )
+    return f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} (spectral)"
 
 
 def _surface_facts(realised: Realised) -> list[tuple[str, str]]:

@@ -15,7 +15,7 @@ from validation.units import Length, Work
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from fem_contact.gap_laws import GapLaw
+    from fem_contact.adhesion import GapLaw
     from validation.scenes.realised import Realised
 
 __all__ = ["Adhesion"]
@@ -43,7 +43,7 @@ class Adhesion(Effect):
 
     def gap_law(self) -> GapLaw:
         """Return the law of the gap."""
-        from fem_contact.gap_laws import Dugdale, Exponential
+        from fem_contact.adhesion import Dugdale, Exponential
 
         kind = Exponential if self.law == "exponential" else Dugdale
         return kind(work=self.work, reach=self.reach)

@@ -16,7 +16,7 @@ from fem_contact.surface import HeightField
 from validation.units import Table
 
 if TYPE_CHECKING:
-    from fem_contact.gap_laws import GapLaw
+    from fem_contact.adhesion import GapLaw
     from validation.scenes.realised import Realised
 
 __all__ = ["Body", "Effect", "Judgement", "Roughness", "SlotName", "Slots", "Told", "clash", "effect_key"]

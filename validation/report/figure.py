@@ -17,7 +17,8 @@ from matplotlib.layout_engine import PlaceHolderLayoutEngine
 from matplotlib.patches import StepPatch
 from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, NullFormatter
 
-from validation.report.words import harmless, mathtext
+from validation.errors import harmless
+from validation.report.words import mathtext
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,14 +27,20 @@ if TYPE_CHECKING:
 
 
 __all__ = [
+    "COLOURS",
     "FILLS",
     "LOOK",
     "MARKERS",
     "STYLE",
     "STYLES",
+    "SYMBOLS",
+    "THEORY",
     "embeddable",
     "lines_figure",
+    "look",
     "new_figure",
+    "plain_look",
+    "points_per_wave_axis",
     "readable_ticks",
     "save_figure",
 ]
@@ -79,6 +86,10 @@ MARKERS = [("#0b5394", "o"), ("#b45f06", "s"), ("#38761d", "^"), ("#674ea7", "D"
 STYLES = ["-", "--", "-.", ":"]
 
 
+#: Of studies: what is told apart by symbol and colour, and the theory, which is neither.
+SYMBOLS = ("o", "s", "^", "D", "v", "P", "X", "*")
+COLOURS = ("#0b5394", "#b45f06", "#38761d", "#741b47", "#134f5c", "#7f6000", "#444444", "#990000")
+THEORY: dict[str, Any] = {"color": "#38761d", "ls": "-."}
 #: Digits of the labels of a logarithmic axis, most to least.
 _TICKS: tuple[tuple[float, ...], ...] = ((1, 2, 3, 5, 7), (1, 2, 5), (1, 3), (1,))
 
@@ -258,3 +269,21 @@ def new_figure(width: float = 5.0, height: float = 3.7, columns: int = 1) -> tup
         figure = Figure(figsize=(width, height), layout="constrained")
         axes = figure.subplots(1, columns, squeeze=False)[0]
     return figure, list(axes)
+
+
+def look(k: int) -> dict[str, Any]:
+    """Symbol and colour of the k-th thing compared, with caps for its error bars."""
+    return {"marker": SYMBOLS[k % 8], "color": COLOURS[k % 8], "capsize": 2, "ms": 5}
+
+
+def plain_look(k: int) -> dict[str, Any]:
+    """Return the same for lines without error bars."""
+    return {"marker": SYMBOLS[k % 8], "color": COLOURS[k % 8], "ms": 5}
+
+
+def points_per_wave_axis(axes: Axes, per_wave: Sequence[float]) -> None:
+    """Lay grids, as lambda_short/dx, along the axis."""
+    axes.set_xscale("log", base=2)
+    axes.set_xticks(per_wave, [f"{p:g}" for p in per_wave])
+    axes.minorticks_off()
+    axes.set_xlabel(r"points per shortest wavelength, $\lambda_{short}/\Delta x$")

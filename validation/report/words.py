@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from validation.errors import harmless
+
 if TYPE_CHECKING:
     from markupsafe import Markup
 
-__all__ = ["harmless", "json_ready", "mathematics", "mathtext", "significant", "with_error"]
+__all__ = ["json_ready", "mathematics", "mathtext", "significant", "with_error"]
 
-#: Control characters but for line feed and tab, and marks of the direction of writing.
-_STEERING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
 _GREEK = {"kappa": "κ", "sigma": "σ", "gamma": "γ", "lambda": "λ", "zeta": "ζ", "alpha": "α"}
 _APART = r"(?<![\w-])(?:{})(?![\w-])"
 #: How symbols of the field are typed (in text that was made safe for HTML), and how they are set.
@@ -67,15 +67,6 @@ def mathtext(text: str) -> str:
     for typed, drawn in _DRAWN:
         text = re.sub(typed, drawn, text)
     return text
-
-
-def harmless(text: str) -> str:
-    """Return a text without what steers a terminal or turns the direction of writing; a mark stands for it.
-
-    >>> harmless("a" + chr(0x1B) + "[31m" + chr(0x202E)) == "a" + chr(0xFFFD) + "[31m" + chr(0xFFFD)
-    True
-    """
-    return _STEERING.sub("\ufffd", text)
 
 
 def mathematics(text: str) -> Markup:

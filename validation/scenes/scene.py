@@ -12,13 +12,32 @@ from operator import or_
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
-from pydantic import BaseModel, Field, StrictBool, StrictInt, ValidationError, create_model, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    Field,
+    StrictBool,
+    StrictInt,
+    ValidationError,
+    create_model,
+    model_validator,
+)
 
 from validation.effects import effect_kinds
 from validation.effects.base import Effect, clash, effect_key
-from validation.errors import SceneError, UsageError
+from validation.errors import SceneError, UsageError, harmless
 from validation.methods import Method, Solver, methods
-from validation.units import Grids, Length, Lengths, Memory, Number, Pressure, exactly_one, unit_registry
+from validation.units import (
+    Grids,
+    Length,
+    Lengths,
+    Memory,
+    Number,
+    Pressure,
+    Ratio,
+    exactly_one,
+    unit_registry,
+)
 from validation.units import Table as _Table
 from validation.units import wrong as _wrong
 
@@ -42,7 +61,11 @@ __all__ = [
 
 
 #: What a scene may be called, since a folder of results is named so.
-_NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]*$"
+_NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
+
+
+#: Surfaces of one scene: the scatter between ten thousand is known to a percent of itself.
+_MOST_REALISATIONS = 10_000
 
 
 class SelfAffineSurface(_Table):
@@ -53,13 +76,13 @@ class SelfAffineSurface(_Table):
     hurst: Number = Field(ge=0, le=1, description="Hurst exponent H, in [0, 1]")
     lambda_long: Length = Field(description="longest wavelength of the self-affine range")
     lambda_short: Length = Field(description="shortest wavelength")
-    rms_gradient: Number | None = Field(
-        default=None, gt=0, description="h'_rms of C(q), both directions together"
-    )
+    rms_gradient: Ratio | None = Field(default=None, description="h'_rms of C(q), both directions together")
     rms_height: Length | None = Field(default=None, description="h_rms of C(q)")
     rolloff: Literal["sharp", "smooth", "plateau"] = "sharp"
     amplitudes: Literal["exact", "gaussian"] = "exact"
-    seed: Annotated[StrictInt, Field(ge=0)] = Field(description="whole number that names the realisation")
+    seed: Annotated[StrictInt, Field(ge=0, lt=2**63)] = Field(
+        description="whole number that names the realisation"
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -99,7 +122,7 @@ class FileSurface(_Table):
     edges: Literal["periodic", "tukey", "hann"] | None = Field(
         default=None, description="taper that makes it periodic; not needed where opposite edges match"
     )
-    margin: Number = Field(
+    margin: Ratio = Field(
         default=0.1, gt=0, le=0.5, description="share of each side over which a tukey taper falls"
     )
 
@@ -118,7 +141,7 @@ class Load(_Table):
     """The nominal pressure p0, or p* = p0 / (E* h'_rms) with the realised gradient."""
 
     pressure: Pressure | None = None
-    reduced_pressure: Number | None = Field(default=None, gt=0)
+    reduced_pressure: Ratio | None = None
 
     @model_validator(mode="after")
     def _one(self) -> Self:
@@ -175,28 +198,71 @@ else:
 class Ensemble(_Table):
     """Further realisations of the same C(q), by boundary elements, for the scatter between surfaces."""
 
-    realisations: Annotated[StrictInt, Field(ge=2)]
+    realisations: Annotated[StrictInt, Field(ge=2, le=_MOST_REALISATIONS)]
     grids: Annotated[Grids, Field(min_length=2)]
 
 
+def _inside(path: Path) -> Path:
+    """Refuse a folder outside the one a scene runs in: a scene may not choose what is written over."""
+    if path.is_absolute() or path.drive or ".." in path.parts:
+        raise _wrong(
+            "must lie below the folder the scene runs in, such as 'results/mine'; any other is named on the "
+            "command line"
+        )
+    return path
+
+
+Inside = Annotated[Path, AfterValidator(_inside)]
+
+
 class RunOptions(_Table):
-    """How a scene is run; nothing here changes a result. An option of the command line goes before these."""
+    """How a scene is run; nothing here changes a result. An option of the command line goes before these.
+
+    Where it runs beyond this machine and this folder is no matter of a scene, which may come from elsewhere:
+    a scheduler, and folders outside, are named on the command line alone.
+    """
 
     workers: Annotated[StrictInt, Field(ge=1, le=4096)] = Field(
         default=1, description="local processes; 1 runs everything in the process itself"
     )
-    scheduler: str | None = Field(default=None, description='Dask scheduler, e.g. "tcp://host:8786"')
     memory: Memory | None = Field(default=None, description='memory for all solves, e.g. "4 GiB"')
-    store: Path | None = Field(default=None, description="folder of finished solves, shared between runs")
-    output: Path | None = Field(default=None, description="results folder; default: results/<name>")
+    store: Inside | None = Field(default=None, description="folder of finished solves, shared between runs")
+    output: Inside | None = Field(default=None, description="results folder; default: results/<name>")
     quiet: StrictBool = Field(default=False, description="no progress bar")
     pictures: StrictBool = Field(default=False, description="3-D pictures in the report")
 
-    @model_validator(mode="after")
-    def _one_place(self) -> Self:
-        if self.scheduler is not None and self.workers != 1:
-            raise _wrong("give workers or a scheduler, which has workers of its own; found both")
-        return self
+    @model_validator(mode="before")
+    @classmethod
+    def _no_scheduler(cls, data: object) -> object:
+        if isinstance(data, dict) and "scheduler" in data:
+            raise _wrong("scheduler: is chosen on the command line alone: --scheduler tcp://host:8786")
+        return data
+
+    def folder(self, key: Literal["output", "store"]) -> Path | None:
+        """Return a folder that the scene names, None if it does not; links may not lead outside, either.
+
+        Raises
+        ------
+        UsageError
+        """
+        path: Path | None = getattr(self, key)
+        if path is None:
+            return None
+        led = path.resolve()
+        if not led.is_relative_to(Path.cwd().resolve()):
+            raise UsageError(
+                f"run.{key} = {str(path)!r}: leads to {str(led)!r}, outside the folder the scene runs in; "
+                f"say --{key} to have it so"
+            )
+        return path
+
+
+def _one_line(text: str) -> str:
+    """Refuse what would change a terminal, or how a line reads."""
+    bad = next((c for c in text if c == "\n" or harmless(c) != c), None)
+    if bad is not None:
+        raise _wrong(f"must be a line of text; it holds the control character {bad!a}")
+    return text
 
 
 class Scene(_Table):
@@ -208,7 +274,7 @@ class Scene(_Table):
     name: str = Field(
         min_length=1, pattern=_NAME, description="names the results folder; that of the file if not given"
     )
-    title: str = ""
+    title: Annotated[str, AfterValidator(_one_line)] = Field(default="", max_length=200)
     surface: Surface
     solid: SolidSpec
     load: Load
@@ -369,7 +435,7 @@ def _named(data: dict[str, Any], scene: str) -> dict[str, Any]:
 def _sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
     """Fill in the length of a measured surface from its file, and ask for what neither of the two says."""
     surface = data.get("surface")
-    if not isinstance(surface, dict) or surface.get("kind") != "file" or {"length", "unit"} <= set(surface):
+    if not isinstance(surface, dict) or surface.get("kind") != "file":
         return data
     path = surface.get("path")
     if not isinstance(path, str):
@@ -377,15 +443,17 @@ def _sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
     from validation.scenes.topography import file_says
 
     try:
-        lengths, unit = file_says(folder / path)
+        says = file_says(folder / path)
+        if "length" in surface and not isinstance(surface["length"], list):
+            says.check_square("surface.length")
     except UsageError as error:
         raise SceneError(scene, [f"surface.path = {path!r}: {error}"]) from None
-    if unit is None and "unit" not in surface:
+    if says.unit is None and "unit" not in surface:
         allowed = FileSurface.model_fields["unit"].description
         raise SceneError(scene, [f"surface.unit: missing, and {path!r} does not say it; {allowed}"])
-    if lengths is None or "length" in surface:
+    if says.lengths is None or "length" in surface:
         return data
-    return {**data, "surface": {**surface, "length": list(lengths)}}
+    return {**data, "surface": {**surface, "length": list(says.lengths)}}
 
 
 def scene_problems(error: ValidationError) -> list[str]:
@@ -438,11 +506,20 @@ def _problem(item: Any) -> str:
         return f"{kind}: missing; " + (f"one of {named}" if named else "it says which table this is")
     if item["type"] == "union_tag_invalid":
         kind = _written([*location, "kind"])
-        return f"{kind} = {item['input'].get('kind')!r}: must be one of {item['ctx']['expected_tags']}"
+        return f"{kind} = {_short(item['input'].get('kind'))}: must be one of {item['ctx']['expected_tags']}"
     value = item["input"]
     if isinstance(value, (dict, BaseModel)):
         return f"{key}: {message}" if key else message
-    return f"{key} = {value!r}: {message}"
+    return f"{key} = {_short(value)}: {message}"
+
+
+def _short(value: object) -> str:
+    """Write a value as Python does, and no more of it than tells it from others."""
+    try:
+        words = repr(value)
+    except ValueError:  # a whole number of thousands of digits
+        return "a number of thousands of digits"
+    return words if len(words) <= 100 else f"{words[:60]}... ({len(words)} characters)"
 
 
 def _described(location: list[str]) -> str:

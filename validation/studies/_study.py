@@ -9,14 +9,14 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from pydantic import ValidationError
+from pydantic import ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
 from validation.errors import RunFailed, UsageError
 from validation.scenes.scene import Scene, scene_problems
-from validation.units import Table
+from validation.units import Table, wrong
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,8 +28,21 @@ if TYPE_CHECKING:
 __all__ = ["Study", "StudyOptions"]
 
 
+#: Things that a study counts (surfaces, pairs, shifts, points): beyond this a number is a mistake.
+_MOST = 1_000_000
+
+
 class StudyOptions(Table):
     """Options of a study: a table like those of a scene, with units, ranges and meanings; all have defaults."""
+
+    @model_validator(mode="after")
+    def _bounded(self) -> typing.Self:
+        for name in type(self).model_fields:
+            value = getattr(self, name)
+            counts = value if isinstance(value, tuple) else (value,)
+            if name != "seed" and any(isinstance(n, int) and n > _MOST for n in counts):
+                raise wrong(f"{name} = {value}: must be at most {_MOST}")
+        return self
 
     @classmethod
     def flags(cls) -> dict[str, FieldInfo]:
@@ -177,7 +190,8 @@ def _problems(error: ValidationError) -> Iterator[str]:
         name = str(item["loc"][0]).replace("_", "-") if item["loc"] else ""
         message = str(item["msg"]).replace("Input should be", "must be").replace("Value error, ", "")
         value = item["input"]
-        yield f"--{name} = {value!r}: {message}" if name else message
+        said = ",".join(map(str, value)) if isinstance(value, list) and value else repr(value)
+        yield f"--{name} = {said}: {message}" if name else message
 
 
 def _bare(kind: Any) -> Any:

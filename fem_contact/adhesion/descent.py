@@ -1,0 +1,446 @@
+r"""Local minima of an elastic solid drawn to a hard wall by a law of the gap: projected Newton with FFTs.
+
+The unknown is the gap itself, g >= 0. With u = g + h - offset and the stiffness K(q) = 1 / C(q),
+
+.. math:: E(g) = \tfrac12\, (g + h)\cdot K (g + h) + \sum \phi(g) + p_0 \sum g ,\qquad g \ge 0
+
+at a given mean pressure p0 (K leaves the mean out); at a given offset p0 is the multiplier of the mean gap.
+The gradient is the force of the wall, p + tau(g), which is zero where g > 0 and not negative where g = 0. A
+solid of hardness H yields where p reaches it: the wall gives way, g < 0 costs H |g|, and p = H there. At
+g = 0 the energy then has a kink that a step may reach from either side and does not cross.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.adhesion.laws import GapLaw
+from fem_contact.complementarity.fourier import FourierOperator
+from fem_contact.contact import Status
+from fem_contact.response import Response
+from fem_contact.settings import Settings
+
+__all__ = ["Landscape", "Minimum", "Point", "descend", "least_curvature"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Softened:
+    """Compliance C / (1 + s C): finite at q = 0, close to C elsewhere; inverse of K + s."""
+
+    response: Response
+    shift: float
+
+    @property
+    def contact_modulus(self) -> float:
+        return self.response.contact_modulus
+
+    def compliance(self, qx: Array, qy: Array) -> Array:
+        c = self.response.compliance(qx, qy)
+        soft = c / (1 + self.shift * c)
+        return np.where((qx == 0) & (qy == 0), np.maximum(c, 1 / self.shift), soft)
+
+
+class Landscape:
+    """The energy per point of one surface, one solid and one law, at a given mean pressure or offset.
+
+    Parameters
+    ----------
+    heights : (nx, ny) array
+        h [m].
+    response : Response
+    lengths : tuple of float
+        Periods [m].
+    law : GapLaw
+    threads : int, optional
+    hardness : float or (nx, ny) array, optional
+        Largest pressure H [Pa]; gaps may then be negative.
+    """
+
+    def __init__(
+        self,
+        heights: Array,
+        *,
+        response: Response,
+        lengths: tuple[float, float],
+        law: GapLaw,
+        threads: int | None = None,
+        hardness: float | Array | None = None,
+    ) -> None:
+        self.heights = heights
+        self.law, self.hardness = law, hardness
+        shape = (heights.shape[0], heights.shape[1])
+        self.operator = FourierOperator(response, shape, lengths, threads=threads)
+        compliance = self.operator.compliance.ravel()
+        self.mean_compliance = float(compliance[0])
+        shift = 1 / float(np.max(compliance[1:]))
+        self.inverse = FourierOperator(
+            _Softened(response=response, shift=shift), shape, lengths, threads=threads
+        )
+        self.mean_height = float(np.mean(heights))
+        self.pairs = 0
+
+    def stiff(self, field: Array) -> Array:
+        """K applied to a field, its mean left out [Pa]."""
+        out = np.empty(field.shape)
+        self.operator.precondition(field, out)
+        self.pairs += 1
+        return out
+
+    def soften(self, field: Array) -> Array:
+        """Apply the inverse of K + s [m]."""
+        out = np.empty(field.shape)
+        self.inverse.apply(field, out)
+        self.pairs += 1
+        return out
+
+    def energy(self, gap: Array) -> float:
+        """Elastic energy and energy of the law per area [J/m^2], that of a uniform displacement left out."""
+        shape = gap + self.heights
+        return 0.5 * float(np.mean(self.stiff(shape) * shape)) + float(np.mean(self.stored(gap)))
+
+    def stored(self, gap: Array) -> Array:
+        """Energy of the law, and of what has yielded, at every point [J/m^2]."""
+        if self.hardness is None:
+            return self.law.energy(gap)
+        return self.law.energy(np.maximum(gap, 0.0)) - self.hardness * np.minimum(gap, 0.0)
+
+    def slope(self, gap: Array, sunk: Mask | None) -> Array:
+        """Slope of the attraction at every point, none where the solid yields [Pa/m]."""
+        if sunk is None:
+            return self.law.slope(gap)
+        return np.where(sunk, 0.0, self.law.slope(np.maximum(gap, 0.0)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Point:
+    """What is held: the mean pressure [Pa] or the offset [m], exactly one of them."""
+
+    mean_pressure: float | None = None
+    offset: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Minimum:
+    """A stationary point reached by descent.
+
+    Attributes
+    ----------
+    gap, force : (nx, ny) arrays
+        g [m]; K u, the pressure less its mean [Pa].
+    mean_pressure, offset : float
+        p0 [Pa], offset [m].
+    energy : float
+        Mean elastic and interaction energy per area [J/m^2], without the work of the load.
+    imbalance : float
+        Largest force left on a point that may move, over the strength of the law or the rms pressure,
+        whichever is larger.
+    status : Status
+    iterations, fft_pairs : int
+    """
+
+    gap: Array
+    force: Array
+    mean_pressure: float
+    offset: float
+    energy: float
+    imbalance: float
+    status: Status
+    iterations: int
+    fft_pairs: int
+
+    @property
+    def separated(self) -> bool:
+        """Whether there is no equilibrium because the tension pulls the surfaces apart."""
+        return self.status is Status.SEPARATED
+
+
+class _State:
+    """Gap, its forces, and the points free to move."""
+
+    def __init__(self, land: Landscape, point: Point, gap: Array) -> None:
+        self.land, self.point = land, point
+        self.held = point.offset is not None and land.mean_compliance == 0
+        # A body of finite thickness resists a uniform displacement; K without its mean does not know.
+        self.base = 1 / land.mean_compliance if point.offset is not None and land.mean_compliance > 0 else 0.0
+        self.target = 0.0 if point.offset is None else point.offset - land.mean_height
+        # Points below the wall, or at it and about to sink; None where the wall is hard.
+        self.sunk: Mask | None = None
+        self.gap = gap.copy() if land.hardness is not None else self.projected(gap)
+        self.force = land.stiff(self.gap + land.heights)
+        self.update()
+
+    def update(self) -> None:
+        if self.land.hardness is not None:
+            self._update_yielding(self.land.hardness)
+            return
+        law = self.land.law
+        self.attraction = law.traction(self.gap)
+        self.total = self.force + self.attraction
+        open_ = self.gap > 0
+        if self.held:
+            count = np.count_nonzero(open_)
+            load = -float(np.mean(self.total[open_])) if count else -float(self.total.min())
+            # Points about to leave the wall take part in the multiplier.
+            leaving = ~open_ & (self.total + load < 0)
+            if count and leaving.any():
+                load = -float(np.mean(self.total[open_ | leaving]))
+            self.load = load
+        elif self.base > 0:
+            self.load = self.base * (float(np.mean(self.gap)) - self.target)
+        else:
+            assert self.point.mean_pressure is not None
+            self.load = self.point.mean_pressure
+        self.gradient = self.total + self.load
+        self._judge(open_ | (self.gradient < 0))
+
+    def _update_yielding(self, hardness: float | Array) -> None:
+        assert self.point.mean_pressure is not None
+        self.load = self.point.mean_pressure
+        pressure = self.force + self.load
+        at_wall = self.gap == 0
+        self.sunk = (self.gap < 0) | (at_wall & (pressure > hardness))
+        attraction = self.land.law.traction(np.maximum(self.gap, 0.0))
+        self.attraction = np.where(self.sunk, -hardness, attraction)
+        self.total = self.force + self.attraction
+        self.gradient = self.total + self.load
+        self._judge(~at_wall | self.sunk | (self.gradient < 0))
+
+    def _judge(self, free: Mask) -> None:
+        self.free = free
+        self.rest = np.where(free, self.gradient, 0.0)
+        # Weak adhesion is judged by the stresses of the contact, not by its own.
+        scale = max(self.land.law.strength, float(np.sqrt(np.mean(self.force**2))))
+        self.imbalance = float(np.max(np.abs(self.rest))) / scale
+
+    @property
+    def separated(self) -> bool:
+        """Whether a tension pulls on surfaces that no longer attract each other enough to resist it."""
+        tension = self.point.mean_pressure is not None and self.load < 0
+        return tension and float(np.max(self.attraction)) < -self.load and not np.any(self.gap <= 0)
+
+    def projected(self, gap: Array) -> Array:
+        """Nearest gap that is allowed and, where the offset is held, has the mean that belongs to it."""
+        if self.sunk is not None:
+            return np.where(self.sunk, np.minimum(gap, 0.0), np.maximum(gap, 0.0))
+        if not self.held:
+            return np.maximum(gap, 0.0)
+        shift = 0.0
+        for _ in range(60):
+            moved = np.maximum(gap + shift, 0.0)
+            miss = self.target - float(np.mean(moved))
+            share = np.count_nonzero(moved) / moved.size
+            if share == 0:
+                shift = self.target - float(gap.max())
+                continue
+            if abs(miss) <= 4e-16 * abs(self.target):
+                break
+            shift += miss / share
+        return moved
+
+    def hessian(self, curvature: Array, field: Array) -> Array:
+        """H field on the free points; the mean is held where the offset is."""
+        out = self.land.stiff(field)
+        out += curvature * field
+        if self.base > 0:
+            out += self.base * float(np.mean(field))
+        return self.restricted(out)
+
+    def restricted(self, field: Array) -> Array:
+        out = np.where(self.free, field, 0.0)
+        if self.held:
+            count = np.count_nonzero(self.free)
+            out[self.free] -= float(np.sum(out)) / count
+        return out
+
+
+def descend(
+    land: Landscape,
+    point: Point,
+    start: Array,
+    *,
+    settings: Settings,
+    step_limit: float = 2.0,
+) -> Minimum:
+    """Follow the energy downhill from a gap to a local minimum.
+
+    Parameters
+    ----------
+    start : (nx, ny) array
+        Gap [m] to start from; projected on what is allowed.
+    settings : Settings
+        Largest `imbalance` that will do, Newton steps and time allowed.
+    step_limit : float
+        Farthest a point within reach may move in one step, in ranges of the law.
+    """
+    before, clock = land.pairs, time.monotonic()
+    state = _State(land, point, start)
+    status, iteration = Status.ITERATION_LIMIT, 0
+    slow = 0
+    while True:
+        if state.imbalance <= settings.tolerance:
+            status = Status.CONVERGED
+            break
+        if state.separated:
+            status = Status.SEPARATED
+            break
+        if iteration == settings.max_iterations:
+            break
+        if settings.expired(clock):
+            status = Status.TIME_LIMIT
+            break
+        iteration += 1
+        direction = _newton_direction(state, step_limit)
+        moved = _search(state, direction, step_limit=step_limit)
+        if not moved:
+            direction = -state.restricted(state.rest) / land.operator.stiffness
+            moved = _search(state, direction, step_limit=step_limit)
+            slow += 1
+        if not moved or slow > 20:
+            status = Status.STAGNATED
+            break
+    return Minimum(
+        gap=state.gap,
+        force=state.force,
+        mean_pressure=state.load,
+        offset=_offset(state),
+        energy=_energy(state),
+        imbalance=state.imbalance,
+        status=status,
+        iterations=iteration,
+        fft_pairs=land.pairs - before,
+    )
+
+
+def _offset(state: _State) -> float:
+    if state.point.offset is not None:
+        return state.point.offset
+    land = state.land
+    return float(np.mean(state.gap)) + land.mean_height - land.mean_compliance * state.load
+
+
+def _energy(state: _State) -> float:
+    land = state.land
+    elastic = 0.5 * float(np.mean(state.force * (state.gap + land.heights)))
+    elastic += 0.5 * land.mean_compliance * state.load**2
+    return elastic + float(np.mean(land.stored(state.gap)))
+
+
+def _newton_direction(state: _State, step_limit: float) -> Array:
+    """Conjugate gradients on the Newton system, stopped where the energy curves down."""
+    land = state.land
+    curvature = land.slope(state.gap, state.sunk)
+    residual = -state.restricted(state.rest)
+    goal = min(0.1, np.sqrt(state.imbalance)) * float(np.sqrt(np.sum(residual**2)))
+    step = np.zeros_like(residual)
+    image = state.restricted(land.soften(residual))
+    direction = image.copy()
+    product = float(np.sum(residual * image))
+    for _ in range(_INNER):
+        bent = state.hessian(curvature, direction)
+        bend = float(np.sum(direction * bent))
+        if bend <= 0:
+            # Downhill and curving down: as far as a step may go, the line search decides.
+            return step + _farthest(state, direction, step_limit) * direction
+        length = product / bend
+        step += length * direction
+        residual -= length * bent
+        if float(np.sqrt(np.sum(residual**2))) <= goal:
+            break
+        image = state.restricted(land.soften(residual))
+        product, previous = float(np.sum(residual * image)), product
+        direction = image + product / previous * direction
+    return step
+
+
+def _farthest(state: _State, direction: Array, step_limit: float) -> float:
+    """Factor of a direction that moves no point by more than it may, those out of reach excepted."""
+    reach = state.land.law.reach
+    # Nearest point first: surfaces far apart may come as close as that point is.
+    allowed = step_limit * reach + np.maximum(state.gap - 4 * reach, 0.0)
+    if state.sunk is not None:
+        # Below the wall nothing attracts, and the energy is quadratic.
+        allowed[state.sunk] = np.inf
+    fastest = float(np.max(np.abs(direction) / allowed))
+    return 1 / fastest if fastest > 0 else 1.0
+
+
+#: Conjugate-gradient steps per Newton step.
+_INNER = 100
+
+
+def _search(state: _State, direction: Array, *, step_limit: float) -> bool:
+    """Backtrack along the projected direction until the energy falls; False where it never does."""
+    land = state.land
+    if not np.any(direction):
+        return False
+    factor = min(1.0, _farthest(state, direction, step_limit))
+    energy = land.stored(state.gap)
+    floor = 1e-15 * float(np.sum(np.abs(energy)))
+    for _ in range(30):
+        gap = state.projected(state.gap + factor * direction)
+        change = gap - state.gap
+        force = land.stiff(change)
+        slope = float(np.sum(state.gradient * change))
+        # The attraction's part of the gradient is replaced by the exact change of its energy.
+        rise = slope - float(np.sum(state.attraction * change)) + 0.5 * float(np.sum(change * force))
+        rise += 0.5 * state.base * float(np.mean(change)) ** 2 * change.size
+        rise += float(np.sum(land.stored(gap) - energy))
+        if rise <= 1e-4 * slope + floor and slope < 0:
+            state.gap = gap
+            state.force = state.force + force
+            state.update()
+            return True
+        factor *= 0.5
+    return False
+
+
+def least_curvature(
+    land: Landscape, point: Point, gap: Array, *, steps: int = 60, seed: int = 7
+) -> tuple[float, float]:
+    """Smallest curvature of the energy over the points free to move, relative to the preconditioner.
+
+    Returns
+    -------
+    value, uncertainty : float
+        The least Ritz value of Lanczos's method in the metric of K + s, and the bound on its distance to an
+        eigenvalue. Positive: a minimum; its sign does not depend on the metric. Infinite where no point is
+        free to move.
+    """
+    state = _State(land, point, gap)
+    if np.count_nonzero(state.free) <= (1 if state.held else 0):
+        return np.inf, 0.0
+    curvature = land.slope(state.gap, state.sunk)
+    rng = np.random.default_rng(seed)
+    v = state.restricted(rng.standard_normal(gap.shape))
+    image = state.restricted(land.soften(v))
+    norm = float(np.sqrt(np.sum(v * image)))
+    old = np.zeros_like(v)
+    beta, alphas, betas = 0.0, [], []
+    value = uncertainty = np.inf
+    for _ in range(steps):
+        v, image = v / norm, image / norm
+        bent = state.hessian(curvature, image) - beta * old
+        alpha = float(np.sum(bent * image))
+        alphas.append(alpha)
+        old, v = v, state.restricted(bent - alpha * v)
+        image = state.restricted(land.soften(v))
+        beta = norm = float(np.sqrt(max(float(np.sum(v * image)), 0.0)))
+        betas.append(beta)
+        matrix = np.diag(alphas) + np.diag(betas[:-1], 1) + np.diag(betas[:-1], -1)
+        values, vectors = np.linalg.eigh(matrix)
+        value, uncertainty = float(values[0]), float(beta * abs(vectors[-1, 0]))
+        # Beyond this the vectors are no longer orthogonal and curvatures of nothing appear.
+        if uncertainty <= _SETTLED * float(np.max(np.abs(values))):
+            break
+    return value, max(uncertainty, _SETTLED * float(np.max(np.abs(values))))
+
+
+#: Relative uncertainty at which the least curvature counts as found.
+_SETTLED = 1e-6

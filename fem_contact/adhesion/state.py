@@ -1,0 +1,400 @@
+"""One state of adhesive contact: a gap law on a hard wall, by boundary elements.
+
+The energy of an adhesive contact has many local minima. A state is the minimum that lies downhill of where
+the solve starts; `fem_contact.adhesion.path` follows minima through a history of loads.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact import bem
+from fem_contact._checks import LEAST, array, field, finite, instance, positive, whole
+from fem_contact.adhesion.descent import Landscape, Minimum, Point, descend, least_curvature
+from fem_contact.adhesion.laws import GapLaw
+from fem_contact.contact import ContactResult, Cost, Residuals, Status
+from fem_contact.errors import InvalidInput
+from fem_contact.response import Response, check_response
+from fem_contact.settings import Settings
+from fem_contact.surface import HeightField
+
+__all__ = [
+    "CELLS_NEEDED",
+    "AdhesionProblem",
+    "AdhesiveContact",
+    "Stability",
+    "cells_in_process_zone",
+    "checked_point",
+    "solve",
+    "stability",
+]
+
+Array = NDArray[np.float64]
+
+#: Cells that the length E* w / sigma_th^2 must span. On a sphere the pull-off force is then within 2 % of
+#: its limit; below it cells snap one by one and the front of a contact is pinned by the lattice.
+CELLS_NEEDED = 2.0
+
+#: Work of adhesion over the elastic energy of full contact up to which a solve starts from the contact
+#: without attraction. On random surfaces both starts led to the same state up to .4 (56 of 56 pairs).
+WEAK = 0.03
+
+#: Tolerance of that first contact: vanishing adhesion is to recover it.
+_PLAIN = 1e-8
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AdhesiveContact:
+    """One state of adhesive contact.
+
+    Attributes
+    ----------
+    contact : ContactResult
+        Fields and status. Its pressure is the whole stress between the bodies, negative where they attract
+        each other; `in_contact` are the points on the wall, g = 0.
+    law : GapLaw
+        The law as the grid saw it.
+    energy : float
+        Elastic energy and energy of the gap law per area [J/m^2].
+    imbalance : float
+        Largest force left on a point free to move, over the strength of the law or the rms pressure,
+        whichever is larger.
+    hardness : float or (nx, ny) array or None
+        The bound it was solved with [Pa].
+    """
+
+    contact: ContactResult
+    law: GapLaw
+    energy: float
+    imbalance: float
+    hardness: float | Array | None = None
+
+    def checked(self) -> AdhesiveContact:
+        """Return this state if its solver converged, or raise `NotConverged`."""
+        self.contact.checked()
+        return self
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stability:
+    """Least curvature of the energy at a state, over its largest elastic curvature scale.
+
+    Attributes
+    ----------
+    curvature : float
+        Least Ritz value of Lanczos's method on the points free to move, in the metric of the stiffness, so
+        that a body without attraction has about 1. Positive at a minimum, zero where it ceases to be one.
+    uncertainty : float
+        Bound on the distance of that value to an eigenvalue.
+    """
+
+    curvature: float
+    uncertainty: float
+
+    @property
+    def is_minimum(self) -> bool:
+        """Whether the curvature is positive beyond its uncertainty."""
+        return self.curvature > self.uncertainty
+
+
+def cells_in_process_zone(law: GapLaw, *, spacing: float, contact_modulus: float) -> float:
+    r"""Grid cells in the length over which adhesion acts at the edge of a contact.
+
+    .. math:: \ell = E^* w / \sigma_{th}^2
+
+    A Dugdale zone at a straight edge is pi/4 of it. `spacing` [m] is the coarser one of the grid.
+
+    Examples
+    --------
+    >>> from fem_contact.adhesion import Exponential
+    >>> law = Exponential(work=0.05, reach=2.071e-9)
+    >>> round(cells_in_process_zone(law, spacing=1e-9, contact_modulus=25e6), 2)
+    2.14
+    """
+    check_law(law)
+    positive("spacing", spacing, unit="m")
+    positive("contact_modulus", contact_modulus, unit="Pa")
+    return contact_modulus / law.strength * (law.work / law.strength / spacing)
+
+
+def solve(
+    surface: HeightField,
+    response: Response,
+    *,
+    law: GapLaw,
+    mean_pressure: float | None = None,
+    offset: float | None = None,
+    hardness: float | Array | None = None,
+    start: Array | None = None,
+    tolerance: float = 1e-6,
+    max_iterations: int = 500,
+    time_limit: float | None = None,
+    threads: int | None = None,
+) -> AdhesiveContact:
+    """Find the adhesive state downhill of a start, at a given mean pressure or offset.
+
+    Parameters
+    ----------
+    surface : HeightField
+        The rigid body.
+    response : Response
+        The elastic solid.
+    law : GapLaw
+        Attraction across the gap, for instance `Exponential` or `Dugdale`.
+    mean_pressure, offset : float
+        p0 [Pa], which may be zero or negative, or the distance of the mean planes before deformation [m];
+        exactly one of them.
+    hardness : float or (nx, ny) array, optional
+        Largest pressure H [Pa], at a given mean pressure only. Where p = H the solid yields: the gap is then
+        negative, -g the plastic indentation, and the yielded contact adheres (Persson 2006, Sec. 9). The
+        answer holds for a load that has only grown.
+    start : (nx, ny) array, optional
+        Gap [m] to start from. Without it: at a given offset the undeformed surfaces pushed to it, at a given
+        pressure the surfaces at first touch, or the contact without adhesion where that is weak. All lie on
+        the approaching branch.
+    tolerance : float
+        Largest `imbalance` that will do.
+    max_iterations : int
+        Newton steps allowed.
+    time_limit : float, optional
+        Seconds allowed.
+    threads : int, optional
+        Threads of the transforms; all available processors if not given.
+
+    Raises
+    ------
+    InvalidInput
+        Unless exactly one of pressure and offset is given and finite; where the grid does not resolve the
+        process zone of the law, with the cells it needs; for a start that is no gap field; for a hardness
+        that is not positive or below the mean pressure.
+    """
+    problem = AdhesionProblem(
+        surface,
+        response,
+        law=law,
+        settings=Settings(
+            tolerance=tolerance, max_iterations=max_iterations, time_limit=time_limit, threads=threads
+        ),
+        hardness=hardness,
+    )
+    point = checked_point(mean_pressure, offset)
+    return problem.packed(problem.at(point, problem.first_gap(point, start)))
+
+
+def stability(state: AdhesiveContact, response: Response, *, steps: int = 80, seed: int = 7) -> Stability:
+    """Measure the least curvature of the energy at a state held at its offset, or load where it may yield.
+
+    Parameters
+    ----------
+    state : AdhesiveContact
+    response : Response
+        The solid it was computed with.
+    steps : int
+        Lanczos steps.
+    seed : int
+        Of the random vector they start from.
+    """
+    instance("state", state, AdhesiveContact, what="an `AdhesiveContact`")
+    check_response(response)
+    whole("steps", steps, least=1, most=10_000)
+    whole("seed", seed, least=0, most=2**63 - 1)
+    contact = state.contact
+    land = Landscape(
+        contact.heights,
+        response=response,
+        lengths=contact.lengths,
+        law=state.law,
+        hardness=state.hardness,
+    )
+    held = (
+        Point(offset=contact.offset) if state.hardness is None else Point(mean_pressure=contact.mean_pressure)
+    )
+    value, uncertainty = least_curvature(land, held, contact.gap, steps=steps, seed=seed)
+    return Stability(curvature=value, uncertainty=uncertainty)
+
+
+def checked_point(mean_pressure: float | None, offset: float | None) -> Point:
+    """Return what is held; exactly one of the two, finite."""
+    if (mean_pressure is None) == (offset is None):
+        raise InvalidInput("mean_pressure, offset: give exactly one of them")
+    if offset is not None:
+        return Point(offset=finite("offset", offset, unit="m"))
+    return Point(mean_pressure=finite("mean_pressure", mean_pressure, unit="Pa"))
+
+
+def check_law(law: GapLaw) -> None:
+    """Refuse what is no law of the gap."""
+    instance("law", law, GapLaw, what="a law of the gap, such as `Exponential`")  # type: ignore[type-abstract]
+
+
+class AdhesionProblem:
+    """A surface, a solid and a law on a grid that resolves it; arguments as of `solve`."""
+
+    def __init__(
+        self,
+        surface: HeightField,
+        response: Response,
+        *,
+        law: GapLaw,
+        settings: Settings,
+        hardness: float | Array | None = None,
+    ) -> None:
+        instance("surface", surface, HeightField, what="a `HeightField`")
+        check_response(response)
+        check_law(law)
+        spacing, modulus = max(surface.spacing), response.contact_modulus
+        cells = cells_in_process_zone(law, spacing=spacing, contact_modulus=modulus)
+        if cells < CELLS_NEEDED * (1 - 1e-12):
+            points = [int(np.ceil(n * CELLS_NEEDED / cells)) for n in surface.shape]
+            raise InvalidInput(
+                f"law: E* w / strength^2 = {cells * spacing:.4g} m spans {cells:.3g} cells of the grid; "
+                f"at least {CELLS_NEEDED:.0f} are needed: use {points[0]} x {points[1]} points or a longer "
+                "range"
+            )
+        self.surface, self.response = surface, response
+        self.law = law.on_grid(spacing=spacing, contact_modulus=modulus)
+        self.settings = settings
+        if hardness is not None:
+            _check_hardness(hardness, surface)
+        self.land = Landscape(
+            surface.heights,
+            response=response,
+            lengths=surface.lengths,
+            law=self.law,
+            threads=settings.threads,
+            hardness=hardness,
+        )
+        self.clock, self.processor = time.perf_counter(), time.process_time()
+        self.pairs_before = 0
+
+    def first_gap(self, point: Point, start: Array | None) -> Array:
+        """Gap to start from."""
+        heights = self.surface.heights
+        self.check(point)
+        if start is not None:
+            return field("start", start, self.surface.shape, unit="m")
+        if point.offset is not None:
+            return point.offset - heights
+        weak = self._gap_without_adhesion(point)
+        return np.asarray(float(heights.max()) - heights) if weak is None else weak
+
+    def _gap_without_adhesion(self, point: Point) -> Array | None:
+        """Gap of the contact without attraction, where that is weak; None where it is not, or without load.
+
+        The attraction then only draws a little more into contact: the state below this gap is the one that
+        the bodies reach on approaching, in far fewer steps than from first touch.
+        """
+        load, land = point.mean_pressure, self.land
+        heights = self.surface.heights - land.mean_height
+        full = 0.5 * float(np.mean(land.stiff(heights) * heights))
+        if load is None or not load > 0 or self.law.work > WEAK * full:
+            return None
+        plain = bem.solve(
+            self.surface,
+            self.response,
+            mean_pressure=load,
+            pressure_bound=land.hardness,
+            tolerance=_PLAIN,
+            max_iterations=self.settings.max_iterations,
+            time_limit=self.settings.time_limit,
+            threads=self.settings.threads,
+        )
+        self.pairs_before = int(np.ceil(plain.cost.fft_pairs)) + 1
+        if plain.status is not Status.CONVERGED:
+            return None
+        return np.where(plain.at_bound, plain.gap, np.maximum(plain.gap, 0.0))
+
+    def check(self, point: Point) -> None:
+        """Refuse an offset that no load can reach, and a load that nothing carries."""
+        hardness = self.land.hardness
+        if hardness is not None:
+            if point.mean_pressure is None:
+                raise InvalidInput(
+                    "hardness: needs a mean pressure; an offset is not unique where all yields"
+                )
+            if not point.mean_pressure < float(np.mean(hardness)):
+                raise InvalidInput(
+                    f"hardness with mean {float(np.mean(hardness)):.6g} Pa: must be above the mean pressure "
+                    f"{point.mean_pressure:.6g} Pa, or nothing carries the load"
+                )
+        least = self.land.mean_height
+        if point.offset is not None and self.land.mean_compliance == 0 and point.offset < least:
+            raise InvalidInput(
+                f"offset = {point.offset:.6g} m: must not be below the mean height {least:.6g} m, "
+                "where a half-space is in full contact; a mean pressure presses it further"
+            )
+
+    def at(self, point: Point, start: Array) -> Minimum:
+        """Descend from a gap to the minimum below it."""
+        return descend(self.land, point, start, settings=self.settings)
+
+    def packed(self, minimum: Minimum) -> AdhesiveContact:
+        """Fields and residuals of a minimum."""
+        surface, modulus = self.surface, self.response.contact_modulus
+        pressure = minimum.force + minimum.mean_pressure
+        wall = pressure + self.law.traction(np.maximum(minimum.gap, 0.0))
+        on_wall, yielded = minimum.gap <= 0, minimum.gap < 0
+        off = wall
+        if self.land.hardness is not None:
+            off = np.where(yielded, pressure - self.land.hardness, wall)
+        displacement = minimum.gap + surface.heights - minimum.offset
+        scale = modulus * surface.rms_gradient or self.law.strength
+        length = surface.rms_height or self.law.reach
+        # Parted bodies carry no load in which the residuals could be measured; their attraction can.
+        stress = max(self.law.strength, float(np.sqrt(np.mean(pressure**2))))
+        residuals = Residuals(
+            penetration=max(-float(np.min(minimum.gap, where=~yielded, initial=0.0)), 0.0) / length,
+            tension=max(-float(wall.min()), 0.0) / scale,
+            complementarity=float(np.mean(np.abs(off * minimum.gap))) / (stress * length),
+            load=abs(float(np.mean(minimum.force))) / stress,
+        )
+        contact = ContactResult(
+            pressure=pressure,
+            gap=minimum.gap,
+            displacement=displacement,
+            in_contact=on_wall,
+            at_bound=yielded,
+            heights=surface.heights,
+            lengths=surface.lengths,
+            contact_modulus=modulus,
+            offset=minimum.offset,
+            mean_pressure=float(np.mean(pressure)),
+            status=minimum.status,
+            residuals=residuals,
+            cost=Cost(
+                wall_seconds=time.perf_counter() - self.clock,
+                cpu_seconds=time.process_time() - self.processor,
+                iterations=minimum.iterations,
+                fft_pairs=minimum.fft_pairs + self.pairs_before,
+                unknowns=pressure.size,
+                peak_bytes=_ARRAYS * pressure.nbytes,
+            ),
+            provenance={
+                "method": "boundary elements, FFT, point collocation",
+                "solver": "projected Newton with conjugate gradients on the energy of the gap",
+                "law": repr(self.law),
+            },
+        )
+        return AdhesiveContact(
+            contact=contact,
+            law=self.law,
+            energy=minimum.energy,
+            imbalance=minimum.imbalance,
+            hardness=self.land.hardness,
+        )
+
+
+def _check_hardness(hardness: float | Array, surface: HeightField) -> None:
+    values = array("hardness", hardness, unit="Pa")
+    if values.ndim != 0 and values.shape != surface.shape:
+        raise InvalidInput(f"hardness of shape {values.shape}: must be one pressure or {surface.shape}")
+    if not np.all(values >= LEAST):
+        raise InvalidInput("hardness: must be positive and finite everywhere, in Pa")
+
+
+#: Arrays of the size of the grid that a descent holds at its peak.
+_ARRAYS = 20

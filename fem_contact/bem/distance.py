@@ -1,0 +1,111 @@
+"""Contact at a prescribed mean gap or offset: the load is sought that makes it."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.bem.problem import SLACK, Problem
+from fem_contact.complementarity import Solution
+from fem_contact.contact import Status
+from fem_contact.errors import InvalidInput
+
+__all__ = ["LoadSearch"]
+
+Array = NDArray[np.float64]
+
+
+class LoadSearch:
+    """The load at which the mean gap, or the offset, has a prescribed value."""
+
+    #: Evaluations allowed; a bracket is halved at worst, so they suffice for any smooth fall.
+    limit = 60
+
+    def __init__(self, problem: Problem, *, target: float, of_gap: bool) -> None:
+        heights = problem.heights
+        target = target if of_gap else target - problem.level
+        self.problem, self.target, self.of_gap = problem, target, of_gap
+        self.scale = problem.surface.rms_height
+        # Distances are counted from the position where the mean planes coincide.
+        self.gap = target if of_gap else target - float(np.mean(heights))
+        self.clearance = float(np.max(heights) - np.mean(heights))
+        sinks = not of_gap and problem.operator.compliance[0, 0] > 0
+        if self.gap < -SLACK * self.scale and problem.bound is None and not sinks:
+            raise InvalidInput(
+                f"{'mean_gap' if of_gap else 'offset'} = {target!r}: asks for a negative mean gap; "
+                "without a pressure bound it cannot fall below 0 (full contact)"
+            )
+
+    def run(self) -> Solution:
+        """Find the solution whose gap or offset is the prescribed one."""
+        problem = self.problem
+        if self.gap >= self.clearance:
+            return self._separated()
+        least_full = -float(np.min(problem.full_pressure()))
+        closed = self._closed(least_full)
+        if closed is not None:
+            return closed
+        if self.scale <= 8 * np.finfo(float).eps * float(np.max(np.abs(problem.heights))):
+            raise InvalidInput("a flat surface yields everywhere at once: prescribe a mean pressure instead")
+        upper = least_full if problem.bound is None else float(np.mean(problem.bound))
+        return self._search(upper)
+
+    def _separated(self) -> Solution:
+        solution = self.problem.solution(np.zeros(self.problem.surface.shape), pairs=1.0)
+        nowhere = np.zeros(solution.force.shape, dtype=bool)
+        offset = self.target if not self.of_gap else self.target + float(np.mean(self.problem.heights))
+        return replace(solution, in_contact=nowhere, offset=offset)
+
+    def _closed(self, least: float) -> Solution | None:
+        """Full contact, if the target lies there."""
+        mean_compliance = float(self.problem.operator.compliance[0, 0])
+        sunk = 0.0 if self.of_gap else mean_compliance * least
+        if self.gap > SLACK * self.scale - sunk:
+            return None
+        load = least if self.of_gap or mean_compliance == 0 else -self.gap / mean_compliance
+        force, bound = self.problem.full_pressure() + load, self.problem.bound
+        if bound is not None and np.any(force > bound):
+            return None
+        return self.problem.solution(force, pairs=2.0)
+
+    def _search(self, upper: float) -> Solution:
+        """Secant steps in the logarithm of the load, kept inside a shrinking bracket."""
+        problem, modulus = self.problem, self.problem.response.contact_modulus
+        tolerance = problem.settings.tolerance
+        gradient = problem.surface.rms_gradient
+        # At light load the mean gap falls with the logarithm of the load, by about 0.45 h_rms.
+        slope = -0.45 * self.scale
+        low, high = 0.0, upper
+        load = min(
+            0.4 * modulus * gradient * float(np.exp(np.clip(self.gap / slope, -700.0, 700.0))), 0.5 * upper
+        )
+        start: Array | None = None
+        pairs, iterations = 0.0, 0
+        miss, previous, began = np.inf, (0.0, 0.0), time.monotonic()
+        for count in range(self.limit):
+            loose = max(tolerance, min(1e-3, 0.02 * abs(miss) / self.scale))
+            settings = replace(problem.settings.remaining(began), tolerance=loose)
+            solution = problem.at(load, start=start, settings=settings)
+            pairs, iterations = pairs + solution.fft_pairs, iterations + solution.iterations
+            solution = replace(solution, fft_pairs=pairs, iterations=iterations)
+            start, miss = solution.force, self._value(solution) - self.target
+            settled = loose <= tolerance and abs(miss) <= 10 * tolerance * self.scale
+            if settled or solution.status is not Status.CONVERGED:
+                return solution
+            # A miss within the error of its solve has no sign, and would cut the answer off the bracket.
+            if abs(miss) > 10 * loose * self.scale:
+                low, high = (load, high) if miss > 0 else (low, load)
+            if count and load != previous[0] and miss != previous[1]:
+                slope = (miss - previous[1]) / float(np.log(load / previous[0]))
+            previous = (load, miss)
+            guess = load * float(np.exp(np.clip(-miss / slope, -2.0, 2.0))) if slope < 0 else low
+            load = guess if low < guess < high else (0.5 * (low + high) if low > 0 else 0.1 * high)
+        return replace(solution, status=Status.STAGNATED)
+
+    def _value(self, solution: Solution) -> float:
+        if not self.of_gap:
+            return solution.offset
+        return float(np.mean(solution.displacement) - np.mean(self.problem.heights)) + solution.offset

@@ -1,0 +1,185 @@
+"""The three questions: the contact under a load, at a distance, and along a path of loads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact._checks import finite, numbers_of, positive
+from fem_contact.bem.distance import LoadSearch
+from fem_contact.bem.problem import Method, Problem
+from fem_contact.contact import ContactResult
+from fem_contact.errors import InvalidInput
+from fem_contact.response import Response
+from fem_contact.settings import Settings
+from fem_contact.surface import HeightField
+
+__all__ = ["solve", "solve_displacement", "solve_path"]
+
+Array = NDArray[np.float64]
+
+
+def solve(
+    surface: HeightField,
+    response: Response,
+    *,
+    mean_pressure: float,
+    pressure_bound: float | Array | None = None,
+    tolerance: float = 1e-8,
+    max_iterations: int = 1000,
+    start: Array | None = None,
+    time_limit: float | None = None,
+    threads: int | None = None,
+    method: Method = "preconditioned",
+) -> ContactResult:
+    """Press a rigid rough surface against an elastic solid with a given mean pressure.
+
+    Parameters
+    ----------
+    surface : HeightField
+        The rigid body; for two rough bodies the sum of both heights, and the composite modulus in `response`.
+    response : Response
+        The elastic solid.
+    mean_pressure : float
+        Nominal pressure p0 [Pa], positive.
+    pressure_bound : float or (nx, ny) array, optional
+        Largest pressure the solid bears (its hardness) [Pa]; its mean must not be below the mean pressure.
+    tolerance : float
+        Stop when sum p |g| <= tolerance h_rms sum p and no point penetrates by more than 10 tolerance h_rms,
+        points at the bound excepted.
+    max_iterations : int
+        Conjugate-gradient steps allowed.
+    start : (nx, ny) array, optional
+        Pressure [Pa] to start from, for instance of the previous load; scaled to the load. Without it the
+        solve goes from coarse to fine grids.
+    time_limit : float, optional
+        Seconds allowed.
+    threads : int, optional
+        Threads of transforms and of the passes between them; all available processors if not given.
+    method : {"preconditioned", "mixed", "polonsky-keer"}
+        "mixed" preconditions in single precision, which saves memory and changes only the way to the answer.
+        "polonsky-keer" is slow, plain, and there to check the others; it knows no bound.
+
+    Returns
+    -------
+    ContactResult
+        Its `status` says how the solve ended; use `.checked()` before relying on it.
+
+    Raises
+    ------
+    InvalidInput
+        For a pressure that is not positive and finite, a bound below it, or a start of the wrong shape or
+        sign.
+    """
+    problem = Problem.checked(
+        surface,
+        response,
+        bound=pressure_bound,
+        settings=Settings(
+            tolerance=tolerance, max_iterations=max_iterations, time_limit=time_limit, threads=threads
+        ),
+        method=method,
+    )
+    problem.check_load(mean_pressure)
+    solution = problem.at(mean_pressure, start=problem.checked_start(start))
+    return problem.result(solution, target=mean_pressure)
+
+
+def solve_displacement(
+    surface: HeightField,
+    response: Response,
+    *,
+    mean_gap: float | None = None,
+    offset: float | None = None,
+    pressure_bound: float | Array | None = None,
+    tolerance: float = 1e-8,
+    max_iterations: int = 1000,
+    time_limit: float | None = None,
+    threads: int | None = None,
+) -> ContactResult:
+    """Press a rigid rough surface against an elastic solid to a given mean gap or offset.
+
+    The load is sought at which the gap or offset has the prescribed value to 10 `tolerance` h_rms; both fall
+    as it rises. On a half-space they differ by the mean height only.
+
+    Parameters
+    ----------
+    mean_gap, offset : float
+        Mean gap, or distance of the mean planes before deformation [m]; exactly one of them.
+    surface, response, pressure_bound, tolerance, max_iterations, time_limit, threads
+        As in `solve`.
+
+    Returns
+    -------
+    ContactResult
+        Without contact (the surfaces are too far apart) the pressure is zero. At a mean gap of 0 the mean
+        pressure is the least that makes full contact.
+
+    Raises
+    ------
+    InvalidInput
+        Unless exactly one of the two is given and finite; for a gap that is negative although nothing yields.
+    """
+    if (mean_gap is None) == (offset is None):
+        raise InvalidInput("mean_gap, offset: give exactly one of them, in m")
+    problem = Problem.checked(
+        surface,
+        response,
+        bound=pressure_bound,
+        settings=Settings(
+            tolerance=tolerance, max_iterations=max_iterations, time_limit=time_limit, threads=threads
+        ),
+        method="preconditioned",
+    )
+    if mean_gap is not None:
+        search = LoadSearch(problem, target=finite("mean_gap", mean_gap, unit="m"), of_gap=True)
+    else:
+        assert offset is not None
+        search = LoadSearch(problem, target=finite("offset", offset, unit="m"), of_gap=False)
+    return problem.result(search.run(), target=None)
+
+
+def solve_path(
+    surface: HeightField,
+    response: Response,
+    *,
+    mean_pressures: Iterable[float],
+    pressure_bound: float | Array | None = None,
+    tolerance: float = 1e-8,
+    max_iterations: int = 1000,
+    time_limit: float | None = None,
+    threads: int | None = None,
+) -> list[ContactResult]:
+    """Solve a sequence of loads, up or down, each started from the one before.
+
+    Parameters
+    ----------
+    mean_pressures : iterable of float
+        Nominal pressures [Pa]. The problem is elastic, so an answer does not depend on the path.
+    surface, response, pressure_bound, tolerance, max_iterations, time_limit, threads
+        As in `solve`.
+    """
+    problem = Problem.checked(
+        surface,
+        response,
+        bound=pressure_bound,
+        settings=Settings(
+            tolerance=tolerance, max_iterations=max_iterations, time_limit=time_limit, threads=threads
+        ),
+        method="preconditioned",
+    )
+    loads = [
+        positive("mean_pressures", load, unit="Pa")
+        for load in numbers_of("mean_pressures", mean_pressures, unit="Pa")
+    ]
+    for load in loads:
+        problem.check_load(load)
+    results: list[ContactResult] = []
+    previous: Array | None = None
+    for load in loads:
+        solution = problem.at(load, start=previous)
+        results.append(problem.result(solution, target=load))
+        previous = solution.force
+    return results

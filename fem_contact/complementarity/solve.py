@@ -1,0 +1,321 @@
+"""Preconditioned conjugate gradients under bounds, on one grid and from coarse to fine grids."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.complementarity.fourier import coarsened, refined
+from fem_contact.complementarity.operator import Operator, Solution
+from fem_contact.complementarity.passes import Errors, Passes
+from fem_contact.contact import Status
+from fem_contact.settings import Settings
+
+__all__ = ["solve_bounded", "solve_nested"]
+
+Array = NDArray[np.float64]
+
+
+def solve_bounded(
+    operator: Operator,
+    heights: Array,
+    *,
+    mean_force: float,
+    length_scale: float,
+    settings: Settings,
+    start: Array | None = None,
+    bound: Array | None = None,
+    single: bool = False,
+) -> Solution:
+    """Preconditioned conjugate gradients under bounds; two operator applications per step.
+
+    Parameters
+    ----------
+    operator : Operator
+    heights : (nx, ny) array
+        h [m] of the rigid body at the nodes, on a periodic lattice.
+    mean_force : float
+        Prescribed mean of x [Pa], positive.
+    length_scale : float
+        Length [m] in which the residuals are measured.
+    settings : Settings
+        Stop at sum x |g| <= tolerance * length_scale * sum x and penetration <= 10 tolerance * length_scale,
+        both over points below the bound, and no opening above that at points on the bound. The threads share
+        the passes over the arrays.
+    start : (nx, ny) array, optional
+        Forces [Pa] to start from, scaled to the load here; uniform if not given.
+    bound : (nx, ny) array, optional
+        Upper bound of x [Pa]; its mean must exceed `mean_force`.
+    single : bool
+        Precondition in single precision: the operator is handed arrays of that kind. Directions then differ
+        in the seventh digit; residuals, and what is returned, are of double precision as ever.
+
+    Notes
+    -----
+    Each step builds a direction from the preconditioned residual on the working set and the last step, clips
+    the trial force to its bounds, applies the response to the difference, and searches the exact minimum
+    along it within the bounds. Clipping before the response is applied is what saves the third application of
+    projected methods, and keeps every iterate feasible and the energy falling.
+
+    The residual is extended beyond the contact before the inverse response acts on it, by averages over ever
+    coarser cells that decay with the distance. Cut off at the edge it would have a jump there, to which the
+    inverse (a half derivative) answers with a logarithm of the resolution; extended, the number of steps
+    hardly depends on the grid.
+    """
+    passes = Passes(
+        heights, bound=bound, stiffness=_CAUTION * operator.stiffness, threads=settings.workers, single=single
+    )
+    _set_start(passes, start, mean_force)
+    return _iterate(operator, passes, mean_force=mean_force, length_scale=length_scale, settings=settings)
+
+
+#: Trial length of the first step, and the range it may move in; the preconditioner is scaled like the inverse
+#: response.
+_FIRST, _LEAST, _GREATEST = 0.5, 0.1, 3.0
+
+#: A loaded point is let go when its force is below this share of (grid-scale stiffness x its gap). Left to
+#: the line search, points with little force and an open gap block the direction, which then need not be one
+#: of descent.
+_CAUTION = 0.1
+
+#: Steps without a new least error after which the iteration is said to stagnate.
+_PATIENCE = 60
+
+
+def _iterate(
+    operator: Operator,
+    passes: Passes,
+    *,
+    mean_force: float,
+    length_scale: float,
+    settings: Settings,
+) -> Solution:
+    began, tolerance = time.monotonic(), settings.tolerance
+    total, moment, energy = passes.start(operator)
+    applications, iteration, length, curvature = 1, 0, _FIRST, 0.0
+    least, patience, status = np.inf, _PATIENCE, Status.ITERATION_LIMIT
+    verified, plain = False, False
+    errors: Errors | None = None
+    while True:
+        if errors is None:
+            # phi . g = 0: the offset is the gap below the load, so that scaling phi is no descent.
+            offset = -moment / total if total > 0 else _offset_between(passes)
+            errors = passes.residual(offset)
+        if errors.within(tolerance * length_scale):
+            if verified:
+                status = Status.CONVERGED
+                break
+            # Forces that were on their way out are taken away, and the displacement, so far carried along by
+            # additions, is computed afresh: the answer is judged by what is returned.
+            _settle(passes, mean_force)
+            total, moment, energy = passes.start(operator)
+            applications, verified, errors = applications + 1, True, None
+            continue
+        patience = _PATIENCE if errors.size < 0.9 * least else patience - 1
+        least = min(least, errors.size)
+        if patience == 0:
+            status = Status.STAGNATED
+            break
+        if iteration == settings.max_iterations:
+            break
+        if settings.expired(began):
+            status = Status.TIME_LIMIT
+            break
+        iteration += 1
+        if plain:
+            passes.project(mean_force, offset)
+        else:
+            z_sum, z_image = passes.precondition(operator)
+            free, beta = errors.free, 0.0
+            if curvature > 0 and free > 0:
+                beta = max(0.0, -(z_image - z_sum / free * errors.image) / curvature)
+            shift = (z_sum + beta * errors.last) / free if free > 0 else 0.0
+            passes.trial(mean_force, offset=offset, length=length, beta=beta, shift=shift)
+        operator.apply(passes.step, passes.image)
+        applications += 1 if plain else 2
+        verified = False
+        along = passes.search(offset, energy)
+        best = -along.slope / along.curvature if along.curvature > 0 else 0.0
+        # The trial force keeps the bounds: a single step does.
+        room = passes.room() if best > 1 else 1.0
+        factor = min(best, room)
+        plain = best <= 0
+        if plain:
+            # Clipping has turned the direction uphill: the plain projected gradient points down.
+            curvature, errors = 0.0, passes.residual(offset)
+            continue
+        curvature = along.plain
+        if passes.bound is None:
+            # The load is kept, so the next offset follows from sums along the step: one pass does for two.
+            moment += factor * (along.slope + along.lift) + factor**2 * along.curvature
+            offset = -moment / total
+            errors, moment, energy = passes.advance_residual(factor, offset)
+            total = errors.total
+        else:
+            total, moment = passes.advance(factor)
+            errors = None
+        length = min(max(length * (best if best <= room else 0.9 * best), _LEAST), _GREATEST)
+    return _solution(
+        operator, passes, offset=offset, status=status, iterations=iteration, applications=applications
+    )
+
+
+def _set_start(passes: Passes, start: Array | None, mean_force: float) -> None:
+    force, bound = passes.force, passes.bound
+    if start is None:
+        force[:] = mean_force
+    else:
+        np.maximum(start, 0, out=force)
+        force *= mean_force / np.mean(force)
+    if bound is not None:
+        np.minimum(force, bound, out=force)
+        _restore_load(force, bound, mean_force)
+
+
+def _settle(passes: Passes, mean_force: float) -> None:
+    """Leave no force off the working set but at the bound."""
+    force, bound = passes.force, passes.bound
+    if bound is None:
+        force[~passes.working] = 0
+        if not np.mean(force) > 0:
+            # At vanishing load the gap's rounding may leave no point in the set: the closest one carries it.
+            force.flat[int(np.argmin(passes.displacement - passes.heights))] = mean_force
+        force *= mean_force / np.mean(force)
+    else:
+        np.copyto(force, np.where(force < 0.5 * bound, 0.0, bound), where=~passes.working)
+        _restore_load(force, bound, mean_force)
+
+
+def _restore_load(force: Array, bound: Array, mean_force: float) -> None:
+    """Bring the mean back by moving points between their bounds, or all where need be, towards one."""
+    for points in ((force > 0) & (force < bound), np.ones(force.shape, dtype=bool)):
+        missing = (mean_force - float(np.mean(force))) * force.size
+        if abs(missing) <= 1e-13 * mean_force * force.size:
+            return
+        room = (bound - force if missing > 0 else force)[points]
+        total = float(room.sum())
+        if total > 0:
+            force[points] += min(abs(missing) / total, 1.0) * np.copysign(room, missing)
+
+
+def _offset_between(passes: Passes) -> float:
+    """Offset where every loaded point is at its bound and none lies between.
+
+    Any offset that opens no loaded point and closes no other is right; the one of least indentation is meant.
+    Short of the solution there is none, and the middle leaves both kinds of points something to do.
+    """
+    level, loaded = passes.displacement - passes.heights, passes.force > 0
+    highest = float(np.max(level[loaded]))
+    lowest = float(np.min(level[~loaded], initial=np.inf))
+    return -highest if lowest >= highest else -0.5 * (lowest + highest)
+
+
+def _solution(
+    operator: Operator, passes: Passes, *, offset: float, status: Status, iterations: int, applications: int
+) -> Solution:
+    force, bound = passes.force, passes.bound
+    return Solution(
+        force=force,
+        displacement=passes.displacement,
+        offset=offset,
+        in_contact=force > 0,
+        at_bound=np.zeros(force.shape, dtype=bool) if bound is None else force >= bound,
+        status=status,
+        iterations=iterations,
+        fft_pairs=applications * operator.pairs,
+        peak_bytes=passes.nbytes,
+    )
+
+
+def solve_nested(
+    operator: Operator,
+    heights: Array,
+    *,
+    coarse: Callable[[tuple[int, int]], Operator],
+    mean_force: float,
+    length_scale: float,
+    settings: Settings,
+    start: Array | None = None,
+    bound: Array | None = None,
+    weights: Array | None = None,
+    single: bool = False,
+) -> Solution:
+    """Solve from coarse to fine: each grid starts from the interpolated forces of the one before.
+
+    Parameters
+    ----------
+    coarse : callable
+        Operator of a coarser grid of given shape, whose nodes are all alike; its accuracy only matters for
+        speed.
+    start : (nx, ny) array, optional
+        Forces [Pa] to start from; the coarser grids are then left out.
+    weights : (nx, ny) array, optional
+        Weights of the nodes of the finest grid, where they differ.
+    operator, heights, mean_force, length_scale, settings, bound, single
+        As in `solve_bounded`. Coarse grids are solved to `_COARSE` at best; the time is for all grids.
+
+    Notes
+    -----
+    The heights of a coarse grid are freed of the waves it cannot carry. `Solution.fft_pairs` counts the pairs
+    of all grids, each by its share of points.
+    """
+    given, pairs, began = start is not None, 0.0, time.monotonic()
+    coarsely = replace(settings, tolerance=max(settings.tolerance, _COARSE))
+    levels = [heights]
+    for shape in [] if given else _coarse_shapes(heights.shape):
+        levels.append(coarsened(levels[-1], shape, threads=settings.workers))
+    for smooth in reversed(levels[1:]):
+        shape = (smooth.shape[0], smooth.shape[1])
+        solution = solve_bounded(
+            coarse(shape),
+            smooth,
+            mean_force=mean_force,
+            length_scale=length_scale,
+            settings=coarsely.remaining(began),
+            start=None if start is None else refined(start, shape),
+            bound=None if bound is None else _nearest(bound if weights is None else bound / weights, shape),
+            single=single,
+        )
+        start = solution.force
+        pairs += solution.fft_pairs * start.size / heights.size
+    if start is not None and not given:
+        start = refined(start, heights.shape)
+        start = start if weights is None else start * weights
+    solution = solve_bounded(
+        operator,
+        heights,
+        mean_force=mean_force,
+        length_scale=length_scale,
+        settings=settings.remaining(began),
+        start=start,
+        bound=bound,
+        single=single,
+    )
+    return replace(solution, fft_pairs=solution.fft_pairs + pairs)
+
+
+#: Tolerance of the coarse grids: their answer is off by the discretisation anyway.
+_COARSE = 1e-2
+
+#: Grids are halved down to this number of points.
+_COARSEST = 32
+
+
+def _coarse_shapes(shape: tuple[int, ...]) -> list[tuple[int, int]]:
+    """Coarser and coarser grids below the given one."""
+    shapes = []
+    nx, ny = shape
+    while max(nx, ny) > _COARSEST:
+        nx, ny = (n if n <= _COARSEST // 2 else -(-n // 2) for n in (nx, ny))
+        shapes.append((nx, ny))
+    return shapes
+
+
+def _nearest(field: Array, shape: tuple[int, int]) -> Array:
+    """Take a field at the points of a coarser grid nearest below."""
+    rows, columns = (np.arange(new) * old // new for old, new in zip(field.shape, shape, strict=True))
+    return np.ascontiguousarray(field[np.ix_(rows, columns)])

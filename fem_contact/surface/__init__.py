@@ -1,0 +1,24 @@
+"""Periodic height fields: given ones, random ones, and their power spectra."""
+
+from fem_contact.surface.heights import HeightField
+from fem_contact.surface.random import RandomWaves, random_surface, random_waves, resolves
+from fem_contact.surface.spectra import (
+    RadialSpectrum,
+    Window,
+    estimate_spectrum,
+    radial_spectrum,
+    window_weights,
+)
+
+__all__ = [
+    "HeightField",
+    "RadialSpectrum",
+    "RandomWaves",
+    "Window",
+    "estimate_spectrum",
+    "radial_spectrum",
+    "random_surface",
+    "random_waves",
+    "resolves",
+    "window_weights",
+]

@@ -1,0 +1,261 @@
+"""Heights of a periodic surface, and the trigonometric interpolant between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.fft
+from numpy.typing import ArrayLike, NDArray
+
+from fem_contact._checks import GREATEST, array, function, pair, positive, room_for, shown, whole, within
+from fem_contact.errors import InvalidInput
+
+__all__ = ["HeightField", "checked_lengths", "checked_shape", "interpolant"]
+
+Array = NDArray[np.float64]
+Shape = tuple[int, int]
+Lengths = tuple[float, float]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class HeightField:
+    """Heights of a periodic surface on a grid, positive towards the elastic body.
+
+    Between its points the surface is the trigonometric interpolant of the heights; `resampled`, `shifted` and
+    the moments refer to that interpolant, so none of them depends on a difference formula.
+
+    Parameters
+    ----------
+    heights : (nx, ny) array
+        Heights [m] at x = i Lx/nx, y = j Ly/ny. Copied and made read-only.
+    lengths : tuple of float
+        Periods (Lx, Ly) [m].
+
+    Raises
+    ------
+    InvalidInput
+        For heights that are not a finite two-dimensional array, or periods that are not positive.
+
+    Examples
+    --------
+    >>> x = np.arange(8) / 8
+    >>> wave = HeightField(heights=np.cos(2 * np.pi * x)[:, None] * np.ones(6), lengths=(1.0, 1.0))
+    >>> round(wave.rms_gradient / (2 * np.pi * wave.rms_height), 12)
+    1.0
+    """
+
+    heights: Array
+    lengths: Lengths
+
+    def __post_init__(self) -> None:
+        heights = _checked_heights(self.heights)
+        lengths = checked_lengths(self.lengths)
+        heights.setflags(write=False)
+        object.__setattr__(self, "heights", heights)
+        object.__setattr__(self, "lengths", lengths)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        # Unpickled arrays are writable: build the copy anew.
+        return _height_field, (self.heights, self.lengths)
+
+    @property
+    def shape(self) -> Shape:
+        """Number of grid points (nx, ny)."""
+        nx, ny = self.heights.shape
+        return nx, ny
+
+    @property
+    def spacing(self) -> Lengths:
+        """Grid spacing (dx, dy) [m]."""
+        return self.lengths[0] / self.shape[0], self.lengths[1] / self.shape[1]
+
+    @cached_property
+    def rms_height(self) -> float:
+        """Root mean square height about the mean plane, over the grid points [m]."""
+        return float(np.std(self.heights))
+
+    @cached_property
+    def moments(self) -> tuple[float, float, float]:
+        """Discrete spectral moments (m0 [m^2], m2 [1], m4 [m^-2]): sums over the wavevectors of the period.
+
+        They are the moments of this one realisation, to be told from the integrals over C(q).
+        """
+        power, qx, qy = self._power()
+        qx2, qy2 = qx**2, qy**2
+        rows, columns = power.sum(axis=1), power.sum(axis=0)
+        m4 = rows @ qx2**2 + 2 * (qx2 @ power @ qy2) + columns @ qy2**2
+        return float(rows.sum()), float(rows @ qx2 + columns @ qy2), float(m4)
+
+    def spectral_sum(self, weight: Callable[[Array], ArrayLike]) -> float:
+        r"""Sum over the wavevectors of the period of |h(q)|^2 f(|q|), the mean height left out.
+
+        .. math:: \sum_{\mathbf q \ne 0} |h(\mathbf q)|^2 f(|\mathbf q|),\qquad
+                  h(\mathbf x) = \sum_{\mathbf q} h(\mathbf q)\, e^{i \mathbf q \cdot \mathbf x}
+
+        Parameters
+        ----------
+        weight : callable
+            f for an array of positive q [1/m]. With f = 1 the sum is m0, with q^2 the mean square gradient,
+            with (E*/4) q the elastic energy per area of a half-space in full contact.
+
+        Raises
+        ------
+        InvalidInput
+            If f does not give one finite real number for every q.
+
+        Examples
+        --------
+        >>> x = np.arange(16) / 16
+        >>> wave = HeightField(heights=np.cos(2 * np.pi * x)[:, None] * np.ones(4), lengths=(1.0, 0.25))
+        >>> round(wave.spectral_sum(lambda q: q) / (2 * np.pi), 12)
+        0.5
+        """
+        function("weight", weight)
+        power, qx, qy = self._power()
+        q = np.hypot(qx[:, None], qy[None, :]).ravel()[1:]
+        values = array("weight(q)", weight(q), power=6)
+        if values.shape not in ((), q.shape):
+            raise InvalidInput(f"weight(q) of shape {values.shape}: must be of shape {q.shape}")
+        return float(np.sum(values * power.ravel()[1:]))
+
+    def _power(self) -> tuple[Array, Array, Array]:
+        """|h(q)|^2 [m^2] of half of the wavevectors, counted for both signs, and both components [1/m]."""
+        (nx, ny), (lx, ly) = self.shape, self.lengths
+        power = np.abs(scipy.fft.rfft2(self.heights, norm="forward")) ** 2
+        # The half spectrum stands for both signs of q_y; the Nyquist waves of the interpolant are split in
+        # two halves.
+        power[:, 1 : (ny + 1) // 2] *= 2
+        if ny % 2 == 0 and ny > 1:
+            power[:, -1] *= 0.5
+        if nx % 2 == 0 and nx > 1:
+            power[nx // 2] *= 0.5
+        power[0, 0] = 0
+        qx = 2 * np.pi * scipy.fft.fftfreq(nx, lx / nx)
+        qy = 2 * np.pi * scipy.fft.rfftfreq(ny, ly / ny)
+        return power, qx, qy
+
+    @property
+    def rms_gradient(self) -> float:
+        """Root mean square gradient h'_rms, both directions together, by spectral differentiation [-]."""
+        return float(np.sqrt(self.moments[1]))
+
+    @property
+    def nayak(self) -> float:
+        """Nayak parameter alpha = (3/2) m0 m4 / m2^2 of this realisation."""
+        m0, m2, m4 = self.moments
+        if m2 == 0:
+            raise InvalidInput("the Nayak parameter of a flat surface is undefined")
+        return 1.5 * m0 * m4 / m2**2
+
+    def resampled(self, shape: Shape) -> HeightField:
+        """Return this surface's trigonometric interpolant sampled on another grid: exact, finer or coarser.
+
+        A coarser grid that does not resolve the surface gets its true point values, short waves included.
+        """
+        return self._sampled(checked_shape(shape), (0.0, 0.0))
+
+    def shifted(self, fraction: tuple[float, float]) -> HeightField:
+        """Return h(x + fraction * spacing) on the same grid: what a grid moved by parts of a cell sees."""
+        what = "two finite parts of a cell (x, y)"
+        x, y = pair("fraction", fraction, what=what)
+        try:
+            across, along = (within("fraction", part, -1e9, 1e9, interval="[-1e9, 1e9]") for part in (x, y))
+        except InvalidInput:
+            raise InvalidInput(f"fraction = {shown(fraction)}: must be {what}") from None
+        return self._sampled(self.shape, (across, along))
+
+    def _sampled(self, shape: Shape, fraction: tuple[float, float]) -> HeightField:
+        spectrum = scipy.fft.fft2(self.heights, norm="forward")
+        for axis in (0, 1):
+            spectrum = _refold(spectrum, shape[axis], fraction[axis], axis)
+        heights = scipy.fft.ifft2(spectrum, norm="forward").real
+        return HeightField(heights=heights, lengths=self.lengths)
+
+
+def _height_field(heights: Array, lengths: Lengths) -> HeightField:
+    return HeightField(heights=heights, lengths=lengths)
+
+
+def _checked_heights(given: object) -> Array:
+    """Return a copy of the heights; NaN, infinite and masked points are refused with their number."""
+    if np.ma.is_masked(given):
+        missing = int(np.ma.count_masked(given))
+        raise InvalidInput(
+            f"heights: {missing} of {np.size(given)} points are masked: fill them (.filled) or cut them off"
+        )
+    try:
+        raw = np.asarray(given)
+        if raw.dtype.kind not in "iuf":
+            raise TypeError
+        heights = np.array(raw, dtype=float)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InvalidInput("heights: must be a two-dimensional array of real numbers") from error
+    if heights.ndim != 2 or heights.size == 0:
+        raise InvalidInput(f"heights of shape {heights.shape}: must be a two-dimensional array (nx, ny)")
+    bad = np.count_nonzero(~np.isfinite(heights))
+    if bad:
+        raise InvalidInput(f"{bad} of {heights.size} heights are NaN or infinite: fill or remove them first")
+    highest = float(np.max(np.abs(heights)))
+    if highest > GREATEST:
+        raise InvalidInput(
+            f"heights: {highest:.6g} m is no height; at most {GREATEST:g} m can be computed with"
+        )
+    return heights
+
+
+def checked_shape(shape: object) -> Shape:
+    """Return two positive whole numbers (nx, ny), or refuse."""
+    what = "two positive whole numbers (nx, ny)"
+    counts = pair("shape", shape, what=what)
+    nx, ny = (int(n) if isinstance(n, float) and n % 1 == 0 else n for n in counts)
+    try:
+        points = whole("nx", nx, least=1, most=2**24), whole("ny", ny, least=1, most=2**24)
+    except InvalidInput:
+        raise InvalidInput(f"shape = {shown(shape)}: must be {what}, at most 2^24 each") from None
+    room_for("shape", points, needed=48.0 * points[0] * points[1])
+    return points
+
+
+def checked_lengths(lengths: object) -> Lengths:
+    """Return two positive, finite periods [m], or refuse."""
+    what = "two positive periods (Lx, Ly) in m"
+    lx, ly = pair("lengths", lengths, what=what)
+    try:
+        return positive("Lx", lx, unit="m"), positive("Ly", ly, unit="m")
+    except InvalidInput:
+        raise InvalidInput(f"lengths = {shown(lengths)}: must be {what}") from None
+
+
+def _wave_numbers(n: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+    """Integer wave numbers of n points, their FFT slots and weights; the Nyquist wave is split into +-n/2."""
+    numbers = np.arange(n) - n // 2
+    weights = np.ones(n)
+    if n % 2 == 0:
+        numbers = np.append(numbers, n // 2)
+        weights = np.append(weights, 0.5)
+        weights[0] = 0.5
+    return numbers, numbers % n, weights
+
+
+def _refold(spectrum: NDArray[np.complex128], n: int, fraction: float, axis: int) -> NDArray[np.complex128]:
+    """Sample the interpolant of one axis at n points: waves beyond the new Nyquist limit fold back."""
+    old = spectrum.shape[axis]
+    numbers, slots, weights = _wave_numbers(old)
+    factors = weights * np.exp(2j * np.pi * numbers * fraction / old)
+    waves = np.moveaxis(spectrum, axis, 0)[slots] * factors[:, None]
+    folded = np.zeros((n, waves.shape[1]), dtype=complex)
+    np.add.at(folded, numbers % n, waves)
+    return np.moveaxis(folded, 0, axis)
+
+
+def interpolant(surface: HeightField) -> tuple[Array, Array, NDArray[np.complex128]]:
+    """Wavevectors [1/m] along both axes and Fourier coefficients [m] of the trigonometric interpolant."""
+    spectrum = scipy.fft.fft2(surface.heights, norm="forward")
+    (mx, sx, wx), (my, sy, wy) = (_wave_numbers(n) for n in surface.shape)
+    coefficients = spectrum[np.ix_(sx, sy)] * wx[:, None] * wy[None, :]
+    unit_x, unit_y = (2 * np.pi / length for length in surface.lengths)
+    qx, qy = (np.multiply(numbers, unit, dtype=np.float64) for numbers, unit in ((mx, unit_x), (my, unit_y)))
+    return qx, qy, coefficients

@@ -1,0 +1,220 @@
+"""Random surfaces that are the same on every grid.
+
+A random surface is a sum of waves (Eq. 1 of Persson 2006). Its random numbers belong to the wavevectors, not
+to array positions, so that one seed gives one surface, whatever grid it is sampled on and wherever its
+spectrum is cut.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from fem_contact._checks import array, choice, function, positive, room_for, shown, truth
+from fem_contact.errors import InvalidInput
+from fem_contact.surface.heights import HeightField, checked_lengths, checked_shape
+
+__all__ = ["RandomWaves", "random_surface", "random_waves", "resolves"]
+
+Array = NDArray[np.float64]
+Shape = tuple[int, int]
+Lengths = tuple[float, float]
+
+#: Relative slack when a wavevector is compared with a limit it may equal up to rounding.
+_EDGE = 1e-12
+
+
+def resolves(shape: Shape, lengths: Lengths, *, q_short: float) -> bool:
+    """Whether a grid resolves waves up to q_short: lambda_short > 2 dx on both axes.
+
+    Examples
+    --------
+    >>> [resolves((64, 64), (1.0, 1.0), q_short=2 * np.pi * waves) for waves in (31, 32)]
+    [True, False]
+    """
+    counts, (lx, ly) = checked_shape(shape), checked_lengths(lengths)
+    positive("q_short", q_short, unit="1/m")
+    return all(
+        2 * np.pi / q_short > 2 * length / n * (1 + _EDGE) for n, length in zip(counts, (lx, ly), strict=True)
+    )
+
+
+def random_surface(
+    spectrum: Callable[[Array], Array],
+    *,
+    q_short: float,
+    lengths: Lengths,
+    shape: Shape,
+    seed: int | np.random.Generator,
+    amplitudes: Literal["exact", "gaussian"] = "exact",
+    under_resolved: bool = False,
+) -> HeightField:
+    r"""One realisation of a periodic random surface with power spectrum C(q).
+
+    .. math:: h(\mathbf x) = \sum_{\mathbf q} B(\mathbf q)\,
+              e^{i[\mathbf q\cdot\mathbf x + \phi(\mathbf q)]},\qquad
+              B = \frac{2\pi}{\sqrt{L_x L_y}} \sqrt{C(q)},\quad \phi(-\mathbf q) = -\phi(\mathbf q)
+
+    Parameters
+    ----------
+    spectrum : callable
+        C(q) [m^4] for an array of q [1/m], in the convention <h^2> = 2 pi int q C dq.
+    q_short : float
+        Cut-off wavevector [1/m]: no wave beyond it is generated.
+    lengths : tuple of float
+        Periods (Lx, Ly) [m].
+    shape : tuple of int
+        Grid points (nx, ny), odd or even. The same seed gives the same surface on every grid.
+    seed : int or numpy.random.Generator
+        Source of the phases (and amplitudes).
+    amplitudes : {"exact", "gaussian"}
+        "exact": every wave carries sqrt(C(q)) exactly, only phases are random. "gaussian": each coefficient
+        is a complex Gaussian of that variance, as in a sample of a Gaussian process.
+    under_resolved : bool
+        Accept a grid with lambda_short <= 2 dx. It gets the true point values, from which the surface cannot
+        be recovered.
+
+    Raises
+    ------
+    InvalidInput
+        For a grid that does not resolve q_short (unless asked for), no wave below q_short, a spectrum that is
+        negative or not finite, or a seed that is none.
+
+    Notes
+    -----
+    Eq. 1 of Persson 2006 with the Hermitian condition. Random numbers are drawn along square rings of wave
+    numbers outwards, so they depend neither on the grid nor on q_short: cutting the spectrum elsewhere keeps
+    the remaining waves.
+    """
+    shape, lengths = checked_shape(shape), checked_lengths(lengths)
+    q_short = positive("q_short", q_short, unit="1/m")
+    truth("under_resolved", under_resolved)
+    _check_resolved(shape, lengths, q_short, under_resolved)
+    waves = random_waves(spectrum, q_short=q_short, lengths=lengths, seed=seed, amplitudes=amplitudes)
+    return waves.on(shape, under_resolved=under_resolved)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RandomWaves:
+    """The waves of one realisation of a random surface, drawn once and sampled on any grid.
+
+    Attributes
+    ----------
+    m, n : (count,) arrays of int
+        Wave numbers, one of each pair +-q.
+    amplitudes : (count,) array of complex
+        Fourier coefficients of half the surface [m].
+    q_short : float
+        Cut-off wavevector [1/m].
+    lengths : tuple of float
+        Periods (Lx, Ly) [m].
+    """
+
+    m: NDArray[np.int64]
+    n: NDArray[np.int64]
+    amplitudes: NDArray[np.complex128]
+    q_short: float
+    lengths: Lengths
+
+    def on(self, shape: Shape, *, under_resolved: bool = False) -> HeightField:
+        """Sample the surface on a grid.
+
+        Parameters
+        ----------
+        shape : tuple of int
+            Grid points (nx, ny), odd or even.
+        under_resolved : bool
+            Accept a grid with lambda_short <= 2 dx. It gets the true point values, from which the surface
+            cannot be recovered.
+
+        Raises
+        ------
+        InvalidInput
+            For a grid that does not resolve q_short, unless asked for.
+        """
+        shape = checked_shape(shape)
+        truth("under_resolved", under_resolved)
+        _check_resolved(shape, self.lengths, self.q_short, under_resolved)
+        half = np.zeros((shape[0], shape[1]), dtype=complex)
+        np.add.at(half, (self.m % shape[0], self.n % shape[1]), self.amplitudes)
+        heights = 2 * scipy.fft.ifft2(half, norm="forward").real
+        return HeightField(heights=heights, lengths=self.lengths)
+
+
+def random_waves(
+    spectrum: Callable[[Array], Array],
+    *,
+    q_short: float,
+    lengths: Lengths,
+    seed: int | np.random.Generator,
+    amplitudes: Literal["exact", "gaussian"] = "exact",
+) -> RandomWaves:
+    """Draw the waves of one realisation; parameters and errors as of `random_surface`."""
+    lengths = checked_lengths(lengths)
+    q_short = positive("q_short", q_short, unit="1/m")
+    function("spectrum", spectrum)
+    choice("amplitudes", amplitudes, ("exact", "gaussian"))
+    m, n, q = _half_plane(lengths, q_short)
+    power = array("spectrum(q)", spectrum(q), power=4)
+    if power.shape not in ((), q.shape) or np.any(power < 0):
+        raise InvalidInput("the spectrum C(q) is negative or not finite at a wavevector of the surface")
+    waves = _random_waves(m, n, seed=seed, gaussian=amplitudes == "gaussian")
+    waves *= 2 * np.pi * np.sqrt(power / (lengths[0] * lengths[1]))
+    return RandomWaves(m=m, n=n, amplitudes=waves, q_short=q_short, lengths=lengths)
+
+
+def _check_resolved(shape: Shape, lengths: Lengths, q_short: float, under_resolved: bool) -> None:
+    if under_resolved or resolves(shape, lengths, q_short=q_short):
+        return
+    needed = tuple(int(np.floor(length * q_short / np.pi * (1 + _EDGE))) + 1 for length in lengths)
+    raise InvalidInput(
+        f"shape = {shape}: does not resolve lambda_short = {2 * np.pi / q_short:.6g} m; "
+        f"at least {needed} points are needed (or ask for an under-resolved grid)"
+    )
+
+
+def _checked_generator(seed: int | np.random.Generator) -> np.random.Generator:
+    """Return the generator of a seed; None is refused because nobody could draw that surface again."""
+    if isinstance(seed, np.random.Generator):
+        return seed
+    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
+        raise InvalidInput(
+            f"seed = {shown(seed)}: must be a whole number that is not negative, or a numpy.random.Generator"
+        )
+    return np.random.default_rng(int(seed))
+
+
+def _half_plane(lengths: Lengths, q_short: float) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+    """Wave numbers (m, n) with 0 < |q| <= q_short, one of each pair +-q, and |q| [1/m]."""
+    unit_x, unit_y = (2 * np.pi / length for length in lengths)
+    limit = q_short * (1 + _EDGE)
+    top_x, top_y = int(limit / unit_x), int(limit / unit_y)
+    room_for("q_short", q_short, needed=80.0 * (2 * top_x + 1) * (top_y + 1))
+    m, n = np.meshgrid(np.arange(-top_x, top_x + 1), np.arange(top_y + 1), indexing="ij")
+    q = np.hypot(m * unit_x, n * unit_y)
+    keep = (q <= limit) & ((n > 0) | (m > 0))
+    if not keep.any():
+        raise InvalidInput(
+            f"no wave fits: lambda_short = {2 * np.pi / q_short:.6g} m exceeds the periods {lengths} m"
+        )
+    return m[keep], n[keep], q[keep]
+
+
+def _random_waves(
+    m: NDArray[np.int64], n: NDArray[np.int64], *, seed: int | np.random.Generator, gaussian: bool
+) -> NDArray[np.complex128]:
+    """Unit-variance complex random numbers, a function of the seed and of each wave number alone."""
+    ring = np.maximum(np.abs(m), n)
+    along = np.where(m == ring, n, np.where(n == ring, 2 * ring - m, 4 * ring - n))
+    position = 2 * ring * (ring - 1) + along
+    count = int(position.max()) + 1
+    phases, sizes = _checked_generator(seed).spawn(2)
+    waves: NDArray[np.complex128] = np.exp(2j * np.pi * phases.random(count)[position])
+    if gaussian:
+        waves *= np.sqrt(-np.log1p(-sizes.random(count)[position]))
+    return waves

@@ -1,0 +1,144 @@
+"""Power spectra of given surfaces: of periodic ones, and of measured patches that are not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fem_contact._checks import choice, instance, within
+from fem_contact.errors import InvalidInput
+from fem_contact.surface.heights import HeightField, checked_shape, interpolant
+
+__all__ = ["RadialSpectrum", "Window", "estimate_spectrum", "radial_spectrum", "window_weights"]
+
+Array = NDArray[np.float64]
+Window = Literal["none", "hann", "tukey"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RadialSpectrum:
+    """A power spectrum averaged over rings of wavevectors.
+
+    Attributes
+    ----------
+    q : (n,) array
+        Mean |q| of the waves in each ring [1/m].
+    power : (n,) array
+        C(q) [m^4]: ring average of |h(q)|^2 Lx Ly / (2 pi)^2.
+    count : (n,) array
+        Number of waves in the ring.
+    """
+
+    q: Array
+    power: Array
+    count: NDArray[np.int64]
+
+
+def radial_spectrum(surface: HeightField) -> RadialSpectrum:
+    """Measure C(q) of a periodic surface, averaged over rings one fundamental wavevector wide.
+
+    Convention as in Persson 2006, <h^2> = 2 pi int q C dq; multiply by (2 pi)^2 for the areal PSD of other
+    communities.
+    """
+    instance("surface", surface, HeightField, what="a `HeightField`")
+    qx, qy, coefficients = interpolant(surface)
+    q = np.hypot(qx[:, None], qy[None, :])
+    unit = 2 * np.pi / min(surface.lengths)
+    ring = np.rint(q / unit).astype(np.int64).ravel()
+    count = np.bincount(ring)
+    cell = (2 * np.pi) ** 2 / (surface.lengths[0] * surface.lengths[1])
+    power = np.bincount(ring, weights=(np.abs(coefficients) ** 2).ravel()) / cell
+    mean_q = np.bincount(ring, weights=q.ravel())
+    filled = (count > 0) & (np.arange(count.size) > 0)
+    return RadialSpectrum(
+        q=mean_q[filled] / count[filled], power=power[filled] / count[filled], count=count[filled]
+    )
+
+
+def window_weights(shape: tuple[int, int], *, window: Window, margin: float = 0.1) -> Array:
+    r"""Weights of a separable window on a grid of cell centres.
+
+    .. math:: w(x) = \tfrac12[1 - \cos(\pi x / b)] \text{ for } x < b,\quad 1 \text{ inside},\quad
+              b = L/2 \text{ (Hann)},\ b = \text{margin}\cdot L \text{ (Tukey)}
+
+    Parameters
+    ----------
+    shape : tuple of int
+        Points (nx, ny).
+    window : {"none", "hann", "tukey"}
+    margin : float
+        Share of each side over which a Tukey window rises, in (0, 1/2].
+
+    Returns
+    -------
+    (nx, ny) array
+        Between 0 and 1.
+
+    Examples
+    --------
+    >>> window_weights((4, 1), window="tukey", margin=0.25).ravel().round(3).tolist()
+    [0.5, 1.0, 1.0, 0.5]
+    """
+    shape = checked_shape(shape)
+    choice("window", window, ("none", "hann", "tukey"))
+    margin = within("margin", margin, 1e-9, 0.5, interval="[1e-9, 0.5]")
+    if window == "none":
+        return np.ones(shape)
+    width = 0.5 if window == "hann" else margin
+    sides = []
+    for n in shape:
+        centres = (np.arange(n) + 0.5) / n
+        inwards = np.minimum(np.minimum(centres, 1 - centres) / width, 1.0)
+        sides.append((1 - np.cos(np.pi * inwards)) / 2 if n > 1 else np.ones(1))
+    return np.multiply.outer(sides[0], sides[1])
+
+
+def estimate_spectrum(
+    heights: ArrayLike, lengths: tuple[float, float], *, window: Window = "hann"
+) -> RadialSpectrum:
+    r"""Estimate C(q) of a measured patch whose opposite edges do not match.
+
+    .. math:: C(q) = \frac{L_x L_y}{(2\pi)^2}\,
+              \frac{\langle |\widehat{w (h - \bar h)}|^2 \rangle_{|\mathbf q| = q}}{\langle w^2 \rangle}
+
+    Parameters
+    ----------
+    heights : (nx, ny) array
+        Heights [m], without tilt and without missing points.
+    lengths : tuple of float
+        Size of the patch (Lx, Ly) [m].
+    window : {"hann", "none", "tukey"}
+        What brings the edges down. Without one the jump between opposite edges fills the spectrum with
+        a tail like q^-3 that is not the surface's; "none" is for periodic surfaces.
+
+    Returns
+    -------
+    RadialSpectrum
+        Rings one wavevector 2 pi / min(L) wide, from the second up to the Nyquist wavevector of the coarser
+        axis: a window blurs C(q) over two rings, and nothing is known of longer waves than the patch.
+
+    Raises
+    ------
+    InvalidInput
+        For heights that are not a finite two-dimensional array, or a patch too small for a single ring.
+
+    Notes
+    -----
+    Convention of Persson 2006, <h^2> = 2 pi int q C dq; times (2 pi)^2 it is the areal power spectral density
+    of other communities. The estimate scatters by 1/sqrt(count) per ring.
+    """
+    patch = HeightField(heights=heights, lengths=lengths)  # type: ignore[arg-type]
+    weights = window_weights(patch.shape, window=window)
+    power = float(np.mean(weights**2))
+    mean = float(np.mean(weights * patch.heights)) / float(np.mean(weights))
+    windowed = HeightField(heights=weights * (patch.heights - mean), lengths=lengths)
+    rings = radial_spectrum(windowed)
+    nyquist = np.pi / max(patch.spacing)
+    first = 2 * np.pi / min(lengths) * (0.5 if window == "none" else 1.5)
+    keep = (rings.q <= nyquist * (1 + 1e-12)) & (rings.q >= first)
+    if not keep.any():
+        raise InvalidInput(f"heights of shape {patch.shape}: too few points for a spectrum")
+    return RadialSpectrum(q=rings.q[keep], power=rings.power[keep] / power, count=rings.count[keep])
