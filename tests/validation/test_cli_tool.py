@@ -200,7 +200,7 @@ def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(
         ('scheduler = "tcp://x:1"', "run: scheduler: is chosen on the command line alone: --scheduler"),
         ('output = "/tmp/elsewhere"', "run.output = '/tmp/elsewhere': must lie below the folder"),
         ('store = "results/../../solves"', "run.store = 'results/../../solves': must lie below the folder"),
-        ('output = "link/results"', "run.output = 'link/results': leads to"),
+        ('output = "link/results"', "'link/results' is a link that leads to"),
         ("worker = 2", "did you mean 'workers'"),
     ],
 )
@@ -224,6 +224,29 @@ def test_what_a_stranger_wrote_is_shown_harmlessly(write_scene, tool, tmp_path, 
         assert code == 2
         assert r"a\x1b[31m\u202eb" in err
         assert "\x1b" not in out + err
+
+
+def test_links_that_lead_out_of_the_results_are_not_followed(write_scene, tool, tmp_path):
+    path = write_scene(fem=False)
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "results").mkdir()
+    link = tmp_path / "results" / "small"
+    link.symlink_to(tmp_path / "elsewhere")
+    code, _, err = tool("run", path)
+    assert code == 2
+    assert "'results/small' is a link that leads to" in err
+    assert "say --output 'results/small' to follow it" in err
+    link.unlink()
+    link.mkdir()
+    (link / "solves").symlink_to(tmp_path / "elsewhere")
+    assert "say --store 'results/small/solves' to follow it" in tool("run", path)[2]
+    assert not list((tmp_path / "elsewhere").iterdir())
+    (link / "solves").unlink()
+    link.rmdir()
+    # A folder of results may itself be a link to a larger disk.
+    (tmp_path / "results").rmdir()
+    (tmp_path / "results").symlink_to(tmp_path / "elsewhere")
+    assert tool("run", path, "--dry-run")[0] == 0
 
 
 def test_a_grid_that_no_memory_holds_is_refused(tool, tmp_path):

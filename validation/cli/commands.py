@@ -93,17 +93,22 @@ def run(
     from validation.comparison.run import run_scene
     from validation.scenes.checks import check_scene
     from validation.scenes.realised import realise
-    from validation.scenes.scene import load_scene
+    from validation.scenes.scene import load_scene, not_led_out
     from validation.solves.press import solves_of
     from validation.solves.store import Store
 
     loaded = load_scene(scene)
     said = loaded.run
-    plain = output or said.folder("output") or Path("results") / loaded.name
+    results = Path("results")
+    plain = (
+        output or said.folder("output") or not_led_out(results / loaded.name, of=results, option="--output")
+    )
     # Beside the results of a plain run, whose solves it shares.
     beside = accuracy is not None and not (output or said.output)
-    folder = plain.with_name(f"{plain.name}-accuracy") if beside else plain
-    store_folder = store or said.folder("store") or plain / "solves"
+    folder = plain
+    if beside:
+        folder = not_led_out(plain.with_name(f"{plain.name}-accuracy"), of=results, option="--output")
+    store_folder = store or said.folder("store") or not_led_out(plain / "solves", of=plain, option="--store")
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
     chosen = chosen_accuracy(accuracy, time_limit=time_limit, dry_run=dry_run, execution=execution)
     with naming(scene):

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact.block.elements import ELEMENTS
-from fem_contact.block.full.active_set import AssembledBlock, Block, SetPreconditioner
+from fem_contact.block.full.block import AssembledBlock, Block, SetPreconditioner
 from fem_contact.block.full.stencil import LineFactors, stencil
 
 if TYPE_CHECKING:
@@ -309,13 +309,15 @@ class _CyclePreconditioner:
         coupling = block.apply(unit)
         diagonal = float(coupling[held].sum())
         coupling[held] = 0
-        answer = self._free(coupling)
-        # Scaled to the least energy, which keeps the complement positive whatever a cycle is worth.
-        image = block.apply(answer)
-        image[held] = 0
+        answer, share = self._free(coupling), 1.0
         moment = float(coupling @ answer)
-        energy = float(answer @ image)
-        share = moment / energy if energy > 0 else 0.0
+        if isinstance(block, RefinedBlock):
+            # A cycle on other cells may overestimate the inverse; scaled to the least energy, the answer
+            # still leaves a positive complement. On the cells themselves it never does.
+            image = block.apply(answer)
+            image[held] = 0
+            energy = float(answer @ image)
+            share = moment / energy if energy > 0 else 0.0
         self.answer = share * answer
         self.schur = diagonal - share * moment
         self.nbytes = 5 * self.answer.nbytes

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.full.active_set import ActiveSetSolution, AssembledBlock, Settings, solve_contact
+from fem_contact.block.full.active_set import ActiveSetSolution, Settings, solve_contact
 from fem_contact.block.full.assembly import assemble
+from fem_contact.block.full.block import AssembledBlock
 from fem_contact.block.full.multigrid import (
     Hierarchy,
     RefinedBlock,

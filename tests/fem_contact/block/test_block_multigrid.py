@@ -213,18 +213,18 @@ def patches(shape):
     [
         ((16, 16), (1.0, 1.0), 0.3, {}, 13),
         ((48, 48), (1.0, 1.0), 0.3, {}, 14),
-        ((33, 27), (1.0, 1.0), 0.3, {}, 16),
-        ((32, 32), (1.0, 1.0), 0.45, {}, 23),
+        ((33, 27), (1.0, 1.0), 0.3, {}, 14),
+        ((32, 32), (1.0, 1.0), 0.45, {}, 21),
         ((32, 32), (1.0, 1.0), 0.3, {"depth": 100.0}, 14),
         ((32, 32), (1.0, 1.0), 0.3, {"depth": 0.01}, 14),
         ((32, 32), (1.0, 1.0), 0.3, {"first_layer": 1e-6}, 14),
         ((32, 32), (1.0, 1.0), 0.3, {"growth": 1.02}, 14),
-        ((32, 32), (1.0, 8.0), 0.3, {}, 21),
-        ((32, 32), (50.0, 1.0), 0.3, {}, 27),
+        ((32, 32), (1.0, 8.0), 0.3, {}, 18),
+        ((32, 32), (50.0, 1.0), 0.3, {}, 18),
     ],
 )
 def test_steps_depend_neither_on_the_grid_nor_on_the_shape_of_cells(shape, lengths, poisson, mesh, most):
-    """The limits are the steps that were counted, and one in eight or ten more."""
+    """The limits are the steps that were counted, and some one in eight more."""
     planned = plan_mesh(shape, lengths, **mesh)
     assert steps_of(build_hierarchy(planned, poisson=poisson), patches(shape)) <= most
 
@@ -236,8 +236,8 @@ def test_trilinear_cells_between_the_nodes_precondition_triquadratic_ones(cells,
     hierarchy = refined_hierarchy(mesh, poisson=poisson)
     tied = patches(mesh.shape)
     block = RefinedBlock(matrix=matrix, mesh=mesh, heights=np.zeros(mesh.shape), hierarchy=hierarchy)
-    # The count at n = 8 and nu = .3 is 25.
-    assert steps_of(hierarchy, tied, block) <= (45 if poisson > 0.4 else 30)
+    # 26, 27 and 33 were counted.
+    assert steps_of(hierarchy, tied, block) <= (37 if poisson > 0.4 else 30)
 
 
 def agree(full, reduced, within=1e-8):

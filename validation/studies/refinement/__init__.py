@@ -134,10 +134,10 @@ def _boundary_elements(options: Options, pressed: Sequence[Realised]) -> dict[_C
     cases: dict[_Case, NumbersSolve] = {}
     for k, own in enumerate(pressed):
         cases["grids", k] = Distributions(realised=own, grids=grids, shifts=options.shifts)
-        for n in options.grid_scale_grids:
-            cases["grid scale", k, n] = GridRoughness(realised=own, points=n)
     usual = Distributions(realised=pressed[0], grids=grids[: _few(options)], shifts=options.shifts)
     cases["strict",] = replace(usual, tolerance=usual.tolerance / 100)
+    for (k, own), n in itertools.product(enumerate(pressed), options.grid_scale_grids):
+        cases["grid scale", k, n] = GridRoughness(realised=own, points=n)
     return cases
 
 
