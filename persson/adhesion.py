@@ -27,6 +27,7 @@ from persson._checks import (
     positive,
     real,
     scalar,
+    together,
     whole,
     within,
 )
@@ -111,6 +112,7 @@ def detachment_stress(
     energy = np.maximum(real("work", work, unit="J/m^2"), 0.0)
     instance("interface", interface, Interface, what="an `Interface`")
     modulus = non_negative("contact_modulus", contact_modulus, unit="Pa")
+    together(work=energy, contact_modulus=modulus, wavevector=non_negative("wavevector", wavevector))
     bare = np.sqrt(interface.alpha * energy * modulus * non_negative("wavevector", wavevector, unit="1/m"))
     strength = interface.ideal_strength
     return np.asarray(bare if strength is None else bare / (1 + bare / strength))[()]

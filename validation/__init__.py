@@ -1,1 +1,5 @@
 """The comparison of theory and simulation: the only package that knows both."""
+
+from validation.environment import settle
+
+settle()

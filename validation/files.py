@@ -1,29 +1,62 @@
-"""Files and folders: written atomically, drafts of killed processes removed, a full disk said in words."""
+"""Files and folders: written whole or not at all, kept through a loss of power, refusals said in words."""
 
 from __future__ import annotations
 
 import contextlib
 import errno
+import functools
+import hashlib
 import json
 import os
 import re
 import shutil
 import socket
+import stat
 import tempfile
+import time
+import uuid
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from validation.errors import RunFailed, UsageError
 
-__all__ = ["atomic_path", "json_text", "prepare_folder", "remove_drafts", "write_json"]
+__all__ = [
+    "NotWritten",
+    "atomic_path",
+    "json_text",
+    "prepare_folder",
+    "read_whole",
+    "refusal",
+    "remove_drafts",
+    "sync_folder",
+    "system_words",
+    "write_json",
+    "write_whole",
+]
 
 #: Bytes below which a disk counts as full when a library cannot say why it failed.
 _NOTHING_LEFT = 64 * 1024
+#: A draft that nobody has written to for so long is nobody's, whichever machine began it [s].
+_ABANDONED = 24 * 3600.0
+#: Subfolders of a results folder in which drafts may be left.
+_INNER = ("figures",)
+_DRAFT = re.compile(r"\.([0-9a-f]{8})-(\d+)-[0-9a-f]{12}-")
+
+
+class NotWritten(RunFailed, OSError):
+    """A file that the system refused; says which, why, and what to do."""
+
+    def __init__(self, words: str, error: OSError) -> None:
+        super().__init__(error.errno, error.strerror)
+        self.words = words
+
+    def __str__(self) -> str:
+        return self.words
 
 
 def prepare_folder(folder: Path, *, option: str = "--output") -> Path:
-    """Create a results folder and prove that it can be written to.
+    """Create a results folder, prove that it can be written to, and clear it of the drafts of the dead.
 
     Parameters
     ----------
@@ -44,6 +77,9 @@ def prepare_folder(folder: Path, *, option: str = "--output") -> Path:
         raise UsageError(
             f"{option} = {str(folder)!r}: cannot be written to ({error.strerror}); name another folder"
         ) from None
+    remove_drafts(folder)
+    for inner in _INNER:
+        remove_drafts(folder / inner)
     return folder
 
 
@@ -51,25 +87,82 @@ def prepare_folder(folder: Path, *, option: str = "--output") -> Path:
 def atomic_path(path: Path) -> Iterator[Path]:
     """Yield a temporary path beside `path` that takes its name only when the block ends well.
 
+    The bytes are on the disk before the name is, so that a loss of power leaves the old file or the new one.
+
     Raises
     ------
-    RunFailed
-        When the disk is full; finished files are untouched.
+    NotWritten
+        When the system refuses it: a full disk, a folder that is gone; finished files are untouched.
     """
-    draft = path.with_name(f".{socket.gethostname()}-{os.getpid()}-{path.name}")
+    draft = _draft_of(path)
     try:
         yield draft
+        _sync(draft)
         os.replace(draft, path)
-    except (OSError, RuntimeError) as error:
+        sync_folder(path.parent)
+    except OSError as error:
+        raise NotWritten(refusal(path, error), error) from None
+    except RuntimeError as error:
         # The netCDF library says "HDF error" for whatever the system refused it.
-        numbers = (errno.ENOSPC, errno.EDQUOT)
-        if getattr(error, "errno", None) in numbers or shutil.disk_usage(path.parent).free < _NOTHING_LEFT:
-            raise RunFailed(
-                f"the disk is full: {path.name} was not written; finished solves are intact"
-            ) from None
-        raise
+        if not _is_full(path.parent):
+            raise
+        full = OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        raise NotWritten(refusal(path, full), full) from error
     finally:
-        draft.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            draft.unlink()
+
+
+def write_whole(path: Path, parts: tuple[bytes | memoryview, ...]) -> None:
+    """Write a file from its parts, whole or not at all; the caller syncs the folder when it suits it.
+
+    Raises
+    ------
+    NotWritten
+        When the system refuses it; finished files are untouched.
+    """
+    draft = _draft_of(path)
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_CLOEXEC", 0)
+    try:
+        try:
+            handle = os.open(draft, flags, 0o666)
+            try:
+                for part in parts:
+                    left = memoryview(part).cast("B")
+                    while left:
+                        left = left[os.write(handle, left) :]
+                os.fsync(handle)
+            finally:
+                os.close(handle)
+            os.replace(draft, path)
+        finally:
+            with contextlib.suppress(OSError):
+                os.unlink(draft)
+    except OSError as error:
+        raise NotWritten(refusal(path, error), error) from None
+
+
+def read_whole(path: Path) -> bytes:
+    """Return the bytes of a regular file; a link or a pipe that has taken its place is an OSError."""
+    flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+    handle = os.open(path, flags | getattr(os, "O_CLOEXEC", 0))
+    try:
+        if not stat.S_ISREG(os.fstat(handle).st_mode):
+            raise OSError(errno.EINVAL, "not a regular file")
+        with open(handle, "rb", closefd=False) as file:
+            return file.read()
+    finally:
+        os.close(handle)
+
+
+def sync_folder(folder: Path) -> None:
+    """Have the disk keep the names of a folder; where a file system cannot, it is left to it."""
+    with contextlib.suppress(OSError):
+        handle = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
 
 
 def write_json(path: Path, values: Mapping[str, Any]) -> Path:
@@ -90,20 +183,112 @@ def remove_drafts(folder: Path, *, of: int | None = None) -> None:
     Parameters
     ----------
     folder : Path
+        Left alone where it cannot be read or written to.
     of : int, optional
         Process whose drafts are meant, known to be dead; all that no longer run if not given.
     """
-    name = re.compile(rf"\..*\b{re.escape(socket.gethostname())}-(\d+)-")
-    for path in folder.glob(".*"):
-        found = name.match("." + path.name)
-        if found and (int(found[1]) == of if of is not None else not _runs(int(found[1]))):
-            path.unlink(missing_ok=True)
+    with contextlib.suppress(OSError):
+        for entry in os.scandir(folder):
+            found = _DRAFT.match(entry.name)
+            if found is None:
+                continue
+            with contextlib.suppress(OSError):
+                if not entry.is_file(follow_symlinks=False):
+                    continue
+                here, process = found[1] == _place(), int(found[2])
+                dead = here and (process == of if of is not None else not _runs(process))
+                if dead or time.time() - entry.stat(follow_symlinks=False).st_mtime > _ABANDONED:
+                    os.unlink(entry.path)
+
+
+#: What a refusal of the system means, and what to do.
+_REMEDIES = {
+    errno.EFBIG: "larger than files may be here (ulimit -f)",
+    errno.EMFILE: "too many open files (ulimit -n)",
+    errno.ENFILE: "too many open files on this machine",
+    errno.EROFS: "the file system is read-only; name another folder",
+    errno.EACCES: "permission denied; ask the owner of the folder, or name another one",
+    errno.EPERM: "not permitted; ask the owner of the folder, or name another one",
+    errno.EISDIR: "a folder has this name; move it away",
+    errno.ENOTDIR: "a part of its path is a file; name another folder",
+    errno.EIO: "the disk failed (Input/output error); look at it before you go on",
+    errno.ENAMETOOLONG: "its name is too long for this file system",
+    errno.ENOMEM: "memory does not suffice (ulimit -v, --memory)",
+    errno.EAGAIN: "no further process or thread is allowed (ulimit -u)",
+}
+
+
+def system_words(error: OSError) -> str:
+    """Say in words what the system refused, with the file, if it is one."""
+    why = _REMEDIES.get(error.errno or 0, error.strerror or str(error))
+    return f"{error.filename}: {why}" if isinstance(error.filename, str) else why
+
+
+def refusal(path: Path, error: OSError) -> str:
+    """Say in one line why a file was not written, and what to do."""
+    kept = "finished solves are intact"
+    if error.errno == errno.ENOENT and not path.parent.exists():
+        return (
+            f"{path.parent}: is gone, removed or unmounted; {path.name} was not written; the same command "
+            "makes the folder again"
+        )
+    if error.errno == errno.EDQUOT:
+        return f"the disk is full: {path.name} was not written, your quota is used up; {kept}"
+    if error.errno == errno.ENOSPC or (error.errno in (errno.EACCES, None) and _is_full(path.parent)):
+        if _no_inodes(path.parent):
+            return (
+                f"the disk takes no more files, its inodes are used up: {path.name} was not written; {kept}; "
+                "remove files or name another folder"
+            )
+        return f"the disk is full: {path.name} was not written; {kept}"
+    why = _REMEDIES.get(error.errno or 0, error.strerror or str(error))
+    return f"{path}: not written: {why}; {kept}"
+
+
+def _is_full(folder: Path) -> bool:
+    try:
+        return shutil.disk_usage(folder).free < _NOTHING_LEFT
+    except OSError:
+        return False
+
+
+def _no_inodes(folder: Path) -> bool:
+    try:
+        space = os.statvfs(folder)
+    except (OSError, AttributeError):
+        return False
+    return space.f_files > 0 and space.f_favail == 0
+
+
+def _draft_of(path: Path) -> Path:
+    """Return a name that no other process takes, in this container or another one, today or ever."""
+    # The end of a long name is kept: libraries choose a format by the suffix.
+    return path.with_name(f".{_place()}-{os.getpid()}-{uuid.uuid4().hex[:12]}-{path.name[-160:]}")
+
+
+@functools.cache
+def _place() -> str:
+    """Name the space in which a process number means one process: a boot of a machine, a container in it."""
+    said = [socket.gethostname()]
+    with contextlib.suppress(OSError):
+        said.append(Path("/proc/sys/kernel/random/boot_id").read_text())
+    with contextlib.suppress(OSError):
+        said.append(os.readlink("/proc/self/ns/pid"))
+    return hashlib.sha256("\n".join(said).encode()).hexdigest()[:8]
+
+
+def _sync(path: Path) -> None:
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
 
 
 def _runs(process: int) -> bool:
     try:
         os.kill(process, 0)
-    except ProcessLookupError:
+    except (ProcessLookupError, OverflowError):
         return False
     except PermissionError:
         return True

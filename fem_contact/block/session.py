@@ -42,6 +42,8 @@ Modulus = Callable[[Array, Array, Array], Array]
 
 _METHODS = {
     "multigrid": "finite elements, full system: active set, conjugate gradients with geometric multigrid",
+    "refined": "finite elements, full system: active set, conjugate gradients with multigrid of the "
+    "trilinear cells between the nodes",
     "assembled": "finite elements, full system: active set, conjugate gradients with smoothed aggregation",
     "reduced": "finite elements, reduced exactly to the surface nodes by Fourier transform",
     "heterogeneous": "finite elements, all unknowns: active set, matrix-free conjugate gradients, "

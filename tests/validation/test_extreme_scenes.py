@@ -15,6 +15,7 @@ from validation.errors import UsageError
 from validation.scenes import surfaces
 from validation.scenes.scene import Scene, SelfAffineSurface, scene_problems
 from validation.scenes.surfaces import Expected, expected, reference_field
+from validation.studies import find_study
 
 TEXT = """
 name = "extreme"
@@ -192,9 +193,10 @@ def test_extreme_scenes_are_refused_or_explained_thousands_of_times(changes):
         explained(changes)
 
 
+@pytest.mark.parametrize(
+    ("name", "flag"), [("multilevel", "--pilot"), ("scaling", "--surfaces"), ("hurst", "--pairs")]
+)
 def test_a_study_of_two_billion_surfaces_is_refused():
-    from validation.studies import find_study
-
     for name, flag in (("multilevel", "--pilot"), ("scaling", "--surfaces"), ("hurst", "--pairs")):
         with pytest.raises(UsageError, match=f"{flag} = '?2147483648'?: must be at most 10000"):
             find_study(name).options.parse([flag, "2147483648"])

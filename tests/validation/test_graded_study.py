@@ -35,10 +35,14 @@ def test_findings_say_where_the_claim_holds_and_turn_with_the_numbers(data):
     assert "-3.6 % off" in stiffer
     nowhere = data.assign(grading=data["grading"] * 1e6)
     assert "no wave has E'/(E q) < 1" in graded.findings(nowhere)[0]
-    assert [d.name for d in find_study("graded").figures(data)] == [
-        "felt-modulus-profile",
-        "felt-modulus-coating",
-    ]
+
+
+def test_the_figures_tell_the_ratios_apart_and_say_once_what_is_drawn(data):
+    drawings = find_study("graded").figures(data)
+    assert [drawing.name for drawing in drawings] == ["felt-modulus-profile", "felt-modulus-coating"]
+    axes = drawings[0].figure.axes[0]
+    assert axes.get_ylabel().startswith("felt modulus over exact, profile")
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["ratio = 0.5", "ratio = 2"]
 
 
 def test_no_grading_is_refused():

@@ -194,6 +194,15 @@ def test_columns_that_decide_stay_whole_at_every_width(small_run, width):
     assert (width == 200) == (not left_out)
 
 
+def test_a_narrow_terminal_keeps_the_first_columns_of_a_study_whole(outputs):
+    table = outputs["study"][0].tables[0]
+    shown, left_out = page_table(table, width=60)
+    kept = [str(column.header) for column in shown.columns]
+    assert kept == list(table.columns[: len(kept)])
+    assert (*kept, *reversed(left_out)) == table.columns
+    assert 2 <= len(kept) < len(table.columns)
+
+
 def test_findings_break_at_words_on_a_terminal_and_nowhere_in_a_log(small_run):
     finding = f"- {small_run.comparison.findings[0]}"
     lines = sentence_lines(finding, 80)

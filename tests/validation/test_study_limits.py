@@ -18,10 +18,9 @@ from persson.scale import Scale
 from persson.separation import mean_separation
 from validation.measures.budget import Budget, budget_table, grid_drift, grid_share
 from validation.measures.common import base_case, base_surface
-from validation.measures.distributions import Distributions
+from validation.measures.distributions import Distributions, distance_to_reference
 from validation.measures.edge import inverse_square_coefficient, window_slope
 from validation.measures.ladders import bandwidth_order, rungs_limit
-from validation.measures.load_independence import distance_to_reference
 from validation.measures.measurement import Measurement, grid_for
 from validation.measures.theory import WITH_ENERGY, Waves, ensemble_area, modes_sentence
 from validation.scenes.scene import SolidSpec

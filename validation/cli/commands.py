@@ -34,6 +34,8 @@ from validation.cli.options import (
     show,
     stopping_cleanly,
 )
+from validation.cli.refusals import refusals_in_words
+from validation.cli.store import store_app
 from validation.cli.surface import surface_app
 from validation.errors import RunFailed, UsageError
 
@@ -56,6 +58,7 @@ app = typer.Typer(
 scenes_app = typer.Typer(no_args_is_help=True, help="The scenes that come with the package.")
 app.add_typer(scenes_app, name="scenes")
 app.add_typer(surface_app, name="surface")
+app.add_typer(store_app, name="store")
 
 
 @app.command(
@@ -209,7 +212,7 @@ def study(
         return
     with stopping_cleanly(), Bar(quiet=quiet or said.quiet or as_json) as bar:
         bench = Bench(
-            store=Store(folder=prepare_folder(store_folder, option="--store")),
+            store=Store(folder=store_folder),
             execution=execution,
             progress=bar,
         )
@@ -417,14 +420,15 @@ def _claims_table(rows: Sequence[ClaimRow]) -> Any:
 
 def main() -> None:
     """Run the command line: a user's mistake is one line on stderr and exit code 2, never a traceback."""
-    try:
-        app()
-    except UsageError as error:
-        say(error)
-        sys.exit(2)
-    except RunFailed as error:
-        say(error)
-        sys.exit(1)
+    with refusals_in_words():
+        try:
+            app()
+        except UsageError as error:
+            say(error)
+            sys.exit(2)
+        except RunFailed as error:
+            say(error)
+            sys.exit(1)
 
 
 if __name__ == "__main__":

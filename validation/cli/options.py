@@ -248,13 +248,14 @@ def show(what: Any) -> None:
     """Print a text, what is dangerous to a terminal made harmless, or a table."""
     from rich.console import Console
 
-    from validation.report.words import harmless
+    from validation.errors import harmless
 
-    console = Console(highlight=False, soft_wrap=isinstance(what, str))
+    # Without markup: a title such as "[/]" is a title.
+    console = Console(highlight=False, markup=False, soft_wrap=isinstance(what, str))
     # A log file or a pipe has no width: a table must not be squeezed to 80 columns there.
     if not console.is_terminal:
-        console = Console(highlight=False, width=160, soft_wrap=isinstance(what, str))
-    console.print(harmless(what), markup=False) if isinstance(what, str) else console.print(what)
+        console = Console(highlight=False, markup=False, width=160, soft_wrap=isinstance(what, str))
+    console.print(harmless(what) if isinstance(what, str) else what)
 
 
 def terminal_width() -> int | None:
@@ -267,6 +268,6 @@ def terminal_width() -> int | None:
 
 def say(message: Exception | str, *, prefix: str = "fem-contact: ") -> None:
     """Print a line for the user on stderr."""
-    from validation.report.words import harmless
+    from validation.errors import harmless
 
     typer.echo(harmless(f"{prefix}{message}"), err=True)

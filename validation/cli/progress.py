@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
-from validation.report.words import harmless
+from validation.errors import harmless
 
 if TYPE_CHECKING:
     from validation.solves.solve import Solve

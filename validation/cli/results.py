@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.cli.options import show, terminal_width
-from validation.report.words import harmless
+from validation.errors import harmless
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -113,10 +113,11 @@ def convert(
     table = _file_surface(
         source, length=length, unit=unit, tilt=tilt, missing=missing, edges=edges, margin=margin
     )
-    from validation.scenes.surfaces import check_fits, topography_of
+    from validation.scenes.surfaces import check_fits, measured_surface
 
     # Without a taper a conversion leaves the edges as they are, and does not ask whether they match.
-    patch = topography_of(table, edges=edges is not None)
+    found = measured_surface(table)
+    patch = found.patch if edges is None else found.period
     for words in patch.history:
         typer.echo(words, err=True)
     field = patch.height_field()
@@ -168,8 +169,7 @@ def _inspected(
 ) -> dict[str, Any]:
     from fem_contact.surface.spectra import estimate_spectrum
     from validation.scenes.scene import builtin_scenes, load_scene
-    from validation.scenes.surfaces import reference_field, topography_of
-    from validation.scenes.topography import measured
+    from validation.scenes.surfaces import measured_surface, reference_field
 
     facts: dict[str, Any] = {}
     surface: SelfAffineSurface | FileSurface
@@ -178,8 +178,8 @@ def _inspected(
     else:
         surface = _file_surface(Path(source), length=length, unit=unit, tilt=tilt, missing=missing)
     if surface.kind == "file":
-        raw = measured(surface).raw
-        patch = topography_of(surface, edges=False)
+        found = measured_surface(surface)
+        raw, patch = found.raw, found.patch
         facts |= {"missing points": raw.missing, "slope along x": raw.slope[0]}
         facts |= {"slope along y": raw.slope[1], "edge jump over typical step": patch.edge_jump}
         facts["treatment"] = "; ".join(patch.history)

@@ -180,7 +180,7 @@ def run_accurate(
         As `reach`.
     """
     prepare_folder(folder)
-    store = Store(folder=prepare_folder(store_folder or folder / "solves", option="--store"))
+    store = Store(folder=store_folder or folder / "solves")
     bench = Bench(store=store, execution=execution or Execution(), progress=progress or Silent())
     reached = reach(scene, bench, target=target, time_limit=time_limit)
     outputs = run_scene(

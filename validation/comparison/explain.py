@@ -17,8 +17,9 @@ from validation.errors import UsageError
 from validation.methods import methods
 from validation.methods.theory import theory_words
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import Realised, Surveyed, survey
+from validation.scenes.realised import Realised, Surveyed
 from validation.scenes.scene import Scene
+from validation.scenes.surfaces import Expected
 from validation.solves.calibration import effect_costs
 from validation.solves.cost import transform_seconds
 from validation.solves.press import Press, solves_of
@@ -26,6 +27,8 @@ from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+    from fem_contact.surface import HeightField
 
 __all__ = ["Explanation", "Prediction", "explain", "judgements"]
 
@@ -111,17 +114,17 @@ def explain(scene: Scene) -> Explanation:
     UsageError
         For an effect that a method of the scene lacks, and for numbers that no method can compute with.
     """
+    realised = Surveyed(surface=scene.surface, solid=scene.solid, load=scene.load)
     try:
-        return _explained(scene)
+        check_scene(scene, realised)
+        return _explained(scene, realised)
     except (fem_errors.InvalidInput, persson_errors.InvalidInput) as error:
         raise UsageError(str(error)) from None
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         raise UsageError(f"its numbers lie too far apart to compute with ({error})") from None
 
 
-def _explained(scene: Scene) -> Explanation:
-    realised = survey(scene)
-    check_scene(scene, realised)
+def _explained(scene: Scene, realised: Realised) -> Explanation:
     pair = transform_seconds()
     groups: dict[tuple[str, tuple[int, int]], list[Press]] = {}
     for solve in solves_of(scene, realised):
@@ -159,18 +162,17 @@ def judgements(scene: Scene, realised: Realised) -> tuple[tuple[Judgement, ...],
 
 
 def _roughness(realised: Realised) -> Roughness:
+    field: HeightField | Expected = realised.field
     waves = {"longest": realised.longest, "shortest": realised.shortest}
-    modulus = realised.contact_modulus
-    if isinstance(realised, Surveyed):
-        told = realised.expected
+    if isinstance(field, Expected):
         return Roughness(
-            modulus=modulus,
-            gradient=told.rms_gradient,
-            curvature=math.sqrt(3 * told.moments[2] / 8),
-            full_energy=0.25 * modulus * told.first_moment,
+            modulus=realised.contact_modulus,
+            gradient=field.rms_gradient,
+            curvature=math.sqrt(3 * field.moments[2] / 8),
+            full_energy=0.25 * realised.contact_modulus * field.first_moment,
             **waves,
         )
-    return Roughness.of(realised.field, modulus=modulus, **waves)
+    return Roughness.of(field, modulus=realised.contact_modulus, **waves)
 
 
 def _priced(judgement: Judgement) -> Judgement:
@@ -193,14 +195,11 @@ def _cost_words(scene: Scene) -> str:
 
 def _facts(scene: Scene, realised: Realised) -> tuple[tuple[str, str], ...]:
     """Return the numbers a reader checks first: realised and continuum roughness, load, bandwidth."""
-    field, modulus = realised.field, realised.contact_modulus
-    facts = [
-        ("E*", f"{modulus:.6g} Pa"),
-        ("realised surface", _realised_words(realised)),
-    ]
+    field: HeightField | Expected = realised.field
+    facts = [("E*", f"{realised.contact_modulus:.6g} Pa"), ("realised surface", _realised_words(field))]
     facts += _surface_facts(realised)
     if field.rms_gradient > 0:
-        source = "of C(q)" if isinstance(realised, Surveyed) else "realised"
+        source = "of C(q)" if isinstance(field, Expected) else "realised"
         facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"))
         facts.append(("load", f"p0 = {realised.pressure:.6g} Pa, p* = {realised.reduced_pressure:.4g}"))
     for name, method in scene.methods.asked.items():
@@ -210,9 +209,8 @@ def _facts(scene: Scene, realised: Realised) -> tuple[tuple[str, str], ...]:
     return tuple(facts)
 
 
-def _realised_words(realised: Realised) -> str:
-    field = realised.field
-    if isinstance(realised, Surveyed):
+def _realised_words(field: HeightField | Expected) -> str:
+    if isinstance(field, Expected):
         return (
             f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points; all that follows is "
             "that of C(q)"

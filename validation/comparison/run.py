@@ -94,7 +94,7 @@ def run_scene(
     realised = realised or realise(scene)
     check_scene(scene, realised)
     prepare_folder(folder)
-    store = Store(folder=prepare_folder(store_folder or folder / "solves", option="--store"))
+    store = Store(folder=store_folder or folder / "solves")
     if not accurate:
         # What an earlier run to an accuracy reached is not what this one finds.
         (folder / ACCURACY_FILE).unlink(missing_ok=True)

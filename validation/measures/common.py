@@ -10,10 +10,9 @@ import numpy as np
 from pydantic import AfterValidator, Field, ValidationInfo
 
 from persson import elastic
-from validation.errors import UsageError
 from validation.measures.statistics import Estimate, mean_over_surfaces
 from validation.scenes.realised import Realised
-from validation.scenes.scene import Load, Scene, SelfAffineSurface, SolidSpec
+from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.scenes.surfaces import spectrum_of
 from validation.solves.bench import Bench
 from validation.units import Positive, wrong
@@ -22,7 +21,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import ArrayLike, NDArray
 
-    from validation.solves.solve import NumbersSolve, Solve
+    from validation.solves.solve import Solve
 
 __all__ = [
     "BASE_SOLID",
@@ -32,19 +31,14 @@ __all__ = [
     "Rising",
     "RisingGrids",
     "RisingOrNone",
-    "at_least",
     "base_case",
     "base_surface",
     "check_ladder",
-    "ladder",
-    "measure",
     "over_surfaces",
     "persson_area",
     "reduced_load",
     "resolved",
     "results_of",
-    "rising",
-    "solid_of",
     "truncated_surface",
 ]
 
@@ -145,62 +139,6 @@ RisingGrids = Annotated[
     tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=1), AfterValidator(_in_rising_order)
 ]
 Ladder = Annotated[Rising, AfterValidator(_of_a_limit)]
-
-
-def rising(name: str, values: Sequence[float]) -> tuple[float, ...]:
-    """Return an option that must be a list of positive numbers in rising order.
-
-    Raises
-    ------
-    UsageError
-        If it is not.
-    """
-    if not values or any(not v > 0 for v in values) or any(np.diff(values) <= 0):
-        raise UsageError(f"{name} = {', '.join(f'{v:g}' for v in values)}: must be positive and rising")
-    return tuple(float(v) for v in values)
-
-
-def ladder(name: str, values: Sequence[float], *, shifts: int = 2) -> tuple[float, ...]:
-    """Return grids, as lambda_short/dx, that a limit can be taken over.
-
-    Raises
-    ------
-    UsageError
-        If they do not rise, or are fewer than three solves on two grids of at least 3 points per wave.
-    """
-    grids = rising(name, values)
-    at_least("shifts", shifts, 1)
-    resolved = [n for n in grids if n >= LEAST_POINTS_PER_WAVE]
-    if len(resolved) < 2 or len(resolved) * shifts**2 < 3:
-        raise UsageError(
-            f"{name} = {', '.join(f'{v:g}' for v in values)} with shifts = {shifts}: a limit over grids needs three solves on "
-            f"two grids of at least {LEAST_POINTS_PER_WAVE:g} points per wave"
-        )
-    return grids
-
-
-def at_least(name: str, value: int, least: int) -> int:
-    """Return an option that must not be below `least`.
-
-    Raises
-    ------
-    UsageError
-        If it is.
-    """
-    if value < least:
-        raise UsageError(f"{name} = {value}: must be at least {least}")
-    return value
-
-
-def solid_of(scene: Scene | None) -> SolidSpec:
-    """Return the solid of a scene, or one of E = 1 GPa and nu = 0.3."""
-    return SolidSpec(young=1e9, poisson=0.3) if scene is None else scene.solid
-
-
-def measure(bench: Bench | None, solves: Sequence[NumbersSolve]) -> list[xr.Dataset]:
-    """Run solves on a bench, by default the one in `results/solves`, and return their numbers in order."""
-    results: Any = (bench or Bench.at()).solve(solves)
-    return [results[solve] for solve in solves]
 
 
 def persson_area(reduced_pressure: ArrayLike) -> NDArray[np.float64]:

@@ -30,10 +30,12 @@ _FULL_PAIRS_PER_UNKNOWN = 0.17
 #: Active sets of a block that yields over those of an elastic one: 1 to 4, by how little it can bear.
 _YIELDING_SETS = 2.0
 _FULL_BYTES_PER_UNKNOWN = 4900
-#: Layers of a block; with the usual growth some forty reach the depth of the period.
-_MOST_LAYERS = 4096
 #: Beyond this Poisson ratio elements of displacement alone lock.
 _LOCKING = 0.49
+
+
+#: Layers of a block; with the usual growth some forty reach the depth of the period.
+_MOST_LAYERS = 4096
 
 
 class FemOptions(Gridded):
@@ -46,19 +48,6 @@ class FemOptions(Gridded):
     growth: Number = Field(
         default=1.2, ge=1, le=4, description="ratio of the thicknesses of successive layers"
     )
-
-
-def _check_layers(options: FemOptions, lengths: tuple[float, float]) -> None:
-    """Refuse a block of more layers than are ever solved."""
-    depth, faster = options.depth or max(lengths), math.log(options.growth)
-    for grid in options.grids:
-        ratio = depth / max(length / n for length, n in zip(lengths, grid, strict=True))
-        layers = ratio if faster == 0 else math.log1p(ratio * (options.growth - 1)) / faster
-        if layers > _MOST_LAYERS:
-            raise UsageError(
-                f"methods.fem.growth = {options.growth:.6g}: makes {layers:.3g} layers over a depth of "
-                f"{depth:.3g} m; at most {_MOST_LAYERS} are solved: raise the growth or lower the depth"
-            )
 
 
 class Fem(Solver):
@@ -80,12 +69,13 @@ class Fem(Solver):
 
     def check(self, options: FemOptions, realised: Realised, effects: Sequence[Effect]) -> None:
         """Refuse elements that lock, two depths, and a solid that is no clamped body."""
+        for grid in options.grids:
+            _check_layers(options, grid, realised.lengths)
         if options.method == "full" and realised.solid.poisson > _LOCKING:
             raise UsageError(
                 f"solid.poisson = {realised.solid.poisson!r}: method 'fem' locks above {_LOCKING} with "
                 "elements of displacement alone; leave [methods.fem] out or lower it"
             )
-        _check_layers(options, realised.lengths)
         for k, effect in enumerate(effects):
             if effect.slot != "response":
                 continue
@@ -200,7 +190,7 @@ class Fem(Solver):
                 cells = realised.longest / spacing
                 yield name, f"carry no wave of this surface, whose longest is {cells:.3g} cells long"
                 continue
-            # Nodes are counted along x, whatever they are along y.
+            # Cells count along x, whatever they are along y.
             carried = 2 * max(spacing, realised.lengths[0] / grid[0])
             waves = [max(realised.shortest, carried), max(realised.longest, carried)]
             short, long = wave_errors(
@@ -217,3 +207,22 @@ class Fem(Solver):
                 f"along the diagonal at {short.nodes:.3g} nodes per wave (the shortest), by "
                 f"{long.along_axis:+.2%} at {long.nodes:.3g} (the longest); + is too soft",
             )
+
+
+def _check_layers(options: FemOptions, grid: Grid, lengths: tuple[float, float]) -> None:
+    """Refuse a block of more layers than are solved.
+
+    Raises
+    ------
+    UsageError
+    """
+    depth = options.depth or max(lengths)
+    first = max(length / n for length, n in zip(lengths, grid, strict=True))
+    faster = math.log(options.growth)
+    ratio = depth / first
+    layers = ratio if faster == 0 else math.log1p(ratio * (options.growth - 1)) / faster
+    if layers > _MOST_LAYERS:
+        raise UsageError(
+            f"methods.fem.growth = {options.growth:.6g}: makes {layers:.3g} layers over a depth of "
+            f"{depth:.3g} m; at most {_MOST_LAYERS} are solved: raise the growth or lower the depth"
+        )

@@ -11,8 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import matplotlib
+import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import PlaceHolderLayoutEngine
+from matplotlib.patches import StepPatch
 from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, NullFormatter
 
 if TYPE_CHECKING:
@@ -117,17 +119,16 @@ def _lay_out(figure: Figure) -> None:
 
 
 def _covers_data(axes: Axes) -> bool:
-    """Whether the legend of laid-out axes lies over a line or an error bar."""
+    """Whether the legend of laid-out axes lies over a line, a histogram or an error bar."""
     legend = axes.get_legend()
     assert legend is not None
     box = legend.get_window_extent()
-    paths = [line.get_transform().transform_path(line.get_path()) for line in axes.get_lines()]
+    drawn: list[Any] = [*axes.get_lines(), *(p for p in axes.patches if isinstance(p, StepPatch))]
+    paths = [each.get_transform().transform_path(each.get_path()) for each in drawn]
     for bars in axes.collections:
         paths += [bars.get_transform().transform_path(path) for path in bars.get_paths()]
-    view = axes.get_window_extent()
-    if not view.overlaps(box):
-        return False
-    return any(path.intersects_bbox(box, filled=False) for path in paths if len(path.vertices))
+    inside = axes.get_window_extent().overlaps(box)
+    return inside and any(path.intersects_bbox(box, filled=False) for path in paths if np.size(path.vertices))
 
 
 def _move_below(figure: Figure, axes: Axes) -> None:
@@ -156,16 +157,12 @@ def readable_ticks(axis: Axis) -> None:
     if getattr(axis.get_transform(), "base", 10) == 2:
         axis.set_major_locator(LogLocator(base=2))
         return
-    figure = axis.get_figure()
-    assert figure is not None
-    box = axis.axes.get_position()
-    inches, each = (
-        (box.width * figure.get_figwidth(), 0.45)
-        if axis.axis_name == "x"
-        else (box.height * figure.get_figheight(), 0.3)
-    )
-    decades = math.log10(high / low)
-    dense = [subs for subs in _TICKS if len(subs) * decades * each <= inches]
+    figure: Any = axis.axes.figure
+    place = axis.axes.get_position()
+    along = axis is axis.axes.xaxis
+    inches = place.width * figure.get_figwidth() if along else place.height * figure.get_figheight()
+    each = math.log10(high / low) * (0.45 if along else 0.3)
+    dense = [subs for subs in _TICKS if len(subs) * each <= inches]
     axis.set_major_locator(LogLocator(subs=(dense or _TICKS[-1:])[0]))
 
 
@@ -182,9 +179,9 @@ def embeddable(svg: str, name: str, *, words: str) -> str:
     """
     from markupsafe import escape
 
-    from validation.report.words import harmless
+    from validation.errors import harmless
 
-    drawing = svg[svg.index("<svg") :]
+    drawing = harmless(svg[svg.index("<svg") :])
     drawing = re.sub(r'\bid="', f'id="{name}-', drawing)
     drawing = re.sub(r'(xlink:href="|href="|url\()#', rf"\1#{name}-", drawing)
     return drawing.replace("<svg", f'<svg role="img" aria-label="{escape(harmless(words))}"', 1)
@@ -228,7 +225,9 @@ def lines_figure(
             here = data if value is None else data.sel({along: value})
             look = next(looks)
             words = str(data[name].attrs.get("long_name", name))
-            label = words if value is None else f"{words}, {along} = {value:g}"
+            # What is drawn stands at the axis; where it is one thing only, the legend need not repeat it.
+            said = "" if len(lines) == 1 else f"{words}, "
+            label = words if value is None else f"{said}{along} = {value:g}"
             error = here[f"{name}_error"].values if f"{name}_error" in data else None
             axes.errorbar(here[x].values, here[name].values, yerr=error, capsize=2, label=label, **look)
     for k, (words, level) in enumerate((reference or {}).items()):

@@ -11,10 +11,11 @@ from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from validation.errors import harmless
 from validation.files import atomic_path, remove_drafts, write_json
 from validation.report.drawing import Drawing, write_drawing
 from validation.report.table import ResultTable, WordTable, shown, write_dataset, write_table
-from validation.report.words import harmless, mathematics
+from validation.report.words import mathematics
 
 if TYPE_CHECKING:
     import xarray as xr

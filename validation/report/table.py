@@ -117,6 +117,8 @@ def _in_words(columns: Sequence[str], rows: Iterable[Sequence[Any]], *, title: s
         title=title,
         note=note,
         left=frozenset(left),
+        # What a row is stands first, and what it comes to soon after.
+        yielding=tuple(reversed(columns[2:])),
     )
 
 

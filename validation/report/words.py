@@ -10,10 +10,10 @@ import numpy as np
 if TYPE_CHECKING:
     from markupsafe import Markup
 
-__all__ = ["harmless", "json_ready", "mathematics", "significant", "with_error"]
+from validation.errors import harmless
 
-#: Control characters but for line feed and tab, and marks of the direction of writing.
-_STEERING = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
+__all__ = ["json_ready", "mathematics", "significant", "with_error"]
+
 _GREEK = {"kappa": "κ", "sigma": "σ", "gamma": "γ", "lambda": "λ", "zeta": "ζ", "alpha": "α"}
 _APART = r"(?<![\w-])(?:{})(?![\w-])"
 #: How symbols of the field are typed (in text that was made safe for HTML), and how they are set.
@@ -26,7 +26,8 @@ _SYMBOLS = (
     (r"\bdx(?![\w-])", "Δx"),
     (r"(?<=[\w)])\^\(?(-?[\d./]*\d)\)?", r"<sup>\1</sup>"),
     (_APART.format("|".join(_GREEK)), lambda found: _GREEK[found[0]]),
-    (r"\+- ?", "± "),
+    (r"\+- ?", "±\u00a0"),
+    (r"(?<=\d) %", "\u00a0%"),
 )
 
 
@@ -39,20 +40,11 @@ def json_ready(values: dict[str, Any]) -> dict[str, Any]:
     return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in values.items()}
 
 
-def harmless(text: str) -> str:
-    """Return a text without what steers a terminal or turns the direction of writing; a mark stands for it.
-
-    >>> harmless("a" + chr(0x1B) + "[31m" + chr(0x202E)) == "a" + chr(0xFFFD) + "[31m" + chr(0xFFFD)
-    True
-    """
-    return _STEERING.sub("\ufffd", text)
-
-
 def mathematics(text: str) -> Markup:
-    """Return a text for HTML with the symbols of the field as in a book; markup in it is shown as it is.
+    r"""Return a text for HTML with the symbols of the field as in a book; markup in it is shown as it is.
 
     >>> mathematics("kappa = (A/A0)/p*, 2 +- 1")
-    Markup('κ = (A/A<sub>0</sub>)/p*, 2 ± 1')
+    Markup('κ = (A/A<sub>0</sub>)/p*, 2 ±\xa01')
     >>> mathematics("h'_rms < 1, dx^0.51, kappa-against-hurst")
     Markup('h′<sub>rms</sub> &lt; 1, Δx<sup>0.51</sup>, kappa-against-hurst')
     """

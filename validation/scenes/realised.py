@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, RandomWaves, resolves
@@ -15,9 +15,9 @@ from validation.scenes.scene import FileSurface, Load, Scene, SolidSpec, Surface
 if TYPE_CHECKING:
     from persson.spectrum import SelfAffine
     from persson.tabulated import Tabulated
-    from validation.scenes.topography import Topography
+    from validation.scenes.topography import Measured, Topography
 
-__all__ = ["Realised", "Surveyed", "realise", "survey"]
+__all__ = ["Realised", "Surveyed", "realise"]
 
 Grid = tuple[int, int]
 
@@ -47,7 +47,7 @@ class Realised:
     inverted: bool = False
 
     def __reduce__(self) -> Any:
-        return partial(type(self), **{field.name: getattr(self, field.name) for field in fields(self)}), ()
+        return partial(Realised, **{field.name: getattr(self, field.name) for field in fields(self)}), ()
 
     def further(self, realisation: int) -> Realised:
         """Return another realisation of the same spectrum; the same value for its own."""
@@ -61,19 +61,24 @@ class Realised:
         return surfaces.waves_of(self.surface, self.realisation)
 
     @cached_property
+    def measured(self) -> Measured | None:
+        """The measured surface, read and hashed once; None for a random one."""
+        return surfaces.measured_surface(self.surface) if isinstance(self.surface, FileSurface) else None
+
+    @property
     def topography(self) -> Topography | None:
         """The measured surface, levelled, filled and made periodic; None for a random one."""
-        return surfaces.topography_of(self.surface) if isinstance(self.surface, FileSurface) else None
+        return None if self.measured is None else self.measured.period
 
     @cached_property
     def field(self) -> HeightField:
         """The surface on the smallest grid that resolves it; its moments are the surface's own."""
-        if isinstance(self.surface, FileSurface):
-            assert self.topography is not None
-            return self._signed(surfaces.measured_field(self.surface, self.topography))
+        if self.measured is not None:
+            return self._signed(surfaces.measured_field(self.measured))
+        assert self._waves is not None
+        assert not isinstance(self.surface, FileSurface)
         grid = surfaces.resolving_grid(self.surface)
         surfaces.check_memory(self.surface, grid)
-        assert self._waves is not None
         return self._signed(surfaces.sampled(self._waves, self.surface, grid))
 
     def heights(self, grid: Grid, shift: tuple[float, float] = (0.0, 0.0)) -> HeightField:
@@ -92,15 +97,18 @@ class Realised:
         """C(q) of the scene, estimated for a measured patch with tapered edges; None for one period."""
         if not isinstance(self.surface, FileSurface):
             return surfaces.spectrum_of(self.surface)
-        return surfaces.measured_spectrum(self.surface) if self.surface.edges in ("tukey", "hann") else None
+        return self._estimate if self.surface.edges in ("tukey", "hann") else None
+
+    @cached_property
+    def _estimate(self) -> Tabulated:
+        """C(q) of a measured surface, whatever its edges."""
+        assert self.measured is not None
+        return surfaces.measured_spectrum(self.measured)
 
     @cached_property
     def spectrum_shape(self) -> SelfAffine | Tabulated:
         """C(q) whose scale may be another: for a measured surface an estimate, whatever its edges."""
-        if self.spectrum is not None:
-            return self.spectrum
-        assert isinstance(self.surface, FileSurface)
-        return surfaces.measured_spectrum(self.surface)
+        return self._estimate if self.spectrum is None else self.spectrum
 
     @cached_property
     def elastic(self) -> Solid:
@@ -159,10 +167,10 @@ class Realised:
     def recipe(self) -> dict[str, Any]:
         """Everything that determines surface, solid and load, as JSON-ready data."""
         surface = self.surface.model_dump(mode="json")
-        if isinstance(self.surface, FileSurface):
-            surface["path"] = surfaces.file_digest(self.surface)
+        if self.measured is not None:
+            surface["path"] = self.measured.digest
         else:
-            surface["seed"] = self.surface.seed + self.realisation
+            surface["seed"] = surface["seed"] + self.realisation
         said = {
             "surface": surface,
             "solid": self.solid.model_dump(mode="json"),
@@ -173,28 +181,16 @@ class Realised:
 
 @dataclass(frozen=True, kw_only=True)
 class Surveyed(Realised):
-    """The same for a surface with too many points to be made only to be looked at: moments are those of C(q).
-
-    Attributes
-    ----------
-    expected : Expected
-    """
-
-    expected: surfaces.Expected
+    """A surface that is only looked at: one with too many points to be made is told by its C(q)."""
 
     @cached_property
     def field(self) -> HeightField:
-        """What C(q) gives in place of heights: the moments that an explanation reads."""
-        return cast("HeightField", self.expected)
-
-
-def survey(scene: Scene) -> Realised:
-    """Return what a scene asks for, to be looked at: nothing of it that a machine may not hold is made."""
-    realised = realise(scene)
-    told = None if isinstance(scene.surface, FileSurface) else surfaces.expected(scene.surface)
-    if told is None:
-        return realised
-    return Surveyed(surface=scene.surface, solid=scene.solid, load=scene.load, expected=told)
+        """The surface, or the moments of its C(q) in place of it."""
+        if not isinstance(self.surface, FileSurface):
+            found = surfaces.expected(self.surface)
+            if found is not None:
+                return found  # type: ignore[return-value]
+        return super().field
 
 
 def realise(scene: Scene) -> Realised:

@@ -25,9 +25,8 @@ from pydantic import (
 
 from validation.effects import effect_kinds
 from validation.effects.base import Effect, clash, effect_key
-from validation.errors import SceneError, UsageError
+from validation.errors import SceneError, UsageError, harmless
 from validation.methods import Method, Solver, methods
-from validation.report.words import harmless
 from validation.units import (
     Grids,
     Length,
@@ -231,7 +230,7 @@ class RunOptions(_Table):
     store: Inside | None = Field(default=None, description="folder of finished solves, shared between runs")
     output: Inside | None = Field(default=None, description="results folder; default: results/<name>")
     quiet: StrictBool = Field(default=False, description="no progress bar")
-    pictures: StrictBool = Field(default=False, description="3-D pictures in the report")
+    pictures: StrictBool = Field(default=True, description="3-D pictures in the report")
 
     @model_validator(mode="before")
     @classmethod
@@ -267,9 +266,9 @@ def not_led_out(path: Path, *, of: Path, option: str) -> Path:
     return path
 
 
-def _harmless(text: str) -> str:
+def _one_line(text: str) -> str:
     """Refuse what would change a terminal, or how a line reads."""
-    bad = next((c for c in text if c in "\n\t\u2028\u2029" or harmless(c) != c), None)
+    bad = next((c for c in text if c == "\n" or harmless(c) != c), None)
     if bad is not None:
         raise _wrong(f"must be a line of text; it holds the control character {bad!a}")
     return text
@@ -284,7 +283,7 @@ class Scene(_Table):
     name: str = Field(
         min_length=1, pattern=_NAME, description="names the results folder; that of the file if not given"
     )
-    title: Annotated[str, AfterValidator(_harmless)] = Field(default="", max_length=200)
+    title: Annotated[str, AfterValidator(_one_line)] = Field(default="", max_length=200)
     surface: Surface
     solid: SolidSpec
     load: Load

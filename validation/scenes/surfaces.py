@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from fem_contact.surface import HeightField, RandomWaves, random_waves
 from validation.errors import UsageError
 from validation.scenes.scene import FileSurface, SelfAffineSurface
-from validation.scenes.topography import Topography, measured
+from validation.scenes.topography import Measured, measured
 
 if TYPE_CHECKING:
     from persson.spectrum import SelfAffine
@@ -20,17 +20,16 @@ if TYPE_CHECKING:
 __all__ = [
     "Expected",
     "check_fits",
-    "check_memory",
     "expected",
-    "file_digest",
     "height_field",
     "measured_field",
     "measured_spectrum",
+    "measured_surface",
+    "naming",
     "reference_field",
     "resolving_grid",
     "sampled",
     "spectrum_of",
-    "topography_of",
     "waves_of",
 ]
 
@@ -99,7 +98,7 @@ def height_field(
 ) -> HeightField:
     """Heights of one realisation on one grid, moved by parts of a cell; `Realised` does it for many grids."""
     if isinstance(surface, FileSurface):
-        field = measured_field(surface, topography_of(surface)).resampled(grid)
+        field = measured_field(measured_surface(surface)).resampled(grid)
         return field if shift == (0.0, 0.0) else field.shifted(shift)
     return sampled(waves_of(surface, realisation), surface, grid, shift)
 
@@ -113,7 +112,7 @@ def resolving_grid(surface: SelfAffineSurface) -> tuple[int, int]:
 def reference_field(surface: SelfAffineSurface | FileSurface, *, realisation: int = 0) -> HeightField:
     """Return the realisation on the smallest grid that resolves it; its moments are the surface's own."""
     if isinstance(surface, FileSurface):
-        return measured_field(surface, topography_of(surface))
+        return measured_field(measured_surface(surface))
     grid = resolving_grid(surface)
     check_memory(surface, grid)
     return height_field(surface, grid, realisation=realisation)
@@ -193,7 +192,7 @@ class Expected:
 
 
 def expected(surface: SelfAffineSurface) -> Expected | None:
-    """Return what C(q) gives for a surface with too many points to be looked at; None for any other."""
+    """Return what C(q) gives of a surface with too many points to be only looked at; None for any other."""
     grid = resolving_grid(surface)
     if grid[0] * grid[1] <= _SURVEYED_POINTS:
         return None
@@ -206,20 +205,8 @@ def expected(surface: SelfAffineSurface) -> Expected | None:
     return Expected(moments=(found.m0, found.m2, found.m4), first_moment=first, shape=grid)
 
 
-def file_digest(surface: FileSurface) -> str:
-    """Hash of the file's content, so that a changed file is another surface.
-
-    Raises
-    ------
-    UsageError
-        For a file that cannot be read.
-    """
-    with _naming(surface):
-        return measured(surface).digest
-
-
 @contextlib.contextmanager
-def _naming(surface: FileSurface) -> Iterator[None]:
+def naming(surface: FileSurface) -> Iterator[None]:
     """Name the key in a complaint about a file or its treatment."""
     try:
         yield
@@ -227,22 +214,19 @@ def _naming(surface: FileSurface) -> Iterator[None]:
         raise UsageError(f"surface.path = {str(surface.path)!r}: {error}") from None
 
 
-def topography_of(surface: FileSurface, *, edges: bool = True) -> Topography:
-    """Return a measured surface, levelled and filled as its scene says.
-
-    It is made periodic, too, unless `edges` is False.
+def measured_surface(surface: FileSurface) -> Measured:
+    """Read a measured surface; it is levelled, filled and made periodic when first asked for.
 
     Raises
     ------
     UsageError
-        For a file or treatment that gives no surface, naming the key.
+        For a file that gives no surface, naming the key.
     """
-    with _naming(surface):
-        found = measured(surface)
-        return found.period if edges else found.patch
+    with naming(surface):
+        return measured(surface)
 
 
-def measured_spectrum(surface: FileSurface) -> Tabulated:
+def measured_spectrum(found: Measured) -> Tabulated:
     """C(q) of a measured surface, estimated from the patch before its edges were tapered.
 
     A patch that is one period needs no window; any other gets a Hann window, with its loss made up for.
@@ -250,18 +234,20 @@ def measured_spectrum(surface: FileSurface) -> Tabulated:
     from fem_contact.surface.spectra import estimate_spectrum
     from persson.tabulated import Tabulated
 
-    patch = topography_of(surface, edges=False)
-    periodic = surface.edges in (None, "periodic")
+    with naming(found.surface):
+        patch = found.patch
+    periodic = found.surface.edges in (None, "periodic")
     rings = estimate_spectrum(patch.heights, patch.lengths, window="none" if periodic else "hann")
     rough = rings.power > 0
     return Tabulated(wavevectors=rings.q[rough], power=rings.power[rough])
 
 
-def measured_field(surface: FileSurface, topography: Topography) -> HeightField:
+def measured_field(found: Measured) -> HeightField:
     """Heights of a measured surface as one period; they must be rough, since every p* divides by h'_rms."""
-    field = topography.height_field()
+    with naming(found.surface):
+        field = found.period.height_field()
     if not field.rms_gradient > 0:
         raise UsageError(
-            f"surface.path = {str(surface.path)!r}: is flat (h'_rms = 0); a scene needs a rough surface"
+            f"surface.path = {str(found.surface.path)!r}: is flat (h'_rms = 0); a scene needs a rough surface"
         )
     return field

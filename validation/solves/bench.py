@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from validation.files import prepare_folder
 from validation.solves.running import Execution, Progress, Silent, Solves, solve_all
 from validation.solves.solve import Solve
 from validation.solves.store import Store
@@ -62,8 +61,8 @@ class Bench:
         execution: Execution | None = None,
         progress: Progress | None = None,
     ) -> Bench:
-        """Return a bench whose store is in a folder, created if need be."""
-        store = Store(folder=prepare_folder(Path(folder), option="--store"))
+        """Return a bench whose store is in a folder, made by the first solve that is to be kept."""
+        store = Store(folder=Path(folder))
         return cls(store=store, execution=execution or Execution(), progress=progress or Silent())
 
     def solve(self, solves: Iterable[Solve]) -> Solves:

@@ -1,20 +1,18 @@
-"""The fields of a solve as one netCDF file with units, and back."""
+"""The fields of a solve as the bytes of one netCDF file with units, and back."""
 
 from __future__ import annotations
 
-import errno
 import json
-import os
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact.contact import ContactResult, Cost, Residuals, Status
+from validation.solves.netcdf import InMemory, reading
 
-__all__ = ["read_result", "write_result"]
+__all__ = ["decode_result", "encode_result"]
 
 _FIELDS = {
     "pressure": ("Pa", "contact pressure, compression positive"),
@@ -31,11 +29,8 @@ _FORMAT = "fem-contact result 1"
 _COMPRESSED = frozenset({"pressure", "contacting_points", "at_bound"})
 
 
-def write_result(path: Path, result: ContactResult, *, recipe: str) -> None:
-    """Write one solve; a full disk is an OSError whatever the library makes of it."""
-    # netCDF4 itself: through xarray the same file takes five times as long, and a study writes thousands.
-    import netCDF4
-
+def encode_result(result: ContactResult, *, recipe: str) -> memoryview:
+    """Return one solve as a netCDF file."""
     values: dict[str, NDArray[Any]] = {
         "pressure": result.pressure,
         "gap": result.gap,
@@ -46,32 +41,23 @@ def write_result(path: Path, result: ContactResult, *, recipe: str) -> None:
     }
     if result.weights is not None:
         values["weights"] = result.weights
-    try:
-        with netCDF4.Dataset(path, "w", format="NETCDF4") as file:
-            file.setncatts(_attributes(recipe, result))
-            for axis, count, step in zip("xy", result.shape, result.spacing, strict=True):
-                file.createDimension(axis, count)
-                positions = file.createVariable(axis, "f8", (axis,))
-                positions.units = "m"
-                positions[...] = np.arange(count) * step
-            for name in values:
-                unit, words = (_FIELDS | _OPTIONAL)[name]
-                packed = name in _COMPRESSED
-                # Checksums on all: a damaged file must be noticed when it is read.
-                options: Any = {"zlib": packed, "complevel": 1, "shuffle": packed, "fletcher32": True}
-                variable = file.createVariable(name, values[name].dtype, ("x", "y"), **options)
-                variable.setncatts({"units": unit, "long_name": words})
-                variable[...] = values[name]
-    except (RuntimeError, PermissionError) as error:
-        # The library says "HDF error" or "Permission denied" for whatever the system refused it.
-        if _is_full(path.parent, 2 * sum(array.nbytes for array in values.values())):
-            raise OSError(errno.ENOSPC, "No space left on device") from error
-        raise
-
-
-def _is_full(folder: Path, wanted: int) -> bool:
-    space = os.statvfs(folder)
-    return space.f_bavail * space.f_frsize < wanted
+    memory = InMemory()
+    file = memory.file
+    file.setncatts(_attributes(recipe, result))
+    for axis, count, step in zip("xy", result.shape, result.spacing, strict=True):
+        file.createDimension(axis, count)
+        positions = file.createVariable(axis, "f8", (axis,))
+        positions.units = "m"
+        positions[...] = np.arange(count) * step
+    for name in values:
+        unit, words = (_FIELDS | _OPTIONAL)[name]
+        packed = name in _COMPRESSED
+        # Checksums on all: whoever reads the file with another tool notices damage, too.
+        options: Any = {"zlib": packed, "complevel": 1, "shuffle": packed, "fletcher32": True}
+        variable = file.createVariable(name, values[name].dtype, ("x", "y"), **options)
+        variable.setncatts({"units": unit, "long_name": words})
+        variable[...] = values[name]
+    return memory.close()
 
 
 def _attributes(recipe: str, result: ContactResult) -> dict[str, Any]:
@@ -89,15 +75,13 @@ def _attributes(recipe: str, result: ContactResult) -> dict[str, Any]:
     }
 
 
-def read_result(path: Path) -> ContactResult:
-    """Read one stored solve; whatever is wrong with the file raises."""
-    import netCDF4
-
-    with netCDF4.Dataset(path) as file:
+def decode_result(content: memoryview) -> ContactResult:
+    """Return the solve of a netCDF file that is intact; ValueError or KeyError for another version's."""
+    with reading(content) as file:
         file.set_auto_maskandscale(False)
         attributes = {name: file.getncattr(name) for name in file.ncattrs()}
         if attributes["format"] != _FORMAT:
-            raise ValueError(f"{path}: is not a '{_FORMAT}' file")
+            raise ValueError(f"is not a '{_FORMAT}' file")
         values = {name: file.variables[name][...] for name in _FIELDS}
         weights = file.variables["weights"][...] if "weights" in file.variables else None
     return ContactResult(

@@ -143,17 +143,17 @@ class Press(Solve):
         solved.contact.checked()
         return solved
 
-    def write(self, draft: Path, result: Solved) -> None:
-        """Write fields and provenance."""
-        from validation.solves.fields import write_result
+    def encode(self, result: Solved) -> memoryview:
+        """Return fields and provenance."""
+        from validation.solves.fields import encode_result
 
-        write_result(draft, result.contact, recipe=self.recipe_text)
+        return encode_result(result.contact, recipe=self.recipe_text)
 
-    def read(self, path: Path) -> ContactResult:
+    def decode(self, content: memoryview) -> ContactResult:
         """Read fields and provenance."""
-        from validation.solves.fields import read_result
+        from validation.solves.fields import decode_result
 
-        return read_result(path)
+        return decode_result(content)
 
     @property
     def has_block(self) -> bool:

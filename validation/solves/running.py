@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import contextlib
+import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from fem_contact.errors import FemContactError
 from validation.errors import RunFailed, UsageError
-from validation.files import remove_drafts
+from validation.files import prepare_folder, sync_folder, system_words
 from validation.solves.cost import available_memory, too_large
+from validation.solves.provenance import Made
 from validation.solves.solve import Solve
-from validation.solves.store import Store
+from validation.solves.store import Store, Stored
 
 __all__ = [
     "Execution",
@@ -71,11 +73,14 @@ class Execution:
         Address of a Dask scheduler, which then does the work; its workers write into the same store.
     memory : int or None
         Bytes that all solves running at a time may take together; what is free on this machine if not given.
+    patience : float
+        How long to wait for a worker of the scheduler while there is none [s]; hours where they queue.
     """
 
     workers: int = 1
     scheduler: str | None = None
     memory: int | None = None
+    patience: float = 300.0
 
     def __post_init__(self) -> None:
         if self.workers < 1:
@@ -124,13 +129,20 @@ class Solves(Mapping[Any, Any]):
 
     def __getitem__(self, solve: Solve) -> Any:
         """Read a result from the store."""
-        result = self.kept.get(solve)
-        if result is None:
-            result = self.store.load(solve)
-            if result is None:
+        return self._stored(solve).result
+
+    def made(self) -> tuple[Made, ...]:
+        """Return how each was made, for `made_words`."""
+        return tuple(self._stored(solve).made for solve in self.solves)
+
+    def _stored(self, solve: Solve) -> Stored:
+        stored = self.kept.get(solve)
+        if stored is None:
+            stored = self.store.read(solve)
+            if stored is None:
                 raise RunFailed(f"{solve.describe()}: no intact result in {self.store.folder}; run it again")
-            self.kept.put(solve, result, self.store)
-        return result
+            self.kept.put(solve, stored)
+        return stored
 
     def __iter__(self) -> Iterator[Solve]:
         """Solves in the order they were asked for."""
@@ -143,24 +155,26 @@ class Solves(Mapping[Any, Any]):
 
 #: Results that are held in memory after they were read, in all.
 _KEPT_BYTES = 2**29
+#: Syncing a folder takes some milliseconds, as long as a small solve [s].
+_SYNCED_EVERY = 1.0
 
 
 class _Kept:
     """Results that were read already, up to a size in all."""
 
     def __init__(self, limit: int) -> None:
-        self._results: dict[str, Any] = {}
+        self._results: dict[str, Stored] = {}
         self._free = limit
 
-    def get(self, solve: Solve) -> Any:
+    def get(self, solve: Solve) -> Stored | None:
         """Return a result; None if it is not kept."""
         return self._results.get(solve.key)
 
-    def put(self, solve: Solve, result: Any, store: Store) -> None:
+    def put(self, solve: Solve, stored: Stored) -> None:
         """Keep a result if there is room; files of mostly zeros take more in memory than on disk."""
-        size = 3 * store.path(solve).stat().st_size
+        size = 3 * stored.size
         if size <= self._free and solve.key not in self._results:
-            self._results[solve.key] = result
+            self._results[solve.key] = stored
             self._free -= size
 
 
@@ -185,29 +199,49 @@ def solve_all(
     """
     execution, progress = execution or Execution(), progress or Silent()
     wanted = tuple({solve.key: solve for solve in solves}.values())
-    remove_drafts(store.folder)
     kept = _Kept(_KEPT_BYTES)
     missing: list[Solve] = []
     for solve in wanted:
-        result = store.load(solve, on_damage=progress.note)
-        if result is None:
+        stored = store.read(solve, on_damage=progress.note)
+        if stored is None:
             missing.append(solve)
         else:
-            kept.put(solve, result, store)
+            kept.put(solve, stored)
     if execution.scheduler is None:
         _refuse_too_large(missing, execution)
+    if missing:  # a store that holds everything may be read-only
+        prepare_folder(store.folder, option="--store")
     progress.start(tuple(missing), len(wanted) - len(missing))
     failures = []
-    for outcome in _outcomes(tuple(missing), store, execution, progress.begin):
-        if outcome.fatal:
-            raise RunFailed(outcome.error)
-        if outcome.error is not None:
-            failures.append(outcome)
-        else:
-            progress.done(outcome.solve)
+    with _lasting(store) as synced:
+        for outcome in _outcomes(tuple(missing), store, execution, progress):
+            if outcome.fatal:
+                raise RunFailed(outcome.error)
+            if outcome.error is not None:
+                failures.append(outcome)
+            else:
+                synced()
+                progress.done(outcome.solve)
     if failures:
         raise RunFailed(_failed(failures, len(missing)))
     return Solves(solves=wanted, store=store, solved=len(missing), kept=kept)
+
+
+@contextlib.contextmanager
+def _lasting(store: Store) -> Iterator[Callable[[], None]]:
+    """Have the names of finished solves kept by the disk once a second, and at the end."""
+    last = time.monotonic()
+
+    def synced() -> None:
+        nonlocal last
+        if time.monotonic() - last > _SYNCED_EVERY:
+            sync_folder(store.folder)
+            last = time.monotonic()
+
+    try:
+        yield synced
+    finally:
+        sync_folder(store.folder)
 
 
 def warm_up(solves: Iterable[Solve]) -> None:
@@ -218,29 +252,29 @@ def warm_up(solves: Iterable[Solve]) -> None:
 
 
 def _outcomes(
-    solves: tuple[Solve, ...], store: Store, execution: Execution, begin: Callable[[Solve], None]
+    solves: tuple[Solve, ...], store: Store, execution: Execution, progress: Progress
 ) -> Iterator[Outcome]:
     if not solves:
         return iter(())
     if execution.scheduler is not None:
         from validation.solves.cluster import solve_on_cluster
 
-        return solve_on_cluster(solves, store, address=execution.scheduler, begin=begin)
+        return solve_on_cluster(
+            solves, store, address=execution.scheduler, patience=execution.patience, progress=progress
+        )
     if execution.workers > 1:
         from validation.solves.pool import solve_in_processes
 
         memory = available_memory() if execution.memory is None else execution.memory
-        return solve_in_processes(solves, store, workers=execution.workers, memory=memory, begin=begin)
-    return _in_this_process(solves, store, begin)
+        return solve_in_processes(solves, store, workers=execution.workers, memory=memory, progress=progress)
+    return _in_this_process(solves, store, progress)
 
 
-def _in_this_process(
-    solves: Sequence[Solve], store: Store, begin: Callable[[Solve], None]
-) -> Iterator[Outcome]:
+def _in_this_process(solves: Sequence[Solve], store: Store, progress: Progress) -> Iterator[Outcome]:
     warm_up(solves)
     previous: Solve | None = None
     for solve in solves:
-        begin(solve)
+        progress.begin(solve)
         previous = solve.after(previous)
         yield attempt(previous, store)
 
@@ -256,15 +290,19 @@ def attempt(solve: Solve, store: Store, *, threads: int | None = None) -> Outcom
         Threads for this solve; all that there are if not given. Their number changes the result by rounding:
         the transforms group their sums by it.
     """
+    began = time.monotonic()
     try:
         # Sparse solvers gain nothing from a threaded BLAS, whose idle threads spin on cores that others need.
         with one_blas_thread():
             result = solve.do(threads=threads)
-        store.save(solve, result)
+        made = Made.now(threads=solve.threads_used(threads), seconds=time.monotonic() - began)
+        store.save(solve, result, made=made)
     except (FemContactError, MemoryError) as error:
         return Outcome(solve=solve, error=f"{solve.describe()}: {error}")
     except RunFailed as error:
         return Outcome(solve=solve, error=str(error), fatal=True)
+    except OSError as error:  # too many open files, no further thread: the others would meet the same
+        return Outcome(solve=solve, error=f"{solve.describe()}: {system_words(error)}", fatal=True)
     return Outcome(solve=solve)
 
 

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fem_contact.settings import available_processors
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -64,12 +66,12 @@ class Solve(ABC):
         """Do it; does not touch the disk. All available processors are used if `threads` is not given."""
 
     @abstractmethod
-    def write(self, draft: Path, result: Any) -> None:
-        """Write a result to a file that is nobody else's yet."""
+    def encode(self, result: Any) -> memoryview:
+        """Return a result as the bytes of a netCDF file; does not touch the disk."""
 
     @abstractmethod
-    def read(self, path: Path) -> Any:
-        """Read a result; whatever is wrong with the file raises."""
+    def decode(self, content: memoryview) -> Any:
+        """Return the result of a netCDF file that is intact."""
 
     def written_beside(self, result: Any, folder: Path) -> None:  # noqa: B027
         """Write what belongs beside a result, such as a block to look at; nothing unless a subclass does."""
@@ -81,6 +83,10 @@ class Solve(ABC):
 
     def warm_up(self) -> None:  # noqa: B027
         """Run through the compiled passes once, so that no solve is charged with loading them."""
+
+    def threads_used(self, threads: int | None) -> int:
+        """Return how many threads `do` uses when it is given that many."""
+        return available_processors() if threads is None else threads
 
     def after(self, previous: Solve | None) -> Solve:
         """Return this solve with what the previous one has made already, such as its surface."""
@@ -113,16 +119,21 @@ class NumbersSolve(Solve):
         """Measure; such solves use one thread each, so that their numbers are the same everywhere."""
         return self.measure()
 
-    def write(self, draft: Path, result: xr.Dataset) -> None:
-        """Write the dataset as netCDF, with the recipe."""
-        result.assign_attrs(recipe=self.recipe_text).to_netcdf(draft, engine="netcdf4")
+    def threads_used(self, threads: int | None) -> int:
+        """One."""
+        return 1
 
-    def read(self, path: Path) -> xr.Dataset:
+    def encode(self, result: xr.Dataset) -> memoryview:
+        """Return the dataset as netCDF, with the recipe."""
+        from validation.solves.netcdf import dataset_bytes
+
+        return dataset_bytes(result.assign_attrs(recipe=self.recipe_text))
+
+    def decode(self, content: memoryview) -> xr.Dataset:
         """Read the dataset."""
-        import xarray as xr
+        from validation.solves.netcdf import read_dataset
 
-        with xr.open_dataset(path, engine="netcdf4") as dataset:
-            return dataset.load()
+        return read_dataset(content)
 
     @property
     def code_path(self) -> tuple[str, ...]:

@@ -1,67 +1,250 @@
-"""Results on disk: one file for each finished solve, written atomically, checked when read."""
+"""Results on disk: one sealed file for each finished solve, written whole, verified when read."""
 
 from __future__ import annotations
 
 import contextlib
 import errno
+import hashlib
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from validation.files import atomic_path
+from fem_contact.contact import ContactResult
+from validation.errors import RunFailed, UsageError
+from validation.files import read_whole, write_whole
+from validation.solves.provenance import Made
+from validation.solves.seal import Damaged, Sealed, seal, unseal
 from validation.solves.solve import Solve
 
-__all__ = ["Store"]
+__all__ = ["Checked", "Store", "Stored", "check_store", "read_result"]
 
-#: Errors of the machine, not of the file: no reason to throw a result away.
-_NOT_DAMAGE = frozenset({errno.EACCES, errno.EPERM, errno.EMFILE, errno.ENFILE, errno.ENOMEM})
+_SUFFIX = ".nc"
+_ASIDE = ".nc.corrupt"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Stored:
+    """A result that was read, how it was made, and the size of its file in bytes."""
+
+    result: Any
+    made: Made
+    size: int
 
 
 @dataclass(frozen=True, kw_only=True)
 class Store:
-    """The folder of finished solves; a file is there whole or not at all."""
+    """The folder of finished solves; a file is there whole or not at all.
+
+    Who may write to the folder is believed: the seal of a file shows damage and mistakes, not malice.
+    """
 
     folder: Path
 
     def path(self, solve: Solve) -> Path:
         """Return where the result of a solve is, or will be."""
-        return self.folder / f"{solve.key}.nc"
+        return self.folder / f"{solve.key}{_SUFFIX}"
 
-    def save(self, solve: Solve, result: Any) -> None:
+    def save(self, solve: Solve, result: Any, *, made: Made | None = None) -> None:
         """Write a finished solve, and what belongs beside it.
+
+        Parameters
+        ----------
+        solve : Solve
+        result : object
+            What `do` returned.
+        made : Made, optional
+            How it was made; in this process and in no time if not given.
+
+        Raises
+        ------
+        NotWritten
+            When the system refuses it: a full disk, a folder that is gone.
+        """
+        solve.written_beside(result, self.folder)
+        try:
+            content = solve.encode(result)
+        except (OSError, RuntimeError) as error:  # in memory, where nothing else can fail it
+            raise RunFailed(
+                f"{solve.describe()}: memory does not suffice to store it ({error}); name fewer "
+                "--workers, or a smaller --memory"
+            ) from error
+        made = made or Made.now(threads=solve.threads_used(None), seconds=0.0)
+        # The folder is synced by who collects the outcomes: a name lost with the power is a solve to repeat.
+        write_whole(self.path(solve), (content, seal(content, recipe=solve.recipe_text, made=made.as_json())))
+
+    def read(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> Stored | None:
+        """Read a finished solve and how it was made; None if there is none.
+
+        A file that is damaged, or of another recipe than its name says, is set aside as `*.corrupt`, counts
+        as none, and is told to `on_damage` in a sentence.
 
         Raises
         ------
         RunFailed
-            When the disk is full.
-        """
-        solve.written_beside(result, self.folder)
-        with atomic_path(self.path(solve)) as draft:
-            solve.write(draft, result)
-
-    def load(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> Any:
-        """Read a finished solve; None if there is none.
-
-        A damaged file is set aside as `*.corrupt`, counts as none, and is told to `on_damage` in a sentence.
+            For a file that is there and cannot be read: another user's, a link, memory that does not suffice.
+            It stays where it is.
         """
         path = self.path(solve)
-        if not path.exists():
+        try:
+            data = _bytes_of(path)
+            if data is None:
+                return None
+            sealed = _verified(data, recipe=solve.recipe_text)
+        except Damaged as damage:
+            _set_aside(path, damage, tell=on_damage)
             return None
         try:
-            return solve.read(path)
+            return Stored(result=solve.decode(sealed.content), made=Made(**sealed.made), size=len(data))
+        except (MemoryError, OSError) as error:
+            raise RunFailed(f"{path}: intact, but memory does not suffice to read it ({error})") from None
         except Exception as error:
-            # What a damaged HDF5 file raises depends on the byte: anything but a result is damage.
-            if isinstance(error, OSError) and error.errno in _NOT_DAMAGE:
-                raise
-            aside = path.with_suffix(".nc.corrupt")
-            with contextlib.suppress(FileNotFoundError):  # another run may have set it aside first
-                os.replace(path, aside)
-            if on_damage is not None:
-                on_damage(f"{path}: damaged; set aside as {aside.name}, to be computed again")
-            return None
+            raise RunFailed(
+                f"{path}: intact, but not what this version writes ({type(error).__name__}: {error}); name "
+                "another store, or move it away"
+            ) from error
+
+    def load(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> Any:
+        """Read the result of a finished solve, as `read` does; None if there is none."""
+        stored = self.read(solve, on_damage=on_damage)
+        return None if stored is None else stored.result
 
     def holds(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> bool:
         """Whether an intact result of the solve is stored."""
-        return self.load(solve, on_damage=on_damage) is not None
+        return self.read(solve, on_damage=on_damage) is not None
+
+
+def read_result(path: Path) -> ContactResult:
+    """Read the fields of a stored solve by the name of its file.
+
+    Raises
+    ------
+    RunFailed
+        When there is none, or it is damaged.
+    """
+    from validation.solves.fields import decode_result
+
+    try:
+        data = _bytes_of(path)
+        if data is None:
+            raise RunFailed(f"{path}: is not there; run it again")
+        return decode_result(unseal(data).content)
+    except Damaged as damage:
+        raise RunFailed(f"{path}: damaged: {damage}; run it again") from None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Checked:
+    """What was found of one file of a store.
+
+    Attributes
+    ----------
+    path : Path
+    size : int
+        Bytes.
+    problem : str or None
+        What is wrong with it; None if it is intact.
+    damaged : bool
+        Whether it holds no result; otherwise a problem is that it could not be read.
+    made : Made or None
+    recipe : str or None
+    """
+
+    path: Path
+    size: int = 0
+    problem: str | None = None
+    damaged: bool = False
+    made: Made | None = None
+    recipe: str | None = None
+
+
+def check_store(folder: Path, *, set_aside: bool = False) -> Iterator[Checked]:
+    """Verify every result in a folder: its digest, and that its name is that of its recipe.
+
+    Parameters
+    ----------
+    folder : Path
+    set_aside : bool
+        Whether damaged files are renamed to `*.corrupt`, as a run does that meets them.
+
+    Raises
+    ------
+    UsageError
+        For a folder that cannot be read.
+    """
+    try:
+        names = sorted(os.listdir(folder))
+    except OSError as error:
+        raise UsageError(f"{folder}: cannot be read ({error.strerror}); name the folder of a store") from None
+    for name in names:
+        if name.startswith(".") or not name.endswith(_SUFFIX):
+            continue
+        path = folder / name
+        try:
+            data = _bytes_of(path)
+            if data is None:  # removed meanwhile
+                continue
+            sealed = _verified(data)
+        except RunFailed as error:
+            yield Checked(path=path, problem=str(error).removeprefix(f"{path}: "))
+        except Damaged as damage:
+            if set_aside:
+                _set_aside(path, damage)
+            yield Checked(path=path, size=len(data or b""), problem=str(damage), damaged=True)
+        else:
+            own = hashlib.sha256(sealed.recipe.encode()).hexdigest()[:16]
+            made = Made(**sealed.made)
+            if path.stem.endswith(f"-{own}"):
+                yield Checked(path=path, size=len(data), made=made, recipe=sealed.recipe)
+                continue
+            swapped = Damaged("it is the result of another recipe than its name says")
+            if set_aside:
+                _set_aside(path, swapped)
+            yield Checked(path=path, size=len(data), problem=str(swapped), damaged=True, made=made)
+
+
+#: Why a file that is there cannot be read, and what to do.
+_UNREADABLE = {
+    errno.EACCES: "permission denied; ask its owner to make it readable, or name another store with --store",
+    errno.EPERM: "not permitted; ask its owner to make it readable, or name another store with --store",
+    errno.ELOOP: "is a link, which is not followed in a store; put the file itself there",
+    errno.EINVAL: "is not a file; move it away",
+    errno.EMFILE: "too many open files (ulimit -n)",
+    errno.ENFILE: "too many open files on this machine",
+    errno.ENOMEM: "memory does not suffice",
+    errno.EIO: "the disk failed (Input/output error); look at it before you go on",
+}
+
+
+def _bytes_of(path: Path) -> bytes | None:
+    """Return the bytes of a file; None if there is none."""
+    try:
+        return read_whole(path)
+    except (FileNotFoundError, NotADirectoryError):
+        return None
+    except OSError as error:
+        why = _UNREADABLE.get(error.errno or 0, error.strerror or str(error))
+        raise RunFailed(f"{path}: cannot be read: {why}") from None
+    except MemoryError:
+        raise RunFailed(f"{path}: cannot be read: memory does not suffice") from None
+
+
+def _verified(data: bytes, *, recipe: str | None = None) -> Sealed:
+    sealed = unseal(data)
+    if recipe is not None and sealed.recipe != recipe:
+        raise Damaged("it is the result of another recipe than its name says")
+    return sealed
+
+
+def _set_aside(path: Path, damage: Damaged, *, tell: Callable[[str], None] | None = None) -> None:
+    aside = path.with_name(path.name.removesuffix(_SUFFIX) + _ASIDE)
+    words = f"{path}: damaged: {damage}; "
+    try:
+        with contextlib.suppress(FileNotFoundError):  # another run may have set it aside first
+            os.replace(path, aside)
+        words += f"set aside as {aside.name}, to be computed again"
+    except OSError as error:
+        words += f"to be computed again; not set aside ({error.strerror})"
+    if tell is not None:
+        tell(words)

@@ -189,7 +189,7 @@ def _problems(error: ValidationError) -> Iterator[str]:
         name = str(item["loc"][0]).replace("_", "-") if item["loc"] else ""
         message = str(item["msg"]).replace("Input should be", "must be").replace("Value error, ", "")
         value = item["input"]
-        said = ",".join(map(str, value)) if isinstance(value, list) else repr(value)
+        said = ",".join(map(str, value)) if isinstance(value, list) and value else repr(value)
         yield f"--{name} = {said}: {message}" if name else message
 
 

@@ -32,6 +32,7 @@ from validation.scenes.realised import Realised
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.solves.bench import Bench
 from validation.solves.press import Press
+from validation.studies._options import Bandwidth, Hurst, Periods
 from validation.studies._study import StudyOptions
 from validation.units import Positive, wrong
 
@@ -93,9 +94,9 @@ class Options(StudyOptions):
         default=(256, 384),
         description="points along a side, two, rising; the range of the attraction is the shortest that the first resolves",
     )
-    hurst: float = Field(default=0.8, ge=0, le=1, description="Hurst exponent H")
-    periods: float = Field(default=2.0, ge=1, description="L / lambda_long")
-    bandwidth: float = Field(default=8.0, gt=1, description="lambda_long / lambda_short")
+    hurst: Hurst = 0.8
+    periods: Periods = 2.0
+    bandwidth: Bandwidth = 8.0
 
     @model_validator(mode="after")
     def _possible(self) -> Self:

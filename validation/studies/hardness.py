@@ -28,6 +28,7 @@ from validation.scenes.realised import Realised
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.solves.bench import Bench
 from validation.solves.press import Press
+from validation.studies._options import Bandwidth, Hurst, Periods, Seed
 from validation.studies._study import StudyOptions
 from validation.units import Positive, wrong
 
@@ -63,15 +64,15 @@ class Options(StudyOptions):
     smoothing_reduced_pressure: Positive = Field(
         default=0.1, description="p* at which magnifications are walked through and surfaces are smoothed"
     )
-    seed: int = Field(default=11, ge=0, description="whole number that names the first surface")
-    surfaces: int = Field(default=2, ge=1, description="how many")
+    seed: Seed = 11
+    surfaces: int = Field(default=2, ge=1, le=10_000, description="how many")
     grids: Annotated[tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=1)] = Field(
         default=(64, 128, 256),
         description="points along a side; the limit is that of the two finest, the one before says how sure it is",
     )
-    hurst: float = Field(default=0.8, ge=0, le=1, description="Hurst exponent H")
-    periods: float = Field(default=4.0, ge=1, description="L / lambda_long")
-    bandwidth: float = Field(default=4.0, gt=1, description="lambda_long / lambda_short")
+    hurst: Hurst = 0.8
+    periods: Periods = 4.0
+    bandwidth: Bandwidth = 4.0
 
     @model_validator(mode="after")
     def _possible(self) -> Self:

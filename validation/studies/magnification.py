@@ -28,7 +28,7 @@ from validation.report.table import ResultTable
 from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
 from validation.solves.bench import Bench
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
+from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Shifts, Surfaces
 from validation.studies._study import StudyOptions
 
 if TYPE_CHECKING:
@@ -54,7 +54,7 @@ class Options(StudyOptions):
     periods: Periods = 4.0
     bandwidth: Bandwidth = 16.0
     surfaces: Surfaces = 4
-    shifts: int = Field(default=SHIFTS, ge=1, description="sub-grid shifts along each axis")
+    shifts: Shifts = SHIFTS
     points_per_wave: Ladder = Field(
         default=(3.0, 6.0), description="grids, as the shortest wave of all over dx, rising"
     )

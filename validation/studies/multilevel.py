@@ -63,7 +63,10 @@ class Options(StudyOptions):
         default=0.002, gt=0, lt=1, description="standard error of the mean that is asked for, relative"
     )
     pilot: int = Field(
-        default=12, ge=4, description="surfaces of each level from which its variance and cost are first told"
+        default=12,
+        ge=4,
+        le=10_000,
+        description="surfaces of each level from which its variance and cost are first told",
     )
     reduced_pressure: ReducedPressure = 0.05
     hurst: Hurst = 0.8

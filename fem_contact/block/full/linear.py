@@ -18,8 +18,8 @@ __all__ = [
     "Preconditioner",
     "conjugate_gradients",
     "factorised",
-    "multigrid",
     "rigid_modes",
+    "smoothed_aggregation",
 ]
 
 Array = NDArray[np.float64]
@@ -71,7 +71,7 @@ class Preconditioner:
     nbytes: int
 
 
-def multigrid(matrix: sp.bsr_array, modes: Array) -> Preconditioner:
+def smoothed_aggregation(matrix: sp.bsr_array, modes: Array) -> Preconditioner:
     """Build a cycle of pyamg's smoothed aggregation, with rigid-body modes as near-null space.
 
     The same matrix gives the same cycle on every call.

@@ -9,9 +9,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.full.active_set import ActiveSetSolution, AssembledBlock, Settings, solve_contact
+from fem_contact.block.full.active_set import ActiveSetSolution, Settings, solve_contact
 from fem_contact.block.full.assembly import assemble
-from fem_contact.block.full.multigrid import Hierarchy, StencilBlock, build_hierarchy, has_stencil
+from fem_contact.block.full.block import AssembledBlock
+from fem_contact.block.full.multigrid import (
+    Hierarchy,
+    RefinedBlock,
+    StencilBlock,
+    build_hierarchy,
+    has_stencil,
+    refined_hierarchy,
+)
 from fem_contact.block.mesh import plan_mesh
 from fem_contact.block.problem import Found, Problem
 
@@ -38,6 +46,9 @@ _INSIDE = 0.999
 
 #: Least ratio of mean bound and mean pressure on a coarser grid.
 _CARRYING = 1.01
+
+#: Largest Poisson ratio at which trilinear cells, which lock, precondition triquadratic ones.
+_COMPRESSIBLE = 0.45
 
 #: Above this Poisson ratio smoothed aggregation needs hundreds of steps; small blocks are then factorised.
 _CRAWLING = 0.49
@@ -70,7 +81,8 @@ def solve_full(problem: Problem, start: Mask | Found | None, shared: Hierarchy |
         if isinstance(shared, Hierarchy):
             found, method = _on_grids(problem, start, shared), "multigrid"
         else:
-            found, method = _iterate(problem, start, shared), "assembled"
+            found = _iterate(problem, start, shared)
+            method = "refined" if is_refined(problem) else "assembled"
     field = np.zeros((*problem.mesh.shape, problem.mesh.planes.size, 3))
     field[:, :, 1:] = found.displacement
     return Found(
@@ -152,6 +164,11 @@ def _pressed(
     )
 
 
+def is_refined(problem: Problem) -> bool:
+    """Whether trilinear cells between the nodes precondition the assembled stiffness."""
+    return problem.mesh.element.order == 2 and not problem.lateral and problem.poisson <= _COMPRESSIBLE
+
+
 def _iterate(problem: Problem, start: Mask | Found | None, matrix: sp.bsr_array) -> ActiveSetSolution:
     mesh, offset, displacement = problem.mesh, 0.0, None
     even = not any(n % 2 for n in mesh.cells) and min(mesh.shape) >= _COARSEST
@@ -166,26 +183,30 @@ def _iterate(problem: Problem, start: Mask | Found | None, matrix: sp.bsr_array)
         nodes = highest_nodes(problem.heights, problem)
     if not nodes.any():
         nodes = highest_nodes(problem.heights, problem)
+    return _assembled(problem, matrix, (nodes, offset, displacement))
+
+
+def _assembled(problem: Problem, matrix: sp.bsr_array, first: First) -> ActiveSetSolution:
+    """Solve with the assembled matrix, by what preconditions it best."""
+    mesh, heights, bound = problem.mesh, problem.heights, problem.force_bound
+    tolerance, violation = problem.tolerance, problem.violation
+    if is_refined(problem):
+        modulus = None if problem.modulus is None else problem.modulus[0, 0]
+        grids = refined_hierarchy(mesh, poisson=problem.poisson, modulus=modulus)
+        refined = RefinedBlock(matrix=matrix, mesh=mesh, heights=heights, bound=bound, hierarchy=grids)
+        return _pressed(
+            refined, problem, first, steps=_LINEAR_STEPS, tolerance=tolerance, violation=violation
+        )
     small = mesh.unknowns <= _DIRECT_UNKNOWNS
-    block = AssembledBlock(
-        matrix=matrix,
-        mesh=mesh,
-        heights=problem.heights,
-        bound=problem.force_bound,
-        direct=problem.poisson > _CRAWLING and small,
-    )
-    first = nodes, offset, displacement
+    direct = problem.poisson > _CRAWLING and small
     steps = _PATIENCE if small else _AGGREGATION_STEPS
-    found = _pressed(
-        block, problem, first, steps=steps, tolerance=problem.tolerance, violation=problem.violation
-    )
-    if found.most_linear_iterations < steps or block.direct or not small:
+    block = AssembledBlock(matrix=matrix, mesh=mesh, heights=heights, bound=bound, direct=direct)
+    found = _pressed(block, problem, first, steps=steps, tolerance=tolerance, violation=violation)
+    if found.most_linear_iterations < steps or direct or not small:
         return found
     # Smoothed aggregation crawls on very thick or very thin cells.
     block = replace(block, direct=True)
-    return _pressed(
-        block, problem, first, steps=steps, tolerance=problem.tolerance, violation=problem.violation
-    )
+    return _pressed(block, problem, first, steps=steps, tolerance=tolerance, violation=violation)
 
 
 def highest_nodes(heights: Array, problem: Problem) -> Mask:

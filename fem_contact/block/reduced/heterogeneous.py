@@ -14,7 +14,8 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from fem_contact.block.elements import element_matrices
-from fem_contact.block.full.active_set import MeshedBlock, SetPreconditioner, Settings, solve_contact
+from fem_contact.block.full.active_set import Settings, solve_contact
+from fem_contact.block.full.block import MeshedBlock, SetPreconditioner
 from fem_contact.block.problem import Found, Problem
 from fem_contact.block.reduced.fields import FourierSource
 from fem_contact.block.reduced.surface import BlockResponse, SurfaceOperator, solve_reduced, surface_operator

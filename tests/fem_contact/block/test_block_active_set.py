@@ -5,8 +5,9 @@ import pytest
 
 from fem_contact.block import plan_mesh, solve
 from fem_contact.block.full import active_set, system
-from fem_contact.block.full.active_set import AssembledBlock, Settings, solve_contact
+from fem_contact.block.full.active_set import Settings, solve_contact
 from fem_contact.block.full.assembly import assemble
+from fem_contact.block.full.block import AssembledBlock
 from fem_contact.block.full.linear import LinearSolution
 from fem_contact.contact import Status
 from fem_contact.solid import Solid

@@ -10,8 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from validation.errors import UsageError
-from validation.report.words import harmless
+from validation.errors import UsageError, harmless
 from validation.scenes.topography.arrays import read_npy
 from validation.scenes.topography.netcdf import read_netcdf
 from validation.scenes.topography.raw import MOST_BYTES, Raw, check_shape, plain_attribute

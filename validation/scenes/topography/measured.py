@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from validation.errors import UsageError
 from validation.scenes.topography.patch import Topography
-from validation.scenes.topography.reading import digest_of, read_topography
+from validation.scenes.topography.reading import read_topography
 
 if TYPE_CHECKING:
     from validation.scenes.scene import FileSurface
@@ -62,24 +61,14 @@ def _frozen(topography: Topography) -> Topography:
     return topography
 
 
-#: The last one; a run has one measured surface and asks for it from many places.
-_LAST: list[Measured] = []
-
-
 def measured(surface: FileSurface) -> Measured:
-    """Read a measured surface; one that has not changed since, neither file nor table, is not read again.
+    """Read a measured surface.
 
     Raises
     ------
     UsageError
         For a file that gives no surface.
     """
-    if _LAST and _LAST[0].surface == surface and _LAST[0].digest == digest_of(surface.path):
-        return _LAST[0]
-    try:
-        raw = read_topography(surface.path, lengths=surface.length, unit=surface.unit)
-    except UsageError:
-        _LAST.clear()
-        raise
-    _LAST[:] = [Measured(surface=surface, raw=raw)]
-    return _LAST[0]
+    return Measured(
+        surface=surface, raw=read_topography(surface.path, lengths=surface.length, unit=surface.unit)
+    )

@@ -327,7 +327,7 @@ def _times(factor: float) -> str:
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw error against time and against memory."""
-    from validation.studies.accuracy_cost.figures import error_against_cost
+    from validation.studies.accuracy_cost.plots import error_against_cost
 
     fronts = {cost: front(dataset, cost) for cost in ("seconds", "peak_bytes")}
     return (

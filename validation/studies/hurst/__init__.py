@@ -26,7 +26,7 @@ from validation.report.table import ResultTable
 from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
 from validation.solves.bench import Bench
-from validation.studies._options import Bandwidth, Hurst, Periods, ReducedPressure, Seed
+from validation.studies._options import Bandwidth, Hurst, Pairs, Periods, ReducedPressure, Seed, Shifts
 from validation.studies._study import StudyOptions
 
 if TYPE_CHECKING:
@@ -55,10 +55,8 @@ class Options(StudyOptions):
         description="p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising",
     )
     periods: Periods = 4.0
-    pairs: int = Field(
-        default=8, ge=2, description="pairs of surfaces +h, -h; the standard error is that over pairs"
-    )
-    shifts: int = Field(default=SHIFTS, ge=1, description="sub-grid shifts along each axis")
+    pairs: Pairs = 8
+    shifts: Shifts = SHIFTS
     points_per_wave: Ladder = Field(default=(4.0, 6.0, 8.0), description="grids, as lambda_short/dx, rising")
     ladder_hursts: tuple[Hurst, ...] | None = Field(
         default=None,
@@ -75,6 +73,7 @@ class Options(StudyOptions):
     ladder_pairs: int = Field(
         default=4,
         ge=2,
+        le=10_000,
         description="pairs on each bandwidth and on the largest sample; smaller samples get more, for the same area in all",
     )
     ladder_points_per_wave: Ladder = Field(

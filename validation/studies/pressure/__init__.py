@@ -14,8 +14,14 @@ from persson import elastic
 from persson.variants import Variant, corrected_contact_area
 from validation.measures.budget import grid_drift
 from validation.measures.common import SHIFTS, Ladder, Rising, base_case, base_surface, over_surfaces
-from validation.measures.distributions import PATCH_EDGES, STRESS_EDGES, Distributions
-from validation.measures.load_independence import Distance, distance_to_reference, largest_difference
+from validation.measures.distributions import (
+    PATCH_EDGES,
+    STRESS_EDGES,
+    Distance,
+    Distributions,
+    distance_to_reference,
+    largest_difference,
+)
 from validation.measures.measurement import area_limits, grid_for
 from validation.measures.theory import VARIANTS, WITH_ENERGY, Waves, ensemble_stress_variance
 from validation.report.drawing import Drawing
@@ -24,7 +30,7 @@ from validation.scenes.realised import Realised
 from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
 from validation.solves.bench import Bench
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
+from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Shifts, Surfaces
 from validation.studies._study import StudyOptions
 
 if TYPE_CHECKING:
@@ -52,7 +58,7 @@ class Options(StudyOptions):
     periods: Periods = 4.0
     bandwidth: Bandwidth = 8.0
     surfaces: Surfaces = 8
-    shifts: int = Field(default=SHIFTS, ge=1, description="sub-grid shifts along each axis")
+    shifts: Shifts = SHIFTS
     points_per_wave: Ladder = Field(default=(4.0, 8.0, 16.0), description="grids, as lambda_short/dx, rising")
     seed: Seed = 2006
 

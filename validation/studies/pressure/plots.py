@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from validation.measures.load_independence import Distance
+    from validation.measures.distributions import Distance
 
 __all__ = ["area_against_pressure", "gap_and_energy", "load_independence"]
 

@@ -14,7 +14,7 @@ from validation.measures.theory import VARIANTS, WITH_ENERGY, modes_sentence
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.measures.load_independence import Distance
+    from validation.measures.distributions import Distance
 
 __all__ = ["all_of"]
 

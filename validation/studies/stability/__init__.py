@@ -178,7 +178,7 @@ def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw the error along all dials by method, and along every dial beside what is allowed."""
     from validation.report.drawing import Drawing
     from validation.report.figure import lines_figure
-    from validation.studies.stability.figures import stability_figure
+    from validation.studies.stability.plots import stability_figure
 
     columns = ["case", "method", "value", "error", "bound", "outcome"]
     drawings = [

@@ -106,10 +106,10 @@ LARGE_BLOCK = HardCase(
     name="memory",
     method="fem",
     dial="points along a side of the full system",
-    values=(8.0, 16.0, 32.0, 1024.0, 2048.0),
+    values=(8.0, 16.0, 32.0, 4096.0, 8192.0),
     reference="bonded layer, one wave in full contact; error over 2 % (32/n)^2",
     bound=1.0,
-    limit="from 1024 on the assembled block takes hundreds of gigabytes",
-    refusable=lambda value: value >= 1024,
+    limit="from 4096 on the block takes hundreds of gigabytes",
+    refusable=lambda value: value >= 4096,
     measure=_large_block,
 )

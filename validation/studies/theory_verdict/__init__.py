@@ -14,9 +14,8 @@ from persson import elastic
 from persson.variants import corrected_contact_area
 from validation.measures.budget import Budget, budget_table, grid_share, solver_error
 from validation.measures.common import base_case
-from validation.measures.distributions import Distributions
+from validation.measures.distributions import Distributions, distance_to_reference, largest_difference
 from validation.measures.ladders import spectral_share, usual_ladders
-from validation.measures.load_independence import distance_to_reference, largest_difference
 from validation.measures.measurement import grid_for
 from validation.measures.statistics import mean_over_surfaces
 from validation.measures.theory import VARIANTS
@@ -66,8 +65,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     found = _scores(options, data)
     found["solver_error"] = _solver_share(options, bench)
     if options.edge:
-        common = {"hurst": options.hurst, "periods": options.periods, "seed": options.seed}
-        edge = stress_near_zero.run(stress_near_zero.Options(**common), bench=bench)
+        small = stress_near_zero.Options(hurst=options.hurst, periods=options.periods, seed=options.seed)
+        edge = stress_near_zero.run(small, bench=bench)
         found = found.merge(_edge_scores(edge), combine_attrs="override")
     return found.assign(_spectral_shares(options, bench)) if options.ladder_reduced_pressures else found
 

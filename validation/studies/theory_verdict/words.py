@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 __all__ = ["QUANTITIES", "findings", "range_verdict", "table", "verdict"]
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.intp]
 
 _RANGES = ((0.0, 0.03), (0.03, 0.1), (0.1, 0.3), (0.3, 0.7), (0.7, 0.99), (0.99, 1.001))
 
@@ -59,7 +60,7 @@ def range_verdict(ratios: Array, intervals: Array) -> str:
     return verdict(float(ratios[pick]), float(intervals[pick]))
 
 
-def _inside(dataset: xr.Dataset) -> list[tuple[str, Array]]:
+def _inside(dataset: xr.Dataset) -> list[tuple[str, Indices]]:
     """Ranges of the area that hold loads, in words, with their loads."""
     area = dataset.area.values
     ranges = [
@@ -103,7 +104,7 @@ _CLAIMS = {
 _LIGHT = 0.3
 
 
-def _claim(dataset: xr.Dataset, name: str, loads: Array) -> str:
+def _claim(dataset: xr.Dataset, name: str, loads: Indices) -> str:
     """Return the verdict on a claim of independence within one range: the load that moved most."""
     loads = loads[loads != int(dataset.attrs["reference_load"])]
     if not loads.size:

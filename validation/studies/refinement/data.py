@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -16,12 +16,17 @@ from validation.measures.measurement import area_limits
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["AREAS", "finite_elements", "on_grids"]
+__all__ = ["AREAS", "finite_elements", "on_grids", "overestimate"]
 
 AREAS = ("pixel", "perimeter", "subcell")
 
 #: Parts of the contact area at which patch sizes are read: newborn patches are one cell on every grid, and count little.
 _PARTS = (0.1, 0.5, 0.9)
+
+
+def overestimate(dataset: xr.Dataset, name: str) -> xr.DataArray:
+    """Return the relative distance of an area from the limit of its own surface, (surface, grid)."""
+    return dataset[name] / dataset["limit"] - 1
 
 
 def on_grids(measured: Sequence[xr.Dataset]) -> xr.Dataset:
@@ -81,16 +86,30 @@ def on_grids(measured: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def finite_elements(
-    fem: Sequence[xr.Dataset], elements: tuple[str, ...], per_wave: tuple[float, ...], *, surfaces: int
+    fem: Mapping[tuple[str, int, float], xr.Dataset],
+    elements: tuple[str, ...],
+    per_wave: tuple[float, ...],
+    *,
+    surfaces: int,
 ) -> xr.Dataset:
-    """Areas of the finite elements on every grid, their limit, and what the finite depth does to the area."""
+    """Areas of the finite elements on every grid, their limit, and what the finite depth does to the area.
+
+    Parameters
+    ----------
+    fem : mapping
+        Results by element, number of the surface, and points per wave.
+    elements, per_wave, surfaces
+        Which of them there are.
+    """
     import xarray as xr
 
     from fem_contact.block import ELEMENTS
 
     shape = (len(elements), surfaces, len(per_wave))
     fields = {
-        name: np.array([float(d[name]) for d in fem]).reshape(shape)
+        name: np.array(
+            [[[float(fem[e, k, n][name]) for n in per_wave] for k in range(surfaces)] for e in elements]
+        )
         for name in ("pixel", "perimeter", "pixel_bem", "pixel_layer")
     }
     limit, error = np.empty(shape[:2]), np.empty(shape[:2])

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_contact.area import contact_areas
-from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
+from validation.measures.common import reduced_load
 from validation.measures.single_solve import SingleSolve
+from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
 from validation.solves.solve import Prediction
 
@@ -32,8 +33,8 @@ class GridRoughness(SingleSolve):
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
         recipe = super().recipe
-        del recipe["surface"]["lambda_short"]
-        return recipe
+        surface = {name: value for name, value in recipe["surface"].items() if name != "lambda_short"}
+        return recipe | {"surface": surface}
 
     @property
     def prefix(self) -> str:
@@ -42,7 +43,7 @@ class GridRoughness(SingleSolve):
 
     def describe(self) -> str:
         """Return a few words for a progress bar."""
-        return f"roughness to the grid scale, {self.points}x{self.points}, surface {self.realisation + 1}"
+        return f"roughness to the grid scale, {self.where}"
 
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict the cost; roughness at the grid scale converges slowly."""
@@ -54,28 +55,30 @@ class GridRoughness(SingleSolve):
         import xarray as xr
 
         from fem_contact import bem
-        from fem_contact.response import HalfSpace
 
-        length = self.surface.length[0]
-        # The Nyquist wave itself has no phase on the grid: stop one wave short of it.
-        q_short = 2 * np.pi / length * (self.points // 2 - 1)
-        wide = self.surface.model_copy(update={"lambda_short": 2 * np.pi / q_short})
-        field = random_surface(
-            spectrum_of(wide),
-            q_short=q_short,
-            lengths=self.surface.length,
-            shape=(self.points, self.points),
-            seed=self.surface.seed + self.realisation,
-        )
-        response = HalfSpace(solid=Solid(**self.solid.model_dump()))
+        field, modulus = self._rough_field(), self.realised.contact_modulus
         slopes = rms_slopes(field)
-        pressure = self.reduced_pressure * response.contact_modulus * slopes["spectral"]
-        result = bem.solve(field, response, mean_pressure=pressure, threads=1).checked()
+        pressure = reduced_load(self.realised) * modulus * slopes["spectral"]
+        result = bem.solve(field, self.half_space, mean_pressure=pressure, threads=1).checked()
         pixel = contact_areas(result).pixel
-        kappa = [pixel * response.contact_modulus * slope / pressure for slope in slopes.values()]
+        kappa = [pixel * modulus * slope / pressure for slope in slopes.values()]
         return xr.Dataset(
             {"kappa": ("slope", kappa), "pixel": ((), pixel), "seconds": ((), result.cost.wall_seconds)},
             coords={"slope": list(slopes)},
+        )
+
+    def _rough_field(self) -> HeightField:
+        surface = self.realised.surface
+        assert isinstance(surface, SelfAffineSurface)
+        # The Nyquist wave itself has no phase on the grid: stop one wave short of it.
+        q_short = 2 * np.pi / surface.length[0] * (self.points // 2 - 1)
+        wide = surface.model_copy(update={"lambda_short": 2 * np.pi / q_short})
+        return random_surface(
+            spectrum_of(wide),
+            q_short=q_short,
+            lengths=surface.length,
+            shape=self.grid,
+            seed=surface.seed + self.realised.realisation,
         )
 
 

@@ -1,0 +1,576 @@
+"""The store: nothing lost, nothing silently wrong, whatever happens to its files."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import itertools
+import json
+import os
+import random
+import shutil
+import stat
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import netCDF4
+import numpy as np
+import pytest
+import xarray as xr
+
+from validation import files
+from validation.errors import RunFailed
+from validation.files import NotWritten, atomic_path, prepare_folder, remove_drafts
+from validation.solves.provenance import Made, made_words
+from validation.solves.running import Execution, Outcome, Silent, attempt, solve_all
+from validation.solves.seal import Damaged, seal, unseal
+from validation.solves.solve import NumbersSolve, Prediction
+from validation.solves.store import Store, check_store, read_result
+from validation.studies import area
+
+MADE = Made.now(threads=1, seconds=0.5)
+
+
+class Numbers(NumbersSolve):
+    """A solve of a study: some numbers made from a seed."""
+
+    def __init__(self, seed=7):
+        self.seed = seed
+
+    @property
+    def recipe(self):
+        return {"seed": self.seed}
+
+    prefix = "numbers"
+    code_path = ()
+
+    def describe(self):
+        return f"numbers of seed {self.seed}"
+
+    def predict(self, *, pair_seconds=0.5e-3):
+        return Prediction(seconds=0.1, peak_bytes=1, unknowns=1)
+
+    def measure(self):
+        rng = np.random.default_rng(self.seed)
+        return xr.Dataset(
+            {
+                "area": ("grid", rng.random(40), {"units": "1"}),
+                "counted": ("grid", rng.integers(0, 9, 40)),
+                "resolved": ("grid", rng.random(40) > 0.5),
+                "zeros": ("grid", np.zeros(40)),
+            },
+            coords={"grid": np.arange(40), "name": ("kind", ["fine", "coarse"])},
+            attrs={"note": "for a test"},
+        )
+
+
+class Notes(Silent):
+    def __init__(self):
+        self.notes = []
+
+    def note(self, text):
+        self.notes.append(text)
+
+
+def fields(points=12, load=0.1):
+    """A small solve of a scene."""
+    told = area.Options(grids=(12, 16), periods=2.0, bandwidth=2.0, hurst=0.7, surfaces=2, seed=21)
+    return area.solve_of(told, surface=0, reduced_pressure=load, points=points)
+
+
+KINDS = {"fields": (fields(), fields(load=0.2)), "numbers": (Numbers(7), Numbers(8))}
+
+
+@pytest.fixture(params=KINDS)
+def stored(request, tmp_path):
+    """A store that holds two solves of one kind, and the first of them."""
+    store, solves = Store(folder=tmp_path / "store"), KINDS[request.param]
+    store.folder.mkdir()
+    for solve in solves:
+        assert attempt(solve, store).error is None
+    return store, *solves
+
+
+def same(one, other):
+    if isinstance(one, xr.Dataset):
+        return one.identical(other)
+    return all(
+        np.array_equal(getattr(one, name), getattr(other, name))
+        for name in ("pressure", "gap", "displacement", "heights", "in_contact", "at_bound")
+    )
+
+
+def silent_reads(store, solve, damaged):
+    """Read damaged bytes; return how many were taken for a result, and the longest time of a read."""
+    path, silent, slowest = store.path(solve), 0, 0.0
+    for data in damaged:
+        path.write_bytes(data)
+        began = time.perf_counter()
+        silent += store.read(solve) is not None
+        slowest = max(slowest, time.perf_counter() - began)
+    return silent, slowest
+
+
+def flipped(whole, count, seed=3):
+    rng = random.Random(seed)
+    for _ in range(count):
+        data = bytearray(whole)
+        data[rng.randrange(len(data))] ^= 1 << rng.randrange(8)
+        yield bytes(data)
+
+
+def zeroed(whole, count, seed=4):
+    """Blocks of 1 to 4096 bytes set to zero that were not zero."""
+    rng = random.Random(seed)
+    while count:
+        size = rng.choice((1, 16, 64, 512, 4096))
+        start = rng.randrange(max(1, len(whole) - size))
+        data = whole[:start] + bytes(len(whole[start : start + size])) + whole[start + size :]
+        if data != whole:
+            count -= 1
+            yield data
+
+
+def cut(whole, count, seed=5):
+    rng = random.Random(seed)
+    yield from (b"", whole[:-1], whole + b"\0", whole + whole)
+    yield from (whole[: rng.randrange(len(whole))] for _ in range(count))
+
+
+@pytest.mark.parametrize("count", [60, pytest.param(2000, marks=pytest.mark.slow)])
+def test_no_damage_passes_in_silence_and_none_hangs(stored, count):
+    store, solve, _ = stored
+    whole = store.path(solve).read_bytes()
+    for damage in (flipped, zeroed, cut):
+        silent, slowest = silent_reads(store, solve, damage(whole, count))
+        assert silent == 0, damage.__name__
+        assert slowest < 2
+    store.path(solve).write_bytes(whole)
+    assert store.holds(solve)
+
+
+def test_every_single_byte_of_the_seal_counts(stored):
+    store, solve, _ = stored
+    whole = store.path(solve).read_bytes()
+    start = len(unseal(whole).content)
+    damaged = (whole[:k] + bytes([whole[k] ^ 1]) + whole[k + 1 :] for k in range(start, len(whole)))
+    assert silent_reads(store, solve, damaged)[0] == 0
+
+
+def test_a_result_under_the_name_of_another_is_not_taken(stored):
+    store, solve, other = stored
+    shutil.copy(store.path(other), store.path(solve))
+    told = []
+    assert store.read(solve, on_damage=told.append) is None
+    assert "the result of another recipe than its name says; set aside as" in told[0]
+    assert store.holds(other)
+
+
+def test_what_is_read_is_what_was_written_and_any_netcdf_reader_reads_it(stored):
+    store, solve, _ = stored
+    result = solve.do(threads=1)
+    result = getattr(result, "contact", result)
+    assert same(store.load(solve), store.load(solve))
+    path = store.path(solve)
+    with netCDF4.Dataset(path) as file:
+        assert file.recipe == solve.recipe_text
+    with xr.open_dataset(path) as data:
+        assert data.sizes
+    sealed = unseal(path.read_bytes())
+    assert sealed.recipe == solve.recipe_text
+    if isinstance(result, xr.Dataset):
+        assert same(store.load(solve).drop_attrs(), result.drop_attrs())
+    else:
+        assert same(store.load(solve), result)
+
+
+def test_the_file_has_no_padding(stored):
+    """HDF5 holds memory in advance; a store of thousands of small files must not keep it."""
+    store, solve, _ = stored
+    content = unseal(store.path(solve).read_bytes()).content
+    by_path = store.folder / "by_path.nc"
+    store.load(solve)
+    with netCDF4.Dataset("m", memory=content) as file:
+        assert file.file_format == "NETCDF4"
+    by_path.write_bytes(content[:-1])
+    with pytest.raises(OSError, match="HDF error"):  # the last byte belongs to the file
+        netCDF4.Dataset(by_path)
+
+
+def test_a_stored_solve_says_how_it_was_made(stored):
+    store, solve, _ = stored
+    made = store.read(solve).made
+    assert made.versions["numpy"] == np.__version__
+    assert made.host
+    assert made.threads >= 1
+    assert made.seconds > 0
+    assert made.finished.startswith("20")
+    assert made.finished.endswith("+00:00")
+    words = made_words([made, made])
+    assert words[0].startswith("2 solves, done on 20")
+    assert made.host in words[1]
+    assert f"numpy {np.__version__}" in words[2]
+
+
+def test_results_say_how_they_were_made(tmp_path):
+    done = solve_all([Numbers(1), Numbers(2)], Store(folder=tmp_path))
+    assert [one.threads for one in done.made()] == [1, 1]
+
+
+@pytest.mark.parametrize("error", [MemoryError(), OSError(errno.ENOMEM, "Cannot allocate memory")])
+def test_a_good_file_is_never_set_aside_for_want_of_memory(stored, monkeypatch, error):
+    store, solve, _ = stored
+    before = sorted(path.name for path in store.folder.iterdir())
+
+    def fails(self, content):
+        raise error
+
+    monkeypatch.setattr(type(solve), "decode", fails)
+    with pytest.raises(RunFailed, match="intact, but memory does not suffice"):
+        store.read(solve)
+    monkeypatch.setattr("validation.solves.store.read_whole", lambda path: fails(None, path))
+    with pytest.raises(RunFailed, match="memory does not suffice"):
+        store.read(solve)
+    assert before == sorted(path.name for path in store.folder.iterdir())
+
+
+def test_a_file_that_another_process_has_locked_is_read(stored):
+    store, solve, _ = stored
+    code = (
+        "import fcntl, sys, time; f = open(sys.argv[1], 'r+b'); fcntl.flock(f, fcntl.LOCK_EX); "
+        "print('locked', flush=True); time.sleep(60)"
+    )
+    command = [sys.executable, "-c", code, str(store.path(solve))]
+    with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
+        try:
+            process.stdout.readline()
+            assert store.holds(solve)
+        finally:
+            process.kill()
+
+
+@pytest.mark.parametrize(
+    ("number", "words"),
+    [
+        (errno.EACCES, "permission denied; ask its owner to make it readable"),
+        (errno.EMFILE, r"too many open files \(ulimit -n\)"),
+        (errno.EIO, "the disk failed"),
+        (errno.ESTALE, "[Ss]tale"),
+    ],
+)
+def test_a_file_that_cannot_be_read_is_one_line_and_stays(stored, monkeypatch, number, words):
+    store, solve, _ = stored
+
+    def refuses(path, *flags, **named):
+        raise OSError(number, os.strerror(number), path)
+
+    monkeypatch.setattr(files.os, "open", refuses)
+    with pytest.raises(RunFailed, match=words) as told:
+        store.read(solve)
+    monkeypatch.undo()
+    assert "\n" not in str(told.value)
+    assert store.holds(solve)
+
+
+def test_links_and_pipes_in_a_store_are_not_followed_and_do_not_hang(stored):
+    store, solve, other = stored
+    path = store.path(solve)
+    path.rename(path.with_suffix(".elsewhere"))
+    path.symlink_to(path.with_suffix(".elsewhere"))
+    with pytest.raises(RunFailed, match="is a link, which is not followed"):
+        store.read(solve)
+    path.unlink()
+    os.mkfifo(path)
+    with pytest.raises(RunFailed, match="is not a file; move it away"):
+        store.read(solve)
+    path.unlink()
+    path.mkdir()
+    with pytest.raises(RunFailed, match="is not a file; move it away"):
+        store.read(solve)
+    assert attempt(solve, store).fatal
+    assert store.holds(other)
+
+
+def test_writing_replaces_a_link_and_leaves_what_it_points_to(tmp_path):
+    (tmp_path / "mine").write_text("mine")
+    (tmp_path / "report.html").symlink_to(tmp_path / "mine")
+    with atomic_path(tmp_path / "report.html") as draft:
+        draft.write_text("report")
+    assert (tmp_path / "mine").read_text() == "mine"
+    assert (tmp_path / "report.html").read_text() == "report"
+
+
+# Failing file systems
+
+
+@contextmanager
+def failing(monkeypatch, name, number, at):
+    """Let the `at`-th call of a function of the system fail, as a full or broken disk does."""
+    real, calls = getattr(os, name), itertools.count()
+
+    def call(*arguments, **named):
+        if next(calls) == at:
+            raise OSError(number, os.strerror(number))
+        return real(*arguments, **named)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(files.os, name, call)
+        yield calls
+
+
+FAILURES = tuple(
+    itertools.product(
+        ("open", "write", "fsync", "replace", "close"),
+        (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EROFS, errno.EFBIG, errno.EMFILE, errno.EACCES),
+    )
+)
+
+
+@pytest.mark.parametrize(("name", "number"), FAILURES)
+def test_a_call_that_fails_is_told_in_one_line(tmp_path, monkeypatch, name, number):
+    with failing(monkeypatch, name, number, 0), pytest.raises(NotWritten, match="intact") as told:
+        Store(folder=tmp_path).save(Numbers(1), Numbers(1).measure(), made=MADE)
+    assert "\n" not in str(told.value)
+    assert "a.nc" in str(told.value) or "numbers-" in str(told.value)
+
+
+@pytest.mark.parametrize(("name", "number"), FAILURES)
+def test_a_file_system_that_fails_at_any_call_loses_no_finished_solve(stored, monkeypatch, name, number):
+    store, solve, other = stored
+    result, before = store.load(solve), store.path(solve).read_bytes()
+    if not isinstance(result, xr.Dataset):
+        result = solve.do(threads=1)
+    for at in range(3):
+        with failing(monkeypatch, name, number, at), contextlib.suppress(NotWritten):
+            store.save(solve, result, made=MADE)
+        left = {path.name for path in store.folder.iterdir()}
+        assert left == {store.path(solve).name, store.path(other).name}
+        assert store.holds(solve)
+        assert store.holds(other)
+    assert store.path(solve).read_bytes()[:8] == before[:8]
+
+
+def test_short_writes_are_continued(stored, monkeypatch):
+    store, solve, _ = stored
+    real = os.write
+    monkeypatch.setattr(files.os, "write", lambda handle, data: real(handle, bytes(data[:1000])))
+    result = store.load(solve) if isinstance(solve, Numbers) else solve.do(threads=1)
+    store.save(solve, result, made=MADE)
+    assert store.holds(solve)
+
+
+def test_bytes_are_on_the_disk_before_the_name_is(stored, monkeypatch):
+    """Power may be lost between any two calls: a name appears after its bytes were synced."""
+    store, solve, _ = stored
+    calls = []
+    for name in ("write", "fsync", "replace"):
+        real = getattr(os, name)
+        monkeypatch.setattr(
+            files.os, name, lambda *a, _name=name, _real=real: (calls.append((_name, a[0])), _real(*a))[1]
+        )
+    result = store.load(solve) if isinstance(solve, Numbers) else solve.do(threads=1)
+    store.save(solve, result, made=MADE)
+    names = [name for name, _ in calls]
+    assert names[-2:] == ["fsync", "replace"]
+    assert set(names[:-2]) == {"write"}
+    assert {handle for _, handle in calls[:-1]} == {calls[0][1]}, "what was written is what was synced"
+    calls.clear()
+    with atomic_path(store.folder / "table.csv") as draft:
+        draft.write_text("x")
+    assert [name for name, _ in calls] == ["fsync", "replace", "fsync"]
+
+
+def test_a_run_syncs_the_names_of_what_it_stored(tmp_path, monkeypatch):
+    synced = []
+    monkeypatch.setattr("validation.solves.running.sync_folder", synced.append)
+    solve_all([Numbers(1)], Store(folder=tmp_path))
+    assert synced == [tmp_path]
+
+
+def test_a_store_that_is_removed_during_a_run_is_one_line(tmp_path):
+    store = Store(folder=tmp_path / "store")
+
+    class Removing(Silent):
+        def begin(self, solve):
+            if solve.seed == 2:
+                shutil.rmtree(store.folder)
+
+    with pytest.raises(RunFailed, match=r"store: is gone, removed or unmounted") as told:
+        solve_all([Numbers(1), Numbers(2)], store, progress=Removing())
+    assert "\n" not in str(told.value)
+    assert solve_all([Numbers(1), Numbers(2)], store).solved == 2
+
+
+def test_a_complete_store_is_used_though_it_cannot_be_written_to(tmp_path, monkeypatch):
+    store, solves = Store(folder=tmp_path / "store"), [Numbers(1), Numbers(2)]
+    solve_all(solves, store)
+    before = {path: path.stat().st_mtime_ns for path in store.folder.iterdir()}
+
+    def refuses(*arguments, **named):
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    for name in ("write", "replace", "unlink", "mkdir"):
+        monkeypatch.setattr(files.os, name, refuses)
+    monkeypatch.setattr(files.tempfile, "TemporaryFile", refuses)
+    done = solve_all(solves, store)
+    assert (done.solved, len(done)) == (0, 2)
+    assert before == {path: path.stat().st_mtime_ns for path in store.folder.iterdir()}
+    with pytest.raises(Exception, match=r"--store = .*: cannot be written to \(Read-only file system\)"):
+        solve_all([*solves, Numbers(3)], store)
+
+
+@pytest.mark.parametrize("limit", ["ulimit -f 8", "ulimit -n 24"])
+def test_limits_of_the_shell_end_in_one_line(tmp_path, limit):
+    code = (
+        "import sys; sys.path.insert(0, 'tests/validation')\n"
+        "from pathlib import Path; from validation.errors import RunFailed, UsageError\n"
+        "from validation.solves.store import Store; from validation.solves.running import attempt\n"
+        "from test_store import Numbers, fields\n"
+        "import os\n"
+        "solve = fields(points=48)\n"
+        "held = []\n"
+        f"if 'n' in {limit!r}.split()[1]:\n"
+        "    attempt(solve, Store(folder=Path(sys.argv[1]) / 'none'))\n"
+        "    try:\n"
+        "        while True: held.append(os.open('/dev/null', os.O_RDONLY))\n"
+        "    except OSError: pass\n"
+        "print(attempt(solve, Store(folder=Path(sys.argv[1]))).error)\n"
+    )
+    command = ["bash", "-c", f'{limit}; exec {sys.executable} -c "$0" {tmp_path}', code]
+    root = Path(__file__).parents[2]
+    said = subprocess.run(
+        command,
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=root,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join([str(root), *filter(None, sys.path)])},
+    )
+    words = {"f": r"larger than files may be here (ulimit -f)", "n": r"too many open files (ulimit -n)"}
+    assert words[limit.split()[1][1]] in said.stdout, said.stderr
+    assert list(tmp_path.iterdir()) == []
+
+
+# Drafts
+
+
+def test_drafts_of_the_dead_are_cleared_and_those_of_the_living_are_not(tmp_path):
+    with subprocess.Popen(["true"]) as process:
+        process.wait()
+    place = files._place()
+    dead = f".{place}-{process.pid}-0123456789ab-a.nc"
+    alive = f".{place}-{os.getpid()}-0123456789ab-a.nc"
+    other = f".00000000-{process.pid}-0123456789ab-a.nc"
+    old = f".00000000-{process.pid}-ba9876543210-a.nc"
+    for folder in (tmp_path, tmp_path / "figures"):
+        folder.mkdir(exist_ok=True)
+        for name in (dead, alive, other, old):
+            (folder / name).write_text("")
+        os.utime(folder / old, (0, 0))
+    folder_like_a_draft = tmp_path / f".{place}-{process.pid}-ffffffffffff-a.nc"
+    folder_like_a_draft.mkdir()
+    prepare_folder(tmp_path)
+    assert {path.name for path in tmp_path.glob(".*")} == {alive, other, folder_like_a_draft.name}
+    assert {path.name for path in (tmp_path / "figures").glob(".*")} == {alive, other}
+
+
+def test_no_two_drafts_have_one_name(tmp_path, monkeypatch):
+    monkeypatch.setattr(files.os, "getpid", lambda: 7)  # as in two containers
+    assert len({files._draft_of(tmp_path / "a.nc") for _ in range(1000)}) == 1000
+    remove_drafts(tmp_path / "not there")
+
+
+def test_a_long_name_keeps_its_suffix(tmp_path):
+    with atomic_path(tmp_path / f"{'n' * 200}.nc") as draft:
+        assert draft.suffix == ".nc"
+        draft.write_text("")
+
+
+def _race(folder, first):
+    store = Store(folder=Path(folder))
+    order = [Numbers(k) for k in range(40)]
+    done = solve_all(order if first else order[::-1], store, execution=Execution())
+    assert len({done[solve].attrs["recipe"] for solve in order}) == 40
+
+
+@pytest.mark.parametrize("races", [2, pytest.param(20, marks=pytest.mark.slow)])
+def test_two_processes_on_one_store_do_not_harm_each_other(tmp_path, races):
+    code = (
+        "import sys; sys.path.insert(0, 'tests/validation'); import test_store\n"
+        "test_store._race(sys.argv[1], sys.argv[2] == '0')"
+    )
+    root = Path(__file__).parents[2]
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(root), *filter(None, sys.path)])}
+    for race in range(races):
+        folder = tmp_path / str(race)
+        command = [sys.executable, "-c", code, str(folder)]
+        team = [subprocess.Popen([*command, str(k)], cwd=root, env=environment) for k in range(2)]
+        assert [process.wait(timeout=120) for process in team] == [0, 0]
+        assert len(list(folder.iterdir())) == 40
+        assert all(found.problem is None for found in check_store(folder))
+
+
+# Checking
+
+
+def test_a_store_is_checked_and_what_is_damaged_set_aside(tmp_path):
+    store, solves = Store(folder=tmp_path), [Numbers(k) for k in range(5)]
+    solve_all(solves, store)
+    paths = [store.path(solve) for solve in solves]
+    data = bytearray(paths[0].read_bytes())
+    data[100] ^= 4
+    paths[0].write_bytes(data)
+    shutil.copy(paths[2], paths[1])
+    paths[3].rename(tmp_path / "renamed.nc")
+    found = {one.path.name: one for one in check_store(tmp_path)}
+    assert len(found) == 5
+    assert "SHA-256" in found[paths[0].name].problem
+    assert "another recipe" in found[paths[1].name].problem
+    assert "another recipe" in found["renamed.nc"].problem
+    good = found[paths[2].name]
+    assert (good.problem, good.damaged, json.loads(good.recipe)["seed"]) == (None, False, 2)
+    assert good.made.threads == 1
+    assert not list(tmp_path.glob("*.corrupt"))
+    assert sum(one.damaged for one in check_store(tmp_path, set_aside=True)) == 3
+    assert len(list(tmp_path.glob("*.nc.corrupt"))) == 3
+    assert all(one.problem is None for one in check_store(tmp_path))
+
+
+def test_a_file_without_a_digest_is_not_taken(stored):
+    store, solve, _ = stored
+    path = store.path(solve)
+    path.write_bytes(unseal(path.read_bytes()).content)
+    told = []
+    assert store.read(solve, on_damage=told.append) is None
+    assert "no digest at its end" in told[0]
+
+
+def test_a_picture_reads_only_what_is_intact(tmp_path):
+    store, solve = Store(folder=tmp_path), fields()
+    attempt(solve, store)
+    assert same(read_result(store.path(solve)), store.load(solve))
+    store.path(solve).write_bytes(b"")
+    with pytest.raises(RunFailed, match="damaged"):
+        read_result(store.path(solve))
+
+
+def test_a_seal_holds_any_recipe_and_content():
+    content = b"\n{}\nsha256 x\n"
+    whole = content + seal(content, recipe='{"a": "\\n\u202e"}', made={"host": "\n"})
+    sealed = unseal(whole)
+    assert bytes(sealed.content) == content
+    assert sealed.recipe == '{"a": "\\n\u202e"}'
+    assert sealed.made == {"host": "\n"}
+    with pytest.raises(Damaged):
+        unseal(whole[:-1])
+
+
+def test_an_outcome_of_a_refusing_disk_ends_the_run(tmp_path):
+    (tmp_path / "file").write_text("")
+    outcome = attempt(Numbers(1), Store(folder=tmp_path / "file"))
+    assert isinstance(outcome, Outcome)
+    assert outcome.fatal
+    assert stat.S_ISREG((tmp_path / "file").stat().st_mode)

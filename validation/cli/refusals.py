@@ -1,0 +1,59 @@
+"""What the machine refuses a command, said in one line: memory, open files, a full output."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import sys
+from collections.abc import Iterator
+
+from validation.cli.options import say
+from validation.files import system_words
+
+__all__ = ["refusals_in_words"]
+
+_STORED = "every finished solve is stored, and the same command continues after it"
+_MEMORY = f"memory does not suffice (ulimit -v, smaller grids, fewer --workers); {_STORED}"
+
+
+@contextlib.contextmanager
+def refusals_in_words() -> Iterator[None]:
+    """Turn a refusal of the system into a sentence and exit code 1."""
+    try:
+        try:
+            yield
+        finally:
+            sys.stdout.flush()
+    except MemoryError:
+        _end(_MEMORY)
+    except ImportError as error:
+        # A library that finds no room to be loaded; one that is missing is another matter.
+        if isinstance(error, ModuleNotFoundError) or not _for_want_of_memory(error):
+            raise
+        _end(_MEMORY)
+    except OSError as error:
+        if error.errno == errno.ENOMEM:
+            _end(_MEMORY)
+        if error.errno in (errno.ENOSPC, errno.EPIPE, errno.EIO, errno.EDQUOT) and error.filename is None:
+            _end(f"the output cannot be written ({error.strerror})")
+        _end(f"{system_words(error)}; {_STORED}")
+    except RuntimeError as error:
+        if "can't start new thread" not in str(error):
+            raise
+        _end(f"no further thread can be started (ulimit -u, ulimit -v); {_STORED}")
+
+
+def _for_want_of_memory(error: ImportError) -> bool:
+    words = ("cannot allocate memory", "failed to map segment", "cannot create shared object")
+    return any(word in str(error).lower() for word in words)
+
+
+def _end(words: str) -> None:
+    with contextlib.suppress(OSError):
+        say(words)
+    # Nothing of what could not be written is tried again when the interpreter ends.
+    null = os.open(os.devnull, os.O_WRONLY)
+    with contextlib.suppress(OSError, ValueError):
+        os.dup2(null, sys.stdout.fileno())
+    sys.exit(1)

@@ -1,0 +1,82 @@
+"""What the libraries below read from the environment, put right before they are imported.
+
+Schedulers and containers leave things there that libraries stop at with a traceback: ``OMP_NUM_THREADS=2,1``
+or empty, a home and a package folder that cannot be written to.
+"""
+
+from __future__ import annotations
+
+import os
+import stat
+import tempfile
+from pathlib import Path
+
+__all__ = ["settle"]
+
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+
+
+def settle() -> None:
+    """Put right numbers of threads and the folder of compiled passes; leave alone what is right."""
+    for name in _THREADS:
+        _settle_threads(name)
+    _settle_cache()
+
+
+def _settle_threads(name: str) -> None:
+    """Keep the number for the outermost level, as OpenMP reads a list; drop what is no number.
+
+    >>> os.environ["NUMBA_NUM_THREADS"] = "2,1"
+    >>> _settle_threads("NUMBA_NUM_THREADS")
+    >>> os.environ.pop("NUMBA_NUM_THREADS")
+    '2'
+    """
+    said = os.environ.get(name)
+    if said is None:
+        return
+    first = said.split(",")[0].strip()
+    if first.isascii() and first.isdigit() and int(first) > 0:
+        os.environ[name] = first
+    else:
+        del os.environ[name]
+
+
+def _settle_cache() -> None:
+    """Name a folder for compiled passes where numba would find none: it then refuses to define them."""
+    said = os.environ.get("NUMBA_CACHE_DIR")
+    if said is not None and _writable(Path(said)):
+        return
+    os.environ.pop("NUMBA_CACHE_DIR", None)
+    packages = [Path(__file__).parents[1] / name / "__pycache__" for name in ("fem_contact", "persson")]
+    if all(_writable(folder) for folder in packages) or _writable(_user_cache() / "numba"):
+        return
+    private = _private_folder()
+    if private is not None:
+        os.environ["NUMBA_CACHE_DIR"] = str(private)
+
+
+def _user_cache() -> Path:
+    said = os.environ.get("XDG_CACHE_HOME")
+    return Path(said) if said else Path(os.path.expanduser("~")) / ".cache"
+
+
+def _writable(folder: Path) -> bool:
+    """Whether a folder can be written to, or made."""
+    for place in (folder, *folder.parents):
+        if place.exists():
+            return place.is_dir() and os.access(place, os.W_OK | os.X_OK)
+    return False
+
+
+def _private_folder() -> Path | None:
+    """Return a folder for temporary files that nobody else can write to: what is cached there is run."""
+    user = os.getuid() if hasattr(os, "getuid") else 0
+    try:
+        folder = Path(tempfile.gettempdir()) / f"fem-contact-{user}"
+        folder.mkdir(mode=0o700, exist_ok=True)
+        found = folder.lstat()
+    except OSError:
+        return None
+    if stat.S_ISDIR(found.st_mode) and found.st_uid == user and not found.st_mode & 0o077:
+        return folder
+    return Path(tempfile.mkdtemp(prefix="fem-contact-"))
