@@ -168,7 +168,7 @@ def array(name: str, value: object, *, unit: str = "", power: float = 1) -> Arra
 def shape_of(name: str, value: object) -> tuple[int, ...]:
     """Return the shape of what is to be an array, whatever it holds."""
     try:
-        return np.shape(value)  # type: ignore[arg-type]
+        return tuple(np.asarray(value).shape)
     except ValueError:
         raise _refused(name, value, "an array of numbers") from None
 

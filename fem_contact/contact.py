@@ -66,7 +66,7 @@ class Residuals:
             return True
         # What the solver added up in another order may differ by rounding.
         limit = tolerance * (1 + 1e-6) + 64 * np.finfo(float).eps
-        return self.complementarity <= limit and self.worst <= 10 * limit
+        return bool(self.complementarity <= limit and self.worst <= 10 * limit)
 
 
 @dataclass(frozen=True, kw_only=True)

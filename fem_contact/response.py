@@ -192,7 +192,7 @@ def _check_solid(solid: Solid) -> None:
 def check_response(response: object) -> None:
     """Refuse what is no elastic response."""
     what = "an elastic response, such as `HalfSpace`, with `contact_modulus` and `compliance`"
-    instance("response", response, Response, what=what)  # type: ignore[type-abstract]
+    instance("response", response, Response, what=what)
     positive("response.contact_modulus", getattr(response, "contact_modulus", None), unit="Pa")
 
 

@@ -29,6 +29,8 @@ __all__ = [
     "Pressure",
     "Ratio",
     "Table",
+    "Temperature",
+    "Tension",
     "Work",
     "exactly_one",
     "metres",
@@ -156,6 +158,8 @@ def metres(symbol: str | None) -> float | None:
 Length = Annotated[float, quantity("m", "length", "0.5 um"), Field(gt=0)]
 Pressure = Annotated[float, quantity("Pa", "pressure", "10 MPa"), Field(gt=0)]
 Work = Annotated[float, quantity("J/m^2", "work of adhesion", "50 mJ/m^2"), Field(gt=0)]
+Tension = Annotated[float, quantity("J/m^2", "surface tension", "0.04 J/m^2"), Field(gt=0)]
+Temperature = Annotated[float, quantity("K", "temperature", "370 K"), Field(gt=0)]
 Memory = Annotated[float, quantity("byte", "memory size", "4 GiB"), Field(ge=1)]
 Duration = Annotated[float, quantity("s", "time", "10 min"), Field(gt=0)]
 Number = Annotated[float, Field(strict=True)]

@@ -181,10 +181,10 @@ def _height_field(heights: Array, lengths: Lengths) -> HeightField:
 
 def _checked_heights(given: object) -> Array:
     """Return a copy of the heights; NaN, infinite and masked points are refused with their number."""
-    if np.ma.is_masked(given):
-        missing = int(np.ma.count_masked(given))
+    if isinstance(given, np.ma.MaskedArray) and np.ma.is_masked(given):
+        missing = int(np.count_nonzero(np.ma.getmaskarray(given)))
         raise InvalidInput(
-            f"heights: {missing} of {np.size(given)} points are masked: fill them (.filled) or cut them off"
+            f"heights: {missing} of {given.size} points are masked: fill them (.filled) or cut them off"
         )
     try:
         raw = np.asarray(given)

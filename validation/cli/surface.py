@@ -13,7 +13,8 @@ from validation.errors import UsageError
 
 if TYPE_CHECKING:
     from fem_contact.surface import HeightField
-    from validation.scenes.scene import FileSurface, SelfAffineSurface
+    from validation.scenes.scene import FileSurface
+    from validation.scenes.tables import Surface
 
 __all__ = ["surface_app"]
 
@@ -172,7 +173,7 @@ def _inspected(
     from validation.scenes.surfaces import measured_surface, reference_field
 
     facts: dict[str, Any] = {}
-    surface: SelfAffineSurface | FileSurface
+    surface: Surface
     if source in builtin_scenes() or Path(source).suffix == ".toml":
         surface = load_scene(source).surface
     else:

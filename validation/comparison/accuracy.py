@@ -224,6 +224,8 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
     """
     realised = realise(scene)
     check_scene(scene, realised)
+    if not scene.methods.solvers:
+        raise UsageError("--accuracy: no solver is listed; add [methods.bem], whose grids are then chosen")
     if scene.effects:
         raise UsageError(
             f"--accuracy: the law of error is known for the bare half-space, not with "

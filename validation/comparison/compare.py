@@ -301,7 +301,8 @@ def compare(
 
 
 def _theory(scene: Scene, realised: Realised) -> Prediction | None:
-    return predict(realised, scene.effects) if scene.methods.options("theory") is not None else None
+    options = scene.methods.options("theory")
+    return None if options is None else predict(realised, scene.effects, options)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -100,7 +100,8 @@ def _theory(c: Comparison) -> list[str]:
     if c.theory.ensemble_area is not None:
         text += f", {significant(c.theory.ensemble_area)} from C(q) alone"
     if c.theory.other is not None and np.isfinite(c.theory.other):
-        text += f", {significant(c.theory.other)} with the elastic energy of Eq. 43"
+        another = "Eqs. 44-49" if c.scene.methods.options("theory").energy == "old" else "Eq. 43"
+        text += f", {significant(c.theory.other)} with the elastic energy of {another}"
     if c.theory.note:
         text += f" ({c.theory.note})"
     if c.limit is None:

@@ -24,11 +24,12 @@ from validation.solves.press import Press
 if TYPE_CHECKING:
     from fem_contact.contact import ContactResult
     from validation.comparison.compare import Comparison
+    from validation.effects.base import Judgement
     from validation.scenes.scene import Scene
     from validation.solves.running import Solves
     from validation.solves.store import Store
 
-__all__ = ["run_page", "write_outputs"]
+__all__ = ["effects_note", "run_page", "write_outputs"]
 
 _COLUMNS = (
     "method",
@@ -192,12 +193,17 @@ def _how_sure(c: Comparison) -> Answer:
     return Answer(question="How sure?", answer=", ".join(said) or "unknown", basis="; ".join(basis))
 
 
-def _notes(c: Comparison) -> Iterator[Note]:
-    run, left_out = c.judgements
+def effects_note(judged: tuple[tuple[Judgement, ...], tuple[Judgement, ...]]) -> Note:
+    """Say which effects ran and which were left out, with the number that decides."""
+    run, left_out = judged
     sentences = [f"Runs: {item.effect}: {item.number} - {item.verdict}" for item in run]
     sentences = sentences or ["None beyond linear elasticity runs."]
     sentences += [f"Left out: {item.effect}: {item.number} - {item.verdict}" for item in left_out]
-    yield Note(title="Effects", sentences=tuple(sentences))
+    return Note(title="Effects", sentences=tuple(sentences))
+
+
+def _notes(c: Comparison) -> Iterator[Note]:
+    yield effects_note(c.judgements)
     if c.treatment:
         yield Note(title="The measured surface", sentences=c.treatment)
 
@@ -398,5 +404,5 @@ def _seeds(scene: Scene) -> str:
         return "none: the surface was measured"
     if scene.ensemble is None or scene.ensemble.realisations < 2:
         return str(surface.seed)
-    last = surface.seed + scene.ensemble.realisations - 1
+    last = surface.seed_of(scene.ensemble.realisations - 1)
     return f"{surface.seed} (the surface shown), {surface.seed} to {last} (scatter between surfaces)"

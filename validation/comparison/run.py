@@ -7,8 +7,10 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
+from validation.comparison import theory_alone
 from validation.comparison.compare import Comparison, compare
 from validation.comparison.report import write_outputs
+from validation.comparison.theory_alone import TheoryAlone
 from validation.errors import UsageError
 from validation.files import json_text, prepare_folder, write_json
 from validation.report.page import Page, clear_page
@@ -34,7 +36,8 @@ class Outputs:
 
     Attributes
     ----------
-    comparison : Comparison
+    comparison : Comparison or TheoryAlone
+        The latter for a scene without a solver.
     page : Page
     folder : Path
     files : tuple of Path
@@ -43,7 +46,7 @@ class Outputs:
         Jobs solved now, and solves found finished.
     """
 
-    comparison: Comparison
+    comparison: Comparison | TheoryAlone
     page: Page
     folder: Path
     files: tuple[Path, ...]
@@ -95,6 +98,9 @@ def run_scene(
     check_scene(scene, realised)
     prepare_folder(folder)
     store = Store(folder=store_folder or folder / "solves")
+    if not scene.methods.solvers:
+        _record(scene, folder, store)
+        return _without_solver(scene, realised, folder, report=report)
     if not accurate:
         # What an earlier run to an accuracy reached is not what this one finds.
         (folder / ACCURACY_FILE).unlink(missing_ok=True)
@@ -130,6 +136,8 @@ def report_run(folder: Path, *, pictures: bool | None = None) -> Outputs:
     """
     scene, store = load_run(folder)
     realised = realise(scene)
+    if not scene.methods.solvers:
+        return _without_solver(scene, realised, prepare_folder(folder))
     results = Solves(solves=solves_of(scene, realised), store=store)
     comparison = compare(scene, realised, results, accurate=(folder / ACCURACY_FILE).exists())
     if pictures is None:
@@ -138,6 +146,13 @@ def report_run(folder: Path, *, pictures: bool | None = None) -> Outputs:
     return Outputs(
         comparison=comparison, page=page, folder=folder, files=files, solved=0, reused=len(results)
     )
+
+
+def _without_solver(scene: Scene, realised: Realised, folder: Path, *, report: bool = True) -> Outputs:
+    """Evaluate the theory, which takes a second, and write what it says."""
+    found = theory_alone.answer_alone(scene, realised)
+    page, files = theory_alone.write_outputs(found, folder, report=report)
+    return Outputs(comparison=found, page=page, folder=folder, files=files, solved=0, reused=0)
 
 
 def _record(scene: Scene, folder: Path, store: Store) -> None:

@@ -91,8 +91,10 @@ def base_case(
 
 def reduced_load(realised: Realised) -> float:
     """Return p* as it was given, or else from p0."""
-    said = realised.load.reduced_pressure
-    return realised.reduced_pressure if said is None else said
+    if realised.load.reduced_pressure is None:
+        return realised.reduced_pressure
+    (said,) = realised.load.values
+    return said
 
 
 def results_of(bench: Bench, cases: Mapping[Case, Solve]) -> dict[Case, Any]:

@@ -17,7 +17,7 @@ from fem_contact.stress import density_at_zero
 from fem_contact.surface import HeightField
 from validation.measures.common import LEAST_POINTS_PER_WAVE, SHIFTS, reduced_load
 from validation.scenes.realised import Realised
-from validation.scenes.scene import FileSurface, SelfAffineSurface
+from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
 from validation.solves.solve import NumbersSolve, Prediction
 
@@ -108,7 +108,7 @@ class Measurement(NumbersSolve):
     def describe(self) -> str:
         """Return a few words for a progress bar."""
         own, finest = self.realised, max(self.grids)
-        kind = "" if isinstance(own.surface, FileSurface) else f"H = {own.surface.hurst:g}, "
+        kind = f"H = {own.surface.hurst:g}, " if isinstance(own.surface, SelfAffineSurface) else ""
         sign = "-h" if own.inverted else "h"
         return f"{kind}surface {own.realisation + 1} ({sign}), to {finest[0]}x{finest[1]}"
 
@@ -142,7 +142,7 @@ class Measurement(NumbersSolve):
             q_short=min(self.truncation, spectrum.q_short),
             lengths=surface.length,
             shape=grid,
-            seed=surface.seed + self.realised.realisation,
+            seed=surface.seed_of(self.realised.realisation),
             amplitudes=surface.amplitudes,
         )
 

@@ -177,7 +177,8 @@ def clear_page(folder: Path, *, keep: Collection[Path] = ()) -> None:
     images and numbers in the folder of figures.
     """
     figures = folder / "figures"
-    names = ("report.html", "summary.json", "table.csv", "budget.csv", "data.csv", "data-*.csv")
+    tables = ("table.csv", "areas.csv", "magnification.csv", "budget.csv", "data.csv", "data-*.csv")
+    names = ("report.html", "summary.json", *tables)
     earlier = [path for name in names for path in folder.glob(name)]
     if figures.is_dir() and not figures.is_symlink():
         earlier += [

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, RandomWaves, resolves
 from validation.scenes import surfaces
-from validation.scenes.scene import FileSurface, Load, Scene, SolidSpec, Surface
+from validation.scenes.scene import Scene
+from validation.scenes.tables import FileSurface, Load, SolidSpec, Surface
 
 if TYPE_CHECKING:
+    from persson.capillary import CapillaryWaves
     from persson.spectrum import SelfAffine
     from persson.tabulated import Tabulated
     from validation.scenes.topography import Measured, Topography
@@ -34,6 +36,9 @@ class Realised:
         Counts further surfaces of the same spectrum from 0, the scene's own: added to its seed.
     inverted : bool
         Press -h instead of h: hills become valleys, which halves much of the scatter between surfaces.
+    drawn : bool
+        Whether a random surface is made of C(q); where the theory stands alone it is not, and h'_rms is that
+        of C(q).
 
     Notes
     -----
@@ -45,6 +50,7 @@ class Realised:
     load: Load
     realisation: int = 0
     inverted: bool = False
+    drawn: bool = True
 
     def __reduce__(self) -> Any:
         return partial(Realised, **{field.name: getattr(self, field.name) for field in fields(self)}), ()
@@ -72,11 +78,16 @@ class Realised:
 
     @cached_property
     def field(self) -> HeightField:
-        """The surface on the smallest grid that resolves it; its moments are the surface's own."""
+        """The surface on the smallest grid that resolves it; its moments are the surface's own.
+
+        Where no surface is drawn, the moments of C(q) in place of it.
+        """
         if self.measured is not None:
             return self._signed(surfaces.measured_field(self.measured))
-        assert self._waves is not None
         assert not isinstance(self.surface, FileSurface)
+        if not self.drawn:
+            return surfaces.expected(self.surface)  # type: ignore[return-value]
+        assert self._waves is not None
         grid = surfaces.resolving_grid(self.surface)
         surfaces.check_memory(self.surface, grid)
         return self._signed(surfaces.sampled(self._waves, self.surface, grid))
@@ -93,7 +104,7 @@ class Realised:
         return HeightField(heights=-field.heights, lengths=field.lengths) if self.inverted else field
 
     @cached_property
-    def spectrum(self) -> SelfAffine | Tabulated | None:
+    def spectrum(self) -> SelfAffine | CapillaryWaves | Tabulated | None:
         """C(q) of the scene, estimated for a measured patch with tapered edges; None for one period."""
         if not isinstance(self.surface, FileSurface):
             return surfaces.spectrum_of(self.surface)
@@ -106,9 +117,20 @@ class Realised:
         return surfaces.measured_spectrum(self.measured)
 
     @cached_property
-    def spectrum_shape(self) -> SelfAffine | Tabulated:
+    def spectrum_shape(self) -> SelfAffine | CapillaryWaves | Tabulated:
         """C(q) whose scale may be another: for a measured surface an estimate, whatever its edges."""
         return self._estimate if self.spectrum is None else self.spectrum
+
+    @cached_property
+    def own_spectrum(self) -> SelfAffine | CapillaryWaves | Tabulated:
+        """C(q), scaled to the gradient of this surface; that of the scene where no surface is drawn."""
+        shape = self.spectrum_shape
+        return shape.scaled(float(self.field.rms_gradient**2 / shape.m2())) if self.has_heights else shape
+
+    @property
+    def has_heights(self) -> bool:
+        """Whether there is a surface: a measured one, or one that is drawn."""
+        return self.drawn or isinstance(self.surface, FileSurface)
 
     @cached_property
     def elastic(self) -> Solid:
@@ -126,12 +148,17 @@ class Realised:
         return self.contact_modulus * self.field.rms_gradient
 
     @cached_property
-    def pressure(self) -> float:
-        """p0 [Pa]: as given, or p* E* h'_rms."""
+    def pressures(self) -> tuple[float, ...]:
+        """p0 [Pa] of each load: as given, or p* E* h'_rms."""
         if self.load.pressure is not None:
-            return self.load.pressure
-        assert self.load.reduced_pressure is not None
-        return self.load.reduced_pressure * self.contact_modulus * self.field.rms_gradient
+            return self.load.values
+        return tuple(value * self.contact_modulus * self.field.rms_gradient for value in self.load.values)
+
+    @property
+    def pressure(self) -> float:
+        """p0 [Pa] of the one load."""
+        (pressure,) = self.pressures
+        return pressure
 
     @property
     def reduced_pressure(self) -> float:
@@ -170,7 +197,8 @@ class Realised:
         if self.measured is not None:
             surface["path"] = self.measured.digest
         else:
-            surface["seed"] = surface["seed"] + self.realisation
+            assert not isinstance(self.surface, FileSurface)
+            surface["seed"] = self.surface.seed_of(self.realisation)
         said = {
             "surface": surface,
             "solid": self.solid.model_dump(mode="json"),
@@ -186,13 +214,13 @@ class Surveyed(Realised):
     @cached_property
     def field(self) -> HeightField:
         """The surface, or the moments of its C(q) in place of it."""
-        if not isinstance(self.surface, FileSurface):
-            found = surfaces.expected(self.surface)
-            if found is not None:
-                return found  # type: ignore[return-value]
+        if not isinstance(self.surface, FileSurface) and surfaces.too_large_to_look_at(self.surface):
+            return surfaces.expected(self.surface)  # type: ignore[return-value]
         return super().field
 
 
 def realise(scene: Scene) -> Realised:
     """Return what a scene asks for, to be made once and handed down."""
-    return Realised(surface=scene.surface, solid=scene.solid, load=scene.load)
+    return Realised(
+        surface=scene.surface, solid=scene.solid, load=scene.load, drawn=bool(scene.methods.solvers)
+    )

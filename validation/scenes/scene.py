@@ -27,27 +27,28 @@ from validation.effects import effect_kinds
 from validation.effects.base import Effect, clash, effect_key
 from validation.errors import SceneError, UsageError, harmless
 from validation.methods import Method, Solver, methods
-from validation.units import (
-    Grids,
-    Length,
-    Lengths,
-    Memory,
-    Number,
-    Pressure,
-    Ratio,
-    exactly_one,
-    unit_registry,
+from validation.scenes.tables import (
+    CapillarySurface,
+    FileSurface,
+    Load,
+    RandomSurface,
+    SelfAffineSurface,
+    SolidSpec,
+    Surface,
 )
+from validation.units import Grids, Memory, unit_registry
 from validation.units import Table as _Table
 from validation.units import wrong as _wrong
 
 __all__ = [
+    "CapillarySurface",
     "EffectSpec",
     "Ensemble",
     "FileSurface",
     "Load",
     "MethodTables",
     "Methods",
+    "RandomSurface",
     "RunOptions",
     "Scene",
     "SelfAffineSurface",
@@ -69,95 +70,13 @@ _NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
 _MOST_REALISATIONS = 10_000
 
 
-class SelfAffineSurface(_Table):
-    """A random periodic surface with C(q) ~ q^(-2(1+H)) between lambda_long and lambda_short."""
-
-    kind: Literal["self-affine"]
-    length: Lengths = Field(description='period L, or [Lx, Ly], e.g. "100 um"')
-    hurst: Number = Field(ge=0, le=1, description="Hurst exponent H, in [0, 1]")
-    lambda_long: Length = Field(description="longest wavelength of the self-affine range")
-    lambda_short: Length = Field(description="shortest wavelength")
-    rms_gradient: Ratio | None = Field(default=None, description="h'_rms of C(q), both directions together")
-    rms_height: Length | None = Field(default=None, description="h_rms of C(q)")
-    rolloff: Literal["sharp", "smooth", "plateau"] = "sharp"
-    amplitudes: Literal["exact", "gaussian"] = "exact"
-    seed: Annotated[StrictInt, Field(ge=0, lt=2**63)] = Field(
-        description="whole number that names the realisation"
-    )
-
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        exactly_one(self, ("rms_gradient", "rms_height"))
-        if self.lambda_short >= self.lambda_long:
-            raise _wrong(
-                f"lambda_short = {self.lambda_short:.6g} m: must be below "
-                f"lambda_long = {self.lambda_long:.6g} m"
-            )
-        if self.lambda_long > min(self.length) * (1 + 1e-12):
-            raise _wrong(
-                f"lambda_long = {self.lambda_long:.6g} m: must not exceed the period {min(self.length):.6g} m"
-            )
-        return self
-
-
-class FileSurface(_Table):
-    """Heights read from a file: .npy, text, .nc, .x3p, or what SurfaceTopography reads; shape (nx, ny).
-
-    They are levelled, filled and made periodic, in this order, as the table says.
-    """
-
-    kind: Literal["file"]
-    path: Path = Field(description="file of heights, relative to the scene file")
-    length: Lengths = Field(
-        description='size L, or [Lx, Ly], e.g. "100 um"; may be left out where the file says it'
-    )
-    unit: Length | None = Field(
-        default=None, description='unit of the heights, e.g. "1 nm"; may be left out where the file says it'
-    )
-    tilt: Literal["keep", "plane", "quadratic"] = Field(
-        default="keep", description="what to take out before anything else"
-    )
-    missing: Literal["refuse", "nearest", "harmonic"] = Field(
-        default="refuse", description="what to do with points without a height"
-    )
-    edges: Literal["periodic", "tukey", "hann"] | None = Field(
-        default=None, description="taper that makes it periodic; not needed where opposite edges match"
-    )
-    margin: Ratio = Field(
-        default=0.1, gt=0, le=0.5, description="share of each side over which a tukey taper falls"
-    )
-
-
-Surface = Annotated[SelfAffineSurface | FileSurface, Field(discriminator="kind")]
-
-
-class SolidSpec(_Table):
-    """The elastic half-space or block; the rough body is rigid."""
-
-    young: Pressure = Field(description='Young\'s modulus, e.g. "1 GPa"')
-    poisson: Number = Field(gt=-1, le=0.5, description="Poisson ratio, in (-1, 0.5]")
-
-
-class Load(_Table):
-    """The nominal pressure p0, or p* = p0 / (E* h'_rms) with the realised gradient."""
-
-    pressure: Pressure | None = None
-    reduced_pressure: Ratio | None = None
-
-    @model_validator(mode="after")
-    def _one(self) -> Self:
-        exactly_one(self, ("pressure", "reduced_pressure"))
-        return self
-
-
 class MethodTables(_Table):
     """Which methods run: those whose table is present, no others; see `validation.methods`."""
 
     @model_validator(mode="after")
-    def _some_solver(self) -> Self:
-        if not self.solvers:
-            names = [name for name, method in methods().items() if isinstance(method, Solver)]
-            tables = " and ".join(f"[methods.{name}]" for name in names)
+    def _some_method(self) -> Self:
+        if not self.solvers and self.options("theory") is None:
+            tables = ", ".join(f"[methods.{name}]" for name in methods())
             raise _wrong(f"give at least one of the tables {tables}")
         return self
 
@@ -300,6 +219,29 @@ class Scene(_Table):
         return self
 
     @model_validator(mode="after")
+    def _loads_make_a_case(self) -> Self:
+        key, solvers = self.load.key, list(self.methods.solvers)
+        if solvers and (len(self.load.values) > 1 or self.load.values[0] == 0):
+            given = getattr(self.load, key)
+            listed = list(given) if isinstance(given, tuple) else given
+            raise _wrong(
+                f"load.{key} = {listed!r}: method {solvers[0]!r} presses with one load above 0; "
+                "lists, and 0 with adhesion, belong to [methods.theory] alone"
+            )
+        if min(self.load.values) == 0 and not any(effect.slot == "gap law" for effect in self.effects):
+            raise _wrong(f"load.{key}: 0 needs the effect 'adhesion'; without it nothing touches")
+        return self
+
+    @model_validator(mode="after")
+    def _surface_is_named(self) -> Self:
+        solvers = list(self.methods.solvers)
+        if solvers and isinstance(self.surface, RandomSurface) and self.surface.seed is None:
+            raise _wrong(
+                f"surface.seed: missing; method {solvers[0]!r} presses one surface; a whole number names it"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _grids_resolve(self) -> Self:
         surface = self.surface
         if isinstance(surface, FileSurface):
@@ -327,14 +269,14 @@ class Scene(_Table):
     @property
     def is_random(self) -> bool:
         """Whether the surface is a realisation of a spectrum C(q), rather than read from a file."""
-        return isinstance(self.surface, SelfAffineSurface)
+        return isinstance(self.surface, RandomSurface)
 
 
 #: Points along a side beyond which a resolving grid is taken for a mistake in a length.
 _LARGEST_GRID = 2**17
 
 
-def check_resolution(key: str, grid: tuple[int, int], surface: SelfAffineSurface) -> None:
+def check_resolution(key: str, grid: tuple[int, int], surface: RandomSurface) -> None:
     """Refuse a grid with lambda_short <= 2 dx on either axis."""
     needed = [math.floor(2 * length / surface.lambda_short * (1 + 1e-12)) + 1 for length in surface.length]
     if any(n < least for n, least in zip(grid, needed, strict=True)):
@@ -374,25 +316,10 @@ def scene_text(scene: str) -> tuple[str, Path]:
             raise SceneError(scene, [f"cannot be read: {error.strerror}"]) from None
         except ValueError:  # a zero byte in the name
             raise SceneError(scene, ["is no name of a file"]) from None
-    if scene in _theory_scenes():
-        raise SceneError(scene, [_of_theory(scene)])
     if scene in builtin_scenes():
         entry = resources.files("validation.scenes") / "library" / f"{scene}.toml"
         return entry.read_text(encoding="utf-8"), Path()
     raise SceneError(scene, [f"no such scene; give a .toml file or one of: {', '.join(builtin_scenes())}"])
-
-
-def _theory_scenes() -> tuple[str, ...]:
-    folder = resources.files("validation.scenes") / "theory_library"
-    return tuple(entry.name.removesuffix(".toml") for entry in folder.iterdir())
-
-
-def _of_theory(scene: str) -> str:
-    """Say how a scene of the theory alone is run."""
-    return (
-        "is a scene of the theory alone, which no solver runs; from Python: "
-        f"validation.paper.theory_scene.run_theory_scene(load_theory_scene({scene!r}))"
-    )
 
 
 def parsed_toml(text: str, scene: str) -> dict[str, Any]:
@@ -421,8 +348,6 @@ def load_scene(scene: str) -> Scene:
     """
     text, folder = scene_text(scene)
     data = _named(parsed_toml(text, scene), scene)
-    if "q_reference" in data:
-        raise SceneError(scene, [_of_theory(scene)])
     try:
         checked = Scene.model_validate(_sized(data, folder, scene))
     except ValidationError as error:
@@ -472,19 +397,20 @@ def scene_problems(error: ValidationError) -> list[str]:
     return [_problem(item) for item in items if item["loc"] not in within]
 
 
-#: Values of `kind` by the table that has one; they stand in pydantic's locations, but are no keys.
-_TAGS = {"surface": frozenset({"self-affine", "file"}), "effects": frozenset(effect_kinds())}
-
-
-#: The same of scenes that only the theory computes.
-_THEORY_TAGS = frozenset({"capillary", "smoothing"})
+#: What stands in pydantic's locations without being a key: values of `kind`, one load or several.
+_TAGS = {
+    "surface": frozenset({"self-affine", "capillary-waves", "file"}),
+    "effects": frozenset(effect_kinds()),
+    "load": frozenset({"one", "several"}),
+}
+_TAG_PLACES = {"surface": 1, "effects": 2, "load": 2}
 
 
 def _keys(location: tuple[str | int, ...]) -> list[str]:
     """Keys that lead to a mistake, as the file has them."""
     parts = [str(part) for part in location]
-    place = {"surface": 1, "effects": 2}.get(parts[0]) if parts else None
-    if place is not None and len(parts) > place and parts[place] in _TAGS[parts[0]] | _THEORY_TAGS:
+    place = _TAG_PLACES.get(parts[0]) if parts else None
+    if place is not None and len(parts) > place and parts[place] in _TAGS[parts[0]]:
         del parts[place]
     return parts
 
@@ -536,6 +462,7 @@ def _described(location: list[str]) -> str:
     tables: tuple[type[BaseModel], ...] = (
         Scene,
         SelfAffineSurface,
+        CapillarySurface,
         FileSurface,
         SolidSpec,
         Load,

@@ -6,14 +6,15 @@ import contextlib
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, overload
 
 from fem_contact.surface import HeightField, RandomWaves, random_waves
 from validation.errors import UsageError
-from validation.scenes.scene import FileSurface, SelfAffineSurface
+from validation.scenes.tables import CapillarySurface, FileSurface, RandomSurface, SelfAffineSurface, Surface
 from validation.scenes.topography import Measured, measured
 
 if TYPE_CHECKING:
+    from persson.capillary import CapillaryWaves
     from persson.spectrum import SelfAffine
     from persson.tabulated import Tabulated
 
@@ -30,12 +31,20 @@ __all__ = [
     "resolving_grid",
     "sampled",
     "spectrum_of",
+    "too_large_to_look_at",
     "waves_of",
 ]
 
 
-def spectrum_of(surface: SelfAffineSurface) -> SelfAffine:
-    """C(q) of a self-affine surface, normalised as its scene says."""
+@overload
+def spectrum_of(surface: SelfAffineSurface) -> SelfAffine: ...
+@overload
+def spectrum_of(surface: RandomSurface) -> SelfAffine | CapillaryWaves: ...
+def spectrum_of(surface: RandomSurface) -> SelfAffine | CapillaryWaves:
+    """C(q) of a random surface, as its scene says."""
+    if isinstance(surface, CapillarySurface):
+        return _capillary(surface)
+    assert isinstance(surface, SelfAffineSurface)
     from persson.spectrum import SelfAffine
 
     build: Callable[..., SelfAffine]
@@ -54,21 +63,34 @@ def spectrum_of(surface: SelfAffineSurface) -> SelfAffine:
     )
 
 
-def waves_of(surface: SelfAffineSurface, realisation: int = 0) -> RandomWaves:
+def _capillary(surface: CapillarySurface) -> CapillaryWaves:
+    from persson.capillary import CapillaryWaves
+
+    return CapillaryWaves(
+        temperature=surface.temperature,
+        surface_tension=surface.surface_tension,
+        q_bend=2 * math.pi / surface.lambda_bend,
+        q_min=2 * math.pi / surface.lambda_long,
+        q_short=2 * math.pi / surface.lambda_short,
+        multiple=float(surface.surfaces**2),
+    )
+
+
+def waves_of(surface: RandomSurface, realisation: int = 0) -> RandomWaves:
     """Draw the waves of one realisation; realisation k is the surface of seed + k."""
     spectrum = spectrum_of(surface)
     return random_waves(
         spectrum,
         q_short=spectrum.q_short,
         lengths=surface.length,
-        seed=surface.seed + realisation,
+        seed=surface.seed_of(realisation),
         amplitudes=surface.amplitudes,
     )
 
 
 def sampled(
     waves: RandomWaves,
-    surface: SelfAffineSurface,
+    surface: RandomSurface,
     grid: tuple[int, int],
     shift: tuple[float, float] = (0.0, 0.0),
 ) -> HeightField:
@@ -90,7 +112,7 @@ def sampled(
 
 
 def height_field(
-    surface: SelfAffineSurface | FileSurface,
+    surface: Surface,
     grid: tuple[int, int],
     *,
     realisation: int = 0,
@@ -103,13 +125,13 @@ def height_field(
     return sampled(waves_of(surface, realisation), surface, grid, shift)
 
 
-def resolving_grid(surface: SelfAffineSurface) -> tuple[int, int]:
+def resolving_grid(surface: RandomSurface) -> tuple[int, int]:
     """Fewest points that resolve the surface on each axis."""
     nx, ny = (math.floor(2 * length / surface.lambda_short * (1 + 1e-12)) + 1 for length in surface.length)
     return nx, ny
 
 
-def reference_field(surface: SelfAffineSurface | FileSurface, *, realisation: int = 0) -> HeightField:
+def reference_field(surface: Surface, *, realisation: int = 0) -> HeightField:
     """Return the realisation on the smallest grid that resolves it; its moments are the surface's own."""
     if isinstance(surface, FileSurface):
         return measured_field(measured_surface(surface))
@@ -124,7 +146,7 @@ _BYTES_PER_POINT = 60
 _SURVEYED_POINTS = 2**24
 
 
-def check_memory(surface: SelfAffineSurface, grid: tuple[int, int]) -> None:
+def check_memory(surface: RandomSurface, grid: tuple[int, int]) -> None:
     """Refuse to resolve a surface that does not fit into memory, before anything of it is made."""
     least = surface.lambda_short * math.sqrt(_share(grid))
     check_fits(
@@ -158,7 +180,7 @@ def _share(grid: tuple[int, int]) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Expected:
-    """What C(q) gives for a random surface that is too large to be made only to be looked at.
+    """What C(q) gives for a random surface that is not made: for the theory alone, or only to be looked at.
 
     Attributes
     ----------
@@ -191,18 +213,20 @@ class Expected:
         return 1.5 * m0 * m4 / m2**2
 
 
-def expected(surface: SelfAffineSurface) -> Expected | None:
-    """Return what C(q) gives of a surface with too many points to be only looked at; None for any other."""
-    grid = resolving_grid(surface)
-    if grid[0] * grid[1] <= _SURVEYED_POINTS:
-        return None
+def expected(surface: RandomSurface) -> Expected:
+    """Return what C(q) gives in place of a surface."""
     import numpy as np
 
     spectrum = spectrum_of(surface)
     found = spectrum.moments()
     q = np.geomspace(spectrum.q_min, spectrum.q_short, 4001)
     first = 2 * math.pi * float(np.trapezoid(q**3 * spectrum(q), np.log(q)))
-    return Expected(moments=(found.m0, found.m2, found.m4), first_moment=first, shape=grid)
+    return Expected(moments=(found.m0, found.m2, found.m4), first_moment=first, shape=resolving_grid(surface))
+
+
+def too_large_to_look_at(surface: RandomSurface) -> bool:
+    """Whether a surface has too many points to be made only to be looked at."""
+    return math.prod(resolving_grid(surface)) > _SURVEYED_POINTS
 
 
 @contextlib.contextmanager

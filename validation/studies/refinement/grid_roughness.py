@@ -78,7 +78,7 @@ class GridRoughness(SingleSolve):
             q_short=q_short,
             lengths=surface.length,
             shape=self.grid,
-            seed=surface.seed + self.realised.realisation,
+            seed=surface.seed_of(self.realised.realisation),
         )
 
 
