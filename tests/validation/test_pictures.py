@@ -27,3 +27,21 @@ def test_a_renderer_that_hangs_is_given_up(tmp_path, monkeypatch):
     assert picture is None
     assert "took more than" in missing
     assert list(tmp_path.iterdir()) == []
+
+
+def test_what_is_rendered_is_the_stored_contact(small_run, tmp_path, monkeypatch):
+    drawn = []
+    monkeypatch.setattr(
+        "fem_contact.export.render_surface", lambda path, solution: drawn.append((path, solution))
+    )
+    (stored,) = (small_run.folder / "solves").glob("fem-24x24-*.nc")
+    monkeypatch.setattr(pictures.sys, "argv", ["-c", str(stored), str(tmp_path / "surface.png")])
+    pictures._main()
+    ((path, solution),) = drawn
+    assert path == tmp_path / "surface.png"
+    assert solution.contact.pressure.shape == (24, 24)
+
+
+def test_a_run_renders_nothing_that_nobody_asked_for(small_run):
+    assert not small_run.comparison.scene.run.pictures
+    assert small_run.page.pictures == ()

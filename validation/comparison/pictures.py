@@ -44,7 +44,7 @@ def render_stored(solve: Path, *, label: str) -> tuple[Picture | None, str]:
 
 def _main() -> None:
     from fem_contact.export import render_surface
-    from validation.solves.fields import read_result
+    from validation.solves.store import read_result
 
     # Drawing asks for the contact alone, whichever solver it came from.
     solution: Any = SimpleNamespace(contact=read_result(Path(sys.argv[1])))

@@ -17,6 +17,9 @@ from matplotlib.layout_engine import PlaceHolderLayoutEngine
 from matplotlib.patches import StepPatch
 from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, NullFormatter
 
+from validation.errors import harmless
+from validation.report.words import mathtext
+
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
@@ -112,7 +115,6 @@ def _lay_out(figure: Figure) -> None:
     over = [axes for axes in figure.axes if axes.get_legend() is not None and _covers_data(axes)]
     if len(over) == 1 and len(figure.legends) == 0:
         _move_below(figure, over[0])
-        figure.draw_without_rendering()
     # For the second format all this would cost as much as drawing.
     figure.set_layout_engine("none")
 
@@ -136,10 +138,15 @@ def _move_below(figure: Figure, axes: Axes) -> None:
     assert legend is not None
     handles, labels = axes.get_legend_handles_labels()
     legend.remove()
-    columns = 2 if figure.get_figwidth() < 8 else 4
-    rows = -(-len(labels) // columns)
-    figure.set_figheight(figure.get_figheight() + 0.17 * rows + 0.1)
-    figure.legend(handles, labels, fontsize=7, ncols=columns, loc="outside lower center")
+    height, room = figure.get_figheight(), figure.get_window_extent().width
+    for columns in (4, 3, 2, 1):
+        rows = -(-len(labels) // columns)
+        figure.set_figheight(height + 0.17 * rows + 0.1)
+        below = figure.legend(handles, labels, fontsize=7, ncols=columns, loc="outside lower center")
+        figure.draw_without_rendering()
+        if below.get_window_extent().width <= room or columns == 1:
+            return
+        below.remove()
 
 
 def readable_ticks(axis: Axis) -> None:
@@ -177,8 +184,6 @@ def embeddable(svg: str, name: str, *, words: str) -> str:
         What is seen, for readers who do not see it.
     """
     from markupsafe import escape
-
-    from validation.errors import harmless
 
     drawing = harmless(svg[svg.index("<svg") :])
     drawing = re.sub(r'\bid="', f'id="{name}-', drawing)
@@ -224,9 +229,9 @@ def lines_figure(
             here = data if value is None else data.sel({along: value})
             look = next(looks)
             words = str(data[name].attrs.get("long_name", name))
-            # What is drawn stands at the axis; where it is one thing only, the legend need not repeat it.
-            said = "" if len(lines) == 1 else f"{words}, "
-            label = words if value is None else f"{said}{along} = {value:g}"
+            named = [] if value is None else [f"{along} = {value:g}"]
+            # What all lines have in common stands at the axis.
+            label = mathtext(", ".join(named if named and len(lines) == 1 else [words, *named]))
             error = here[f"{name}_error"].values if f"{name}_error" in data else None
             axes.errorbar(here[x].values, here[name].values, yerr=error, capsize=2, label=label, **look)
     for k, (words, level) in enumerate((reference or {}).items()):
@@ -253,8 +258,8 @@ def _common_label(data: xr.Dataset, lines: Sequence[str]) -> str:
 
 
 def _labelled(variable: xr.DataArray, name: str) -> str:
-    words, unit = variable.attrs.get("long_name", name), variable.attrs.get("units", "1")
-    return f"{words} [{unit}]" if unit != "1" else f"{words} [-]"
+    words, unit = str(variable.attrs.get("long_name", name)), variable.attrs.get("units", "1")
+    return mathtext(words) if unit == "1" else f"{mathtext(words)} [{unit}]"
 
 
 def new_figure(width: float = 5.0, height: float = 3.7, columns: int = 1) -> tuple[Figure, list[Axes]]:

@@ -128,7 +128,7 @@ class _Embedded:
     name: str
     svg: Any
     caption: str
-    files: tuple[str, ...]
+    files: tuple[tuple[str, str], ...]
     wide: bool
     pixels: int
 
@@ -164,7 +164,7 @@ def write_page(page: Page, folder: Path, *, numbers_only: bool = False) -> tuple
     report = folder / "report.html"
     with atomic_path(report) as draft:
         draft.write_text(_html(page, drawn), encoding="utf-8")
-    drawings = [folder / file for figure in drawn for file in figure.files]
+    drawings = [folder / file for figure in drawn for file, _ in figure.files]
     pictures = [figures / f"{picture.name}.png" for picture in page.pictures]
     clear_page(folder, keep=(report, *written, *drawings, *pictures))
     return (report, *written)
@@ -220,8 +220,14 @@ def _embedded(drawing: Drawing, files: tuple[Path, ...]) -> _Embedded:
         caption=drawing.caption,
         wide=drawing.figure.get_figwidth() > _WIDE * drawing.figure.get_figheight(),
         pixels=round(_ENLARGED * drawing.figure.get_figwidth()),
-        files=tuple(f"figures/{path.name}" for path in files),
+        files=tuple((f"figures/{path.name}", _format(path, drawing.name)) for path in files),
     )
+
+
+def _format(path: Path, name: str) -> str:
+    """Say which file of a figure it is: csv, or csv (mode, load) for the numbers along other dimensions."""
+    along = path.stem.removeprefix(name).strip("-").replace("-", ", ")
+    return path.suffix[1:] + (f" ({along})" if along else "")
 
 
 def _html(page: Page, figures: list[_Embedded]) -> str:

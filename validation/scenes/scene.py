@@ -149,7 +149,7 @@ class RunOptions(_Table):
     store: Inside | None = Field(default=None, description="folder of finished solves, shared between runs")
     output: Inside | None = Field(default=None, description="results folder; default: results/<name>")
     quiet: StrictBool = Field(default=False, description="no progress bar")
-    pictures: StrictBool = Field(default=True, description="3-D pictures in the report")
+    pictures: StrictBool = Field(default=False, description="3-D pictures in the report")
 
     @model_validator(mode="before")
     @classmethod
