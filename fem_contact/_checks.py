@@ -38,8 +38,8 @@ __all__ = [
 
 Array = NDArray[np.float64]
 
-#: Sizes of numbers, in SI units, between which squares and products of squares neither overflow nor vanish.
-LEAST, GREATEST = 1e-30, 1e30
+#: Sizes of numbers, in SI units, between which squares neither vanish nor products of squares overflow.
+LEAST, GREATEST = 1e-120, 1e30
 
 
 def _in(unit: str) -> str:

@@ -24,9 +24,10 @@ import pytest
 from validation.errors import RunFailed, UsageError
 from validation.files import prepare_folder
 from validation.solves import pool
+from validation.solves.attempt import Silent
 from validation.solves.bench import Bench, PlannedOnly
 from validation.solves.cost import available_memory
-from validation.solves.running import Execution, Silent, solve_all
+from validation.solves.running import Execution, solve_all
 from validation.solves.store import Store
 from validation.solves.worker import BEGUN
 from validation.studies import Study, area, find_study, studies

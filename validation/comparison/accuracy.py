@@ -26,10 +26,11 @@ from validation.methods.bem import BemOptions
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import realise
 from validation.scenes.scene import Ensemble, Methods, Scene
+from validation.solves.attempt import Progress, Silent, warm_up
 from validation.solves.bench import Bench
 from validation.solves.cost import memory_words
 from validation.solves.press import solves_of
-from validation.solves.running import Execution, Progress, Silent, warm_up
+from validation.solves.running import Execution
 from validation.solves.store import Store
 
 __all__ = ["AccurateRun", "Reached", "parse_accuracy", "reach", "run_accurate"]

@@ -17,8 +17,9 @@ from validation.report.page import Page, clear_page
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import Realised, realise
 from validation.scenes.scene import Scene
+from validation.solves.attempt import Progress
 from validation.solves.press import solves_of
-from validation.solves.running import Execution, Progress, Solves, solve_all
+from validation.solves.running import Execution, Solves, solve_all
 from validation.solves.store import Store
 
 __all__ = ["ACCURACY_FILE", "Outputs", "load_run", "report_run", "run_scene"]

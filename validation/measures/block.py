@@ -84,7 +84,7 @@ class BlockMeasurement(SingleSolve):
         size = estimate(shape, (1.0, 1.0), method=self.method, poisson=poisson, **mesh)
         n = self.points**2
         if self.method == "full":
-            return Prediction(seconds=1.2e-4 * size.unknowns, peak_bytes=size.bytes, unknowns=size.unknowns)
+            return Prediction(seconds=3e-6 * size.unknowns, peak_bytes=size.bytes, unknowns=size.unknowns)
         return Prediction(seconds=0.3 + 8e-6 * n, peak_bytes=400 * n, unknowns=size.unknowns)
 
     def measure(self) -> xr.Dataset:

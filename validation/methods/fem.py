@@ -26,10 +26,10 @@ __all__ = ["Fem", "FemOptions"]
 #: The reduced block, per pair of transforms on the grid; it makes its compliance first.
 _REDUCED_PAIRS = 110.0
 #: The whole block, per unknown: assembly, active sets, export.
-_FULL_PAIRS_PER_UNKNOWN = 0.17
+_FULL_PAIRS_PER_UNKNOWN = 0.005
 #: Active sets of a block that yields over those of an elastic one: 1 to 4, by how little it can bear.
 _YIELDING_SETS = 2.0
-_FULL_BYTES_PER_UNKNOWN = 4900
+_FULL_BYTES_PER_UNKNOWN = 300
 #: Beyond this Poisson ratio elements of displacement alone lock.
 _LOCKING = 0.49
 

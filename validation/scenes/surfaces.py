@@ -175,7 +175,8 @@ def _share(grid: tuple[int, int]) -> float:
     """Memory for the heights of a grid over what is free for it."""
     import psutil
 
-    return _BYTES_PER_POINT * grid[0] * grid[1] / (0.9 * psutil.virtual_memory().available)
+    free = 0.9 * float(psutil.virtual_memory().available)
+    return _BYTES_PER_POINT * grid[0] * grid[1] / free
 
 
 @dataclass(frozen=True, kw_only=True)

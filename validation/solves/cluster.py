@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.errors import RunFailed, UsageError
+from validation.solves.attempt import Outcome, Progress, attempt, warm_up
 from validation.solves.cost import too_large
-from validation.solves.running import Outcome, Progress, attempt, warm_up
 from validation.solves.store import Store
 
 if TYPE_CHECKING:

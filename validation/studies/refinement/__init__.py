@@ -69,7 +69,8 @@ class Options(StudyOptions):
         description="finite elements of a block one period deep, reduced to its surface; none to leave them out",
     )
     fem_points_per_wave: RisingOrNone = Field(
-        default=(4.0, 8.0, 16.0), description="their grids, as lambda_short/dx, rising, at least three"
+        default=(4.0, 8.0, 16.0),
+        description="grids of the finite elements, as lambda_short/dx, rising, at least three",
     )
     ladders: bool = Field(
         default=True, description="also measure how kappa moves with bandwidth and sample, for the budget"
