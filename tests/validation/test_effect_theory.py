@@ -77,7 +77,7 @@ def test_a_scene_that_yields_is_set_beside_its_theory(write_scene, tmp_path):
     assert found.theory.area >= found.theory.plastic
     assert all(row.plastic > 0 for row in found.rows)
     assert any(text.startswith("Yielded, A_pl/A0 = ") and "by the theory" in text for text in found.findings)
-    names = [str(row[0]) for table in run_page(found).tables for row in table.rows]
+    names = [str(row[0]) for table in run_page(found).tables for row in (*table.rows, *table.sums)]
     assert {"BEM, yielded", "Persson, yielded"} <= set(names)
     # The closed form of P(sigma) is that of elastic contact: it is not drawn beside a yielding one.
     assert not np.any(pressure_at_zero_data(found, {})["curve"] == "Persson")
