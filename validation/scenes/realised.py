@@ -223,7 +223,7 @@ class Surveyed(Realised):
 _OF_THE_SURFACE = ("_waves", "measured", "field", "spectrum", "_estimate")
 
 
-def realise(scene: Scene, *, like: Realised | None = None) -> Realised:
+def realise(scene: Scene, *, like: Realised | None = None, kind: type[Realised] = Realised) -> Realised:
     """Return what a scene asks for, to be made once and handed down.
 
     Parameters
@@ -231,8 +231,10 @@ def realise(scene: Scene, *, like: Realised | None = None) -> Realised:
     scene : Scene
     like : Realised, optional
         What another scene asks for: if its surface is the same, it is not made again.
+    kind : type
+        `Surveyed` where it is only looked at.
     """
-    made = Realised(
+    made = kind(
         surface=scene.surface, solid=scene.solid, load=scene.load, drawn=bool(scene.methods.solvers)
     )
     same = like is not None and replace(like, solid=made.solid, load=made.load) == made

@@ -44,7 +44,7 @@ _EITHER = (
 )
 _SURFACES = {"self-affine": SelfAffineSurface, "capillary-waves": CapillarySurface, "file": FileSurface}
 #: Last words of keys that mean something else in a dataset of a sweep.
-_TAKEN = frozenset({"area", "method", "kappa", "theory", "case", "scatter"})
+_TAKEN = frozenset({"area", "solver", "kappa", "theory", "case", "scatter"})
 
 
 @dataclass(frozen=True, kw_only=True)
