@@ -67,8 +67,9 @@ def sweep_page(data: xr.Dataset, keys: Sequence[SweptKey], scene: Scene, *, figu
             shown(
                 table,
                 title="Every case",
-                note="A/A0 limit: over the grids, with its standard error for this surface (grid only); theory: "
-                "Persson with the realised gradient, or from C(q) alone; perimeter and pixel: on the finest grid.",
+                note="A/A0 limit: over the grids, with its standard error for this surface (grid only); "
+                "theory: Persson with the realised gradient, or from C(q) alone; perimeter and pixel: on the "
+                "finest grid.",
             ),
         ),
         figures=tuple(_figures(data, keys)) if figures else (),
@@ -111,7 +112,8 @@ def _flat(data: xr.Dataset, name: str, keys: Sequence[SweptKey]) -> Any:
 def sweep_table(data: xr.Dataset, keys: Sequence[SweptKey]) -> ResultTable:
     """Return one row for each case: the swept values, limit, theory, each method on its finest grid."""
     columns = {
-        key.name if key.unit == "1" else f"{key.name} [{key.unit}]": _flat(data, key.name, keys) for key in keys
+        key.name if key.unit == "1" else f"{key.name} [{key.unit}]": _flat(data, key.name, keys)
+        for key in keys
     }
     swept = {key.name for key in keys}
     for name, words in _COLUMNS.items():
@@ -136,7 +138,11 @@ def _answers(data: xr.Dataset) -> Iterator[Answer]:
     yield Answer(question="How large is the contact? A/A0", answer=f"{low} to {high}", basis=basis)
     if "area_error" in data:
         share = float((data["area_error"] / data["area"]).max())
-        scatter = f"; surfaces scatter by up to {percent(float(data['scatter'].max()))}" if "scatter" in data else ""
+        scatter = (
+            f"; surfaces scatter by up to {percent(float(data['scatter'].max()))}"
+            if "scatter" in data
+            else ""
+        )
         yield Answer(
             question="How sure?",
             answer=f"grid +- {percent(share)} at most",
@@ -166,7 +172,7 @@ def sweep_findings(data: xr.Dataset, keys: Sequence[SweptKey]) -> tuple[str, ...
 
 
 def _result(data: xr.Dataset) -> tuple[str, str]:
-    """The variable that answers, and what it is called."""
+    """Return the variable that answers, and what it is called."""
     if "area" not in data:
         return "theory_ensemble", "the theory gives A/A0"
     if bool(data["area"].notnull().any()):
@@ -214,8 +220,8 @@ def _between_seeds(here: xr.Dataset, name: str, fixed: str) -> Iterator[str]:
     if len(values) > 1 and np.mean(values) > 0:
         spread = float(np.std(values, ddof=1) / np.mean(values))
         yield (
-            f"Between {len(values)} surfaces{fixed} A/A0 scatters by {percent(spread)} (standard deviation) about "
-            f"{significant(float(np.mean(values)))}."
+            f"Between {len(values)} surfaces{fixed} A/A0 scatters by {percent(spread)} (standard deviation) "
+            f"about {significant(float(np.mean(values)))}."
         )
 
 
@@ -242,8 +248,8 @@ def _theory(data: xr.Dataset, keys: Sequence[SweptKey]) -> Iterator[str]:
     apart, sure = area[known] / theory[known] - 1, error[known] / theory[known]
     agree = int(np.sum(np.abs(apart) <= np.maximum(2 * sure, 1e-9)))
     text = (
-        f"The limit lies between {_side(float(apart.min()))} and {_side(float(apart.max()))} Persson's theory with the "
-        f"realised gradient (grid uncertainty at most {percent(float(sure.max()))})"
+        f"The limit lies between {_side(float(apart.min()))} and {_side(float(apart.max()))} Persson's theory "
+        f"with the realised gradient (grid uncertainty at most {percent(float(sure.max()))})"
     )
     yield text + f"; in {agree} of {int(known.sum())} cases the two agree to within twice that uncertainty."
 
@@ -259,14 +265,16 @@ def _missing(data: xr.Dataset, keys: Sequence[SweptKey]) -> Iterator[str]:
     missing = int(data["area"].isnull().sum())
     if missing:
         why = data.attrs["no_limit"] or "the grids do not tell"
-        yield f"In {missing} of {data['area'].size} cases the limit over the grids is not determinable: {why}."
+        cases = data["area"].size
+        yield f"In {missing} of {cases} cases the limit over the grids is not determinable: {why}."
     if "scatter" in data:
-        yield (
-            "Between surfaces of one spectrum the area scatters by "
-            f"{percent(float(data['scatter'].min()))} to {percent(float(data['scatter'].max()))} (standard deviation)."
-        )
+        low, high = (percent(float(v)) for v in (data["scatter"].min(), data["scatter"].max()))
+        yield f"Between surfaces of one spectrum the area scatters by {low} to {high} (standard deviation)."
     elif not any(key.key == "surface.seed" for key in keys):
-        yield "Every case is one surface: without an ensemble or a swept seed the scatter between surfaces is unknown."
+        yield (
+            "Every case is one surface: without an ensemble or a swept seed the scatter between surfaces is "
+            "unknown."
+        )
 
 
 def _figures(data: xr.Dataset, keys: Sequence[SweptKey]) -> Iterator[Drawing]:
@@ -277,10 +285,19 @@ def _figures(data: xr.Dataset, keys: Sequence[SweptKey]) -> Iterator[Drawing]:
     if alone:
         drawn["area"] = (("theory_ensemble",), "Contact area by Persson's theory from C(q)")
     elif limit:
-        drawn["area"] = (("area", "theory"), "Contact area: limit over the grids with its standard error (grid only)")
-        drawn["kappa"] = (("kappa", "theory_kappa"), "Area over load, kappa, with its standard error (grid only)")
+        drawn["area"] = (
+            ("area", "theory"),
+            "Contact area: limit over the grids with its standard error (grid only)",
+        )
+        drawn["kappa"] = (
+            ("kappa", "theory_kappa"),
+            "Area over load, kappa, with its standard error (grid only)",
+        )
     else:
-        drawn["area"] = (("finest", "theory"), "Contact area on the finest grid, since the grids tell no limit")
+        drawn["area"] = (
+            ("finest", "theory"),
+            "Contact area on the finest grid, since the grids tell no limit",
+        )
     if "plastic" in data:
         drawn["plastic"] = (("yielded", "theory_plastic"), "Yielded area, points counted on the finest grid")
     shown_data = _with_finest(data)
@@ -317,10 +334,8 @@ def _drawing(
     )
 
 
-def _plane(
-    data: xr.Dataset, key: SweptKey, keys: Sequence[SweptKey]
-) -> tuple[xr.Dataset, str | None, str]:
-    """Return what one figure shows: along a key, one line for each of a few values of another, the rest fixed."""
+def _plane(data: xr.Dataset, key: SweptKey, keys: Sequence[SweptKey]) -> tuple[xr.Dataset, str | None, str]:
+    """Return what one figure shows: along a key, a line for each of a few values of another."""
     along, said = None, []
     if data.attrs["mode"] == "product":
         for other in keys:
@@ -341,8 +356,9 @@ def _plane(
 
 
 def _scales(data: xr.Dataset, key: SweptKey, lines: Sequence[str]) -> str:
-    """Logarithmic axes for what is positive and spans more than a factor of ten."""
+    """Logarithmic axes for keys that span a factor of three, and results that span ten."""
     spans = {"x": np.asarray(key.values, dtype=float) if key.numeric else np.zeros(1)}
     spans["y"] = np.concatenate([data[line].values.ravel() for line in lines])
-    wide = (axis for axis, v in spans.items() if np.nanmin(v) > 0 and np.nanmax(v) > 10 * np.nanmin(v))
+    least = {"x": 3, "y": 10}
+    wide = (k for k, v in spans.items() if np.nanmin(v) > 0 and np.nanmax(v) >= least[k] * np.nanmin(v))
     return "".join(wide)
