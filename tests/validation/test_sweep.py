@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,7 +21,8 @@ from validation.comparison.sweep import (
 )
 from validation.comparison.sweep_page import sweep_findings
 from validation.errors import SceneError, UsageError
-from validation.scenes.scene import load_scene
+from validation.report.words import with_error
+from validation.scenes.scene import load_scene, scene_text
 from validation.scenes.sweep import Sweep, load_asked
 
 _HARD = "sweep.effects.hardness.hardness=['200 kPa', 60e3]"
@@ -77,7 +79,10 @@ def test_the_dataset_has_the_swept_keys_as_dimensions_with_units(swept):
 
 def test_the_page_has_one_row_for_each_case_and_its_figures_show_uncertainty_beside_the_theory(swept):
     folder, outputs = swept
-    assert len(outputs.page.tables[0].rows) == 4
+    (table,) = outputs.page.tables
+    assert len(table.rows) == 4
+    limit = float(outputs.data["area"][0, 0]), float(outputs.data["area_error"][0, 0])
+    assert table.rows[0][table.columns.index("A/A0 limit")] == with_error(*limit)
     figure = next(one for one in outputs.page.figures if one.name == "area-against-pressure")
     assert {"area", "area_error", "theory"} <= set(figure.data.data_vars)
     summary = json.loads((folder / "summary.json").read_text())
@@ -246,6 +251,16 @@ def test_a_measured_surface_is_swept_with_the_size_of_its_file(write_scene, tmp_
     first, second = realised_cases(sweep)
     assert second.measured is first.measured
     assert second.pressure == pytest.approx(4 * first.pressure, rel=1e-12)
+
+
+def test_the_sweep_in_the_docs_can_be_run(tmp_path):
+    page = (Path(__file__).parents[2] / "docs" / "bench.md").read_text()
+    (block,) = [text for text in page.split("```toml\n") if text.startswith("[sweep]")]
+    path = tmp_path / "steel.toml"
+    path.write_text(scene_text("hardness")[0] + "\n" + block.partition("```")[0])
+    sweep = load_asked(str(path))
+    assert sweep.shape == (5, 2)
+    realised_cases(sweep)
 
 
 def test_the_command_plans_explains_and_runs_a_sweep(small_scene, tmp_path, monkeypatch):

@@ -380,8 +380,8 @@ class SweepExplanation:
         yield f"Sweep of scene {self.name}: {len(self.cases)} cases, {joined} {named}"
         yield (
             f"{self.solves} solves; {self.asked - self.solves} more are shared between cases: about "
-            f"{self.seconds:.2g} s one after the other and {self.peak_bytes / 2**20:.3g} MiB at most (meant to be right within a "
-            "factor of 2)."
+            f"{self.seconds:.2g} s one after the other and {self.peak_bytes / 2**20:.3g} MiB at most (meant "
+            "to be right within a factor of 2)."
         )
         ends = self.cases[:1] if len(self.cases) == 1 else (self.cases[0], self.cases[-1])
         for words, one in ends:

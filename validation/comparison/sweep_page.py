@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from validation.comparison.report import papers_for, seed_words
 from validation.methods import find_method
 from validation.report.drawing import Drawing
 from validation.report.page import Answer, Page
-from validation.report.table import ResultTable, shown
+from validation.report.table import ResultTable, WordTable, shown
 from validation.report.words import json_ready, significant, with_error
 from validation.scenes.sweep import SweptKey, value_words
 
@@ -25,20 +26,24 @@ __all__ = ["sweep_findings", "sweep_page", "sweep_table"]
 
 #: Lines of a figure that can be told apart.
 _MOST_LINES = 4
-#: Columns of the table after the swept keys.
+#: Columns of the table after the swept keys, and after those of the methods.
 _COLUMNS = {
     "area": "A/A0 limit",
-    "area_error": "+-",
+    "area_error": "A/A0 +-",
     "theory": "A/A0 theory",
-    "theory_ensemble": "A/A0 theory, C(q)",
     "kappa": "kappa",
     "kappa_error": "kappa +-",
     "theory_plastic": "A_pl/A0 theory",
-    "scatter": "scatter of surfaces",
-    "pressure": "p0 [Pa]",
-    "reduced_pressure": "p*",
 }
-_OF_METHODS = {"perimeter": "perimeter", "pixel": "pixel", "plastic": "A_pl/A0", "grid": "grid"}
+_LAST = {
+    "theory_ensemble": "A/A0 theory, C(q)",
+    "scatter": "scatter of surfaces",
+    "reduced_pressure": "p*",
+    "pressure": "p0 [Pa]",
+}
+#: Values that are read with the error in the column after them.
+_WITH_ERROR = ("A/A0 limit", "kappa")
+_OF_METHODS = {"plastic": "A_pl/A0", "perimeter": "A/A0 perimeter", "pixel": "A/A0 pixel", "grid": "grid"}
 
 
 def sweep_page(data: xr.Dataset, keys: Sequence[SweptKey], scene: Scene, *, figures: bool = True) -> Page:
@@ -63,15 +68,7 @@ def sweep_page(data: xr.Dataset, keys: Sequence[SweptKey], scene: Scene, *, figu
         lead=_lead(data, keys),
         answers=tuple(_answers(data)),
         findings=findings,
-        tables=(
-            shown(
-                table,
-                title="Every case",
-                note="A/A0 limit: over the grids, with its standard error for this surface (grid only); "
-                "theory: Persson with the realised gradient, or from C(q) alone; perimeter and pixel: on the "
-                "finest grid.",
-            ),
-        ),
+        tables=(_in_words(table, swept=len(keys)),),
         figures=tuple(_figures(data, keys)) if figures else (),
         settings={
             "sweep": {"mode": data.attrs["mode"], **swept},
@@ -116,16 +113,40 @@ def sweep_table(data: xr.Dataset, keys: Sequence[SweptKey]) -> ResultTable:
         for key in keys
     }
     swept = {key.name for key in keys}
-    for name, words in _COLUMNS.items():
-        if name in data.data_vars and name not in swept:
-            columns[words] = _flat(data, name, keys)
+
+    def add(chosen: dict[str, str]) -> None:
+        for name, words in chosen.items():
+            if name in data.data_vars and name not in swept:
+                columns[words] = _flat(data, name, keys)
+
+    add(_COLUMNS)
     for method in data["solver"].values if "solver" in data.coords else ():
         here = data.sel(solver=method)
         for name, words in _OF_METHODS.items():
             if name in data.data_vars:
                 columns[f"{find_method(str(method)).label} {words}"] = _flat(here, name, keys)
+    add(_LAST)
     rows = zip(*(values.tolist() for values in columns.values()), strict=True)
     return ResultTable.of(list(columns), list(rows))
+
+
+def _in_words(table: ResultTable, *, swept: int) -> WordTable:
+    """Return the table as it is read, values with their errors."""
+    pairs = {name: table.columns.index(name) for name in _WITH_ERROR if name in table.columns}
+    kept = [k for k in range(len(table.columns)) if k - 1 not in pairs.values()]
+    rows = [
+        [with_error(float(row[k]), float(row[k + 1])) if k in pairs.values() else row[k] for k in kept]
+        for row in table.rows
+    ]
+    columns = [table.columns[k] for k in kept]
+    words = shown(
+        ResultTable.of(columns, rows),
+        title="Every case",
+        note="A/A0 limit: over the grids, with its standard error for this surface (grid only); theory: "
+        "Persson with the realised gradient, or from C(q) alone; perimeter and pixel: on the finest grid.",
+    )
+    # What a case is and what it comes to stay.
+    return replace(words, left=frozenset(columns[:1]), yielding=tuple(reversed(columns[swept + 1 :])))
 
 
 def _answers(data: xr.Dataset) -> Iterator[Answer]:
@@ -247,8 +268,9 @@ def _theory(data: xr.Dataset, keys: Sequence[SweptKey]) -> Iterator[str]:
         return
     apart, sure = area[known] / theory[known] - 1, error[known] / theory[known]
     agree = int(np.sum(np.abs(apart) <= np.maximum(2 * sure, 1e-9)))
+    low, high = _side(float(apart.min())), _side(float(apart.max()))
     text = (
-        f"The limit lies between {_side(float(apart.min()))} and {_side(float(apart.max()))} Persson's theory "
+        f"The limit lies between {low} and {high} Persson's theory "
         f"with the realised gradient (grid uncertainty at most {percent(float(sure.max()))})"
     )
     yield text + f"; in {agree} of {int(known.sum())} cases the two agree to within twice that uncertainty."
