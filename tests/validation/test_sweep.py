@@ -175,6 +175,7 @@ def test_a_key_is_set_with_units_by_its_name_or_its_last_word(small_scene):
         ("depth=1 um", "--set depth: is short for methods.fem.depth,"),
         ("load=3", "--set load: is a table; name one of its keys: load.pressure, load.reduced_pressure"),
         ("hurst", "--set hurst: must be key=value"),
+        ("title.x=1", "--set title.x: is no key of a scene"),
         ("hurst=2", "surface.hurst = 2: must be less than or equal to 1"),
         ("young=3 um", "solid.young = '3 um': is not a pressure"),
         ("sweep.young=3", "[sweep] solid.young = 3: must be a list of 1 to 256 values"),
@@ -229,6 +230,24 @@ def test_a_case_that_cannot_be_run_is_refused_before_anything_is_computed(small_
     with pytest.raises(UsageError, match=r"nominal pressure.*\(\[sweep\] at hardness = 5000 Pa\)"):
         run_sweep(sweep, tmp_path / "results")
     assert not (tmp_path / "results").exists()
+
+
+def test_the_scatter_between_surfaces_is_that_of_the_single_run(small_scene, tmp_path):
+    settings = ["grids=[12, 24]", "shifts=1", "ensemble.realisations=3", "ensemble.grids=[16, 24]"]
+    sweep = load_asked(small_scene, [*settings, "sweep.hurst=[0.6, 0.8]"])
+    data = run_sweep(sweep, tmp_path, report=False).data
+    alone = run_scene(sweep.scenes[1], tmp_path / "one", store_folder=tmp_path / "solves", report=False)
+    assert alone.solved == 0
+    assert float(data["scatter"].sel(hurst=0.8)) == alone.comparison.scatter.relative
+
+
+def test_lines_of_one_value_have_one_colour_and_the_theory_another_style(swept):
+    _, outputs = swept
+    figure = next(one.figure for one in outputs.page.figures if one.name == "area-against-pressure")
+    drawn = [bars[0] for bars in figure.axes[0].containers]
+    area, theory = drawn[:2], drawn[2:]
+    assert [line.get_color() for line in area] == [line.get_color() for line in theory]
+    assert {line.get_linestyle() for line in area}.isdisjoint({line.get_linestyle() for line in theory})
 
 
 def test_a_list_of_loads_in_a_swept_scene_is_refused(tmp_path):

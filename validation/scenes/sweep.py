@@ -292,8 +292,9 @@ def _put(data: dict[str, Any], key: str, value: Any) -> None:
     else:
         table = data
         for part in parts[:-1]:
-            inner = table.get(part)
-            table[part] = inner = inner if isinstance(inner, dict) else {}
+            inner = table.setdefault(part, {})
+            if not isinstance(inner, dict):
+                raise UsageError(f"{key}: {part} = {_short(inner)} of the scene is no table")
             table = inner
     for pair in _EITHER:
         if key in pair:
