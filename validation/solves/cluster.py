@@ -322,7 +322,9 @@ def _answer(future: Any) -> dict[str, Any] | None:
 def _reason(future: Any) -> tuple[str, bool]:
     """Say why there is no result, and whether the workers died."""
     error = future.exception(timeout=_ANSWER_WITHIN)
-    if type(error).__name__ == "KilledWorker":
+    # Where tblib is loaded, an exception travels as its class and what it holds.
+    kinds = [type(error), *(one for one in error.args if isinstance(one, type))]
+    if any(kind.__name__ == "KilledWorker" for kind in kinds):
         return "its workers died again and again, killed from outside or for lack of memory", True
     return f"{type(error).__name__}: {error}".splitlines()[0], False
 
