@@ -14,24 +14,32 @@ from fem_contact.errors import InsufficientMemory, InvalidInput
 __all__ = [
     "GREATEST",
     "LEAST",
+    "alike",
     "array",
     "choice",
+    "doubles",
     "field",
     "finite",
+    "function",
     "instance",
+    "listed",
     "non_negative",
     "numbers_of",
+    "pair",
     "positive",
     "room_for",
     "samples",
+    "shape_of",
+    "shown",
+    "truth",
     "whole",
     "within",
 ]
 
 Array = NDArray[np.float64]
 
-#: Sizes of numbers, in SI units, between which squares and products of squares neither overflow nor vanish.
-LEAST, GREATEST = 1e-30, 1e30
+#: Sizes of numbers, in SI units, between which squares neither vanish nor products of squares overflow.
+LEAST, GREATEST = 1e-120, 1e30
 
 
 def _in(unit: str) -> str:
@@ -42,7 +50,9 @@ def shown(value: object) -> str:
     """Return a value as it may stand in a message: short, on one line."""
     if isinstance(value, np.ndarray):
         return f"array of shape {value.shape} and type {value.dtype}"
-    text = f"{value:.17g}" if isinstance(value, (float, np.floating)) else repr(value)
+    if isinstance(value, int) and abs(value) > 10**20:
+        return "a whole number of more than 20 digits"
+    text = repr(float(value)) if isinstance(value, (float, np.floating)) else repr(value)
     text = " ".join(text.split())
     return text if len(text) <= 60 else text[:57] + "..."
 
@@ -77,7 +87,7 @@ def positive(name: str, value: object, *, unit: str = "") -> float:
     """Return a number that is positive and of a size that can be computed with."""
     number = _float(value)
     if number is None or not LEAST <= number <= GREATEST:
-        raise _refused(name, value, f"a positive, finite number (from {LEAST:g} to {GREATEST:g})", unit)
+        raise _refused(name, value, f"a positive, finite number from {LEAST:g} to {GREATEST:g}", unit)
     return number
 
 
@@ -117,12 +127,12 @@ def choice(name: str, value: object, allowed: Iterable[str]) -> None:
 
 def instance(name: str, value: object, kind: type | tuple[type, ...], *, what: str) -> None:
     """Refuse what is not of a kind; `what` says in words what it must be."""
-    if not isinstance(value, kind):
+    if isinstance(value, type) or not isinstance(value, kind):
         raise InvalidInput(f"{name} = {shown(value)}: must be {what}")
 
 
-def array(name: str, value: object, *, unit: str = "") -> Array:
-    """Return real numbers of any shape as doubles; refuse masked points, NaN, and what is no number.
+def doubles(name: str, value: object, *, unit: str = "") -> Array:
+    """Return real numbers of any shape as doubles, NaN included; refuse masked points and what is no number.
 
     The array is the caller's own where it already holds doubles.
     """
@@ -137,17 +147,30 @@ def array(name: str, value: object, *, unit: str = "") -> Array:
         found = np.asarray(value)
         if found.dtype.kind not in "iuf":
             raise TypeError
-        values = found.astype(np.float64, copy=False)
+        return found.astype(np.float64, copy=False)
     except (TypeError, ValueError, OverflowError) as error:
         raise _refused(name, value, "real numbers", unit) from error
+
+
+def array(name: str, value: object, *, unit: str = "", power: float = 1) -> Array:
+    """Return real, finite numbers of any shape as doubles; `power` is that of the base units in them."""
+    values = doubles(name, value, unit=unit)
     bad = ~np.isfinite(values)
-    bad |= np.abs(values, where=~bad, out=np.zeros(values.shape)) > GREATEST
+    bad |= np.abs(values, where=~bad, out=np.zeros(values.shape)) > GREATEST**power
     if bad.any():
         raise InvalidInput(
             f"{name}: {np.count_nonzero(bad)} of {values.size} values are not finite or larger than "
-            f"{GREATEST:g} (the first is {shown(values[bad].flat[0])}): fill or remove them{_in(unit)}"
+            f"{GREATEST**power:g} (the first is {shown(values[bad].flat[0])}): fill or remove them{_in(unit)}"
         )
     return values
+
+
+def shape_of(name: str, value: object) -> tuple[int, ...]:
+    """Return the shape of what is to be an array, whatever it holds."""
+    try:
+        return tuple(np.asarray(value).shape)
+    except ValueError:
+        raise _refused(name, value, "an array of numbers") from None
 
 
 def field(name: str, value: object, shape: tuple[int, int], *, unit: str = "") -> Array:
@@ -166,6 +189,41 @@ def samples(name: str, value: object, *, least: int = 1, unit: str = "") -> Arra
     if values.ndim != 1 or values.size < least:
         raise InvalidInput(f"{name} of shape {values.shape}: must be a sequence of at least {least} numbers")
     return values
+
+
+def pair(name: str, value: object, *, what: str) -> tuple[object, object]:
+    """Return the two members of a pair, each still to be checked."""
+    if isinstance(value, (tuple, list, np.ndarray)) and len(np.shape(np.asarray(value, dtype=object))) == 1:
+        found = list(value)
+        if len(found) == 2:
+            return found[0], found[1]
+    raise InvalidInput(f"{name} = {shown(value)}: must be {what}")
+
+
+def truth(name: str, value: object) -> None:
+    """Refuse what is neither true nor false."""
+    instance(name, value, (bool, np.bool_), what="True or False")
+
+
+def listed(name: str, value: object, kind: type, *, what: str) -> None:
+    """Refuse what is not a sequence of one kind of things."""
+    if not isinstance(value, (list, tuple)) or not all(isinstance(item, kind) for item in value):
+        raise InvalidInput(f"{name} = {shown(value)}: must be a list of {what}")
+
+
+def function(name: str, value: object) -> None:
+    """Refuse what cannot be called."""
+    if not callable(value):
+        raise InvalidInput(f"{name} = {shown(value)}: must be a function")
+
+
+def alike(**arrays: Array) -> None:
+    """Refuse arrays that do not broadcast with each other."""
+    try:
+        np.broadcast_shapes(*(values.shape for values in arrays.values()))
+    except ValueError:
+        shapes = ", ".join(f"{name} {values.shape}" for name, values in arrays.items())
+        raise InvalidInput(f"{shapes}: arrays must have one shape, or shapes that broadcast") from None
 
 
 def numbers_of(name: str, value: object, *, unit: str = "") -> list[object]:

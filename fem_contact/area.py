@@ -7,7 +7,7 @@ The excess is proportional to the edge length, with a constant that belongs to t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Literal
@@ -16,7 +16,8 @@ import numpy as np
 import scipy.ndimage
 from numpy.typing import NDArray
 
-from fem_contact.contact import ContactResult
+from fem_contact._checks import choice, finite, listed, pair, positive, samples, truth, whole
+from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput
 
 __all__ = [
@@ -35,8 +36,11 @@ __all__ = [
 
 #: Excess of the counted area over the true one, per counted edge length and spacing: "bem" for pressures
 #: collocated at the points of a Fourier grid, from Hertzian contacts 18 to 38 cells in radius (standard error
-#: .0015); "fem" for nodal forces on trilinear hexahedra as deep as wide at nu = .3 (.002; .17 at nu = 0).
-EDGE_CONSTANTS = MappingProxyType({"bem": 0.103, "fem": 0.198})
+#: .0015); "fem" for nodal forces on trilinear hexahedra as deep as wide at nu = .3 (.002; .17 at nu = 0); and
+#: for each element of the block by its name (.003).
+EDGE_CONSTANTS = MappingProxyType(
+    {"bem": 0.103, "fem": 0.198, "Hex1": 0.198, "Hex1/P0": 0.260, "Hex2": 0.137, "Hex2/P1disc": 0.205}
+)
 
 
 #: Scatter of the place of an edge on the grid [cells], per edge, as counted areas of Hertzian contacts show.
@@ -48,8 +52,17 @@ _SMOOTHING = 1.5
 #: Degrees of the edge map in v = 1 / (1 + rho^(2/3)) and in the squared cosine of the edge's direction.
 _DEGREES = (5, 2)
 
+#: Coefficients of the edge map of trilinear hexahedra as deep as wide at nu = .3.
+_TRILINEAR = (
+    *(-0.94792, 1.43228, -0.73378),
+    *(2.08013, -5.52714, 3.83788),
+    *(4.03418, 17.14346, -17.40214),
+    *(-12.68666, -30.84094, 39.37498),
+    *(9.89611, 33.39751, -43.12207),
+    *(-1.98161, -15.19323, 18.02973),
+)
+
 #: Coefficients of the edge map per discretisation, by degree in v and then in cos^2; see `subcell_area`.
-#: "fem" is for trilinear hexahedra as deep as wide at nu = .3.
 EDGE_MAPS = MappingProxyType(
     {
         "bem": (
@@ -60,14 +73,8 @@ EDGE_MAPS = MappingProxyType(
             *(0.11590, -1.55225, 1.97152),
             *(2.48050, -5.54267, 3.60049),
         ),
-        "fem": (
-            *(-0.94792, 1.43228, -0.73378),
-            *(2.08013, -5.52714, 3.83788),
-            *(4.03418, 17.14346, -17.40214),
-            *(-12.68666, -30.84094, 39.37498),
-            *(9.89611, 33.39751, -43.12207),
-            *(-1.98161, -15.19323, 18.02973),
-        ),
+        "fem": _TRILINEAR,
+        "Hex1": _TRILINEAR,
     }
 )
 
@@ -115,9 +122,9 @@ class ContactAreas:
 def contact_areas(
     result: ContactResult,
     *,
-    edge_constant: float = EDGE_CONSTANTS["bem"],
+    edge_constant: float | None = None,
     subcell: bool = False,
-    edge_map: Sequence[float] = EDGE_MAPS["bem"],
+    edge_map: Sequence[float] | None = None,
 ) -> ContactAreas:
     r"""Contact area of a result: counted, and with the perimeter correction.
 
@@ -127,12 +134,18 @@ def contact_areas(
     ----------
     result : ContactResult
         Contact is its `in_contact`, each point with its weight.
-    edge_constant : float
-        c, for the discretisation that made the result; see `EDGE_CONSTANTS`.
+    edge_constant : float, optional
+        c, for the discretisation that made the result; without it that of `EDGE_CONSTANTS` which belongs to
+        the element or method that the result names as its provenance.
     subcell : bool
         Also locate the edge inside the cells.
-    edge_map : sequence of float
-        For the discretisation that made the result, if the edge is located; see `EDGE_MAPS`.
+    edge_map : sequence of float, optional
+        For the discretisation that made the result, if the edge is located; likewise one of `EDGE_MAPS`.
+
+    Raises
+    ------
+    InvalidInput
+        For a result whose discretisation is unknown, or has no map, where the constant or map is not given.
 
     Notes
     -----
@@ -140,6 +153,11 @@ def contact_areas(
     Anciaux, J.-F. Molinari, Tribology International 114 (2017) 161, with their constant, .118, replaced by
     the caller's.
     """
+    check_result("result", result)
+    if edge_constant is None:
+        edge_constant = EDGE_CONSTANTS[_discretisation(result, EDGE_CONSTANTS, "edge_constant")]
+    edge_constant = finite("edge_constant", edge_constant)
+    truth("subcell", subcell)
     contact = result.in_contact
     dx, dy = result.spacing
     across_x = int(np.count_nonzero(contact != np.roll(contact, 1, axis=0)))
@@ -156,6 +174,20 @@ def contact_areas(
         subcell=subcell_area(result, edge_map=edge_map) if subcell else None,
         cells=contact.size,
     )
+
+
+def _discretisation(result: ContactResult, known: Mapping[str, object], name: str) -> str:
+    """Name under which the discretisation of a result is known, refused where it is not."""
+    told = result.provenance.get("element", "")
+    if not told and result.provenance.get("method", "").startswith("boundary elements"):
+        told = "bem"
+    if told not in known:
+        found = repr(told) if told else "the result does not say"
+        raise InvalidInput(
+            f"{name}: none is known for the discretisation ({found}): give one, "
+            f"or take a result of {', '.join(known)}"
+        )
+    return told
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -220,6 +252,11 @@ def limit_area(
     InvalidInput
         For fewer than three areas, areas of a single spacing, or a definition that was not measured.
     """
+    listed("areas", areas, ContactAreas, what="`ContactAreas`")
+    choice("definition", definition, ("pixel", "subcell"))
+    if known_constant is not None:
+        known, spread = pair("known_constant", known_constant, what="a constant and its deviation")
+        known_constant = finite("known_constant", known), positive("known_constant", spread)
     sizes = {area.spacing for area in areas}
     if len(areas) < 3 or len(sizes) < 2:
         raise InvalidInput(
@@ -264,8 +301,7 @@ def subgrid_shifts(per_axis: int = 2) -> list[tuple[float, float]]:
     >>> subgrid_shifts(2)
     [(0.0, 0.0), (0.0, 0.5), (0.5, 0.0), (0.5, 0.5)]
     """
-    if per_axis < 1:
-        raise InvalidInput(f"per_axis = {per_axis!r}: must be at least 1")
+    whole("per_axis", per_axis, least=1, most=100)
     return [(i / per_axis, j / per_axis) for i in range(per_axis) for j in range(per_axis)]
 
 
@@ -277,6 +313,7 @@ def mean_areas(areas: Sequence[ContactAreas]) -> ContactAreas:
     InvalidInput
         For no area, or areas of different spacing or edge constant.
     """
+    listed("areas", areas, ContactAreas, what="`ContactAreas`")
     if len({(area.spacing, area.edge_constant) for area in areas}) != 1:
         raise InvalidInput("areas: must all be of one grid and one edge constant")
     located = [area.subcell for area in areas if area.subcell is not None]
@@ -337,6 +374,7 @@ class Edges:
 
 def contact_edges(result: ContactResult) -> Edges:
     """Find the edges of contact between grid cells, with what the fields say about their place."""
+    check_result("result", result)
     contact, spacing = result.in_contact, result.spacing
     smooth = scipy.ndimage.gaussian_filter(contact.astype(float), _SMOOTHING, mode="wrap")
     slopes = [(np.roll(smooth, 1, k) - np.roll(smooth, -1, k)) / spacing[k] for k in (0, 1)]
@@ -356,7 +394,7 @@ def contact_edges(result: ContactResult) -> Edges:
     return Edges(inside=inside_all, axis=axes, sign=signs, cosine=cosines, ratio=ratios)
 
 
-def subcell_area(result: ContactResult, *, edge_map: Sequence[float] = EDGE_MAPS["bem"]) -> float:
+def subcell_area(result: ContactResult, *, edge_map: Sequence[float] | None = None) -> float:
     r"""Relative contact area with the edge located inside the cells.
 
     Near an edge p = K sqrt(s) inside and g = (4 K / 3 E*) s^(3/2) outside, at distance s. The ratio of gap
@@ -374,25 +412,34 @@ def subcell_area(result: ContactResult, *, edge_map: Sequence[float] = EDGE_MAPS
     ----------
     result : ContactResult
         On cells that are square within 5 %, of equal weight.
-    edge_map : sequence of float
-        Coefficients of the fitted curve, for the discretisation that made the result; see `EDGE_MAPS`.
+    edge_map : sequence of float, optional
+        Coefficients of the fitted curve, for the discretisation that made the result; without it the one of
+        `EDGE_MAPS` that belongs to it.
 
     Raises
     ------
     InvalidInput
-        For cells that are not square or nodes of unequal weight, for which there is no such map.
+        For cells that are not square or nodes of unequal weight, for which there is no such map, and for a
+        result of a discretisation that has none, unless it is given.
 
     Notes
     -----
     Needs a few cells per patch; at the edge of a plastic or adhesive contact the law of the edge is another,
     and the estimate means nothing.
     """
+    check_result("result", result)
     dx, dy = result.spacing
     if abs(dx / dy - 1) > 0.05:
         raise InvalidInput(f"cells of {dx:.6g} m x {dy:.6g} m: the edge is located on square cells only")
     if result.weights is not None:
         raise InvalidInput("nodes of unequal weight: the edge is located on uniform nodes only")
+    given = EDGE_MAPS[_discretisation(result, EDGE_MAPS, "edge_map")] if edge_map is None else edge_map
+    coefficients = samples("edge_map", given)
+    if coefficients.size != len(EDGE_MAPS["bem"]):
+        raise InvalidInput(
+            f"edge_map of {coefficients.size} numbers: must have {len(EDGE_MAPS['bem'])}, as in `EDGE_MAPS`"
+        )
     edges = contact_edges(result)
-    place = np.clip(edges.features() @ np.asarray(edge_map), -0.6, 1.2)
+    place = np.clip(edges.features() @ coefficients, -0.6, 1.2)
     shift = float(np.sum((place - 0.5) * edges.cosine**2))
     return float(np.mean(result.in_contact)) + shift / result.in_contact.size

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._checks import doubles, finite, instance, non_negative, pair, positive, shape_of, shown
 from fem_contact.errors import InvalidInput, NotConverged
 
 __all__ = ["ContactResult", "Cost", "Residuals", "Status", "measure_residuals"]
@@ -24,6 +25,7 @@ class Status(Enum):
     CONVERGED = "converged"
     ITERATION_LIMIT = "stopped at the iteration limit: allow more iterations or a larger tolerance"
     STAGNATED = "the residual no longer falls: the tolerance is below what the arithmetic can reach"
+    OBLONG_CELLS = "the residual no longer falls on cells far from square: choose spacings alike in x and y"
     CYCLING = "the active set repeats itself: solve the linear systems more accurately"
     TIME_LIMIT = "stopped at the time limit: allow more time or a coarser grid"
     SEPARATED = "pulled apart: adhesion does not bear this tension, and there is no equilibrium to return"
@@ -57,6 +59,14 @@ class Residuals:
         # max() of Python loses a NaN that is not its first argument, and a NaN residual must never pass for a
         # small one.
         return float(np.max(values))
+
+    def within(self, tolerance: float | None) -> bool:
+        """Whether they meet a tolerance, as the solvers understand it: never where one of them is NaN."""
+        if tolerance is None:
+            return True
+        # What the solver added up in another order may differ by rounding.
+        limit = tolerance * (1 + 1e-6) + 64 * np.finfo(float).eps
+        return bool(self.complementarity <= limit and self.worst <= 10 * limit)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -112,6 +122,9 @@ class ContactResult:
         Mean of `pressure` [Pa].
     weights : (nx, ny) array or None
         Area carried by each point over the mean cell area; None where all are 1.
+    tolerance : float or None
+        What the solver was asked for: complementarity at most this, the other residuals at most ten times as
+        much. None where it judged its answer by something else.
     status : Status
     residuals : Residuals
     cost : Cost
@@ -133,6 +146,7 @@ class ContactResult:
     residuals: Residuals
     cost: Cost
     weights: Array | None = None
+    tolerance: float | None = None
     provenance: Mapping[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -161,20 +175,30 @@ class ContactResult:
         return self.lengths[0] / self.shape[0], self.lengths[1] / self.shape[1]
 
     def checked(self) -> ContactResult:
-        """Return this result if its solver converged.
+        """Return this result if its solver converged and its residuals say the same.
 
         Raises
         ------
         NotConverged
             Otherwise, with the status and the worst residual.
         """
+        worst = self.residuals.worst
         if self.status is not Status.CONVERGED:
-            raise NotConverged(f"{self.status.value} (worst residual {self.residuals.worst:.3g})")
+            raise NotConverged(f"{self.status.value} (worst residual {worst:.3g})")
+        if not np.isfinite(worst) or not self.residuals.within(self.tolerance):
+            raise NotConverged(
+                f"called converged, but its worst residual is {worst:.3g}: check units and magnitudes"
+            )
         return self
 
 
 def _rebuilt(values: dict[str, Any]) -> ContactResult:
     return ContactResult(**values)
+
+
+def check_result(name: str, result: object) -> None:
+    """Refuse what is no result of a contact solver."""
+    instance(name, result, ContactResult, what="a `ContactResult`")
 
 
 def measure_residuals(
@@ -216,22 +240,66 @@ def measure_residuals(
     InvalidInput
         For fields of different shapes, which would otherwise be broadcast into residuals of nothing.
     """
+    fields = _checked_fields(pressure, gap, heights, at_bound=at_bound, weights=weights)
+    lx, ly = pair("lengths", lengths, what="two positive periods (Lx, Ly) in m")
+    longest = max(positive("Lx", lx, unit="m"), positive("Ly", ly, unit="m"))
+    contact_modulus = positive("contact_modulus", contact_modulus, unit="Pa")
+    rms_gradient = non_negative("rms_gradient", rms_gradient)
+    if target_pressure is not None:
+        target_pressure = finite("target_pressure", target_pressure, unit="Pa")
+    with np.errstate(all="ignore"):
+        return _measured(
+            *fields,
+            longest=longest,
+            contact_modulus=contact_modulus,
+            stress_scale=contact_modulus * rms_gradient,
+            target_pressure=target_pressure,
+        )
+
+
+def _checked_fields(
+    pressure: Array,
+    gap: Array,
+    heights: Array,
+    *,
+    at_bound: NDArray[np.bool_] | None,
+    weights: Array | None,
+) -> tuple[Array, Array, Array, NDArray[np.bool_], Array]:
+    """Return all fields as arrays of one shape; NaN is let through, for it makes the residual NaN."""
     others = {"gap": gap, "heights": heights, "at_bound": at_bound, "weights": weights}
+    shape = shape_of("pressure", pressure)
     for name, values in others.items():
-        if values is not None and values.shape != pressure.shape:
-            raise InvalidInput(
-                f"{name} of shape {values.shape}: must have the shape {pressure.shape} of pressure"
-            )
-    w = np.ones_like(pressure) if weights is None else weights
+        if values is not None and shape_of(name, values) != shape:
+            raise InvalidInput(f"{name} of shape {np.shape(values)}: must have the shape {shape} of pressure")
+    if 0 in shape or not shape:
+        raise InvalidInput(f"pressure of shape {shape}: must hold at least one point")
+    if at_bound is not None and not (isinstance(at_bound, np.ndarray) and at_bound.dtype == np.bool_):
+        raise InvalidInput(f"at_bound = {shown(at_bound)}: must be an array of bool")
+    free = np.ones(shape, dtype=bool) if at_bound is None else ~at_bound
+    share = np.ones(shape) if weights is None else doubles("weights", weights)
+    fields = doubles("pressure", pressure, unit="Pa"), doubles("gap", gap, unit="m")
+    return *fields, doubles("heights", heights, unit="m"), free, share
+
+
+def _measured(
+    pressure: Array,
+    gap: Array,
+    heights: Array,
+    free: NDArray[np.bool_],
+    w: Array,
+    *,
+    longest: float,
+    contact_modulus: float,
+    stress_scale: float,
+    target_pressure: float | None,
+) -> Residuals:
     mean = float(np.mean(w * pressure))
     load_scale = abs(mean if target_pressure is None else target_pressure)
     length_scale = float(np.std(heights))
-    stress_scale = contact_modulus * rms_gradient
     # A constant surface has h_rms of rounding size: it is flat, and roughness can be no scale.
     if length_scale <= 8 * np.finfo(float).eps * float(np.max(np.abs(heights), initial=0.0)):
-        length_scale = load_scale * max(lengths) / contact_modulus
+        length_scale = load_scale * longest / contact_modulus
         stress_scale = load_scale
-    free = np.ones(pressure.shape, dtype=bool) if at_bound is None else ~at_bound
     closed = np.where(free, gap, 0.0)
     total = float(np.sum(np.abs(w * pressure)))
 

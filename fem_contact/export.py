@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._checks import choice, finite, instance, shown
+from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -50,11 +52,13 @@ def write_block(path: Path, solution: BlockSolution, *, deformation: float = 1.0
     InvalidInput
         For a suffix other than ``.vtu`` and ``.xdmf``.
     """
-    import meshio
-
-    path = Path(path)
+    path = _checked_path(path)
+    _check_solution(solution)
+    deformation = finite("deformation", deformation)
     if path.suffix not in (".vtu", ".xdmf"):
         raise InvalidInput(f"path = {path}: the suffix must be .vtu or .xdmf")
+    import meshio
+
     displacement = _unfolded(solution.field)
     surface = {"pressure": solution.contact.pressure, "contact": solution.contact.in_contact.astype(float)}
     point_data: dict[str, Array] = {"displacement": displacement.reshape(-1, 3)}
@@ -80,6 +84,19 @@ def write_block(path: Path, solution: BlockSolution, *, deformation: float = 1.0
         partial.unlink(missing_ok=True)
 
 
+def _checked_path(path: Path) -> Path:
+    instance("path", path, (str, os.PathLike), what="the name of a file")
+    if "\0" in str(path) or not Path(path).name:
+        raise InvalidInput(f"path = {shown(path)}: must be the name of a file")
+    return Path(path)
+
+
+def _check_solution(solution: BlockSolution) -> None:
+    from fem_contact.block import BlockSolution
+
+    instance("solution", solution, BlockSolution, what="a `BlockSolution`")
+
+
 def _unfolded(field: Array) -> Array:
     """Repeat the first row and column of a periodic field behind the last."""
     return np.pad(field, [(0, 1), (0, 1)] + [(0, 0)] * (field.ndim - 2), mode="wrap")
@@ -100,14 +117,17 @@ def _cells(
     return np.stack(columns, axis=1)
 
 
-def render_surface(path: Path, solution: BlockSolution, *, magnification: float | None = None) -> None:
-    """Draw the deformed surface of the block, coloured by the contact pressure, into a picture, off screen.
+def render_surface(
+    path: Path, solution: ContactResult | BlockSolution, *, magnification: float | None = None
+) -> None:
+    """Draw the deformed surface, coloured by the contact pressure (dark is high), into a picture, off screen.
 
     Parameters
     ----------
     path : Path
         File to write, ``.png`` for instance.
-    solution : BlockSolution
+    solution : ContactResult or BlockSolution
+        Of whichever solver: the contact alone is drawn.
     magnification : float, optional
         Factor on the displacement; by default the deepest dent is drawn a tenth of the period deep.
 
@@ -116,14 +136,16 @@ def render_surface(path: Path, solution: BlockSolution, *, magnification: float 
     InvalidInput
         For a magnification that is not finite.
     """
+    path = _checked_path(path)
+    if not isinstance(solution, ContactResult):
+        _check_solution(solution)
     pyvista = _pyvista()
-    contact = solution.contact
+    contact = solution if isinstance(solution, ContactResult) else solution.contact
     rise = -(contact.displacement - contact.displacement.min())
     depth = float(np.ptp(rise))
     if magnification is None:
         magnification = 0.1 * max(contact.lengths) / depth if depth > 0 else 1.0
-    if not np.isfinite(magnification):
-        raise InvalidInput(f"magnification = {magnification!r}: must be a finite number")
+    magnification = finite("magnification", magnification)
     (nx, ny), (dx, dy) = contact.shape, contact.spacing
     x, y = np.meshgrid(np.arange(nx + 1) * dx, np.arange(ny + 1) * dy, indexing="ij")
     # Lengths in periods: the drawing library's tolerances are absolute.
@@ -131,7 +153,7 @@ def render_surface(path: Path, solution: BlockSolution, *, magnification: float 
     grid = pyvista.StructuredGrid(x / unit, y / unit, magnification * _unfolded(rise) / unit)
     grid.point_data["pressure [MPa]"] = _unfolded(contact.pressure).ravel(order="F") / 1e6
     plotter = pyvista.Plotter(off_screen=True, window_size=(1200, 900))
-    plotter.add_mesh(grid, scalars="pressure [MPa]", cmap="inferno", smooth_shading=True)
+    plotter.add_mesh(grid, scalars="pressure [MPa]", cmap="viridis_r", smooth_shading=True)
     plotter.view_vector((-0.6, -1.0, 0.9), viewup=(0, 0, 1))
     plotter.camera.zoom(1.3)
     _shoot(plotter, path)
@@ -162,13 +184,15 @@ def render_section(
     InvalidInput
         For another axis, or a position outside the period.
     """
-    if axis not in ("x", "y"):
-        raise InvalidInput(f"axis = {axis!r}: must be 'x' or 'y'")
+    path = _checked_path(path)
+    _check_solution(solution)
+    choice("axis", axis, ("x", "y"))
     across = 0 if axis == "x" else 1
     width, cells = solution.cell_size, solution.mesh.cells
     if position is None:
         peak = np.unravel_index(int(np.argmax(solution.contact.pressure)), solution.contact.shape)
         position = float(peak[across]) * solution.contact.spacing[across]
+    position = finite("position", position, unit="m")
     if not 0 <= position <= solution.contact.lengths[across]:
         raise InvalidInput(
             f"position = {position!r}: must lie in the period, 0 to {solution.contact.lengths[across]:.6g} m"
@@ -185,7 +209,7 @@ def render_section(
     grid = pyvista.StructuredGrid(s, np.zeros_like(s), z)
     grid.cell_data["von Mises [MPa]"] = cut.ravel(order="F") / 1e6
     plotter = pyvista.Plotter(off_screen=True, window_size=(1200, 900))
-    plotter.add_mesh(grid, scalars="von Mises [MPa]", cmap="viridis")
+    plotter.add_mesh(grid, scalars="von Mises [MPa]", cmap="viridis_r")
     plotter.view_xz()
     _shoot(plotter, path)
 
@@ -200,7 +224,6 @@ def _pyvista() -> Any:
 
 
 def _shoot(plotter: Any, path: Path) -> None:
-    path = Path(path)
     partial = path.with_name(f".partial-{os.getpid()}-{path.name}")
     try:
         plotter.screenshot(partial)

@@ -22,6 +22,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._checks import instance, listed, pair, positive, whole
 from fem_contact.area import ContactAreas, Limit, limit_area
 from fem_contact.errors import InvalidInput
 
@@ -71,6 +72,13 @@ class PlannedGrid:
     cells: int
     solves: int = 1
 
+    def __post_init__(self) -> None:
+        dx, dy = pair("spacing", self.spacing, what="the size of a cell (dx, dy) in m")
+        positive("spacing", dx, unit="m")
+        positive("spacing", dy, unit="m")
+        whole("cells", self.cells, least=1, most=10**15)
+        whole("solves", self.solves, least=1, most=10**6)
+
 
 def located_limit(areas: Sequence[ContactAreas]) -> Limit:
     """Limit of the located area of one surface over its grids, with an uncertainty that holds.
@@ -99,6 +107,7 @@ def located_limit(areas: Sequence[ContactAreas]) -> Limit:
     uncertainty what the law says of such a grid. Grids so coarse that no area remains inside their located
     edges say nothing and are left out.
     """
+    _check_areas(areas)
     if not areas or any(area.subcell is None for area in areas):
         raise InvalidInput(f"{len(areas)} areas: a limit needs at least one, each with its edge located")
     doubt = too_small(areas)
@@ -158,6 +167,7 @@ def counted_limit(areas: Sequence[ContactAreas]) -> Limit:
     InvalidInput
         As `limit_area`.
     """
+    _check_areas(areas)
     limit = limit_area(areas)
     doubt = too_small(areas)
     return _no_limit(doubt, len(areas), definition="pixel") if doubt else _checked(limit)
@@ -171,6 +181,9 @@ def too_small(areas: Sequence[ContactAreas]) -> str:
     areas : sequence of ContactAreas
         Of one surface at one load, from one grid or more.
     """
+    _check_areas(areas)
+    if not areas:
+        raise InvalidInput("0 areas: at least one is needed")
     finest = min(area.spacing[0] * area.spacing[1] for area in areas)
     points = float(
         np.mean([a.pixel * a.cells for a in areas if a.spacing[0] * a.spacing[1] <= finest * (1 + 1e-9)])
@@ -179,6 +192,10 @@ def too_small(areas: Sequence[ContactAreas]) -> str:
         return ""
     count = f"{points:.3g} point{'' if round(points, 2) == 1 else 's'}"
     return f"the contact has {count} on the finest grid; a limit needs {LEAST_CONTACT_POINTS}"
+
+
+def _check_areas(areas: Sequence[ContactAreas]) -> None:
+    listed("areas", areas, ContactAreas, what="`ContactAreas`")
 
 
 def _no_limit(doubt: str, grids: int, *, definition: str = "subcell") -> Limit:
@@ -206,6 +223,10 @@ def predicted_uncertainty(coarse: ContactAreas, grids: Sequence[PlannedGrid]) ->
         Of any grid of the same surface at the same load: says how large the contact is, how long its edges.
     grids : sequence of PlannedGrid
     """
+    instance("coarse", coarse, ContactAreas, what="`ContactAreas`")
+    listed("grids", grids, PlannedGrid, what="`PlannedGrid`s")
+    if not grids:
+        raise InvalidInput("grids: at least one is needed")
     area = coarse.pixel if coarse.subcell is None else coarse.subcell
     area = min(max(area, coarse.cell_share), 1 - coarse.cell_share)
     if coarse.edge_fraction == 0:

@@ -14,7 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._checks import array, instance, listed, numbers_of, positive, whole
 from fem_contact.errors import InvalidInput
+from fem_contact.response import wave_size
 from fem_contact.solid import Solid
 
 __all__ = ["ExponentialSolid", "LayeredSolid"]
@@ -60,13 +62,15 @@ class LayeredSolid:
     base: Solid
 
     def __post_init__(self) -> None:
-        if len(self.layers) != len(self.thicknesses):
+        listed("layers", self.layers, Solid, what="`Solid`s")
+        thicknesses = numbers_of("thicknesses", self.thicknesses, unit="m")
+        instance("base", self.base, Solid, what="a `Solid`")
+        if len(self.layers) != len(thicknesses):
             raise InvalidInput(
-                f"{len(self.thicknesses)} thicknesses for {len(self.layers)} layers: give one for each"
+                f"{len(thicknesses)} thicknesses for {len(self.layers)} layers: give one for each"
             )
-        for thickness in self.thicknesses:
-            if not (np.isfinite(thickness) and thickness > 0):
-                raise InvalidInput(f"thicknesses: {thickness!r} must be a positive, finite length in m")
+        for thickness in thicknesses:
+            positive("thicknesses", thickness, unit="m")
 
     @property
     def contact_modulus(self) -> float:
@@ -75,8 +79,7 @@ class LayeredSolid:
 
     def compliance(self, qx: Array, qy: Array) -> Array:
         """Return C(q) [m/Pa], 0 at q = 0."""
-        q = np.hypot(qx, qy)
-        return _on_distinct(q, self._compliance)
+        return _on_distinct(wave_size(qx, qy), self._compliance)
 
     def _compliance(self, q: Array) -> Array:
         impedance = np.broadcast_to(_half_space(self.base), (q.size, 2, 2))
@@ -113,12 +116,10 @@ class ExponentialSolid:
     sublayers: int = 64
 
     def __post_init__(self) -> None:
-        for name in ("bulk_young", "depth"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0):
-                raise InvalidInput(f"{name} = {value!r}: must be positive and finite")
-        if self.sublayers < 4:
-            raise InvalidInput(f"sublayers = {self.sublayers!r}: must be at least 4")
+        instance("surface", self.surface, Solid, what="a `Solid`")
+        positive("bulk_young", self.bulk_young, unit="Pa")
+        positive("depth", self.depth, unit="m")
+        whole("sublayers", self.sublayers, least=4, most=10_000)
 
     @property
     def contact_modulus(self) -> float:
@@ -127,11 +128,17 @@ class ExponentialSolid:
 
     def young(self, depth: Array) -> Array:
         """Return E(z) [Pa] at depths [m]."""
+        z = array("depth", depth, unit="m")
+        if np.any(z < 0):
+            raise InvalidInput(f"depth = {float(np.min(z))!r}: must not be negative, in m")
+        return self._young(z)
+
+    def _young(self, depth: Array) -> Array:
         return self.bulk_young + (self.surface.young - self.bulk_young) * np.exp(-depth / self.depth)
 
     def compliance(self, qx: Array, qy: Array) -> Array:
         """Return C(q) [m/Pa], 0 at q = 0."""
-        return _on_distinct(np.hypot(qx, qy), self._smooth)
+        return _on_distinct(wave_size(qx, qy), self._smooth)
 
     def _smooth(self, q: Array) -> Array:
         """Compliance of many waves, from a spline through q C(q) of fewer."""
@@ -153,10 +160,10 @@ class ExponentialSolid:
         edges = -3 * np.log1p(-steps * (1 - np.exp(-10.0)))
         nu = self.surface.poisson
         bulk = Solid(young=1.0, poisson=nu)
-        deepest = self.young(reach * edges[-1])
+        deepest = self._young(reach * edges[-1])
         impedance = _half_space(bulk) * deepest[:, None, None]
         for top, bottom in zip(edges[-2::-1], edges[:0:-1], strict=True):
-            young = self.young(reach * (top + bottom) / 2)[:, None, None]
+            young = self._young(reach * (top + bottom) / 2)[:, None, None]
             thickness = q * reach * (bottom - top)
             impedance = young * _through(bulk, thickness, impedance / young)
         return _surface(impedance) / q
@@ -170,7 +177,9 @@ def _on_distinct(q: Array, compliance: Callable[[Array], Array]) -> Array:
     """Evaluate at the distinct |q| only, by far fewer than the wavevectors of a grid; 0 at q = 0."""
     values, places = np.unique(q, return_inverse=True)
     out = np.zeros(values.shape)
-    out[values > 0] = compliance(values[values > 0])
+    # Of a wave far longer than the solar system the compliance may exceed what a number can hold.
+    with np.errstate(over="ignore"):
+        out[values > 0] = compliance(values[values > 0])
     return np.asarray(out[places].reshape(q.shape))
 
 

@@ -13,9 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact import bem
+from fem_contact._checks import LEAST, array, instance, numbers_of, positive
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
+from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
 __all__ = ["Hardness", "YieldedContact", "press", "unload", "yielded"]
@@ -41,8 +43,8 @@ class Hardness:
     pressure: float | Array
 
     def __post_init__(self) -> None:
-        values = np.asarray(self.pressure, dtype=float)
-        if values.size == 0 or not np.all(np.isfinite(values)) or not np.all(values > 0):
+        values = array("hardness", self.pressure, unit="Pa")
+        if values.size == 0 or not np.all(values >= LEAST):
             raise InvalidInput("hardness: must be positive and finite everywhere, in Pa")
 
 
@@ -97,6 +99,7 @@ def yielded(contact: ContactResult) -> YieldedContact:
     >>> f"{found.elastic_load + found.plastic_load:.12g}"
     '0.1'
     """
+    instance("contact", contact, ContactResult, what="a `ContactResult`")
     # A point between two nodes of different area counts by its own.
     weights = np.ones(contact.shape) if contact.weights is None else contact.weights
     load = weights * contact.pressure
@@ -139,6 +142,7 @@ def press(
     InvalidInput
         For a mean pressure above the mean hardness, or a hardness field of another shape.
     """
+    instance("hardness", hardness, Hardness, what="a `Hardness`")
     return bem.solve(
         surface,
         response,
@@ -178,7 +182,12 @@ def unload(
     InvalidInput
         For a load above that of `contact`.
     """
-    loads = list(mean_pressures)
+    instance("contact", contact, ContactResult, what="a `ContactResult`")
+    Settings(tolerance=tolerance)
+    loads = [
+        positive("mean_pressures", load, unit="Pa")
+        for load in numbers_of("mean_pressures", mean_pressures, unit="Pa")
+    ]
     for load in loads:
         if not load <= contact.mean_pressure * (1 + tolerance):
             raise InvalidInput(

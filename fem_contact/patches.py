@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from fem_contact._checks import pair, positive, shown, truth
 from fem_contact.errors import InvalidInput
 
 __all__ = ["Patches", "find_patches"]
@@ -67,8 +68,13 @@ def find_patches(
     >>> find_patches(across_the_period, (1.0, 1.0)).areas
     array([2., 1.])
     """
-    if in_contact.ndim != 2:
+    if not (isinstance(in_contact, np.ndarray) and in_contact.dtype == np.bool_):
+        raise InvalidInput(f"in_contact = {shown(in_contact)}: must be an array of bool (nx, ny)")
+    if in_contact.ndim != 2 or in_contact.size == 0:
         raise InvalidInput(f"in_contact of shape {in_contact.shape}: must be a two-dimensional map (nx, ny)")
+    sizes = pair("spacing", spacing, what="the size of a cell (dx, dy) in m")
+    dx, dy = (positive("spacing", size, unit="m") for size in sizes)
+    truth("diagonal", diagonal)
     structure = np.ones((3, 3)) if diagonal else None
     open_labels = np.zeros(in_contact.shape, dtype=np.int64)
     count = int(scipy.ndimage.label(in_contact, structure=structure, output=open_labels))
@@ -82,7 +88,7 @@ def find_patches(
     # Label 0 (no contact) is a node of its own and keeps the component number 0.
     labels = merged[open_labels].astype(np.int64)
     cells = np.bincount(labels.ravel(), minlength=1)[1:]
-    return Patches(labels=labels, areas=np.asarray(cells * (spacing[0] * spacing[1]), dtype=np.float64))
+    return Patches(labels=labels, areas=np.asarray(cells * (dx * dy), dtype=np.float64))
 
 
 def _seam(last: NDArray[np.int64], first: NDArray[np.int64], diagonal: bool) -> NDArray[np.int64]:

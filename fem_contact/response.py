@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from fem_contact.errors import InvalidInput
+from fem_contact._checks import alike, array, function, instance, positive
 from fem_contact.solid import Solid
 
 __all__ = ["BondedLayer", "FrictionlessLayer", "GivenResponse", "HalfSpace", "Response"]
@@ -47,6 +47,9 @@ class HalfSpace:
 
     solid: Solid
 
+    def __post_init__(self) -> None:
+        _check_solid(self.solid)
+
     @property
     def contact_modulus(self) -> float:
         """E* [Pa]."""
@@ -54,8 +57,8 @@ class HalfSpace:
 
     def compliance(self, qx: Array, qy: Array) -> Array:
         """Return 2 / (E* |q|) [m/Pa], 0 at q = 0."""
-        q = np.hypot(qx, qy)
-        with np.errstate(divide="ignore"):
+        q = wave_size(qx, qy)
+        with np.errstate(divide="ignore", over="ignore"):
             return np.where(q > 0, 2 / (self.contact_modulus * q), 0.0)
 
 
@@ -90,6 +93,7 @@ class BondedLayer:
     thickness: float
 
     def __post_init__(self) -> None:
+        _check_solid(self.solid)
         _check_thickness(self.thickness)
 
     @property
@@ -99,7 +103,7 @@ class BondedLayer:
 
     def compliance(self, qx: Array, qy: Array) -> Array:
         """Return C(q) [m/Pa]."""
-        q = np.hypot(qx, qy)
+        q = wave_size(qx, qy)
         k = 3 - 4 * self.solid.poisson
         twice = 2 * q * self.thickness
         decay = np.exp(-twice)
@@ -133,6 +137,7 @@ class FrictionlessLayer:
     thickness: float
 
     def __post_init__(self) -> None:
+        _check_solid(self.solid)
         _check_thickness(self.thickness)
 
     @property
@@ -142,7 +147,7 @@ class FrictionlessLayer:
 
     def compliance(self, qx: Array, qy: Array) -> Array:
         """Return C(q) [m/Pa]."""
-        q = np.hypot(qx, qy)
+        q = wave_size(qx, qy)
         twice = 2 * q * self.thickness
         above = np.expm1(-twice) ** 2
         below = -np.expm1(-2 * twice) + 2 * twice * np.exp(-twice)
@@ -166,15 +171,41 @@ class GivenResponse:
     contact_modulus: float
     function: Callable[[Array, Array], Array]
 
+    def __post_init__(self) -> None:
+        positive("contact_modulus", self.contact_modulus, unit="Pa")
+        function("function", self.function)
+
     def compliance(self, qx: Array, qy: Array) -> Array:
         """Return the given C(qx, qy) [m/Pa]."""
-        qx, qy = np.broadcast_arrays(qx, qy)
-        return np.asarray(self.function(qx, qy), dtype=float)
+        qx, qy = np.broadcast_arrays(*_checked_waves(qx, qy))
+        return array("function(qx, qy)", self.function(qx, qy), unit="m/Pa", power=2)
 
 
 def _check_thickness(thickness: float) -> None:
-    if not (np.isfinite(thickness) and thickness > 0):
-        raise InvalidInput(f"thickness = {thickness!r}: must be a positive, finite length in m")
+    positive("thickness", thickness, unit="m")
+
+
+def _check_solid(solid: Solid) -> None:
+    instance("solid", solid, Solid, what="a `Solid`")
+
+
+def check_response(response: object) -> None:
+    """Refuse what is no elastic response."""
+    what = "an elastic response, such as `HalfSpace`, with `contact_modulus` and `compliance`"
+    instance("response", response, Response, what=what)
+    positive("response.contact_modulus", getattr(response, "contact_modulus", None), unit="Pa")
+
+
+def wave_size(qx: ArrayLike, qy: ArrayLike) -> Array:
+    """|q| [1/m] of wavevectors that are finite real numbers."""
+    x, y = _checked_waves(qx, qy)
+    return np.asarray(np.hypot(x, y))
+
+
+def _checked_waves(qx: ArrayLike, qy: ArrayLike) -> tuple[Array, Array]:
+    x, y = array("qx", qx, unit="1/m"), array("qy", qy, unit="1/m")
+    alike(qx=x, qy=y)
+    return x, y
 
 
 def _sinh_excess(t: Array) -> Array:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
-from fem_contact.errors import InvalidInput
+from fem_contact._checks import instance, positive, within
 
 __all__ = ["Solid", "composite_modulus"]
 
@@ -36,10 +35,8 @@ class Solid:
     poisson: float
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.young) and self.young > 0):
-            raise InvalidInput(f"young = {self.young!r}: must be a positive, finite modulus in Pa")
-        if not -1 < self.poisson <= 0.5:
-            raise InvalidInput(f"poisson = {self.poisson!r}: must lie in (-1, 0.5]")
+        positive("young", self.young, unit="Pa")
+        within("poisson", self.poisson, -1, 0.5, interval="(-1, 0.5]")
 
     @property
     def contact_modulus(self) -> float:
@@ -64,4 +61,6 @@ def composite_modulus(first: Solid, second: Solid) -> float:
     >>> composite_modulus(steel, steel) == steel.contact_modulus / 2
     True
     """
+    instance("first", first, Solid, what="a `Solid`")
+    instance("second", second, Solid, what="a `Solid`")
     return 1 / (1 / first.contact_modulus + 1 / second.contact_modulus)

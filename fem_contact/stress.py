@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fem_contact.contact import ContactResult
+from fem_contact._checks import array, listed, non_negative, pair, positive, whole, within
+from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput
 from fem_contact.patches import find_patches
 from fem_contact.surface import HeightField
@@ -77,6 +78,7 @@ def pressure_distribution(result: ContactResult, edges: ArrayLike) -> PressureDi
     InvalidInput
         For edges that do not increase.
     """
+    check_result("result", result)
     edges = _checked_edges(edges, "pressures in Pa")
     pressure, share = _contact_pressures(result)
     counts, _ = np.histogram(pressure, bins=edges, weights=share)
@@ -130,6 +132,8 @@ def density_at_zero(result: ContactResult, *, factor: float = 0.2) -> DensityAtZ
     InvalidInput
         For a flat surface, which has no such pressure scale.
     """
+    check_result("result", result)
+    factor = positive("factor", factor)
     _, m2, m4 = HeightField(heights=result.heights, lengths=result.lengths).moments
     if not m2 > 0:
         raise InvalidInput("a flat surface has no scale of pressure: P(0+) is undefined")
@@ -178,6 +182,7 @@ def limit_density(densities: Sequence[DensityAtZero]) -> DensityLimit:
     InvalidInput
         For fewer than three estimates, a single spacing, or estimates that rest on no point.
     """
+    listed("densities", densities, DensityAtZero, what="`DensityAtZero`")
     spacing = np.array([one.spacing for one in densities])
     if len(densities) < 3 or np.unique(spacing).size < 2:
         raise InvalidInput(f"{len(densities)} densities: a limit needs three on at least two spacings")
@@ -245,6 +250,10 @@ def initial_slope(
     InvalidInput
         For a flat surface, or a window that is not increasing.
     """
+    check_result("result", result)
+    bins = whole("bins", bins, least=1, most=10**6)
+    low, high = pair("window", window, what="two increasing pressures in units of E* h'_rms")
+    window = non_negative("window", low), non_negative("window", high)
     stress = result.contact_modulus * HeightField(heights=result.heights, lengths=result.lengths).rms_gradient
     if not stress > 0:
         raise InvalidInput("a flat surface has no scale of pressure: the slope of P is undefined")
@@ -272,8 +281,8 @@ def refined_edges(top: float, *, bins: int = 40, power: float = 2.0) -> Array:
     >>> refined_edges(16.0, bins=4)
     array([ 0.,  1.,  4.,  9., 16.])
     """
-    if not (np.isfinite(top) and top > 0) or bins < 1 or not power > 0:
-        raise InvalidInput(f"top = {top!r}, bins = {bins!r}, power = {power!r}: must all be positive")
+    top, power = positive("top", top, unit="Pa"), within("power", power, 0, 100, interval="(0, 100]")
+    bins = whole("bins", bins, least=1, most=10**6)
     return np.asarray(top * np.linspace(0.0, 1.0, bins + 1) ** power)
 
 
@@ -310,6 +319,7 @@ def gap_distribution(result: ContactResult, edges: ArrayLike) -> GapDistribution
     InvalidInput
         For edges that do not increase.
     """
+    check_result("result", result)
     edges = _checked_edges(edges, "lengths in m")
     weights = np.ones(result.shape) if result.weights is None else result.weights
     apart = ~result.in_contact
@@ -324,6 +334,7 @@ def elastic_energy(result: ContactResult) -> float:
     On a half-space u has zero mean, so this is the energy of the roughness alone (Persson 2006, Eq. 43 refers
     to the same).
     """
+    check_result("result", result)
     weighted = result.pressure if result.weights is None else result.pressure * result.weights
     return 0.5 * float(np.mean(weighted * result.displacement))
 
@@ -336,7 +347,10 @@ def loading_work(results: Sequence[ContactResult]) -> Array:
     load. Between elastic states the work equals the difference of their energies, with an error of second
     order in the steps.
     """
+    listed("results", results, ContactResult, what="`ContactResult`s")
     load = np.array([result.mean_pressure for result in results])
+    if load.size == 0 or np.any(load <= 0):
+        raise InvalidInput(f"{load.size} results: the work needs at least one, each under a positive load")
     approach = -np.array([result.offset for result in results])
     growth = np.log(load[1:] / load[:-1])
     # Near equal loads the logarithmic mean is 0 / 0; its series there is the plain mean.
@@ -354,6 +368,7 @@ def contact_stiffness(results: Sequence[ContactResult]) -> Array:
     InvalidInput
         For fewer than three states.
     """
+    listed("results", results, ContactResult, what="`ContactResult`s")
     if len(results) < 3:
         raise InvalidInput(f"{len(results)} states: the stiffness needs at least three")
     load = np.array([result.mean_pressure for result in results])
@@ -372,7 +387,7 @@ def _contact_pressures(result: ContactResult) -> tuple[Array, Array]:
 
 
 def _checked_edges(edges: ArrayLike, kind: str) -> Array:
-    values = np.asarray(edges, dtype=float)
+    values = array("edges", edges)
     if values.ndim != 1 or values.size < 2 or not np.all(np.diff(values) > 0):
         raise InvalidInput(f"edges: must be at least two increasing {kind}")
     return values

@@ -88,7 +88,7 @@ def _bad(value: Array, bad: NDArray[np.bool_]) -> str:
 
 def _computable(array: Array, power: float) -> NDArray[np.bool_]:
     size = np.abs(array)
-    return (array == 0) | ((size >= LAST) & (size <= GREATEST**power))
+    return np.asarray((array == 0) | ((size >= LAST) & (size <= GREATEST**power)))
 
 
 def _sizes(power: float) -> str:
@@ -107,13 +107,18 @@ def real(name: str, value: ArrayLike, *, unit: str = "", power: float = 1) -> Ar
     return array
 
 
-def non_negative(name: str, value: ArrayLike, *, unit: str = "", power: float = 1) -> Array:
-    """Return `value` as a float array, refusing anything but numbers >= 0 that can be computed with."""
+def non_negative(
+    name: str, value: ArrayLike, *, unit: str = "", power: float = 1, vanishing: bool = False
+) -> Array:
+    """Return `value` as a float array, refusing anything but numbers >= 0 that can be computed with.
+
+    Where they may be `vanishing`, such as the tail of a distribution, no size is too small.
+    """
     array = _numbers(name, value, unit=unit)
     bad = ~(np.isfinite(array) & (array >= 0))
     if bad.any():
         raise InvalidInput(f"{name} = {_bad(array, bad)}: must be finite and not negative{_in(unit)}")
-    bad = ~_computable(array, power)
+    bad = ~_computable(array, power) & ~(vanishing & (array < LAST))
     if bad.any():
         raise InvalidInput(f"{name} = {_bad(array, bad)}: must be zero or {_sizes(power)}{_in(unit)}")
     return array
@@ -148,12 +153,12 @@ def poisson_ratio(value: object) -> float:
     return within("poisson", value, -1, 0.5, interval="(-1, 0.5]")
 
 
-def scalar(name: str, value: object, *, unit: str = "") -> float:
+def scalar(name: str, value: object, *, unit: str = "", power: float = 1) -> float:
     """Return one number that is zero or of a size that can be computed with."""
     number = _number(value)
     if number is None:
         raise InvalidInput(f"{name} = {shown(value)}: must be one number{_in(unit)}")
-    return float(real(name, number, unit=unit))
+    return float(real(name, number, unit=unit, power=power))
 
 
 def whole(name: str, value: object, *, least: int, most: int) -> int:

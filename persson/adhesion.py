@@ -12,7 +12,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,18 +19,23 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from persson._checks import (
     Array,
-    choice,
     in_proportion,
     instance,
     non_negative,
     positive,
-    real,
     scalar,
     whole,
     within,
 )
 from persson.diffusion import Diffusion, Wall, diffuse_once
 from persson.errors import InvalidInput, NotConverged, OutsideTheory
+from persson.interface import (
+    Interface,
+    closing_work,
+    crossover_length,
+    detachment_stress,
+    opening_work,
+)
 from persson.scale import Scale
 from persson.spectrum import area_factor
 
@@ -51,96 +55,6 @@ _SPACINGS = (0.24, 0.12)
 
 #: Below this share of the nominal area contact counts as lost.
 _LOST = 1e-13
-
-
-@dataclass(frozen=True, kw_only=True)
-class Interface:
-    """What the adhesion of two surfaces is made of, and which reading of the theory is used.
-
-    Parameters
-    ----------
-    work_of_adhesion : float
-        Delta gamma [J/m^2] of flat surfaces.
-    energy : {"improved", "old", "as_printed"}
-        Elastic energy at partial contact: Persson 2006, Eqs. 44-49 ("improved"), Eq. 43 ("old"), or Eq. 50
-        as it is printed, which differs from Eq. 48 under load ("as_printed").
-    area : {"star", "projected"}
-        Whether the contact areas of Eq. 37 carry the slope factor of `persson.spectrum.area_factor` ("star").
-    alpha : float
-        Number of order 1 in Eq. 36; the paper uses 9/8.
-    ideal_strength : float, optional
-        sigma* = Delta gamma / a [Pa], which bounds the detachment stress at atomic scales (Sec. 8.4).
-    """
-
-    work_of_adhesion: float
-    energy: Literal["improved", "old", "as_printed"] = "improved"
-    area: Literal["star", "projected"] = "star"
-    alpha: float = 1.125
-    ideal_strength: float | None = None
-
-    def __post_init__(self) -> None:
-        positive("work_of_adhesion", self.work_of_adhesion, unit="J/m^2")
-        positive("alpha", self.alpha)
-        if self.ideal_strength is not None:
-            positive("ideal_strength", self.ideal_strength, unit="Pa")
-        choice("energy", self.energy, ("improved", "old", "as_printed"))
-        choice("area", self.area, ("star", "projected"))
-
-
-def detachment_stress(
-    work: ArrayLike, *, contact_modulus: ArrayLike, wavevector: ArrayLike, interface: Interface
-) -> Array:
-    r"""Largest tensile stress sigma_a an interface can carry at one magnification.
-
-    .. math:: \sigma_a^0 = \sqrt{\alpha\gamma_\mathrm{eff} E^* q}, \qquad
-              \sigma_a = \frac{\sigma^*\sigma_a^0}{\sigma^* + \sigma_a^0}
-
-    Parameters
-    ----------
-    work : float or array
-        gamma_eff [J/m^2]; where it is negative the surfaces do not adhere and sigma_a is 0.
-    contact_modulus, wavevector : float or array
-        E* [Pa] and q [1/m].
-    interface : Interface
-        Gives alpha and sigma*; without `ideal_strength`, sigma_a is the first expression.
-
-    Notes
-    -----
-    Persson 2006, Eq. 36 and Sec. 8.4.
-    """
-    energy = np.maximum(real("work", work, unit="J/m^2"), 0.0)
-    instance("interface", interface, Interface, what="an `Interface`")
-    modulus = non_negative("contact_modulus", contact_modulus, unit="Pa")
-    bare = np.sqrt(interface.alpha * energy * modulus * non_negative("wavevector", wavevector, unit="1/m"))
-    strength = interface.ideal_strength
-    return np.asarray(bare if strength is None else bare / (1 + bare / strength))[()]
-
-
-def crossover_length(work_of_adhesion: float, *, contact_modulus: float, atomic_distance: float) -> float:
-    """Length l_c = a^2 E* / Delta gamma [m] below which the ideal strength bounds the stress.
-
-    Persson 2006, Sec. 8.4.
-
-    Examples
-    --------
-    >>> round(crossover_length(0.05, contact_modulus=1e11, atomic_distance=7e-10) * 1e6, 2)
-    0.98
-    """
-    a = positive("atomic_distance", atomic_distance, unit="m")
-    energy = positive("work_of_adhesion", work_of_adhesion, unit="J/m^2")
-    return a * a * positive("contact_modulus", contact_modulus, unit="Pa") / energy
-
-
-def opening_work(work_of_adhesion: float, *, dissipation: ArrayLike) -> Array:
-    """Work Delta gamma [1 + f(v)] [J/m^2] that an opening crack takes in a viscoelastic solid (Sec. 8.6)."""
-    f = non_negative("dissipation", dissipation)
-    return positive("work_of_adhesion", work_of_adhesion, unit="J/m^2") * (1 + f)
-
-
-def closing_work(work_of_adhesion: float, *, dissipation: ArrayLike) -> Array:
-    """Work Delta gamma / [1 + f(v)] [J/m^2] that a closing crack gains in a viscoelastic solid (Sec. 8.6)."""
-    f = non_negative("dissipation", dissipation)
-    return positive("work_of_adhesion", work_of_adhesion, unit="J/m^2") / (1 + f)
 
 
 class AdhesionStatus(Enum):

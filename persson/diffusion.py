@@ -185,7 +185,7 @@ def solve_diffusion(
         whole("modes", modes, least=4, most=400)
     if step is not None:
         within("step", step, 1e-4, 1, interval="[1e-4, 1]")
-    kinks = np.ravel(real("breaks", sequence("breaks", breaks) or np.empty(0), unit="Pa^2", power=2))
+    kinks = np.array([scalar("breaks", kink, unit="Pa^2", power=2) for kink in sequence("breaks", breaks)])
     levels = _LEVELS if modes is None and step is None else ((step or 0.1, modes or 48),)
     with in_proportion():
         return _refined(problem, outputs, kinks, levels=levels, tolerance=tolerance)

@@ -157,7 +157,7 @@ def smoothed(
     instance("spectrum", spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
     choice("form", form, ("gradual", "sharp"))
     q = np.atleast_1d(non_negative("wavevectors", wavevectors, unit="1/m"))
-    share = np.atleast_1d(non_negative("yielded", yielded))
+    share = np.atleast_1d(non_negative("yielded", yielded, vanishing=True))
     if q.shape != share.shape or np.any(share > 1 + 1e-6):
         raise InvalidInput("yielded: must hold one share between 0 and 1 for each wavevector")
     keep = np.minimum(1 - share, 1.0)

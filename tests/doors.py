@@ -120,11 +120,11 @@ def solver_doors() -> dict[str, Door]:
         ),
         "GivenResponse": (
             response.GivenResponse,
-            {"contact_modulus": 1.0, "function": lambda qx, qy: 1 / np.hypot(qx, qy)},
+            {"contact_modulus": 1.0, "function": lambda qx, qy: 1 / (1 + np.hypot(qx, qy))},
         ),
         "GivenResponse.compliance": (
             response.GivenResponse(
-                contact_modulus=1.0, function=lambda qx, qy: 1 / np.hypot(qx, qy)
+                contact_modulus=1.0, function=lambda qx, qy: 1 / (1 + np.hypot(qx, qy))
             ).compliance,
             {"qx": q, "qy": q},
         ),

@@ -2,9 +2,27 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Sequence
 
-__all__ = ["RunFailed", "SceneError", "UsageError"]
+__all__ = ["RunFailed", "SceneError", "UsageError", "harmless"]
+
+
+def harmless(text: object) -> str:
+    r"""Return a text with every character as its code that would change a terminal, or how a line reads.
+
+    Names of files and what is written in them are nobody's promise. Ends of lines stay.
+
+    >>> harmless("a\x1b[31m\u202eb\nc")
+    'a\\x1b[31m\\u202eb\nc'
+    """
+    # C: control, direction, halves of characters, what no font knows; Zl, Zp: ends of lines and paragraphs.
+    return "".join(
+        c
+        if c == "\n" or (unicodedata.category(c)[0] != "C" and unicodedata.category(c) not in ("Zl", "Zp"))
+        else ascii(c)[1:-1]
+        for c in str(text)
+    )
 
 
 class UsageError(Exception):

@@ -6,6 +6,7 @@ import contextlib
 import errno
 import functools
 import hashlib
+import json
 import os
 import re
 import shutil
@@ -14,20 +15,23 @@ import stat
 import tempfile
 import time
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from validation.errors import RunFailed, UsageError
 
 __all__ = [
     "NotWritten",
     "atomic_path",
+    "json_text",
     "prepare_folder",
     "read_whole",
     "refusal",
     "remove_drafts",
     "sync_folder",
     "system_words",
+    "write_json",
     "write_whole",
 ]
 
@@ -159,6 +163,18 @@ def sync_folder(folder: Path) -> None:
             os.fsync(handle)
         finally:
             os.close(handle)
+
+
+def write_json(path: Path, values: Mapping[str, Any]) -> Path:
+    """Write values as JSON for people and scripts, atomically; return the path."""
+    with atomic_path(path) as draft:
+        draft.write_text(json_text(values), encoding="utf-8")
+    return path
+
+
+def json_text(values: Mapping[str, Any]) -> str:
+    """Return values as JSON as `write_json` writes them."""
+    return json.dumps(values, indent=2) + "\n"
 
 
 def remove_drafts(folder: Path, *, of: int | None = None) -> None:

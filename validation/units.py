@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import difflib
 import functools
+import math
 import re
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 if TYPE_CHECKING:
     import pint
 
 __all__ = [
+    "LARGEST",
+    "SMALLEST",
     "Duration",
     "Grid",
     "Grids",
@@ -24,16 +27,36 @@ __all__ = [
     "Number",
     "Positive",
     "Pressure",
+    "Ratio",
     "Table",
+    "Temperature",
+    "Tension",
     "Work",
     "exactly_one",
+    "metres",
     "quantity",
     "unit_registry",
+    "within",
     "wrong",
 ]
 
+#: Sizes of quantities in SI that are computed with: their fourth powers and products stay numbers.
+SMALLEST, LARGEST = 1e-30, 1e30
+#: Points along a side of a grid; no machine holds more on both sides.
+MOST_POINTS = 2**17
+#: Grids, or items of another list, in one scene.
+MOST_ITEMS = 256
+
+_LONGEST = 100
 _QUANTITY = re.compile(
-    r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s][^\s]*(?:\s+[^\d\s][^\s]*)*)?\s*"
+    r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*([^\d\s][^\s]*(?:\s+[^\d\s][^\s]*)*)?\s*"
+)
+#: Words for powers, which may be piled up as powers themselves may not.
+_POWER_WORDS = frozenset({"square", "squared", "sq", "cubic", "cubed"})
+_UNIT_TOKEN = re.compile(
+    r"(?P<power>(?:\*\*|\^)\s*[-+]?\d{1,2}(?![\w.])|⁻?[⁰¹²³⁴-⁹]{1,2})"
+    r"|(?P<name>(?![\d_⁰¹²³⁴-⁹])(?:(?![⁰¹²³⁴-⁹])\w)+|[%°]\w*|1(?![\w.]))"
+    r"|(?P<other>[*/·()]|\s+)"
 )
 
 
@@ -50,8 +73,8 @@ def quantity(unit: str, kind: str, example: str) -> BeforeValidator:
         if isinstance(value, bool) or not isinstance(value, (int, float, str)):
             raise wrong(allowed)
         if not isinstance(value, str):
-            return float(value)
-        found = _QUANTITY.fullmatch(value)
+            return _in_bounds(value, unit)
+        found = _QUANTITY.fullmatch(value) if len(value) <= _LONGEST else None
         if found is None:
             raise wrong(allowed)
         number, symbol = found[1], found[2]
@@ -60,22 +83,102 @@ def quantity(unit: str, kind: str, example: str) -> BeforeValidator:
         import pint
 
         try:
-            return float(unit_registry().Quantity(Fraction(number), symbol).to(unit).magnitude)
+            converted = _converted(Fraction(number), symbol, unit)
         except pint.DimensionalityError:
             raise wrong(f"is not a {kind}; {allowed}") from None
         except Exception:  # the parser of unit names raises whatever its tokens lead to
             raise wrong(f"has an unknown unit; {allowed}") from None
+        return _in_bounds(converted, unit)
 
     return BeforeValidator(convert)
+
+
+def _converted(number: Fraction, symbol: str, unit: str) -> Fraction:
+    """Convert a number of one unit to another; what is no product of units is not handed to their parser."""
+    if not _is_product(symbol):
+        raise ValueError(f"{symbol!r} is no product of units")
+    return Fraction(unit_registry().Quantity(number, symbol).to(unit).magnitude)
+
+
+def _is_product(symbol: str) -> bool:
+    """Whether a text is a product of units with powers of two digits at most.
+
+    What reads units computes whatever else it is given, and 9**9**9 has no end.
+
+    >>> _is_product("kg/(m s^2)"), _is_product("m**9**9**9"), _is_product("(nm^99)^99")
+    (True, False, False)
+    """
+    place, before = 0, ""
+    while place < len(symbol):
+        token = _UNIT_TOKEN.match(symbol, place)
+        if token is None or (token["power"] and before != "name") or token["name"] in _POWER_WORDS:
+            return False
+        place = token.end()
+        if not (token["other"] or "").isspace():
+            before = str(token.lastgroup)
+    return 0 < len(symbol) <= _LONGEST
+
+
+def _in_bounds(value: float | Fraction, unit: str) -> float:
+    """Return a number of a size that is computed with; what a field allows is its own matter."""
+    try:
+        number = float(value)
+    except OverflowError:  # a whole number or a fraction of hundreds of digits
+        number = 10 * LARGEST
+    if not math.isfinite(number):
+        raise wrong("must be a finite number")
+    if value != 0 and not SMALLEST <= abs(number) <= LARGEST:
+        raise wrong(f"is out of range; sizes from {SMALLEST:.0e} to {LARGEST:.0e} {unit} are computed with")
+    return number
+
+
+def metres(symbol: str | None) -> float | None:
+    """Return a unit of length in metres; None for none.
+
+    Raises
+    ------
+    ValueError
+        For what is no unit of length.
+
+    Examples
+    --------
+    >>> metres("um"), metres(None)
+    (1e-06, None)
+    """
+    if symbol is None or not symbol.strip():
+        return None
+    if symbol.strip() == "m":
+        return 1.0
+    try:
+        return _in_bounds(_converted(Fraction(1), symbol.strip(), "m"), "m")
+    except Exception:
+        raise ValueError(f"unit {symbol[:64]!r} is not a length") from None
 
 
 Length = Annotated[float, quantity("m", "length", "0.5 um"), Field(gt=0)]
 Pressure = Annotated[float, quantity("Pa", "pressure", "10 MPa"), Field(gt=0)]
 Work = Annotated[float, quantity("J/m^2", "work of adhesion", "50 mJ/m^2"), Field(gt=0)]
+Tension = Annotated[float, quantity("J/m^2", "surface tension", "0.04 J/m^2"), Field(gt=0)]
+Temperature = Annotated[float, quantity("K", "temperature", "370 K"), Field(gt=0)]
 Memory = Annotated[float, quantity("byte", "memory size", "4 GiB"), Field(ge=1)]
 Duration = Annotated[float, quantity("s", "time", "10 min"), Field(gt=0)]
 Number = Annotated[float, Field(strict=True)]
 Positive = Annotated[float, Field(gt=0)]
+
+
+def within(least: float, most: float) -> AfterValidator:
+    """Refuse numbers whose powers would vanish or overflow, or that nothing reaches."""
+
+    def check(value: float) -> float:
+        if not least <= value <= most:
+            raise wrong(f"must lie between {least:g} and {most:g}")
+        return value
+
+    return AfterValidator(check)
+
+
+#: A ratio such as h'_rms or p*.
+Ratio = Annotated[Number, Field(gt=0), within(1e-12, 1e6)]
 
 
 @functools.cache
@@ -98,19 +201,21 @@ def grid_of(value: object) -> object:
         isinstance(pair, (list, tuple)) and len(pair) == 2 and all(type(n) is int and n >= 2 for n in pair)
     ):
         raise wrong("must be a whole number of points n >= 2, or [nx, ny]")
+    if max(pair) > MOST_POINTS:
+        raise wrong(f"must have at most {MOST_POINTS} points along a side")
     return pair
 
 
 def grids_of(value: object) -> object:
     """Return a list of grids; a single number is refused, for it is read elsewhere as one grid."""
     if isinstance(value, (list, tuple)):
-        return value
+        return value[: MOST_ITEMS + 1]  # enough to be refused for its length, without a check of each
     listed = f"[{value}]" if type(value) is int else "[32, 64]"
     raise wrong(f"must be a list of grids such as {listed}")
 
 
 Grid = Annotated[tuple[int, int], BeforeValidator(grid_of)]
-Grids = Annotated[tuple[Grid, ...], BeforeValidator(grids_of)]
+Grids = Annotated[tuple[Grid, ...], BeforeValidator(grids_of), Field(max_length=MOST_ITEMS)]
 Lengths = Annotated[tuple[Length, Length], BeforeValidator(pair_of)]
 
 

@@ -12,7 +12,7 @@ from typing import Protocol, Self, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.errors import InvalidInput
+from fem_contact._checks import array, positive, within
 
 __all__ = ["Dugdale", "Exponential", "GapLaw"]
 
@@ -61,10 +61,18 @@ class GapLaw(Protocol):
 
 
 def _check(work: float, reach: float) -> None:
-    if not (math.isfinite(work) and work > 0):
-        raise InvalidInput(f"work = {work!r}: must be a positive, finite work of adhesion in J/m^2")
-    if not (math.isfinite(reach) and reach > 0):
-        raise InvalidInput(f"reach = {reach!r}: must be a positive, finite range of adhesion in m")
+    positive("work", work, unit="J/m^2")
+    positive("reach", reach, unit="m")
+
+
+def _gaps(gap: Array) -> Array:
+    # The solver hands in arrays of doubles, many times: only what else comes is looked at.
+    return gap if type(gap) is np.ndarray and gap.dtype == np.float64 else array("gap", gap, unit="m")
+
+
+def _check_grid(spacing: float, contact_modulus: float) -> None:
+    positive("spacing", spacing, unit="m")
+    positive("contact_modulus", contact_modulus, unit="Pa")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,19 +113,22 @@ class Exponential:
 
     def energy(self, gap: Array) -> Array:
         """Return -w exp(-g / rho) [J/m^2]."""
-        return -self.work * np.exp(-gap / self.reach)
+        with np.errstate(over="ignore"):
+            return -self.work * np.exp(-_gaps(gap) / self.reach)
 
     def traction(self, gap: Array) -> Array:
         """Return (w / rho) exp(-g / rho) [Pa]."""
-        return self.strength * np.exp(-gap / self.reach)
+        with np.errstate(over="ignore"):
+            return self.strength * np.exp(-_gaps(gap) / self.reach)
 
     def slope(self, gap: Array) -> Array:
         """Return -(w / rho^2) exp(-g / rho) [Pa/m]."""
-        return -self.steepest * np.exp(-gap / self.reach)
+        with np.errstate(over="ignore"):
+            return -self.steepest * np.exp(-_gaps(gap) / self.reach)
 
     def on_grid(self, *, spacing: float, contact_modulus: float) -> Self:
         """Return the law itself: it is smooth."""
-        del spacing, contact_modulus
+        _check_grid(spacing, contact_modulus)
         return self
 
 
@@ -149,8 +160,7 @@ class Dugdale:
 
     def __post_init__(self) -> None:
         _check(self.work, self.reach)
-        if not 0 <= self.ramp <= 2:
-            raise InvalidInput(f"ramp = {self.ramp!r}: must lie in [0, 2], in units of the range")
+        within("ramp", self.ramp, 0, 2, interval="[0, 2]")
 
     @property
     def strength(self) -> float:
@@ -171,16 +181,18 @@ class Dugdale:
 
     def energy(self, gap: Array) -> Array:
         """Return phi(g) [J/m^2]: -w (1 - g / h0) before the fall, 0 beyond it."""
+        gap = _gaps(gap)
         t, start = self._place(gap), 1 - self.ramp / 2
         within = -0.5 * self.ramp * (1 - t) ** 2
         return self.work * (within - np.maximum(start - gap / self.reach, 0.0))
 
     def traction(self, gap: Array) -> Array:
         """Return the attraction [Pa]."""
-        return self.strength * (1 - self._place(gap))
+        return self.strength * (1 - self._place(_gaps(gap)))
 
     def slope(self, gap: Array) -> Array:
         """Return d tau / d g [Pa/m]: constant within the fall, 0 elsewhere."""
+        gap = _gaps(gap)
         if self.ramp == 0:
             return np.zeros_like(gap)
         t = self._place(gap)
@@ -188,6 +200,7 @@ class Dugdale:
 
     def on_grid(self, *, spacing: float, contact_modulus: float) -> Self:
         """Return the law with the least ramp that cells of that spacing [m] carry without snapping singly."""
+        _check_grid(spacing, contact_modulus)
         least = self.strength / contact_modulus * (spacing / self.reach) / STEEPNESS
         return replace(self, ramp=min(2.0, max(self.ramp, least)))
 

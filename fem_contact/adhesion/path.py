@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._checks import finite, non_negative, numbers_of, within
 from fem_contact.adhesion.descent import Minimum, Point
 from fem_contact.adhesion.laws import GapLaw
 from fem_contact.adhesion.state import AdhesionProblem, AdhesiveContact, checked_point
@@ -154,6 +155,8 @@ def follow(
     """
     if (offsets is None) == (mean_pressures is None):
         raise InvalidInput("offsets, mean_pressures: give exactly one of them")
+    within("resolution", resolution, 1e-12, 1, interval="[1e-12, 1]")
+    non_negative("least_jump", least_jump)
     problem = AdhesionProblem(
         surface,
         response,
@@ -163,11 +166,13 @@ def follow(
         ),
     )
     if offsets is not None:
-        points = [checked_point(None, float(value)) for value in offsets]
+        held = numbers_of("offsets", offsets, unit="m")
+        points = [checked_point(None, finite("offsets", value, unit="m")) for value in held]
         width = resolution * law.reach
     else:
         assert mean_pressures is not None
-        values = [float(value) for value in mean_pressures]
+        held = numbers_of("mean_pressures", mean_pressures, unit="Pa")
+        values = [finite("mean_pressures", value, unit="Pa") for value in held]
         points = [checked_point(value, None) for value in values]
         width = resolution * max((abs(value) for value in values), default=0.0)
     if not points:

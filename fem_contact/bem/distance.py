@@ -25,16 +25,13 @@ class LoadSearch:
     limit = 60
 
     def __init__(self, problem: Problem, *, target: float, of_gap: bool) -> None:
-        heights = problem.surface.heights
+        heights = problem.heights
+        target = target if of_gap else target - problem.level
         self.problem, self.target, self.of_gap = problem, target, of_gap
         self.scale = problem.surface.rms_height
         # Distances are counted from the position where the mean planes coincide.
         self.gap = target if of_gap else target - float(np.mean(heights))
         self.clearance = float(np.max(heights) - np.mean(heights))
-        if not np.isfinite(target):
-            raise InvalidInput(
-                f"{'mean_gap' if of_gap else 'offset'} = {target!r}: must be a finite length in m"
-            )
         sinks = not of_gap and problem.operator.compliance[0, 0] > 0
         if self.gap < -SLACK * self.scale and problem.bound is None and not sinks:
             raise InvalidInput(
@@ -48,19 +45,18 @@ class LoadSearch:
         if self.gap >= self.clearance:
             return self._separated()
         least_full = -float(np.min(problem.full_pressure()))
-        if problem.bound is None:
-            closed = self._closed(least_full)
-            if closed is not None:
-                return closed
+        closed = self._closed(least_full)
+        if closed is not None:
+            return closed
+        if self.scale <= 8 * np.finfo(float).eps * float(np.max(np.abs(problem.heights))):
+            raise InvalidInput("a flat surface yields everywhere at once: prescribe a mean pressure instead")
         upper = least_full if problem.bound is None else float(np.mean(problem.bound))
         return self._search(upper)
 
     def _separated(self) -> Solution:
         solution = self.problem.solution(np.zeros(self.problem.surface.shape), pairs=1.0)
         nowhere = np.zeros(solution.force.shape, dtype=bool)
-        offset = (
-            self.target if not self.of_gap else self.target + float(np.mean(self.problem.surface.heights))
-        )
+        offset = self.target if not self.of_gap else self.target + float(np.mean(self.problem.heights))
         return replace(solution, in_contact=nowhere, offset=offset)
 
     def _closed(self, least: float) -> Solution | None:
@@ -69,8 +65,11 @@ class LoadSearch:
         sunk = 0.0 if self.of_gap else mean_compliance * least
         if self.gap > SLACK * self.scale - sunk:
             return None
-        load = least if sunk == 0 else -self.gap / mean_compliance
-        return self.problem.solution(self.problem.full_pressure() + load, pairs=2.0)
+        load = least if self.of_gap or mean_compliance == 0 else -self.gap / mean_compliance
+        force, bound = self.problem.full_pressure() + load, self.problem.bound
+        if bound is not None and np.any(force > bound):
+            return None
+        return self.problem.solution(force, pairs=2.0)
 
     def _search(self, upper: float) -> Solution:
         """Secant steps in the logarithm of the load, kept inside a shrinking bracket."""
@@ -80,7 +79,9 @@ class LoadSearch:
         # At light load the mean gap falls with the logarithm of the load, by about 0.45 h_rms.
         slope = -0.45 * self.scale
         low, high = 0.0, upper
-        load = min(0.4 * modulus * gradient * float(np.exp(self.gap / slope)), 0.5 * upper)
+        load = min(
+            0.4 * modulus * gradient * float(np.exp(np.clip(self.gap / slope, -700.0, 700.0))), 0.5 * upper
+        )
         start: Array | None = None
         pairs, iterations = 0.0, 0
         miss, previous, began = np.inf, (0.0, 0.0), time.monotonic()
@@ -107,4 +108,4 @@ class LoadSearch:
     def _value(self, solution: Solution) -> float:
         if not self.of_gap:
             return solution.offset
-        return float(np.mean(solution.displacement) - np.mean(self.problem.surface.heights)) + solution.offset
+        return float(np.mean(solution.displacement) - np.mean(self.problem.heights)) + solution.offset

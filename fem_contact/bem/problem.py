@@ -9,11 +9,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact._checks import choice
+from fem_contact._checks import LEAST, array, choice, instance, positive
+from fem_contact._checks import field as field_of
 from fem_contact.complementarity import FourierOperator, Solution, polonsky_keer, solve_nested
-from fem_contact.contact import ContactResult, Cost, Status, measure_residuals
+from fem_contact.contact import ContactResult, Cost, Residuals, Status, measure_residuals
 from fem_contact.errors import InvalidInput
-from fem_contact.response import Response
+from fem_contact.response import Response, check_response
 from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
@@ -28,6 +29,8 @@ class Problem:
     """A surface, a solid and solver settings, ready to be solved at any load."""
 
     surface: HeightField
+    heights: Array
+    level: float
     response: Response
     operator: FourierOperator
     bound: Array | None
@@ -48,12 +51,17 @@ class Problem:
     ) -> Problem:
         """Refuse what no computation can start from, and set up the operator."""
         clock, processor = time.perf_counter(), time.process_time()
+        instance("surface", surface, HeightField, what="a `HeightField`")
+        check_response(response)
         choice("method", method, ("preconditioned", "mixed", "polonsky-keer"))
         if method == "polonsky-keer" and bound is not None:
             raise InvalidInput("method = 'polonsky-keer' knows no pressure bound: use 'preconditioned'")
         operator = FourierOperator(response, surface.shape, surface.lengths, threads=settings.threads)
+        heights, level = _levelled(surface)
         return cls(
             surface=surface,
+            heights=heights,
+            level=level,
             response=response,
             operator=operator,
             bound=_checked_bound(bound, surface),
@@ -65,10 +73,7 @@ class Problem:
 
     def check_load(self, mean_pressure: float) -> None:
         """Refuse a load that cannot be carried."""
-        if not (np.isfinite(mean_pressure) and mean_pressure > 0):
-            raise InvalidInput(
-                f"mean_pressure = {mean_pressure!r}: must be a positive, finite pressure in Pa"
-            )
+        positive("mean_pressure", mean_pressure, unit="Pa")
         if self.bound is not None and float(np.mean(self.bound)) < mean_pressure * (1 - SLACK):
             raise InvalidInput(
                 f"pressure_bound with mean {float(np.mean(self.bound)):.6g} Pa: must not be below "
@@ -77,14 +82,12 @@ class Problem:
 
     def checked_start(self, start: Array | None) -> Array | None:
         """Refuse a start that is no pressure field."""
-        shape = self.surface.shape
         if start is None:
             return None
-        if start.shape != shape or not np.all(np.isfinite(start)) or start.min() < 0 or not start.max() > 0:
-            raise InvalidInput(
-                f"start: must be pressures of shape {shape}, finite, none negative, not all zero"
-            )
-        return start
+        values = field_of("start", start, self.surface.shape, unit="Pa")
+        if values.min() < 0 or not np.mean(values) > LEAST:
+            raise InvalidInput("start: must be pressures in Pa, none negative, not all zero")
+        return values
 
     def at(self, load: float, *, start: Array | None = None, settings: Settings | None = None) -> Solution:
         """Solve at one mean pressure."""
@@ -96,7 +99,7 @@ class Problem:
         return replace(solution, fft_pairs=solution.fft_pairs + self.operator.pairs)
 
     def _iterated(self, load: float, *, start: Array | None, settings: Settings) -> Solution:
-        heights, operator = self.surface.heights, self.operator
+        heights, operator = self.heights, self.operator
         if self.method == "polonsky-keer":
             return polonsky_keer(
                 operator,
@@ -124,7 +127,7 @@ class Problem:
     def full_pressure(self) -> Array:
         """Pressure [Pa] of full contact but for its mean: p-hat = h-hat / C(q)."""
         pressure = np.empty(self.surface.shape)
-        self.operator.precondition(self.surface.heights, pressure)
+        self.operator.precondition(self.heights, pressure)
         pressure -= np.mean(pressure)
         return pressure
 
@@ -141,7 +144,7 @@ class Problem:
         if self.bound is None or float(np.mean(self.bound)) > load * (1 + SLACK):
             return None
         solution = self.solution(self.bound.copy(), pairs=1.0)
-        offset = -float(np.max(solution.displacement - self.surface.heights))
+        offset = -float(np.max(solution.displacement - self.heights))
         return replace(solution, offset=offset, at_bound=np.ones(self.surface.shape, dtype=bool))
 
     def solution(self, force: Array, *, pairs: float) -> Solution:
@@ -151,7 +154,7 @@ class Problem:
         return Solution(
             force=force,
             displacement=displacement,
-            offset=float(np.mean(self.surface.heights - displacement)),
+            offset=float(np.mean(self.heights - displacement)),
             in_contact=np.ones(force.shape, dtype=bool),
             at_bound=np.zeros(force.shape, dtype=bool),
             status=Status.CONVERGED,
@@ -160,15 +163,23 @@ class Problem:
             peak_bytes=force.nbytes + displacement.nbytes,
         )
 
+    def _judged(self, status: Status, residuals: Residuals) -> Status:
+        """Return the status that the residuals of the final fields allow."""
+        if status is Status.CONVERGED and not residuals.within(self.settings.tolerance):
+            status = Status.STAGNATED
+        dx, dy = self.surface.spacing
+        oblong = max(dx, dy) > _OBLONG * min(dx, dy)
+        return Status.OBLONG_CELLS if status is Status.STAGNATED and oblong else status
+
     def result(self, solution: Solution, *, target: float | None) -> ContactResult:
         """Measure a solution and dress it up."""
         surface = self.surface
-        gap = solution.displacement - surface.heights
+        gap = solution.displacement - self.heights
         gap += solution.offset
         residuals = measure_residuals(
             pressure=solution.force,
             gap=gap,
-            heights=surface.heights,
+            heights=self.heights,
             lengths=surface.lengths,
             contact_modulus=self.response.contact_modulus,
             rms_gradient=surface.rms_gradient,
@@ -185,9 +196,10 @@ class Problem:
             heights=surface.heights,
             lengths=surface.lengths,
             contact_modulus=self.response.contact_modulus,
-            offset=solution.offset,
+            offset=solution.offset + self.level,
             mean_pressure=float(np.mean(solution.force)),
-            status=solution.status,
+            status=self._judged(solution.status, residuals),
+            tolerance=self.settings.tolerance,
             residuals=residuals,
             cost=Cost(
                 wall_seconds=time.perf_counter() - self.clock,
@@ -210,14 +222,30 @@ class Problem:
 SLACK = 1e-12
 
 
+#: Ratio of the sides of a cell beyond which a residual that no longer falls is put down to it.
+_OBLONG = 30.0
+
+#: Mean height over the rms height beyond which heights are counted from their mean while solving: the digits
+#: that a distant reference plane costs would be missing in the gap.
+_DISTANT = 100.0
+
+
+def _levelled(surface: HeightField) -> tuple[Array, float]:
+    """Heights to solve with, and the level [m] they are counted from."""
+    mean = float(np.mean(surface.heights))
+    if abs(mean) <= _DISTANT * surface.rms_height:
+        return surface.heights, 0.0
+    return surface.heights - mean, mean
+
+
 def _checked_bound(bound: float | Array | None, surface: HeightField) -> Array | None:
     if bound is None:
         return None
-    values = np.asarray(bound, dtype=float)
+    values = array("pressure_bound", bound, unit="Pa")
     if values.ndim > 0 and values.shape != surface.shape:
         raise InvalidInput(
             f"pressure_bound of shape {values.shape}: must be one pressure or of shape {surface.shape}"
         )
-    if not (np.all(values > 0) and np.all(np.isfinite(values))):
+    if not np.all(values >= LEAST):
         raise InvalidInput("pressure_bound: must be positive and finite everywhere, in Pa")
     return np.array(np.broadcast_to(values, surface.shape))

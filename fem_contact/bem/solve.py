@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._checks import finite, numbers_of, positive
 from fem_contact.bem.distance import LoadSearch
 from fem_contact.bem.problem import Method, Problem
 from fem_contact.contact import ContactResult
@@ -133,10 +134,10 @@ def solve_displacement(
         method="preconditioned",
     )
     if mean_gap is not None:
-        search = LoadSearch(problem, target=float(mean_gap), of_gap=True)
+        search = LoadSearch(problem, target=finite("mean_gap", mean_gap, unit="m"), of_gap=True)
     else:
         assert offset is not None
-        search = LoadSearch(problem, target=float(offset), of_gap=False)
+        search = LoadSearch(problem, target=finite("offset", offset, unit="m"), of_gap=False)
     return problem.result(search.run(), target=None)
 
 
@@ -169,7 +170,10 @@ def solve_path(
         ),
         method="preconditioned",
     )
-    loads = list(mean_pressures)
+    loads = [
+        positive("mean_pressures", load, unit="Pa")
+        for load in numbers_of("mean_pressures", mean_pressures, unit="Pa")
+    ]
     for load in loads:
         problem.check_load(load)
     results: list[ContactResult] = []

@@ -4,7 +4,7 @@ from fem_contact.block.accuracy import WaveError, wave_errors
 from fem_contact.block.elements import ELEMENTS, Element
 from fem_contact.block.equilibrium import Equilibrium
 from fem_contact.block.mesh import BlockMesh, MeshOptions, graded_layers, plan_mesh
-from fem_contact.block.reduced import BlockResponse
+from fem_contact.block.reduced.surface import BlockResponse
 from fem_contact.block.solution import BlockSolution, CellStress
 from fem_contact.block.solver import Estimate, estimate, solve, solve_displacement, solve_path
 

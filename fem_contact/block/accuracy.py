@@ -9,8 +9,8 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.column import eliminate, fold, surface_response
 from fem_contact.block.mesh import MeshOptions
+from fem_contact.block.reduced.column import eliminate, fold, surface_response
 from fem_contact.block.session import planned_mesh
 from fem_contact.errors import InvalidInput
 from fem_contact.response import BondedLayer

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.column import element_matrices
+from fem_contact.block.elements import element_matrices
 from fem_contact.block.mesh import BlockMesh, node_weights
 
 if TYPE_CHECKING:

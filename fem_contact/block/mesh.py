@@ -28,6 +28,15 @@ Lengths = tuple[float, float]
 #: A layer count is not raised for a rounding error in depth / first layer.
 _SLACK = 1e-9
 
+#: Cell widths that the depth must stay below.
+_DEEPEST = 1e9
+
+#: Depth over the first layer must stay below this.
+_THINNEST = 1e13
+
+#: Layers at most: beyond, nothing is gained and the time to plan them is no longer bounded.
+_MOST_LAYERS = 10_000
+
 #: Layers at least, where the depth is less than this many spacings.
 _LEAST_LAYERS = 4
 
@@ -53,7 +62,7 @@ def graded_layers(depth: float, *, first: float, growth: float) -> Array:
     Raises
     ------
     InvalidInput
-        For a depth or first layer that is not positive, or a growth below 1.
+        For a depth or first layer that is not positive, a growth below 1, or more than 10,000 layers.
 
     Examples
     --------
@@ -68,11 +77,18 @@ def graded_layers(depth: float, *, first: float, growth: float) -> Array:
     if not (math.isfinite(growth) and growth >= 1):
         raise InvalidInput(f"growth = {growth!r}: must be a finite ratio, at least 1")
     ratio = depth / first
-    if growth == 1:
-        count = math.ceil(ratio * (1 - _SLACK))
-    else:
-        count = math.ceil(math.log1p(ratio * (growth - 1)) / math.log(growth) * (1 - _SLACK))
-    count = max(count, 1)
+    if not ratio < _THINNEST:
+        raise InvalidInput(
+            f"first_layer = {first!r}: must be more than {1 / _THINNEST:.0e} of the depth {depth!r}: thinner "
+            "ones are lost in rounding"
+        )
+    needed = ratio if growth == 1 else math.log1p(ratio * (growth - 1)) / math.log(growth)
+    if not needed < _MOST_LAYERS:
+        raise InvalidInput(
+            f"depth / first_layer = {ratio:.3g}, growth = {growth!r}: make {needed:.3g} layers, at most "
+            f"{_MOST_LAYERS:,} are allowed; take a larger growth, a thicker first layer or less depth"
+        )
+    count = max(math.ceil(needed * (1 - _SLACK)), 1)
     if ratio <= count:
         return np.full(count, depth / count)
     fitted = _fitted_growth(ratio, count, growth)
@@ -84,7 +100,7 @@ def graded_layers(depth: float, *, first: float, growth: float) -> Array:
 def _fitted_growth(ratio: float, count: int, growth: float) -> float:
     """Solve 1 + r + ... + r^(count-1) = ratio for r in [1, growth] by bisection."""
     powers = np.arange(count, dtype=float)
-    low, high = 1.0, growth
+    low, high = 1.0, min(growth, ratio)
     if float(np.sum(high**powers)) <= ratio:
         return high
     for _ in range(100):
@@ -258,6 +274,11 @@ def plan_mesh(
     nx, ny = int(shape[0]) // element.order, int(shape[1]) // element.order
     dx, dy = lengths[0] / nx, lengths[1] / ny
     thickness = (max(lengths) if depth is None else depth) / dx
+    if not thickness < _DEEPEST:
+        raise InvalidInput(
+            f"depth = {depth!r}: must be less than {_DEEPEST:.0e} cell widths ({_DEEPEST * dx:.3g} m): "
+            "deeper, the surface is lost in the rounding of the block's compression"
+        )
     top = min(1.0, thickness / _LEAST_LAYERS) if first_layer is None else first_layer / dx
     if first_layer is not None and depth is not None and first_layer > depth:
         raise InvalidInput(f"first_layer = {first_layer!r}: must not exceed the depth {depth!r} m")

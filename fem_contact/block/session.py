@@ -13,11 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact.block.elements import element_for
-from fem_contact.block.fields import ArraySource, FieldSource, FourierSource
+from fem_contact.block.full.multigrid import has_stencil
 from fem_contact.block.mesh import BlockMesh, MeshOptions, nodal_pressure, node_weights, plan_mesh
 from fem_contact.block.problem import Found, Problem
-from fem_contact.block.reduced import BlockResponse, solve_reduced, surface_operator
-from fem_contact.block.solution import BlockSolution
+from fem_contact.block.reduced.fields import FourierSource
+from fem_contact.block.reduced.surface import BlockResponse, solve_reduced, surface_operator
+from fem_contact.block.solution import ArraySource, BlockSolution, FieldSource
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.contact import ContactResult, Cost, Status, measure_residuals
 from fem_contact.errors import InsufficientMemory, InvalidInput
@@ -28,8 +29,9 @@ from fem_contact.surface import HeightField
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
-    from fem_contact.block.heterogeneous import HeterogeneousBlock
-    from fem_contact.block.reduced import SurfaceOperator
+    from fem_contact.block.full.multigrid import Hierarchy
+    from fem_contact.block.reduced.heterogeneous import HeterogeneousBlock
+    from fem_contact.block.reduced.surface import SurfaceOperator
 
 __all__ = ["Method", "Modulus", "Session", "needed_bytes", "planned_mesh"]
 
@@ -39,14 +41,19 @@ Method = Literal["full", "reduced"]
 Modulus = Callable[[Array, Array, Array], Array]
 
 _METHODS = {
-    "full": "finite elements, full system: active set, conjugate gradients with smoothed aggregation",
+    "multigrid": "finite elements, full system: active set, conjugate gradients with geometric multigrid",
+    "refined": "finite elements, full system: active set, conjugate gradients with multigrid of the "
+    "trilinear cells between the nodes",
+    "assembled": "finite elements, full system: active set, conjugate gradients with smoothed aggregation",
     "reduced": "finite elements, reduced exactly to the surface nodes by Fourier transform",
     "heterogeneous": "finite elements, all unknowns: active set, matrix-free conjugate gradients, "
     "preconditioned by Fourier solves of a layered block",
 }
 
-#: Peak bytes per unknown of the full system, by order: stiffness, its reduced copy, hierarchy, assembly.
+#: Peak bytes per unknown of the full system that is assembled, by order: stiffness, its reduced copy,
+#: hierarchy, assembly; and of the one on the grids of the multigrid: some eighteen fields.
 _BYTES_PER_UNKNOWN = {1: 5100, 2: 11_500}
+_BYTES_PER_GRID_UNKNOWN = 150
 
 #: Libraries, and what does not grow with the block.
 _BASE_BYTES = 250_000_000
@@ -60,6 +67,9 @@ _BYTES_PER_NODE = {1: 120, 2: 400}
 
 #: Relative difference at which a load counts as equal to the bound: means differ by rounding.
 _SLACK = 1e-12
+
+#: Largest ratio of mean pressure and Young's modulus, and the reciprocal of the least.
+_STIFFEST = 1e60
 
 #: Active sets, and steps of the surface iteration, allowed by default.
 _SETS, _STEPS = 60, 10_000
@@ -83,7 +93,8 @@ def needed_bytes(mesh: BlockMesh, method: Method, *, lateral: bool = False) -> i
     """Estimate the memory of a solve."""
     order = mesh.element.order
     if method == "full":
-        return _BASE_BYTES + _BYTES_PER_UNKNOWN[order] * mesh.unknowns
+        each = _BYTES_PER_GRID_UNKNOWN if has_stencil(mesh, lateral=lateral) else _BYTES_PER_UNKNOWN[order]
+        return _BASE_BYTES + each * mesh.unknowns
     if lateral:
         return _BYTES_PER_FREE_UNKNOWN * mesh.unknowns
     return _BYTES_PER_NODE[order] * mesh.shape[0] * mesh.shape[1]
@@ -122,6 +133,11 @@ class Session:
             raise InvalidInput(f"tolerance = {tolerance!r}: must lie in (0, 1)")
         if max_iterations is not None and max_iterations < 1:
             raise InvalidInput(f"max_iterations = {max_iterations!r}: must be at least 1")
+        if method == "full" and solid.poisson == 0.5:
+            raise InvalidInput(
+                "poisson = 0.5: the full system has no finite stiffness there; take method = 'reduced', or "
+                "poisson below 0.5"
+            )
         mesh = planned_mesh(surface.shape, surface.lengths, poisson=solid.poisson, options=options)
         width, top = surface.lengths[0] / mesh.cells[0], float(np.max(surface.heights))
         moduli = _cell_moduli(modulus, mesh, width)
@@ -148,6 +164,11 @@ class Session:
     def at_pressure(self, mean_pressure: float, start: Mask | BlockSolution | None) -> BlockSolution:
         """Solve at a mean pressure [Pa], from a first set or a solution of this session."""
         check_pressure(mean_pressure)
+        if not 1 / _STIFFEST < mean_pressure / self.solid.young < _STIFFEST:
+            raise InvalidInput(
+                f"mean_pressure = {mean_pressure!r}: over Young's modulus it must lie in (1e-60, 1e60), or "
+                "its products leave the range of the arithmetic"
+            )
         problem = replace(self.problem, pressure=mean_pressure / self.solid.young)
         if problem.mean_bound < mean_pressure / self.solid.young * (1 - _SLACK):
             raise InvalidInput(
@@ -170,11 +191,11 @@ class Session:
 
     def _find(self, problem: Problem, start: Mask | Found | None) -> Found:
         if self.method == "full":
-            from fem_contact.block.full import solve_full
+            from fem_contact.block.full.system import solve_full
 
-            found = solve_full(problem, start, self.matrix)
+            found = solve_full(problem, start, self.shared)
         elif problem.lateral:
-            from fem_contact.block.heterogeneous import solve_heterogeneous
+            from fem_contact.block.reduced.heterogeneous import solve_heterogeneous
 
             found = solve_heterogeneous(problem, self.free_block, start)
         else:
@@ -186,20 +207,20 @@ class Session:
         assert problem.offset is not None
         if problem.offset >= 0:
             return _apart(problem)
-        if self.method == "full" or problem.lateral:
+        if self.method == "full":
+            return self._find(problem, None)
+        if problem.lateral:
             return self._find(problem, problem.heights > problem.offset)
-        from fem_contact.block.reduced import solve_reduced_offset
+        from fem_contact.block.reduced.surface import solve_reduced_offset
 
         return solve_reduced_offset(problem, self.response, self.operator)
 
     @cached_property
-    def matrix(self) -> sp.bsr_array:
-        """The assembled stiffness above the clamped plane."""
-        from fem_contact.block.assembly import assemble
+    def shared(self) -> Hierarchy | sp.bsr_array:
+        """What all full solves share: the grids of the multigrid, or the assembled stiffness."""
+        from fem_contact.block.full.system import prepared
 
-        mesh, modulus = self.problem.mesh, self.problem.modulus
-        moduli = None if modulus is None else np.broadcast_to(modulus, (*mesh.cells, mesh.nz))
-        return assemble(mesh, poisson=self.problem.poisson, modulus=moduli).free()
+        return prepared(self.problem)
 
     @cached_property
     def response(self) -> BlockResponse:
@@ -220,7 +241,7 @@ class Session:
     @cached_property
     def free_block(self) -> HeterogeneousBlock:
         """The block whose modulus varies sideways."""
-        from fem_contact.block.heterogeneous import HeterogeneousBlock
+        from fem_contact.block.reduced.heterogeneous import HeterogeneousBlock
 
         mesh = self.problem.mesh
         assert self.problem.modulus is not None
@@ -333,7 +354,7 @@ def _provenance(problem: Problem, *, width: float, found: Found) -> dict[str, st
         "tolerance": f"{problem.tolerance:.3g} (reached: {found.note})",
         "scikit-fem": version("scikit-fem"),
     }
-    if found.method == "full":
+    if found.method == "assembled":
         text["pyamg"] = version("pyamg")
     return text
 

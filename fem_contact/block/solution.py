@@ -6,24 +6,107 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.elements import lame
+from fem_contact.block.elements import Element, lame
 from fem_contact.block.equilibrium import Equilibrium, measure_equilibrium
-from fem_contact.block.fields import CellLayer, FieldSource
 from fem_contact.block.mesh import BlockMesh
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InsufficientMemory
 from fem_contact.solid import Solid
 
-__all__ = ["BlockSolution", "CellStress"]
+__all__ = ["ArraySource", "BlockSolution", "CellLayer", "CellStress", "FieldSource"]
 
 Array = NDArray[np.float64]
 
 #: Components of symmetric tensors, in the order in which they are stored.
 _PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
+
+
+@dataclass(frozen=True, kw_only=True)
+class CellLayer:
+    """Displacement of the nodes of one layer of cells.
+
+    Attributes
+    ----------
+    index : int
+        Number of the layer, from the bottom upwards.
+    nodes : (order + 1, nx, ny, 3) array
+        Displacement [m] of its planes of nodes, from the lower to the upper.
+    pressure : (cells, cells) array or None
+        Mean pressure unknown of each cell, tension positive, over the layer's Young's modulus, where the
+        element carries it.
+    """
+
+    index: int
+    nodes: Array
+    pressure: Array | None = None
+
+    def gradient(self, size: tuple[float, float, float], element: Element) -> Array:
+        """Differentiate u_a along x_b [-] at the centres of cells of a size [m], (nx, ny, 3, 3)."""
+        if element.order == 2:
+            u, s = self.nodes, 2
+            along_x = (np.roll(u, -2, axis=1) - u)[1, ::s, 1::s]
+            along_y = (np.roll(u, -2, axis=2) - u)[1, 1::s, ::s]
+            along_z = (u[2] - u[0])[1::s, 1::s]
+        else:
+            right, ahead = np.roll(self.nodes, -1, axis=1), np.roll(self.nodes, -1, axis=2)
+            both = np.roll(right, -1, axis=2)
+            along_x = 0.25 * (right + both - self.nodes - ahead).sum(axis=0)
+            along_y = 0.25 * (ahead + both - self.nodes - right).sum(axis=0)
+            mean = 0.25 * (self.nodes + right + ahead + both)
+            along_z = mean[1] - mean[0]
+        return np.stack([along_x / size[0], along_y / size[1], along_z / size[2]], axis=-1)
+
+    def mean_dilatation(self, size: tuple[float, float, float], element: Element) -> Array:
+        """Return the mean of div u over each cell [-], to which elements with pressures respond."""
+        if element.order == 1:
+            return np.asarray(np.trace(self.gradient(size, element), axis1=-2, axis2=-1))
+        u = self.nodes
+        in_z = (u[0] + 4 * u[1] + u[2]) / 6
+        along_x = _simpson(np.roll(in_z[..., 0], -2, axis=0) - in_z[..., 0], axis=1)[::2] / size[0]
+        along_y = _simpson(np.roll(in_z[..., 1], -2, axis=1) - in_z[..., 1], axis=0)[:, ::2] / size[1]
+        rise = (u[2] - u[0])[..., 2] / size[2]
+        return np.asarray(along_x + along_y + _simpson(_simpson(rise, axis=0), axis=1))
+
+
+def _simpson(values: Array, *, axis: int) -> Array:
+    """Mean over cells two nodes wide along one axis."""
+    middle = np.roll(values, -1, axis=axis)
+    mean = (values + 4 * middle + np.roll(values, -2, axis=axis)) / 6
+    return mean[::2] if axis == 0 else mean[:, ::2]
+
+
+class FieldSource(Protocol):
+    """Whatever can walk down through the block."""
+
+    def descend(self) -> Iterator[CellLayer]:
+        """Yield the layers from the surface down."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class ArraySource:
+    """A field that is held in memory.
+
+    Attributes
+    ----------
+    field : (nx, ny, planes, 3) array
+        Displacement [m], from the clamped plane upwards.
+    order : int
+    """
+
+    field: Array
+    order: int = 1
+
+    def descend(self) -> Iterator[CellLayer]:
+        """Yield the layers from the surface down."""
+        for top in range(self.field.shape[2] - 1, 0, -self.order):
+            planes = self.field[:, :, top - self.order : top + 1]
+            yield CellLayer(index=top // self.order - 1, nodes=np.moveaxis(planes, 2, 0))
 
 
 @dataclass(frozen=True, kw_only=True)

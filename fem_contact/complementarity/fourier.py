@@ -10,6 +10,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from fem_contact._checks import LEAST, array
 from fem_contact.complementarity.rows import Rows
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
@@ -51,12 +52,14 @@ class FourierOperator:
     ) -> None:
         qx = 2 * np.pi * scipy.fft.fftfreq(shape[0], lengths[0] / shape[0])
         qy = 2 * np.pi * scipy.fft.rfftfreq(shape[1], lengths[1] / shape[1])
-        self.compliance = np.array(response.compliance(qx[:, None], qy[None, :]), dtype=float)
+        self.compliance = np.array(
+            array("compliance", response.compliance(qx[:, None], qy[None, :]), power=2)
+        )
         positive = self.compliance.ravel()[1:]
         valid = self.compliance.shape == (shape[0], shape[1] // 2 + 1) and np.all(
             np.isfinite(self.compliance)
         )
-        if not (valid and np.all(positive > 0) and self.compliance[0, 0] >= 0):
+        if not (valid and np.all(positive > LEAST**2) and self.compliance[0, 0] >= 0):
             raise InvalidInput("the compliance is not positive and finite at every wavevector but q = 0")
         self.shape = shape
         self.threads = available_processors() if threads is None else threads

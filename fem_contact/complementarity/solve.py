@@ -181,6 +181,9 @@ def _settle(passes: Passes, mean_force: float) -> None:
     force, bound = passes.force, passes.bound
     if bound is None:
         force[~passes.working] = 0
+        if not np.mean(force) > 0:
+            # At vanishing load the gap's rounding may leave no point in the set: the closest one carries it.
+            force.flat[int(np.argmin(passes.displacement - passes.heights))] = mean_force
         force *= mean_force / np.mean(force)
     else:
         np.copyto(force, np.where(force < 0.5 * bound, 0.0, bound), where=~passes.working)

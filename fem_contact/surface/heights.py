@@ -10,7 +10,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import ArrayLike, NDArray
 
-from fem_contact._checks import array
+from fem_contact._checks import GREATEST, array, function, pair, positive, room_for, shown, whole, within
 from fem_contact.errors import InvalidInput
 
 __all__ = ["HeightField", "checked_lengths", "checked_shape", "interpolant"]
@@ -51,17 +51,7 @@ class HeightField:
     lengths: Lengths
 
     def __post_init__(self) -> None:
-        try:
-            heights = np.asarray(self.heights).astype(float, casting="same_kind", copy=True)
-        except (TypeError, ValueError) as error:
-            raise InvalidInput("heights: must be a two-dimensional array of real numbers") from error
-        if heights.ndim != 2 or heights.size == 0:
-            raise InvalidInput(f"heights of shape {heights.shape}: must be a two-dimensional array (nx, ny)")
-        bad = np.count_nonzero(~np.isfinite(heights))
-        if bad:
-            raise InvalidInput(
-                f"{bad} of {heights.size} heights are NaN or infinite: fill or remove them first"
-            )
+        heights = _checked_heights(self.heights)
         lengths = checked_lengths(self.lengths)
         heights.setflags(write=False)
         object.__setattr__(self, "heights", heights)
@@ -123,9 +113,10 @@ class HeightField:
         >>> round(wave.spectral_sum(lambda q: q) / (2 * np.pi), 12)
         0.5
         """
+        function("weight", weight)
         power, qx, qy = self._power()
         q = np.hypot(qx[:, None], qy[None, :]).ravel()[1:]
-        values = array("weight(q)", weight(q))
+        values = array("weight(q)", weight(q), power=6)
         if values.shape not in ((), q.shape):
             raise InvalidInput(f"weight(q) of shape {values.shape}: must be of shape {q.shape}")
         return float(np.sum(values * power.ravel()[1:]))
@@ -168,9 +159,13 @@ class HeightField:
 
     def shifted(self, fraction: tuple[float, float]) -> HeightField:
         """Return h(x + fraction * spacing) on the same grid: what a grid moved by parts of a cell sees."""
-        if len(fraction) != 2 or not all(np.isfinite(part) for part in fraction):
-            raise InvalidInput(f"fraction = {fraction!r}: must be two finite parts of a cell (x, y)")
-        return self._sampled(self.shape, (float(fraction[0]), float(fraction[1])))
+        what = "two finite parts of a cell (x, y)"
+        x, y = pair("fraction", fraction, what=what)
+        try:
+            across, along = (within("fraction", part, -1e9, 1e9, interval="[-1e9, 1e9]") for part in (x, y))
+        except InvalidInput:
+            raise InvalidInput(f"fraction = {shown(fraction)}: must be {what}") from None
+        return self._sampled(self.shape, (across, along))
 
     def _sampled(self, shape: Shape, fraction: tuple[float, float]) -> HeightField:
         spectrum = scipy.fft.fft2(self.heights, norm="forward")
@@ -184,18 +179,54 @@ def _height_field(heights: Array, lengths: Lengths) -> HeightField:
     return HeightField(heights=heights, lengths=lengths)
 
 
-def checked_shape(shape: Shape) -> Shape:
+def _checked_heights(given: object) -> Array:
+    """Return a copy of the heights; NaN, infinite and masked points are refused with their number."""
+    if isinstance(given, np.ma.MaskedArray) and np.ma.is_masked(given):
+        missing = int(np.count_nonzero(np.ma.getmaskarray(given)))
+        raise InvalidInput(
+            f"heights: {missing} of {given.size} points are masked: fill them (.filled) or cut them off"
+        )
+    try:
+        raw = np.asarray(given)
+        if raw.dtype.kind not in "iuf":
+            raise TypeError
+        heights = np.array(raw, dtype=float)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InvalidInput("heights: must be a two-dimensional array of real numbers") from error
+    if heights.ndim != 2 or heights.size == 0:
+        raise InvalidInput(f"heights of shape {heights.shape}: must be a two-dimensional array (nx, ny)")
+    bad = np.count_nonzero(~np.isfinite(heights))
+    if bad:
+        raise InvalidInput(f"{bad} of {heights.size} heights are NaN or infinite: fill or remove them first")
+    highest = float(np.max(np.abs(heights)))
+    if highest > GREATEST:
+        raise InvalidInput(
+            f"heights: {highest:.6g} m is no height; at most {GREATEST:g} m can be computed with"
+        )
+    return heights
+
+
+def checked_shape(shape: object) -> Shape:
     """Return two positive whole numbers (nx, ny), or refuse."""
-    if len(shape) != 2 or not all(n >= 1 and n % 1 == 0 for n in shape):
-        raise InvalidInput(f"shape = {shape!r}: must be two positive whole numbers (nx, ny)")
-    return int(shape[0]), int(shape[1])
+    what = "two positive whole numbers (nx, ny)"
+    counts = pair("shape", shape, what=what)
+    nx, ny = (int(n) if isinstance(n, float) and n % 1 == 0 else n for n in counts)
+    try:
+        points = whole("nx", nx, least=1, most=2**24), whole("ny", ny, least=1, most=2**24)
+    except InvalidInput:
+        raise InvalidInput(f"shape = {shown(shape)}: must be {what}, at most 2^24 each") from None
+    room_for("shape", points, needed=48.0 * points[0] * points[1])
+    return points
 
 
-def checked_lengths(lengths: Lengths) -> Lengths:
+def checked_lengths(lengths: object) -> Lengths:
     """Return two positive, finite periods [m], or refuse."""
-    if len(lengths) != 2 or not all(np.isfinite(length) and length > 0 for length in lengths):
-        raise InvalidInput(f"lengths = {lengths!r}: must be two positive periods (Lx, Ly) in m")
-    return float(lengths[0]), float(lengths[1])
+    what = "two positive periods (Lx, Ly) in m"
+    lx, ly = pair("lengths", lengths, what=what)
+    try:
+        return positive("Lx", lx, unit="m"), positive("Ly", ly, unit="m")
+    except InvalidInput:
+        raise InvalidInput(f"lengths = {shown(lengths)}: must be {what}") from None
 
 
 def _wave_numbers(n: int) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:

@@ -15,6 +15,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from fem_contact._checks import array, choice, function, positive, room_for, shown, truth
 from fem_contact.errors import InvalidInput
 from fem_contact.surface.heights import HeightField, checked_lengths, checked_shape
 
@@ -36,8 +37,10 @@ def resolves(shape: Shape, lengths: Lengths, *, q_short: float) -> bool:
     >>> [resolves((64, 64), (1.0, 1.0), q_short=2 * np.pi * waves) for waves in (31, 32)]
     [True, False]
     """
+    counts, (lx, ly) = checked_shape(shape), checked_lengths(lengths)
+    positive("q_short", q_short, unit="1/m")
     return all(
-        2 * np.pi / q_short > 2 * length / n * (1 + _EDGE) for n, length in zip(shape, lengths, strict=True)
+        2 * np.pi / q_short > 2 * length / n * (1 + _EDGE) for n, length in zip(counts, (lx, ly), strict=True)
     )
 
 
@@ -88,6 +91,10 @@ def random_surface(
     numbers outwards, so they depend neither on the grid nor on q_short: cutting the spectrum elsewhere keeps
     the remaining waves.
     """
+    shape, lengths = checked_shape(shape), checked_lengths(lengths)
+    q_short = positive("q_short", q_short, unit="1/m")
+    truth("under_resolved", under_resolved)
+    _check_resolved(shape, lengths, q_short, under_resolved)
     waves = random_waves(spectrum, q_short=q_short, lengths=lengths, seed=seed, amplitudes=amplitudes)
     return waves.on(shape, under_resolved=under_resolved)
 
@@ -131,14 +138,8 @@ class RandomWaves:
             For a grid that does not resolve q_short, unless asked for.
         """
         shape = checked_shape(shape)
-        if not (under_resolved or resolves(shape, self.lengths, q_short=self.q_short)):
-            needed = tuple(
-                int(np.floor(length * self.q_short / np.pi * (1 + _EDGE))) + 1 for length in self.lengths
-            )
-            raise InvalidInput(
-                f"shape = {shape}: does not resolve lambda_short = {2 * np.pi / self.q_short:.6g} m; "
-                f"at least {needed} points are needed (or ask for an under-resolved grid)"
-            )
+        truth("under_resolved", under_resolved)
+        _check_resolved(shape, self.lengths, self.q_short, under_resolved)
         half = np.zeros((shape[0], shape[1]), dtype=complex)
         np.add.at(half, (self.m % shape[0], self.n % shape[1]), self.amplitudes)
         heights = 2 * scipy.fft.ifft2(half, norm="forward").real
@@ -155,26 +156,35 @@ def random_waves(
 ) -> RandomWaves:
     """Draw the waves of one realisation; parameters and errors as of `random_surface`."""
     lengths = checked_lengths(lengths)
-    if not (np.isfinite(q_short) and q_short > 0):
-        raise InvalidInput(f"q_short = {q_short!r}: must be a positive, finite wavevector in 1/m")
-    if amplitudes not in ("exact", "gaussian"):
-        raise InvalidInput(f"amplitudes = {amplitudes!r}: must be 'exact' or 'gaussian'")
+    q_short = positive("q_short", q_short, unit="1/m")
+    function("spectrum", spectrum)
+    choice("amplitudes", amplitudes, ("exact", "gaussian"))
     m, n, q = _half_plane(lengths, q_short)
-    power = np.asarray(spectrum(q), dtype=float)
-    if not np.all(np.isfinite(power)) or np.any(power < 0):
+    power = array("spectrum(q)", spectrum(q), power=4)
+    if power.shape not in ((), q.shape) or np.any(power < 0):
         raise InvalidInput("the spectrum C(q) is negative or not finite at a wavevector of the surface")
     waves = _random_waves(m, n, seed=seed, gaussian=amplitudes == "gaussian")
     waves *= 2 * np.pi * np.sqrt(power / (lengths[0] * lengths[1]))
     return RandomWaves(m=m, n=n, amplitudes=waves, q_short=q_short, lengths=lengths)
 
 
+def _check_resolved(shape: Shape, lengths: Lengths, q_short: float, under_resolved: bool) -> None:
+    if under_resolved or resolves(shape, lengths, q_short=q_short):
+        return
+    needed = tuple(int(np.floor(length * q_short / np.pi * (1 + _EDGE))) + 1 for length in lengths)
+    raise InvalidInput(
+        f"shape = {shape}: does not resolve lambda_short = {2 * np.pi / q_short:.6g} m; "
+        f"at least {needed} points are needed (or ask for an under-resolved grid)"
+    )
+
+
 def _checked_generator(seed: int | np.random.Generator) -> np.random.Generator:
     """Return the generator of a seed; None is refused because nobody could draw that surface again."""
     if isinstance(seed, np.random.Generator):
         return seed
-    if not isinstance(seed, (int, np.integer)) or seed < 0:
+    if isinstance(seed, bool) or not isinstance(seed, (int, np.integer)) or seed < 0:
         raise InvalidInput(
-            f"seed = {seed!r}: must be a whole number that is not negative, or a numpy.random.Generator"
+            f"seed = {shown(seed)}: must be a whole number that is not negative, or a numpy.random.Generator"
         )
     return np.random.default_rng(int(seed))
 
@@ -184,6 +194,7 @@ def _half_plane(lengths: Lengths, q_short: float) -> tuple[NDArray[np.int64], ND
     unit_x, unit_y = (2 * np.pi / length for length in lengths)
     limit = q_short * (1 + _EDGE)
     top_x, top_y = int(limit / unit_x), int(limit / unit_y)
+    room_for("q_short", q_short, needed=80.0 * (2 * top_x + 1) * (top_y + 1))
     m, n = np.meshgrid(np.arange(-top_x, top_x + 1), np.arange(top_y + 1), indexing="ij")
     q = np.hypot(m * unit_x, n * unit_y)
     keep = (q <= limit) & ((n > 0) | (m > 0))

@@ -8,8 +8,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from fem_contact._checks import choice, instance, within
 from fem_contact.errors import InvalidInput
-from fem_contact.surface.heights import HeightField, interpolant
+from fem_contact.surface.heights import HeightField, checked_shape, interpolant
 
 __all__ = ["RadialSpectrum", "Window", "estimate_spectrum", "radial_spectrum", "window_weights"]
 
@@ -42,6 +43,7 @@ def radial_spectrum(surface: HeightField) -> RadialSpectrum:
     Convention as in Persson 2006, <h^2> = 2 pi int q C dq; multiply by (2 pi)^2 for the areal PSD of other
     communities.
     """
+    instance("surface", surface, HeightField, what="a `HeightField`")
     qx, qy, coefficients = interpolant(surface)
     q = np.hypot(qx[:, None], qy[None, :])
     unit = 2 * np.pi / min(surface.lengths)
@@ -80,10 +82,9 @@ def window_weights(shape: tuple[int, int], *, window: Window, margin: float = 0.
     >>> window_weights((4, 1), window="tukey", margin=0.25).ravel().round(3).tolist()
     [0.5, 1.0, 1.0, 0.5]
     """
-    if window not in ("none", "hann", "tukey"):
-        raise InvalidInput(f"window = {window!r}: must be 'none', 'hann' or 'tukey'")
-    if not 0 < margin <= 0.5:
-        raise InvalidInput(f"margin = {margin!r}: must lie in (0, 0.5]")
+    shape = checked_shape(shape)
+    choice("window", window, ("none", "hann", "tukey"))
+    margin = within("margin", margin, 1e-9, 0.5, interval="[1e-9, 0.5]")
     if window == "none":
         return np.ones(shape)
     width = 0.5 if window == "hann" else margin
@@ -129,7 +130,7 @@ def estimate_spectrum(
     Convention of Persson 2006, <h^2> = 2 pi int q C dq; times (2 pi)^2 it is the areal power spectral density
     of other communities. The estimate scatters by 1/sqrt(count) per ring.
     """
-    patch = HeightField(heights=np.asarray(heights, dtype=float), lengths=lengths)
+    patch = HeightField(heights=heights, lengths=lengths)  # type: ignore[arg-type]
     weights = window_weights(patch.shape, window=window)
     power = float(np.mean(weights**2))
     mean = float(np.mean(weights * patch.heights)) / float(np.mean(weights))

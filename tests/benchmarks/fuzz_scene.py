@@ -1,7 +1,7 @@
 """Coverage-guided fuzzing of the readers: ``python tests/benchmarks/fuzz_scene.py CORPUS``.
 
-Needs atheris, which is no dependency of the project. An input is the text of a scene, which both readers of
-scenes are given, or, after a dollar sign, a command line that solves nothing. Any error but a refusal in
+Needs atheris, which is no dependency of the project. An input is the text of a scene
+or, after a dollar sign, a command line that solves nothing. Any error but a refusal in
 words ends the run with the input that caused it. Options of libFuzzer follow the folder, such as
 ``-max_total_time=3600``.
 """
@@ -29,11 +29,10 @@ def main() -> None:
     import atheris
 
     with atheris.instrument_imports(include=["validation"]):
-        from validation.methods.handled import check_effects
-
         from validation.cli import commands as cli
         from validation.errors import SceneError, UsageError
-        from validation.paper.theory_scene import load_theory_scene
+        from validation.scenes.checks import check_scene
+        from validation.scenes.realised import realise
         from validation.scenes.scene import load_scene
 
     # The corpus and what libFuzzer writes are named relative to where the run was started.
@@ -47,9 +46,8 @@ def main() -> None:
             return
         path.write_bytes(data)
         with contextlib.suppress(SceneError, UsageError):
-            check_effects(load_scene(str(path)))
-        with contextlib.suppress(SceneError, UsageError):
-            load_theory_scene(str(path)).surface.spectrum()
+            scene = load_scene(str(path))
+            check_scene(scene, realise(scene))
 
     def command(text: str) -> None:
         words = text.split()

@@ -333,3 +333,40 @@ def test_the_grid_of_the_challenge_itself_must_be_near_a_nanometre():
     surface, solid, law = challenge(64)
     with pytest.raises(InvalidInput, match=r"spans 0\.274 cells of the grid.*use 467 x 467 points"):
         adhesion.solve(surface, solid, law=law, mean_pressure=0.25e6)
+
+
+def weak(share, *, points=64, kind=Exponential):
+    """Adhesion of this share of the energy of full contact, on a rough surface under load."""
+    surface = rough(points, seed=13)
+    work = share * surface.spectral_sum(lambda q: ELASTIC.contact_modulus * q / 4)
+    law = kind(work=work, reach=float(np.sqrt(4 / points * work / ELASTIC.contact_modulus)))
+    return surface, law, 0.05 * ELASTIC.contact_modulus * surface.rms_gradient
+
+
+@pytest.mark.parametrize("share", [1e-6, 1e-4, 1e-2])
+def test_weak_adhesion_takes_tens_of_transforms(share):
+    surface, law, load = weak(share)
+    state = adhesion.solve(surface, ELASTIC, law=law, mean_pressure=load).checked()
+    # From first touch 200 to 3000 pairs, or no convergence at all.
+    assert state.contact.cost.fft_pairs < 120
+    plain = bem.solve(surface, ELASTIC, mean_pressure=load)
+    assert state.contact.in_contact.mean() >= plain.in_contact.mean()
+
+
+@pytest.mark.parametrize("kind", [Exponential, Dugdale])
+@pytest.mark.parametrize("share", [1e-3, 0.029])
+def test_weak_adhesion_started_from_the_plain_contact_is_on_the_approaching_branch(share, kind):
+    surface, law, load = weak(share, points=48, kind=kind)
+    short = adhesion.solve(surface, ELASTIC, law=law, mean_pressure=load).checked()
+    touch = surface.heights.max() - surface.heights
+    long = adhesion.solve(surface, ELASTIC, law=law, mean_pressure=load, start=touch).checked()
+    np.testing.assert_array_equal(short.contact.in_contact, long.contact.in_contact)
+    assert short.energy == pytest.approx(long.energy, rel=1e-5)
+    assert short.contact.cost.fft_pairs < long.contact.cost.fft_pairs
+
+
+def test_weak_adhesion_of_a_yielding_solid_starts_from_the_yielded_contact():
+    surface, law, load = weak(1e-3)
+    state = adhesion.solve(surface, ELASTIC, law=law, mean_pressure=load, hardness=8 * load).checked()
+    assert state.contact.at_bound.any()
+    assert state.contact.cost.fft_pairs < 150

@@ -1,5 +1,7 @@
 """Counted, corrected and extrapolated contact areas."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -44,6 +46,7 @@ def result_of(
         residuals=Residuals(penetration=0, tension=0, complementarity=0, load=0),
         cost=Cost(wall_seconds=0, cpu_seconds=0, iterations=0, unknowns=1, peak_bytes=0),
         weights=weights,
+        provenance={"method": "boundary elements, by hand"},
     )
 
 
@@ -66,6 +69,35 @@ def test_edge_length_of_a_disc_is_four_over_pi_times_its_circumference() -> None
     areas = contact_areas(result_of(contact))
     assert areas.edge_length == pytest.approx(4 / np.pi * 2 * np.pi * a, rel=5e-3)
     assert areas.edge_fraction == pytest.approx(areas.edge_length / n, rel=1e-12)
+
+
+def test_the_edge_constant_is_that_of_the_element_that_made_the_result() -> None:
+    contact = np.zeros((4, 4), dtype=bool)
+    contact[0, 0] = True
+    result = result_of(contact)
+    for element in block.ELEMENTS.values():
+        made = dataclasses.replace(result, provenance={"method": "finite elements", "element": element.name})
+        assert contact_areas(made).edge_constant == element.edge_constant
+        assert contact_areas(made, edge_constant=0.1).edge_constant == 0.1
+    assert contact_areas(result).edge_constant == EDGE_CONSTANTS["bem"]
+
+
+def test_a_pressed_block_is_corrected_with_its_own_constant() -> None:
+    solid = Solid(young=1.0, poisson=0.3)
+    pressed = block.solve(rough_surface(309).resampled((24, 24)), solid, mean_pressure=0.02, element="Hex2")
+    assert contact_areas(pressed.contact).edge_constant == block.ELEMENTS["Hex2"].edge_constant
+
+
+@pytest.mark.parametrize(
+    "told", [{}, {"method": "by hand"}, {"method": "finite elements", "element": "Hex9"}]
+)
+def test_a_result_of_unknown_making_has_no_edge_constant_and_no_edge_map(told: dict[str, str]) -> None:
+    result = dataclasses.replace(result_of(np.eye(8, dtype=bool)), provenance=told)
+    with pytest.raises(InvalidInput, match="edge_constant: none is known"):
+        contact_areas(result)
+    with pytest.raises(InvalidInput, match="edge_map: none is known"):
+        subcell_area(result)
+    assert contact_areas(result, edge_constant=0.2).pixel == 1 / 8
 
 
 def test_edges_across_the_period_count() -> None:
@@ -132,7 +164,7 @@ def test_limit_needs_three_areas_and_two_spacings() -> None:
 
 
 def test_constants_are_named_by_discretisation() -> None:
-    assert set(EDGE_CONSTANTS) == {"bem", "fem"}
+    assert set(EDGE_CONSTANTS) == {"bem", "fem", *block.ELEMENTS}
     with pytest.raises(TypeError):
         EDGE_CONSTANTS["bem"] = 1.0  # type: ignore[index]
 

@@ -359,3 +359,82 @@ def test_cost_counts_pairs_and_memory() -> None:
     assert result.cost.peak_bytes <= 10 * 8 * 256**2
     assert result.cost.unknowns == 256**2
     assert result.cost.wall_seconds > 0
+
+
+# --- far from ordinary: a right answer, or a status that says why not
+# --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", [BondedLayer, FrictionlessLayer])
+def test_a_flat_body_driven_into_a_layer_compresses_it(kind: type) -> None:
+    layer = kind(solid=Solid(young=1.0, poisson=0.3), thickness=0.2)
+    flat = HeightField(heights=np.zeros((8, 8)), lengths=(1.0, 1.0))
+    # Confined compression: (1 - nu) E / ((1 + nu) (1 - 2 nu)) times the strain of a half.
+    confined = 0.7 / (1.3 * 0.4) * 0.5
+    assert confined == pytest.approx(0.673, abs=1e-3)
+    for bound in (None, 10.0):
+        result = solve_displacement(flat, layer, offset=-0.1, pressure_bound=bound).checked()
+        np.testing.assert_allclose(result.pressure, confined, rtol=1e-12)
+        assert result.offset == pytest.approx(-0.1, rel=1e-12)
+
+
+def test_a_flat_body_driven_in_until_all_yields_is_refused() -> None:
+    layer = BondedLayer(solid=Solid(young=1.0, poisson=0.3), thickness=0.2)
+    flat = HeightField(heights=np.zeros((8, 8)), lengths=(1.0, 1.0))
+    with pytest.raises(InvalidInput, match="prescribe a mean pressure"):
+        solve_displacement(flat, layer, offset=-0.1, pressure_bound=0.5)
+
+
+@pytest.mark.parametrize("reduced", [1e10, 1e12, 1e20])
+def test_full_contact_whose_gap_is_lost_to_rounding_is_not_converged(reduced: float) -> None:
+    surface = rough()
+    pressed = solve(surface, SOFT, mean_pressure=reduced * surface.rms_gradient)
+    assert pressed.residuals.worst > 1e-7
+    assert pressed.status is Status.STAGNATED
+    with pytest.raises(NotConverged, match="below what the arithmetic can reach"):
+        pressed.checked()
+
+
+def test_a_pressure_beyond_all_sizes_is_refused() -> None:
+    with pytest.raises(InvalidInput, match="mean_pressure = 1e\\+306"):
+        solve(rough(), SOFT, mean_pressure=1e306)
+
+
+@pytest.mark.parametrize("reduced", [1e-20, 1e-25])
+def test_at_vanishing_load_the_highest_point_carries_it(reduced: float) -> None:
+    surface = rough()
+    load = reduced * surface.rms_gradient
+    result = solve(surface, SOFT, mean_pressure=load).checked()
+    assert np.flatnonzero(result.in_contact).tolist() == [int(np.argmax(surface.heights))]
+    assert result.pressure.max() == pytest.approx(load * surface.heights.size, rel=1e-12)
+
+
+@pytest.mark.parametrize("far", [1e3, 1e9, -1e9])
+def test_a_distant_reference_plane_only_moves_the_offset(far: float) -> None:
+    surface = rough()
+    moved = HeightField(heights=surface.heights + far * surface.rms_height, lengths=surface.lengths)
+    here = solve(surface, SOFT, mean_pressure=0.05 * surface.rms_gradient).checked()
+    there = solve(moved, SOFT, mean_pressure=0.05 * surface.rms_gradient).checked()
+    # The heights themselves lose the digits that their mean takes.
+    slack = 1e-14 * abs(far)
+    np.testing.assert_allclose(there.pressure, here.pressure, atol=(slack + 1e-7) * here.pressure.max())
+    assert there.offset - far * surface.rms_height == pytest.approx(
+        here.offset, abs=(10 * slack + 1e-7) * surface.rms_height
+    )
+    at = solve_displacement(moved, SOFT, offset=there.offset).checked()
+    assert at.mean_pressure == pytest.approx(there.mean_pressure, rel=1e-4)
+
+
+def test_a_residual_that_rests_on_oblong_cells_says_so() -> None:
+    heights = np.random.default_rng(31).standard_normal((128, 32))
+    surface = HeightField(heights=heights, lengths=(1.0, 1e4))
+    result = solve(surface, SOFT, mean_pressure=0.05 * surface.rms_gradient)
+    assert result.status is Status.OBLONG_CELLS
+    with pytest.raises(NotConverged, match="far from square: choose spacings alike"):
+        result.checked()
+
+
+def test_a_body_sunk_beyond_all_sizes_ends_in_words() -> None:
+    surface = rough()
+    result = solve_displacement(surface, SOFT, mean_gap=-1e9, pressure_bound=0.5)
+    assert result.status is not Status.CONVERGED

@@ -48,6 +48,26 @@ def test_any_other_status_refuses_to_be_used_and_says_the_remedy(status):
     assert ":" in status.value
 
 
+def with_worst(**residuals):
+    return dataclasses.replace(result().residuals, **residuals)
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+@pytest.mark.parametrize("name", ["penetration", "tension", "complementarity", "load"])
+def test_a_residual_that_is_no_number_is_never_converged(name, value):
+    with pytest.raises(NotConverged, match=f"worst residual is {value}"):
+        result(residuals=with_worst(**{name: value})).checked()
+
+
+def test_a_residual_above_its_tolerance_is_never_converged():
+    within = result(tolerance=1e-3, residuals=with_worst(complementarity=9e-4, penetration=9e-3))
+    assert within.checked() is within
+    with pytest.raises(NotConverged):
+        result(tolerance=1e-3, residuals=with_worst(complementarity=2e-3)).checked()
+    with pytest.raises(NotConverged):
+        result(tolerance=1e-3, residuals=with_worst(penetration=2e-2)).checked()
+
+
 def test_statuses_tell_each_other_apart():
     assert len({status.value for status in Status}) == len(Status)
 

@@ -103,3 +103,16 @@ def test_pictures_show_pressure_where_the_contact_is(solution: BlockSolution, tm
 def test_cut_outside_the_period_is_refused(solution: BlockSolution, tmp_path: Path) -> None:
     with pytest.raises(InvalidInput, match="position"):
         render_section(tmp_path / "cut.png", solution, position=1.0)
+
+
+@pytest.mark.parametrize("path", [None, 7, b"block.vtu", "", ".", "with\0zero.vtu"])
+@pytest.mark.parametrize("write", [write_block, render_surface, render_section])
+def test_what_is_no_name_of_a_file_is_refused(write, path, solution):
+    with pytest.raises(InvalidInput, match="path"):
+        write(path, solution)
+
+
+@pytest.mark.parametrize("write", [write_block, render_surface, render_section])
+def test_what_is_no_solution_of_a_block_is_refused(write, tmp_path):
+    with pytest.raises(InvalidInput, match="solution = 'x': must be a `BlockSolution`"):
+        write(tmp_path / "block.vtu", "x")

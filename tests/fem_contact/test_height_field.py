@@ -16,6 +16,14 @@ def rough():
     return HeightField(heights=np.random.default_rng(19).standard_normal((16, 17)), lengths=(2.0, 3.0))
 
 
+def test_masked_heights_are_refused_with_the_remedy():
+    masked = np.ma.masked_greater(rough().heights, 1.0)
+    with pytest.raises(InvalidInput, match=r"heights: \d+ of 272 points are masked: fill them"):
+        HeightField(heights=masked, lengths=(1.0, 1.0))
+    whole = np.ma.masked_array(rough().heights)
+    assert HeightField(heights=whole, lengths=(2.0, 3.0)).rms_height == rough().rms_height
+
+
 @pytest.mark.parametrize(
     ("heights", "message"),
     [

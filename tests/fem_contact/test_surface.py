@@ -410,7 +410,7 @@ def test_scaling_all_lengths_by_a_power_of_two_changes_no_bit(amplitudes):
         ({"shape": (np.nan, 16)}, r"shape = \(nan, 16\): must be two positive whole numbers"),
         ({"shape": (0, 16)}, r"shape = \(0, 16\): must be"),
         ({"shape": (16,)}, r"shape = \(16,\): must be"),
-        ({"q_short": 0.0}, r"q_short = 0.0: must be a positive, finite wavevector in 1/m"),
+        ({"q_short": 0.0}, r"q_short = 0.0: must be a positive, finite number .* in 1/m"),
         ({"q_short": np.nan}, r"q_short = nan: must be"),
         ({"q_short": 6.0}, r"no wave fits: lambda_short = 1.0472 m exceeds the periods \(1.0, 1.0\) m"),
         ({"amplitudes": "uniform"}, r"amplitudes = 'uniform': must be 'exact' or 'gaussian'"),
@@ -431,7 +431,7 @@ def test_bad_arguments_are_refused_with_name_value_and_what_is_allowed(change, m
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -1e-9])
 def test_a_spectrum_without_meaning_is_refused(value):
-    with pytest.raises(InvalidInput, match=r"spectrum C\(q\) is negative or not finite"):
+    with pytest.raises(InvalidInput, match=r"spectrum.* not finite|spectrum C\(q\) is negative"):
         random_surface(
             lambda q: np.where(q > 40, value, 1e-9), q_short=Q_SHORT, lengths=LENGTHS, shape=(16, 16), seed=7
         )

@@ -93,6 +93,13 @@ def test_areal_psd_makes_a_round_trip_and_differs_by_four_pi_squared():
     assert table(2.0) * 4 * math.pi**2 == pytest.approx(3.0, rel=1e-14)
 
 
+def test_a_share_that_vanishes_like_a_tail_smooths_nothing():
+    q = np.geomspace(PYREX.q_min, PYREX.q_short, 5)
+    plain = smoothed(PYREX, wavevectors=q, yielded=np.zeros(5))
+    tail = smoothed(PYREX, wavevectors=q, yielded=[0.0, 5e-324, 3.9e-318, 1e-310, 1e-301])
+    np.testing.assert_array_equal(tail.power, plain.power)
+
+
 def test_smoothing_removes_short_waves_only():
     q = np.geomspace(PYREX.q_min, PYREX.q_short, 200)
     yielded = np.clip(np.log(q / 1e9), 0, 1)

@@ -13,6 +13,7 @@ from validation.errors import RunFailed, UsageError
 from validation.measures.common import base_surface
 from validation.measures.measurement import Measurement, area_limits, grid_for
 from validation.methods.bem import BemOptions
+from validation.scenes.realised import realise
 from validation.scenes.scene import Load, Methods, Scene, SolidSpec, load_scene
 from validation.solves.bench import Bench
 from validation.solves.press import solves_of
@@ -133,7 +134,7 @@ def test_full_contact_is_exact_on_the_coarsest_grids(write_scene, bench):
 def test_claims_hold_as_often_as_they_say_on_surfaces_and_loads_of_many_kinds(target, bench):
     held = 0
     for k in range(24):
-        surface = base_surface(hurst=(0.3, 0.8)[k % 2], size=2.0, ratio=8.0, seed=991_000 + k)
+        surface = base_surface(hurst=(0.3, 0.8)[k % 2], periods=2.0, bandwidth=8.0, seed=991_000 + k)
         load = Load(reduced_pressure=(0.02, 0.05, 0.2)[k % 3])
         scene = Scene(
             name="one",
@@ -143,12 +144,8 @@ def test_claims_hold_as_often_as_they_say_on_surfaces_and_loads_of_many_kinds(ta
             methods=Methods(bem=BemOptions(grids=((64, 64),))),
         )
         reached = reach(scene, bench, target=target)
-        fine = Measurement(
-            surface=surface,
-            solid=scene.solid,
-            reduced_pressures=(load.reduced_pressure,),
-            grids=tuple(grid_for(surface, n) for n in (16, 24, 32)),
-        )
+        pressed = realise(scene)
+        fine = Measurement(realised=pressed, grids=tuple(grid_for(pressed, n) for n in (16, 24, 32)))
         (truth,), (uncertainty,) = area_limits(bench.solve([fine])[fine])
         assert reached.error <= target
         held += abs(reached.area / truth - 1) <= math.hypot(reached.error, 2 * uncertainty / truth)

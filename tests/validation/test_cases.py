@@ -9,8 +9,8 @@ import pytest
 
 from validation import cases
 from validation.cases import Case, Check, all_cases, chosen_cases, run_cases
+from validation.cases._closed_forms import HertzInPeriod, westergaard_mean_pressure, westergaard_pressure
 from validation.errors import UsageError
-from validation.measures.closed_forms import HertzInPeriod, westergaard_mean_pressure, westergaard_pressure
 
 #: Finite-element cases take longer than the fast suite allows; `fem-contact validate` runs them.
 SECONDS = [case for case in all_cases() if case.quick and "fem" not in case.name and "block" not in case.name]

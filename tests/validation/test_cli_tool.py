@@ -111,9 +111,9 @@ def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatc
         ),
         (("run", "quickstart", "--memory", "1 MiB"), "raise the limit with --memory"),
         (("run", "quickstart", "--memory", "3"), "raise the limit with --memory"),
-        (("run", "pyrex"), "pyrex: is a scene of the theory alone, which no solver runs; from Python: "),
+        (("run", "pyrex", "--accuracy", "1%"), "--accuracy"),
         (("study", "nothing"), "no such study; one of: "),
-        (("study", "area", "--seeds"), "--seeds: needs a value"),
+        (("study", "area", "--surfaces"), "--surfaces: needs a value"),
         (("study", "area", "--hurts", "1"), "unknown option '--hurts'; it has: "),
         (("study", "area", "quickstart"), "takes no scene"),
         (("validate", "nothing"), "no such case"),
@@ -164,7 +164,7 @@ def test_a_dry_run_lists_solves_and_does_none(tool, tmp_path):
     rows = json.loads(tool("run", "quickstart", "--dry-run", "--json")[1])
     assert len(rows) == 56
     assert all(row["seconds"] > 0 and row["peak_bytes"] > 0 and not row["stored"] for row in rows)
-    plan = json.loads(tool("study", "area", "--seeds", "5,6", "--dry-run", "--json")[1])
+    plan = json.loads(tool("study", "area", "--seed", "5", "--surfaces", "2", "--dry-run", "--json")[1])
     assert len(plan) == 8 * 2 * 3
     assert list(tmp_path.iterdir()) == []
 
@@ -172,7 +172,7 @@ def test_a_dry_run_lists_solves_and_does_none(tool, tmp_path):
 def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(
     write_scene, tool, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("validation.comparison.report.write_drawings", lambda *a: ())
+    monkeypatch.setattr("validation.comparison.report._drawings", lambda *a: ())
     path = write_scene(
         ("[solid]", '[run]\noutput = "there"\nstore = "kept"\nquiet = true\npictures = false\n[solid]'),
         fem=False,
@@ -197,14 +197,78 @@ def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(
     [
         ("workers = 0", "run.workers = 0"),
         ('memory = "3 m"', "run.memory = '3 m'"),
-        ('workers = 2\nscheduler = "tcp://x:1"', "workers or a scheduler"),
+        ('scheduler = "tcp://x:1"', "run: scheduler: is chosen on the command line alone: --scheduler"),
+        ('output = "/tmp/elsewhere"', "run.output = '/tmp/elsewhere': must lie below the folder"),
+        ('store = "results/../../solves"', "run.store = 'results/../../solves': must lie below the folder"),
+        ('output = "link/results"', "'link/results' is a link that leads to"),
         ("worker = 2", "did you mean 'workers'"),
     ],
 )
-def test_a_wrong_option_in_the_scene_is_named(write_scene, tool, line, words):
+def test_a_wrong_option_in_the_scene_is_named(write_scene, tool, tmp_path, line, words):
+    (tmp_path / "link").symlink_to(tmp_path.parent)
     code, _, err = tool("run", write_scene(("[solid]", f"[run]\n{line}\n[solid]")))
     assert code == 2
     assert words in err
+
+
+def test_what_a_stranger_wrote_is_shown_harmlessly(write_scene, tool, tmp_path, monkeypatch):
+    monkeypatch.setattr("validation.comparison.report._drawings", lambda *a: ())
+    path = write_scene(('title = "A small scene"', 'title = "a [/] b [red]c <script>"'), fem=False)
+    code, out, err = tool("run", path, "--no-pictures")
+    assert code == 0, err
+    assert "a [/] b [red]c <script>" in out
+    assert "<script>" not in (tmp_path / "results" / "small" / "report.html").read_text().split("</head>")[1]
+    np.save(tmp_path / "a\x1b[31m\u202eb.npy", np.ones((3, 3)))
+    for words in (("surface", "inspect", "a\x1b[31m\u202eb.npy"), ("run", "a\x1b[31m\u202eb.toml")):
+        code, out, err = tool(*words)
+        assert code == 2
+        assert r"a\x1b[31m\u202eb" in err
+        assert "\x1b" not in out + err
+
+
+def test_links_that_lead_out_of_the_results_are_not_followed(write_scene, tool, tmp_path):
+    path = write_scene(fem=False)
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "results").mkdir()
+    link = tmp_path / "results" / "small"
+    link.symlink_to(tmp_path / "elsewhere")
+    code, _, err = tool("run", path)
+    assert code == 2
+    assert "'results/small' is a link that leads to" in err
+    assert "say --output 'results/small' to follow it" in err
+    link.unlink()
+    link.mkdir()
+    (link / "solves").symlink_to(tmp_path / "elsewhere")
+    assert "say --store 'results/small/solves' to follow it" in tool("run", path)[2]
+    assert not list((tmp_path / "elsewhere").iterdir())
+    (link / "solves").unlink()
+    link.rmdir()
+    # A folder of results may itself be a link to a larger disk.
+    (tmp_path / "results").rmdir()
+    (tmp_path / "results").symlink_to(tmp_path / "elsewhere")
+    assert tool("run", path, "--dry-run")[0] == 0
+
+
+def test_a_grid_that_no_memory_holds_is_refused(tool, tmp_path):
+    np.save(tmp_path / "scan.npy", np.random.default_rng(12).normal(size=(8, 8)))
+    for words in (
+        ("generate", "quickstart", "a.npy"),
+        ("convert", "scan.npy", "b.npy", "--length", "1 um", "--unit", "1 nm"),
+    ):
+        code, _, err = tool("surface", *words, "--grid", "1000000")
+        assert code == 2
+        assert "--grid = 1000000: takes 1000000 x 1000000 points and 5.59e+04 GiB" in err
+
+
+def test_one_length_for_an_oblong_file_is_refused(tool, tmp_path):
+    np.save(tmp_path / "scan.npy", np.random.default_rng(12).normal(size=(8, 6)))
+    said = ("surface", "inspect", "scan.npy", "--unit", "1 nm", "--length")
+    code, _, err = tool(*said, "8 um")
+    assert code == 2
+    assert "--length: one length for 8 x 6 points makes oblong cells" in err
+    code, out, err = tool(*said, "8 um, 6 um")
+    assert code == 0, err
+    assert "size [m]: 8e-06 x 6e-06" in out
 
 
 def test_surfaces_are_generated_inspected_and_converted(tool, tmp_path):
@@ -273,7 +337,7 @@ def test_a_conversion_levels_fills_and_tapers_and_says_so(tool, tmp_path):
 
 
 def test_studies_and_cases_and_scenes_are_listed_for_people_and_scripts(tool):
-    assert "--pressures numbers with commas" in tool("study", "--list")[1]
+    assert "--reduced-pressures numbers with commas" in tool("study", "--list")[1]
     assert "area" in json.loads(tool("study", "--list", "--json")[1])
     listed = tool("validate", "--list", "--quick")[1]
     assert "hertz-bem" in listed
@@ -350,14 +414,34 @@ def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write
 
 def test_every_option_of_every_study_says_what_it_is(tool):
     for name, found in studies().items():
-        for option in found.options.values():
-            assert len(option.meaning) > 2, (name, option.name)
-            assert "None" not in option.words
-            assert "default: )" not in option.words
+        for flag, field in found.options.flags().items():
+            assert field.description, (name, flag)
+            assert len(field.description) > 2, (name, flag)
+        lines = "\n".join(found.help_lines())
+        assert "None" not in lines
+        assert "default: )" not in lines
     code, out, err = tool("study", "hurst", "--help")
     assert (code, err) == (0, "")
-    assert "--equal-nayak a number (may be left out)\n        Also choose the ratio of each H" in out
-    assert "--size a number (default: " in out
-    assert "L/lambda_long" in out
+    assert "--equal-nayak a number (may be left out)" in out
+    assert "--periods a number (default: " in out
+    assert "L / lambda_long" in out
     assert "Example" not in out
     assert tool("study", "nothing", "-h")[0] == 2
+
+
+@pytest.mark.parametrize(
+    ("file", "name"), [("mine.toml", "mine"), ("my scene!.toml", "my-scene"), ("äöü.toml", "copy")]
+)
+def test_a_copied_scene_has_results_of_its_own(tmp_path, file, name):
+    target = tmp_path / file
+    cli.copy_scene("quickstart", target)
+    copied, original = load_scene(str(target)), load_scene("quickstart")
+    assert copied.name == name
+    assert copied.model_copy(update={"name": "quickstart"}) == original
+
+
+def test_a_title_with_markup_is_printed_as_it_is_after_the_solves(write_scene, tool):
+    path = write_scene(("A small scene", "[/] [bold]loud"), fem=False)
+    code, out, err = tool("run", path, "--no-report", "--quiet")
+    assert code == 0, err
+    assert "[/] [bold]loud" in out

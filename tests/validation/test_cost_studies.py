@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 
 import numpy as np
@@ -14,14 +13,14 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.errors import RunFailed, UsageError
-from validation.measures.common import base_surface
-from validation.scenes.scene import SolidSpec
+from validation.measures.common import base_case, base_surface
+from validation.measures.measurement import Measurement
 from validation.solves.bench import Bench
-from validation.studies import _peer_solve, _peers, accuracy_cost, multilevel, scaling
+from validation.studies import accuracy_cost, find_study, multilevel, scaling
+from validation.studies.accuracy_cost import peer_solve, peers
 from validation.studies.multilevel import Level, allocation, saving
 
-SMALL = {"size": 2.0, "ratio": 2.0}
-SOLID = SolidSpec(young=3e8, poisson=0.25)
+SMALL = {"periods": 2.0, "bandwidth": 2.0}
 
 
 @pytest.fixture(scope="module")
@@ -33,15 +32,15 @@ def bench(tmp_path_factory) -> Bench:
 def costs(bench):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(accuracy_cost, "installed_peers", tuple)
-        return accuracy_cost.run(
-            bench=bench,
+        options = accuracy_cost.Options(
             surfaces=2,
             points_per_wave=(3.0, 4.0, 6.0),
-            held_out=(8.0, 12.0),
+            held_out_points_per_wave=(8.0, 12.0),
             fem_points_per_wave=(4.0,),
             seed=5106,
             **SMALL,
         )
+        return accuracy_cost.run(options, bench=bench)
 
 
 def test_every_way_has_a_time_a_memory_and_an_error(costs):
@@ -102,7 +101,8 @@ def ours(heights: np.ndarray, mean_pressure: float, tolerance: float) -> np.ndar
 
 
 def test_a_peer_is_solved_no_further_than_its_grid_deserves(tmp_path, monkeypatch):
-    field = _peers.height_field(base_surface(hurst=0.8, seed=4177, size=2.0, ratio=4.0), (64, 64))
+    surface = base_surface(hurst=0.8, seed=4177, periods=2.0, bandwidth=4.0)
+    field = base_case(surface, reduced_pressure=0.05).heights((64, 64))
     heights = field.heights / (field.rms_gradient * field.lengths[0])
     np.save(tmp_path / "h.npy", heights)
     asked: list[float] = []
@@ -111,10 +111,10 @@ def test_a_peer_is_solved_no_further_than_its_grid_deserves(tmp_path, monkeypatc
         asked.append(tolerance)
         return ours(heights, pressure, tolerance)
 
-    monkeypatch.setitem(_peer_solve.SOLVERS, "tamaas", solve)
+    monkeypatch.setitem(peer_solve.SOLVERS, "tamaas", solve)
     pixel = float(np.mean(ours(heights, 0.05, 1e-9) > 0))
     loose, exact = (
-        _peer_solve.main(["tamaas", str(tmp_path / "h.npy"), "0.05", repr(pixel), repr(allowed)])
+        peer_solve.main(["tamaas", str(tmp_path / "h.npy"), "0.05", repr(pixel), repr(allowed)])
         for allowed in (0.5, 0.0)
     )
     assert loose["tolerance"] == 1e-2
@@ -124,27 +124,20 @@ def test_a_peer_is_solved_no_further_than_its_grid_deserves(tmp_path, monkeypatc
 
 
 def test_a_peer_that_fails_is_a_sentence(monkeypatch):
-    solve = _peers.PeerMeasurement(
+    solve = peers.PeerMeasurement(
         code="no-such-code",
-        surface=base_surface(hurst=0.8, seed=4177, **SMALL),
-        solid=SOLID,
-        reduced_pressure=0.1,
+        realised=base_case(base_surface(hurst=0.8, seed=4177, **SMALL), reduced_pressure=0.1),
         points=16,
     )
     with pytest.raises(RunFailed, match="no-such-code 16x16, surface 1: KeyError"):
         solve.measure()
 
 
-@pytest.mark.parametrize("code", _peer_solve.SOLVERS)
+@pytest.mark.parametrize("code", peer_solve.SOLVERS)
 def test_an_installed_peer_counts_the_area_that_is_counted_here(code):
     pytest.importorskip(code)
-    solve = _peers.PeerMeasurement(
-        code=code,
-        surface=base_surface(hurst=0.8, seed=4178, size=2.0, ratio=4.0),
-        solid=SOLID,
-        reduced_pressure=0.1,
-        points=64,
-    )
+    surface = base_surface(hurst=0.8, seed=4178, periods=2.0, bandwidth=4.0)
+    solve = peers.PeerMeasurement(code=code, realised=base_case(surface, reduced_pressure=0.1), points=64)
     found = solve.measure()
     assert float(found.solver_error) < 0.1 * 0.103 * float(found.pixel) * 2
     assert float(found.seconds) > 0
@@ -162,7 +155,7 @@ def test_scaling_finds_the_power_a_cost_follows():
             "area": (("points", "surface"), 0.1 + 0 * number),
         },
         coords={"points": points, "bandwidth": ("points", points / 32)},
-        attrs={"memory": 2**34, "points_per_wave": 8.0, "size": 4.0},
+        attrs={"memory": 2**34, "points_per_wave": 8.0, "periods": 4.0},
     )
     law = scaling.power_law(data, "seconds")
     assert law.exponent == pytest.approx(1.1, abs=1e-9)
@@ -179,7 +172,8 @@ def test_scaling_finds_the_power_a_cost_follows():
 
 
 def test_scaling_measures_solves_whose_bandwidth_grows_with_the_grid(bench):
-    data = scaling.run(bench=bench, points=(24, 32, 48), points_per_wave=4.0, size=2.0, surfaces=2, seed=1306)
+    options = scaling.Options(grids=(24, 32, 48), points_per_wave=4.0, periods=2.0, surfaces=2, seed=1306)
+    data = scaling.run(options, bench=bench)
     assert data.bandwidth.values.tolist() == [3.0, 4.0, 6.0]
     assert np.all(np.diff(data.peak_bytes.mean("surface")) > 0)
     assert np.all(data.fft_pairs > 0)
@@ -187,10 +181,17 @@ def test_scaling_measures_solves_whose_bandwidth_grows_with_the_grid(bench):
     assert scaling.figures(data)[0].name == "cost-against-points"
 
 
-@pytest.mark.parametrize("points", [(64, 128), (128, 64, 256), (8, 16, 32)])
-def test_scaling_refuses_grids_it_cannot_fit(points):
-    with pytest.raises(UsageError, match="--points = "):
-        scaling.run(points=points)
+@pytest.mark.parametrize(
+    ("grids", "words"),
+    [
+        ("64,128", "at least 3"),
+        ("128,64,256", "must be positive and rising"),
+        ("8,16,32", "must be above L/lambda_long"),
+    ],
+)
+def test_scaling_refuses_grids_it_cannot_fit(grids, words):
+    with pytest.raises(UsageError, match=f"grids = .*{words}"):
+        find_study("scaling").parse(["--grids", grids])
 
 
 def test_levels_are_solved_as_often_as_is_cheapest():
@@ -213,18 +214,11 @@ def test_levels_are_solved_as_often_as_is_cheapest():
 def test_equal_numbers_of_the_same_surfaces_would_give_the_mean_on_the_finest_grid(bench, monkeypatch):
     """The sum of the levels telescopes: on one set of surfaces nothing of the coarse grids is left."""
     monkeypatch.setattr(multilevel, "_APART", 0)
-    data = multilevel.run(
-        bench=bench, points_per_wave=(4.0, 6.0, 8.0), error=0.5, pilot=4, seed=1707, **SMALL
-    )
+    options = multilevel.Options(points_per_wave=(4.0, 6.0, 8.0), error=0.5, pilot=4, seed=1707, **SMALL)
+    data = multilevel.run(options, bench=bench)
     assert data.surfaces.values.tolist() == [4, 4, 4]
-    finest = multilevel.Measurement(
-        surface=base_surface(hurst=0.8, seed=1707, **SMALL),
-        solid=SolidSpec(young=1e9, poisson=0.3),
-        reduced_pressures=(0.05,),
-        grids=((24, 24), (32, 32)),
-        shifts=1,
-    )
-    solves = [dataclasses.replace(finest, realisation=k) for k in range(4)]
+    first = base_case(base_surface(hurst=0.8, seed=1707, **SMALL), reduced_pressure=0.05)
+    solves = [Measurement(realised=first.further(k), grids=((24, 24), (32, 32)), shifts=1) for k in range(4)]
     solved = bench.solve(solves)
     mean = np.mean([float(solved[solve].subcell[-1, 0, 0]) for solve in solves])
     # Rounding of the sums.
@@ -233,7 +227,8 @@ def test_equal_numbers_of_the_same_surfaces_would_give_the_mean_on_the_finest_gr
 
 
 def test_levels_say_whether_they_were_worth_it(bench):
-    data = multilevel.run(bench=bench, points_per_wave=(4.0, 8.0), error=0.05, pilot=4, seed=1708, **SMALL)
+    options = multilevel.Options(points_per_wave=(4.0, 8.0), error=0.05, pilot=4, seed=1708, **SMALL)
+    data = multilevel.run(options, bench=bench)
     mean, error = multilevel.estimate(data)
     assert 0 < error < 0.06 * mean
     assert multilevel.table(data).rows[-1][0] == "plain, finest grid"
@@ -244,4 +239,4 @@ def test_levels_say_whether_they_were_worth_it(bench):
     assert "the levels are worth it" in multilevel.findings(biased)[-1]
     assert multilevel.figures(data)[0].name == "multilevel"
     with pytest.raises(UsageError, match="--area = 'voxel'"):
-        multilevel.run(area="voxel")
+        find_study("multilevel").parse(["--area", "voxel"])

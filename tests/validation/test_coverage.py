@@ -6,22 +6,16 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from validation.measures.common import base_surface
+from validation.measures.common import base_case, base_surface
 from validation.measures.measurement import Measurement, area_limits, grid_for
-from validation.scenes.scene import SolidSpec
-
-SOLID = SolidSpec(young=1e9, poisson=0.3)
 
 
-def measured(seed: int, *, hurst: float, load: float, ratio: float, grids: tuple[float, ...]) -> xr.Dataset:
-    surface = base_surface(hurst=hurst, size=2.0, ratio=ratio, seed=seed)
-    return Measurement(
-        surface=surface,
-        solid=SOLID,
-        reduced_pressures=(load,),
-        grids=tuple(grid_for(surface, n) for n in grids),
-        shifts=2,
-    ).measure()
+def measured(
+    seed: int, *, hurst: float, load: float, bandwidth: float, grids: tuple[float, ...]
+) -> xr.Dataset:
+    surface = base_surface(hurst=hurst, periods=2.0, bandwidth=bandwidth, seed=seed)
+    pressed = base_case(surface, reduced_pressure=load)
+    return Measurement(realised=pressed, grids=tuple(grid_for(pressed, n) for n in grids), shifts=2).measure()
 
 
 def holds(data: xr.Dataset, used: tuple[int, ...], truth: tuple[int, ...]) -> tuple[bool, float]:
@@ -36,7 +30,11 @@ def test_intervals_of_coarse_grids_hold_the_limit_of_finer_ones():
     outcomes = [
         holds(
             measured(
-                93700 + k, hurst=(0.3, 0.8)[k % 2], load=(0.02, 0.05, 0.2)[k % 3], ratio=3, grids=(4, 6, 16)
+                93700 + k,
+                hurst=(0.3, 0.8)[k % 2],
+                load=(0.02, 0.05, 0.2)[k % 3],
+                bandwidth=3,
+                grids=(4, 6, 16),
             ),
             (4, 6),
             (16,),
@@ -59,7 +57,7 @@ def test_on_sixty_surfaces_the_intervals_hold_the_truth_as_often_as_they_say():
             880300 + k,
             hurst=(0.3, 0.8)[k % 2],
             load=(0.02, 0.05, 0.2)[k % 3],
-            ratio=8,
+            bandwidth=8,
             grids=(3, 4, 6, 8, 12, 16, 24, 32),
         )
         for used, truth in ladders.items():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from validation.errors import UsageError
+from validation.scenes.scene import load_scene
 from validation.solves.bench import Bench
 from validation.studies import adhesion, find_study, hardness
 
@@ -11,31 +12,32 @@ from validation.studies import adhesion, find_study, hardness
 @pytest.fixture(scope="module")
 def yielding(tmp_path_factory):
     bench = Bench.at(tmp_path_factory.mktemp("hardness"))
-    return hardness.run(
-        bench=bench,
-        pressures=(0.02, 0.2),
+    options = hardness.Options(
+        reduced_pressures=(0.02, 0.2),
         magnifications=(1.5, 3.0),
-        seeds=(13,),
+        seed=13,
+        surfaces=1,
         grids=(32, 64),
         periods=2.0,
         bandwidth=3.0,
         hardness=0.3,
     )
+    return hardness.run(options, bench=bench)
 
 
 @pytest.fixture(scope="module")
 def sticking(tmp_path_factory):
     bench = Bench.at(tmp_path_factory.mktemp("adhesion"))
-    return adhesion.run(
-        bench=bench,
+    options = adhesion.Options(
         works=(1e-3, 0.1),
-        loads=(0.2,),
+        reduced_pressures=(0.2,),
         magnifications=(3.0,),
         hardnesses=(0.6,),
         seed=13,
-        grid=64,
+        grids=(64, 96),
         bandwidth=3.0,
     )
+    return adhesion.run(options, bench=bench)
 
 
 def test_yielded_area_grows_with_load_and_theory_has_more_of_it(yielding):
@@ -72,14 +74,29 @@ def test_findings_of_hardness_turn_with_the_numbers(yielding):
     assert all(sentence.count("50 % below it") == 2 for sentence in hardness.findings(swapped)[:-1])
 
 
-def test_a_magnification_beyond_the_bandwidth_is_refused(tmp_path):
-    with pytest.raises(UsageError, match="--magnifications"):
-        hardness.run(bench=Bench.at(tmp_path), magnifications=(5.0,), bandwidth=4.0)
+@pytest.mark.parametrize("name", ["hardness", "adhesion"])
+def test_a_magnification_beyond_the_bandwidth_is_refused(name):
+    with pytest.raises(UsageError, match="magnifications = 5: must lie above 1, at most bandwidth = 4"):
+        find_study(name).parse(["--magnifications", "5", "--bandwidth", "4"])
 
 
-def test_one_grid_has_no_limit(tmp_path):
-    with pytest.raises(UsageError, match=r"--grids = \(64,\): at least two"):
-        hardness.run(bench=Bench.at(tmp_path), grids=(64,))
+@pytest.mark.parametrize(
+    ("name", "grids", "words"),
+    [
+        ("hardness", "64", "grids = 64: at least two"),
+        ("hardness", "64,64", "grids = 64, 64: at least two"),
+        ("adhesion", "96,64", "grids = 96, 64: must rise"),
+    ],
+)
+def test_one_grid_has_no_limit(name, grids, words):
+    with pytest.raises(UsageError, match=words):
+        find_study(name).parse(["--grids", grids])
+
+
+@pytest.mark.parametrize("name", ["hardness", "adhesion", "graded"])
+def test_a_study_of_its_own_surfaces_takes_no_scene(name):
+    with pytest.raises(UsageError, match="takes no scene; leave 'quickstart' out"):
+        find_study(name).parse([], scene=load_scene("quickstart"))
 
 
 def test_adhesion_enlarges_the_contact_in_proportion_and_vanishes_with_the_work(sticking):
@@ -93,10 +110,10 @@ def test_adhesion_enlarges_the_contact_in_proportion_and_vanishes_with_the_work(
 
 
 def test_the_dials_meet_where_they_stand_for_the_same_case(sticking):
-    # share = 0.1 at p* = 0.05 with all waves is the second work.
+    # work = 0.1 at p* = 0.05 with all waves is the second work.
     for name in ("area", "plain", "improved", "interface", "macroscopic"):
         assert sticking[f"{name}_magnification"].values[0] == sticking[name].values[1]
-    assert sticking["area_load"].values[0] > sticking["area"].values[1]
+    assert sticking["area_reduced_pressure"].values[0] > sticking["area"].values[1]
 
 
 def test_the_interface_gains_less_than_its_work_and_yielding_adds_contact(sticking):
@@ -122,7 +139,7 @@ def test_both_are_found_by_name_and_draw(yielding, sticking):
     ]
     assert [d.name for d in find_study("adhesion").figures(sticking)] == [
         "adhesive-area",
-        "adhesive-area-load",
+        "adhesive-area-reduced-pressure",
         "adhesive-area-magnification",
         "adhesive-area-hardness",
         "adhesive-area-yielded",

@@ -22,8 +22,8 @@ from validation.scenes.checks import check_scene
 from validation.scenes.realised import realise
 from validation.scenes.scene import EffectSpec, Scene, load_scene
 from validation.scenes.surfaces import reference_field
+from validation.solves.attempt import warm_up
 from validation.solves.press import solves_of
-from validation.solves.running import warm_up
 
 HARD = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n'
 STICKY = '[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "40 nm"\n'

@@ -11,10 +11,11 @@ from fem_contact.area import Limit
 from validation.comparison.compare import Scatter, compare
 from validation.comparison.figure_data import pressure_at_zero_data
 from validation.comparison.findings import findings
-from validation.comparison.report import console_table, report_page
+from validation.comparison.report import run_page
 from validation.comparison.run import run_scene
 from validation.effects.adhesion import Adhesion
 from validation.effects.hardness import Hardness
+from validation.report.page import render
 from validation.scenes.realised import realise
 from validation.scenes.scene import load_scene
 from validation.solves.press import solves_of
@@ -101,7 +102,7 @@ def test_a_contact_of_one_point_has_no_limit_and_no_law_of_its_edge(write_scene,
     assert not any(
         word in text for text in findings(comparison) for word in (" it (", "agrees", "falls with")
     )
-    assert said in report_page(comparison)
+    assert said in render(run_page(comparison))
 
 
 def test_agreement_within_an_uncertainty_says_how_large_that_is(small_run):
@@ -123,27 +124,27 @@ def test_nothing_is_said_of_pressures_that_start_at_zero_where_adhesion_pulls(sm
     plain, sticky = small_run.comparison, _with_effects(small_run.comparison, STICKY)
     assert any("P(sigma)" in text for text in findings(plain))
     assert not any("P(sigma)" in text for text in findings(sticky))
-    assert [list(console_table(c).columns[6].cells)[-2] for c in (plain, sticky)] == ["0", ""]
+    assert [run_page(c).tables[0].sums[0][7] for c in (plain, sticky)] == ["0", ""]
 
 
 def test_a_report_names_its_effects_and_cites_what_solved_them(small_run):
     plain, sticky = small_run.comparison, _with_effects(small_run.comparison, STICKY)
-    assert "(elastic, no adhesion)" in console_table(plain).title
-    assert "(adhesion)" in console_table(sticky).title
-    page = report_page(sticky)
+    assert "elastic, no adhesion" in run_page(plain).lead
+    assert "effects: adhesion" in run_page(sticky).lead
+    page = render(run_page(sticky))
     assert "effects: adhesion" in page
     assert "Runs: adhesion: Pastewka-Robbins number" in page
     assert "Left out: hardness" in page
     assert "Bertsekas" in page
     assert "Polonsky" not in page
-    assert "Polonsky" in report_page(plain)
+    assert "Polonsky" in render(run_page(plain))
 
 
 def test_the_yielded_area_stands_on_a_card(small_run):
     c = _with_effects(small_run.comparison, HARD)
-    assert "How much has yielded" not in report_page(c)
+    assert "How much has yielded" not in render(run_page(c))
     rows = tuple(dataclasses.replace(row, plastic=0.0123) for row in c.rows)
-    page = report_page(dataclasses.replace(c, rows=rows))
+    page = render(run_page(dataclasses.replace(c, rows=rows)))
     assert page.count("How much has yielded") == 1
     assert "0.01230" in page
 

@@ -6,13 +6,15 @@ import pytest
 from validation.comparison.explain import explain
 from validation.errors import UsageError
 from validation.scenes.scene import load_scene
+from validation.solves.bench import Bench
 from validation.solves.press import solves_of
 from validation.studies import find_study, graded
 
 
 @pytest.fixture(scope="module")
-def data():
-    return graded.run(ratios=(0.5, 2.0))
+def data(tmp_path_factory):
+    bench = Bench.at(tmp_path_factory.mktemp("solves"))
+    return graded.run(graded.Options(ratios=(0.5, 2.0)), bench=bench)
 
 
 def test_both_moduli_are_those_of_the_solid_felt_alone_at_the_ends(data):
@@ -33,15 +35,19 @@ def test_findings_say_where_the_claim_holds_and_turn_with_the_numbers(data):
     assert "-3.6 % off" in stiffer
     nowhere = data.assign(grading=data["grading"] * 1e6)
     assert "no wave has E'/(E q) < 1" in graded.findings(nowhere)[0]
-    assert [d.name for d in find_study("graded").figures(data)] == [
-        "felt-modulus-profile",
-        "felt-modulus-coating",
-    ]
+
+
+def test_the_figures_tell_the_ratios_apart_and_say_once_what_is_drawn(data):
+    drawings = find_study("graded").figures(data)
+    assert [drawing.name for drawing in drawings] == ["felt-modulus-profile", "felt-modulus-coating"]
+    axes = drawings[0].figure.axes[0]
+    assert axes.get_ylabel().startswith("felt modulus over exact, profile")
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["ratio = 0.5", "ratio = 2"]
 
 
 def test_no_grading_is_refused():
-    with pytest.raises(UsageError, match="--ratios"):
-        graded.run(ratios=(1.0,))
+    with pytest.raises(UsageError, match="ratios = 2, 1: must not be 1"):
+        find_study("graded").parse(["--ratios", "2,1"])
 
 
 @pytest.mark.parametrize(("name", "less"), [("oxide-layer", True), ("soft-layer", False)])

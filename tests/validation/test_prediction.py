@@ -59,7 +59,7 @@ spec = importlib.util.spec_from_file_location("listed", sys.argv[1])
 listed = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(listed)
 from validation.solves.cost import transform_seconds
-from validation.solves.running import attempt
+from validation.solves.attempt import attempt
 from validation.solves.store import Store
 number = int(sys.argv[2])
 with tempfile.TemporaryDirectory() as folder:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import html
 import json
 import os
 import signal
@@ -19,6 +18,7 @@ import xarray as xr
 from validation.comparison.run import run_scene
 from validation.errors import RunFailed, UsageError
 from validation.files import prepare_folder
+from validation.report.words import mathematics
 from validation.scenes.scene import load_scene
 from validation.scenes.surfaces import height_field, reference_field
 from validation.solves.press import Press, solves_of
@@ -64,11 +64,11 @@ def test_running_again_repeats_nothing_and_finds_the_same(small_run, tmp_path):
     again = run_scene(small_run.comparison.scene, small_run.folder)
     assert again.solved == 0
     assert again.reused == small_run.solved
-    assert again.comparison.rows == small_run.comparison.rows
+    assert repr(again.comparison.rows) == repr(small_run.comparison.rows)
 
 
 def test_a_plain_run_leaves_nothing_of_an_earlier_run_to_an_accuracy(small_run, tmp_path, monkeypatch):
-    monkeypatch.setattr("validation.comparison.report.write_drawings", lambda *a: ())
+    monkeypatch.setattr("validation.comparison.report._drawings", lambda *a: ())
     (tmp_path / "accuracy.json").write_text("{}")
     run_scene(small_run.comparison.scene, tmp_path, store_folder=small_run.folder / "solves")
     assert (tmp_path / "report.html").exists()
@@ -92,8 +92,8 @@ def test_the_report_holds_four_figures_and_the_findings(small_run):
     page = (small_run.folder / "report.html").read_text()
     assert page.count("<svg") == 4
     for finding in small_run.comparison.findings:
-        assert finding in html.unescape(page)
-    assert "http-equiv" not in page
+        assert mathematics(finding) in page
+    assert "default-src 'none'" in page
     assert "<script" not in page
 
 

@@ -1,6 +1,8 @@
 """The study of hard cases: what it calls right, refused and wrong, and that nothing is wrong."""
 
+import itertools
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,11 +10,24 @@ import pytest
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput
 from validation.errors import UsageError
+from validation.solves.bench import Bench
+from validation.solves.store import Store
 from validation.studies import find_study, stability
-from validation.studies._hard_cases import HardCase, Measured
+from validation.studies.stability.cases import HardCase, Measured
 
 #: Cases of a second or less; the others run with the slow tests.
 QUICK = ("load", "gradient", "hurst", "ties", "precision", "hardness", "contrast", "depth", "single")
+
+
+class Idle(Bench):
+    """A bench that must not be asked for a solve."""
+
+    def solve(self, solves):
+        raise AssertionError("the study of hard cases runs no solve of the bench")
+
+
+def turned(**options):
+    return stability.run(stability.Options(**options), bench=Idle(store=Store(folder=Path("nowhere"))))
 
 
 def outcomes(data):
@@ -30,17 +45,19 @@ def check(data):
 
 @pytest.mark.parametrize("name", QUICK)
 def test_no_quick_case_gives_a_silent_wrong_number(name):
-    check(stability.run(cases=(name,)))
+    check(turned(cases=(name,)))
 
 
 @pytest.mark.slow
 def test_no_case_gives_a_silent_wrong_number():
-    check(stability.run())
+    check(turned())
 
 
 def test_every_method_has_a_hard_case_and_each_says_what_is_right_beforehand():
     assert {case.method for case in stability.CASES} == {"bem", "fem", "theory"}
     assert all(case.reference and case.bound > 0 and len(case.values) > 4 for case in stability.CASES)
+    assert len({case.name for case in stability.CASES}) == len(stability.CASES)
+    assert all(a != b for case in stability.CASES for a, b in itertools.pairwise(case.values))
 
 
 def fake(measure, *, refusable=lambda value: False):
@@ -78,7 +95,7 @@ def crashing(value):
 )
 def test_an_outcome_is_right_only_for_a_small_error_of_a_converged_solve(monkeypatch, case, outcome):
     monkeypatch.setattr(stability, "CASES", (case,))
-    data = stability.run()
+    data = turned()
     assert list(outcomes(data)) == [outcome]
     said = stability.findings(data)
     assert (outcome == "WRONG") == ("gave a wrong number, a crash or a hang" in said[-1])
@@ -86,13 +103,13 @@ def test_an_outcome_is_right_only_for_a_small_error_of_a_converged_solve(monkeyp
 
 def test_a_hang_is_wrong(monkeypatch):
     monkeypatch.setattr(stability, "CASES", (fake(lambda value: Measured(error=0.0)),))
-    assert list(outcomes(stability.run(slowest=0.0))) == ["WRONG"]
+    assert list(outcomes(turned(slowest=0.0))) == ["WRONG"]
 
 
 def test_the_study_is_found_by_name_with_its_options_and_draws_every_case():
     study = find_study("stability")
-    assert set(study.options) == {"cases", "slowest"}
-    data = study.run(cases=("hardness", "ties"))
+    assert set(study.options.flags()) == {"--cases", "--slowest"}
+    data = turned(cases=("hardness", "ties"))
     assert [drawing.name for drawing in study.figures(data)] == [
         "stability",
         "stability-hardness",
@@ -100,4 +117,4 @@ def test_the_study_is_found_by_name_with_its_options_and_draws_every_case():
     ]
     assert "refused at 0.99 (InvalidInput: pressure_bound" in study.findings(data)[0]
     with pytest.raises(UsageError, match="no such case; one of: load"):
-        study.run(cases=("nonsense",))
+        study.parse(["--cases", "nonsense"])

@@ -27,8 +27,9 @@ from solving import Numbers, fields
 from validation import files
 from validation.errors import RunFailed
 from validation.files import NotWritten, atomic_path, prepare_folder, remove_drafts
+from validation.solves.attempt import Outcome, Silent, attempt
 from validation.solves.provenance import Made, made_words
-from validation.solves.running import Execution, Outcome, Silent, attempt, solve_all
+from validation.solves.running import Execution, solve_all
 from validation.solves.seal import Damaged, seal, unseal
 from validation.solves.store import Store, check_store, read_result
 

@@ -2,34 +2,33 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from validation.errors import UsageError
-from validation.measures.common import base_surface, persson_area
+from validation.measures.common import base_case, base_surface
 from validation.measures.measurement import Measurement, area_limits, grid_for
-from validation.scenes.scene import SolidSpec
+from validation.scenes import surfaces
+from validation.scenes.realised import Realised
+from validation.scenes.scene import SolidSpec, load_scene
 from validation.solves.bench import Bench
 from validation.solves.running import Execution
-from validation.studies import (
-    cross,
-    hurst,
-    magnification,
-    refinement,
-    stress_near_zero,
-    studies,
-    theory_verdict,
-)
-from validation.studies._grid_roughness import GridRoughness
+from validation.studies import cross, find_study, refinement, stress_near_zero, studies
+from validation.studies.refinement.grid_roughness import GridRoughness
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)
-SMALL = {"size": 2.0, "ratio": 2.0}
+SMALL = {"periods": 2.0, "bandwidth": 2.0}
+
+
+def pressed(*, seed: int = 61, solid: SolidSpec = SOLID) -> Realised:
+    return base_case(base_surface(hurst=0.6, seed=seed, **SMALL), reduced_pressure=0.05, solid=solid)
 
 
 def measurement(**changes: object) -> Measurement:
     settings = {
-        "surface": base_surface(hurst=0.6, seed=61, **SMALL),
-        "solid": SOLID,
+        "realised": pressed(),
         "reduced_pressures": (0.05, 0.2),
         "grids": ((16, 16), (24, 24), (32, 32)),
         "shifts": 2,
@@ -55,7 +54,7 @@ def test_area_grows_with_load_and_falls_with_refinement(measured):
 
 
 def test_numbers_do_not_depend_on_the_modulus(measured):
-    other = measurement(solid=SolidSpec(young=7e10, poisson=0.4)).measure()
+    other = measurement(realised=pressed(solid=SolidSpec(young=7e10, poisson=0.4))).measure()
     np.testing.assert_allclose(other.pixel.values, measured.pixel.values, rtol=1e-12)
     np.testing.assert_allclose(other.mean_gap.values, measured.mean_gap.values, rtol=1e-6)
 
@@ -68,7 +67,7 @@ def test_energy_tends_to_that_of_full_contact():
 
 
 def test_the_inverted_surface_has_the_same_gradient_and_another_area(measured):
-    inverted = measurement(inverted=True)
+    inverted = measurement(realised=replace(pressed(), inverted=True))
     assert inverted.key != measurement().key
     found = inverted.measure()
     assert found.attrs["rms_gradient"] == measured.attrs["rms_gradient"]
@@ -78,7 +77,7 @@ def test_the_inverted_surface_has_the_same_gradient_and_another_area(measured):
 def test_a_truncated_surface_keeps_the_waves_that_remain():
     whole, part = measurement(), measurement(truncation=2 * np.pi / 0.45e-3)
     grid = (32, 32)
-    spectra = [np.fft.fft2(m.field(grid).heights) for m in (whole, part)]
+    spectra = [np.fft.fft2(m.heights(grid).heights) for m in (whole, part)]
     kept = np.abs(spectra[1]) > 1e-9 * np.abs(spectra[0]).max()
     assert 0 < kept.sum() < (np.abs(spectra[0]) > 1e-9 * np.abs(spectra[0]).max()).sum()
     np.testing.assert_allclose(spectra[1][kept], spectra[0][kept], rtol=1e-9)
@@ -93,25 +92,24 @@ def test_limits_lie_below_the_counted_areas(measured):
 def test_a_recipe_holds_everything_and_nothing_else():
     base = measurement()
     assert base.key == measurement().key
-    assert len({base.key, measurement(shifts=1).key, measurement(realisation=1).key}) == 3
+    assert len({base.key, measurement(shifts=1).key, measurement(realised=pressed().further(1)).key}) == 3
     # Realisation 1 of seed 61 is realisation 0 of seed 62.
-    moved = measurement(surface=base_surface(hurst=0.6, seed=62, **SMALL))
-    assert moved.key == measurement(realisation=1).key
+    moved = measurement(realised=pressed(seed=62))
+    assert moved.key == measurement(realised=pressed().further(1)).key
 
 
 def test_the_grid_scale_protocol_depends_on_the_slope_in_the_known_order():
-    surface = base_surface(hurst=0.8, seed=61, **SMALL)
     found = GridRoughness(
-        surface=surface, realisation=0, solid=SOLID, reduced_pressure=0.1, points=32
+        realised=base_case(base_surface(hurst=0.8, seed=61, **SMALL), reduced_pressure=0.1), points=32
     ).measure()
     spectral, forward, central = found.kappa.values
     assert spectral > forward > central
 
 
 def test_refinement_tells_the_grid_from_the_theory(bench):
-    options = {"surfaces": 2, "points_per_wave": (2.0, 4.0, 6.0, 8.0), "grid_scale_points": (24,), **SMALL}
+    options = {"surfaces": 2, "points_per_wave": (2.0, 4.0, 6.0, 8.0), "grid_scale_grids": (24,), **SMALL}
     options |= {"ladders": False, "elements": ("Hex1",), "fem_points_per_wave": (4.0, 6.0, 8.0)}
-    data = refinement.run(bench=bench, **options)
+    data = refinement.run(refinement.Options(**options), bench=bench)
     error = refinement.overestimate(data, "pixel").mean("surface").values
     assert error[0] > error[1] > error[-1] > 0
     text = " ".join(refinement.findings(data))
@@ -133,56 +131,17 @@ def test_refinement_tells_the_grid_from_the_theory(bench):
 
 
 def test_two_workers_measure_the_same_as_this_process(bench, tmp_path):
-    options = {"surfaces": 2, "points_per_wave": (4.0, 6.0), "grid_scale_points": (24,), **SMALL}
+    options = {"surfaces": 2, "points_per_wave": (4.0, 6.0), "grid_scale_grids": (24,), **SMALL}
     options |= {"ladders": False, "elements": ()}
     workers = Bench.at(tmp_path, execution=Execution(workers=2))
-    found, expected = refinement.run(bench=workers, **options), refinement.run(bench=bench, **options)
+    asked = refinement.Options(**options)
+    found, expected = refinement.run(asked, bench=workers), refinement.run(asked, bench=bench)
     assert found.drop_vars("seconds").identical(expected.drop_vars("seconds"))
 
 
-def test_hurst_study_reports_change_by_surface_and_finds_the_bandwidth_of_equal_nayak(bench):
-    data = hurst.run(
-        bench=bench,
-        hursts=(0.2, 0.8),
-        ratios=(2.0,),
-        equal_nayak=2.2,
-        reduced_pressures=(0.1,),
-        size=2.0,
-        pairs=2,
-        points_per_wave=(4.0, 6.0),
-        shifts=2,
-        ladder_hursts=(),
-    )
-    assert data.family.values.tolist() == ["ratio 2", "ratio 2", "alpha 2.2", "alpha 2.2"]
-    same = data.isel(spectrum=[2, 3])
-    assert same.ratio.values[0] != same.ratio.values[1]
-    trend = hurst.findings(data)[0]
-    assert "from H = 0.2 to 0.8" in trend
-    flat = data.assign(kappa=data.kappa * 0 + 2.0)
-    assert "+0.0 +- 0.0 %" in hurst.findings(flat)[0]
-
-
-def test_an_impossible_nayak_parameter_is_refused_by_name(bench):
-    with pytest.raises(UsageError, match=r"equal_nayak = 1\.2: no bandwidth gives it"):
-        hurst.run(bench=bench, equal_nayak=1.2)
-
-
-def test_magnification_ends_at_the_theory_of_the_whole_surface(bench):
-    data = magnification.run(
-        bench=bench,
-        reduced_pressures=(0.1,),
-        magnifications=(1.0, 2.0),
-        surfaces=2,
-        points_per_wave=(4.0, 6.0),
-        shifts=2,
-        **SMALL,
-    )
-    np.testing.assert_allclose(data.theory.values[:, -1, 0], persson_area(0.1), rtol=1e-9)
-    assert np.all(data.area.values[:, 0, 0] > data.area.values[:, -1, 0])
-
-
 def test_the_density_of_small_pressures_falls_with_the_grid(bench):
-    data = stress_near_zero.run(bench=bench, surfaces=2, points_per_wave=(8.0, 16.0, 24.0), **SMALL)
+    options = stress_near_zero.Options(surfaces=2, points_per_wave=(8.0, 16.0, 24.0), **SMALL)
+    data = stress_near_zero.run(options, bench=bench)
     mean = data.density_at_zero.mean("surface").values
     assert mean[0] > mean[-1]
     # A P that starts at a value of its own gets that value as intercept.
@@ -194,15 +153,15 @@ def test_the_density_of_small_pressures_falls_with_the_grid(bench):
 
 
 def test_the_independent_leg_is_named_and_agrees_better_on_the_finer_grid(bench):
-    data = cross.run(
-        bench=bench,
+    options = cross.Options(
         surfaces=1,
-        size=1.0,
-        ratio=2.0,
+        periods=1.0,
+        bandwidth=2.0,
         full_points_per_wave=(4.0, 8.0),
         reduced_points_per_wave=(4.0, 8.0),
         elements=("Hex1",),
     )
+    data = cross.run(options, bench=bench)
     full, reduced = data.isel(case=[0, 1]), data.isel(case=[2, 3])
     assert full.leg.values.tolist() == ["full Hex1"] * 2
     assert full.pressure_half_space.values[1, 0] < full.pressure_half_space.values[0, 0]
@@ -210,39 +169,53 @@ def test_the_independent_leg_is_named_and_agrees_better_on_the_finer_grid(bench)
     np.testing.assert_allclose(full.pressure_half_space, reduced.pressure_half_space, rtol=1e-4)
 
 
-@pytest.mark.parametrize(
-    ("ratio", "interval", "words"),
-    [
-        (1.0, 0.0, "exact"),
-        (1.3, 0.02, "off by +30 %"),
-        (0.8, 0.02, "off by -20 %"),
-        (1.01, 0.5, "not determinable"),
-    ],
-)
-def test_a_verdict_follows_from_the_ratio_and_its_interval(ratio, interval, words):
-    assert theory_verdict.verdict(ratio, interval) == words
-
-
 def test_grids_have_the_points_that_are_asked_for():
-    surface = base_surface(hurst=0.5, size=4.0, ratio=8.0, seed=1)
-    assert grid_for(surface, 8.0) == (256, 256)
-    assert grid_for(surface, 3.3) == (106, 106)
+    surface = base_surface(hurst=0.5, periods=4.0, bandwidth=8.0, seed=1)
+    case = base_case(surface, reduced_pressure=0.1)
+    assert grid_for(case, 8.0) == (256, 256)
+    assert grid_for(case, 3.3) == (106, 106)
 
 
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"surfaces": 1}, "surfaces = 1: must be at least 2"),
-        ({"points_per_wave": (8.0, 4.0)}, "points_per_wave = 8, 4: must be positive and rising"),
-        ({"points_per_wave": (2.0, 4.0)}, "needs three solves on two grids of at least 3 points per wave"),
-        ({"hurst": 1.4}, "hurst = 1.4"),
-        ({"ratio": 0.5}, "ratio = 0.5"),
+        ("--surfaces 1", "--surfaces = '1': must be greater than or equal to 2"),
+        ("--points-per-wave 8,4", "--points-per-wave = 8,4: must be positive and rising"),
+        ("--points-per-wave 2,4", "needs three solves on two grids of at least 3 points per wave"),
+        ("--shifts 1 --points-per-wave 3,4", "with shifts = 1 a limit over grids needs three solves"),
+        ("--hurst 1.4", "--hurst = '1.4'"),
+        ("--bandwidth 0.5", "--bandwidth = '0.5'"),
+        ("--elements Hex3", "--elements = "),
+        ("--fem-points-per-wave 4,8", "fem_points_per_wave = 4, 8: the limit of the finite elements needs"),
     ],
 )
-def test_options_of_a_study_are_refused_by_name_before_anything_runs(options, words, bench):
+def test_options_of_a_study_are_refused_by_name_before_anything_runs(options, words):
     with pytest.raises(UsageError) as caught:
-        refinement.run(bench=bench, **options)
+        find_study("refinement").parse(options.split())
     assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("name", ["accuracy-cost", "cross", "depth", "multilevel", "refinement", "scaling"])
+def test_a_study_that_cannot_honour_a_scene_refuses_it_by_name(name):
+    with pytest.raises(UsageError, match=f"study {name}: takes no scene; leave 'quickstart' out"):
+        find_study(name).parse([], scene=load_scene("quickstart"))
+
+
+def test_each_solve_of_a_study_shares_one_surface_with_the_others_on_it(bench, monkeypatch):
+    """Fields of a surface are drawn once for all its grids, methods and protocols."""
+    drawn = []
+    waves = surfaces.waves_of
+    monkeypatch.setattr(surfaces, "waves_of", lambda *said: drawn.append(said) or waves(*said))
+    options = cross.Options(
+        surfaces=2,
+        periods=1.0,
+        bandwidth=2.0,
+        full_points_per_wave=(4.0,),
+        reduced_points_per_wave=(4.0, 5.0),
+        seed=77,
+    )
+    cross.run(options, bench=bench)
+    assert len(drawn) == 2
 
 
 def test_every_study_is_found_by_name_and_asks_a_question():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,36 +17,26 @@ from persson.elastic import contact_area, stress_variance
 from persson.scale import Scale
 from persson.separation import mean_separation
 from validation.measures.budget import Budget, budget_table, grid_drift, grid_share
-from validation.measures.common import base_surface
-from validation.measures.distributions import Distributions
+from validation.measures.common import base_case, base_surface
+from validation.measures.distributions import Distributions, distance_to_reference
 from validation.measures.edge import inverse_square_coefficient, window_slope
 from validation.measures.ladders import bandwidth_order, rungs_limit
-from validation.measures.load_independence import distance_to_reference
 from validation.measures.measurement import Measurement, grid_for
-from validation.measures.theory import ensemble_area, modes_sentence
-from validation.measures.theory_energy import VARIANTS, WITH_ENERGY, Waves
+from validation.measures.theory import WITH_ENERGY, Waves, ensemble_area, modes_sentence
 from validation.scenes.scene import SolidSpec
 from validation.scenes.surfaces import reference_field, spectrum_of
-from validation.solves.bench import Bench
-from validation.studies import hurst, pressure, stress_near_zero, theory_verdict
-from validation.studies._outputs import report_study
+from validation.studies import stress_near_zero
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)
-SMALL = {"size": 2.0, "ratio": 2.0}
-
-
-@pytest.fixture(scope="module")
-def bench(tmp_path_factory) -> Bench:
-    return Bench.at(tmp_path_factory.mktemp("solves"))
+SMALL = {"periods": 2.0, "bandwidth": 2.0}
 
 
 @pytest.fixture(scope="module")
 def measured():
     surface = base_surface(hurst=0.6, seed=61, **SMALL)
     grids = ((16, 16), (24, 24), (32, 32))
-    return Distributions(
-        surface=surface, solid=SOLID, reduced_pressures=(0.05, 0.2), grids=grids, shifts=2
-    ).measure()
+    case = base_case(surface, reduced_pressure=0.05, solid=SOLID)
+    return Distributions(realised=case, reduced_pressures=(0.05, 0.2), grids=grids, shifts=2).measure()
 
 
 def test_rungs_of_common_surfaces_lead_to_the_law_they_follow_whatever_their_offsets():
@@ -129,7 +119,7 @@ def test_scatter_of_the_realised_gradient_is_averaged_over():
 
 @pytest.fixture(scope="module")
 def rough():
-    return base_surface(hurst=0.7, size=4.0, ratio=6.0, seed=77)
+    return base_surface(hurst=0.7, periods=4.0, bandwidth=6.0, seed=77)
 
 
 @pytest.mark.parametrize(("variant", "ratio"), [("persson", 1.0), ("yang_persson", 0.45)])
@@ -263,129 +253,23 @@ def test_the_bend_of_the_distribution_is_no_density_at_zero():
     assert "different from zero" in stress_near_zero.findings(finite)[0]
 
 
-def test_the_slope_at_zero_is_scored_against_every_variant():
-    data = synthetic_edge(value=0.0, slope=2.0, bend=6.0).assign_attrs(reduced_pressure=0.05)
-    scores = theory_verdict._edge_scores(data)
-    # Persson's closed form, 2 p exp(-p^2 / 2V) / (V sqrt(2 pi V)) with V = 1/4.
-    persson = 8 * 0.05 * np.exp(-2 * 0.05**2) / np.sqrt(np.pi / 2)
-    assert float(scores.edge_slope_ratio[0]) == pytest.approx(2.0 / persson, rel=1e-9)
-    # A variant that stores less energy has a smaller variance, and so a steeper start.
-    assert np.all(scores.edge_slope_ratio[1:] < scores.edge_slope_ratio[0])
-
-
 def test_a_slope_that_scatters_too_much_is_called_not_determinable():
     data = synthetic_edge(value=0.0, slope=2.0, bend=6.0)
     wild = data.assign(slope=data.slope * np.array([0.2, 1.8, 0.3, 1.7])[:, None])
     assert "not determinable" in stress_near_zero.findings(wild)[1]
 
 
-@pytest.fixture(scope="module")
-def scored(bench):
-    options = {
-        "surfaces": 3,
-        "points_per_wave": (4.0, 6.0, 8.0),
-        "shifts": 1,
-        "ladder_pressures": (),
-        "edge": False,
-    }
-    return theory_verdict.run(bench=bench, reduced_pressures=(0.02, 0.1, 0.3, 4.0), **options, **SMALL)
-
-
-def test_every_quantity_of_the_theory_is_scored_and_full_contact_is_exact(scored):
-    rows = theory_verdict.table(scored).rows
-    words = {row[0] for row in rows}
-    assert set(theory_verdict.QUANTITIES.values()) <= words
-    closed = [row for row in rows if row[1] == "0.99 to 1" and row[0] in ("contact area", "mean gap")]
-    assert [row[2] for row in closed] == ["exact", "exact"]
-    # A variant without a stored energy says nothing of it.
-    energy = next(row for row in rows if row[0] == "elastic energy")
-    assert energy[2 + list(VARIANTS).index("xu")] == "says nothing"
-    assert len(theory_verdict.budget(scored).rows) == 4
-
-
-def test_a_report_lists_what_is_uncertain_and_writes_it_as_csv(scored, tmp_path):
-    said = {"format": "fem-contact study 1", "study": "theory-verdict", "options": {"seed": 2006}}
-    (tmp_path / "study.json").write_text(json.dumps(said))
-    scored.to_netcdf(tmp_path / "data.nc", engine="netcdf4")
-    report_study(tmp_path)
-    page = (tmp_path / "report.html").read_text()
-    assert "What is uncertain" in page
-    assert "does not enter" in page
-    assert (tmp_path / "budget.csv").read_text().startswith("number,value,grid [%],solver [%],surfaces [%]")
-
-
-def test_a_range_is_judged_by_what_is_decided_in_it():
-    ratios, intervals = np.array([1.3, 1.1, 1.02]), np.array([0.4, 0.05, 0.03])
-    assert theory_verdict._range_verdict(ratios, intervals) == "off by +10 %"
-    assert theory_verdict._range_verdict(ratios[[0, 2]], intervals[[0, 2]]) == "right within 5 %"
-    assert theory_verdict._range_verdict(ratios[:1], intervals[:1]) == "not determinable"
-
-
-def test_a_score_follows_the_numbers(scored):
-    better = scored.assign(ratio=scored.ratio * 0 + 1.0)
-    cells = [cell for row in theory_verdict.table(better).rows[:4] for cell in row[2:]]
-    assert all(cell == "exact" or "right within" in cell or cell == "not determinable" for cell in cells)
-    worse = scored.assign(ratio=scored.ratio * 3)
-    assert any("off by a factor" in str(cell) for cell in theory_verdict.table(worse).rows[0][2:])
-
-
-def test_the_pressure_study_says_up_to_where_the_distributions_keep_still(bench):
-    data = pressure.run(
-        bench=bench,
-        surfaces=3,
-        points_per_wave=(4.0, 6.0, 8.0),
-        shifts=1,
-        reduced_pressures=(0.02, 0.1, 0.3, 4.0),
-        **SMALL,
-    )
-    text = " ".join(pressure.findings(data))
-    assert "P(sigma) A0/A, against that at" in text
-    # Were all loads alike, the claim would hold to the heaviest.
-    alike = data.assign(stress_share=data.stress_share * 0 + data.stress_share.isel(load=0))
-    heaviest = float(data.area.mean("surface")[-1])
-    assert f"the claim holds up to A/A0 = {heaviest:.2g} within 0.000" in " ".join(pressure.findings(alike))
-
-
-def test_the_ladders_of_the_hurst_study_keep_phases_and_area(bench):
-    data = hurst.run(
-        bench=bench,
-        hursts=(0.4,),
-        ratios=(2.0,),
-        reduced_pressures=(0.2,),
-        pairs=2,
-        size=1.0,
-        points_per_wave=(4.0, 6.0),
-        ladder_ratios=(2.0, 3.0),
-        ladder_sizes=(1.0, 2.0),
-        ladder_pairs=2,
-        ladder_pressure=0.2,
-    )
-    assert data.bandwidth_nayak.values[0, 0] < data.bandwidth_nayak.values[0, 1]
-    assert data.bandwidth_order.values[0] == pytest.approx(1.2, rel=1e-12)
-    # The first rung of the bandwidth ladder is the study's own spectrum: the same surfaces on the same grids.
-    assert float(data.bandwidth_kappa[0, 0]) == pytest.approx(float(data.kappa.mean()), rel=1e-12)
-    row = dict(zip(hurst.budget(data).columns, hurst.budget(data).rows[0], strict=True))
-    assert row["bandwidth [%]"] != "does not enter"
-    assert row["for any [%]"] >= row["for this spectrum and period [%]"] > 0
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(("exponent", "published"), [(0.8, 2.072), (0.3, 2.099)])
 def test_kappa_is_that_of_another_code_on_other_surfaces_of_the_same_spectrum(exponent, published):
     """Computed by a prototype of other authorship: 16 : 1, p* = .05, four points per wave, constant .118."""
-    surface = base_surface(hurst=exponent, size=4.0, ratio=16.0, seed=9000)
+    surface = base_surface(hurst=exponent, periods=4.0, bandwidth=16.0, seed=9000)
+    base = base_case(surface, reduced_pressure=0.05, solid=SOLID)
     values = []
     for pair in range(8):
         for inverted in (False, True):
-            case = Measurement(
-                surface=surface,
-                realisation=pair,
-                inverted=inverted,
-                solid=SOLID,
-                reduced_pressures=(0.05,),
-                grids=(grid_for(surface, 4.0),),
-                shifts=2,
-            )
+            realised = replace(base.further(pair), inverted=inverted)
+            case = Measurement(realised=realised, grids=(grid_for(base, 4.0),), shifts=2)
             found = case.measure().mean("shift").isel(grid=0, load=0)
             values.append(float(found.pixel - 0.118 * found.edge_fraction) / 0.05)
     # Surfaces scatter by 1.7 %: .5 % for sixteen, .6 % for the other's eight; thrice that.

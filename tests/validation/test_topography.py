@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import json
 import math
+import os
 
 import numpy as np
 import pytest
@@ -16,8 +18,15 @@ from validation.comparison.explain import explain
 from validation.comparison.run import run_scene
 from validation.errors import UsageError
 from validation.scenes.scene import load_scene
-from validation.scenes.surfaces import measured_spectrum, topography_of
-from validation.scenes.topography import Topography, read_topography, write_topography
+from validation.scenes.surfaces import measured_spectrum, measured_surface
+from validation.scenes.topography import (
+    Topography,
+    file_says,
+    measured,
+    read_topography,
+    reading,
+    write_topography,
+)
 
 LENGTH = 1e-5
 SPECTRUM = SelfAffine.from_rms_gradient(
@@ -40,7 +49,7 @@ def patch(n: int = 96, *, seed: int = 31) -> np.ndarray:
     return np.array(whole.heights[:n, :n])
 
 
-def measured(n: int = 96) -> tuple[np.ndarray, np.ndarray]:
+def measured_patch(n: int = 96) -> tuple[np.ndarray, np.ndarray]:
     """A patch as it comes from an instrument, with tilt and holes; and the mask of the holes."""
     heights = patch(n)
     x = np.arange(n) * LENGTH / n
@@ -132,7 +141,7 @@ def test_other_formats_are_read_by_surfacetopography_or_refused_by_name(tmp_path
 
 
 def test_a_plane_is_found_from_the_known_points_alone():
-    heights, holes = measured()
+    heights, holes = measured_patch()
     flat = Topography(heights=heights, lengths=(LENGTH, LENGTH))
     x = np.arange(96) * LENGTH / 96
     plane = 0.05 * x[:, None] - 0.02 * x[None, :] + 3e-6
@@ -147,7 +156,7 @@ def test_a_plane_is_found_from_the_known_points_alone():
 
 
 def test_holes_are_refused_or_filled_by_choice():
-    heights, holes = measured()
+    heights, holes = measured_patch()
     levelled = Topography(heights=heights, lengths=(LENGTH, LENGTH)).levelled("plane")
     with pytest.raises(UsageError, match=r"of 9216 heights are NaN or infinite: say how to fill them"):
         levelled.filled("refuse")
@@ -261,8 +270,8 @@ depth = "5 um"
 
 
 def test_a_measured_topography_goes_through_theory_and_solvers(tmp_path, monkeypatch):
-    monkeypatch.setattr("validation.comparison.report.write_drawings", lambda *a: ())
-    heights, _ = measured()
+    monkeypatch.setattr("validation.comparison.report._drawings", lambda *a: ())
+    heights, _ = measured_patch()
     np.save(tmp_path / "afm.npy", heights * 1e9)
     (tmp_path / "scene.toml").write_text(
         SCENE.format(path="afm.npy", length='length = "10 um"\nunit = "1 nm"')
@@ -274,7 +283,7 @@ def test_a_measured_topography_goes_through_theory_and_solvers(tmp_path, monkeyp
     for words in ("plane taken out", "filled: harmonic", "tukey taper"):
         assert any(words in step for step in c.treatment)
     # The estimate from the untapered patch, and the surface that was pressed, are of one roughness.
-    estimated = measured_spectrum(scene.surface).moments().rms_gradient
+    estimated = measured_spectrum(measured_surface(scene.surface)).moments().rms_gradient
     slopes = np.gradient(patch(), LENGTH / 96, edge_order=2)
     assert estimated == pytest.approx(float(np.hypot(np.std(slopes[0]), np.std(slopes[1]))), rel=0.1)
     assert c.rms_gradient == pytest.approx(estimated, rel=0.25)
@@ -293,7 +302,183 @@ def test_a_file_that_says_its_size_needs_no_length_in_the_scene(tmp_path):
     (tmp_path / "scene.toml").write_text(SCENE.format(path="scan.x3p", length=""))
     surface = load_scene(str(tmp_path / "scene.toml")).surface
     np.testing.assert_allclose(surface.length, field.lengths, rtol=1e-14)
-    assert topography_of(surface).height_field().shape == (24, 24)
+    assert measured_surface(surface).period.height_field().shape == (24, 24)
+
+
+NUMBERS = np.round(np.random.default_rng(15).normal(size=(5, 4)), 3)
+
+
+def written(heights: np.ndarray, delimiter: str = " ", *, comma: bool = False, end: str = "\n") -> str:
+    """A matrix as text."""
+    text = end.join(delimiter.join(f"{h:.3f}" for h in row) for row in heights) + end
+    return text.replace(".", ",") if comma else text
+
+
+@pytest.mark.parametrize(
+    ("name", "raw"),
+    [
+        ("spaces.txt", written(NUMBERS).encode()),
+        ("tabs.dat", written(NUMBERS, "\t", end="\r\n").encode()),
+        ("commas.csv", written(NUMBERS, ", ").encode()),
+        ("semicolons.csv", written(NUMBERS, ";").encode()),
+        ("decimal-commas.csv", written(NUMBERS, ";", comma=True).encode()),
+        ("decimal-commas.txt", written(NUMBERS, "\t", comma=True).encode()),
+        ("closed.csv", written(NUMBERS, ";", end=";\r\n").encode()),
+        ("byte-order-mark.csv", "\ufeffa;b;c;d\n".encode() + written(NUMBERS, ";").encode()),
+        ("utf-16.txt", ("# µm\n" + written(NUMBERS)).encode("utf-16")),
+        ("old-mac.txt", written(NUMBERS, end="\r").encode()),
+    ],
+)
+def test_text_is_read_however_its_numbers_are_parted(tmp_path, name, raw):
+    path = tmp_path / name
+    path.write_bytes(raw)
+    np.testing.assert_array_equal(file_says(path).heights, NUMBERS)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1"])
+def test_the_header_that_gwyddion_writes_says_size_and_unit(tmp_path, encoding):
+    path = tmp_path / "gwyddion.txt"
+    header = "# Channel: Topography\n# Width: 8,00 µm\n# Height: 10.0 µm\n# Value units: nm\n"
+    path.write_bytes((header + written(NUMBERS, "\t")).encode(encoding))
+    found = read_topography(path)
+    # Rows run down the page: five of them over the height.
+    np.testing.assert_allclose(found.lengths, (1e-5, 8e-6), rtol=1e-15)
+    np.testing.assert_allclose(found.heights, NUMBERS * 1e-9, rtol=1e-15)
+    assert found.unit == 1e-9
+
+
+def points(heights: np.ndarray, *, digits: int = 4, order: int = 3) -> str:
+    """Lines x y z of a map with steps of 1/3 and 1/7, in any order."""
+    i, j = np.indices(heights.shape)
+    rows = np.column_stack([i.ravel() / 3 + 2, j.ravel() / 7 - 1, heights.ravel()])
+    np.random.default_rng(order).shuffle(rows)
+    return "".join(f"{x:.{digits}f} {y:.{digits}f} {z:.3f}\n" for x, y, z in rows if np.isfinite(z))
+
+
+def test_three_columns_are_points_of_a_map(tmp_path):
+    path = tmp_path / "points.txt"
+    path.write_text("# x [um]  y [um]  z [nm]\n" + points(NUMBERS))
+    found = read_topography(path)
+    np.testing.assert_allclose(found.heights, NUMBERS * 1e-9, rtol=1e-15)
+    np.testing.assert_allclose(found.lengths, (5e-6 / 3, 4e-6 / 7), rtol=1e-3)
+    assert "three columns taken for x, y, z" in found.history[1]
+
+
+def test_three_columns_without_units_need_lengths_in_their_ratio(tmp_path):
+    path = tmp_path / "points.txt"
+    holed = NUMBERS.copy()
+    holed[1, 2] = holed[4, 0] = np.nan
+    path.write_text(points(holed))
+    with pytest.raises(UsageError, match="does not say how large"):
+        read_topography(path)
+    with pytest.raises(
+        UsageError, match=r"its sides are in the ratio 2\.91\d*, and length = .* says 1: give both"
+    ):
+        read_topography(path, lengths=(1e-5, 1e-5), unit=1e-9)
+    found = read_topography(path, lengths=(5e-6 / 3, 4e-6 / 7), unit=1e-9)
+    np.testing.assert_array_equal(np.isnan(found.heights), np.isnan(holed))
+
+
+def test_the_netcdf_that_surfacetopography_writes_says_size_and_unit(tmp_path):
+    from scipy.io import netcdf_file
+
+    # As its writer does it: one unit for all on the axes, the sizes beside it, missing points in a mask.
+    with netcdf_file(tmp_path / "map.nc", "w", version=2) as file:
+        for axis, count, size in (("x", 5, 10.0), ("y", 4, 8.0)):
+            file.createDimension(axis, count)
+            positions = file.createVariable(axis, "f8", (axis,))
+            positions.length, positions.periodic, positions.unit = size, 1, "um"
+            positions[:] = np.arange(count) * size / count
+        file.createVariable("heights", "f8", ("x", "y"))[:] = NUMBERS
+        mask = file.createVariable("mask", "b", ("x", "y"))
+        mask[:] = np.eye(5, 4)
+    found = read_topography(tmp_path / "map.nc")
+    np.testing.assert_allclose(found.lengths, (1e-5, 8e-6), rtol=1e-15)
+    np.testing.assert_allclose(found.heights, np.where(np.eye(5, 4) != 0, np.nan, NUMBERS * 1e-6), rtol=1e-15)
+
+
+def test_a_map_listed_against_its_axis_is_turned_round(tmp_path):
+    import netCDF4
+
+    for name, x in (("up.nc", np.arange(5.0)), ("down.nc", -np.arange(5.0))):
+        with netCDF4.Dataset(tmp_path / name, "w") as file:
+            for axis, positions in (("x", x), ("y", np.arange(4.0))):
+                file.createDimension(axis, positions.size)
+                variable = file.createVariable(axis, "f8", (axis,))
+                variable.units = "um"
+                variable[...] = positions
+            file.createVariable("heights", "f8", ("x", "y"))[...] = (
+                NUMBERS if name == "up.nc" else NUMBERS[::-1]
+            )
+    up, down = (read_topography(tmp_path / name, unit=1e-6) for name in ("up.nc", "down.nc"))
+    np.testing.assert_array_equal(up.heights, down.heights)
+    assert up.lengths == down.lengths
+
+
+def test_one_length_for_a_map_that_is_not_square_is_refused_and_oblong_cells_are_said(tmp_path):
+    np.save(tmp_path / "scan.npy", patch()[:24, :18])
+    text = SCENE.format(path="scan.npy", length='length = "10 um"\nunit = "1 nm"')
+    (tmp_path / "scene.toml").write_text(text)
+    with pytest.raises(
+        UsageError, match=r"surface.length: one length for 24 x 18 points makes oblong cells; give"
+    ):
+        load_scene(str(tmp_path / "scene.toml"))
+    (tmp_path / "scene.toml").write_text(text.replace('"10 um"', '["10 um", "10 um"]'))
+    surface = load_scene(str(tmp_path / "scene.toml")).surface
+    assert "oblong cells of 4.167e-07 m x 5.556e-07 m" in measured_surface(surface).period.history[0]
+    assert "oblong" not in read_topography(tmp_path / "scan.npy", lengths=(4.0, 3.0), unit=1.0).history[0]
+
+
+def test_a_file_is_read_once_until_it_changes(tmp_path, monkeypatch):
+    calls = []
+    inner = reading.bounded.call
+    monkeypatch.setattr(reading.bounded, "call", lambda *a, **k: calls.append(a) or inner(*a, **k))
+    path = tmp_path / "scan.npy"
+    np.save(path, patch()[:24, :24] * 1e9)
+    os.utime(path, (1, 1))
+    monkeypatch.setattr(reading, "_SETTLED", 0.0)
+    (tmp_path / "scene.toml").write_text(
+        SCENE.format(path="scan.npy", length='length = "2.5 um"\nunit = "1 nm"')
+    )
+    surface = load_scene(str(tmp_path / "scene.toml")).surface
+    first = measured(surface)
+    np.testing.assert_array_equal(measured(surface).raw.heights, first.raw.heights)
+    assert first.digest == hashlib.sha256(path.read_bytes()).hexdigest()
+    assert len(calls) == 1
+    np.save(path, patch()[:24, :24][::-1] * 1e9)
+    second = measured(surface)
+    assert second.digest != first.digest
+    np.testing.assert_array_equal(second.raw.heights, first.raw.heights[::-1])
+    assert len(calls) == 2
+    assert not any(t.heights.flags.writeable for t in (first.raw, first.patch, first.period))
+
+
+def test_a_file_that_was_just_changed_is_read_again(tmp_path):
+    path = tmp_path / "scan.npy"
+    for k in range(3):
+        # The times of the file may not tell these apart.
+        np.save(path, np.full((4, 4), float(k)))
+        assert file_says(path).heights[0, 0] == k
+
+
+def test_a_plane_of_many_blocks_is_that_of_one(monkeypatch):
+    heights, _ = measured_patch()
+    whole = Topography(heights=heights, lengths=(LENGTH, LENGTH))
+    expected = {tilt: whole.levelled(tilt).heights for tilt in ("plane", "quadratic")}
+    monkeypatch.setattr("validation.scenes.topography.patch._BLOCK_POINTS", 400)
+    for tilt, found in expected.items():
+        np.testing.assert_allclose(
+            whole.levelled(tilt).heights, found, rtol=0, atol=1e-13 * np.nanmax(heights)
+        )
+
+
+def test_more_holes_than_a_membrane_is_stretched_over_are_refused(monkeypatch):
+    heights, holes = measured_patch()
+    monkeypatch.setattr("validation.scenes.topography.patch._MOST_HOLES", 20)
+    with pytest.raises(
+        UsageError, match=rf"{holes.sum()} heights are missing, .* choose missing = 'nearest'"
+    ):
+        Topography(heights=heights, lengths=(LENGTH, LENGTH)).filled("harmonic")
 
 
 @pytest.mark.parametrize(
@@ -301,8 +486,8 @@ def test_a_file_that_says_its_size_needs_no_length_in_the_scene(tmp_path):
     [
         ("scan.txt", b"1 2 3\n4 5", "is no topography of its kind"),
         ("scan.npy", b"no array", "is no topography of its kind"),
-        ("scan.x3p", b"no archive", "cannot be read"),
-        ("scan.nc", b"no netcdf", "cannot be read"),
+        ("scan.x3p", b"no archive", "is no topography of its kind .*not a zip file"),
+        ("scan.nc", b"no netcdf", "cannot be read: it is damaged, cut short or no netCDF"),
         ("scan.txt", b"1 2 3 4", "at least 2 x 2 heights"),
         ("scan.npy", npy(np.ones((4, 4)) * (1 + 2j)), "complex128 values; heights are real numbers"),
         ("scan.npy", npy(np.array([["a", "b"], ["c", "d"]])), "heights are real numbers"),

@@ -16,7 +16,7 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from validation.errors import UsageError
-from validation.solves.running import one_blas_thread
+from validation.solves.attempt import one_blas_thread
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -14,7 +14,7 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 from persson.spectrum import SelfAffine
 from validation.cases import Case, Check
-from validation.measures.closed_forms import HertzInPeriod
+from validation.cases._closed_forms import HertzInPeriod
 
 __all__ = ["CASES"]
 

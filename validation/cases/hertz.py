@@ -12,7 +12,7 @@ from fem_contact.contact import ContactResult
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from validation.cases import Case, Check
-from validation.measures.closed_forms import HertzInPeriod
+from validation.cases._closed_forms import HertzInPeriod
 
 __all__ = ["CASES"]
 

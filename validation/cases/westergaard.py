@@ -11,7 +11,7 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.cases import Case, Check
-from validation.measures.closed_forms import westergaard_mean_pressure, westergaard_pressure
+from validation.cases._closed_forms import westergaard_mean_pressure, westergaard_pressure
 
 __all__ = ["CASES"]
 

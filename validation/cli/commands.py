@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,6 +20,7 @@ from validation.cli.options import (
     OutputOption,
     PicturesOption,
     QuietOption,
+    ReportOption,
     SceneArgument,
     SchedulerOption,
     StoreOption,
@@ -75,6 +77,7 @@ def run(
     accuracy: AccuracyOption = None,
     time_limit: TimeLimitOption = None,
     pictures: PicturesOption = None,
+    with_report: ReportOption = True,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
@@ -86,21 +89,26 @@ def run(
     results/NAME-accuracy.
     """
     from validation.cli.progress import Bar
-    from validation.comparison.report import console_table
+    from validation.cli.results import print_page
     from validation.comparison.run import run_scene
     from validation.scenes.checks import check_scene
     from validation.scenes.realised import realise
-    from validation.scenes.scene import load_scene
+    from validation.scenes.scene import load_scene, not_led_out
     from validation.solves.press import solves_of
     from validation.solves.store import Store
 
     loaded = load_scene(scene)
     said = loaded.run
-    plain = output or said.output or Path("results") / loaded.name
+    results = Path("results")
+    plain = (
+        output or said.folder("output") or not_led_out(results / loaded.name, of=results, option="--output")
+    )
     # Beside the results of a plain run, whose solves it shares.
     beside = accuracy is not None and not (output or said.output)
-    folder = plain.with_name(f"{plain.name}-accuracy") if beside else plain
-    store_folder = store or said.store or plain / "solves"
+    folder = plain
+    if beside:
+        folder = not_led_out(plain.with_name(f"{plain.name}-accuracy"), of=results, option="--output")
+    store_folder = store or said.folder("store") or not_led_out(plain / "solves", of=plain, option="--store")
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
     chosen = chosen_accuracy(accuracy, time_limit=time_limit, dry_run=dry_run, execution=execution)
     with naming(scene):
@@ -115,7 +123,8 @@ def run(
             "progress": bar,
             "execution": execution,
             "store_folder": store_folder,
-            "pictures": said.pictures if pictures is None else pictures,
+            "pictures": with_report and (said.pictures if pictures is None else pictures),
+            "report": with_report,
         }
         if chosen is None:
             outputs = run_scene(loaded, folder, realised=realised, **options)
@@ -130,14 +139,13 @@ def run(
             summary["accuracy"] = reached.summary()
         typer.echo(json.dumps(summary, indent=2))
         return
-    show(console_table(outputs.comparison))
-    for finding in outputs.comparison.findings:
-        show(f"- {finding}")
-    for sentence in () if reached is None else reached.sentences():
-        show(f"- {sentence}")
-    counts = (outputs.solved, outputs.reused) if reached is None else (reached.solves, reached.reused)
-    typer.echo(f"\n{counts[0]} solves done, {counts[1]} found finished. Written:")
-    _list(outputs.files)
+    solved, reused = (outputs.solved, outputs.reused) if reached is None else (reached.solves, reached.reused)
+    print_page(
+        outputs.page,
+        outputs.files,
+        more=() if reached is None else tuple(reached.sentences()),
+        done=f"{solved} solves done, {reused} found finished. Written:",
+    )
 
 
 @app.command(
@@ -157,6 +165,7 @@ def study(
     scheduler: SchedulerOption = None,
     memory: MemoryOption = None,
     dry_run: DryRunOption = False,
+    with_report: ReportOption = True,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
     wants_help: Annotated[
@@ -169,6 +178,7 @@ def study(
     studies keep their solves in results/solves, so that they share them, unless --store says otherwise.
     """
     from validation.cli.progress import Bar
+    from validation.cli.results import print_page
     from validation.files import prepare_folder
     from validation.scenes.scene import RunOptions, load_scene
     from validation.solves.bench import DEFAULT_STORE, Bench, PlannedOnly
@@ -191,8 +201,8 @@ def study(
     said = RunOptions() if loaded is None else loaded.run
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
     folder, store_folder = (
-        output or said.output or Path("results") / name,
-        store or said.store or DEFAULT_STORE,
+        output or said.folder("output") or Path("results") / name,
+        store or said.folder("store") or DEFAULT_STORE,
     )
     if dry_run:
         try:
@@ -206,13 +216,11 @@ def study(
             execution=execution,
             progress=bar,
         )
-        outputs = run_study(found, options, prepare_folder(folder), bench=bench)
+        outputs = run_study(found, options, prepare_folder(folder), bench=bench, report=with_report)
     if as_json:
         typer.echo(json.dumps(outputs.data.to_dict(), indent=2, default=str))
         return
-    for finding in outputs.findings:
-        show(f"- {finding}")
-    _list(outputs.files)
+    print_page(outputs.page, outputs.files)
 
 
 @app.command(epilog="Example: fem-contact explain quickstart")
@@ -318,10 +326,7 @@ def report(
     from validation.studies._outputs import check_results, is_study, report_study
 
     check_results(folder)
-    if is_study(folder):
-        files = report_study(folder).files
-    else:
-        files = report_run(folder, pictures=pictures is not False).files
+    files = report_study(folder).files if is_study(folder) else report_run(folder, pictures=pictures).files
     if as_json:
         typer.echo(json.dumps([str(path) for path in files], indent=2))
     else:
@@ -354,16 +359,25 @@ def copy_scene(
     scene: SceneArgument,
     target: Annotated[Path, typer.Argument(metavar="FILE", help="TOML file to write.")],
 ) -> None:
-    """Copy a scene to a file of your own, to be changed."""
+    """Copy a scene to a file of your own, to be changed; it takes the name of its file."""
     from validation.scenes.scene import scene_text
 
-    text = scene_text(scene)[0]
+    text = _named_after(scene_text(scene)[0], target)
     try:
         with target.open("x", encoding="utf-8") as file:
             file.write(text)
     except OSError as error:
         raise UsageError(f"{target}: not written: {error.strerror}") from None
     typer.echo(f"{target}: a copy of {scene}; run it with: fem-contact run {target}")
+
+
+def _named_after(text: str, target: Path) -> str:
+    """Take the name out of a scene's text: its file names it, and its results go to a folder of their own."""
+    head, table, rest = text.partition("\n[")
+    stem = re.sub(r"[^A-Za-z0-9._-]+", "-", target.stem).strip("-._")
+    # A file whose name cannot name a folder is named in its text.
+    name = "" if stem == target.stem else f'name = "{stem or "copy"}"\n'
+    return re.sub(r"(?m)^name\s*=.*\n?", lambda _: name, head, count=1) + table + rest
 
 
 def _list(files: tuple[Path, ...]) -> None:

@@ -29,6 +29,7 @@ __all__ = [
     "OutputOption",
     "PicturesOption",
     "QuietOption",
+    "ReportOption",
     "SceneArgument",
     "SchedulerOption",
     "StoreOption",
@@ -42,6 +43,7 @@ __all__ = [
     "say",
     "show",
     "stopping_cleanly",
+    "terminal_width",
 ]
 
 
@@ -101,7 +103,17 @@ DryRunOption = Annotated[
     bool, typer.Option("--dry-run", help="List the solves with predicted time and memory; do none.")
 ]
 PicturesOption = Annotated[
-    bool | None, typer.Option("--pictures/--no-pictures", help="3-D pictures in the report; some seconds.")
+    bool | None,
+    typer.Option(
+        "--pictures/--no-pictures",
+        help="3-D pictures in the report, which take seconds; none if not asked for.",
+    ),
+]
+ReportOption = Annotated[
+    bool,
+    typer.Option(
+        "--report/--no-report", help="Figures and report, which fem-contact report DIR can make later, too."
+    ),
 ]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar; for logs.")]
 
@@ -150,7 +162,7 @@ def chosen_execution(
             f"--workers = {workers}: not together with --scheduler, which has workers of its own"
         )
     if workers is None and scheduler is None:
-        workers, scheduler = said.workers, said.scheduler
+        workers = said.workers
     return Execution(workers=workers or 1, scheduler=scheduler, memory=None if limit is None else int(limit))
 
 
@@ -233,16 +245,29 @@ def print_plan(solves: Sequence[Solve], store: Store, *, as_json: bool) -> None:
 
 
 def show(what: Any) -> None:
-    """Print a text or a table."""
+    """Print a text, what is dangerous to a terminal made harmless, or a table."""
     from rich.console import Console
 
-    console = Console(highlight=False, soft_wrap=isinstance(what, str))
+    from validation.errors import harmless
+
+    # Without markup: a title such as "[/]" is a title.
+    console = Console(highlight=False, markup=False, soft_wrap=isinstance(what, str))
     # A log file or a pipe has no width: a table must not be squeezed to 80 columns there.
     if not console.is_terminal:
-        console = Console(highlight=False, width=160, soft_wrap=isinstance(what, str))
-    console.print(what, markup=False) if isinstance(what, str) else console.print(what)
+        console = Console(highlight=False, markup=False, width=160, soft_wrap=isinstance(what, str))
+    console.print(harmless(what) if isinstance(what, str) else what)
+
+
+def terminal_width() -> int | None:
+    """Columns of the terminal; None for a log file or a pipe, which have no width."""
+    from rich.console import Console
+
+    console = Console()
+    return console.width if console.is_terminal else None
 
 
 def say(message: Exception | str, *, prefix: str = "fem-contact: ") -> None:
     """Print a line for the user on stderr."""
-    typer.echo(f"{prefix}{message}", err=True)
+    from validation.errors import harmless
+
+    typer.echo(harmless(f"{prefix}{message}"), err=True)

@@ -1,27 +1,38 @@
-"""Progress on a terminal: a bar over the solves of a run, with the time that is left."""
+"""Progress: a bar with the time that is left on a terminal, lines as it goes in a log."""
 
 from __future__ import annotations
 
 import contextlib
+import time
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
+
+from validation.errors import harmless
 
 if TYPE_CHECKING:
     from validation.solves.solve import Solve
 
 __all__ = ["Bar", "steps_bar"]
 
+#: Seconds between two lines of a log.
+_BETWEEN_LINES = 10.0
+
 
 class Bar:
-    """Progress bar over solves, weighted by their predicted cost; notes are shown even when it is quiet."""
+    """Progress over solves: how many are done, and a bar weighted by their predicted cost.
+
+    Notes are shown even when it is quiet. Where stderr is no terminal, a line is written when the first and
+    the last is done and every ten seconds between.
+    """
 
     def __init__(self, *, quiet: bool) -> None:
         from rich.console import Console
         from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
         self._console = Console(stderr=True, highlight=False)
+        self._logs = not quiet and not self._console.is_terminal
         self._progress = Progress(
-            TextColumn("{task.description}"),
+            TextColumn("{task.fields[count]} {task.description}", markup=False),
             BarColumn(),
             TextColumn("{task.percentage:3.0f} %"),
             TimeElapsedColumn(),
@@ -29,10 +40,12 @@ class Bar:
             # Jobs of very different length follow each other: the speed is averaged over a long while.
             TimeRemainingColumn(elapsed_when_finished=False),
             console=self._console,
-            disable=quiet,
+            disable=quiet or self._logs,
             speed_estimate_period=600,
         )
         self._weights: dict[str, float] = {}
+        self._done = 0
+        self._told = -float("inf")
 
     def __enter__(self) -> Bar:
         return self
@@ -44,22 +57,37 @@ class Bar:
     def start(self, missing: tuple[Solve, ...], stored: int) -> None:
         """Show the bar over the solves still to be done."""
         self._weights = {solve.key: solve.predict().seconds for solve in missing}
+        self._done, self._told = 0, -float("inf")
         total = sum(self._weights.values())
         # Not earlier: what is refused before anything runs leaves no empty bar behind.
         self._progress.start()
-        self._task = self._progress.add_task(f"{stored} solves found finished", total=total)
+        for task in self._progress.task_ids:  # a study solves in several rounds: one bar for each
+            self._progress.remove_task(task)
+        self._task = self._progress.add_task(
+            f"{stored} solves found finished", total=total, count=f"0 of {len(missing)}"
+        )
 
     def begin(self, solve: Solve) -> None:
         """Name the solve under way."""
-        self._progress.update(self._task, description=solve.describe())
+        self._progress.update(self._task, description=harmless(solve.describe()))
 
     def done(self, solve: Solve) -> None:
-        """Advance by the solve's share."""
-        self._progress.advance(self._task, self._weights[solve.key])
+        """Advance by the solve's share; after the last the bar is full."""
+        self._done += 1
+        count = len(self._weights)
+        words = f"{self._done} of {count}"
+        if self._done == count:
+            whole = sum(self._weights.values())
+            self._progress.update(self._task, completed=whole, count=words, description="solved")
+        else:
+            self._progress.update(self._task, advance=self._weights[solve.key], count=words)
+        if self._logs and (self._done in (1, count) or time.monotonic() - self._told > _BETWEEN_LINES):
+            self._told = time.monotonic()
+            self.note(f"{words}: {solve.describe()} is solved")
 
     def note(self, text: str) -> None:
         """Print a line above the bar."""
-        self._console.print(f"fem-contact: {text}", markup=False, soft_wrap=True)
+        self._console.print(f"fem-contact: {harmless(text)}", markup=False, soft_wrap=True)
 
 
 @contextlib.contextmanager
@@ -68,7 +96,7 @@ def steps_bar(count: int | None, *, quiet: bool) -> Iterator[Callable[[str], Non
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
-    columns = (TextColumn("{task.description:.60}"), BarColumn(), TimeElapsedColumn())
+    columns = (TextColumn("{task.description:.60}", markup=False), BarColumn(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True), disable=quiet) as progress:
         task = progress.add_task("", total=count, completed=-1)
 
@@ -76,3 +104,5 @@ def steps_bar(count: int | None, *, quiet: bool) -> Iterator[Callable[[str], Non
             progress.update(task, advance=1, description=name)
 
         yield tell
+        if count is not None:
+            progress.update(task, completed=count)

@@ -13,7 +13,8 @@ from validation.errors import UsageError
 
 if TYPE_CHECKING:
     from fem_contact.surface import HeightField
-    from validation.scenes.scene import FileSurface, SelfAffineSurface
+    from validation.scenes.scene import FileSurface
+    from validation.scenes.tables import Surface
 
 __all__ = ["surface_app"]
 
@@ -51,7 +52,7 @@ def generate(
 ) -> None:
     """Write the surface of a scene to a file."""
     from validation.scenes.scene import FileSurface, load_scene
-    from validation.scenes.surfaces import height_field, reference_field
+    from validation.scenes.surfaces import check_fits, height_field, reference_field
 
     surface = load_scene(scene).surface
     if realisation and isinstance(surface, FileSurface):
@@ -59,6 +60,7 @@ def generate(
     if grid is None:
         field = reference_field(surface, realisation=realisation)
     else:
+        check_fits((grid, grid), f"--grid = {grid}:", remedy="choose fewer")
         field = height_field(surface, (grid, grid), realisation=realisation)
     _write(field, target, force=force)
     if grid is None and not isinstance(surface, FileSurface):
@@ -112,13 +114,16 @@ def convert(
     table = _file_surface(
         source, length=length, unit=unit, tilt=tilt, missing=missing, edges=edges, margin=margin
     )
-    from validation.scenes.surfaces import topography_of
+    from validation.scenes.surfaces import check_fits, measured_surface
 
     # Without a taper a conversion leaves the edges as they are, and does not ask whether they match.
-    patch = topography_of(table, edges=edges is not None)
+    found = measured_surface(table)
+    patch = found.patch if edges is None else found.period
     for words in patch.history:
         typer.echo(words, err=True)
     field = patch.height_field()
+    if grid is not None:
+        check_fits((grid, grid), f"--grid = {grid}:", remedy="choose fewer")
     _write(field if grid is None else field.resampled((grid, grid)), target, force=force)
 
 
@@ -138,19 +143,21 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
     table = {"kind": "file", "path": str(path), **treatment}
     if unit is not None:
         table["unit"] = plain_number(unit)
-    if size is None or unit is None:
-        try:
-            own_size, own_unit = file_says(path)
-        except UsageError as error:
-            raise UsageError(f"{path}: {error}") from None
-        size = size or own_size
-        missing = [key for key, found in (("--length", size), ("--unit", unit or own_unit)) if not found]
-        if missing:
-            raise UsageError(
-                f"{path}: does not say its {' and '.join(_SAID[key] for key in missing)}: give "
-                + " and ".join(f"{key} {_EXAMPLES[key]}" for key in missing)
-            )
-        size = list(size or ())
+    try:
+        says = file_says(path)
+        if size is not None and len(size) == 1:
+            says.check_square("--length")
+    except UsageError as error:
+        raise UsageError(f"{path}: {error}") from None
+    missing = [
+        key for key, found in (("--length", size or says.lengths), ("--unit", unit or says.unit)) if not found
+    ]
+    if missing:
+        raise UsageError(
+            f"{path}: does not say its {' and '.join(_SAID[key] for key in missing)}: give "
+            + " and ".join(f"{key} {_EXAMPLES[key]}" for key in missing)
+        )
+    size = size or list(says.lengths or ())
     table["length"] = size if len(size) > 1 else size[0]
     try:
         return FileSurface.model_validate(table)
@@ -163,18 +170,18 @@ def _inspected(
 ) -> dict[str, Any]:
     from fem_contact.surface.spectra import estimate_spectrum
     from validation.scenes.scene import builtin_scenes, load_scene
-    from validation.scenes.surfaces import reference_field, topography_of
+    from validation.scenes.surfaces import measured_surface, reference_field
 
     facts: dict[str, Any] = {}
-    surface: SelfAffineSurface | FileSurface
+    surface: Surface
     if source in builtin_scenes() or Path(source).suffix == ".toml":
         surface = load_scene(source).surface
     else:
         surface = _file_surface(Path(source), length=length, unit=unit, tilt=tilt, missing=missing)
     if surface.kind == "file":
-        raw = topography_of(surface.model_copy(update={"tilt": "keep", "missing": "nearest"}), edges=False)
-        patch = topography_of(surface, edges=False)
-        facts |= {"missing points": _count_missing(surface), "slope along x": raw.slope[0]}
+        found = measured_surface(surface)
+        raw, patch = found.raw, found.patch
+        facts |= {"missing points": raw.missing, "slope along x": raw.slope[0]}
         facts |= {"slope along y": raw.slope[1], "edge jump over typical step": patch.edge_jump}
         facts["treatment"] = "; ".join(patch.history)
         field, window = patch.height_field(), "none" if patch.edge_jump < 4 else "hann"
@@ -197,12 +204,6 @@ def _inspected(
         if c > 0
     ]
     return facts
-
-
-def _count_missing(surface: FileSurface) -> int:
-    from validation.scenes.topography import read_topography
-
-    return read_topography(surface.path, lengths=surface.length, unit=surface.unit).missing
 
 
 def _spectrum_table(spectrum: list[dict[str, float]]) -> Any:

@@ -26,10 +26,11 @@ from validation.methods.bem import BemOptions
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import realise
 from validation.scenes.scene import Ensemble, Methods, Scene
+from validation.solves.attempt import Progress, Silent, warm_up
 from validation.solves.bench import Bench
 from validation.solves.cost import memory_words
 from validation.solves.press import solves_of
-from validation.solves.running import Execution, Progress, Silent, warm_up
+from validation.solves.running import Execution
 from validation.solves.store import Store
 
 __all__ = ["AccurateRun", "Reached", "parse_accuracy", "reach", "run_accurate"]
@@ -163,6 +164,7 @@ def run_accurate(
     execution: Execution | None = None,
     store_folder: Path | None = None,
     pictures: bool = False,
+    report: bool = True,
 ) -> AccurateRun:
     """Run a scene to an accuracy and write its report; it holds the grids that were chosen.
 
@@ -189,6 +191,7 @@ def run_accurate(
         execution=execution,
         store_folder=store_folder,
         pictures=pictures,
+        report=report,
         accurate=True,
     )
     with atomic_path(folder / ACCURACY_FILE) as draft:
@@ -222,6 +225,8 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
     """
     realised = realise(scene)
     check_scene(scene, realised)
+    if not scene.methods.solvers:
+        raise UsageError("--accuracy: no solver is listed; add [methods.bem], whose grids are then chosen")
     if scene.effects:
         raise UsageError(
             f"--accuracy: the law of error is known for the bare half-space, not with "

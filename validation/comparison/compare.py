@@ -54,7 +54,7 @@ class Row:
     pixel, perimeter : float
         A/A0 by counting, and with the perimeter correction of the method's edge constant.
     pixel_scatter : float
-        Standard error of `pixel` over the shifts; 0 for one shift.
+        Standard error of `pixel` over the shifts; NaN for one shift, which tells nothing of it.
     kappa : float
         (A/A0) / p* from `perimeter`.
     density_at_zero : float
@@ -301,7 +301,8 @@ def compare(
 
 
 def _theory(scene: Scene, realised: Realised) -> Prediction | None:
-    return predict(realised, scene.effects) if scene.methods.options("theory") is not None else None
+    options = scene.methods.options("theory")
+    return None if options is None else predict(realised, scene.effects, options)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -362,7 +363,7 @@ def _row(solves: Sequence[_Reading], scene: Scene, realised: Realised, reduced_p
         under_resolved=not realised.resolved_by(solve.grid),
         solves=len(solves),
         pixel=float(pixel.mean()),
-        pixel_scatter=float(pixel.std(ddof=1) / np.sqrt(pixel.size)) if pixel.size > 1 else 0.0,
+        pixel_scatter=float(pixel.std(ddof=1) / np.sqrt(pixel.size)) if pixel.size > 1 else float("nan"),
         perimeter=perimeter,
         kappa=perimeter / reduced_pressure,
         density_at_zero=float(np.mean([one.density for one in solves])),

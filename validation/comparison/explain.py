@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from fem_contact import errors as fem_errors
+from persson import errors as persson_errors
 from validation.effects import effect_kinds
 from validation.effects.base import Judgement, Roughness, Told
-from validation.methods import methods
+from validation.errors import UsageError
+from validation.methods import Solver, methods
 from validation.methods.theory import theory_words
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import Realised, realise
+from validation.scenes.realised import Realised, Surveyed
 from validation.scenes.scene import Scene
+from validation.scenes.surfaces import Expected
 from validation.solves.calibration import effect_costs
 from validation.solves.cost import transform_seconds
 from validation.solves.press import Press, solves_of
@@ -20,6 +27,8 @@ from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
     from rich.table import Table
+
+    from fem_contact.surface import HeightField
 
 __all__ = ["Explanation", "Prediction", "explain", "judgements"]
 
@@ -56,7 +65,7 @@ class Explanation:
     @property
     def peak_bytes(self) -> int:
         """Largest memory of any one solve."""
-        return max(grid.peak_bytes for grid in self.grids)
+        return max((grid.peak_bytes for grid in self.grids), default=0)
 
     def summary(self) -> dict[str, Any]:
         """Return everything as JSON-ready data."""
@@ -64,11 +73,26 @@ class Explanation:
 
     def parts(self) -> Iterator[str | Table]:
         """Yield what the command line prints, in order."""
-        from rich.table import Table
-
         yield f"Scene {self.name}"
         for name, value in self.facts:
             yield f"  {name}: {value}"
+        if self.grids:
+            yield from self._plan()
+        else:
+            yield "No solver runs: the theory answers from C(q) alone, in about a second for each load."
+        if self.costs:
+            yield f"Solves with effects are predicted from their cost over plain ones, {self.costs}."
+        yield f"Effects that run:{'' if self.effects else ' none beyond linear elasticity.'}"
+        for item in self.effects:
+            yield f"  {item.effect}: {item.number} - {item.verdict}"
+        yield "Left out:"
+        for item in self.left_out:
+            yield f"  {item.effect}: {item.number} - {item.verdict}"
+
+    def _plan(self) -> Iterator[str | Table]:
+        """Yield the table of solves, and what they come to."""
+        from rich.table import Table
+
         table = Table(title="What will run")
         for column in ("method", "grid", "lambda_short/dx", "solves", "unknowns each", "seconds", "peak MiB"):
             table.add_column(column, justify="left" if column in ("method", "grid") else "right")
@@ -87,14 +111,6 @@ class Explanation:
             f"About {self.seconds:.0f} s in all and {self.peak_bytes / 2**20:.0f} MiB at most on this "
             "machine (meant to be right within a factor of 2)."
         )
-        if self.costs:
-            yield f"Solves with effects are predicted from their cost over plain ones, {self.costs}."
-        yield f"Effects that run:{'' if self.effects else ' none beyond linear elasticity.'}"
-        for item in self.effects:
-            yield f"  {item.effect}: {item.number} - {item.verdict}"
-        yield "Left out:"
-        for item in self.left_out:
-            yield f"  {item.effect}: {item.number} - {item.verdict}"
 
 
 def explain(scene: Scene) -> Explanation:
@@ -103,10 +119,21 @@ def explain(scene: Scene) -> Explanation:
     Raises
     ------
     UsageError
-        For an effect that a method of the scene lacks.
+        For an effect that a method of the scene lacks, and for numbers that no method can compute with.
     """
-    realised = realise(scene)
-    check_scene(scene, realised)
+    realised = Surveyed(
+        surface=scene.surface, solid=scene.solid, load=scene.load, drawn=bool(scene.methods.solvers)
+    )
+    try:
+        check_scene(scene, realised)
+        return _explained(scene, realised)
+    except (fem_errors.InvalidInput, persson_errors.InvalidInput) as error:
+        raise UsageError(str(error)) from None
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        raise UsageError(f"its numbers lie too far apart to compute with ({error})") from None
+
+
+def _explained(scene: Scene, realised: Realised) -> Explanation:
     pair = transform_seconds()
     groups: dict[tuple[str, tuple[int, int]], list[Press]] = {}
     for solve in solves_of(scene, realised):
@@ -138,14 +165,25 @@ def explain(scene: Scene) -> Explanation:
 
 def judgements(scene: Scene, realised: Realised) -> tuple[tuple[Judgement, ...], tuple[Judgement, ...]]:
     """Return the effects that a scene lists and those it leaves out, each with the number that decides."""
-    rough = Roughness.of(
-        realised.field,
-        modulus=realised.contact_modulus,
-        longest=realised.longest,
-        shortest=realised.shortest,
-    )
-    listed = tuple(_priced(effect.judged(rough)) for effect in scene.effects)
+    rough = roughness_of(realised)
+    judged = (effect.judged(rough) for effect in scene.effects)
+    listed = tuple(_priced(judgement) if scene.methods.solvers else judgement for judgement in judged)
     return listed, _left_out(scene, rough)
+
+
+def roughness_of(realised: Realised) -> Roughness:
+    """Return what judgements need to know of a surface; of C(q) where none is made."""
+    field: HeightField | Expected = realised.field
+    waves = {"longest": realised.longest, "shortest": realised.shortest}
+    if isinstance(field, Expected):
+        return Roughness(
+            modulus=realised.contact_modulus,
+            gradient=field.rms_gradient,
+            curvature=math.sqrt(3 * field.moments[2] / 8),
+            full_energy=0.25 * realised.contact_modulus * field.first_moment,
+            **waves,
+        )
+    return Roughness.of(field, modulus=realised.contact_modulus, **waves)
 
 
 def _priced(judgement: Judgement) -> Judgement:
@@ -159,7 +197,7 @@ def _priced(judgement: Judgement) -> Judgement:
 
 def _cost_words(scene: Scene) -> str:
     """Say what the effects of a scene cost over a plain solve, and where these numbers were measured."""
-    if not scene.effects:
+    if not (scene.effects and scene.methods.solvers):
         return ""
     costs = effect_costs()
     factors = ", ".join(f"{effect.kind} {costs.factors[effect.kind]:.2g}" for effect in scene.effects)
@@ -168,23 +206,37 @@ def _cost_words(scene: Scene) -> str:
 
 def _facts(scene: Scene, realised: Realised) -> tuple[tuple[str, str], ...]:
     """Return the numbers a reader checks first: realised and continuum roughness, load, bandwidth."""
-    field, modulus = realised.field, realised.contact_modulus
-    facts = [
-        ("E*", f"{modulus:.6g} Pa"),
-        (
-            "realised surface",
-            f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} (spectral)",
-        ),
-    ]
+    field: HeightField | Expected = realised.field
+    facts = [("E*", f"{realised.contact_modulus:.6g} Pa"), ("realised surface", _realised_words(realised))]
     facts += _surface_facts(realised)
     if field.rms_gradient > 0:
-        facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} (realised)"))
-        facts.append(("load", f"p0 = {realised.pressure:.6g} Pa, p* = {realised.reduced_pressure:.4g}"))
+        source = "of C(q)" if isinstance(field, Expected) else "realised"
+        facts.append(("Nayak parameter", f"alpha = {field.nayak:.4g} ({source})"))
+        facts.append(("load", _load_words(realised)))
     for name, method in scene.methods.asked.items():
         facts += method.facts(scene.methods.options(name), realised)
     if scene.methods.options("theory") is not None:
         facts.append(("theory", _theory_words(scene, realised)))
     return tuple(facts)
+
+
+def _load_words(realised: Realised) -> str:
+    """Write p0 and p* of all loads."""
+    each = ", ".join(f"{pressure:.6g}" for pressure in realised.pressures)
+    reduced = ", ".join(f"{pressure / realised.pressure_scale:.4g}" for pressure in realised.pressures)
+    return f"p0 = {each} Pa, p* = {reduced}"
+
+
+def _realised_words(realised: Realised) -> str:
+    field: HeightField | Expected = realised.field
+    if not realised.has_heights:
+        return "none is drawn, for no solver runs; all that follows is that of C(q)"
+    if isinstance(field, Expected):
+        return (
+            f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points; all that follows is "
+            "that of C(q)"
+        )
+    return f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} (spectral)"
 
 
 def _surface_facts(realised: Realised) -> list[tuple[str, str]]:
@@ -204,7 +256,7 @@ def _surface_facts(realised: Realised) -> list[tuple[str, str]]:
 def _theory_words(scene: Scene, realised: Realised) -> str:
     if not scene.effects:
         return "Persson 2006, elastic, without adhesion: A/A0, P(sigma), kappa; milliseconds"
-    return theory_words(Told.by(realised.elastic, scene.effects))
+    return theory_words(Told.by(realised.elastic, scene.effects), scene.methods.options("theory"))
 
 
 def _left_out(scene: Scene, rough: Roughness) -> tuple[Judgement, ...]:
@@ -223,7 +275,16 @@ def _left_out(scene: Scene, rough: Roughness) -> tuple[Judgement, ...]:
             else "matters: every method here is linear in the slope",
         )
     )
-    if not any(method.independent for method in scene.methods.solvers.values()):
+    if not scene.methods.solvers:
+        first = next(name for name, method in methods().items() if isinstance(method, Solver))
+        items.append(
+            Judgement(
+                effect="a solver",
+                number=f"no [methods.{first}]",
+                verdict="how far the theory is from the equations of elasticity is not measured",
+            )
+        )
+    elif not any(method.independent for method in scene.methods.solvers.values()):
         missing = [name for name, method in methods().items() if method.independent]
         items.append(
             Judgement(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -122,7 +122,9 @@ def cost_figure(comparison: Comparison) -> Figure:
 
 def pressure_maps_figure(comparison: Comparison, results: dict[str, ContactResult]) -> Figure:
     """Pressure maps of the solvers on the same surface, on one colour scale."""
-    figure, axes = new_figure(width=3.3 * max(len(results), 1), height=3.1, columns=max(len(results), 1))
+    pair = _same_points(results)
+    columns = max(len(results), 1) + bool(pair)
+    figure, axes = new_figure(width=3.4 * columns, height=3.1, columns=columns)
     unit = comparison.contact_modulus * comparison.rms_gradient
     top = max((float(result.pressure.max()) for result in results.values()), default=unit) / unit
     pulled = [float(result.pressure[result.in_contact].min(initial=0.0)) for result in results.values()]
@@ -144,5 +146,28 @@ def pressure_maps_figure(comparison: Comparison, results: dict[str, ContactResul
         panel.grid(visible=False)
     axes[0].set_ylabel(r"y [$\mu$m]")
     if image is not None:
-        figure.colorbar(image, ax=axes, label=r"$p / (E^* h'_{rms})$, white: no contact", shrink=0.85)
+        maps = axes[: len(results)]
+        figure.colorbar(image, ax=maps, label=r"$p / (E^* h'_{rms})$, white: no contact", shrink=0.85)
+    if pair:
+        _difference_map(axes[-1], *pair, unit=unit)
     return figure
+
+
+def _same_points(results: dict[str, ContactResult]) -> tuple[ContactResult, ...]:
+    """Return the boundary and the finite elements of one grid, or nothing."""
+    pair = tuple(result for _, result in sorted(results.items()))
+    return pair if len(pair) == 2 and pair[0].shape == pair[1].shape else ()
+
+
+def _difference_map(axes: Axes, bem: ContactResult, fem: ContactResult, *, unit: float) -> None:
+    """Draw the pressure of the finite less that of the boundary elements, point by point."""
+    touched = bem.in_contact | fem.in_contact
+    difference = np.where(touched, (fem.pressure - bem.pressure) / unit, np.nan)
+    top = float(np.abs(difference[touched]).max(initial=0.0)) or 1.0
+    extent = (0, bem.lengths[0] * 1e6, 0, bem.lengths[1] * 1e6)
+    look: dict[str, Any] = {"origin": "lower", "extent": extent, "interpolation": "nearest"}
+    image = axes.imshow(difference.T, vmin=-top, vmax=top, cmap="RdBu_r", **look)
+    axes.set_title("FEM - BEM", fontsize=10)
+    axes.set_xlabel(r"x [$\mu$m]")
+    axes.grid(visible=False)
+    axes.figure.colorbar(image, ax=axes, label=r"$\Delta p / (E^* h'_{rms})$", shrink=0.85)

@@ -7,15 +7,19 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
+from validation.comparison import theory_alone
 from validation.comparison.compare import Comparison, compare
 from validation.comparison.report import write_outputs
+from validation.comparison.theory_alone import TheoryAlone
 from validation.errors import UsageError
-from validation.files import atomic_path, prepare_folder
+from validation.files import json_text, prepare_folder, write_json
+from validation.report.page import Page, clear_page
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import Realised, realise
 from validation.scenes.scene import Scene
+from validation.solves.attempt import Progress
 from validation.solves.press import solves_of
-from validation.solves.running import Execution, Progress, Solves, solve_all
+from validation.solves.running import Execution, Solves, solve_all
 from validation.solves.store import Store
 
 __all__ = ["ACCURACY_FILE", "Outputs", "load_run", "report_run", "run_scene"]
@@ -33,7 +37,9 @@ class Outputs:
 
     Attributes
     ----------
-    comparison : Comparison
+    comparison : Comparison or TheoryAlone
+        The latter for a scene without a solver.
+    page : Page
     folder : Path
     files : tuple of Path
         Everything a reader may want to open, the report first.
@@ -41,7 +47,8 @@ class Outputs:
         Jobs solved now, and solves found finished.
     """
 
-    comparison: Comparison
+    comparison: Comparison | TheoryAlone
+    page: Page
     folder: Path
     files: tuple[Path, ...]
     solved: int
@@ -57,6 +64,7 @@ def run_scene(
     execution: Execution | None = None,
     store_folder: Path | None = None,
     pictures: bool = False,
+    report: bool = True,
     accurate: bool = False,
 ) -> Outputs:
     """Run a scene into a folder; finished solves found in the store are used, not repeated.
@@ -75,6 +83,8 @@ def run_scene(
         Where the solves are kept, to be shared with other runs and studies; `folder`/solves if not given.
     pictures : bool
         Whether the report gets 3-D pictures, rendered off screen in some seconds.
+    report : bool
+        Whether to draw figures and write the report, which `report_run` can do later.
     accurate : bool
         Whether the grids were chosen for an accuracy; a plain run removes what an earlier such run reached.
 
@@ -89,23 +99,34 @@ def run_scene(
     check_scene(scene, realised)
     prepare_folder(folder)
     store = Store(folder=store_folder or folder / "solves")
+    if not scene.methods.solvers:
+        _record(scene, folder, store)
+        return _without_solver(scene, realised, folder, report=report)
     if not accurate:
         # What an earlier run to an accuracy reached is not what this one finds.
         (folder / ACCURACY_FILE).unlink(missing_ok=True)
     _record(scene, folder, store)
     results = solve_all(solves_of(scene, realised), store, progress=progress, execution=execution)
     comparison = compare(scene, realised, results, accurate=accurate)
+    page, files = write_outputs(comparison, results, folder, pictures=pictures, report=report)
     return Outputs(
         comparison=comparison,
+        page=page,
         folder=folder,
-        files=write_outputs(comparison, results, folder, pictures=pictures),
+        files=files,
         solved=results.solved,
         reused=len(results) - results.solved,
     )
 
 
-def report_run(folder: Path, *, pictures: bool = False) -> Outputs:
+def report_run(folder: Path, *, pictures: bool | None = None) -> Outputs:
     """Write tables, figures and report of a finished run again, from its stored solves alone.
+
+    Parameters
+    ----------
+    folder : Path
+    pictures : bool, optional
+        Whether to render 3-D pictures, too; if not given, where the scene asks or the folder has some.
 
     Raises
     ------
@@ -116,21 +137,40 @@ def report_run(folder: Path, *, pictures: bool = False) -> Outputs:
     """
     scene, store = load_run(folder)
     realised = realise(scene)
+    if not scene.methods.solvers:
+        return _without_solver(scene, realised, prepare_folder(folder))
     results = Solves(solves=solves_of(scene, realised), store=store)
     comparison = compare(scene, realised, results, accurate=(folder / ACCURACY_FILE).exists())
-    files = write_outputs(comparison, results, prepare_folder(folder), pictures=pictures)
-    return Outputs(comparison=comparison, folder=folder, files=files, solved=0, reused=len(results))
+    if pictures is None:
+        pictures = scene.run.pictures or any(folder.glob("figures/*.png"))
+    page, files = write_outputs(comparison, results, prepare_folder(folder), pictures=pictures)
+    return Outputs(
+        comparison=comparison, page=page, folder=folder, files=files, solved=0, reused=len(results)
+    )
+
+
+def _without_solver(scene: Scene, realised: Realised, folder: Path, *, report: bool = True) -> Outputs:
+    """Evaluate the theory, which takes a second, and write what it says."""
+    found = theory_alone.answer_alone(scene, realised)
+    page, files = theory_alone.write_outputs(found, folder, report=report)
+    return Outputs(comparison=found, page=page, folder=folder, files=files, solved=0, reused=0)
 
 
 def _record(scene: Scene, folder: Path, store: Store) -> None:
-    """Write down what the folder is a run of, so that its report can be made again without the scene file."""
+    """Write down what the folder is a run of, so that its report can be made again without the scene file.
+
+    A report of something else goes first: if this run is interrupted, nothing in the folder belies it.
+    """
     said = {
         "format": _RUN_FORMAT,
         "scene": scene.model_dump(mode="json", exclude_none=True),
         "store": os.path.relpath(store.folder.resolve(), folder.resolve()),
     }
-    with atomic_path(folder / _RUN_FILE) as draft:
-        draft.write_text(json.dumps(said, indent=2) + "\n", encoding="utf-8")
+    path = folder / _RUN_FILE
+    if not (path.exists() and path.read_bytes() == json_text(said).encode()):
+        clear_page(folder)
+    (folder / "study.json").unlink(missing_ok=True)
+    write_json(path, said)
 
 
 def load_run(folder: Path) -> tuple[Scene, Store]:

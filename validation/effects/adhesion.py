@@ -31,7 +31,10 @@ class Adhesion(Effect):
 
     kind: Literal["adhesion"] = "adhesion"
     work: Work = Field(description='work of adhesion, e.g. "50 mJ/m^2"')
-    reach: Length = Field(description='range of the attraction, e.g. "2 nm"')
+    reach: Length | None = Field(
+        default=None,
+        description='range of the attraction, e.g. "2 nm"; every solver needs it, the theory knows none',
+    )
     law: Literal["exponential", "dugdale"] = "exponential"
 
     slot: ClassVar[SlotName] = "gap law"
@@ -46,11 +49,25 @@ class Adhesion(Effect):
         from fem_contact.adhesion import Dugdale, Exponential
 
         kind = Exponential if self.law == "exponential" else Dugdale
-        return kind(work=self.work, reach=self.reach)
+        return kind(work=self.work, reach=self._range)
+
+    @property
+    def _range(self) -> float:
+        """Range of the attraction [m]."""
+        if self.reach is None:
+            raise UsageError("adhesion: reach is missing; a solver needs the range of the attraction")
+        return self.reach
 
     def fill(self, slots: Slots) -> None:
         """Give the law of the gap."""
         slots.gap_law = self.gap_law()
+
+    def check_solver(self, name: str, *, key: str) -> None:
+        """Refuse attraction without a range."""
+        if self.reach is None:
+            raise UsageError(
+                f'{key} reach: missing; method {name!r} needs the range of the attraction, e.g. "2 nm"'
+            )
 
     def theory(self, told: Told) -> None:
         """Persson 2006, Sec. 8; the theory knows no range."""
@@ -67,16 +84,18 @@ class Adhesion(Effect):
             if cells < CELLS_NEEDED:
                 needed = [int(np.ceil(n * CELLS_NEEDED / cells)) for n in grid]
                 raise UsageError(
-                    f"{key} reach = {self.reach:.6g} m: grid {list(grid)} has {cells:.3g} cells in the zone "
+                    f"{key} reach = {self._range:.6g} m: grid {list(grid)} has {cells:.3g} cells in the zone "
                     f"where adhesion acts and needs {CELLS_NEEDED:.0f}: at least {needed}, or a longer reach"
                 )
 
     def judge(self, rough: Roughness) -> Judgement:
         """Compare attraction with repulsion and with the stored energy."""
+        stored = rough.full_energy / self.work
+        if self.reach is None:
+            return self.said(f"U_full/w = {stored:.3g} (Persson 2006, Sec. 8)", matters=stored < 10)
         radius = 2 / rough.curvature
         tabor = (radius * self.work**2 / rough.modulus**2 / self.reach**3) ** (1 / 3)
         parting = self._parting(rough)
-        stored = rough.full_energy / self.work
         number = (
             f"Pastewka-Robbins number {parting:.3g} (sticky below 1; Pastewka and Robbins 2014, Eq. 10), "
             f"U_full/w = {stored:.3g} (Persson 2006, Sec. 8), Tabor parameter of a summit {tabor:.3g}"
@@ -95,8 +114,8 @@ class Adhesion(Effect):
         laplacian = rough.curvature * math.sqrt(8 / 3)
         width = 4 * rough.gradient / (laplacian / 2)
         length = self.work / rough.modulus
-        bare = rough.gradient * self.reach / (_KAPPA_REPULSIVE * length)
-        return float(bare * (rough.gradient * width / (4 * self.reach)) ** (2 / 3))
+        bare = rough.gradient * self._range / (_KAPPA_REPULSIVE * length)
+        return float(bare * (rough.gradient * width / (4 * self._range)) ** (2 / 3))
 
     @classmethod
     def unlisted(cls, rough: Roughness) -> Judgement:

@@ -239,9 +239,24 @@ class Effect(Table):
         ----------
         realised : Realised
         grids : sequence
-            All grids of methods to which it gives its slot.
+            All grids of methods to which it gives its slot; none where the theory stands alone.
         slots : Slots
-            As all effects of the scene fill them.
+            As all effects of the scene fill them; unfilled where the theory stands alone.
+        key : str
+            How a message names the effect.
+
+        Raises
+        ------
+        UsageError
+        """
+
+    def check_solver(self, name: str, *, key: str) -> None:
+        """Refuse, as it stands, a solver that could be given others of its kind.
+
+        Parameters
+        ----------
+        name : str
+            Of the solver.
         key : str
             How a message names the effect.
 

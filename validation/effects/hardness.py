@@ -1,14 +1,16 @@
-"""Plastic yielding at a constant hardness."""
+"""Plastic yielding at a hardness, which for the theory may rise towards short waves."""
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, ClassVar, Literal, Self
 
-from pydantic import Field
+import numpy as np
+from pydantic import Field, model_validator
 
-from validation.effects.base import Effect, Grid, Judgement, Roughness, SlotName, Slots, Told
+from validation.effects.base import Array, Effect, Grid, Judgement, Roughness, SlotName, Slots, Told
 from validation.errors import UsageError
-from validation.units import Pressure
+from validation.units import Length, Number, Pressure, wrong
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -26,6 +28,12 @@ class Hardness(Effect):
 
     kind: Literal["hardness"] = "hardness"
     hardness: Pressure = Field(description='indentation hardness H, e.g. "2 GPa"')
+    size_wavelength: Length | None = Field(
+        default=None, description="wavelength l below which it rises, as H (1 + l/lambda)^size_exponent"
+    )
+    size_exponent: Number | None = Field(
+        default=None, ge=0, le=2, description="how fast it rises towards short waves, in [0, 2]"
+    )
 
     slot: ClassVar[SlotName] = "pressure bound"
     cost: ClassVar[float] = 1.4
@@ -34,13 +42,34 @@ class Hardness(Effect):
         "Tribol. Int. 40, 574 (2007).",
     )
 
+    @model_validator(mode="after")
+    def _both_or_neither(self) -> Self:
+        if (self.size_wavelength is None) != (self.size_exponent is None):
+            raise wrong("give both 'size_wavelength' and 'size_exponent', or neither")
+        return self
+
     def fill(self, slots: Slots) -> None:
         """Bound the pressure."""
         slots.pressure_bound = self.hardness
 
     def theory(self, told: Told) -> None:
-        """Persson 2006, Sec. 6."""
-        told.hardness = self.hardness
+        """Persson 2006, Sec. 6; Eqs. 33 and 34 where it rises towards short waves."""
+        told.hardness = self.hardness if self.size_wavelength is None else self._at
+
+    def _at(self, q: Array) -> Array:
+        """Hardness [Pa] that waves of wavevector q [1/m] meet."""
+        assert self.size_wavelength is not None
+        assert self.size_exponent is not None
+        start = 2 * math.pi / self.size_wavelength
+        return np.asarray(self.hardness * (1 + q / start) ** self.size_exponent)
+
+    def check_solver(self, name: str, *, key: str) -> None:
+        """Refuse a hardness that depends on the size of what is pressed in."""
+        if self.size_wavelength is not None:
+            raise UsageError(
+                f"{key} size_wavelength = {self.size_wavelength:.6g} m: method {name!r} knows one "
+                "hardness for all sizes; handled by: theory"
+            )
 
     def check(self, realised: Realised, grids: Sequence[Grid], *, slots: Slots, key: str) -> None:
         """Refuse a hardness below the nominal pressure."""

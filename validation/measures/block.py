@@ -10,10 +10,8 @@ import scipy.ndimage
 
 from fem_contact.area import contact_areas
 from fem_contact.contact import ContactResult
-from fem_contact.solid import Solid
-from validation.scenes.scene import SelfAffineSurface, SolidSpec
-from validation.scenes.surfaces import height_field, reference_field
-from validation.solves.solve import NumbersSolve, Prediction
+from validation.measures.single_solve import SingleSolve
+from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,16 +23,13 @@ _EDGE_CELLS = 1.5
 
 
 @dataclass(frozen=True, kw_only=True)
-class BlockMeasurement(NumbersSolve):
+class BlockMeasurement(SingleSolve):
     """A block of finite elements against boundary elements for the half-space and for the bonded layer of its depth.
 
     Attributes
     ----------
-    surface : SelfAffineSurface
-    realisation : int
-    solid : SolidSpec
-    reduced_pressure : float
-        p* with the realised gradient.
+    realised : Realised
+        Surface, solid and load.
     points : int
         Surface nodes along each axis.
     method : {"full", "reduced"}
@@ -48,11 +43,6 @@ class BlockMeasurement(NumbersSolve):
         Of the finite-element solve, if not its own.
     """
 
-    surface: SelfAffineSurface
-    realisation: int = 0
-    solid: SolidSpec
-    reduced_pressure: float
-    points: int
     method: Literal["full", "reduced"] = "reduced"
     element: str = "Hex1"
     depth: float = 1.0
@@ -62,20 +52,18 @@ class BlockMeasurement(NumbersSolve):
     @property
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
-        surface = self.surface.model_dump(mode="json")
-        surface["seed"] = self.surface.seed + self.realisation
         said = {} if self.tolerance is None else {"tolerance": self.tolerance}
-        return said | {
-            "surface": surface,
-            "solid": self.solid.model_dump(mode="json"),
-            "reduced_pressure": self.reduced_pressure,
-            "points": self.points,
-            "method": self.method,
-            "element": self.element,
-            "depth": self.depth,
-            "growth": self.growth,
-            "version": 2,
-        }
+        return (
+            super().recipe
+            | said
+            | {
+                "method": self.method,
+                "element": self.element,
+                "depth": self.depth,
+                "growth": self.growth,
+                "version": 2,
+            }
+        )
 
     @property
     def prefix(self) -> str:
@@ -84,7 +72,7 @@ class BlockMeasurement(NumbersSolve):
 
     def describe(self) -> str:
         """Return a few words for a progress bar."""
-        return f"FEM {self.method} {self.element} {self.points}x{self.points}, surface {self.realisation + 1}"
+        return f"FEM {self.method} {self.element} {self.where}"
 
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict the cost."""
@@ -92,39 +80,20 @@ class BlockMeasurement(NumbersSolve):
 
         shape = (self.points, self.points)
         mesh: Any = {"depth": self.depth, "growth": self.growth, "element": self.element}
-        size = estimate(shape, (1.0, 1.0), method=self.method, poisson=self.solid.poisson, **mesh)
+        poisson = self.realised.solid.poisson
+        size = estimate(shape, (1.0, 1.0), method=self.method, poisson=poisson, **mesh)
         n = self.points**2
         if self.method == "full":
-            return Prediction(seconds=1.2e-4 * size.unknowns, peak_bytes=size.bytes, unknowns=size.unknowns)
+            return Prediction(seconds=3e-6 * size.unknowns, peak_bytes=size.bytes, unknowns=size.unknowns)
         return Prediction(seconds=0.3 + 8e-6 * n, peak_bytes=400 * n, unknowns=size.unknowns)
 
     def measure(self) -> xr.Dataset:
         """Return areas, gaps and pressure differences of the three solves."""
         import xarray as xr
 
-        from fem_contact import bem, block
-        from fem_contact.response import BondedLayer, HalfSpace
+        from fem_contact import block
 
-        solid = Solid(**self.solid.model_dump())
-        whole = reference_field(self.surface, realisation=self.realisation)
-        pressure = self.reduced_pressure * solid.contact_modulus * whole.rms_gradient
-        field = height_field(self.surface, (self.points, self.points), realisation=self.realisation)
-        depth = self.depth * max(self.surface.length)
-        settings: dict[str, Any] = {} if self.tolerance is None else {"tolerance": self.tolerance}
-        fem = block.solve(
-            field,
-            solid,
-            mean_pressure=pressure,
-            method=self.method,
-            element=self.element,
-            depth=depth,
-            growth=self.growth,
-            **settings,
-        ).contact.checked()
-        half = bem.solve(field, HalfSpace(solid=solid), mean_pressure=pressure, threads=1).checked()
-        layer = bem.solve(
-            field, BondedLayer(solid=solid, thickness=depth), mean_pressure=pressure, threads=1
-        ).checked()
+        fem, half, layer = self._solved()
         data = {
             "pixel": contact_areas(fem).pixel,
             "perimeter": contact_areas(
@@ -137,7 +106,7 @@ class BlockMeasurement(NumbersSolve):
             "pressure_layer": _difference(fem, layer),
             "pressure_inside": _difference(fem, half, inside=True),
             # The mean gap is the offset less C(0) p0 and the mean height: it compares bodies of different depth.
-            "gap": float((fem.gap.mean() - half.gap.mean()) / whole.rms_height),
+            "gap": float((fem.gap.mean() - half.gap.mean()) / self.realised.field.rms_height),
             "residual": fem.residuals.worst,
             "seconds": fem.cost.cpu_seconds,
             "peak_bytes": fem.cost.peak_bytes,
@@ -145,6 +114,30 @@ class BlockMeasurement(NumbersSolve):
             "unknowns": fem.cost.unknowns,
         }
         return xr.Dataset({name: ((), float(value)) for name, value in data.items()})
+
+    def _solved(self) -> tuple[ContactResult, ContactResult, ContactResult]:
+        """Press the block, the half-space, and the layer as deep as the block."""
+        from fem_contact import bem, block
+        from fem_contact.response import BondedLayer
+
+        solid, field = self.realised.elastic, self.heights()
+        pressure, depth = self.realised.pressure, self.depth * max(self.realised.lengths)
+        settings: dict[str, Any] = {} if self.tolerance is None else {"tolerance": self.tolerance}
+        fem = block.solve(
+            field,
+            solid,
+            mean_pressure=pressure,
+            method=self.method,
+            element=self.element,
+            depth=depth,
+            growth=self.growth,
+            **settings,
+        ).contact
+        half, layer = (
+            bem.solve(field, response, mean_pressure=pressure, threads=1)
+            for response in (self.half_space, BondedLayer(solid=solid, thickness=depth))
+        )
+        return fem.checked(), half.checked(), layer.checked()
 
 
 def _difference(first: ContactResult, second: ContactResult, *, inside: bool = False) -> float:

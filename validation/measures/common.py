@@ -2,137 +2,135 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+import itertools
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import numpy as np
-from pydantic import ValidationError
+from pydantic import AfterValidator, Field, ValidationInfo
 
 from persson import elastic
-from validation.errors import UsageError
 from validation.measures.statistics import Estimate, mean_over_surfaces
-from validation.scenes.scene import Scene, SelfAffineSurface, SolidSpec
+from validation.scenes.realised import Realised
+from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.scenes.surfaces import spectrum_of
 from validation.solves.bench import Bench
+from validation.units import Positive, wrong
 
 if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import ArrayLike, NDArray
 
-    from validation.solves.solve import NumbersSolve
+    from validation.solves.solve import Solve
 
 __all__ = [
+    "BASE_SOLID",
     "LEAST_POINTS_PER_WAVE",
-    "at_least",
+    "SHIFTS",
+    "Ladder",
+    "Rising",
+    "RisingGrids",
+    "RisingOrNone",
+    "base_case",
     "base_surface",
-    "ladder",
-    "measure",
     "over_surfaces",
     "persson_area",
-    "rising",
-    "solid_of",
+    "reduced_load",
+    "results_of",
     "truncated_surface",
 ]
 
+
+Case = TypeVar("Case")
 
 #: Grids coarser than this, as lambda_short/dx, are left out of every limit.
 LEAST_POINTS_PER_WAVE = 3.0
 
 
-def base_surface(*, hurst: float, size: float, ratio: float, seed: int) -> SelfAffineSurface:
+#: What is pressed where nobody says otherwise; E scales out of everything the studies report.
+BASE_SOLID = SolidSpec(young=1e9, poisson=0.3)
+
+
+def base_surface(*, hurst: float, periods: float, bandwidth: float, seed: int) -> SelfAffineSurface:
     """Return the surface of a study from ratios of lengths.
 
     Parameters
     ----------
     hurst : float
         H.
-    size : float
+    periods : float
         L / lambda_long.
-    ratio : float
+    bandwidth : float
         lambda_long / lambda_short.
     seed : int
-
-    Raises
-    ------
-    UsageError
-        In one line for each option that cannot be used.
 
     Notes
     -----
     The period is 1 mm and the gradient of C(q) is 0.1: both scale out of everything the studies report.
     """
     length = 1e-3
-    if not (size >= 1 and ratio > 1):
-        raise UsageError(f"size = {size:g}, ratio = {ratio:g}: must be at least 1, and above 1")
-    try:
-        return SelfAffineSurface(
-            kind="self-affine",
-            length=(length, length),
-            hurst=hurst,
-            lambda_long=length / size,
-            lambda_short=length / size / ratio,
-            rms_gradient=0.1,
-            seed=seed,
+    return SelfAffineSurface(
+        kind="self-affine",
+        length=(length, length),
+        hurst=hurst,
+        lambda_long=length / periods,
+        lambda_short=length / periods / bandwidth,
+        rms_gradient=0.1,
+        seed=seed,
+    )
+
+
+def base_case(
+    surface: SelfAffineSurface, *, reduced_pressure: float, solid: SolidSpec = BASE_SOLID
+) -> Realised:
+    """Return a surface that is pressed with p* = `reduced_pressure`; ``.further(k)`` is the k-th of its spectrum."""
+    return Realised(surface=surface, solid=solid, load=Load(reduced_pressure=reduced_pressure))
+
+
+def reduced_load(realised: Realised) -> float:
+    """Return p* as it was given, or else from p0."""
+    if realised.load.reduced_pressure is None:
+        return realised.reduced_pressure
+    (said,) = realised.load.values
+    return said
+
+
+def results_of(bench: Bench, cases: Mapping[Case, Solve]) -> dict[Case, Any]:
+    """Solve cases on a bench, and return the result of each under the name of the case."""
+    results = bench.solve(cases.values())
+    return {case: results[solve] for case, solve in cases.items()}
+
+
+def _in_rising_order(values: tuple[Any, ...]) -> tuple[Any, ...]:
+    if any(later <= earlier for earlier, later in itertools.pairwise(values)):
+        raise wrong("must be positive and rising")
+    return values
+
+
+def _of_a_limit(per_wave: tuple[float, ...], others: ValidationInfo) -> tuple[float, ...]:
+    """Refuse grids over which no limit can be taken: fewer than three solves on two of them."""
+    shifts = others.data.get("shifts", SHIFTS)
+    fine = sum(n >= LEAST_POINTS_PER_WAVE * (1 - 1e-9) for n in per_wave)
+    if fine < 2 or fine * shifts**2 < 3:
+        raise wrong(
+            f"with shifts = {shifts} a limit over grids needs three solves on two grids of at least "
+            f"{LEAST_POINTS_PER_WAVE:g} points per wave"
         )
-    except ValidationError as error:
-        lines = (f"{item['loc'][-1]} = {item['input']!r}: {item['msg']}" for item in error.errors())
-        raise UsageError("\n".join(lines)) from None
+    return per_wave
 
 
-def rising(name: str, values: Sequence[float]) -> tuple[float, ...]:
-    """Return an option that must be a list of positive numbers in rising order.
+#: Sub-grid shifts along each axis that the studies take unless they say otherwise.
+SHIFTS = 2
 
-    Raises
-    ------
-    UsageError
-        If it is not.
-    """
-    if not values or any(not v > 0 for v in values) or any(np.diff(values) <= 0):
-        raise UsageError(f"{name} = {', '.join(f'{v:g}' for v in values)}: must be positive and rising")
-    return tuple(float(v) for v in values)
-
-
-def ladder(name: str, values: Sequence[float], *, shifts: int = 2) -> tuple[float, ...]:
-    """Return grids, as lambda_short/dx, that a limit can be taken over.
-
-    Raises
-    ------
-    UsageError
-        If they do not rise, or are fewer than three solves on two grids of at least 3 points per wave.
-    """
-    grids = rising(name, values)
-    at_least("shifts", shifts, 1)
-    resolved = [n for n in grids if n >= LEAST_POINTS_PER_WAVE]
-    if len(resolved) < 2 or len(resolved) * shifts**2 < 3:
-        raise UsageError(
-            f"{name} = {', '.join(f'{v:g}' for v in values)} with shifts = {shifts}: a limit over grids needs three solves on "
-            f"two grids of at least {LEAST_POINTS_PER_WAVE:g} points per wave"
-        )
-    return grids
-
-
-def at_least(name: str, value: int, least: int) -> int:
-    """Return an option that must not be below `least`.
-
-    Raises
-    ------
-    UsageError
-        If it is.
-    """
-    if value < least:
-        raise UsageError(f"{name} = {value}: must be at least {least}")
-    return value
-
-
-def solid_of(scene: Scene | None) -> SolidSpec:
-    """Return the solid of a scene, or one of E = 1 GPa and nu = 0.3."""
-    return SolidSpec(young=1e9, poisson=0.3) if scene is None else scene.solid
-
-
-def measure(bench: Bench | None, solves: Sequence[NumbersSolve]) -> list[xr.Dataset]:
-    """Run solves on a bench, by default the one in `results/solves`, and return their numbers in order."""
-    results: Any = (bench or Bench.at()).solve(solves)
-    return [results[solve] for solve in solves]
+#: Options of studies: positive numbers in rising order, none or more of them, at least one; grids as points along a
+#: side; grids, as lambda_short/dx, over which a limit can be taken, where a study has an option `shifts` with as many
+#: as that, if it stands before this one.
+RisingOrNone = Annotated[tuple[Positive, ...], AfterValidator(_in_rising_order)]
+Rising = Annotated[tuple[Positive, ...], Field(min_length=1), AfterValidator(_in_rising_order)]
+RisingGrids = Annotated[
+    tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=1), AfterValidator(_in_rising_order)
+]
+Ladder = Annotated[Rising, AfterValidator(_of_a_limit)]
 
 
 def persson_area(reduced_pressure: ArrayLike) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""A measurement that also keeps how pressure and patch sizes are distributed."""
+"""How pressure and patch sizes are distributed: a measurement that keeps it, and how far two distributions are apart."""
 
 from __future__ import annotations
 
@@ -10,9 +10,21 @@ from numpy.typing import NDArray
 from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
 from validation.measures.measurement import Measurement
-from validation.scenes.surfaces import reference_field
 
-__all__ = ["PATCH_EDGES", "STRESS_EDGES", "Distributions", "weighted_percentile"]
+__all__ = [
+    "PATCH_EDGES",
+    "STRESS_EDGES",
+    "Distance",
+    "Distributions",
+    "distance_to_reference",
+    "largest_difference",
+    "weighted_percentile",
+]
+
+Array = NDArray[np.float64]
+
+#: Of surfaces, for the intervals of distances.
+_RESAMPLES = 1000
 
 #: Edges of the bins of sigma / (E* h'_rms); what lies above the last counts in the last bin.
 STRESS_EDGES = np.linspace(0.0, 4.0, 321)
@@ -29,17 +41,16 @@ class Distributions(Measurement):
     `patch_area` (number of patches, and share of the nominal area, by patch size), all as histograms over the edges above.
     """
 
-    def profiles(self, result: ContactResult) -> dict[str, NDArray[np.float64]]:
+    def profiles(self, result: ContactResult) -> dict[str, Array]:
         """Return the histograms of one solve."""
-        whole = reference_field(self.surface, realisation=self.realisation)
-        unit = result.contact_modulus * whole.rms_gradient
+        unit = self.realised.pressure_scale
         contact = np.asarray(result.in_contact)
         pressure = np.asarray(result.pressure)[contact] / unit
         inside = np.clip(pressure, 0.0, STRESS_EDGES[-1])
         stress, _ = np.histogram(inside, bins=STRESS_EDGES)
         load, _ = np.histogram(inside, bins=STRESS_EDGES, weights=pressure)
         sizes = find_patches(contact, result.spacing).areas
-        scaled = np.clip(sizes / self.surface.lambda_short**2, PATCH_EDGES[0], PATCH_EDGES[-1])
+        scaled = np.clip(sizes / self.realised.shortest**2, PATCH_EDGES[0], PATCH_EDGES[-1])
         number, _ = np.histogram(scaled, bins=PATCH_EDGES)
         cell = result.spacing[0] * result.spacing[1]
         area, _ = np.histogram(scaled, bins=PATCH_EDGES, weights=sizes / cell)
@@ -52,7 +63,7 @@ class Distributions(Measurement):
         }
 
 
-def weighted_percentile(shares: NDArray[np.float64], edges: NDArray[np.float64], part: float) -> float:
+def weighted_percentile(shares: Array, edges: Array, part: float) -> float:
     """Value below which a part of a histogram lies, interpolated in the logarithm of the edges.
 
     Examples
@@ -62,3 +73,63 @@ def weighted_percentile(shares: NDArray[np.float64], edges: NDArray[np.float64],
     """
     total = np.concatenate([[0.0], np.cumsum(shares)])
     return float(np.exp(np.interp(part * total[-1], total, np.log(edges))))
+
+
+def largest_difference(first: Array, second: Array) -> Array:
+    """Kolmogorov-Smirnov distance of two histograms over the last axis: largest difference of their cumulated shares.
+
+    Examples
+    --------
+    >>> float(largest_difference(np.array([1.0, 1.0]), np.array([3.0, 1.0])))
+    0.25
+    """
+    shares = [np.cumsum(h, axis=-1) / h.sum(axis=-1, keepdims=True) for h in (first, second)]
+    return np.asarray(np.abs(shares[0] - shares[1]).max(axis=-1))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Distance:
+    """Distance of the distributions at several loads from that at the reference load.
+
+    Attributes
+    ----------
+    value : (loads,) array
+        Of the pooled surfaces.
+    low, high : (loads,) arrays
+        95 % interval by resampling the surfaces, each with all its loads.
+    noise : (loads,) array
+        Distance that two sets of as many surfaces have from each other, 95th percentile, root mean square of that load and
+        the reference: less is not told from zero. The two loads are of the same surfaces, so that this is on the safe side.
+    """
+
+    value: Array
+    low: Array
+    high: Array
+    noise: Array
+
+
+def distance_to_reference(histograms: Array, reference: int, *, seed: int = 20062) -> Distance:
+    """Measure how far distributions are from that at one load.
+
+    Parameters
+    ----------
+    histograms : (surfaces, loads, bins) array
+        Counts or shares; those of the surfaces are pooled, never their distances.
+    reference : int
+        Index of the load that the others are compared with.
+    seed : int
+        Of the resampling.
+    """
+    surfaces = histograms.shape[0]
+    pooled = histograms.sum(axis=0)
+    rng = np.random.default_rng(seed)
+    picks = rng.multinomial(surfaces, np.full(surfaces, 1 / surfaces), size=_RESAMPLES)
+    sampled = np.einsum("rs,slb->rlb", picks, histograms)
+    value = largest_difference(pooled, pooled[reference])
+    spread = largest_difference(sampled, sampled[:, reference : reference + 1])
+    # Two samples of the surfaces at one load; the bootstrap scatter of n surfaces is too small by (n - 1)/n.
+    apart = largest_difference(sampled, sampled[rng.permutation(_RESAMPLES)])
+    twin = np.percentile(apart, 95, axis=0) * np.sqrt(surfaces / (surfaces - 1))
+    noise = np.sqrt((twin**2 + twin[reference] ** 2) / 2)
+    low, high = np.percentile(spread, [2.5, 97.5], axis=0)
+    return Distance(value=value, low=low, high=high, noise=noise)

@@ -11,10 +11,9 @@ import scipy.ndimage
 from fem_contact.area import contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
-from fem_contact.solid import Solid
 from fem_contact.stress import pressure_distribution
+from validation.measures.common import reduced_load
 from validation.measures.single_solve import SingleSolve
-from validation.scenes.surfaces import height_field, reference_field
 from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
@@ -46,7 +45,7 @@ class EdgeMeasurement(SingleSolve):
 
     def describe(self) -> str:
         """Return a few words for a progress bar."""
-        return f"edge of contact, {self.points}x{self.points}, surface {self.realisation + 1}"
+        return f"edge of contact, {self.where}"
 
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict the cost."""
@@ -58,16 +57,13 @@ class EdgeMeasurement(SingleSolve):
         import xarray as xr
 
         from fem_contact import bem
-        from fem_contact.response import HalfSpace
 
-        response = HalfSpace(solid=Solid(**self.solid.model_dump()))
-        whole = reference_field(self.surface, realisation=self.realisation)
-        unit = response.contact_modulus * whole.rms_gradient
-        field = height_field(self.surface, (self.points, self.points), realisation=self.realisation)
-        result = bem.solve(field, response, mean_pressure=self.reduced_pressure * unit, threads=1).checked()
+        unit = self.realised.pressure_scale
+        pressure = reduced_load(self.realised) * unit
+        result = bem.solve(self.heights(), self.half_space, mean_pressure=pressure, threads=1).checked()
         edges = np.linspace(0, _TOP, _BINS + 1)
         density = pressure_distribution(result, edges * unit).density * unit
-        wave = self.surface.lambda_short
+        wave = self.realised.shortest
         # The counted edge is 4/pi times the true contour on average.
         areas = contact_areas(result)
         contour = np.pi / 4 * areas.edge_length * wave

@@ -19,11 +19,11 @@ class Estimate:
     ----------
     value : float
     standard_error : float
-        From a bootstrap over surfaces (pairs of surfaces where they come in pairs).
+        Of the mean, from the scatter of the samples.
     half_width : float
         Half of the 95 % interval: standard error times Student's factor for the number of samples.
     samples : int
-        Independent samples behind it.
+        Independent samples behind it: surfaces, or pairs of surfaces where they come in pairs.
     """
 
     value: float
@@ -58,17 +58,13 @@ def pair_means(values: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(array.reshape(*array.shape[:-1], -1, 2).mean(axis=-1))
 
 
-def mean_over_surfaces(values: ArrayLike, *, resamples: int = 2000, seed: int = 20061) -> Estimate:
-    """Mean of independent samples, with a bootstrap standard error and a 95 % interval.
+def mean_over_surfaces(values: ArrayLike) -> Estimate:
+    """Mean of independent samples, with its standard error and Student's 95 % interval.
 
     Parameters
     ----------
     values : (n,) array
         One number for each surface, or for each pair; at least two.
-    resamples : int
-        Bootstrap resamples.
-    seed : int
-        Of the resampling.
 
     Raises
     ------
@@ -80,16 +76,18 @@ def mean_over_surfaces(values: ArrayLike, *, resamples: int = 2000, seed: int = 
     >>> estimate = mean_over_surfaces([1.0, 2.0, 3.0, 2.0])
     >>> estimate.value, estimate.samples
     (2.0, 4)
+    >>> print(estimate)
+    2 +- 1.3
     """
     array = np.asarray(values, dtype=float)
     if array.ndim != 1 or array.size < 2:
         raise ValueError(f"samples of shape {array.shape}: the scatter needs at least two surfaces")
-    picks = np.random.default_rng(seed).integers(0, array.size, (resamples, array.size))
-    # The bootstrap variance of a mean is too small by (n - 1)/n, which matters for eight pairs.
-    error = float(array[picks].mean(axis=1).std(ddof=1) * np.sqrt(array.size / (array.size - 1)))
-    factor = float(scipy.stats.t.ppf(0.975, array.size - 1))
+    error = float(scipy.stats.sem(array))
     return Estimate(
-        value=float(array.mean()), standard_error=error, half_width=factor * error, samples=array.size
+        value=float(array.mean()),
+        standard_error=error,
+        half_width=float(scipy.stats.t.ppf(0.975, array.size - 1)) * error,
+        samples=array.size,
     )
 
 

@@ -26,12 +26,16 @@ __all__ = ["Fem", "FemOptions"]
 #: The reduced block, per pair of transforms on the grid; it makes its compliance first.
 _REDUCED_PAIRS = 110.0
 #: The whole block, per unknown: assembly, active sets, export.
-_FULL_PAIRS_PER_UNKNOWN = 0.17
+_FULL_PAIRS_PER_UNKNOWN = 0.005
 #: Active sets of a block that yields over those of an elastic one: 1 to 4, by how little it can bear.
 _YIELDING_SETS = 2.0
-_FULL_BYTES_PER_UNKNOWN = 4900
+_FULL_BYTES_PER_UNKNOWN = 300
 #: Beyond this Poisson ratio elements of displacement alone lock.
 _LOCKING = 0.49
+
+
+#: Layers of a block; with the usual growth some forty reach the depth of the period.
+_MOST_LAYERS = 4096
 
 
 class FemOptions(Gridded):
@@ -65,6 +69,8 @@ class Fem(Solver):
 
     def check(self, options: FemOptions, realised: Realised, effects: Sequence[Effect]) -> None:
         """Refuse elements that lock, two depths, and a solid that is no clamped body."""
+        for grid in options.grids:
+            _check_layers(options, grid, realised.lengths)
         if options.method == "full" and realised.solid.poisson > _LOCKING:
             raise UsageError(
                 f"solid.poisson = {realised.solid.poisson!r}: method 'fem' locks above {_LOCKING} with "
@@ -179,7 +185,14 @@ class Fem(Solver):
 
         for grid in sorted(options.grids):
             spacing = max(length / n for length, n in zip(realised.lengths, grid, strict=True))
-            waves = [max(realised.shortest, 2 * spacing), realised.longest]
+            name = f"finite elements, {grid[0]} x {grid[1]}"
+            if realised.longest < 2 * spacing:
+                cells = realised.longest / spacing
+                yield name, f"carry no wave of this surface, whose longest is {cells:.3g} cells long"
+                continue
+            # Cells count along x, whatever they are along y.
+            carried = 2 * max(spacing, realised.lengths[0] / grid[0])
+            waves = [max(realised.shortest, carried), max(realised.longest, carried)]
             short, long = wave_errors(
                 grid,
                 realised.lengths,
@@ -189,8 +202,27 @@ class Fem(Solver):
                 growth=options.growth,
             )
             yield (
-                f"finite elements, {grid[0]} x {grid[1]}",
+                name,
                 f"compliance off by {short.along_axis:+.2%} along the axes and {short.along_diagonal:+.2%} "
                 f"along the diagonal at {short.nodes:.3g} nodes per wave (the shortest), by "
                 f"{long.along_axis:+.2%} at {long.nodes:.3g} (the longest); + is too soft",
             )
+
+
+def _check_layers(options: FemOptions, grid: Grid, lengths: tuple[float, float]) -> None:
+    """Refuse a block of more layers than are solved.
+
+    Raises
+    ------
+    UsageError
+    """
+    depth = options.depth or max(lengths)
+    first = max(length / n for length, n in zip(lengths, grid, strict=True))
+    faster = math.log(options.growth)
+    ratio = depth / first
+    layers = ratio if faster == 0 else math.log1p(ratio * (options.growth - 1)) / faster
+    if layers > _MOST_LAYERS:
+        raise UsageError(
+            f"methods.fem.growth = {options.growth:.6g}: makes {layers:.3g} layers over a depth of "
+            f"{depth:.3g} m; at most {_MOST_LAYERS} are solved: raise the growth or lower the depth"
+        )

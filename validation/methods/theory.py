@@ -1,4 +1,4 @@
-"""Persson's theory: with the realised gradient of a surface, and from C(q) alone."""
+"""Persson's theory: of one surface beside the solvers, and from C(q) alone against magnification."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field
 
 from fem_contact.surface import HeightField
 from persson import elastic
@@ -16,21 +17,43 @@ from validation.effects.base import Effect, Told, effect_key
 from validation.errors import UsageError
 from validation.methods.base import Method
 from validation.report.words import json_ready
-from validation.units import Table
+from validation.units import Pressure, Table
 
 if TYPE_CHECKING:
-    from persson.spectrum import SelfAffine
-    from persson.tabulated import Tabulated
+    from persson.adhesion import AdhesiveContact
+    from persson.scale import Scale
+    from persson.spectrum import Spectrum
     from validation.scenes.realised import Realised
 
-__all__ = ["Areas", "Prediction", "Theory", "TheoryOptions", "predict", "theory_words", "with_effects"]
+__all__ = [
+    "Answer",
+    "Areas",
+    "Prediction",
+    "Theory",
+    "TheoryOptions",
+    "against_magnification",
+    "predict",
+    "theory_words",
+    "with_effects",
+]
 
 Array = NDArray[np.float64]
 Modulus = float | Callable[[Any], Array]
 
 
 class TheoryOptions(Table):
-    """Persson's theory; it has no settings."""
+    """Persson's theory; its options are readings of what the paper leaves open on adhesion."""
+
+    energy: Literal["improved", "old", "as_printed"] = Field(
+        default="improved",
+        description="elastic energy at partial contact: Eqs. 44-49, Eq. 43, or Eq. 50 as it is printed",
+    )
+    area: Literal["star", "projected"] = Field(
+        default="star", description="areas of Eq. 37 with the slope factor of the rough surface, or without"
+    )
+    ideal_strength: Pressure | None = Field(
+        default=None, description='largest stress of the bonds, w over an atomic distance, e.g. "1 GPa"'
+    )
 
 
 class Theory(Method):
@@ -46,12 +69,18 @@ class Theory(Method):
         return effect.has_theory()
 
     def check(self, options: Any, realised: Realised, effects: Sequence[Effect]) -> None:
-        """Refuse an effect with parameters that the theory does not know."""
+        """Refuse an effect with parameters that the theory does not know, and readings that nothing reads."""
         for k, effect in enumerate(effects):
             try:
                 effect.theory(Told(solid=realised.elastic))
             except UsageError as error:
                 raise UsageError(f"{effect_key(k, '')} {error}") from None
+        said = sorted(options.model_fields_set)
+        if said and Told.by(realised.elastic, effects).work is None:
+            raise UsageError(
+                f"methods.theory.{said[0]} = {getattr(options, said[0])!r}: belongs to the effect "
+                "'adhesion', which is not listed"
+            )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,7 +99,8 @@ class Prediction:
     plastic : float or None
         A_pl/A0 with a hardness.
     other : float or None
-        A/A0 with the other reading of the elastic energy (Eq. 43), with adhesion.
+        A/A0 with another reading of the elastic energy (Eq. 43; Eqs. 44-49 where that was asked for), with
+        adhesion.
     note : str
         Which part of the theory, where it is not that of elastic contact without adhesion; or why `area` is
         NaN.
@@ -93,7 +123,9 @@ class Prediction:
         return json_ready(asdict(self))
 
 
-def predict(realised: Realised, effects: Sequence[Effect]) -> Prediction:
+def predict(
+    realised: Realised, effects: Sequence[Effect], options: TheoryOptions | None = None
+) -> Prediction:
     """Return what the theory says of one surface with the effects of its scene."""
     told = Told.by(realised.elastic, effects)
     variance = _realised_variance(realised, told)
@@ -107,11 +139,11 @@ def predict(realised: Realised, effects: Sequence[Effect]) -> Prediction:
         return Prediction(area=area, ensemble_area=ensemble, stress_variance=variance)
     ensemble = None
     if spectrum is not None and alone is not None:
-        found = with_effects(told, realised.pressure, variance=alone, spectrum=spectrum)
+        found = with_effects(told, realised.pressure, variance=alone, spectrum=spectrum, options=options)
         ensemble = found.area if np.isfinite(found.area) else None
-    shape = realised.spectrum_shape
-    own = shape.scaled(float(realised.field.rms_gradient**2 / shape.m2()))
-    found = with_effects(told, realised.pressure, variance=variance, spectrum=own)
+    found = with_effects(
+        told, realised.pressure, variance=variance, spectrum=realised.own_spectrum, options=options
+    )
     return Prediction(
         area=found.area,
         ensemble_area=ensemble,
@@ -142,7 +174,7 @@ def _summed_variance(field: HeightField, modulus: Callable[[Any], Array]) -> flo
     return float(np.sum((felt * q / 2) ** 2 * power))
 
 
-def _spectral_variance(spectrum: SelfAffine | Tabulated, modulus: Modulus) -> float:
+def _spectral_variance(spectrum: Spectrum, modulus: Modulus) -> float:
     """Full-contact stress variance of C(q) [Pa^2], on a solid whose modulus may depend on the wave."""
     if not callable(modulus):
         return float(elastic.stress_variance(spectrum.m2(), contact_modulus=modulus))
@@ -162,26 +194,43 @@ class Areas:
     note: str
 
 
-def theory_words(told: Told) -> str:
+#: What each reading of the elastic energy is.
+_ENERGIES = {"improved": "Eqs. 44-49", "old": "Eq. 43", "as_printed": "Eq. 50 as printed"}
+
+
+def theory_words(told: Told, options: TheoryOptions | None = None) -> str:
     """Name the part of the theory that effects call for.
 
     >>> from fem_contact.solid import Solid
     >>> theory_words(Told(solid=Solid(young=1e9, poisson=0.3)))
     'Persson 2006, elastic, without adhesion'
     """
+    energy = _ENERGIES[(options or TheoryOptions()).energy]
     match (told.work is not None, told.hardness is not None):
         case (True, True):
-            return "Persson 2006, Sec. 9: adhesion (energy of Eqs. 44-49, no range) with a hardness"
+            return f"Persson 2006, Sec. 9: adhesion (energy of {energy}, no range) with a hardness"
         case (True, False):
-            return "Persson 2006, Sec. 8: adhesion (energy of Eqs. 44-49, no range)"
+            return f"Persson 2006, Sec. 8: adhesion (energy of {energy}, no range)"
         case (False, True):
-            return "Persson 2006, Sec. 6: one hardness, in closed form"
+            return (
+                "Persson 2006, Sec. 6: a hardness that rises towards short waves"
+                if callable(told.hardness)
+                else "Persson 2006, Sec. 6: one hardness, in closed form"
+            )
     return "Persson 2006, elastic, without adhesion"
 
 
-def with_effects(told: Told, pressure: float, *, variance: float, spectrum: SelfAffine | Tabulated) -> Areas:
+def with_effects(
+    told: Told,
+    pressure: float,
+    *,
+    variance: float,
+    spectrum: Spectrum,
+    options: TheoryOptions | None = None,
+) -> Areas:
     """Evaluate the theory with a hardness, adhesion, or both."""
-    note = theory_words(told)
+    options = options or TheoryOptions()
+    note = theory_words(told, options)
     try:
         if told.work is None:
             from persson.hardness import constant_hardness
@@ -190,33 +239,147 @@ def with_effects(told: Told, pressure: float, *, variance: float, spectrum: Self
             parts = constant_hardness(pressure, stress_variance=variance, yield_stress=told.hardness)
             plastic = float(parts.plastic)
             return Areas(area=float(parts.elastic) + plastic, plastic=plastic, other=None, note=note)
-        improved = _adhesive(told, pressure, spectrum=spectrum, energy="improved")
+        from persson.scale import Scale
+
+        scale = Scale(spectrum, contact_modulus=told.felt_modulus)
+        asked = _adhesive(told, pressure, options, scale=scale)
     except PerssonError as error:
         return Areas(area=float("nan"), plastic=None, other=None, note=f"no answer: {error}")
+    another = options.model_copy(update={"energy": "improved" if options.energy == "old" else "old"})
     try:
-        old = _adhesive(told, pressure, spectrum=spectrum, energy="old")[0]
+        other = _adhesive(told, pressure, another, scale=scale).real_area
     except PerssonError:
-        old = float("nan")
-    plastic_area = None if told.hardness is None else improved[1]
-    return Areas(area=improved[0], plastic=plastic_area, other=old, note=note)
+        other = float("nan")
+    plastic_area = None if told.hardness is None else float(asked.area_plastic[-1])
+    return Areas(area=asked.real_area, plastic=plastic_area, other=other, note=note)
 
 
-def _adhesive(
-    told: Told,
-    pressure: float,
-    *,
-    spectrum: SelfAffine | Tabulated,
-    energy: Literal["improved", "old"],
-) -> tuple[float, float]:
-    """Relative area, and the yielded part of it."""
+def _adhesive(told: Told, pressure: float, options: TheoryOptions, *, scale: Scale) -> AdhesiveContact:
+    """Contact with adhesion, by the readings that were chosen."""
     from persson.adhesion import Interface, solve_adhesion
-    from persson.scale import Scale
 
     assert told.work is not None
-    found = solve_adhesion(
-        Scale(spectrum, contact_modulus=told.felt_modulus),
+    return solve_adhesion(
+        scale,
         pressure=pressure,
-        interface=Interface(work_of_adhesion=told.work, energy=energy),
+        interface=Interface(
+            work_of_adhesion=told.work,
+            energy=options.energy,
+            area=options.area,
+            ideal_strength=options.ideal_strength,
+        ),
         yield_stress=told.hardness,
     ).checked()
-    return found.real_area, float(found.area_plastic[-1])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """What the theory says at one load, against the wavevector up to which roughness is seen.
+
+    Attributes
+    ----------
+    pressure : float
+        p0 [Pa].
+    wavevectors, area, area_plastic : (n,) arrays
+        q [1/m], A/A0 (yielded area included) and A_pl/A0.
+    work : (n,) array or None
+        gamma_eff [J/m^2], with adhesion.
+    macroscopic_work : float or None
+        gamma_eff(1) [J/m^2], with the energy of all roughness.
+    error_estimate : float
+        Of the area at the largest magnification; 0 where a closed form was used.
+    note : str
+        Why there is no answer, and the arrays are empty; "" where there is one.
+    """
+
+    pressure: float
+    wavevectors: Array
+    area: Array
+    area_plastic: Array
+    work: Array | None = None
+    macroscopic_work: float | None = None
+    error_estimate: float = 0.0
+    note: str = ""
+
+
+def against_magnification(
+    realised: Realised, effects: Sequence[Effect], options: TheoryOptions
+) -> tuple[Answer, ...]:
+    """Return what the theory says of a scene from C(q) alone, at each of its loads.
+
+    Parameters
+    ----------
+    realised : Realised
+    effects : sequence
+        Of the scene.
+    options : TheoryOptions
+        Which readings of the paper are used.
+    """
+    from persson.scale import Scale
+
+    told = Told.by(realised.elastic, effects)
+    spectrum: Spectrum = realised.own_spectrum
+    if told.smoothing is not None:
+        spectrum = _smoothed(spectrum, told)
+    scale = Scale(spectrum, contact_modulus=told.felt_modulus)
+    return tuple(_answer(told, pressure, options, scale=scale) for pressure in realised.pressures)
+
+
+def _smoothed(spectrum: Spectrum, told: Told) -> Spectrum:
+    """C(q) after an earlier squeezing (Persson 2006, Sec. 10.2)."""
+    from persson.hardness import constant_hardness
+    from persson.scale import Scale
+    from persson.tabulated import smoothed
+
+    assert told.smoothing is not None
+    pressure, hardness = told.smoothing["pressure"], told.smoothing["hardness"]
+    scale = Scale(spectrum, contact_modulus=told.felt_modulus)
+    q = np.geomspace(max(spectrum.q_min, spectrum.q_long * 1e-6), spectrum.q_short, 400)
+    areas = constant_hardness(pressure, stress_variance=scale.variance(q), yield_stress=hardness)
+    yielded = np.minimum(areas.plastic * (hardness / pressure), 1.0)
+    return smoothed(spectrum, wavevectors=q, yielded=yielded, form=told.smoothing["form"])
+
+
+def _answer(told: Told, pressure: float, options: TheoryOptions, *, scale: Scale) -> Answer:
+    """Evaluate one load; where the theory has no answer, say why."""
+    try:
+        if told.work is not None:
+            found = _adhesive(told, pressure, options, scale=scale)
+            return Answer(
+                pressure=pressure,
+                wavevectors=found.wavevectors,
+                area=found.area,
+                area_plastic=found.area_plastic,
+                work=found.work,
+                macroscopic_work=found.macroscopic_work,
+                error_estimate=found.error_estimate,
+            )
+        return _without_adhesion(told, pressure, scale=scale)
+    except PerssonError as error:
+        none = np.empty(0)
+        return Answer(pressure=pressure, wavevectors=none, area=none, area_plastic=none, note=str(error))
+
+
+def _without_adhesion(told: Told, pressure: float, *, scale: Scale) -> Answer:
+    # The first wave that counts: below it contact is complete.
+    q = np.geomspace(scale.q_min * (1 + 1e-3), scale.q_short, 200)
+    variance, hardness = scale.variance(q), told.hardness
+    if hardness is None:
+        area = elastic.contact_area(pressure, stress_variance=variance)
+        return Answer(pressure=pressure, wavevectors=q, area=area, area_plastic=np.zeros_like(q))
+    if not callable(hardness):
+        from persson.hardness import constant_hardness
+
+        parts = constant_hardness(pressure, stress_variance=variance, yield_stress=hardness)
+        area = parts.elastic + parts.plastic
+        return Answer(pressure=pressure, wavevectors=q, area=area, area_plastic=parts.plastic)
+    from persson.hardness import size_dependent_hardness
+
+    solved = size_dependent_hardness(scale, pressure=pressure, yield_stress=hardness, wavevectors=q).checked()
+    return Answer(
+        pressure=pressure,
+        wavevectors=q,
+        area=solved.area,
+        area_plastic=solved.area_plastic,
+        error_estimate=solved.error_estimate,
+    )

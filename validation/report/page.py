@@ -1,12 +1,63 @@
-"""One page of HTML from a template of this package."""
+"""The page that a run and a study leave: what was asked, what came out, and every number."""
 
 from __future__ import annotations
 
+import base64
+import json
 import platform
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 from importlib import metadata
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["render", "versions"]
+from validation.errors import harmless
+from validation.files import atomic_path, remove_drafts, write_json
+from validation.report.drawing import Drawing, write_drawing
+from validation.report.table import ResultTable, WordTable, shown, write_dataset, write_table
+from validation.report.words import mathematics
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Answer", "Note", "Page", "Picture", "clear_page", "render", "versions", "write_page"]
+
+#: Width over height from which on a figure has several panels, and the width of the page to itself.
+_WIDE = 1.7
+
+#: Pixels of the page for an inch of a figure, at most.
+_ENLARGED = 170
+
+_BUDGET = (
+    "Half widths of 95 % intervals by their source, in per cent of the value; the columns "
+    "in front add them up as the root of the sum of their squares."
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Answer:
+    """A card on top of the page: a question, its answer in a word or a number, what the answer rests on."""
+
+    question: str
+    answer: str
+    basis: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Note:
+    """A heading with sentences below it."""
+
+    title: str
+    sentences: tuple[str, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Picture:
+    """A PNG image, and what it shows."""
+
+    name: str
+    png: bytes
+    caption: str
 
 
 def versions() -> dict[str, str]:
@@ -15,8 +66,172 @@ def versions() -> dict[str, str]:
     return {"Python": platform.python_version(), **{name: metadata.version(name) for name in names}}
 
 
-def render(template: str, **context: Any) -> str:
-    """Fill in a template of this package; a name it needs and does not get is an error."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Page:
+    """Everything that a results folder shows, before any of it is written.
+
+    Attributes
+    ----------
+    title, lead : str
+        The name, and the question or the case in one sentence.
+    answers : tuple of Answer
+    findings : tuple of str
+        What was found, in sentences, the most asked-for first.
+    notes : tuple of Note
+    tables : tuple of WordTable
+    budget : ResultTable, optional
+        What is uncertain, source by source.
+    figures : tuple of Drawing
+    pictures : tuple of Picture
+    no_picture : str
+        Why there is none.
+    facts : tuple of str
+        Sentences about the case, beside settings, seeds and versions.
+    settings : mapping
+        Everything that was asked for, ready for JSON.
+    seeds : str
+    versions : mapping of str to str
+    papers : tuple of str
+        What to cite.
+    records : mapping of str to ResultTable
+        Tables to be written as CSV by name, every digit.
+    data : xarray.Dataset, optional
+        To be written as data.csv, with one more file for each further set of dimensions.
+    summary : mapping, optional
+        To be written as summary.json.
+    """
+
+    title: str
+    lead: str
+    settings: Mapping[str, Any]
+    seeds: str
+    papers: tuple[str, ...]
+    answers: tuple[Answer, ...] = ()
+    findings: tuple[str, ...] = ()
+    notes: tuple[Note, ...] = ()
+    tables: tuple[WordTable, ...] = ()
+    budget: ResultTable | None = None
+    figures: tuple[Drawing, ...] = ()
+    pictures: tuple[Picture, ...] = ()
+    no_picture: str = ""
+    facts: tuple[str, ...] = ()
+    versions: Mapping[str, str] = field(default_factory=versions)
+    records: Mapping[str, ResultTable] = field(default_factory=dict)
+    data: xr.Dataset | None = None
+    summary: Mapping[str, Any] | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Embedded:
+    """A figure on disk, as the page shows it."""
+
+    name: str
+    svg: Any
+    caption: str
+    files: tuple[tuple[str, str], ...]
+    wide: bool
+    pixels: int
+
+
+def write_page(page: Page, folder: Path, *, numbers_only: bool = False) -> tuple[Path, ...]:
+    """Write tables, JSON, figures and the report into a folder; return the files, the report first.
+
+    Parameters
+    ----------
+    page : Page
+    folder : Path
+    numbers_only : bool
+        Whether figures and report are left out, as they can be made later from what is stored.
+    """
+    written: list[Path] = []
+    if page.data is not None:
+        written += write_dataset(page.data, folder / "data.csv")
+    records = page.records if page.budget is None else {**page.records, "budget": page.budget}
+    written += [write_table(table, folder / f"{name}.csv") for name, table in records.items()]
+    if page.summary is not None:
+        written.append(write_json(folder / "summary.json", page.summary))
+    if numbers_only:
+        clear_page(folder, keep=written)
+        return tuple(written)
+    figures = folder / "figures"
+    if page.figures or page.pictures:
+        figures.mkdir(exist_ok=True)
+        written.append(figures)
+    for picture in page.pictures:
+        with atomic_path(figures / f"{picture.name}.png") as draft:
+            draft.write_bytes(picture.png)
+    drawn = [_embedded(drawing, write_drawing(drawing, figures)) for drawing in page.figures]
+    report = folder / "report.html"
+    with atomic_path(report) as draft:
+        draft.write_text(_html(page, drawn), encoding="utf-8")
+    drawings = [folder / file for figure in drawn for file, _ in figure.files]
+    pictures = [figures / f"{picture.name}.png" for picture in page.pictures]
+    clear_page(folder, keep=(report, *written, *drawings, *pictures))
+    return (report, *written)
+
+
+def clear_page(folder: Path, *, keep: Collection[Path] = ()) -> None:
+    """Remove from a results folder what an earlier page left there, and drafts of killed processes.
+
+    Nothing but files that a page writes is touched: CSV files by name, summary.json, report.html, and the
+    images and numbers in the folder of figures.
+    """
+    figures = folder / "figures"
+    tables = ("table.csv", "areas.csv", "magnification.csv", "budget.csv", "data.csv", "data-*.csv")
+    names = ("report.html", "summary.json", *tables)
+    earlier = [path for name in names for path in folder.glob(name)]
+    if figures.is_dir() and not figures.is_symlink():
+        earlier += [
+            path for suffix in ("svg", "pdf", "csv", "nc", "png") for path in figures.glob(f"*.{suffix}")
+        ]
+        remove_drafts(figures)
+    for path in set(earlier) - set(keep):
+        path.unlink(missing_ok=True)
+    remove_drafts(folder)
+
+
+def render(page: Page) -> str:
+    """Return the page as HTML without its figures, which are shown as they are written."""
+    return _html(page, [])
+
+
+def _in_front(budget: WordTable) -> WordTable:
+    """Put what the sources come to in front of them, where a narrow screen shows it."""
+    order = sorted(
+        range(len(budget.columns)), key=lambda k: (k > 1, not budget.columns[k].startswith("for "))
+    )
+    return replace(
+        budget,
+        columns=tuple(budget.columns[k] for k in order),
+        rows=tuple(tuple(row[k] for k in order) for row in budget.rows),
+    )
+
+
+def _embedded(drawing: Drawing, files: tuple[Path, ...]) -> _Embedded:
+    from markupsafe import Markup
+
+    from validation.report.figure import embeddable
+
+    svg = embeddable(files[0].read_text(encoding="utf-8"), drawing.name, words=drawing.caption)
+    return _Embedded(
+        name=drawing.name,
+        # This package drew it: nothing in it comes from elsewhere.
+        svg=Markup(svg),
+        caption=drawing.caption,
+        wide=drawing.figure.get_figwidth() > _WIDE * drawing.figure.get_figheight(),
+        pixels=round(_ENLARGED * drawing.figure.get_figwidth()),
+        files=tuple((f"figures/{path.name}", _format(path, drawing.name)) for path in files),
+    )
+
+
+def _format(path: Path, name: str) -> str:
+    """Say which file of a figure it is: csv, or csv (mode, load) for the numbers along other dimensions."""
+    along = path.stem.removeprefix(name).strip("-").replace("-", ", ")
+    return path.suffix[1:] + (f" ({along})" if along else "")
+
+
+def _html(page: Page, figures: list[_Embedded]) -> str:
+    """Fill in the template; a name it needs and does not get is an error."""
     import jinja2
 
     environment = jinja2.Environment(
@@ -26,4 +241,14 @@ def render(template: str, **context: Any) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    return environment.get_template(template).render(context)
+    environment.filters["math"] = mathematics
+    environment.filters["harmless"] = harmless
+    environment.filters["base64"] = lambda data: base64.b64encode(data).decode("ascii")
+    budget = (
+        None
+        if page.budget is None
+        else _in_front(shown(page.budget, title="What is uncertain", note=_BUDGET))
+    )
+    settings = json.dumps(page.settings, indent=2)
+    template = environment.get_template("report.html.j2")
+    return template.render(page=page, figures=figures, budget=budget, settings=settings)

@@ -2,11 +2,35 @@
 
 from __future__ import annotations
 
-from typing import Any
+import re
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-__all__ = ["json_ready", "significant", "with_error"]
+from validation.errors import harmless
+
+if TYPE_CHECKING:
+    from markupsafe import Markup
+
+__all__ = ["json_ready", "mathematics", "mathtext", "significant", "with_error"]
+
+_GREEK = {"kappa": "κ", "sigma": "σ", "gamma": "γ", "lambda": "λ", "zeta": "ζ", "alpha": "α"}
+_APART = r"(?<![\w-])(?:{})(?![\w-])"
+#: How symbols of the field are typed (in text that was made safe for HTML), and how they are set.
+_SYMBOLS = (
+    (r"h(?:&#39;|')_?rms(?![\w-])", "h\u2032<sub>rms</sub>"),
+    (r"\bh_rms(?![\w-])", "h<sub>rms</sub>"),
+    (r"\blambda_(short|long)(?![\w-])", r"λ<sub>\1</sub>"),
+    (r"\bq_(short|long)(?![\w-])", r"q<sub>\1</sub>"),
+    (r"\b([AU])_(pl|el|full|limit)(?![\w-])", r"\1<sub>\2</sub>"),
+    (r"\bgamma_eff(?![\w-])", "γ<sub>eff</sub>"),
+    (r"\b([Ap])0(?![\w-])", r"\1<sub>0</sub>"),
+    (r"\bdx(?![\w-])", "Δx"),
+    (r"(?<=[\w)])\^\(?(-?[\d./]*\d)\)?", r"<sup>\1</sup>"),
+    (_APART.format("|".join(_GREEK)), lambda found: _GREEK[found[0]]),
+    (r"\+- ?", "±\u00a0"),
+    (r"(?<=\d) %", "\u00a0%"),
+)
 
 
 def json_ready(values: dict[str, Any]) -> dict[str, Any]:
@@ -16,6 +40,50 @@ def json_ready(values: dict[str, Any]) -> dict[str, Any]:
     {'area': None, 'grid': (2, 3)}
     """
     return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in values.items()}
+
+
+#: The same symbols, as figures set them.
+_DRAWN = (
+    (r"\bE\* ?h'_?rms(?![\w-])", r"$E^*h'_{rms}$"),
+    (r"\bh'_?rms(?![\w-])", r"$h'_{rms}$"),
+    (r"\bh_rms(?![\w-])", r"$h_{rms}$"),
+    (r"\blambda_(short|long)(?![\w-])", r"$\\lambda_{\1}$"),
+    (r"\bq_(short|long)(?![\w-])", r"$q_{\1}$"),
+    (r"\bgamma_eff(?![\w-])", r"$\\gamma_{eff}$"),
+    (r"\bA/A0(?![\w-])", "$A/A_0$"),
+    (r"\b([AU])_(pl|el|full|limit)(?![\w-])", r"$\1_{\2}$"),
+    (r"\b([Ap])0(?![\w-])", r"$\1_0$"),
+    (r"\bp\*", "$p^*$"),
+    (r"\bkappa(?![\w-])", r"$\\kappa$"),
+)
+
+
+def mathtext(text: str) -> str:
+    """Return a label of a figure with the symbols of the field as in a book.
+
+    >>> mathtext("p* = p0 / (E* h'_rms)")
+    "$p^*$ = $p_0$ / ($E^*h'_{rms}$)"
+    """
+    for typed, drawn in _DRAWN:
+        text = re.sub(typed, drawn, text)
+    return text
+
+
+def mathematics(text: str) -> Markup:
+    r"""Return a text for HTML with the symbols of the field as in a book; markup in it is shown as it is.
+
+    >>> mathematics("kappa = (A/A0)/p*, 2 +- 1")
+    Markup('κ = (A/A<sub>0</sub>)/p*, 2 ±\xa01')
+    >>> mathematics("h'_rms < 1, dx^0.51, kappa-against-hurst")
+    Markup('h′<sub>rms</sub> &lt; 1, Δx<sup>0.51</sup>, kappa-against-hurst')
+    """
+    from markupsafe import Markup, escape
+
+    safe = str(escape(harmless(text)))
+    for typed, printed in _SYMBOLS:
+        safe = re.sub(typed, printed, safe)
+    # Nothing but the tags above was added to what `escape` made safe.
+    return Markup(safe)
 
 
 def significant(value: float, digits: int = 4) -> str:

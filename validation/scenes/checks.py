@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from validation.effects.base import Slots, effect_key
 from validation.errors import UsageError
 from validation.methods import methods
 from validation.methods.base import check_effects_handled
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Scene
+from validation.scenes.tables import Load
 
 __all__ = ["check_scene"]
 
@@ -27,11 +30,23 @@ def check_scene(scene: Scene, realised: Realised) -> None:
         missing = method.available()
         if missing is not None:
             raise UsageError(f"methods.{name}: {missing}")
+    for k, effect in enumerate(scene.effects):
+        for name in scene.methods.solvers:
+            effect.check_solver(name, key=effect_key(k, ""))
     if scene.effects:
-        slots = Slots.filled(realised.elastic, scene.effects)
+        filled = scene.effects if scene.methods.solvers else ()
+        slots = Slots.filled(realised.elastic, filled)
         grids = [grid for name in scene.methods.solvers for grid in scene.methods.options(name).grids]
         grids += [] if scene.ensemble is None else scene.ensemble.grids
         for k, effect in enumerate(scene.effects):
-            effect.check(realised, grids, slots=slots, key=effect_key(k, ""))
+            for case in _each_load(realised):
+                effect.check(case, grids, slots=slots, key=effect_key(k, ""))
     for name, method in asked.items():
         method.check(scene.methods.options(name), realised, scene.effects)
+
+
+def _each_load(realised: Realised) -> tuple[Realised, ...]:
+    """Return the same case once for each load."""
+    if len(realised.pressures) == 1:
+        return (realised,)
+    return tuple(replace(realised, load=Load(pressure=pressure)) for pressure in realised.pressures)

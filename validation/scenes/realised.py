@@ -10,14 +10,16 @@ from typing import TYPE_CHECKING, Any
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, RandomWaves, resolves
 from validation.scenes import surfaces
-from validation.scenes.scene import FileSurface, Load, Scene, SolidSpec, Surface
+from validation.scenes.scene import Scene
+from validation.scenes.tables import FileSurface, Load, SolidSpec, Surface
 
 if TYPE_CHECKING:
+    from persson.capillary import CapillaryWaves
     from persson.spectrum import SelfAffine
     from persson.tabulated import Tabulated
-    from validation.scenes.topography import Topography
+    from validation.scenes.topography import Measured, Topography
 
-__all__ = ["Realised", "realise"]
+__all__ = ["Realised", "Surveyed", "realise"]
 
 Grid = tuple[int, int]
 
@@ -34,6 +36,9 @@ class Realised:
         Counts further surfaces of the same spectrum from 0, the scene's own: added to its seed.
     inverted : bool
         Press -h instead of h: hills become valleys, which halves much of the scatter between surfaces.
+    drawn : bool
+        Whether a random surface is made of C(q); where the theory stands alone it is not, and h'_rms is that
+        of C(q).
 
     Notes
     -----
@@ -45,6 +50,7 @@ class Realised:
     load: Load
     realisation: int = 0
     inverted: bool = False
+    drawn: bool = True
 
     def __reduce__(self) -> Any:
         return partial(Realised, **{field.name: getattr(self, field.name) for field in fields(self)}), ()
@@ -61,20 +67,30 @@ class Realised:
         return surfaces.waves_of(self.surface, self.realisation)
 
     @cached_property
+    def measured(self) -> Measured | None:
+        """The measured surface, read and hashed once; None for a random one."""
+        return surfaces.measured_surface(self.surface) if isinstance(self.surface, FileSurface) else None
+
+    @property
     def topography(self) -> Topography | None:
         """The measured surface, levelled, filled and made periodic; None for a random one."""
-        return surfaces.topography_of(self.surface) if isinstance(self.surface, FileSurface) else None
+        return None if self.measured is None else self.measured.period
 
     @cached_property
     def field(self) -> HeightField:
-        """The surface on the smallest grid that resolves it; its moments are the surface's own."""
-        if isinstance(self.surface, FileSurface):
-            assert self.topography is not None
-            return self._signed(surfaces.measured_field(self.surface, self.topography))
+        """The surface on the smallest grid that resolves it; its moments are the surface's own.
+
+        Where no surface is drawn, the moments of C(q) in place of it.
+        """
+        if self.measured is not None:
+            return self._signed(surfaces.measured_field(self.measured))
+        assert not isinstance(self.surface, FileSurface)
+        if not self.drawn:
+            return surfaces.expected(self.surface)  # type: ignore[return-value]
         assert self._waves is not None
-        return self._signed(
-            surfaces.sampled(self._waves, self.surface, surfaces.resolving_grid(self.surface))
-        )
+        grid = surfaces.resolving_grid(self.surface)
+        surfaces.check_memory(self.surface, grid)
+        return self._signed(surfaces.sampled(self._waves, self.surface, grid))
 
     def heights(self, grid: Grid, shift: tuple[float, float] = (0.0, 0.0)) -> HeightField:
         """Return the surface on a grid, moved by parts of a cell."""
@@ -88,19 +104,33 @@ class Realised:
         return HeightField(heights=-field.heights, lengths=field.lengths) if self.inverted else field
 
     @cached_property
-    def spectrum(self) -> SelfAffine | Tabulated | None:
+    def spectrum(self) -> SelfAffine | CapillaryWaves | Tabulated | None:
         """C(q) of the scene, estimated for a measured patch with tapered edges; None for one period."""
         if not isinstance(self.surface, FileSurface):
             return surfaces.spectrum_of(self.surface)
-        return surfaces.measured_spectrum(self.surface) if self.surface.edges in ("tukey", "hann") else None
+        return self._estimate if self.surface.edges in ("tukey", "hann") else None
 
     @cached_property
-    def spectrum_shape(self) -> SelfAffine | Tabulated:
+    def _estimate(self) -> Tabulated:
+        """C(q) of a measured surface, whatever its edges."""
+        assert self.measured is not None
+        return surfaces.measured_spectrum(self.measured)
+
+    @cached_property
+    def spectrum_shape(self) -> SelfAffine | CapillaryWaves | Tabulated:
         """C(q) whose scale may be another: for a measured surface an estimate, whatever its edges."""
-        if self.spectrum is not None:
-            return self.spectrum
-        assert isinstance(self.surface, FileSurface)
-        return surfaces.measured_spectrum(self.surface)
+        return self._estimate if self.spectrum is None else self.spectrum
+
+    @cached_property
+    def own_spectrum(self) -> SelfAffine | CapillaryWaves | Tabulated:
+        """C(q), scaled to the gradient of this surface; that of the scene where no surface is drawn."""
+        shape = self.spectrum_shape
+        return shape.scaled(float(self.field.rms_gradient**2 / shape.m2())) if self.has_heights else shape
+
+    @property
+    def has_heights(self) -> bool:
+        """Whether there is a surface: a measured one, or one that is drawn."""
+        return self.drawn or isinstance(self.surface, FileSurface)
 
     @cached_property
     def elastic(self) -> Solid:
@@ -118,12 +148,17 @@ class Realised:
         return self.contact_modulus * self.field.rms_gradient
 
     @cached_property
-    def pressure(self) -> float:
-        """p0 [Pa]: as given, or p* E* h'_rms."""
+    def pressures(self) -> tuple[float, ...]:
+        """p0 [Pa] of each load: as given, or p* E* h'_rms."""
         if self.load.pressure is not None:
-            return self.load.pressure
-        assert self.load.reduced_pressure is not None
-        return self.load.reduced_pressure * self.contact_modulus * self.field.rms_gradient
+            return self.load.values
+        return tuple(value * self.contact_modulus * self.field.rms_gradient for value in self.load.values)
+
+    @property
+    def pressure(self) -> float:
+        """p0 [Pa] of the one load."""
+        (pressure,) = self.pressures
+        return pressure
 
     @property
     def reduced_pressure(self) -> float:
@@ -159,10 +194,11 @@ class Realised:
     def recipe(self) -> dict[str, Any]:
         """Everything that determines surface, solid and load, as JSON-ready data."""
         surface = self.surface.model_dump(mode="json")
-        if isinstance(self.surface, FileSurface):
-            surface["path"] = surfaces.file_digest(self.surface)
+        if self.measured is not None:
+            surface["path"] = self.measured.digest
         else:
-            surface["seed"] = self.surface.seed + self.realisation
+            assert not isinstance(self.surface, FileSurface)
+            surface["seed"] = self.surface.seed_of(self.realisation)
         said = {
             "surface": surface,
             "solid": self.solid.model_dump(mode="json"),
@@ -171,6 +207,20 @@ class Realised:
         return said | {"inverted": True} if self.inverted else said
 
 
+@dataclass(frozen=True, kw_only=True)
+class Surveyed(Realised):
+    """A surface that is only looked at: one with too many points to be made is told by its C(q)."""
+
+    @cached_property
+    def field(self) -> HeightField:
+        """The surface, or the moments of its C(q) in place of it."""
+        if not isinstance(self.surface, FileSurface) and surfaces.too_large_to_look_at(self.surface):
+            return surfaces.expected(self.surface)  # type: ignore[return-value]
+        return super().field
+
+
 def realise(scene: Scene) -> Realised:
     """Return what a scene asks for, to be made once and handed down."""
-    return Realised(surface=scene.surface, solid=scene.solid, load=scene.load)
+    return Realised(
+        surface=scene.surface, solid=scene.solid, load=scene.load, drawn=bool(scene.methods.solvers)
+    )

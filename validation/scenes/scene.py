@@ -12,29 +12,50 @@ from operator import or_
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
 
-from pydantic import BaseModel, Field, StrictBool, StrictInt, ValidationError, create_model, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    Field,
+    StrictBool,
+    StrictInt,
+    ValidationError,
+    create_model,
+    model_validator,
+)
 
 from validation.effects import effect_kinds
 from validation.effects.base import Effect, clash, effect_key
-from validation.errors import SceneError, UsageError
+from validation.errors import SceneError, UsageError, harmless
 from validation.methods import Method, Solver, methods
-from validation.units import Grids, Length, Lengths, Memory, Number, Pressure, exactly_one, unit_registry
+from validation.scenes.tables import (
+    CapillarySurface,
+    FileSurface,
+    Load,
+    RandomSurface,
+    SelfAffineSurface,
+    SolidSpec,
+    Surface,
+)
+from validation.units import Grids, Memory, unit_registry
 from validation.units import Table as _Table
 from validation.units import wrong as _wrong
 
 __all__ = [
+    "CapillarySurface",
     "EffectSpec",
     "Ensemble",
     "FileSurface",
     "Load",
     "MethodTables",
     "Methods",
+    "RandomSurface",
     "RunOptions",
     "Scene",
     "SelfAffineSurface",
     "SolidSpec",
     "builtin_scenes",
     "load_scene",
+    "not_led_out",
     "scene_problems",
     "scene_text",
     "unit_registry",
@@ -42,98 +63,20 @@ __all__ = [
 
 
 #: What a scene may be called, since a folder of results is named so.
-_NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]*$"
+_NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
 
 
-class SelfAffineSurface(_Table):
-    """A random periodic surface with C(q) ~ q^(-2(1+H)) between lambda_long and lambda_short."""
-
-    kind: Literal["self-affine"]
-    length: Lengths = Field(description='period L, or [Lx, Ly], e.g. "100 um"')
-    hurst: Number = Field(ge=0, le=1, description="Hurst exponent H, in [0, 1]")
-    lambda_long: Length = Field(description="longest wavelength of the self-affine range")
-    lambda_short: Length = Field(description="shortest wavelength")
-    rms_gradient: Number | None = Field(
-        default=None, gt=0, description="h'_rms of C(q), both directions together"
-    )
-    rms_height: Length | None = Field(default=None, description="h_rms of C(q)")
-    rolloff: Literal["sharp", "smooth", "plateau"] = "sharp"
-    amplitudes: Literal["exact", "gaussian"] = "exact"
-    seed: Annotated[StrictInt, Field(ge=0)] = Field(description="whole number that names the realisation")
-
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        exactly_one(self, ("rms_gradient", "rms_height"))
-        if self.lambda_short >= self.lambda_long:
-            raise _wrong(
-                f"lambda_short = {self.lambda_short:.6g} m: must be below "
-                f"lambda_long = {self.lambda_long:.6g} m"
-            )
-        if self.lambda_long > min(self.length) * (1 + 1e-12):
-            raise _wrong(
-                f"lambda_long = {self.lambda_long:.6g} m: must not exceed the period {min(self.length):.6g} m"
-            )
-        return self
-
-
-class FileSurface(_Table):
-    """Heights read from a file: .npy, text, .nc, .x3p, or what SurfaceTopography reads; shape (nx, ny).
-
-    They are levelled, filled and made periodic, in this order, as the table says.
-    """
-
-    kind: Literal["file"]
-    path: Path = Field(description="file of heights, relative to the scene file")
-    length: Lengths = Field(
-        description='size L, or [Lx, Ly], e.g. "100 um"; may be left out where the file says it'
-    )
-    unit: Length | None = Field(
-        default=None, description='unit of the heights, e.g. "1 nm"; may be left out where the file says it'
-    )
-    tilt: Literal["keep", "plane", "quadratic"] = Field(
-        default="keep", description="what to take out before anything else"
-    )
-    missing: Literal["refuse", "nearest", "harmonic"] = Field(
-        default="refuse", description="what to do with points without a height"
-    )
-    edges: Literal["periodic", "tukey", "hann"] | None = Field(
-        default=None, description="taper that makes it periodic; not needed where opposite edges match"
-    )
-    margin: Number = Field(
-        default=0.1, gt=0, le=0.5, description="share of each side over which a tukey taper falls"
-    )
-
-
-Surface = Annotated[SelfAffineSurface | FileSurface, Field(discriminator="kind")]
-
-
-class SolidSpec(_Table):
-    """The elastic half-space or block; the rough body is rigid."""
-
-    young: Pressure = Field(description='Young\'s modulus, e.g. "1 GPa"')
-    poisson: Number = Field(gt=-1, le=0.5, description="Poisson ratio, in (-1, 0.5]")
-
-
-class Load(_Table):
-    """The nominal pressure p0, or p* = p0 / (E* h'_rms) with the realised gradient."""
-
-    pressure: Pressure | None = None
-    reduced_pressure: Number | None = Field(default=None, gt=0)
-
-    @model_validator(mode="after")
-    def _one(self) -> Self:
-        exactly_one(self, ("pressure", "reduced_pressure"))
-        return self
+#: Surfaces of one scene: the scatter between ten thousand is known to a percent of itself.
+_MOST_REALISATIONS = 10_000
 
 
 class MethodTables(_Table):
     """Which methods run: those whose table is present, no others; see `validation.methods`."""
 
     @model_validator(mode="after")
-    def _some_solver(self) -> Self:
-        if not self.solvers:
-            names = [name for name, method in methods().items() if isinstance(method, Solver)]
-            tables = " and ".join(f"[methods.{name}]" for name in names)
+    def _some_method(self) -> Self:
+        if not self.solvers and self.options("theory") is None:
+            tables = ", ".join(f"[methods.{name}]" for name in methods())
             raise _wrong(f"give at least one of the tables {tables}")
         return self
 
@@ -175,28 +118,79 @@ else:
 class Ensemble(_Table):
     """Further realisations of the same C(q), by boundary elements, for the scatter between surfaces."""
 
-    realisations: Annotated[StrictInt, Field(ge=2)]
+    realisations: Annotated[StrictInt, Field(ge=2, le=_MOST_REALISATIONS)]
     grids: Annotated[Grids, Field(min_length=2)]
 
 
+def _inside(path: Path) -> Path:
+    """Refuse a folder outside the one a scene runs in: a scene may not choose what is written over."""
+    if path.is_absolute() or path.drive or ".." in path.parts:
+        raise _wrong(
+            "must lie below the folder the scene runs in, such as 'results/mine'; any other is named on the "
+            "command line"
+        )
+    return path
+
+
+Inside = Annotated[Path, AfterValidator(_inside)]
+
+
 class RunOptions(_Table):
-    """How a scene is run; nothing here changes a result. An option of the command line goes before these."""
+    """How a scene is run; nothing here changes a result. An option of the command line goes before these.
+
+    Where it runs beyond this machine and this folder is no matter of a scene, which may come from elsewhere:
+    a scheduler, and folders outside, are named on the command line alone.
+    """
 
     workers: Annotated[StrictInt, Field(ge=1, le=4096)] = Field(
         default=1, description="local processes; 1 runs everything in the process itself"
     )
-    scheduler: str | None = Field(default=None, description='Dask scheduler, e.g. "tcp://host:8786"')
     memory: Memory | None = Field(default=None, description='memory for all solves, e.g. "4 GiB"')
-    store: Path | None = Field(default=None, description="folder of finished solves, shared between runs")
-    output: Path | None = Field(default=None, description="results folder; default: results/<name>")
+    store: Inside | None = Field(default=None, description="folder of finished solves, shared between runs")
+    output: Inside | None = Field(default=None, description="results folder; default: results/<name>")
     quiet: StrictBool = Field(default=False, description="no progress bar")
-    pictures: StrictBool = Field(default=True, description="3-D pictures in the report")
+    pictures: StrictBool = Field(default=False, description="3-D pictures in the report")
 
-    @model_validator(mode="after")
-    def _one_place(self) -> Self:
-        if self.scheduler is not None and self.workers != 1:
-            raise _wrong("give workers or a scheduler, which has workers of its own; found both")
-        return self
+    @model_validator(mode="before")
+    @classmethod
+    def _no_scheduler(cls, data: object) -> object:
+        if isinstance(data, dict) and "scheduler" in data:
+            raise _wrong("scheduler: is chosen on the command line alone: --scheduler tcp://host:8786")
+        return data
+
+    def folder(self, key: Literal["output", "store"]) -> Path | None:
+        """Return a folder that the scene names, None if it does not; links may not lead outside, either.
+
+        Raises
+        ------
+        UsageError
+        """
+        path: Path | None = getattr(self, key)
+        return None if path is None else not_led_out(path, of=Path(), option=f"--{key}")
+
+
+def not_led_out(path: Path, *, of: Path, option: str) -> Path:
+    """Refuse a folder that a link leads out of another; what came with a scene may hold such links.
+
+    Raises
+    ------
+    UsageError
+    """
+    led = path.resolve()
+    if not led.is_relative_to(of.resolve()):
+        raise UsageError(
+            f"{str(path)!r} is a link that leads to {str(led)!r}; remove it, or say {option} {str(path)!r} "
+            "to follow it"
+        )
+    return path
+
+
+def _one_line(text: str) -> str:
+    """Refuse what would change a terminal, or how a line reads."""
+    bad = next((c for c in text if c == "\n" or harmless(c) != c), None)
+    if bad is not None:
+        raise _wrong(f"must be a line of text; it holds the control character {bad!a}")
+    return text
 
 
 class Scene(_Table):
@@ -208,7 +202,7 @@ class Scene(_Table):
     name: str = Field(
         min_length=1, pattern=_NAME, description="names the results folder; that of the file if not given"
     )
-    title: str = ""
+    title: Annotated[str, AfterValidator(_one_line)] = Field(default="", max_length=200)
     surface: Surface
     solid: SolidSpec
     load: Load
@@ -222,6 +216,29 @@ class Scene(_Table):
         found = clash(self.effects)
         if found is not None:
             raise _wrong(found)
+        return self
+
+    @model_validator(mode="after")
+    def _loads_make_a_case(self) -> Self:
+        key, solvers = self.load.key, list(self.methods.solvers)
+        if solvers and (len(self.load.values) > 1 or self.load.values[0] == 0):
+            given = getattr(self.load, key)
+            listed = list(given) if isinstance(given, tuple) else given
+            raise _wrong(
+                f"load.{key} = {listed!r}: method {solvers[0]!r} presses with one load above 0; "
+                "lists, and 0 with adhesion, belong to [methods.theory] alone"
+            )
+        if min(self.load.values) == 0 and not any(effect.slot == "gap law" for effect in self.effects):
+            raise _wrong(f"load.{key}: 0 needs the effect 'adhesion'; without it nothing touches")
+        return self
+
+    @model_validator(mode="after")
+    def _surface_is_named(self) -> Self:
+        solvers = list(self.methods.solvers)
+        if solvers and isinstance(self.surface, RandomSurface) and self.surface.seed is None:
+            raise _wrong(
+                f"surface.seed: missing; method {solvers[0]!r} presses one surface; a whole number names it"
+            )
         return self
 
     @model_validator(mode="after")
@@ -252,14 +269,14 @@ class Scene(_Table):
     @property
     def is_random(self) -> bool:
         """Whether the surface is a realisation of a spectrum C(q), rather than read from a file."""
-        return isinstance(self.surface, SelfAffineSurface)
+        return isinstance(self.surface, RandomSurface)
 
 
 #: Points along a side beyond which a resolving grid is taken for a mistake in a length.
 _LARGEST_GRID = 2**17
 
 
-def check_resolution(key: str, grid: tuple[int, int], surface: SelfAffineSurface) -> None:
+def check_resolution(key: str, grid: tuple[int, int], surface: RandomSurface) -> None:
     """Refuse a grid with lambda_short <= 2 dx on either axis."""
     needed = [math.floor(2 * length / surface.lambda_short * (1 + 1e-12)) + 1 for length in surface.length]
     if any(n < least for n, least in zip(grid, needed, strict=True)):
@@ -299,25 +316,10 @@ def scene_text(scene: str) -> tuple[str, Path]:
             raise SceneError(scene, [f"cannot be read: {error.strerror}"]) from None
         except ValueError:  # a zero byte in the name
             raise SceneError(scene, ["is no name of a file"]) from None
-    if scene in _theory_scenes():
-        raise SceneError(scene, [_of_theory(scene)])
     if scene in builtin_scenes():
         entry = resources.files("validation.scenes") / "library" / f"{scene}.toml"
         return entry.read_text(encoding="utf-8"), Path()
     raise SceneError(scene, [f"no such scene; give a .toml file or one of: {', '.join(builtin_scenes())}"])
-
-
-def _theory_scenes() -> tuple[str, ...]:
-    folder = resources.files("validation.scenes") / "theory_library"
-    return tuple(entry.name.removesuffix(".toml") for entry in folder.iterdir())
-
-
-def _of_theory(scene: str) -> str:
-    """Say how a scene of the theory alone is run."""
-    return (
-        "is a scene of the theory alone, which no solver runs; from Python: "
-        f"validation.paper.theory_scene.run_theory_scene(load_theory_scene({scene!r}))"
-    )
 
 
 def parsed_toml(text: str, scene: str) -> dict[str, Any]:
@@ -346,8 +348,6 @@ def load_scene(scene: str) -> Scene:
     """
     text, folder = scene_text(scene)
     data = _named(parsed_toml(text, scene), scene)
-    if "q_reference" in data:
-        raise SceneError(scene, [_of_theory(scene)])
     try:
         checked = Scene.model_validate(_sized(data, folder, scene))
     except ValidationError as error:
@@ -369,7 +369,7 @@ def _named(data: dict[str, Any], scene: str) -> dict[str, Any]:
 def _sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
     """Fill in the length of a measured surface from its file, and ask for what neither of the two says."""
     surface = data.get("surface")
-    if not isinstance(surface, dict) or surface.get("kind") != "file" or {"length", "unit"} <= set(surface):
+    if not isinstance(surface, dict) or surface.get("kind") != "file":
         return data
     path = surface.get("path")
     if not isinstance(path, str):
@@ -377,15 +377,17 @@ def _sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
     from validation.scenes.topography import file_says
 
     try:
-        lengths, unit = file_says(folder / path)
+        says = file_says(folder / path)
+        if "length" in surface and not isinstance(surface["length"], list):
+            says.check_square("surface.length")
     except UsageError as error:
         raise SceneError(scene, [f"surface.path = {path!r}: {error}"]) from None
-    if unit is None and "unit" not in surface:
+    if says.unit is None and "unit" not in surface:
         allowed = FileSurface.model_fields["unit"].description
         raise SceneError(scene, [f"surface.unit: missing, and {path!r} does not say it; {allowed}"])
-    if lengths is None or "length" in surface:
+    if says.lengths is None or "length" in surface:
         return data
-    return {**data, "surface": {**surface, "length": list(lengths)}}
+    return {**data, "surface": {**surface, "length": list(says.lengths)}}
 
 
 def scene_problems(error: ValidationError) -> list[str]:
@@ -395,19 +397,20 @@ def scene_problems(error: ValidationError) -> list[str]:
     return [_problem(item) for item in items if item["loc"] not in within]
 
 
-#: Values of `kind` by the table that has one; they stand in pydantic's locations, but are no keys.
-_TAGS = {"surface": frozenset({"self-affine", "file"}), "effects": frozenset(effect_kinds())}
-
-
-#: The same of scenes that only the theory computes.
-_THEORY_TAGS = frozenset({"capillary", "smoothing"})
+#: What stands in pydantic's locations without being a key: values of `kind`, one load or several.
+_TAGS = {
+    "surface": frozenset({"self-affine", "capillary-waves", "file"}),
+    "effects": frozenset(effect_kinds()),
+    "load": frozenset({"one", "several"}),
+}
+_TAG_PLACES = {"surface": 1, "effects": 2, "load": 2}
 
 
 def _keys(location: tuple[str | int, ...]) -> list[str]:
     """Keys that lead to a mistake, as the file has them."""
     parts = [str(part) for part in location]
-    place = {"surface": 1, "effects": 2}.get(parts[0]) if parts else None
-    if place is not None and len(parts) > place and parts[place] in _TAGS[parts[0]] | _THEORY_TAGS:
+    place = _TAG_PLACES.get(parts[0]) if parts else None
+    if place is not None and len(parts) > place and parts[place] in _TAGS[parts[0]]:
         del parts[place]
     return parts
 
@@ -438,11 +441,20 @@ def _problem(item: Any) -> str:
         return f"{kind}: missing; " + (f"one of {named}" if named else "it says which table this is")
     if item["type"] == "union_tag_invalid":
         kind = _written([*location, "kind"])
-        return f"{kind} = {item['input'].get('kind')!r}: must be one of {item['ctx']['expected_tags']}"
+        return f"{kind} = {_short(item['input'].get('kind'))}: must be one of {item['ctx']['expected_tags']}"
     value = item["input"]
     if isinstance(value, (dict, BaseModel)):
         return f"{key}: {message}" if key else message
-    return f"{key} = {value!r}: {message}"
+    return f"{key} = {_short(value)}: {message}"
+
+
+def _short(value: object) -> str:
+    """Write a value as Python does, and no more of it than tells it from others."""
+    try:
+        words = repr(value)
+    except ValueError:  # a whole number of thousands of digits
+        return "a number of thousands of digits"
+    return words if len(words) <= 100 else f"{words[:60]}... ({len(words)} characters)"
 
 
 def _described(location: list[str]) -> str:
@@ -450,6 +462,7 @@ def _described(location: list[str]) -> str:
     tables: tuple[type[BaseModel], ...] = (
         Scene,
         SelfAffineSurface,
+        CapillarySurface,
         FileSurface,
         SolidSpec,
         Load,

@@ -2,36 +2,49 @@
 
 from __future__ import annotations
 
-import hashlib
+import contextlib
 import math
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, overload
 
 from fem_contact.surface import HeightField, RandomWaves, random_waves
 from validation.errors import UsageError
-from validation.scenes.scene import FileSurface, SelfAffineSurface
-from validation.scenes.topography import Topography, read_topography
+from validation.scenes.tables import CapillarySurface, FileSurface, RandomSurface, SelfAffineSurface, Surface
+from validation.scenes.topography import Measured, measured
 
 if TYPE_CHECKING:
+    from persson.capillary import CapillaryWaves
     from persson.spectrum import SelfAffine
     from persson.tabulated import Tabulated
 
 __all__ = [
-    "file_digest",
+    "Expected",
+    "check_fits",
+    "expected",
     "height_field",
     "measured_field",
     "measured_spectrum",
+    "measured_surface",
+    "naming",
     "reference_field",
     "resolving_grid",
     "sampled",
     "spectrum_of",
-    "topography_of",
+    "too_large_to_look_at",
     "waves_of",
 ]
 
 
-def spectrum_of(surface: SelfAffineSurface) -> SelfAffine:
-    """C(q) of a self-affine surface, normalised as its scene says."""
+@overload
+def spectrum_of(surface: SelfAffineSurface) -> SelfAffine: ...
+@overload
+def spectrum_of(surface: RandomSurface) -> SelfAffine | CapillaryWaves: ...
+def spectrum_of(surface: RandomSurface) -> SelfAffine | CapillaryWaves:
+    """C(q) of a random surface, as its scene says."""
+    if isinstance(surface, CapillarySurface):
+        return _capillary(surface)
+    assert isinstance(surface, SelfAffineSurface)
     from persson.spectrum import SelfAffine
 
     build: Callable[..., SelfAffine]
@@ -50,21 +63,34 @@ def spectrum_of(surface: SelfAffineSurface) -> SelfAffine:
     )
 
 
-def waves_of(surface: SelfAffineSurface, realisation: int = 0) -> RandomWaves:
+def _capillary(surface: CapillarySurface) -> CapillaryWaves:
+    from persson.capillary import CapillaryWaves
+
+    return CapillaryWaves(
+        temperature=surface.temperature,
+        surface_tension=surface.surface_tension,
+        q_bend=2 * math.pi / surface.lambda_bend,
+        q_min=2 * math.pi / surface.lambda_long,
+        q_short=2 * math.pi / surface.lambda_short,
+        multiple=float(surface.surfaces**2),
+    )
+
+
+def waves_of(surface: RandomSurface, realisation: int = 0) -> RandomWaves:
     """Draw the waves of one realisation; realisation k is the surface of seed + k."""
     spectrum = spectrum_of(surface)
     return random_waves(
         spectrum,
         q_short=spectrum.q_short,
         lengths=surface.length,
-        seed=surface.seed + realisation,
+        seed=surface.seed_of(realisation),
         amplitudes=surface.amplitudes,
     )
 
 
 def sampled(
     waves: RandomWaves,
-    surface: SelfAffineSurface,
+    surface: RandomSurface,
     grid: tuple[int, int],
     shift: tuple[float, float] = (0.0, 0.0),
 ) -> HeightField:
@@ -86,7 +112,7 @@ def sampled(
 
 
 def height_field(
-    surface: SelfAffineSurface | FileSurface,
+    surface: Surface,
     grid: tuple[int, int],
     *,
     realisation: int = 0,
@@ -94,58 +120,138 @@ def height_field(
 ) -> HeightField:
     """Heights of one realisation on one grid, moved by parts of a cell; `Realised` does it for many grids."""
     if isinstance(surface, FileSurface):
-        field = measured_field(surface, topography_of(surface)).resampled(grid)
+        field = measured_field(measured_surface(surface)).resampled(grid)
         return field if shift == (0.0, 0.0) else field.shifted(shift)
     return sampled(waves_of(surface, realisation), surface, grid, shift)
 
 
-def resolving_grid(surface: SelfAffineSurface) -> tuple[int, int]:
+def resolving_grid(surface: RandomSurface) -> tuple[int, int]:
     """Fewest points that resolve the surface on each axis."""
     nx, ny = (math.floor(2 * length / surface.lambda_short * (1 + 1e-12)) + 1 for length in surface.length)
     return nx, ny
 
 
-def reference_field(surface: SelfAffineSurface | FileSurface, *, realisation: int = 0) -> HeightField:
+def reference_field(surface: Surface, *, realisation: int = 0) -> HeightField:
     """Return the realisation on the smallest grid that resolves it; its moments are the surface's own."""
     if isinstance(surface, FileSurface):
-        return measured_field(surface, topography_of(surface))
-    return height_field(surface, resolving_grid(surface), realisation=realisation)
+        return measured_field(measured_surface(surface))
+    grid = resolving_grid(surface)
+    check_memory(surface, grid)
+    return height_field(surface, grid, realisation=realisation)
 
 
-def file_digest(surface: FileSurface) -> str:
-    """Hash of the file's content, so that a changed file is another surface.
+#: Memory that making a random surface takes for each of its points at its peak [bytes], measured.
+_BYTES_PER_POINT = 60
+#: Points of a surface that is made only to be looked at; a gigabyte.
+_SURVEYED_POINTS = 2**24
+
+
+def check_memory(surface: RandomSurface, grid: tuple[int, int]) -> None:
+    """Refuse to resolve a surface that does not fit into memory, before anything of it is made."""
+    least = surface.lambda_short * math.sqrt(_share(grid))
+    check_fits(
+        grid,
+        f"surface.lambda_short = {surface.lambda_short:.6g} m: resolving it",
+        remedy=f"take a lambda_short above {least:.3g} m, or a smaller length",
+    )
+
+
+def check_fits(grid: tuple[int, int], what: str, *, remedy: str) -> None:
+    """Refuse a grid whose heights alone do not fit into memory.
 
     Raises
     ------
     UsageError
-        For a file that cannot be read.
     """
-    try:
-        return hashlib.sha256(surface.path.read_bytes()).hexdigest()
-    except OSError as error:
-        reason = error.strerror or error
-        raise UsageError(f"surface.path = {str(surface.path)!r}: cannot be read: {reason}") from None
+    if _share(grid) > 1:
+        needed = _BYTES_PER_POINT * grid[0] * grid[1]
+        raise UsageError(
+            f"{what} takes {grid[0]} x {grid[1]} points and {needed / 2**30:.3g} GiB, of which "
+            f"{needed / _share(grid) / 2**30:.3g} are free; {remedy}"
+        )
 
 
-def topography_of(surface: FileSurface, *, edges: bool = True) -> Topography:
-    """Read, level and fill a measured surface as its scene says.
+def _share(grid: tuple[int, int]) -> float:
+    """Memory for the heights of a grid over what is free for it."""
+    import psutil
 
-    It is made periodic, too, unless `edges` is False.
+    free = 0.9 * float(psutil.virtual_memory().available)
+    return _BYTES_PER_POINT * grid[0] * grid[1] / free
 
-    Raises
-    ------
-    UsageError
-        For a file or treatment that gives no surface, naming the key.
+
+@dataclass(frozen=True, kw_only=True)
+class Expected:
+    """What C(q) gives for a random surface that is not made: for the theory alone, or only to be looked at.
+
+    Attributes
+    ----------
+    moments : tuple of float
+        (m0 [m^2], m2 [1], m4 [m^-2]): integrals over C(q) in place of sums over the waves of one surface.
+    first_moment : float
+        2 pi int q^2 C dq [m], to which the energy of full contact is proportional.
+    shape : tuple of int
+        Points that would resolve it.
     """
+
+    moments: tuple[float, float, float]
+    first_moment: float
+    shape: tuple[int, int]
+
+    @property
+    def rms_height(self) -> float:
+        """h_rms [m]."""
+        return math.sqrt(self.moments[0])
+
+    @property
+    def rms_gradient(self) -> float:
+        """h'_rms [-]."""
+        return math.sqrt(self.moments[1])
+
+    @property
+    def nayak(self) -> float:
+        """Nayak parameter alpha = (3/2) m0 m4 / m2^2."""
+        m0, m2, m4 = self.moments
+        return 1.5 * m0 * m4 / m2**2
+
+
+def expected(surface: RandomSurface) -> Expected:
+    """Return what C(q) gives in place of a surface."""
+    import numpy as np
+
+    spectrum = spectrum_of(surface)
+    found = spectrum.moments()
+    q = np.geomspace(spectrum.q_min, spectrum.q_short, 4001)
+    first = 2 * math.pi * float(np.trapezoid(q**3 * spectrum(q), np.log(q)))
+    return Expected(moments=(found.m0, found.m2, found.m4), first_moment=first, shape=resolving_grid(surface))
+
+
+def too_large_to_look_at(surface: RandomSurface) -> bool:
+    """Whether a surface has too many points to be made only to be looked at."""
+    return math.prod(resolving_grid(surface)) > _SURVEYED_POINTS
+
+
+@contextlib.contextmanager
+def naming(surface: FileSurface) -> Iterator[None]:
+    """Name the key in a complaint about a file or its treatment."""
     try:
-        patch = read_topography(surface.path, lengths=surface.length, unit=surface.unit)
-        patch = patch.levelled(surface.tilt).filled(surface.missing)
-        return patch.made_periodic(surface.edges, margin=surface.margin) if edges else patch
+        yield
     except UsageError as error:
         raise UsageError(f"surface.path = {str(surface.path)!r}: {error}") from None
 
 
-def measured_spectrum(surface: FileSurface) -> Tabulated:
+def measured_surface(surface: FileSurface) -> Measured:
+    """Read a measured surface; it is levelled, filled and made periodic when first asked for.
+
+    Raises
+    ------
+    UsageError
+        For a file that gives no surface, naming the key.
+    """
+    with naming(surface):
+        return measured(surface)
+
+
+def measured_spectrum(found: Measured) -> Tabulated:
     """C(q) of a measured surface, estimated from the patch before its edges were tapered.
 
     A patch that is one period needs no window; any other gets a Hann window, with its loss made up for.
@@ -153,18 +259,20 @@ def measured_spectrum(surface: FileSurface) -> Tabulated:
     from fem_contact.surface.spectra import estimate_spectrum
     from persson.tabulated import Tabulated
 
-    patch = topography_of(surface, edges=False)
-    periodic = surface.edges in (None, "periodic")
+    with naming(found.surface):
+        patch = found.patch
+    periodic = found.surface.edges in (None, "periodic")
     rings = estimate_spectrum(patch.heights, patch.lengths, window="none" if periodic else "hann")
     rough = rings.power > 0
     return Tabulated(wavevectors=rings.q[rough], power=rings.power[rough])
 
 
-def measured_field(surface: FileSurface, topography: Topography) -> HeightField:
+def measured_field(found: Measured) -> HeightField:
     """Heights of a measured surface as one period; they must be rough, since every p* divides by h'_rms."""
-    field = topography.height_field()
+    with naming(found.surface):
+        field = found.period.height_field()
     if not field.rms_gradient > 0:
         raise UsageError(
-            f"surface.path = {str(surface.path)!r}: is flat (h'_rms = 0); a scene needs a rough surface"
+            f"surface.path = {str(found.surface.path)!r}: is flat (h'_rms = 0); a scene needs a rough surface"
         )
     return field

@@ -6,7 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from validation.solves.running import Execution, Progress, Silent, Solves, solve_all
+from validation.solves.attempt import Progress, Silent
+from validation.solves.running import Execution, Solves, solve_all
 from validation.solves.solve import Solve
 from validation.solves.store import Store
 

@@ -17,6 +17,7 @@ from types import MappingProxyType
 import platformdirs
 
 from validation.effects import Effect, effect_kinds
+from validation.methods import Solver, find_solver, methods
 
 __all__ = ["EffectCosts", "cache_file", "calibrate", "effect_costs", "reference"]
 
@@ -42,8 +43,10 @@ def reference() -> EffectCosts:
 
     Adhesion's factor grows with the grid (12 on 512 x 512); that of grading, most of which is set-up, falls.
     """
+    solvers = [method for method in methods().values() if isinstance(method, Solver)]
+    solved = {name: kind for name, kind in effect_kinds().items() if any(m.handles(kind) for m in solvers)}
     return EffectCosts(
-        factors=MappingProxyType({name: kind.cost for name, kind in effect_kinds().items()}),
+        factors=MappingProxyType({name: kind.cost for name, kind in solved.items()}),
         source="measured on a virtual AMD EPYC, 2026-11-21; 'fem-contact calibrate' measures this machine",
     )
 
@@ -61,11 +64,12 @@ def effect_costs() -> EffectCosts:
         measured_on = str(kept["date"])
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return reference()
-    if set(factors) != set(effect_kinds()) or not all(
-        math.isfinite(value) and value > 0 for value in factors.values()
-    ):
+    measured = {name for name, kind in effect_kinds().items() if find_solver("bem").handles(kind)}
+    if set(factors) != measured or not all(math.isfinite(value) and value > 0 for value in factors.values()):
         return reference()
-    return EffectCosts(factors=MappingProxyType(factors), source=f"measured on this machine, {measured_on}")
+    # What boundary elements are not given is not measured.
+    known = {**reference().factors, **factors}
+    return EffectCosts(factors=MappingProxyType(known), source=f"measured on this machine, {measured_on}")
 
 
 def calibrate(
@@ -103,7 +107,6 @@ def _measured(points: int, repeats: int, tell: Callable[[str], None] | None) -> 
     """Processor seconds of each solve, all on one surface, grid and load, on one thread."""
     from fem_contact.solid import Solid
     from validation.effects.base import Slots
-    from validation.methods import find_solver
     from validation.methods.base import example_field
 
     field, solid, bem = example_field(points), Solid(young=1.0, poisson=0.0), find_solver("bem")

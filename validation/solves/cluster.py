@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.errors import RunFailed, UsageError
+from validation.solves.attempt import Outcome, Progress, attempt, warm_up
 from validation.solves.cost import too_large
-from validation.solves.running import Outcome, Progress, attempt, warm_up
 from validation.solves.store import Store
 
 if TYPE_CHECKING:
@@ -70,8 +70,8 @@ class _Cluster:
             except queue.Empty:
                 yield from self._looked_after()
                 continue
-            solve, _, _ = self.submitted.pop(future.key, (None, None, None))
-            outcome = None if solve is None else self._outcome(future, solve)
+            known = self.submitted.pop(future.key, None)
+            outcome = None if known is None else self._outcome(future, known[0])
             if outcome is not None:
                 yield outcome
 

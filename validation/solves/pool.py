@@ -15,7 +15,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 from validation.errors import RunFailed
 from validation.files import remove_drafts
-from validation.solves.running import Outcome, Progress
+from validation.solves.attempt import Outcome, Progress
 from validation.solves.worker import Answer
 
 if TYPE_CHECKING:

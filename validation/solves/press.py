@@ -73,7 +73,7 @@ class Press(Solve):
             "shift": list(self.shift),
             **self.realised.recipe,
             "settings": dict(self.settings),
-            "effects": [effect.model_dump(mode="json") for effect in self.effects],
+            "effects": [effect.model_dump(mode="json", exclude_none=True) for effect in self.effects],
         }
 
     @cached_property

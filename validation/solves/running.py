@@ -6,59 +6,17 @@ import contextlib
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
-from fem_contact.errors import FemContactError
 from validation.errors import RunFailed, UsageError
-from validation.files import prepare_folder, sync_folder, system_words
+from validation.files import prepare_folder, sync_folder
+from validation.solves.attempt import Outcome, Progress, Silent, attempt, warm_up
 from validation.solves.cost import available_memory, too_large
 from validation.solves.provenance import Made
 from validation.solves.solve import Solve
 from validation.solves.store import Store, Stored
 
-__all__ = [
-    "Execution",
-    "Outcome",
-    "Progress",
-    "Silent",
-    "Solves",
-    "attempt",
-    "one_blas_thread",
-    "solve_all",
-    "warm_up",
-]
-
-
-class Progress(Protocol):
-    """What a run tells the person who watches it."""
-
-    def start(self, missing: tuple[Solve, ...], stored: int) -> None:
-        """Tell which solves are to be done, and how many were found finished."""
-
-    def begin(self, solve: Solve) -> None:
-        """Tell that a solve starts."""
-
-    def done(self, solve: Solve) -> None:
-        """Tell that a solve is solved and stored."""
-
-    def note(self, text: str) -> None:
-        """Tell something the user should know, such as a damaged file that was set aside."""
-
-
-class Silent:
-    """Progress that nobody watches."""
-
-    def start(self, missing: tuple[Solve, ...], stored: int) -> None:
-        """Say nothing."""
-
-    def begin(self, solve: Solve) -> None:
-        """Say nothing."""
-
-    def done(self, solve: Solve) -> None:
-        """Say nothing."""
-
-    def note(self, text: str) -> None:
-        """Say nothing."""
+__all__ = ["Execution", "Solves", "solve_all"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,24 +47,6 @@ class Execution:
             raise UsageError(
                 f"workers = {self.workers}: cannot be combined with a scheduler, which has workers of its own"
             )
-
-
-@dataclass(frozen=True, kw_only=True)
-class Outcome:
-    """How the attempt at one solve ended; the result itself is in the store.
-
-    Attributes
-    ----------
-    solve : Solve
-    error : str or None
-        Why there is no result.
-    fatal : bool
-        Whether the others need not be tried: a full disk.
-    """
-
-    solve: Solve
-    error: str | None = None
-    fatal: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -244,13 +184,6 @@ def _lasting(store: Store) -> Iterator[Callable[[], None]]:
         sync_folder(store.folder)
 
 
-def warm_up(solves: Iterable[Solve]) -> None:
-    """Load the compiled passes of methods and effects, so that no solve is charged with it."""
-    for path, solve in {solve.code_path: solve for solve in solves}.items():
-        if path:
-            solve.warm_up()
-
-
 def _outcomes(
     solves: tuple[Solve, ...], store: Store, execution: Execution, progress: Progress
 ) -> Iterator[Outcome]:
@@ -277,41 +210,6 @@ def _in_this_process(solves: Sequence[Solve], store: Store, progress: Progress) 
         progress.begin(solve)
         previous = solve.after(previous)
         yield attempt(previous, store)
-
-
-def attempt(solve: Solve, store: Store, *, threads: int | None = None) -> Outcome:
-    """Do one solve and store its result; what a worker does.
-
-    Parameters
-    ----------
-    solve : Solve
-    store : Store
-    threads : int, optional
-        Threads for this solve; all that there are if not given. Their number changes the result by rounding:
-        the transforms group their sums by it.
-    """
-    began = time.monotonic()
-    try:
-        # Sparse solvers gain nothing from a threaded BLAS, whose idle threads spin on cores that others need.
-        with one_blas_thread():
-            result = solve.do(threads=threads)
-        made = Made.now(threads=solve.threads_used(threads), seconds=time.monotonic() - began)
-        store.save(solve, result, made=made)
-    except (FemContactError, MemoryError) as error:
-        return Outcome(solve=solve, error=f"{solve.describe()}: {error}")
-    except RunFailed as error:
-        return Outcome(solve=solve, error=str(error), fatal=True)
-    except OSError as error:  # too many open files, no further thread: the others would meet the same
-        return Outcome(solve=solve, error=f"{solve.describe()}: {system_words(error)}", fatal=True)
-    return Outcome(solve=solve)
-
-
-def one_blas_thread() -> contextlib.AbstractContextManager[object]:
-    """Keep the dense linear algebra inside to one thread."""
-    from threadpoolctl import threadpool_limits
-
-    limits: contextlib.AbstractContextManager[object] = threadpool_limits(1, user_api="blas")
-    return limits
 
 
 def _failed(failures: Sequence[Outcome], tried: int) -> str:

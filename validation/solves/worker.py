@@ -36,7 +36,7 @@ def serve(connection: Connection[Any, Any]) -> None:
         except (EOFError, OSError):
             return
         try:
-            from validation.solves.running import attempt, warm_up
+            from validation.solves.attempt import attempt, warm_up
 
             if solve.code_path not in warm:
                 warm_up([solve])

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import csv
 import json
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,23 +11,23 @@ from typing import TYPE_CHECKING, Any
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.effects import effect_kinds
 from validation.errors import UsageError
-from validation.files import atomic_path
+from validation.files import atomic_path, write_json
 from validation.methods import methods
-from validation.report.drawing import frames, write_csv, write_drawings
+from validation.report.page import Page, write_page
 from validation.report.papers import MEASURED, PERIMETER
+from validation.report.table import shown, shown_dataset
 from validation.studies import Study, StudyOptions, find_study
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.report.table import ResultTable
     from validation.solves.bench import Bench
 
-__all__ = ["StudyOutputs", "check_results", "is_study", "report_study", "run_study"]
+__all__ = ["StudyOutputs", "check_results", "is_study", "report_study", "run_study", "study_page"]
 
 _RECORD = "study.json"
 _FORMAT = "fem-contact study 1"
-_ROWS_SHOWN = 60
+_DATA = "data.nc"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -37,23 +35,26 @@ class StudyOutputs:
     """What a study left behind; the report is the first file."""
 
     data: xr.Dataset
-    findings: tuple[str, ...]
+    page: Page
     files: tuple[Path, ...]
 
 
-def run_study(study: Study, options: StudyOptions, folder: Path, *, bench: Bench) -> StudyOutputs:
-    """Run a study on a bench and write its outputs into a folder."""
+def run_study(
+    study: Study, options: StudyOptions, folder: Path, *, bench: Bench, report: bool = True
+) -> StudyOutputs:
+    """Run a study on a bench and write its outputs into a folder, without `report` tables and JSON alone."""
     data = study.compute(options, bench=bench)
     said = {
         "format": _FORMAT,
         "study": study.name,
         "options": options.model_dump(mode="json", exclude_none=True),
     }
-    with atomic_path(folder / _RECORD) as draft:
-        draft.write_text(json.dumps(said, indent=2) + "\n", encoding="utf-8")
-    with atomic_path(folder / "data.nc") as draft:
+    for other in ("run.json", "accuracy.json"):  # the folder is that of this study now
+        (folder / other).unlink(missing_ok=True)
+    write_json(folder / _RECORD, said)
+    with atomic_path(folder / _DATA) as draft:
         data.to_netcdf(draft, engine="netcdf4")
-    return report_study(folder)
+    return report_study(folder, numbers_only=not report)
 
 
 def is_study(folder: Path) -> bool:
@@ -81,8 +82,14 @@ def check_results(folder: Path) -> None:
     )
 
 
-def report_study(folder: Path) -> StudyOutputs:
+def report_study(folder: Path, *, numbers_only: bool = False) -> StudyOutputs:
     """Write tables, figures and report of a study again, from its stored dataset alone.
+
+    Parameters
+    ----------
+    folder : Path
+    numbers_only : bool
+        Whether to write tables and JSON alone.
 
     Raises
     ------
@@ -91,39 +98,36 @@ def report_study(folder: Path) -> StudyOutputs:
     """
     import xarray as xr
 
-    from validation.report.page import render, versions
-
     try:
         said = json.loads((folder / _RECORD).read_text(encoding="utf-8"))
         study = find_study(said["study"])
-        with xr.open_dataset(folder / "data.nc", engine="netcdf4") as stored:
+        with xr.open_dataset(folder / _DATA, engine="netcdf4") as stored:
             data = stored.load()
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{folder}: holds no finished study ({error})") from None
-    tables = write_csv(data, folder / "data.csv")
+    page = study_page(study, data, said["options"], figures=not numbers_only)
+    written = write_page(page, folder, numbers_only=numbers_only)
+    return StudyOutputs(data=data, page=page, files=(*written, folder / _DATA))
+
+
+def study_page(study: Study, data: xr.Dataset, options: Mapping[str, Any], *, figures: bool = True) -> Page:
+    """Return the page of a study, drawn or not: all of it from its dataset and from what was asked."""
+    table = study.table(data)
     findings = (*study.findings(data), *_undetermined(data))
-    table, budget = study.table(data), study.budget(data)
-    for name, made in (("table", table), ("budget", budget)):
-        if made is not None:
-            tables += (_write_table(made, folder / f"{name}.csv"),)
-    page = render(
-        "study.html.j2",
+    return Page(
         title=f"Study: {study.name}",
-        question=study.question,
+        lead=study.question,
         findings=findings,
-        tables=_tables(data) if table is None else [_shown(table)],
-        budget=None if budget is None else _shown(budget),
-        figures=write_drawings(study.figures(data), folder),
-        settings=json.dumps(said["options"], indent=2),
-        seeds=_seeds(said["options"]),
-        versions=versions(),
+        tables=shown_dataset(data, title="Numbers") if table is None else (shown(table, title="Numbers"),),
+        budget=study.budget(data),
+        figures=study.figures(data) if figures else (),
+        settings=options,
+        seeds=_seeds(options),
         papers=_papers(str(data.attrs.get("methods", "theory bem")).split()),
+        records={} if table is None else {"table": table},
+        data=data,
+        summary={"study": study.name, "options": dict(options), "findings": list(findings)},
     )
-    report = folder / "report.html"
-    with atomic_path(report) as draft:
-        draft.write_text(page, encoding="utf-8")
-    files = (report, *tables, folder / "data.nc", folder / "figures")
-    return StudyOutputs(data=data, findings=findings, files=files)
 
 
 def _undetermined(data: xr.Dataset) -> Iterator[str]:
@@ -136,12 +140,6 @@ def _undetermined(data: xr.Dataset) -> Iterator[str]:
                 f"has fewer than {LEAST_CONTACT_POINTS} points on the finest grid, or the grids extrapolate "
                 "beyond 0 or 1."
             )
-
-
-def _write_table(table: ResultTable, path: Path) -> Path:
-    with atomic_path(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
-        csv.writer(file).writerows([table.columns, *table.rows])
-    return path
 
 
 def _papers(used: Sequence[str]) -> tuple[str, ...]:
@@ -157,29 +155,3 @@ def _seeds(options: Mapping[str, Any]) -> str:
         return "see the options below"
     surfaces = int(options.get("surfaces", 1))
     return str(seed) if surfaces < 2 else f"{seed} to {seed + surfaces - 1}"
-
-
-def _tables(data: xr.Dataset) -> list[dict[str, Any]]:
-    """One table for each set of dimensions, of at most 60 rows."""
-    tables = []
-    for frame in frames(data).values():
-        rows = [tuple(map(_cell, row)) for row in frame.head(_ROWS_SHOWN).itertuples(index=False)]
-        columns = [_column(data, name) for name in frame.columns]
-        tables.append({"columns": columns, "rows": rows, "left_out": max(0, len(frame) - _ROWS_SHOWN)})
-    return tables
-
-
-def _shown(table: ResultTable) -> dict[str, Any]:
-    rows = [tuple(map(_cell, row)) for row in table.rows]
-    return {"columns": list(table.columns), "rows": rows, "left_out": 0}
-
-
-def _column(data: xr.Dataset, name: str) -> str:
-    unit = data[name].attrs.get("units", "1") if name in data.variables else "1"
-    return name if unit == "1" else f"{name} [{unit}]"
-
-
-def _cell(value: Any) -> str:
-    if isinstance(value, float):
-        return "" if math.isnan(value) else f"{value:.5g}"
-    return str(value)

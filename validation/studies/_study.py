@@ -9,14 +9,14 @@ from dataclasses import dataclass
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
-from pydantic import ValidationError
+from pydantic import ValidationError, ValidationInfo, field_validator
 from pydantic.fields import FieldInfo
 
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
 from validation.errors import RunFailed, UsageError
 from validation.scenes.scene import Scene, scene_problems
-from validation.units import Table
+from validation.units import Table, wrong
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,8 +28,20 @@ if TYPE_CHECKING:
 __all__ = ["Study", "StudyOptions"]
 
 
+#: Surfaces, pairs or shifts that a study is given at most: what they scatter by is long known.
+_MOST = 10_000
+
+
 class StudyOptions(Table):
     """Options of a study: a table like those of a scene, with units, ranges and meanings; all have defaults."""
+
+    @field_validator("*", mode="after")
+    @classmethod
+    def _few_enough(cls, value: Any, info: ValidationInfo) -> Any:
+        """Refuse numbers of surfaces and the like that no study needs and none would end with."""
+        if type(value) is int and info.field_name != "seed" and value > _MOST:
+            raise wrong(f"must be at most {_MOST}")
+        return value
 
     @classmethod
     def flags(cls) -> dict[str, FieldInfo]:
@@ -177,7 +189,8 @@ def _problems(error: ValidationError) -> Iterator[str]:
         name = str(item["loc"][0]).replace("_", "-") if item["loc"] else ""
         message = str(item["msg"]).replace("Input should be", "must be").replace("Value error, ", "")
         value = item["input"]
-        yield f"--{name} = {value!r}: {message}" if name else message
+        said = ",".join(map(str, value)) if isinstance(value, list) and value else repr(value)
+        yield f"--{name} = {said}: {message}" if name else message
 
 
 def _bare(kind: Any) -> Any:

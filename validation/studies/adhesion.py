@@ -9,13 +9,14 @@ which the theory knows nothing, is as short as the coarser grid resolves.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field, model_validator
 
 from fem_contact.adhesion import CELLS_NEEDED
 from fem_contact.contact import ContactResult
@@ -26,13 +27,14 @@ from persson.scale import Scale
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
 from validation.effects.hardness import Hardness
-from validation.errors import UsageError
 from validation.measures.common import truncated_surface
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
-from validation.scenes.surfaces import reference_field, spectrum_of
 from validation.solves.bench import Bench
 from validation.solves.press import Press
+from validation.studies._options import Bandwidth, Hurst, Periods
+from validation.studies._study import StudyOptions
+from validation.units import Positive, wrong
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,17 +42,14 @@ if TYPE_CHECKING:
     from validation.report.drawing import Drawing
     from validation.solves.running import Solves
 
-__all__ = ["figures", "findings", "run"]
+__all__ = ["Options", "figures", "findings", "run"]
 
 Array = NDArray[np.float64]
+_Positives = Annotated[tuple[Positive, ...], Field(min_length=1)]
 
 #: Tire rubber (Persson 2006, Sec. 8.3).
 _SOLID = SolidSpec(young=1e7, poisson=0.5)
-_MODULUS = _SOLID.young / (1 - _SOLID.poisson**2)
 _LENGTH, _GRADIENT = 1e-5, 0.1
-
-#: The finer grid has this many times the points of the coarser one along a side.
-_FINER = 1.5
 
 #: What is measured or computed along every dial, in words.
 _WORDS = {
@@ -68,37 +67,74 @@ _WORDS = {
 }
 _DIALS = {
     "work": "w / U_full",
-    "load": "p* = p0 / (E* h'_rms)",
+    "reduced_pressure": "p* = p0 / (E* h'_rms)",
     "magnification": "q / q_long of the last wave",
     "hardness": "H / (E* h'_rms)",
 }
 
 
+class Options(StudyOptions):
+    """Where the dials stand, and where each of them goes while the others stay."""
+
+    works: _Positives = Field(
+        default=(0.01, 0.03, 0.1, 0.3, 1.0),
+        description="works of adhesion w over the elastic energy U_full of full contact, per area, rising",
+    )
+    reduced_pressure: Positive = Field(
+        default=0.05, description="p* = p0 / (E* h'_rms) on every dial but its own"
+    )
+    work: Positive = Field(default=0.1, description="w / U_full on every dial but its own")
+    reduced_pressures: _Positives = Field(default=(0.01, 0.05, 0.2), description="p* on its own dial")
+    magnifications: _Positives = Field(
+        default=(1.5, 2.0, 4.0, 8.0), description="q/q_long of the last wave, above 1, at most the bandwidth"
+    )
+    hardnesses: _Positives = Field(default=(0.3, 0.6, 1.2), description="H / (E* h'_rms)")
+    seed: int = Field(default=11, ge=0, description="whole number that names the surface")
+    grids: tuple[int, int] = Field(
+        default=(256, 384),
+        description="points along a side, two, rising; the range of the attraction is the shortest that the first resolves",
+    )
+    hurst: Hurst = 0.8
+    periods: Periods = 2.0
+    bandwidth: Bandwidth = 8.0
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        if not all(1 < zeta <= self.bandwidth for zeta in self.magnifications):
+            values = ", ".join(f"{zeta:g}" for zeta in self.magnifications)
+            raise wrong(
+                f"magnifications = {values}: must lie above 1, at most bandwidth = {self.bandwidth:g}"
+            )
+        if not 2 <= self.grids[0] < self.grids[1]:
+            raise wrong(f"grids = {self.grids[0]}, {self.grids[1]}: must rise, for a limit")
+        return self
+
+    def surface(self, magnification: float | None = None) -> SelfAffineSurface:
+        """Return the surface with its waves up to a magnification; all of them if not given."""
+        until = self.bandwidth if magnification is None else magnification
+        shape = {"hurst": self.hurst, "periods": self.periods, "bandwidth": self.bandwidth}
+        return truncated_surface(self.seed, until, length=_LENGTH, gradient=_GRADIENT, **shape)
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Case:
-    """One surface, load [Pa], work [J/m^2] and range [m], and a hardness [Pa] where there is one."""
+    """Surface and load, work [J/m^2] and range [m] of the attraction, and a hardness [Pa] where there is one."""
 
-    surface: SelfAffineSurface
-    pressure: float
+    realised: Realised
     work: float
     reach: float
     hardness: float | None = None
 
     @cached_property
     def adhesion(self) -> Adhesion:
-        return Adhesion(kind="adhesion", work=self.work, reach=self.reach)
+        return Adhesion(work=self.work, reach=self.reach)
 
     def solve(self, n: int, *, sticky: bool = True) -> Press:
         effects: tuple[Adhesion | Hardness, ...] = (self.adhesion,) if sticky else ()
         if self.hardness is not None:
-            effects += (Hardness(kind="hardness", hardness=self.hardness),)
-        return Press(
-            method="bem",
-            grid=(n, n),
-            realised=Realised(surface=self.surface, solid=_SOLID, load=Load(pressure=self.pressure)),
-            settings=(("tolerance", 1e-8),),
-            effects=effects,
-        )
+            effects += (Hardness(hardness=self.hardness),)
+        settings = (("tolerance", 1e-8),)
+        return Press(method="bem", grid=(n, n), realised=self.realised, settings=settings, effects=effects)
 
     def measured(self, solved: Solves, grids: tuple[int, int]) -> dict[str, float]:
         """Read areas and energy off the solves."""
@@ -114,127 +150,112 @@ class _Case:
         }
 
     def theory(self) -> dict[str, float]:
-        """Evaluate the theory with the realised gradient; NaN where it has no answer."""
-        field, spectrum = reference_field(self.surface), spectrum_of(self.surface)
-        scaled = spectrum.scaled(float(field.rms_gradient**2 / spectrum.m2()))
-        variance = stress_variance(field.moments[1], contact_modulus=_MODULUS)
-        found = {"persson_plain": float(contact_area(self.pressure, stress_variance=variance))}
-        if self.hardness is not None:
-            from persson.hardness import constant_hardness
-
-            parts = constant_hardness(self.pressure, stress_variance=variance, yield_stress=self.hardness)
-            found["persson_plain"] = float(parts.elastic + parts.plastic)
-        for energy, area, whole in (
-            ("improved", "improved", "macroscopic"),
-            ("old", "old", "macroscopic_old"),
-        ):
-            try:
-                answer = solve_adhesion(
-                    Scale(scaled, contact_modulus=_MODULUS),
-                    pressure=self.pressure,
-                    interface=Interface(work_of_adhesion=self.work, energy=energy),  # type: ignore[arg-type]
-                    yield_stress=self.hardness,
-                ).checked()
-            except PerssonError:
-                continue
-            found |= {area: answer.real_area, whole: answer.macroscopic_work / self.work}
-            if energy == "improved" and self.hardness is not None:
-                found["yielded_persson"] = float(answer.area_plastic[-1])
+        """Evaluate the theory with the realised gradient; what it has no answer to is left out."""
+        found = {"persson_plain": self._plain_theory()}
+        improved = self._adhesive_theory("improved")
+        if improved is not None:
+            found |= {"improved": improved.real_area, "macroscopic": improved.macroscopic_work / self.work}
+            if self.hardness is not None:
+                found["yielded_persson"] = float(improved.area_plastic[-1])
+        old = self._adhesive_theory("old")
+        if old is not None:
+            found |= {"old": old.real_area, "macroscopic_old": old.macroscopic_work / self.work}
         return found
 
+    def _plain_theory(self) -> float:
+        """A/A0 without adhesion."""
+        pressure, modulus = self.realised.pressure, self.realised.contact_modulus
+        variance = stress_variance(self.realised.field.moments[1], contact_modulus=modulus)
+        if self.hardness is None:
+            return float(contact_area(pressure, stress_variance=variance))
+        from persson.hardness import constant_hardness
 
-def run(
-    *,
-    bench: Bench | None = None,
-    works: tuple[float, ...] = (0.01, 0.03, 0.1, 0.3, 1.0),
-    pressure: float = 0.05,
-    share: float = 0.1,
-    loads: tuple[float, ...] = (0.01, 0.05, 0.2),
-    magnifications: tuple[float, ...] = (1.5, 2.0, 4.0, 8.0),
-    hardnesses: tuple[float, ...] = (0.3, 0.6, 1.2),
-    seed: int = 11,
-    grid: int = 256,
-    hurst: float = 0.8,
-    periods: float = 2.0,
-    bandwidth: float = 8.0,
-) -> xr.Dataset:
+        parts = constant_hardness(pressure, stress_variance=variance, yield_stress=self.hardness)
+        return float(parts.elastic + parts.plastic)
+
+    def _adhesive_theory(self, energy: Literal["improved", "old"]) -> Any:
+        """Solve the theory with adhesion; None where it has no answer."""
+        realised, spectrum = self.realised, self.realised.spectrum_shape
+        scaled = spectrum.scaled(float(realised.field.rms_gradient**2 / spectrum.m2()))
+        try:
+            return solve_adhesion(
+                Scale(scaled, contact_modulus=realised.contact_modulus),
+                pressure=realised.pressure,
+                interface=Interface(work_of_adhesion=self.work, energy=energy),
+                yield_stress=self.hardness,
+            ).checked()
+        except PerssonError:
+            return None
+
+
+_Dials = Mapping[str, list[tuple[float, _Case]]]
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Turn every dial, on two grids.
-
-    Parameters
-    ----------
-    bench : Bench, optional
-        Where the solves run and are stored; results/solves if not given.
-    works : tuple of float
-        Works of adhesion over the elastic energy per area of full contact, w / U_full, rising.
-    pressure : float
-        p* = p0 / (E* h'_rms) on every dial but the load's.
-    share : float
-        w / U_full on every dial but the work's.
-    loads, magnifications, hardnesses : tuple of float
-        p*; q/q_long of the last wave, above 1 and at most the bandwidth; H / (E* h'_rms).
-    seed, grid : int
-        Realisation, points along a side of the coarser grid; the finer has half as many again.
-    hurst, periods, bandwidth : float
-        H, L / lambda_long, lambda_long / lambda_short.
 
     Returns
     -------
     xarray.Dataset
-        Over `work`, `load`, `magnification` and `hardness`: A/A0 with adhesion and without, and by the theory
-        with both readings of its elastic energy, at the realised gradient; energy gained by the whole
+        Over `work`, `reduced_pressure`, `magnification` and `hardness`: A/A0 with adhesion and without, and by the
+        theory with both readings of its elastic energy, at the realised gradient; energy gained by the whole
         interface, and the theory's gamma_eff, over w; yielded area.
-
-    Raises
-    ------
-    UsageError
-        For magnifications outside the bandwidth.
     """
+    dials = _dials(options)
+    cases = [case for turns in dials.values() for _, case in turns]
+    solved = bench.solve(
+        [case.solve(n, sticky=sticky) for case in cases for n in options.grids for sticky in (True, False)]
+    )
+    measured = {
+        dial: [case.measured(solved, options.grids) | case.theory() for _, case in turns]
+        for dial, turns in dials.items()
+    }
+    return _dataset(options, dials, measured)
+
+
+def _dials(options: Options) -> _Dials:
+    """List the cases of every dial with the number that is turned."""
+    whole = Realised(
+        surface=options.surface(), solid=_SOLID, load=Load(reduced_pressure=options.reduced_pressure)
+    )
+    unit, modulus = whole.pressure_scale, whole.contact_modulus
+    energy = full_contact_energy(whole.field, modulus=modulus)
+
+    def case(w: float, p: float, *, until: float | None = None, hardness: float | None = None) -> _Case:
+        # The shortest range whose process zone spans the cells that are needed, and a little more.
+        reach = math.sqrt(1.1 * CELLS_NEEDED * _LENGTH / options.grids[0] * w * energy / modulus)
+        realised = Realised(surface=options.surface(until), solid=_SOLID, load=Load(pressure=p * unit))
+        return _Case(realised=realised, work=w * energy, reach=reach, hardness=hardness)
+
+    work, load = options.work, options.reduced_pressure
+    return {
+        "work": [(w, case(w, load)) for w in options.works],
+        "reduced_pressure": [(p, case(work, p)) for p in options.reduced_pressures],
+        "magnification": [(zeta, case(work, load, until=zeta)) for zeta in options.magnifications],
+        "hardness": [(h, case(work, load, hardness=h * unit)) for h in options.hardnesses],
+    }
+
+
+def _dataset(
+    options: Options, dials: _Dials, measured: Mapping[str, Sequence[Mapping[str, float]]]
+) -> xr.Dataset:
+    """Lay the numbers of all cases out along the dials; NaN where the theory has no answer."""
     import xarray as xr
 
-    if not all(1 < zeta <= bandwidth for zeta in magnifications):
-        raise UsageError(f"--magnifications = {magnifications}: must lie above 1, at most {bandwidth:g}")
-    bench = bench or Bench.at()
-    grids = grid, round(_FINER * grid)
-
-    def surface(until: float) -> SelfAffineSurface:
-        shape = {"hurst": hurst, "periods": periods, "bandwidth": bandwidth}
-        return truncated_surface(seed, until, length=_LENGTH, gradient=_GRADIENT, **shape)
-
-    whole = surface(bandwidth)
-    field = reference_field(whole)
-    unit, energy = _MODULUS * field.rms_gradient, full_contact_energy(field, modulus=_MODULUS)
-
-    def case(w: float, p: float, **others: Any) -> _Case:
-        # The shortest range whose process zone spans the cells that are needed, and a little more.
-        reach = math.sqrt(1.1 * CELLS_NEEDED * _LENGTH / grid * w * energy / _MODULUS)
-        return _Case(**({"surface": whole} | others), pressure=p * unit, work=w * energy, reach=reach)
-
-    dials: Mapping[str, list[tuple[float, _Case]]] = {
-        "work": [(w, case(w, pressure)) for w in works],
-        "load": [(p, case(share, p)) for p in loads],
-        "magnification": [(zeta, case(share, pressure, surface=surface(zeta))) for zeta in magnifications],
-        "hardness": [(h, case(share, pressure, hardness=h * unit)) for h in hardnesses],
-    }
-    cases = [one for turns in dials.values() for _, one in turns]
-    solved = bench.solve([one.solve(n, sticky=s) for one in cases for n in grids for s in (True, False)])
-    columns = {}
-    for dial, turns in dials.items():
-        found = [one.measured(solved, grids) | one.theory() for _, one in turns]
+    columns: dict[str, Any] = {}
+    for dial, rows in measured.items():
         for name, words in _WORDS.items():
             if dial == "hardness" or not name.startswith("yielded"):
-                values = np.array([row.get(name, math.nan) for row in found])
+                values = np.array([row.get(name, math.nan) for row in rows])
                 columns[_name(name, dial)] = (dial, values, {"units": "1", "long_name": words})
-    reaches = np.array([one.reach / field.rms_height for _, one in dials["work"]])
+    reaches = np.array([case.reach / case.realised.field.rms_height for _, case in dials["work"]])
     columns["reach"] = ("work", reaches, {"units": "1", "long_name": "range of the attraction over h_rms"})
     coords = {
         dial: (dial, np.array([value for value, _ in turns]), {"units": "1", "long_name": _DIALS[dial]})
         for dial, turns in dials.items()
     }
-    return xr.Dataset(
-        columns,
-        coords=coords,
-        attrs={"methods": "theory bem", "pressure": pressure, "share": share, "grids": list(grids)},
-    )
+    said = {"work": options.work, "reduced_pressure": options.reduced_pressure, "grids": list(options.grids)}
+    return xr.Dataset(columns, coords=coords, attrs={"methods": "theory bem", **said})
 
 
 def _name(quantity: str, dial: str) -> str:
@@ -300,7 +321,7 @@ def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
         lines = tuple(_name(name, dial) for name in areas)
         drawings.append(
             Drawing(
-                name="adhesive-area" if dial == "work" else f"adhesive-area-{dial}",
+                name="adhesive-area" if dial == "work" else f"adhesive-area-{dial.replace('_', '-')}",
                 figure=lines_figure(data, x=dial, lines=lines, logarithmic="x"),
                 data=data[[*lines, _name("area_error", dial)]],
                 caption=f"Contact area against {words}: boundary elements with the shortest range that the "

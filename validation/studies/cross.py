@@ -3,24 +3,68 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
+from pydantic import Field
 
 from validation.measures.block import BlockMeasurement
-from validation.measures.common import at_least, base_surface, measure, rising, solid_of
+from validation.measures.common import BASE_SOLID, Rising, base_case, base_surface, results_of
 from validation.measures.measurement import grid_for
 from validation.measures.statistics import order_of_convergence
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
+from validation.scenes.scene import SolidSpec
 from validation.solves.bench import Bench
+from validation.studies._options import Bandwidth, Element, Hurst, Periods, ReducedPressure, Seed
+from validation.studies._study import StudyOptions
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
-    from validation.scenes.scene import Scene
+__all__ = ["Options", "figures", "findings", "run", "table"]
 
-__all__ = ["figures", "findings", "run", "table"]
+
+class Options(StudyOptions):
+    """What is pressed by both methods, and on which grids."""
+
+    reduced_pressure: ReducedPressure = 0.05
+    hurst: Hurst = 0.8
+    periods: Periods = 2.0
+    bandwidth: Bandwidth = 4.0
+    poisson: Annotated[float, Field(gt=-1, le=0.49, description="Poisson ratio of the solid")] = 0.3
+    surfaces: Annotated[int, Field(ge=1, description="how many realisations")] = 2
+    seed: Seed = 2006
+    full_points_per_wave: Rising = Field(
+        default=(3.0, 4.0, 6.0),
+        description="grids of the full Hex1 system, as lambda_short/dx: the independent leg, which shares no contact "
+        "algorithm with the boundary elements",
+    )
+    reduced_points_per_wave: Rising = Field(
+        default=(3.0, 4.0, 6.0, 8.0, 16.0, 32.0),
+        description="grids of the exact reduction, which shares it: agreement there checks the discretisation only",
+    )
+    elements: tuple[Element, ...] = Field(
+        default=("Hex1", "Hex2"), description="elements of the reduction; none to leave it out"
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Leg:
+    """One way through the finite elements on one grid."""
+
+    method: Literal["full", "reduced"]
+    element: str
+    per_wave: float
+
+    @property
+    def name(self) -> str:
+        """Method and element."""
+        return f"{self.method} {self.element}"
+
 
 _NAMES = {
     "pressure_half_space": "||p_fem - p_bem|| / ||p_bem||",
@@ -34,90 +78,75 @@ _NAMES = {
 }
 
 
-def run(
-    *,
-    scene: Scene | None = None,
-    bench: Bench | None = None,
-    reduced_pressure: float = 0.05,
-    hurst: float = 0.8,
-    size: float = 2.0,
-    ratio: float = 4.0,
-    surfaces: int = 2,
-    full_points_per_wave: tuple[float, ...] = (3.0, 4.0, 6.0),
-    reduced_points_per_wave: tuple[float, ...] = (3.0, 4.0, 6.0, 8.0, 16.0, 32.0),
-    elements: tuple[str, ...] = ("Hex1", "Hex2"),
-    seed: int = 2006,
-) -> xr.Dataset:
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Press the same heights by both methods.
-
-    Parameters
-    ----------
-    scene : Scene, optional
-        Gives the solid.
-    bench : Bench, optional
-        Where and how the cases run.
-    reduced_pressure : float
-        p*.
-    hurst, size, ratio : float
-        H, L/lambda_long and lambda_long/lambda_short.
-    surfaces : int
-        Realisations.
-    full_points_per_wave : tuple of float
-        Grids of the full Hex1 system: the independent leg, which shares no contact algorithm with the boundary elements.
-    reduced_points_per_wave : tuple of float
-        Grids of the exact reduction, which shares it: agreement there checks the discretisation only.
-    elements : tuple of str
-        Elements of the reduction.
-    seed : int
-        Of the first surface.
 
     Returns
     -------
     xarray.Dataset
         Differences with dimensions (case, surface); cases are labelled by leg.
     """
+    legs = tuple(_legs_of(options))
+    found = results_of(bench, _cases(options, legs))
+    differences = {case: _differences(data) for case, data in found.items()}
+    return _dataset(differences, legs, options)
+
+
+def _legs_of(options: Options) -> Iterator[_Leg]:
+    for n in options.full_points_per_wave:
+        yield _Leg(method="full", element="Hex1", per_wave=n)
+    for element, n in itertools.product(options.elements, options.reduced_points_per_wave):
+        yield _Leg(method="reduced", element=element, per_wave=n)
+
+
+def _cases(options: Options, legs: tuple[_Leg, ...]) -> dict[tuple[_Leg, int], BlockMeasurement]:
+    """List the solves: every leg on every surface."""
+    surface = base_surface(
+        hurst=options.hurst, periods=options.periods, bandwidth=options.bandwidth, seed=options.seed
+    )
+    solid = SolidSpec(young=BASE_SOLID.young, poisson=options.poisson)
+    first = base_case(surface, reduced_pressure=options.reduced_pressure, solid=solid)
+    pressed = [first.further(k) for k in range(options.surfaces)]
+    return {
+        (leg, k): BlockMeasurement(
+            realised=pressed[k],
+            points=grid_for(first, leg.per_wave)[0],
+            method=leg.method,
+            element=leg.element,
+        )
+        for leg, k in itertools.product(legs, range(options.surfaces))
+    }
+
+
+def _differences(data: xr.Dataset) -> dict[str, float]:
+    """Return what is compared of one solve, by the names of the dataset."""
+    numbers = {name: float(data[name]) for name in _NAMES if name in data}
+    area, corrected = data.pixel / data.pixel_bem, data.perimeter / data.perimeter_bem
+    return numbers | {"area": float(area) - 1, "area_corrected": float(corrected) - 1}
+
+
+def _dataset(
+    differences: Mapping[tuple[_Leg, int], Mapping[str, float]], legs: tuple[_Leg, ...], options: Options
+) -> xr.Dataset:
     import xarray as xr
 
-    at_least("surfaces", surfaces, 1)
-    surface, solid = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed), solid_of(scene)
-    legs = [("full Hex1", "full", "Hex1", n) for n in rising("full_points_per_wave", full_points_per_wave)]
-    legs += [
-        (f"reduced {element}", "reduced", element, n)
-        for element, n in itertools.product(
-            elements, rising("reduced_points_per_wave", reduced_points_per_wave)
-        )
-    ]
-    solves = [
-        BlockMeasurement(
-            surface=surface,
-            realisation=k,
-            solid=solid,
-            reduced_pressure=reduced_pressure,
-            points=grid_for(surface, n)[0],
-            method="full" if method == "full" else "reduced",
-            element=element,
-        )
-        for (_, method, element, n), k in itertools.product(legs, range(surfaces))
-    ]
-    measured = measure(bench, solves)
-    shape = (len(legs), surfaces)
-    values = {
-        name: np.array([float(d[name]) for d in measured if name in d])
-        for name in _NAMES
-        if name in measured[0]
-    }
-    values["area"] = np.array([float(d.pixel / d.pixel_bem) - 1 for d in measured])
-    values["area_corrected"] = np.array([float(d.perimeter / d.perimeter_bem) - 1 for d in measured])
+    def rows(name: str) -> list[list[float]]:
+        return [[differences[leg, k][name] for k in range(options.surfaces)] for leg in legs]
+
     return xr.Dataset(
         {
-            name: (("case", "surface"), array.reshape(shape), {"long_name": _NAMES[name]})
-            for name, array in values.items()
+            name: (("case", "surface"), np.array(rows(name)), {"long_name": words})
+            for name, words in _NAMES.items()
         },
         coords={
-            "leg": ("case", [leg for leg, *_ in legs]),
-            "points_per_wave": ("case", [n for *_, n in legs], {"long_name": "lambda_short / dx"}),
+            "leg": ("case", [leg.name for leg in legs]),
+            "points_per_wave": ("case", [leg.per_wave for leg in legs], {"long_name": "lambda_short / dx"}),
         },
-        attrs={"study": "cross", "reduced_pressure": reduced_pressure, "methods": "bem fem perimeter"},
+        attrs={
+            "study": "cross",
+            "reduced_pressure": options.reduced_pressure,
+            "methods": "bem fem perimeter",
+        },
     )
 
 
@@ -172,13 +201,38 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw the differences against the grid."""
-    from validation.studies import _plots_studies as plots_studies
-
     return (
         Drawing(
             name="fem-against-bem",
-            figure=plots_studies.fem_against_bem(dataset, _legs(dataset)),
+            figure=_fem_against_bem(dataset),
             data=dataset[["pressure_half_space", "area", "area_corrected"]],
-            caption="Difference of pressure (left) and of counted area (right) between finite and boundary elements on the same surface and points, by leg; dots, surfaces.",
+            caption="Difference of pressure (left) and of counted area (right) between finite and boundary elements on the "
+            "same surface and points, by leg; dots, surfaces.",
         ),
     )
+
+
+def _fem_against_bem(dataset: xr.Dataset) -> Figure:
+    """Pressure and area differences between finite and boundary elements against the grid, by leg."""
+    from validation.report.figure import COLOURS, new_figure, plain_look
+
+    figure, panels = new_figure(width=9.0, columns=2)
+    for axes, name, label in zip(
+        panels,
+        ("pressure_half_space", "area"),
+        (r"$\|p_{FEM}-p_{BEM}\|/\|p_{BEM}\|$ [%]", r"$|A_{FEM}/A_{BEM}-1|$, counted [%]"),
+        strict=True,
+    ):
+        for k, leg in enumerate(_legs(dataset)):
+            part = dataset.isel(case=np.flatnonzero(dataset.leg.values == leg))
+            mean = 100 * np.abs(part[name].mean("surface"))
+            axes.plot(part.points_per_wave, mean, label=leg, **plain_look(k))
+            axes.plot(
+                part.points_per_wave, 100 * np.abs(part[name]), ls="", marker=".", ms=3, color=COLOURS[k]
+            )
+        axes.set_xscale("log", base=2)
+        axes.set_yscale("log")
+        axes.set_xlabel(r"$\lambda_{short}/\Delta x$")
+        axes.set_ylabel(label)
+    panels[0].legend(fontsize=8)
+    return figure

@@ -3,106 +3,127 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
+from pydantic import Field
 
 from validation.measures.block import BlockMeasurement
-from validation.measures.common import base_surface, measure, rising
+from validation.measures.common import BASE_SOLID, Rising, base_case, base_surface, results_of
 from validation.measures.measurement import grid_for
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.scenes.scene import SolidSpec
 from validation.solves.bench import Bench
+from validation.studies._options import Element, ReducedPressure, Seed
+from validation.studies._study import StudyOptions
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
-    from validation.scenes.scene import Scene
+__all__ = ["Options", "figures", "findings", "run", "table"]
 
-__all__ = ["figures", "findings", "run", "table"]
+#: What is kept while another dial is turned.
+_DEPTH, _GROWTH, _POISSON = 1.0, 1.2, 0.3
+
+_NAMES = {
+    "pressure_half_space": "||p - p_half-space|| / ||p_half-space||",
+    "pressure_layer": "||p - p_layer|| / ||p_layer||, bonded layer of the same depth",
+    "area": "A/A_half-space - 1, points counted",
+}
 
 
-def run(
-    *,
-    scene: Scene | None = None,
-    bench: Bench | None = None,
-    reduced_pressure: float = 0.05,
-    points_per_wave: float = 16.0,
-    depths: tuple[float, ...] = (0.125, 0.25, 0.5, 0.75, 1.0, 1.5),
-    growths: tuple[float, ...] = (1.05, 1.1, 1.2, 1.5),
-    elements: tuple[str, ...] = ("Hex1", "Hex2"),
-    poissons: tuple[float, ...] = (0.0, 0.3, 0.45),
-    seed: int = 2006,
-) -> xr.Dataset:
-    """Vary depth, growth and Poisson ratio, one at a time around depth L, growth 1.2 and nu = 0.3, for every element.
+class Options(StudyOptions):
+    """Dials of the block, turned one at a time around depth L, growth 1.2 and nu = 0.3, for every element.
 
-    Parameters
-    ----------
-    scene : Scene, optional
-        Gives Young's modulus, which scales out.
-    bench : Bench, optional
-        Where and how the cases run.
-    reduced_pressure : float
-        p*.
-    points_per_wave : float
-        Grid, as lambda_short/dx.
-    depths : tuple of float
-        Depths of the block, in periods.
-    growths : tuple of float
-        Ratios of successive layers.
-    elements : tuple of str
-        Hex1 (trilinear) and Hex2 (triquadratic).
-    poissons : tuple of float
-        Poisson ratios.
-    seed : int
-        Of the surface: H = 0.8, L/lambda_long = 1, lambda_long/lambda_short = 4, whose longest wave feels the bottom most.
+    The surface has H = 0.8, L/lambda_long = 1, lambda_long/lambda_short = 4: its longest wave feels the bottom most.
+    """
+
+    reduced_pressure: ReducedPressure = 0.05
+    points_per_wave: float = Field(default=16.0, gt=0, description="grid, as lambda_short/dx")
+    depths: Rising = Field(
+        default=(0.125, 0.25, 0.5, 0.75, 1.0, 1.5), description="depths of the block, in periods"
+    )
+    growths: Rising = Field(
+        default=(1.05, 1.1, 1.2, 1.5), description="ratios of the thicknesses of successive layers"
+    )
+    elements: tuple[Element, ...] = Field(
+        default=("Hex1", "Hex2"), min_length=1, description="trilinear and triquadratic"
+    )
+    poissons: tuple[Annotated[float, Field(gt=-1, le=0.5)], ...] = Field(
+        default=(0.0, 0.3, 0.45), description="Poisson ratios"
+    )
+    seed: Seed = 2006
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Block:
+    """One block, and which of its dials is turned."""
+
+    varied: str
+    element: str
+    depth: float = _DEPTH
+    growth: float = _GROWTH
+    poisson: float = _POISSON
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Turn every dial.
 
     Returns
     -------
     xarray.Dataset
         Pressure differences against the half-space and against the bonded layer of the same depth, by case.
     """
+    blocks = tuple(_blocks(options))
+    return _dataset(results_of(bench, {block: _solve(block, options) for block in blocks}), options)
+
+
+def _blocks(options: Options) -> Iterator[_Block]:
+    for element, depth in itertools.product(options.elements, options.depths):
+        yield _Block(varied="depth", element=element, depth=depth)
+    for element, growth in itertools.product(options.elements, options.growths):
+        yield _Block(varied="growth", element=element, growth=growth)
+    for element, poisson in itertools.product(options.elements, options.poissons):
+        yield _Block(varied="poisson", element=element, poisson=poisson)
+
+
+def _solve(block: _Block, options: Options) -> BlockMeasurement:
+    pressed = base_case(
+        base_surface(hurst=0.8, periods=1.0, bandwidth=4.0, seed=options.seed),
+        reduced_pressure=options.reduced_pressure,
+        solid=SolidSpec(young=BASE_SOLID.young, poisson=block.poisson),
+    )
+    return BlockMeasurement(
+        realised=pressed,
+        points=grid_for(pressed, options.points_per_wave)[0],
+        element=block.element,
+        depth=block.depth,
+        growth=block.growth,
+    )
+
+
+def _dataset(found: Mapping[_Block, xr.Dataset], options: Options) -> xr.Dataset:
     import xarray as xr
 
-    surface = base_surface(hurst=0.8, size=1.0, ratio=4.0, seed=seed)
-    young = 1e9 if scene is None else scene.solid.young
-    points = grid_for(surface, points_per_wave)[0]
-    settings = [(e, d, 1.2, 0.3, "depth") for e, d in itertools.product(elements, rising("depths", depths))]
-    settings += [
-        (e, 1.0, g, 0.3, "growth") for e, g in itertools.product(elements, rising("growths", growths))
-    ]
-    settings += [(e, 1.0, 1.2, nu, "poisson") for e, nu in itertools.product(elements, poissons)]
-    solves = [
-        BlockMeasurement(
-            surface=surface,
-            solid=SolidSpec(young=young, poisson=nu),
-            reduced_pressure=reduced_pressure,
-            points=points,
-            element=element,
-            depth=depth,
-            growth=growth,
-        )
-        for element, depth, growth, nu, _ in settings
-    ]
-    measured = measure(bench, solves)
-    names = {
-        "pressure_half_space": "||p - p_half-space|| / ||p_half-space||",
-        "pressure_layer": "||p - p_layer|| / ||p_layer||, bonded layer of the same depth",
-        "area": "A/A_half-space - 1, points counted",
+    values = {
+        name: [float(data[name]) for data in found.values()]
+        for name in ("pressure_half_space", "pressure_layer")
     }
-    values = {name: [float(d[name]) for d in measured] for name in ("pressure_half_space", "pressure_layer")}
-    values["area"] = [float(d.pixel / d.pixel_bem) - 1 for d in measured]
+    values["area"] = [float(data.pixel / data.pixel_bem) - 1 for data in found.values()]
     return xr.Dataset(
-        {name: ("case", array, {"long_name": names[name]}) for name, array in values.items()},
+        {name: ("case", array, {"long_name": _NAMES[name]}) for name, array in values.items()},
         coords={
-            "element": ("case", [s[0] for s in settings]),
-            "depth": ("case", [s[1] for s in settings], {"long_name": "depth / L"}),
-            "growth": ("case", [s[2] for s in settings]),
-            "poisson": ("case", [s[3] for s in settings]),
-            "varied": ("case", [s[4] for s in settings]),
+            "element": ("case", [block.element for block in found]),
+            "depth": ("case", [block.depth for block in found], {"long_name": "depth / L"}),
+            "growth": ("case", [block.growth for block in found]),
+            "poisson": ("case", [block.poisson for block in found]),
+            "varied": ("case", [block.varied for block in found]),
         },
-        attrs={"study": "depth", "points_per_wave": points_per_wave, "methods": "bem fem"},
+        attrs={"study": "depth", "points_per_wave": options.points_per_wave, "methods": "bem fem"},
     )
 
 
@@ -163,13 +184,39 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw the pressure difference against depth and growth."""
-    from validation.studies import _plots_studies as plots_studies
-
     return (
         Drawing(
             name="block-depth",
-            figure=plots_studies.block_depth(dataset),
+            figure=_block_depth(dataset),
             data=dataset[["pressure_half_space", "pressure_layer"]],
-            caption="Pressure of the block against depth (left) and growth of the layers (right): filled, against the half-space; open, against the bonded layer of the same depth, which is the error of the mesh alone.",
+            caption="Pressure of the block against depth (left) and growth of the layers (right): filled, against the "
+            "half-space; open, against the bonded layer of the same depth, which is the error of the mesh alone.",
         ),
     )
+
+
+def _block_depth(dataset: xr.Dataset) -> Figure:
+    """Pressure of the block against half-space and layer, over depth and over growth."""
+    from validation.report.figure import new_figure, plain_look
+
+    figure, panels = new_figure(width=9.0, columns=2)
+    for axes, dial, label in zip(
+        panels, ("depth", "growth"), ("depth / L", "growth of successive layers"), strict=True
+    ):
+        for k, element in enumerate(dict.fromkeys(dataset.element.values.tolist())):
+            keep = (dataset.element.values == element) & (dataset.varied.values == dial)
+            part, style = dataset.isel(case=np.flatnonzero(keep)), plain_look(k)
+            axes.plot(part[dial], 100 * part.pressure_half_space, label=f"{element}, half-space", **style)
+            axes.plot(
+                part[dial],
+                100 * part.pressure_layer,
+                label=f"{element}, layer",
+                mfc="white",
+                ls="--",
+                **style,
+            )
+        axes.set_yscale("log")
+        axes.set_xlabel(label)
+        axes.set_ylabel("relative L2 difference of pressure [%]")
+    panels[0].legend(fontsize=8)
+    return figure

@@ -7,100 +7,111 @@ changes little over 1/q, E'/(E q) < 1. Boundary elements take the exact complian
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field, model_validator
 
 from fem_contact.graded import ExponentialSolid, LayeredSolid
 from fem_contact.response import Response
 from fem_contact.solid import Solid
 from persson.graded import ExponentialLayers, SurfaceLayer
-from validation.errors import UsageError
+from validation.solves.bench import Bench
+from validation.studies._study import StudyOptions
+from validation.units import Positive, wrong
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from validation.report.drawing import Drawing
-    from validation.solves.bench import Bench
 
-__all__ = ["figures", "findings", "run"]
+__all__ = ["Options", "figures", "findings", "run"]
 
 Array = NDArray[np.float64]
 
 
-def run(
-    *,
-    bench: Bench | None = None,
-    ratios: tuple[float, ...] = (0.1, 0.25, 0.5, 2.0, 4.0, 10.0),
-    poisson: float = 0.3,
-    shortest: float = 100.0,
-    waves: int = 49,
-    sublayers: int = 256,
-) -> xr.Dataset:
-    """Compare the moduli wave by wave.
+class Options(StudyOptions):
+    """Which solids, and which waves."""
 
-    Parameters
-    ----------
-    bench : Bench, optional
-        Runs no solve, as nothing is solved; one that only plans is obeyed.
-    ratios : tuple of float
-        Modulus far below over that of the surface; of the solid over that of the coating.
-    poisson : float
-        nu, the same at all depths.
-    shortest : float
-        Largest q d; the smallest is its inverse.
-    waves, sublayers : int
-        Wavevectors, and layers that stand for the exponential profile.
+    ratios: Annotated[tuple[Positive, ...], Field(min_length=1)] = Field(
+        default=(0.1, 0.25, 0.5, 2.0, 4.0, 10.0),
+        description="modulus far below over that of the surface, and of the solid over that of the coating; not 1",
+    )
+    poisson: float = Field(default=0.3, gt=-1, le=0.5, description="nu, the same at all depths")
+    shortest: float = Field(default=100.0, gt=1, description="largest q d; the smallest is its inverse")
+    waves: int = Field(default=49, ge=2, description="wavevectors, equally spaced in log q")
+    sublayers: int = Field(default=256, ge=1, description="layers that stand for the exponential profile")
+
+    @model_validator(mode="after")
+    def _graded(self) -> Self:
+        if 1 in self.ratios:
+            values = ", ".join(f"{ratio:g}" for ratio in self.ratios)
+            raise wrong(f"ratios = {values}: must not be 1, which is no grading")
+        return self
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Compare the moduli wave by wave; nothing is solved.
 
     Returns
     -------
     xarray.Dataset
         Over `ratio` and `wave` (q d, with the depth or thickness d): the modulus felt by the theory over the
         exact one for an exponential profile and for a coating, and the largest E'/(E q) of the profile.
-
-    Raises
-    ------
-    UsageError
-        For ratios that are not positive or 1, or a `shortest` not above 1.
     """
     import xarray as xr
 
-    if not all(ratio > 0 and ratio != 1 for ratio in ratios):
-        raise UsageError(f"--ratios = {ratios}: must be positive and not 1, which is no grading")
-    if not shortest > 1 or waves < 2:
-        raise UsageError(f"--shortest = {shortest!r}, --waves = {waves}: must exceed 1")
-    if bench is not None and bench.plan_only:
+    if bench.plan_only:
         bench.solve([])
-    q = np.geomspace(1 / shortest, shortest, waves)
-    surface = Solid(young=1.0, poisson=poisson)
-    profile, coating, grading = [], [], []
-    for ratio in ratios:
-        below = Solid(young=ratio, poisson=poisson)
-        exact = ExponentialSolid(surface=surface, bulk_young=ratio, depth=1.0, sublayers=sublayers)
-        weighted = ExponentialLayers(bulk=ratio, excess=[1 - ratio], depths=[1.0], poisson=poisson)
-        profile.append(_share(weighted, exact, q))
-        layered = LayeredSolid(layers=[surface], thicknesses=[1.0], base=below)
-        layer = SurfaceLayer(bulk=ratio, layer=1.0, thickness=1.0, poisson=poisson)
-        coating.append(_share(layer, layered, q))
-        # E'/E of E = bulk + (1 - bulk) exp(-z) is monotonic in z where it is not largest at the surface.
-        z = np.linspace(0.0, 30.0, 3001)
-        young = ratio + (1 - ratio) * np.exp(-z)
-        grading.append(float(np.max(abs(1 - ratio) * np.exp(-z) / young)) / q)
-    words = "felt modulus over exact"
-    one = {"units": "1"}
+    q = np.geomspace(1 / options.shortest, options.shortest, options.waves)
+    words, one = "felt modulus over exact", {"units": "1"}
+    columns = {
+        "profile": (
+            [_profile(ratio, options, q) for ratio in options.ratios],
+            one | {"long_name": f"{words}, profile"},
+        ),
+        "coating": (
+            [_coating(ratio, options, q) for ratio in options.ratios],
+            one | {"long_name": f"{words}, coating"},
+        ),
+        "grading": (
+            [_grading(ratio, q) for ratio in options.ratios],
+            one | {"long_name": "largest E'/(E q)"},
+        ),
+    }
     return xr.Dataset(
-        {
-            "profile": (("ratio", "wave"), profile, one | {"long_name": f"{words}, profile"}),
-            "coating": (("ratio", "wave"), coating, one | {"long_name": f"{words}, coating"}),
-            "grading": (("ratio", "wave"), grading, one | {"long_name": "largest E'/(E q)"}),
-        },
+        {name: (("ratio", "wave"), values, said) for name, (values, said) in columns.items()},
         coords={
             "wave": ("wave", q, one | {"long_name": "q d"}),
-            "ratio": ("ratio", list(ratios), one | {"long_name": "modulus below over that on top"}),
+            "ratio": ("ratio", list(options.ratios), one | {"long_name": "modulus below over that on top"}),
         },
-        attrs={"methods": "theory bem", "poisson": poisson},
+        attrs={"methods": "theory bem", "poisson": options.poisson},
     )
+
+
+def _profile(ratio: float, options: Options, q: Array) -> Array:
+    """Felt modulus over exact of an exponential profile of depth 1 with E = 1 on top."""
+    surface = Solid(young=1.0, poisson=options.poisson)
+    exact = ExponentialSolid(surface=surface, bulk_young=ratio, depth=1.0, sublayers=options.sublayers)
+    weighted = ExponentialLayers(bulk=ratio, excess=[1 - ratio], depths=[1.0], poisson=options.poisson)
+    return _share(weighted, exact, q)
+
+
+def _coating(ratio: float, options: Options, q: Array) -> Array:
+    """Felt modulus over exact of a layer of thickness 1 with E = 1."""
+    surface, below = (Solid(young=young, poisson=options.poisson) for young in (1.0, ratio))
+    exact = LayeredSolid(layers=[surface], thicknesses=[1.0], base=below)
+    layer = SurfaceLayer(bulk=ratio, layer=1.0, thickness=1.0, poisson=options.poisson)
+    return _share(layer, exact, q)
+
+
+def _grading(ratio: float, q: Array) -> Array:
+    """Largest E'/(E q) of the profile E = ratio + (1 - ratio) exp(-z)."""
+    # E'/E is monotonic in z where it is not largest at the surface.
+    z = np.linspace(0.0, 30.0, 3001)
+    young = ratio + (1 - ratio) * np.exp(-z)
+    return np.asarray(float(np.max(abs(1 - ratio) * np.exp(-z) / young)) / q)
 
 
 def _share(felt: Callable[[Array], Array], exact: Response, q: Array) -> Array:

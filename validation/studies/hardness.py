@@ -10,10 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import Field, model_validator
 
 from fem_contact.hardness import yielded
 from fem_contact.surface import HeightField, radial_spectrum
@@ -22,13 +23,14 @@ from persson.hardness import constant_hardness
 from persson.scale import Scale
 from persson.tabulated import smoothed
 from validation.effects.hardness import Hardness
-from validation.errors import UsageError
 from validation.measures.common import truncated_surface
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
-from validation.scenes.surfaces import reference_field, spectrum_of
 from validation.solves.bench import Bench
 from validation.solves.press import Press
+from validation.studies._options import Bandwidth, Hurst, Periods, Seed
+from validation.studies._study import StudyOptions
+from validation.units import Positive, wrong
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -36,9 +38,10 @@ if TYPE_CHECKING:
     from validation.report.drawing import Drawing
     from validation.solves.running import Solves
 
-__all__ = ["figures", "findings", "run"]
+__all__ = ["Options", "figures", "findings", "run"]
 
 Array = NDArray[np.float64]
+_Positives = Annotated[tuple[Positive, ...], Field(min_length=1)]
 
 _SOLID = SolidSpec(young=1e9, poisson=0.3)
 _MODULUS = _SOLID.young / (1 - _SOLID.poisson**2)
@@ -46,130 +49,149 @@ _GRADIENT, _LENGTH = 0.1, 1e-4
 _PARTS = ("plastic", "elastic")
 
 
+class Options(StudyOptions):
+    """What is pressed, how hard it is, and how often."""
+
+    reduced_pressures: _Positives = Field(
+        default=(0.01, 0.02, 0.05, 0.1, 0.2),
+        description="p* = p0 / (E* h'_rms) with the realised gradient of all waves",
+    )
+    magnifications: _Positives = Field(
+        default=(1.25, 1.5, 2.0, 3.0, 4.0),
+        description="zeta = q/q_long of the last wave there is, above 1, at most the bandwidth",
+    )
+    hardness: Positive = Field(default=0.6, description="H / (E* h'_rms) with the gradient asked for")
+    smoothing_reduced_pressure: Positive = Field(
+        default=0.1, description="p* at which magnifications are walked through and surfaces are smoothed"
+    )
+    seed: Seed = 11
+    surfaces: int = Field(default=2, ge=1, le=10_000, description="how many")
+    grids: Annotated[tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=1)] = Field(
+        default=(64, 128, 256),
+        description="points along a side; the limit is that of the two finest, the one before says how sure it is",
+    )
+    hurst: Hurst = 0.8
+    periods: Periods = 4.0
+    bandwidth: Bandwidth = 4.0
+
+    @model_validator(mode="after")
+    def _possible(self) -> Self:
+        if len(set(self.grids)) < 2:
+            raise wrong(f"grids = {', '.join(map(str, self.grids))}: at least two, for a limit")
+        if not all(1 < zeta <= self.bandwidth for zeta in self.magnifications):
+            values = ", ".join(f"{zeta:g}" for zeta in self.magnifications)
+            raise wrong(
+                f"magnifications = {values}: must lie above 1, at most bandwidth = {self.bandwidth:g}"
+            )
+        return self
+
+    @property
+    def ladder(self) -> tuple[int, ...]:
+        """Grids, rising, each once."""
+        return tuple(sorted(set(self.grids)))
+
+    def surface(self, k: int, *, until: float) -> SelfAffineSurface:
+        """Return one surface with its waves up to a magnification."""
+        shape = {"hurst": self.hurst, "periods": self.periods, "bandwidth": self.bandwidth}
+        return truncated_surface(self.seed + k, until, length=_LENGTH, gradient=_GRADIENT, **shape)
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Case:
-    """One surface with its waves up to some magnification, at one nominal pressure [Pa]."""
+    """One surface with its waves up to some magnification, at one nominal pressure, on a solid of a hardness [Pa]."""
 
-    surface: SelfAffineSurface
-    pressure: float
+    realised: Realised
     hardness: float
 
     def solve(self, n: int) -> Press:
         return Press(
             method="bem",
             grid=(n, n),
-            realised=Realised(surface=self.surface, solid=_SOLID, load=Load(pressure=self.pressure)),
+            realised=self.realised,
             settings=(("tolerance", 1e-8),),
-            effects=(Hardness(kind="hardness", hardness=self.hardness),),
+            effects=(Hardness(hardness=self.hardness),),
         )
 
     def theory(self) -> Array:
         """A_pl/A0 and A_el/A0 with the gradient of this very surface."""
-        variance = elastic.stress_variance(reference_field(self.surface).moments[1], contact_modulus=_MODULUS)
-        parts = constant_hardness(self.pressure, stress_variance=variance, yield_stress=self.hardness)
+        realised = self.realised
+        variance = elastic.stress_variance(
+            realised.field.moments[1], contact_modulus=realised.contact_modulus
+        )
+        parts = constant_hardness(realised.pressure, stress_variance=variance, yield_stress=self.hardness)
         return np.array([float(parts.plastic), float(parts.elastic)])
 
 
-def run(
-    *,
-    bench: Bench | None = None,
-    pressures: tuple[float, ...] = (0.01, 0.02, 0.05, 0.1, 0.2),
-    magnifications: tuple[float, ...] = (1.25, 1.5, 2.0, 3.0, 4.0),
-    hardness: float = 0.6,
-    smoothing_pressure: float = 0.1,
-    seeds: tuple[int, ...] = (11, 12),
-    grids: tuple[int, ...] = (64, 128, 256),
-    hurst: float = 0.8,
-    periods: float = 4.0,
-    bandwidth: float = 4.0,
-) -> xr.Dataset:
-    """Solve every seed at every load and magnification on every grid.
+#: Cases by load or magnification, one for each surface.
+_Rows = Sequence[Sequence[_Case]]
 
-    Parameters
-    ----------
-    bench : Bench, optional
-        Where the solves run and are stored; results/solves if not given.
-    pressures : tuple of float
-        p* = p0 / (E* h'_rms) with the realised gradient of all waves.
-    magnifications : tuple of float
-        zeta = q/q_long of the last wave there is, above 1 and at most the bandwidth.
-    hardness : float
-        H / (E* h'_rms) with the gradient asked for.
-    smoothing_pressure : float
-        p* at which magnifications are walked through and surfaces are smoothed.
-    seeds, grids : tuple of int
-        Realisations, and points along a side; at least two grids.
-    hurst, periods, bandwidth : float
-        H, L / lambda_long, lambda_long / lambda_short.
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Solve every surface at every load and magnification on every grid.
 
     Returns
     -------
     xarray.Dataset
-        Over `pressure` and over `magnification`: A_pl/A0 and A_el/A0 in the limit of the two finest grids,
-        linear in dx, averaged over the seeds, with the uncertainty from grids and seeds; the finest grid; the
+        Over `reduced_pressure` and over `magnification`: A_pl/A0 and A_el/A0 in the limit of the two finest grids,
+        linear in dx, averaged over the surfaces, with the uncertainty from grids and surfaces; the finest grid; the
         theory. Over `wave`: share of C(q) that the smoothed surfaces keep, and Persson's.
-
-    Raises
-    ------
-    UsageError
-        For fewer than two grids, or magnifications outside the bandwidth.
     """
+    by_load, by_wave, last = _cases(options)
+    every = [case for row in [*by_load, *by_wave, last] for case in row]
+    solved = bench.solve([case.solve(n) for case in every for n in options.ladder])
+    columns = _columns(by_load, options.ladder, solved, dimension="reduced_pressure")
+    columns |= _columns(by_wave, options.ladder, solved, dimension="magnification", suffix="_grown")
+    return _dataset(options, columns, kept=_kept(last, options.ladder[-1], solved))
+
+
+def _cases(options: Options) -> tuple[_Rows, _Rows, Sequence[_Case]]:
+    """List the cases by load, by magnification, and those that are smoothed, each surface after the other."""
+    hardness = options.hardness * _MODULUS * _GRADIENT
+    surfaces = range(options.surfaces)
+
+    def realised(k: int, until: float, pressure: float) -> Realised:
+        return Realised(surface=options.surface(k, until=until), solid=_SOLID, load=Load(pressure=pressure))
+
+    units = [realised(k, options.bandwidth, 1.0).pressure_scale for k in surfaces]
+
+    def row(load: float, until: float) -> list[_Case]:
+        return [_Case(realised=realised(k, until, load * units[k]), hardness=hardness) for k in surfaces]
+
+    smoothing = options.smoothing_reduced_pressure
+    by_load = [row(load, options.bandwidth) for load in options.reduced_pressures]
+    by_wave = [row(smoothing, zeta) for zeta in options.magnifications]
+    return by_load, by_wave, row(smoothing, options.bandwidth)
+
+
+def _dataset(options: Options, columns: dict[str, Any], *, kept: _Kept) -> xr.Dataset:
+    """Put areas and spectra together."""
     import xarray as xr
 
-    if len(set(grids)) < 2:
-        raise UsageError(f"--grids = {grids}: at least two, for a limit")
-    if not all(1 < zeta <= bandwidth for zeta in magnifications):
-        raise UsageError(f"--magnifications = {magnifications}: must lie above 1, at most {bandwidth:g}")
-    bench = bench or Bench.at()
-    limit = hardness * _MODULUS * _GRADIENT
-
-    def cut(until: float) -> list[SelfAffineSurface]:
-        shape = {"hurst": hurst, "periods": periods, "bandwidth": bandwidth}
-        return [truncated_surface(seed, until, length=_LENGTH, gradient=_GRADIENT, **shape) for seed in seeds]
-
-    whole = cut(bandwidth)
-    units = [_MODULUS * reference_field(surface).rms_gradient for surface in whole]
-
-    def cases(load: float, surfaces: Sequence[SelfAffineSurface]) -> list[_Case]:
-        return [
-            _Case(surface=surface, pressure=load * unit, hardness=limit)
-            for surface, unit in zip(surfaces, units, strict=True)
-        ]
-
-    by_load = [cases(load, whole) for load in pressures]
-    by_wave = [cases(smoothing_pressure, cut(zeta)) for zeta in magnifications]
-    last = cases(smoothing_pressure, whole)
-    ladder = tuple(sorted(set(grids)))
-    solved = bench.solve(
-        [case.solve(n) for row in [*by_load, *by_wave, last] for case in row for n in ladder]
-    )
-    columns = _columns(by_load, ladder, solved, dimension="pressure")
-    columns |= _columns(by_wave, ladder, solved, dimension="magnification", suffix="_grown")
-    q, kept, theory, inside = _kept(last, ladder[-1], solved)
     ratio = {"units": "1", "long_name": "C(q) left by smoothing, over C(q)"}
-    columns["kept"] = ("wave", kept, ratio)
-    columns["kept_persson"] = ("wave", theory, {"units": "1", "long_name": "1 - A_pl(q)/A_pl, Persson"})
-    names = {"pressure": "p* = p0 / (E* h'_rms)", "magnification": "q / q_long of the last wave"}
+    columns["kept"] = ("wave", kept.measured, ratio)
+    columns["kept_persson"] = (
+        "wave",
+        kept.theory,
+        {"units": "1", "long_name": "1 - A_pl(q)/A_pl, Persson"},
+    )
+    names = {"reduced_pressure": "p* = p0 / (E* h'_rms)", "magnification": "q / q_long of the last wave"}
+    along = {"reduced_pressure": options.reduced_pressures, "magnification": options.magnifications}
     coords = {
         name: (name, np.asarray(values), {"units": "1", "long_name": names[name]})
-        for name, values in (("pressure", pressures), ("magnification", magnifications))
+        for name, values in along.items()
     }
-    coords["wave"] = ("wave", q, {"units": "1", "long_name": "q / q_long"})
-    return xr.Dataset(
-        columns,
-        coords=coords,
-        attrs={
-            "methods": "theory bem",
-            "surfaces": len(seeds),
-            "hardness": hardness,
-            "smoothing_pressure": smoothing_pressure,
-            "gradient_kept_inside": inside,
-        },
-    )
+    coords["wave"] = ("wave", kept.q, {"units": "1", "long_name": "q / q_long"})
+    said = {
+        "surfaces": options.surfaces,
+        "hardness": options.hardness,
+        "smoothing_reduced_pressure": options.smoothing_reduced_pressure,
+        "gradient_kept_inside": kept.inside,
+    }
+    return xr.Dataset(columns, coords=coords, attrs={"methods": "theory bem", **said})
 
 
 def _columns(
-    rows: Sequence[Sequence[_Case]],
+    rows: _Rows,
     ladder: tuple[int, ...],
     solved: Solves,
     *,
@@ -213,28 +235,59 @@ def _linear(coarse: Array, fine: Array, ratio: float) -> Array:
     return np.asarray((fine - ratio * coarse) / (1 - ratio))
 
 
-def _kept(cases: Sequence[_Case], n: int, solved: Solves) -> tuple[Array, Array, Array, float]:
-    """Share of C(q) that smoothing leaves, Persson's, and the share of <|grad h|^2> left where it yielded."""
-    measured, theory, inside = [], [], []
-    for case in cases:
-        contact = solved[case.solve(n)].checked()
-        before = HeightField(heights=np.array(contact.heights), lengths=contact.lengths)
-        after = yielded(contact).surface
-        spectrum = spectrum_of(case.surface)
-        rings, left = radial_spectrum(before), radial_spectrum(after)
-        own = (rings.q >= spectrum.q_long) & (rings.q <= spectrum.q_short)
-        measured.append(left.power[own] / rings.power[own])
-        q = rings.q[own] / spectrum.q_long
-        scaled = spectrum.scaled(float(reference_field(case.surface).rms_gradient ** 2 / spectrum.m2()))
-        fine = np.geomspace(spectrum.q_long, spectrum.q_short, 400)
-        variance = Scale(scaled, contact_modulus=_MODULUS).variance(fine)
-        parts = constant_hardness(case.pressure, stress_variance=variance, yield_stress=case.hardness)
-        share = np.minimum(parts.plastic * case.hardness / case.pressure, 1.0)
-        bar = smoothed(scaled, wavevectors=fine, yielded=share)
-        theory.append(bar(rings.q[own]) / scaled(rings.q[own]))
-        slopes = [_squared_gradient(field)[contact.at_bound].mean() for field in (before, after)]
-        inside.append(slopes[1] / slopes[0])
-    return q, np.mean(measured, axis=0), np.mean(theory, axis=0), float(np.mean(inside))
+@dataclass(frozen=True, kw_only=True)
+class _Kept:
+    """What smoothing leaves, means over the surfaces.
+
+    Attributes
+    ----------
+    q : (n,) array
+        Over q_long.
+    measured, theory : (n,) arrays
+        Share of C(q) that is left.
+    inside : float
+        Share of <|grad h|^2> that is left where the surface yielded.
+    """
+
+    q: Array
+    measured: Array
+    theory: Array
+    inside: float
+
+
+def _kept(cases: Sequence[_Case], n: int, solved: Solves) -> _Kept:
+    """Read off the surfaces left behind what smoothing leaves, beside Persson's."""
+    q, measured, theory, inside = zip(*(_kept_of(case, n, solved) for case in cases), strict=True)
+    return _Kept(
+        q=q[-1],
+        measured=np.mean(measured, axis=0),
+        theory=np.mean(theory, axis=0),
+        inside=float(np.mean(inside)),
+    )
+
+
+def _kept_of(case: _Case, n: int, solved: Solves) -> tuple[Array, Array, Array, float]:
+    """Waves over q_long, the share left at each, Persson's, and the share of the squared gradient."""
+    contact = solved[case.solve(n)].checked()
+    before = HeightField(heights=np.array(contact.heights), lengths=contact.lengths)
+    after = yielded(contact).surface
+    spectrum = case.realised.spectrum_shape
+    rings, left = radial_spectrum(before), radial_spectrum(after)
+    own = (rings.q >= spectrum.q_long) & (rings.q <= spectrum.q_short)
+    slopes = [_squared_gradient(field)[contact.at_bound].mean() for field in (before, after)]
+    measured, theory = left.power[own] / rings.power[own], _kept_by_theory(case, rings.q[own])
+    return rings.q[own] / spectrum.q_long, measured, theory, slopes[1] / slopes[0]
+
+
+def _kept_by_theory(case: _Case, q: Array) -> Array:
+    """Share of C(q) that Persson's formula leaves at wavevectors (2006, Sec. 10.2)."""
+    realised, spectrum = case.realised, case.realised.spectrum_shape
+    scaled = spectrum.scaled(float(realised.field.rms_gradient**2 / spectrum.m2()))
+    fine = np.geomspace(spectrum.q_long, spectrum.q_short, 400)
+    variance = Scale(scaled, contact_modulus=realised.contact_modulus).variance(fine)
+    parts = constant_hardness(realised.pressure, stress_variance=variance, yield_stress=case.hardness)
+    share = np.minimum(parts.plastic * case.hardness / realised.pressure, 1.0)
+    return np.asarray(smoothed(scaled, wavevectors=fine, yielded=share)(q) / scaled(q))
 
 
 def _squared_gradient(field: HeightField) -> Array:
@@ -248,13 +301,16 @@ def _squared_gradient(field: HeightField) -> Array:
 def findings(data: xr.Dataset) -> tuple[str, ...]:
     """Say how far the theory is from the limit, and how much of the spectrum is left."""
     sentences = []
-    for dimension, suffix, words in (("pressure", "", "p*"), ("magnification", "_grown", "magnification")):
+    for dimension, suffix, words in (
+        ("reduced_pressure", "", "p*"),
+        ("magnification", "_grown", "magnification"),
+    ):
         for k in sorted({0, data.sizes[dimension] - 1}):
             point = data.isel({dimension: k})
             parts = [_beside(point, part, suffix) for part in _PARTS]
             at = f"{words} = {float(point[dimension]):.3g}"
             if suffix:
-                at += f" (p* = {data.attrs['smoothing_pressure']:.3g} with all waves)"
+                at += f" (p* = {data.attrs['smoothing_reduced_pressure']:.3g} with all waves)"
             sentences.append(f"At {at} and H = {data.attrs['hardness']:.3g} E* h'_rms: {'; '.join(parts)}.")
     sentences.append(_smoothing(data))
     return tuple(sentences)
@@ -274,7 +330,7 @@ def _smoothing(data: xr.Dataset) -> str:
     kept, theory = (float(data[name].values[-1]) for name in ("kept", "kept_persson"))
     worst = float(np.max(np.abs(data["kept"].values - data["kept_persson"].values)))
     return (
-        f"Smoothed at p* = {data.attrs['smoothing_pressure']:.3g}, the surface keeps {kept:.3g} of C(q) at "
+        f"Smoothed at p* = {data.attrs['smoothing_reduced_pressure']:.3g}, the surface keeps {kept:.3g} of C(q) at "
         f"q = {float(data['wave'].values[-1]):.3g} q_long, where Persson's formula leaves {theory:.3g} "
         f"(largest difference {worst:.2g}): it smooths the whole surface, boundary elements only what has "
         f"yielded, where {data.attrs['gradient_kept_inside']:.2g} of the squared gradient is left."
@@ -287,7 +343,7 @@ def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
     from validation.report.figure import lines_figure
 
     drawings = []
-    for x, suffix, words in (("pressure", "", "load"), ("magnification", "_grown", "magnification")):
+    for x, suffix, words in (("reduced_pressure", "", "load"), ("magnification", "_grown", "magnification")):
         for part in _PARTS:
             lines = (f"{part}{suffix}", f"{part}{suffix}_finest", f"{part}{suffix}_persson")
             drawings.append(

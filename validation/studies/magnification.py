@@ -3,71 +3,75 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
 
 from persson import elastic
 from validation.measures.common import (
-    at_least,
+    SHIFTS,
+    Ladder,
+    Rising,
+    base_case,
     base_surface,
-    measure,
     over_surfaces,
     persson_area,
-    rising,
-    solid_of,
+    results_of,
 )
 from validation.measures.measurement import Measurement, area_limits, grid_for
 from validation.measures.theory import modes_sentence
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
+from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
 from validation.solves.bench import Bench
+from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Shifts, Surfaces
+from validation.studies._study import StudyOptions
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
-    from validation.scenes.scene import Scene
+__all__ = ["Options", "figures", "findings", "run", "table"]
 
-__all__ = ["figures", "findings", "run", "table"]
+Array = NDArray[np.float64]
 
 
-def run(
-    *,
-    scene: Scene | None = None,
-    bench: Bench | None = None,
-    reduced_pressures: tuple[float, ...] = (0.05, 0.2),
-    magnifications: tuple[float, ...] = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0),
-    hurst: float = 0.8,
-    size: float = 4.0,
-    ratio: float = 16.0,
-    surfaces: int = 4,
-    points_per_wave: tuple[float, ...] = (3.0, 6.0),
-    shifts: int = 2,
-    seed: int = 2006,
-) -> xr.Dataset:
+class Options(StudyOptions):
+    """What is pressed, and which of its waves are there."""
+
+    reduced_pressures: Rising = Field(
+        default=(0.05, 0.2), description="p* = p0 / (E* h'_rms) with the gradient of all waves, rising"
+    )
+    magnifications: Rising = Field(
+        default=(1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0),
+        description="zeta = q/q_long of the last wave there is, rising",
+    )
+    hurst: Hurst = 0.8
+    periods: Periods = 4.0
+    bandwidth: Bandwidth = 16.0
+    surfaces: Surfaces = 4
+    shifts: Shifts = SHIFTS
+    points_per_wave: Ladder = Field(
+        default=(3.0, 6.0), description="grids, as the shortest wave of all over dx, rising"
+    )
+    seed: Seed = 2006
+
+    @property
+    def surface(self) -> SelfAffineSurface:
+        """The first surface."""
+        return base_surface(hurst=self.hurst, periods=self.periods, bandwidth=self.bandwidth, seed=self.seed)
+
+
+#: What a case is called: number of the surface, magnification.
+_Case = tuple[int, float]
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Press every surface with its waves up to each magnification, always at the same nominal pressures.
-
-    Parameters
-    ----------
-    scene : Scene, optional
-        Gives the solid; nothing reported depends on it.
-    bench : Bench, optional
-        Where and how the cases run.
-    reduced_pressures : tuple of float
-        p* with the gradient of all waves, rising.
-    magnifications : tuple of float
-        zeta = q/q_long, rising.
-    hurst, size, ratio : float
-        H, L/lambda_long and lambda_long/lambda_short.
-    surfaces : int
-        Realisations.
-    points_per_wave : tuple of float
-        Grids, as the shortest wave of all over dx, rising.
-    shifts : int
-        Sub-grid shifts along each axis.
-    seed : int
-        Of the first surface.
 
     Returns
     -------
@@ -77,57 +81,62 @@ def run(
     """
     import xarray as xr
 
-    at_least("surfaces", surfaces, 2)
-    magnifications, points_per_wave = (
-        rising("magnifications", magnifications),
-        rising("points_per_wave", points_per_wave),
-    )
-    surface = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed)
-    grids = tuple(grid_for(surface, points) for points in points_per_wave)
-    q_long = 2 * np.pi / surface.lambda_long
-    cases = [
-        Measurement(
-            surface=surface,
-            realisation=k,
-            truncation=zeta * q_long,
-            solid=solid_of(scene),
-            reduced_pressures=reduced_pressures,
-            grids=grids,
-            shifts=shifts,
-        )
-        for k, zeta in itertools.product(range(surfaces), magnifications)
-    ]
-    measured = measure(bench, cases)
-    shape = (surfaces, len(magnifications), len(reduced_pressures))
-    limits = [area_limits(data) for data in measured]
-    # p* of a truncated surface grows as its gradient shrinks, at the same nominal pressure.
-    partial = np.array([case.field(grids[0]).rms_gradient for case in cases])
-    whole = np.array([data.attrs["rms_gradient"] for data in measured])
-    pressures = np.array(reduced_pressures) * (whole / partial)[:, None]
-    spectrum = spectrum_of(surface)
-    q_upper = np.tile(np.minimum(np.array(magnifications) * q_long, spectrum.q_short), surfaces)
-    variance = elastic.stress_variance(spectrum.m2(q_upper), contact_modulus=1.0)
+    cases = _cases(options)
+    measured = results_of(bench, cases)
+    limits = {case: area_limits(data) for case, data in measured.items()}
+    loads, spectrum = np.array(options.reduced_pressures), spectrum_of(options.surface)
+
+    def own_pressures(case: _Case) -> Array:
+        # p* of a truncated surface grows as its gradient shrinks, at the same nominal pressure.
+        solve = cases[case]
+        partial = solve.heights(solve.grids[0]).rms_gradient
+        return np.asarray(loads * (measured[case].attrs["rms_gradient"] / partial))
+
+    def ensemble(case: _Case) -> Array:
+        q = min(case[1] * spectrum.q_long, spectrum.q_short)
+        variance = elastic.stress_variance(spectrum.m2(q), contact_modulus=1.0)
+        pressure = loads * measured[case].attrs["rms_gradient"]
+        return np.asarray(elastic.contact_area(pressure, stress_variance=variance))
+
+    def over(read: Callable[[_Case], Array]) -> tuple[tuple[str, ...], Array]:
+        rows = [[read((k, zeta)) for zeta in options.magnifications] for k in range(options.surfaces)]
+        return ("surface", "magnification", "load"), np.array(rows)
+
     return xr.Dataset(
         {
-            "area": (("surface", "magnification", "load"), np.array([v for v, _ in limits]).reshape(shape)),
-            "area_error": (
-                ("surface", "magnification", "load"),
-                np.array([e for _, e in limits]).reshape(shape),
-            ),
-            "theory": (("surface", "magnification", "load"), persson_area(pressures).reshape(shape)),
-            "theory_ensemble": (
-                ("surface", "magnification", "load"),
-                elastic.contact_area(
-                    np.array(reduced_pressures) * whole[:, None], stress_variance=variance[:, None]
-                ).reshape(shape),
-            ),
+            "area": over(lambda case: limits[case][0]),
+            "area_error": over(lambda case: limits[case][1]),
+            "theory": over(lambda case: persson_area(own_pressures(case))),
+            "theory_ensemble": over(ensemble),
         },
         coords={
-            "magnification": ("magnification", list(magnifications), {"long_name": "q / q_long"}),
-            "reduced_pressure": ("load", list(reduced_pressures)),
+            "magnification": ("magnification", list(options.magnifications), {"long_name": "q / q_long"}),
+            "reduced_pressure": ("load", list(options.reduced_pressures)),
         },
-        attrs={"study": "magnification", "hurst": hurst, "size": size, "ratio": ratio},
+        attrs={
+            "study": "magnification",
+            "hurst": options.hurst,
+            "periods": options.periods,
+            "bandwidth": options.bandwidth,
+        },
     )
+
+
+def _cases(options: Options) -> dict[_Case, Measurement]:
+    """List one case for each surface and magnification."""
+    base = base_case(options.surface, reduced_pressure=options.reduced_pressures[0])
+    grids = tuple(grid_for(base, points) for points in options.points_per_wave)
+    q_long = 2 * np.pi / options.surface.lambda_long
+    return {
+        (k, zeta): Measurement(
+            realised=base.further(k),
+            truncation=zeta * q_long,
+            reduced_pressures=options.reduced_pressures,
+            grids=grids,
+            shifts=options.shifts,
+        )
+        for k, zeta in itertools.product(range(options.surfaces), options.magnifications)
+    }
 
 
 def table(dataset: xr.Dataset) -> ResultTable:
@@ -192,13 +201,48 @@ _ROUGH = 2.0
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw area against magnification, simulation and theory."""
-    from validation.studies import _plots_studies as plots_studies
-
     return (
         Drawing(
             name="area-against-magnification",
-            figure=plots_studies.area_against_magnification(dataset),
+            figure=_area_against_magnification(dataset),
             data=dataset[["area", "theory", "theory_ensemble"]],
             caption="Contact area of one nominal pressure as shorter waves are added, simulation (limit over grids) and theory with the gradient of the waves that are there (thin, dashed: from C(q) alone).",
         ),
     )
+
+
+def _area_against_magnification(dataset: xr.Dataset) -> Figure:
+    """A/A0 against magnification at each load, simulation and theory."""
+    from validation.report.figure import COLOURS, look, new_figure
+
+    figure, (axes,) = new_figure()
+    for j, pressure in enumerate(dataset.reduced_pressure.values):
+        area = dataset.area[:, :, j]
+        axes.errorbar(
+            dataset.magnification,
+            area.mean("surface"),
+            yerr=area.std("surface", ddof=1),
+            label=f"limit, p* = {pressure:g}",
+            **look(j),
+        )
+        axes.plot(
+            dataset.magnification,
+            dataset.theory[:, :, j].mean("surface"),
+            ls="-.",
+            color=COLOURS[j],
+            label=f"Persson, p* = {pressure:g}",
+        )
+        axes.plot(
+            dataset.magnification,
+            dataset.theory_ensemble[:, :, j].mean("surface"),
+            ls="--",
+            lw=0.7,
+            color=COLOURS[j],
+            label="the same from C(q) alone",
+        )
+    axes.set_xscale("log", base=2)
+    axes.set_yscale("log")
+    axes.set_xlabel(r"magnification $\zeta = q / q_{long}$")
+    axes.set_ylabel(r"$A(\zeta)/A_0$")
+    axes.legend(fontsize=8)
+    return figure

@@ -7,31 +7,72 @@ little, so that few surfaces are needed where a solve is dear.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
+from pydantic import Field
 
-from validation.errors import UsageError
-from validation.measures.common import at_least, base_surface, measure, rising, solid_of
+from validation.measures.common import Rising, base_case, base_surface, results_of
 from validation.measures.measurement import Measurement, grid_for
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.solves.bench import Bench
+from validation.studies._options import Bandwidth, Hurst, Periods, ReducedPressure, Seed
+from validation.studies._study import StudyOptions
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from validation.scenes.scene import Scene
-
-__all__ = ["Level", "allocation", "figures", "findings", "run", "saving", "table"]
+__all__ = [
+    "Level",
+    "Options",
+    "allocation",
+    "estimate",
+    "figures",
+    "findings",
+    "run",
+    "saving",
+    "table",
+]
 
 _AREAS = ("pixel", "perimeter", "subcell")
 
 #: Between the first surfaces of neighbouring levels, so that no surface serves two of them.
 _APART = 100_000
+
+
+class Options(StudyOptions):
+    """Levels, and the error that is asked for. Costs are times: use one worker and a quiet machine."""
+
+    points_per_wave: Annotated[
+        Rising, Field(min_length=2, description="grids, as lambda_short/dx, rising")
+    ] = (
+        4.0,
+        8.0,
+        16.0,
+    )
+    area: Literal["pixel", "perimeter", "subcell"] = Field(
+        default="subcell", description="definition of the area"
+    )
+    error: float = Field(
+        default=0.002, gt=0, lt=1, description="standard error of the mean that is asked for, relative"
+    )
+    pilot: int = Field(
+        default=12,
+        ge=4,
+        le=10_000,
+        description="surfaces of each level from which its variance and cost are first told",
+    )
+    reduced_pressure: ReducedPressure = 0.05
+    hurst: Hurst = 0.8
+    periods: Periods = 4.0
+    bandwidth: Bandwidth = 8.0
+    seed: Seed = 1607
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,38 +127,8 @@ def saving(levels: Sequence[Level], *, variance: float, cost: float) -> float:
     return float(variance * cost / sum(np.sqrt(level.variance * level.cost) for level in levels) ** 2)
 
 
-def run(
-    *,
-    scene: Scene | None = None,
-    bench: Bench | None = None,
-    points_per_wave: tuple[float, ...] = (4.0, 8.0, 16.0),
-    area: str = "subcell",
-    error: float = 0.002,
-    pilot: int = 12,
-    reduced_pressure: float = 0.05,
-    hurst: float = 0.8,
-    size: float = 4.0,
-    ratio: float = 8.0,
-    seed: int = 1607,
-) -> xr.Dataset:
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Measure variance and cost of each level on some surfaces, then solve as many as the error takes.
-
-    Parameters
-    ----------
-    scene : Scene, optional
-        Gives the solid.
-    bench : Bench, optional
-        Costs are times: use one worker and a quiet machine.
-    points_per_wave : tuple of float
-        Grids, as lambda_short/dx, rising.
-    area : str
-        Definition of the area: "pixel", "perimeter" or "subcell".
-    error : float
-        Standard error of the mean that is asked for, relative.
-    pilot : int
-        Surfaces of each level from which its variance and cost are first told.
-    reduced_pressure, hurst, size, ratio, seed
-        p*, H, L/lambda_long, lambda_long/lambda_short, first seed.
 
     Returns
     -------
@@ -125,69 +136,63 @@ def run(
         Over `level`: mean and variance of the level's term, cost of one surface, surfaces that were solved; over
         (level, definition): the same variances for every definition of the area. The attributes hold the estimate.
     """
+    first = _solved(options, [options.pilot] * len(options.points_per_wave), bench=bench)
+    levels = [_level(part, options.area) for part in first]
+    scale = float(np.mean(_terms(first[0], options.area)))
+    counts = [max(count, options.pilot) for count in allocation(levels, options.error * scale)]
+    return _dataset(_solved(options, counts, bench=bench), options)
+
+
+def _solved(options: Options, counts: Sequence[int], *, bench: Bench) -> list[list[xr.Dataset]]:
+    """Solve so many surfaces of each level, each on the two grids of the level."""
+    surface = base_surface(
+        hurst=options.hurst, periods=options.periods, bandwidth=options.bandwidth, seed=options.seed
+    )
+    first = base_case(surface, reduced_pressure=options.reduced_pressure)
+    grids = [grid_for(first, n) for n in options.points_per_wave]
+    found = results_of(
+        bench,
+        {
+            (level, k): Measurement(
+                realised=first.further(k + _APART * level),
+                grids=tuple(grids[max(level - 1, 0) : level + 1]),
+                shifts=1,
+            )
+            for level, count in enumerate(counts)
+            for k in range(count)
+        },
+    )
+    return [[found[level, k] for k in range(count)] for level, count in enumerate(counts)]
+
+
+def _dataset(found: Sequence[Sequence[xr.Dataset]], options: Options) -> xr.Dataset:
     import xarray as xr
 
-    grids = rising("points_per_wave", points_per_wave)
-    at_least("points_per_wave", len(grids), 2)
-    at_least("pilot", pilot, 4)
-    if area not in _AREAS or not 0 < error < 1:
-        raise UsageError(
-            f"--area = {area!r}, --error = {error:g}: one of {', '.join(_AREAS)}, and between 0 and 1"
-        )
-    surface, solid = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed), solid_of(scene)
-
-    def solved(counts: Sequence[int]) -> list[list[xr.Dataset]]:
-        solves = [
-            [
-                Measurement(
-                    surface=surface,
-                    realisation=k + _APART * level,
-                    solid=solid,
-                    reduced_pressures=(reduced_pressure,),
-                    grids=tuple(grid_for(surface, n) for n in grids[max(level - 1, 0) : level + 1]),
-                    shifts=1,
-                )
-                for k in range(count)
-            ]
-            for level, count in enumerate(counts)
-        ]
-        results = iter(measure(bench, [solve for part in solves for solve in part]))
-        return [[next(results) for _ in part] for part in solves]
-
-    first = solved([pilot] * len(grids))
-    levels = [_level(part, area) for part in first]
-    scale = float(np.mean(_terms(first[0], area)))
-    counts = [max(count, pilot) for count in allocation(levels, error * scale)]
-    found = solved(counts)
-    terms = [_terms(part, area) for part in found]
+    area, terms = options.area, [_terms(part, options.area) for part in found]
     alone = float(np.mean([float(d.seconds[-1, 0, 0]) for d in found[-1]]))
     every = {name: [_level(part, name) for part in found] for name in _AREAS}
+    savings = [saving(every[name], variance=_finest_variance(found, name), cost=alone) for name in _AREAS]
+    means = np.array([term.mean() for term in terms])
     return xr.Dataset(
         {
-            "mean": (
-                "level",
-                np.array([term.mean() for term in terms]),
-                {"long_name": "mean area, then differences"},
-            ),
+            "mean": ("level", means, {"long_name": "mean area, then differences"}),
             "variance": ("level", np.array([term.var(ddof=1) for term in terms])),
             "cost": ("level", np.array([level.cost for level in every[area]]), {"units": "s"}),
-            "surfaces": ("level", np.array(counts)),
+            "surfaces": ("level", np.array([len(part) for part in found])),
             "saving": (
                 "definition",
-                np.array(
-                    [
-                        saving(every[name], variance=_finest_variance(found, name), cost=alone)
-                        for name in _AREAS
-                    ]
-                ),
+                np.array(savings),
                 {"long_name": "cost of plain Monte Carlo on the finest grid over that of the levels"},
             ),
         },
-        coords={"points_per_wave": ("level", list(grids)), "definition": ("definition", list(_AREAS))},
+        coords={
+            "points_per_wave": ("level", list(options.points_per_wave)),
+            "definition": ("definition", list(_AREAS)),
+        },
         attrs={
             "study": "multilevel",
             "area": area,
-            "error": error,
+            "error": options.error,
             "finest_variance": _finest_variance(found, area),
             "finest_cost": alone,
             "methods": "bem",
@@ -313,13 +318,37 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw variance and cost of the levels."""
-    from validation.studies import _plots_studies as plots_studies
-
     return (
         Drawing(
             name="multilevel",
-            figure=plots_studies.multilevel(dataset, estimate(dataset)[0]),
+            figure=_levels_figure(dataset),
             data=dataset[["variance", "cost", "surfaces"]],
-            caption="Left: scatter between surfaces of the area on the finest grid and of the terms of the telescoping sum. Right: time of one surface, and the number of surfaces of each term.",
+            caption="Left: scatter between surfaces of the area on the finest grid and of the terms of the telescoping sum. "
+            "Right: time of one surface, and the number of surfaces of each term.",
         ),
     )
+
+
+def _levels_figure(dataset: xr.Dataset) -> Figure:
+    """Scatter of the levels against their resolution, and their cost and number of surfaces."""
+    from validation.report.figure import new_figure, plain_look
+
+    figure, (left, right) = new_figure(width=9.0, columns=2, height=3.6)
+    mean, _ = estimate(dataset)
+    level = np.arange(dataset.sizes["level"])
+    grids = [f"{n:g}" for n in dataset.points_per_wave.values]
+    names = [grids[0], *(f"{b} - {a}" for a, b in itertools.pairwise(grids))]
+    scatter = 100 * np.sqrt(dataset.variance.values) / mean
+    left.plot(level, scatter, label="term of the sum", **plain_look(0))
+    alone = 100 * float(np.sqrt(dataset.attrs["finest_variance"])) / mean
+    left.axhline(alone, color="black", lw=0.8, label="area on the finest grid")
+    left.set_ylabel("scatter between surfaces [%]")
+    right.plot(level, dataset.cost.values, label="seconds for one surface", **plain_look(1))
+    right.plot(level, dataset.surfaces.values, label="surfaces", **plain_look(2))
+    right.set_ylabel("seconds; surfaces")
+    for axes in (left, right):
+        axes.set_yscale("log")
+        axes.set_xticks(level, names)
+        axes.set_xlabel("points per shortest wave")
+        axes.legend(fontsize=8)
+    return figure

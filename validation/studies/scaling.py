@@ -8,32 +8,65 @@ bandwidth: each surface has waves down to the same number of grid spacings, so t
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
 import scipy.stats
+from pydantic import Field, model_validator
 
 from fem_contact.area import contact_areas
-from fem_contact.solid import Solid
-from validation.errors import UsageError
-from validation.measures.common import at_least, base_surface, measure, solid_of
+from validation.measures.common import RisingGrids, base_case, base_surface, results_of
 from validation.measures.single_solve import SingleSolve
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
-from validation.scenes.surfaces import height_field, reference_field
 from validation.solves.bench import Bench
 from validation.solves.solve import Prediction
+from validation.studies._options import Hurst, Periods, ReducedPressure, Seed, Surfaces
+from validation.studies._study import StudyOptions
+from validation.units import wrong
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
-    from validation.scenes.scene import Scene
-
-__all__ = ["SolveCost", "figures", "findings", "run", "table"]
+__all__ = ["Options", "PowerLaw", "SolveCost", "figures", "findings", "power_law", "run", "table"]
 
 _COSTS = {"seconds": "s", "fft_pairs": "1", "peak_bytes": "byte"}
 _WORDS = {"seconds": "time", "fft_pairs": "pairs of transforms", "peak_bytes": "memory"}
+
+
+class Options(StudyOptions):
+    """Surfaces whose bandwidth grows with the grid. Times mean something only if nothing else runs: one worker."""
+
+    grids: Annotated[RisingGrids, Field(min_length=3, description="points along a side, rising")] = (
+        128,
+        256,
+        512,
+        1024,
+        2048,
+    )
+    points_per_wave: float = Field(default=8.0, gt=0, description="lambda_short/dx, the same on every grid")
+    periods: Periods = 4.0
+    hurst: Hurst = 0.8
+    reduced_pressure: ReducedPressure = 0.05
+    surfaces: Surfaces = 3
+    seed: Seed = 1206
+
+    @property
+    def coarsest(self) -> float:
+        """Points along a side on which lambda_short is as long as lambda_long."""
+        return self.points_per_wave * self.periods
+
+    @model_validator(mode="after")
+    def _rough(self) -> Self:
+        if self.grids[0] <= self.coarsest:
+            raise wrong(
+                f"grids = {', '.join(map(str, self.grids))}: must be above L/lambda_long x lambda_short/dx = "
+                f"{self.coarsest:g}"
+            )
+        return self
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,7 +80,7 @@ class SolveCost(SingleSolve):
 
     def describe(self) -> str:
         """Return a few words for a progress bar."""
-        return f"BEM {self.points}x{self.points}, surface {self.realisation + 1}"
+        return f"BEM {self.where}"
 
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict the cost."""
@@ -59,13 +92,9 @@ class SolveCost(SingleSolve):
         import xarray as xr
 
         from fem_contact import bem
-        from fem_contact.response import HalfSpace
 
-        response = HalfSpace(solid=Solid(**self.solid.model_dump()))
-        whole = reference_field(self.surface, realisation=self.realisation)
-        field = height_field(self.surface, (self.points, self.points), realisation=self.realisation)
-        pressure = self.reduced_pressure * response.contact_modulus * whole.rms_gradient
-        result = bem.solve(field, response, mean_pressure=pressure, threads=1).checked()
+        pressure = self.realised.pressure
+        result = bem.solve(self.heights(), self.half_space, mean_pressure=pressure, threads=1).checked()
         areas = contact_areas(result, subcell=True)
         data = {
             "seconds": result.cost.cpu_seconds,
@@ -76,38 +105,8 @@ class SolveCost(SingleSolve):
         return xr.Dataset({name: ((), float(value)) for name, value in data.items()})
 
 
-def run(
-    *,
-    scene: Scene | None = None,
-    bench: Bench | None = None,
-    points: tuple[int, ...] = (128, 256, 512, 1024, 2048),
-    points_per_wave: float = 8.0,
-    size: float = 4.0,
-    hurst: float = 0.8,
-    reduced_pressure: float = 0.05,
-    surfaces: int = 3,
-    seed: int = 1206,
-) -> xr.Dataset:
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Solve surfaces whose bandwidth grows with the grid, and measure what that costs.
-
-    Parameters
-    ----------
-    scene : Scene, optional
-        Gives the solid.
-    bench : Bench, optional
-        Times mean something only if nothing else runs: use one worker.
-    points : tuple of int
-        Grids, as points along each axis, rising.
-    points_per_wave : float
-        lambda_short/dx, the same on every grid.
-    size : float
-        L/lambda_long, the same on every grid.
-    hurst, reduced_pressure : float
-        H and p*.
-    surfaces : int
-        Realisations on each grid.
-    seed : int
-        Of the first surface.
 
     Returns
     -------
@@ -115,52 +114,44 @@ def run(
         seconds, fft_pairs, peak_bytes and area with dimensions (points, surface); the attributes hold the memory that
         was free [byte] when this was run.
     """
+    return _dataset(results_of(bench, _cases(options)), options)
+
+
+def _cases(options: Options) -> dict[tuple[int, int], SolveCost]:
+    """List the solves by points along a side and number of the surface."""
+    cases = {}
+    for n, k in itertools.product(options.grids, range(options.surfaces)):
+        surface = base_surface(
+            hurst=options.hurst, periods=options.periods, bandwidth=n / options.coarsest, seed=options.seed
+        )
+        pressed = base_case(surface, reduced_pressure=options.reduced_pressure).further(k)
+        cases[n, k] = SolveCost(realised=pressed, points=n)
+    return cases
+
+
+def _dataset(found: Mapping[tuple[int, int], xr.Dataset], options: Options) -> xr.Dataset:
     import xarray as xr
 
     from validation.solves.cost import available_memory
 
-    at_least("surfaces", surfaces, 2)
-    coarsest = points_per_wave * size
-    if len(points) < 3 or any(np.diff(points) <= 0) or points[0] <= coarsest:
-        raise UsageError(
-            f"--points = {','.join(map(str, points))}: at least three, rising, and above L/lambda_long x lambda_short/dx = "
-            f"{coarsest:g}"
-        )
-    solves = [
-        SolveCost(
-            surface=base_surface(hurst=hurst, size=size, ratio=n / coarsest, seed=seed),
-            realisation=k,
-            solid=solid_of(scene),
-            reduced_pressure=reduced_pressure,
-            points=n,
-        )
-        for n, k in itertools.product(points, range(surfaces))
-    ]
-    found = measure(bench, solves)
-    shape = (len(points), surfaces)
-    units = {**_COSTS, "area": "1"}
+    def rows(name: str) -> Any:
+        return np.array([[float(found[n, k][name]) for k in range(options.surfaces)] for n in options.grids])
+
+    bandwidth = [n / options.coarsest for n in options.grids]
     return xr.Dataset(
         {
-            name: (
-                ("points", "surface"),
-                np.array([float(d[name]) for d in found]).reshape(shape),
-                {"units": unit},
-            )
-            for name, unit in units.items()
+            name: (("points", "surface"), rows(name), {"units": unit})
+            for name, unit in {**_COSTS, "area": "1"}.items()
         },
         coords={
-            "points": ("points", list(points), {"long_name": "points along each axis"}),
-            "bandwidth": (
-                "points",
-                [n / coarsest for n in points],
-                {"long_name": "lambda_long / lambda_short"},
-            ),
+            "points": ("points", list(options.grids), {"long_name": "points along each axis"}),
+            "bandwidth": ("points", bandwidth, {"long_name": "lambda_long / lambda_short"}),
         },
         attrs={
             "study": "scaling",
-            "reduced_pressure": reduced_pressure,
-            "points_per_wave": points_per_wave,
-            "size": size,
+            "reduced_pressure": options.reduced_pressure,
+            "points_per_wave": options.points_per_wave,
+            "periods": options.periods,
             "memory": available_memory(),
             "methods": "bem",
         },
@@ -248,27 +239,50 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
     free = float(dataset.attrs["memory"])
     most = {"memory": laws["peak_bytes"].points(free), "an hour": time.points(3600.0)}
     limit = min(most, key=lambda name: most[name])
-    wave, size = float(dataset.attrs["points_per_wave"]), float(dataset.attrs["size"])
+    wave, periods = float(dataset.attrs["points_per_wave"]), float(dataset.attrs["periods"])
     side = np.sqrt(most[limit])
     sentences.append(
         f"By these laws {memory_words(free)} and an hour on one thread allow {_round(side)} x {_round(side)} points ({limit} ends first): "
         f"{np.log10(side):.2f} decades from L to the spacing, {np.log10(side / wave):.2f} from L to the shortest wave at "
-        f"{wave:g} points on it, {np.log10(side / wave / size):.2f} of roughness at L/lambda_long = {size:g}; the paper says 2 or at most 3."
+        f"{wave:g} points on it, {np.log10(side / wave / periods):.2f} of roughness at L/lambda_long = {periods:g}; the paper says 2 or at most 3."
     )
     return tuple(sentences)
 
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw seconds, transforms and memory against N."""
-    from validation.studies import _plots_studies as plots_studies
-
-    laws = {name: power_law(dataset, name) for name in _COSTS}
-    lines = {name: (law.coefficient, law.exponent) for name, law in laws.items()}
     return (
         Drawing(
             name="cost-against-points",
-            figure=plots_studies.cost_against_points(dataset, lines),
+            figure=_cost_against_points(dataset),
             data=dataset[list(_COSTS)],
-            caption="Processor time on one thread, pairs of transforms, and memory of a cold solve against the number of grid points, for surfaces whose bandwidth grows with the grid; lines: fitted powers of N.",
+            caption="Processor time on one thread, pairs of transforms, and memory of a cold solve against the number of "
+            "grid points, for surfaces whose bandwidth grows with the grid; lines: fitted powers of N.",
         ),
     )
+
+
+def _cost_against_points(dataset: xr.Dataset) -> Figure:
+    """Seconds, transforms and memory against N, with the powers fitted to them."""
+    from validation.report.figure import new_figure, plain_look
+
+    figure, panels = new_figure(width=9.5, columns=3, height=3.4)
+    labels = {
+        "seconds": ("processor time [s]", 1.0),
+        "fft_pairs": ("pairs of transforms", 1.0),
+        "peak_bytes": ("memory [MiB]", 2.0**20),
+    }
+    number = dataset.points.values**2.0
+    for k, (axes, (name, (label, unit))) in enumerate(zip(panels, labels.items(), strict=True)):
+        for column in dataset[name].values.T:
+            axes.plot(number, column / unit, ls="", **plain_look(k))
+        law = power_law(dataset, name)
+        fitted = law.coefficient * number**law.exponent / unit
+        axes.plot(number, fitted, color="black", lw=0.8, label=f"$N^{{{law.exponent:.2f}}}$")
+        axes.set_xscale("log")
+        if name != "fft_pairs":
+            axes.set_yscale("log")
+        axes.set_xlabel("grid points N")
+        axes.set_ylabel(label)
+        axes.legend(fontsize=8)
+    return figure

@@ -3,66 +3,80 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable
-from dataclasses import replace
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from pydantic import Field
 
 from persson import elastic
-from validation.measures.common import at_least, base_surface, measure, over_surfaces, rising, solid_of
+from validation.measures.common import Rising, base_case, base_surface, over_surfaces, results_of
 from validation.measures.edge import EdgeMeasurement, window_slope
 from validation.measures.measurement import grid_for
 from validation.measures.statistics import Estimate, combined, mean_over_surfaces
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.solves.bench import Bench
+from validation.studies._options import Bandwidth, Hurst, Periods, ReducedPressure, Seed, Surfaces
+from validation.studies._study import StudyOptions
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.figure import Figure
 
-    from validation.scenes.scene import Scene
+__all__ = [
+    "Options",
+    "exponent",
+    "figures",
+    "findings",
+    "intercepts",
+    "limit_at_zero",
+    "limit_contour_slope",
+    "limit_slope",
+    "run",
+    "table",
+]
 
-__all__ = ["figures", "findings", "limit_at_zero", "limit_contour_slope", "limit_slope", "run", "table"]
+
+class Options(StudyOptions):
+    """Surfaces, and grids fine enough to see the edge."""
+
+    reduced_pressure: ReducedPressure = 0.05
+    hurst: Hurst = 0.8
+    periods: Periods = 4.0
+    bandwidth: Bandwidth = 4.0
+    surfaces: Surfaces = 6
+    seed: Seed = 2006
+    points_per_wave: Rising = Field(
+        default=(16.0, 24.0, 32.0, 48.0, 64.0, 96.0, 128.0), description="grids, as lambda_short/dx, rising"
+    )
+    window: float = Field(
+        default=0.4,
+        gt=0,
+        description="eps of the density P(sigma < eps)/eps, in units of E* h'_rms sqrt(dx/lambda_short): it closes with "
+        "the grid, since a window of fixed width would tend to its slope times half its width and not to P(0+)",
+    )
+    slope_window: float = Field(
+        default=1.2,
+        gt=0,
+        description="the same for the slope; it must end beyond the first cell inside the edge, where the continuum "
+        "begins",
+    )
 
 
-def run(
-    *,
-    scene: Scene | None = None,
-    bench: Bench | None = None,
-    reduced_pressure: float = 0.05,
-    hurst: float = 0.8,
-    size: float = 4.0,
-    ratio: float = 4.0,
-    surfaces: int = 6,
-    points_per_wave: tuple[float, ...] = (16.0, 24.0, 32.0, 48.0, 64.0, 96.0, 128.0),
-    window: float = 0.4,
-    slope_window: float = 1.2,
-    seed: int = 2006,
-) -> xr.Dataset:
+@dataclass(frozen=True, kw_only=True)
+class _Start:
+    """How P(sigma) of one surface starts on one grid."""
+
+    density_at_zero: float
+    slope: float
+    contour_slope: float
+    patches: float
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Measure the density of small pressures on grids fine enough to see the edge.
-
-    Parameters
-    ----------
-    scene : Scene, optional
-        Gives the solid; nothing reported depends on it.
-    bench : Bench, optional
-        Where and how the cases run.
-    reduced_pressure : float
-        p*.
-    hurst, size, ratio : float
-        H, L/lambda_long and lambda_long/lambda_short.
-    surfaces : int
-        Realisations.
-    points_per_wave : tuple of float
-        Grids, as lambda_short/dx, rising.
-    window : float
-        eps of the density P(sigma < eps)/eps, in units of E* h'_rms sqrt(dx/lambda_short): it closes with the grid, since a
-        window of fixed width would tend to its slope times half its width and not to P(0+).
-    slope_window : float
-        The same for the slope. It must end beyond the first cell inside the edge, where the continuum begins.
-    seed : int
-        Of the first surface.
 
     Returns
     -------
@@ -70,65 +84,70 @@ def run(
         density_at_zero (surface, grid), the mean slope of P inside the window after the counted area in excess is taken out,
         the slope that follows from the contour and the edge coefficient, and the number of patches.
     """
+    cases = _cases(options)
+    # The grid is even, and so a little finer than asked for.
+    spacing = [1 / cases[0, n].realised.points_per_wave(cases[0, n].grid) for n in options.points_per_wave]
+    return _dataset(results_of(bench, cases), options, np.array(spacing))
+
+
+def _cases(options: Options) -> dict[tuple[int, float], EdgeMeasurement]:
+    """List the solves by number of the surface and points per wave."""
+    surface = base_surface(
+        hurst=options.hurst, periods=options.periods, bandwidth=options.bandwidth, seed=options.seed
+    )
+    first = base_case(surface, reduced_pressure=options.reduced_pressure)
+    pressed = [first.further(k) for k in range(options.surfaces)]
+    return {
+        (k, n): EdgeMeasurement(realised=own, points=grid_for(first, n)[0])
+        for (k, own), n in itertools.product(enumerate(pressed), options.points_per_wave)
+    }
+
+
+def _start(data: xr.Dataset, options: Options, spacing: float) -> _Start:
+    """Read one solve: shares of the area below the ends of both windows, and the edge coefficient."""
+    upper = np.concatenate([[0], data.upper.values])
+    share = np.concatenate([[0], np.cumsum(data.density.values) * float(np.diff(data.upper[:2])[0])])
+    window, slope_window = (width * np.sqrt(spacing) for width in (options.window, options.slope_window))
+    inside = np.interp([window, slope_window], upper, share)
+    return _Start(
+        density_at_zero=float(inside[0]) / window,
+        slope=window_slope(float(inside[1]), excess=float(data.excess), window=slope_window),
+        contour_slope=2 * float(data.contour * data.inverse_square),
+        patches=float(data.patches),
+    )
+
+
+def _dataset(
+    found: Mapping[tuple[int, float], xr.Dataset], options: Options, spacing: np.ndarray
+) -> xr.Dataset:
     import xarray as xr
 
-    at_least("surfaces", surfaces, 2)
-    points_per_wave = rising("points_per_wave", points_per_wave)
-    surface, solid = base_surface(hurst=hurst, size=size, ratio=ratio, seed=seed), solid_of(scene)
-    solves = [
-        EdgeMeasurement(
-            surface=surface,
-            realisation=k,
-            solid=solid,
-            reduced_pressure=reduced_pressure,
-            points=grid_for(surface, n)[0],
-        )
-        for k, n in itertools.product(range(surfaces), points_per_wave)
+    surfaces, grids = range(options.surfaces), options.points_per_wave
+    starts = [
+        [_start(found[k, n], options, dx) for n, dx in zip(grids, spacing, strict=True)] for k in surfaces
     ]
-    measured = measure(bench, solves)
-    shape = (surfaces, len(points_per_wave))
-    step = float(np.diff(measured[0].upper[:2])[0])
-    spacing = (
-        np.array([surface.lambda_short / surface.length[0] * solve.points for solve in solves[: shape[1]]])
-        ** -1
-    )
-    below, slope = [], []
-    for data, root in zip(measured, np.tile(np.sqrt(spacing), surfaces), strict=True):
-        share = np.concatenate([[0], np.cumsum(data.density.values) * step])
-        upper = np.concatenate([[0], data.upper.values])
-        ends = window * root, slope_window * root
-        inside = np.interp(ends, upper, share)
-        below.append(float(inside[0]) / ends[0])
-        slope.append(window_slope(float(inside[1]), excess=float(data.excess), window=ends[1]))
-    contour = np.array([2 * float(d.contour * d.inverse_square) for d in measured]).reshape(shape)
+    density = [[found[k, n].density.values for n in grids] for k in surfaces]
+    data: dict[str, Any] = {
+        name: (("surface", "grid"), np.array([[getattr(start, name) for start in row] for row in starts]))
+        for name in ("density_at_zero", "slope", "contour_slope", "patches")
+    }
+    data["density"] = (("grid", "bin"), np.mean(np.array(density), axis=0))
+    stress = found[0, grids[0]].stress.values
     return xr.Dataset(
-        {
-            "density_at_zero": (("surface", "grid"), np.array(below).reshape(shape)),
-            "slope": (("surface", "grid"), np.array(slope).reshape(shape)),
-            "contour_slope": (("surface", "grid"), contour),
-            "patches": (("surface", "grid"), np.array([float(d.patches) for d in measured]).reshape(shape)),
-            "density": (
-                ("grid", "bin"),
-                np.mean([_rows(measured, k, shape[1]) for k in range(surfaces)], axis=0),
-            ),
-        },
+        data,
         coords={
             "spacing": ("grid", spacing, {"long_name": "dx / lambda_short"}),
-            "stress": ("bin", measured[0].stress.values, {"long_name": "sigma / (E* h'_rms)"}),
+            "stress": ("bin", stress, {"long_name": "sigma / (E* h'_rms)"}),
         },
         attrs={
             "study": "stress-near-zero",
-            "reduced_pressure": reduced_pressure,
-            "persson_slope": _persson_slope(reduced_pressure),
-            "window": window,
-            "slope_window": slope_window,
-            "surfaces": surfaces,
+            "reduced_pressure": options.reduced_pressure,
+            "persson_slope": _persson_slope(options.reduced_pressure),
+            "window": options.window,
+            "slope_window": options.slope_window,
+            "surfaces": options.surfaces,
         },
     )
-
-
-def _rows(measured: list[xr.Dataset], surface: int, grids: int) -> np.ndarray:
-    return np.array([data.density.values for data in measured[surface * grids : (surface + 1) * grids]])
 
 
 def _persson_slope(reduced_pressure: float) -> float:
@@ -266,28 +285,110 @@ def _drift(dataset: xr.Dataset) -> str:
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw P(sigma) near zero and its value at zero against the grid."""
-    from validation.studies import _plots_limits as plots_limits
-    from validation.studies import _plots_studies as plots_studies
-
+    window, contour = limit_slope(dataset), limit_contour_slope(dataset)
     return (
         Drawing(
             name="pressure-near-zero",
-            figure=plots_studies.pressure_near_zero(
-                dataset, window=limit_slope(dataset).value, contour=limit_contour_slope(dataset).value
-            ),
+            figure=_pressure_near_zero(dataset, window=window.value, contour=contour.value),
             data=dataset[["density"]],
-            caption="Distribution of contact pressure near zero on each grid, mean over surfaces, with the initial slope that follows from contour and edge coefficient and that of the theory.",
+            caption="Distribution of contact pressure near zero on each grid, mean over surfaces, with the initial slope "
+            "that follows from contour and edge coefficient and that of the theory.",
         ),
         Drawing(
             name="slope-at-zero",
-            figure=plots_limits.slope_at_zero(dataset, limit_slope(dataset), limit_contour_slope(dataset)),
+            figure=_slope_at_zero(dataset, window, contour),
             data=dataset[["slope", "contour_slope"]],
-            caption="Slope of P(sigma) at zero on each grid, from the density in a closing window and from the contour; filled at 0, the limits with 95 % intervals; line, the theory.",
+            caption="Slope of P(sigma) at zero on each grid, from the density in a closing window and from the contour; "
+            "filled at 0, the limits with 95 % intervals; line, the theory.",
         ),
         Drawing(
             name="density-at-zero",
-            figure=plots_studies.density_at_zero(dataset, intercepts(dataset)),
+            figure=_density_at_zero(dataset),
             data=dataset[["density_at_zero"]],
-            caption="Density at vanishing pressure against the square root of the spacing: grey, single surfaces; black, mean; the intercept tells whether it vanishes.",
+            caption="Density at vanishing pressure against the square root of the spacing: grey, single surfaces; black, "
+            "mean; the intercept tells whether it vanishes.",
         ),
     )
+
+
+def _pressure_near_zero(dataset: xr.Dataset, *, window: float, contour: float) -> Figure:
+    """P(sigma) below 0.3 E* h' on every grid, mean over surfaces, with the slopes."""
+    from validation.report.figure import THEORY, new_figure
+
+    figure, (axes,) = new_figure()
+    shades = np.linspace(0.75, 0.0, dataset.sizes["grid"])
+    for k, spacing in enumerate(dataset.spacing.values):
+        label = rf"$\lambda_{{short}}/\Delta x$ = {1 / spacing:.0f}"
+        axes.plot(
+            dataset.stress,
+            dataset.density[k],
+            color=str(shades[k]),
+            ls=("-", "--", "-.", ":")[k % 4],
+            label=label,
+        )
+    top = float(dataset.density.max())
+    stress = np.linspace(0, 0.3, 50)
+    for slope, label, style in (
+        (window, "slope at 0, closing window", {"color": "#0b5394", "ls": "--"}),
+        (contour, r"$2 S\langle B^{-2}\rangle\sigma$", {"color": "#b45f06", "ls": ":"}),
+        (float(dataset.attrs["persson_slope"]), "Persson's slope", THEORY),
+    ):
+        axes.plot(stress, slope * stress, label=label, lw=2, **style)
+    axes.set_ylim(0, 1.1 * top)
+    axes.set_xlim(0, 0.3)
+    axes.set_xlabel(r"$\sigma / (E^* h'_{rms})$")
+    axes.set_ylabel(r"$P(\sigma)\,E^* h'_{rms}$ per nominal area")
+    axes.legend(fontsize=8)
+    return figure
+
+
+def _slope_at_zero(dataset: xr.Dataset, window: Estimate, contour: Estimate) -> Figure:
+    """Draw the slope of P(sigma) at zero against the spacing, by both ways, with the limits and the theory."""
+    from validation.report.figure import THEORY, look, new_figure
+
+    figure, (axes,) = new_figure()
+    root = np.sqrt(dataset.spacing.values)
+    ways = (
+        ("slope", window, "density in a closing window"),
+        ("contour_slope", contour, r"$2 S\langle B^{-2}\rangle$"),
+    )
+    for k, (name, limit, label) in enumerate(ways):
+        values = dataset[name]
+        error = values.std("surface", ddof=1) / np.sqrt(dataset.sizes["surface"])
+        axes.errorbar(root, values.mean("surface"), yerr=error, label=label, **{**look(k), "mfc": "white"})
+        axes.errorbar([-0.004 * k], [limit.value], yerr=[limit.half_width], ls="", **look(k))
+    axes.axhline(float(dataset.attrs["persson_slope"]), label="Persson", **THEORY)
+    axes.set_ylim(bottom=0)
+    axes.set_xlabel(r"$(\Delta x/\lambda_{short})^{1/2}$")
+    axes.set_ylabel(r"$P'(0)\,(E^* h'_{rms})^2$")
+    axes.legend(fontsize=8)
+    return figure
+
+
+def _density_at_zero(dataset: xr.Dataset) -> Figure:
+    """P(0+) against dx^(1/2), each surface and the mean, with the extrapolation to dx -> 0."""
+    from validation.report.figure import SYMBOLS, new_figure
+
+    figure, (axes,) = new_figure()
+    at_zero, root = intercepts(dataset), np.sqrt(dataset.spacing.values)
+    for k, row in enumerate(dataset.density_at_zero.values):
+        axes.plot(root, row, marker=SYMBOLS[k % 8], ms=4, lw=0.6, color="0.5")
+    mean = dataset.density_at_zero.mean("surface").values
+    axes.plot(root, mean, marker="o", color="black", lw=1.5, label="mean over surfaces")
+    bend = np.polyfit(root, mean, 2 if root.size > 3 else 1)
+    dense = np.linspace(0, root[0], 50)
+    axes.plot(dense, np.polyval(bend, dense), ls="--", color="black", lw=1, label="polynomial in dx^(1/2)")
+    axes.errorbar(
+        [0],
+        [at_zero.mean()],
+        yerr=[at_zero.std(ddof=1)],
+        color="#b45f06",
+        marker="s",
+        capsize=3,
+        label="intercept, spread",
+    )
+    axes.axhline(0, color="black", lw=0.5)
+    axes.set_xlabel(r"$(\Delta x/\lambda_{short})^{1/2}$")
+    axes.set_ylabel(r"$P(0^+)\,E^* h'_{rms}$")
+    axes.legend(fontsize=8)
+    return figure

@@ -3,10 +3,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fem_contact.block import active_set, full, plan_mesh, solve
-from fem_contact.block.active_set import AssembledBlock, Settings, solve_contact
-from fem_contact.block.assembly import assemble
-from fem_contact.block.linear import LinearSolution
+from fem_contact.block import plan_mesh, solve
+from fem_contact.block.full import active_set, system
+from fem_contact.block.full.active_set import Settings, solve_contact
+from fem_contact.block.full.assembly import assemble
+from fem_contact.block.full.block import AssembledBlock
+from fem_contact.block.full.linear import LinearSolution
 from fem_contact.contact import Status
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
@@ -54,7 +56,7 @@ def test_a_set_that_returns_is_a_cycle_unless_nothing_is_violated(
 
 
 def test_linear_systems_that_do_not_converge_are_reported(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(full, "_LINEAR_STEPS", 2)
+    monkeypatch.setattr(system, "_LINEAR_STEPS", 2)
     x = np.arange(8) / 8
     surface = HeightField(
         heights=1e-3 * np.cos(2 * np.pi * x)[:, None] * np.cos(2 * np.pi * x), lengths=(1.0, 1.0)

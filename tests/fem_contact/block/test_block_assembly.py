@@ -5,7 +5,7 @@ import skfem
 from skfem.helpers import ddot, div, sym_grad
 
 from fem_contact.block import BlockMesh, plan_mesh
-from fem_contact.block.assembly import assemble, lame
+from fem_contact.block.full.assembly import assemble, lame
 from fem_contact.errors import InvalidInput
 
 

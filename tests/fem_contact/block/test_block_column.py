@@ -3,12 +3,12 @@ import pytest
 import scipy.sparse.linalg as sla
 
 from fem_contact.block import ELEMENTS, BlockMesh, BlockResponse, Element, plan_mesh
-from fem_contact.block.assembly import assemble
-from fem_contact.block.column import eliminate, fold, surface_compliance, surface_response
 from fem_contact.block.elements import element_for
-from fem_contact.block.fields import FourierSource
-from fem_contact.block.kernels import pack, sweep
-from fem_contact.block.reduced import surface_operator
+from fem_contact.block.full.assembly import assemble
+from fem_contact.block.reduced.column import eliminate, fold, surface_compliance, surface_response
+from fem_contact.block.reduced.fields import FourierSource
+from fem_contact.block.reduced.kernels import pack, sweep
+from fem_contact.block.reduced.surface import surface_operator
 from fem_contact.errors import InvalidInput
 from fem_contact.solid import Solid
 

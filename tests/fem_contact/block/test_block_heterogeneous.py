@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from fem_contact.block import BlockSolution, plan_mesh, solve, solve_displacement, solve_path
-from fem_contact.block.assembly import assemble
-from fem_contact.block.heterogeneous import HeterogeneousBlock
+from fem_contact.block.full.assembly import assemble
+from fem_contact.block.reduced.heterogeneous import HeterogeneousBlock
 from fem_contact.errors import InvalidInput
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface

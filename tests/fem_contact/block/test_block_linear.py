@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from fem_contact.block.linear import conjugate_gradients, rigid_modes
+from fem_contact.block.full.linear import conjugate_gradients, rigid_modes
 
 
 def laplacian(n: int) -> np.ndarray:

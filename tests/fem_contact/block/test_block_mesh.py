@@ -36,8 +36,17 @@ def test_thin_block_still_has_several_layers() -> None:
         ({"depth": float("nan")}, "depth"),
         ({"growth": 0.9}, "growth"),
         ({"first_layer": 0.0}, "first_layer"),
+        ({"first_layer": 1e-300}, "first_layer"),
+        ({"first_layer": 1e-12, "growth": 1.0}, "at most 10,000"),
+        ({"first_layer": 1e-6, "growth": 1 + 1e-12}, "at most 10,000"),
+        ({"depth": 1e300}, "cell widths"),
     ],
 )
 def test_impossible_layers_are_refused_by_name(changes: dict[str, float], name: str) -> None:
     with pytest.raises(InvalidInput, match=name):
         plan_mesh((8, 8), (1.0, 1.0), **changes)
+
+
+def test_growth_beyond_the_depth_makes_two_layers_and_no_overflow() -> None:
+    layers = graded_layers(1000.0, first=1.0, growth=1e300)
+    np.testing.assert_allclose(layers, [1, 999], rtol=1e-12)

@@ -13,7 +13,8 @@ from fem_contact.block import (
     solve_displacement,
     solve_path,
 )
-from fem_contact.block.fields import ArraySource
+from fem_contact.block.solution import ArraySource
+from fem_contact.contact import Status
 from fem_contact.errors import InsufficientMemory, InvalidInput
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
@@ -350,3 +351,15 @@ def test_boundary_element_solver_accepts_the_block_as_its_response() -> None:
     np.testing.assert_array_equal(through.in_contact, direct.in_contact)
     assert np.linalg.norm(through.pressure - direct.pressure) < 1e-9 * np.linalg.norm(direct.pressure)
     assert through.offset == pytest.approx(direct.offset, abs=1e-9 * np.ptp(surface.heights))
+
+
+@pytest.mark.parametrize("left", [1e-3, float("nan")])
+def test_a_direct_answer_is_converged_only_where_its_residual_says_so(
+    monkeypatch: pytest.MonkeyPatch, left: float
+) -> None:
+    from fem_contact.block.problem import Problem
+
+    surface = rough((12, 12))
+    assert press(surface, reduced=10.0).contact.status is Status.CONVERGED
+    monkeypatch.setattr(Problem, "violation", lambda *_: left)
+    assert press(surface, reduced=10.0).contact.status is Status.STAGNATED

@@ -1,0 +1,331 @@
+"""Primal-dual active set on the surface nodes of a block whose inside is kept.
+
+On the set, u_z follows the rigid profile; the profile's height above the undeformed surface is one more
+unknown, tied to the nodes of the set, whose equation is the balance of the load. Nodes at a bound of the
+pressure are a set of their own: they carry a known force and are free to move. Lengths are in cell widths and
+stresses in Young's modulus throughout.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.block.full.block import Block
+from fem_contact.block.full.linear import LinearSolution, conjugate_gradients
+from fem_contact.contact import Status
+
+__all__ = ["ActiveSetSolution", "Settings", "solve_contact"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+#: Linear tolerance while the set still moves; it only has to tell contact from separation at most nodes.
+_LOOSE = 1e-3
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """When the active-set iteration stops.
+
+    Attributes
+    ----------
+    tolerance : float
+        Bound on the linear residual over the norm of the contact forces, and on what an unsettled set may
+        still violate.
+    max_iterations : int
+        Active sets tried at most.
+    max_linear_iterations : int
+        Conjugate-gradient steps per set.
+    """
+
+    tolerance: float
+    max_iterations: int
+    max_linear_iterations: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class ActiveSetSolution:
+    """State at the end of the iteration, dimensionless.
+
+    Attributes
+    ----------
+    displacement : (nx, ny, nz, 3) array
+        u over the cell width above the clamped plane.
+    force, gap : (nx, ny) arrays
+        Downward force on the contact nodes over E times the cell width squared; g over the cell width.
+    in_contact : (nx, ny) array of bool
+    offset : float
+        Offset over the cell width.
+    at_bound : (nx, ny) array of bool or None
+        Contact nodes held at the bound; None where there is none.
+    """
+
+    displacement: Array
+    force: Array
+    gap: Array
+    in_contact: Mask
+    offset: float
+    status: Status
+    sets: int
+    linear_iterations: int
+    linear_residual: float
+    matrix_bytes: int
+    most_linear_iterations: int
+    at_bound: Mask | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class _State:
+    """Displacement, and what it says about the surface nodes.
+
+    Attributes
+    ----------
+    nodes, plastic, following, sinking : (nx, ny) arrays of bool
+        Nodes on the profile, and others at the bound (None without one); the same for the next set.
+    """
+
+    displacement: Array
+    offset: float
+    nodes: Mask
+    following: Mask
+    force: Array
+    gap: Array
+    plastic: Mask | None = None
+    sinking: Mask | None = None
+
+    @classmethod
+    def initial(cls, block: Block, *, start: Mask, offset: float, displacement: Array | None) -> _State:
+        field = (
+            np.zeros(3 * block.heights.size * block.levels) if displacement is None else displacement.ravel()
+        )
+        zero = np.zeros(block.shape)
+        none = None if block.bound is None else np.zeros(block.shape, dtype=bool)
+        return cls(
+            displacement=field,
+            offset=offset,
+            nodes=start,
+            following=start,
+            force=zero,
+            gap=zero,
+            plastic=none,
+            sinking=none,
+        )
+
+    def read(self, block: Block, *, offset: float, displacement: Array) -> _State:
+        """Take over the displacement of the linear problem of this set."""
+        nodes, plastic = self.nodes, self.plastic
+        force = -block.surface(block.apply(displacement))
+        gap = offset - block.heights - block.surface(displacement)
+        sinking = None
+        if plastic is None or block.bound is None:
+            following = np.where(nodes, force > 0, gap < 0)
+            # Off the set the nodal force is the linear residual, on it the gap is rounding.
+            force = np.where(nodes, force, 0.0)
+        else:
+            sinking = np.where(plastic, gap <= 0, nodes & (force > block.bound))
+            following = np.where(plastic, gap > 0, np.where(nodes, force > 0, gap < 0)) & ~sinking
+            force = np.where(nodes, force, np.where(plastic, block.bound, 0.0))
+        return replace(
+            self,
+            displacement=displacement,
+            offset=offset,
+            following=following,
+            sinking=sinking,
+            force=force,
+            gap=np.where(nodes, 0.0, gap),
+        )
+
+    def anchored(self, block: Block, load: float | None) -> _State:
+        """Return a next set that leaves the profile a node to rest on, whose equation the load is.
+
+        Where all contact is at its bound, the nodes nearest to its edge make up for what the load misses.
+        """
+        bound, sinking = block.bound, self.sinking
+        if bound is None or sinking is None or load is None or self.following.any():
+            return self
+        missing = load - float(bound[sinking].sum())
+        some = np.flatnonzero(~sinking if missing > 0 else sinking)
+        near = some[np.argsort(self.gap.flat[some] if missing > 0 else -self.gap.flat[some], kind="stable")]
+        count = int(np.searchsorted(np.cumsum(bound.flat[near]), abs(missing))) + 1
+        following = self.following.copy()
+        following.flat[near[:count]] = True
+        return replace(self, following=following, sinking=sinking & ~following)
+
+    @property
+    def settled(self) -> bool:
+        """Whether the set reproduces itself."""
+        return self.key == _key(self.nodes, self.plastic)
+
+    @property
+    def key(self) -> bytes:
+        """The next set, hashable."""
+        return _key(self.following, self.sinking)
+
+    def moved(self) -> _State:
+        """Return the same displacement with the next set."""
+        return replace(self, nodes=self.following, plastic=self.sinking)
+
+
+def _key(nodes: Mask, plastic: Mask | None) -> bytes:
+    return nodes.tobytes() if plastic is None else nodes.tobytes() + plastic.tobytes()
+
+
+class _SetProblem:
+    """The linear problem of one set: u outside the set, and the offset where the load is given."""
+
+    def __init__(self, block: Block, nodes: Mask) -> None:
+        self.block, self.tied = block, block.vertical(nodes)
+        self.preconditioner = block.preconditioner(nodes)
+
+    def _apply(self, x: Array) -> Array:
+        full = x[:-1].copy()
+        full[self.tied] = x[-1]
+        image = self.block.apply(full)
+        total = image[self.tied].sum()
+        image[self.tied] = 0
+        return np.append(image, total)
+
+    def _apply_free(self, x: Array) -> Array:
+        image = self.block.apply(x)
+        image[self.tied] = 0
+        return image
+
+    def _precondition(self, r: Array) -> Array:
+        free, shift = self.preconditioner.apply(r[:-1], float(r[-1]))
+        return np.append(free, shift)
+
+    def _precondition_free(self, r: Array) -> Array:
+        return self.preconditioner.apply(r, None)[0]
+
+    def advance(
+        self, state: _State, *, load: float | None, settings: Settings, tolerance: float
+    ) -> tuple[_State, LinearSolution]:
+        """Solve for displacement and offset with the nodes of the set tied to the profile."""
+        prescribed = np.zeros_like(state.displacement)
+        prescribed[self.tied] = -self.block.heights[state.nodes]
+        if load is None:
+            prescribed[self.tied] += state.offset
+        right = -self.block.apply(prescribed)
+        bound, plastic, whole = self.block.bound, state.plastic, load
+        if bound is not None and plastic is not None:
+            right[self.block.vertical(plastic)] -= bound[plastic]
+            load = None if load is None else load - float(bound[plastic].sum())
+        total = float(right[self.tied].sum())
+        right[self.tied] = 0
+        guess = state.displacement.copy()
+        guess[self.tied] = 0
+        tied_offset = load is not None
+        solution = conjugate_gradients(
+            self._apply if tied_offset else self._apply_free,
+            np.append(right, total - load) if load is not None else right,
+            precondition=self._precondition if tied_offset else self._precondition_free,
+            start=np.append(guess, state.offset) if tied_offset else guess,
+            scale=self.block.force_scale(
+                state.nodes if plastic is None else state.nodes | plastic, state.offset, load=whole
+            ),
+            tolerance=tolerance,
+            max_iterations=settings.max_linear_iterations,
+        )
+        if tied_offset:
+            offset = float(solution.x[-1])
+            displacement = solution.x[:-1] + prescribed
+            displacement[self.tied] += offset
+        else:
+            offset, displacement = state.offset, solution.x + prescribed
+        found = state.read(self.block, offset=offset, displacement=displacement)
+        return found.anchored(self.block, whole), solution
+
+
+def solve_contact(
+    block: Block,
+    *,
+    load: float | None,
+    offset: float,
+    start: Mask,
+    settings: Settings,
+    violation: Callable[[Array, Array, Mask | None], float],
+    displacement: Array | None = None,
+) -> ActiveSetSolution:
+    """Press a rigid profile into the block.
+
+    Parameters
+    ----------
+    block : Block
+    load : float or None
+        Total downward force over E times the cell width squared; None where `offset` is prescribed.
+    offset : float
+        Prescribed offset over the cell width, or its first guess.
+    start : (nx, ny) array of bool
+        First active set.
+    settings : Settings
+    violation : callable
+        Dimensionless measure of what nodal forces and gaps violate, given the nodes at the bound.
+    displacement : (nx, ny, nz, 3) array, optional
+        First guess of u over the cell width.
+
+    Notes
+    -----
+    The set is updated to {contact nodes under pressure} and {other nodes that penetrate}: a semi-smooth
+    Newton step; {contact nodes pressed beyond a bound} and {nodes at it that do not open} go to the bound.
+    With the linear systems solved, complementarity holds exactly, and a set that reproduces itself is the
+    solution. The first sets are found with loosely solved systems. A set seen before means a cycle; it is
+    accepted where what it violates is below the tolerance (ties), and reported otherwise.
+    """
+    state = _State.initial(block, start=start, offset=offset, displacement=displacement)
+    seen: set[bytes] = set()
+    tolerance = max(_LOOSE, settings.tolerance)
+    status = Status.ITERATION_LIMIT
+    linear, most, peak, sets = 0, 0, 0, 0
+    while sets < settings.max_iterations:
+        problem = _SetProblem(block, state.nodes)
+        peak, sets = max(peak, problem.preconditioner.nbytes), sets + 1
+        state, solution = problem.advance(state, load=load, settings=settings, tolerance=tolerance)
+        linear, most = linear + solution.iterations, max(most, solution.iterations)
+        if not solution.converged and solution.iterations >= settings.max_linear_iterations:
+            # What is not solved loosely will not be solved tightly, and sets read off it mean nothing.
+            status = Status.ITERATION_LIMIT
+            break
+        if tolerance > settings.tolerance and (state.settled or state.key in seen):
+            tolerance = settings.tolerance
+            seen.clear()
+            state, solution = problem.advance(state, load=load, settings=settings, tolerance=tolerance)
+            linear, most = linear + solution.iterations, max(most, solution.iterations)
+        if tolerance == settings.tolerance:
+            if not solution.converged:
+                limited = solution.iterations >= settings.max_linear_iterations
+                status = Status.ITERATION_LIMIT if limited else Status.STAGNATED
+                break
+            if state.settled or violation(state.force, state.gap, state.plastic) <= settings.tolerance:
+                status = Status.CONVERGED
+                break
+            if state.key in seen:
+                status = Status.CYCLING
+                break
+        if sets < settings.max_iterations:
+            seen.add(_key(state.nodes, state.plastic))
+            state = state.moved()
+    return ActiveSetSolution(
+        displacement=state.displacement.reshape(*block.shape, block.levels, 3),
+        force=state.force,
+        gap=state.gap,
+        in_contact=state.nodes if state.plastic is None else state.nodes | state.plastic,
+        offset=state.offset,
+        status=status,
+        sets=sets,
+        linear_iterations=linear,
+        linear_residual=solution.relative_residual,
+        matrix_bytes=peak,
+        most_linear_iterations=most,
+        at_bound=_at_bound(state, block, settings.tolerance),
+    )
+
+
+def _at_bound(state: _State, block: Block, tolerance: float) -> Mask | None:
+    """Nodes whose force is that of the bound; one that the profile rests on may be among them."""
+    if block.bound is None or state.plastic is None:
+        return None
+    return np.asarray(state.plastic | (state.nodes & (state.force >= (1 - tolerance) * block.bound)))

@@ -1,0 +1,334 @@
+"""Geometric multigrid for blocks of trilinear cells: coarser sideways, all layers kept.
+
+Vertical lines are relaxed exactly, four colours in turn, so that neither thin layers at the surface nor thick
+ones at the bottom slow it down; only sideways are grids coarsened, the shorter spacing first, down to a
+single column, which lines solve exactly. The cells of a coarser grid are integrated anew.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.block.elements import ELEMENTS
+from fem_contact.block.full.block import AssembledBlock, Block, SetPreconditioner
+from fem_contact.block.full.stencil import LineFactors, stencil
+
+if TYPE_CHECKING:
+    from fem_contact.block.mesh import BlockMesh
+
+__all__ = ["Hierarchy", "Level", "RefinedBlock", "StencilBlock", "Transfer", "build_hierarchy", "has_stencil"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+#: Spacings along both axes count as equal up to this ratio, and are then doubled together.
+_ALIKE = 1.5
+
+#: Least ratio of what the bound can carry and the load on a coarser grid.
+_CARRYING = 1.01
+
+#: A coarse node is tied where this share of its weight lies on tied nodes.
+_TIED_SHARE = 0.25
+
+
+@dataclass(frozen=True, kw_only=True)
+class Transfer:
+    """Linear interpolation along one axis, from a periodic grid of fewer nodes.
+
+    Attributes
+    ----------
+    low : (n,) array of int
+        Coarse node at or before each fine node.
+    weight : (n,) array
+        Share of the coarse node after it.
+    size : int
+        Coarse nodes.
+    """
+
+    low: NDArray[np.int64]
+    weight: Array
+    size: int
+
+    @classmethod
+    def between(cls, fine: int, coarse: int) -> Transfer:
+        """Lay both grids over the same period with a node in common."""
+        place = np.arange(fine) * coarse
+        return cls(low=place // fine, weight=(place % fine) / fine, size=coarse)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Level:
+    """One grid of the hierarchy.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Columns along both axes.
+    area : float
+        Of the cell, over the square of the finest cell width along x.
+    coefficients : (nz, 3, 22) array
+        `stencil`, over E times the finest cell width.
+    lines : LineFactors
+    down : tuple of Transfer or None
+        Interpolation from the next coarser grid; None on the last.
+    """
+
+    shape: tuple[int, int]
+    area: float
+    coefficients: Array
+    lines: LineFactors
+    down: tuple[Transfer, Transfer] | None
+
+    @property
+    def field_shape(self) -> tuple[int, int, int, int]:
+        """Shape of a displacement."""
+        return *self.shape, len(self.coefficients), 3
+
+    def prolonged(self, coarse: Array) -> Array:
+        """Interpolate an array over the next coarser grid's columns to this one."""
+        from fem_contact.block.full.kernels import prolong
+
+        assert self.down is not None
+        fine = np.zeros((*self.shape, coarse[0, 0].size))
+        prolong(coarse.reshape(*coarse.shape[:2], -1), *_tables(self.down), fine)
+        return fine.reshape(*self.shape, *coarse.shape[2:])
+
+    def restricted(self, fine: Array) -> Array:
+        """Gather an array over this grid's columns on the next coarser one: the transpose of `prolonged`."""
+        from fem_contact.block.full.kernels import restrict
+
+        assert self.down is not None
+        coarse = np.zeros((self.down[0].size, self.down[1].size, fine[0, 0].size))
+        restrict(fine.reshape(*self.shape, -1), *_tables(self.down), coarse)
+        return coarse.reshape(*coarse.shape[:2], *fine.shape[2:])
+
+
+def _tables(down: tuple[Transfer, Transfer]) -> tuple[NDArray[np.int64], Array, NDArray[np.int64], Array]:
+    x, y = down
+    return x.low, x.weight, y.low, y.weight
+
+
+@dataclass(frozen=True, kw_only=True)
+class Hierarchy:
+    """Grids from the finest to a single column.
+
+    Attributes
+    ----------
+    levels : tuple of Level
+    depth : float
+        Thickness of the block over the finest cell width.
+    """
+
+    levels: tuple[Level, ...]
+    depth: float
+
+    def coarser(self) -> Hierarchy:
+        """Return the hierarchy below the finest grid, in the same units."""
+        return replace(self, levels=self.levels[1:])
+
+    def tied(self, nodes: Mask) -> tuple[Mask, ...]:
+        """Return the tied surface nodes of all grids for those of the finest."""
+        masks = [np.ascontiguousarray(nodes)]
+        for level in self.levels[:-1]:
+            weight = level.restricted(np.ones((*level.shape, 1)))[:, :, 0]
+            share = level.restricted(masks[-1].astype(float)[:, :, None])[:, :, 0] / weight
+            masks.append(share >= _TIED_SHARE)
+        return tuple(masks)
+
+    def cycle(self, residual: Array, tied: tuple[Mask, ...], depth: int = 0) -> Array:
+        """Approximate the displacement under a residual: a V-cycle, symmetric and positive."""
+        from fem_contact.block.full import kernels
+
+        level, held = self.levels[depth], tied[depth]
+        factors = level.lines.low, level.lines.reciprocal
+        u = np.zeros(level.field_shape)
+        kernels.relax(level.coefficients, *factors, residual, held, u, False)
+        if level.down is None:
+            return u
+        left = np.empty_like(u)
+        kernels.apply_stencil(level.coefficients, u, left)
+        np.subtract(residual, left, out=left)
+        left[held, -1, 2] = 0
+        # The transpose of what the correction is kept to below.
+        left[held, -1, 2] = -(left[held, :, 2] @ level.lines.tied)
+        coarse = level.restricted(left)
+        del left
+        correction = self.cycle(coarse, tied, depth + 1)
+        kernels.prolong(
+            correction.reshape(*correction.shape[:2], -1), *_tables(level.down), u.reshape(*level.shape, -1)
+        )
+        # A column whose top is held yields to it all the way down: thin layers would be torn otherwise.
+        u[held, :, 2] -= u[held, -1, 2][:, None] * level.lines.tied
+        kernels.relax(level.coefficients, *factors, residual, held, u, True)
+        return u
+
+
+def has_stencil(mesh: BlockMesh, *, lateral: bool) -> bool:
+    """Whether a block can be solved on these grids: trilinear cells, a material that varies in depth only."""
+    return mesh.element.order == 1 and not lateral
+
+
+def build_hierarchy(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Hierarchy:
+    """Integrate the cells of all grids.
+
+    Parameters
+    ----------
+    mesh : BlockMesh
+        Of trilinear cells; any number of them.
+    poisson : float
+    modulus : (nz,) array, optional
+        Young's modulus of each layer over E, from the bottom upwards.
+    """
+    levels, shape = [], mesh.shape
+    while True:
+        width, across = mesh.cells[0] / shape[0], mesh.aspect * mesh.cells[1] / shape[1]
+        cells = replace(mesh, cells=shape, aspect=across / width, layers=mesh.layers / width)
+        coefficients = width * stencil(cells, poisson=poisson, modulus=modulus)
+        coarser = _coarser(shape, (width, across))
+        down = None
+        if coarser != shape:
+            down = (
+                Transfer.between(shape[0], coarser[0]),
+                Transfer.between(shape[1], coarser[1]),
+            )
+        lines = LineFactors.of(coefficients, shape)
+        levels.append(
+            Level(shape=shape, area=width * across, coefficients=coefficients, lines=lines, down=down)
+        )
+        if coarser == shape:
+            return Hierarchy(levels=tuple(levels), depth=float(-mesh.planes[0]))
+        shape = coarser
+
+
+def _coarser(shape: tuple[int, int], spacings: tuple[float, float]) -> tuple[int, int]:
+    """Halve the nodes along the axis of the shorter spacing, or along both where these are alike."""
+    least = min((h for n, h in zip(shape, spacings, strict=True) if n > 1), default=0.0)
+    x, y = ((n + 1) // 2 if h <= _ALIKE * least else n for n, h in zip(shape, spacings, strict=True))
+    return x, y
+
+
+@dataclass(frozen=True, kw_only=True)
+class StencilBlock(Block):
+    """The finest grid of a hierarchy, pressed by a profile.
+
+    Attributes
+    ----------
+    hierarchy : Hierarchy
+    """
+
+    hierarchy: Hierarchy
+
+    def coarser(self, *, load: float | None) -> StencilBlock:
+        """Return the profile on the next coarser grid, under a bound that can carry the load there."""
+        fine, coarse = self.hierarchy.levels[:2]
+        heights, bound = _sampled(self.heights, coarse.shape), None
+        if self.bound is not None:
+            bound = _sampled(self.bound, coarse.shape) * (coarse.area / fine.area)
+            if load is not None:
+                bound *= max(1.0, _CARRYING * load / float(bound.sum()))
+        return StencilBlock(hierarchy=self.hierarchy.coarser(), heights=heights, bound=bound)
+
+    @property
+    def levels(self) -> int:
+        """Planes of nodes above the clamped one."""
+        return len(self.hierarchy.levels[0].coefficients)
+
+    @property
+    def depth(self) -> float:
+        """Thickness over the cell width."""
+        return self.hierarchy.depth
+
+    def apply(self, field: Array) -> Array:
+        """Sum the forces of the cells."""
+        from fem_contact.block.full.kernels import apply_stencil
+
+        level = self.hierarchy.levels[0]
+        forces = np.empty(level.field_shape)
+        apply_stencil(level.coefficients, field.reshape(level.field_shape), forces)
+        return forces.ravel()
+
+    def preconditioner(self, nodes: Mask) -> SetPreconditioner:
+        """Tie the nodes on all grids."""
+        return _CyclePreconditioner(self, nodes)
+
+
+def _sampled(values: Array, shape: tuple[int, int]) -> Array:
+    """Interpolate a periodic array linearly at the nodes of a coarser grid."""
+    for axis in (0, 1):
+        at = Transfer.between(shape[axis], values.shape[axis])
+        along = np.reshape(at.weight, (-1, 1) if axis == 0 else (1, -1))
+        after = np.take(values, (at.low + 1) % at.size, axis=axis)
+        values = (1 - along) * np.take(values, at.low, axis=axis) + along * after
+    return np.ascontiguousarray(values)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RefinedBlock(AssembledBlock):
+    """The assembled stiffness of triquadratic cells, preconditioned by the trilinear cells between its nodes.
+
+    Attributes
+    ----------
+    hierarchy : Hierarchy
+        As `refined_hierarchy` builds it.
+    """
+
+    hierarchy: Hierarchy
+
+    def preconditioner(self, nodes: Mask) -> SetPreconditioner:
+        """Tie the nodes on all grids."""
+        return _CyclePreconditioner(self, nodes)
+
+
+def refined_hierarchy(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Hierarchy:
+    """Build the grids of trilinear cells whose nodes are those of triquadratic ones, in the latter's units.
+
+    Both stiffnesses are spectrally equivalent: their ratio has bounds that do not depend on the grid.
+    """
+    nx, ny = mesh.shape
+    cells = replace(mesh, cells=(nx, ny), layers=np.repeat(mesh.layers, 2), element=ELEMENTS["Hex1"])
+    # A cell has half the width, and so half the stiffness.
+    half = np.full(cells.nz, 0.5)
+    return build_hierarchy(
+        cells, poisson=poisson, modulus=half if modulus is None else half * np.repeat(modulus, 2)
+    )
+
+
+class _CyclePreconditioner:
+    """One cycle on the free unknowns; the offset by its Schur complement."""
+
+    def __init__(self, block: StencilBlock | RefinedBlock, nodes: Mask) -> None:
+        self.hierarchy, self.tied = block.hierarchy, block.hierarchy.tied(nodes)
+        self.field_shape = self.hierarchy.levels[0].field_shape
+        held = block.vertical(nodes)
+        unit = np.zeros(int(np.prod(self.field_shape)))
+        unit[held] = 1
+        coupling = block.apply(unit)
+        diagonal = float(coupling[held].sum())
+        coupling[held] = 0
+        answer, share = self._free(coupling), 1.0
+        moment = float(coupling @ answer)
+        if isinstance(block, RefinedBlock):
+            # A cycle on other cells may overestimate the inverse; scaled to the least energy, the answer
+            # still leaves a positive complement. On the cells themselves it never does.
+            image = block.apply(answer)
+            image[held] = 0
+            energy = float(answer @ image)
+            share = moment / energy if energy > 0 else 0.0
+        self.answer = share * answer
+        self.schur = diagonal - share * moment
+        self.nbytes = 5 * self.answer.nbytes
+
+    def _free(self, residual: Array) -> Array:
+        return self.hierarchy.cycle(residual.reshape(self.field_shape), self.tied).ravel()
+
+    def apply(self, residual: Array, load: float | None) -> tuple[Array, float]:
+        free = self._free(residual)
+        if load is None:
+            return free, 0.0
+        shift = (load - float(self.answer @ residual)) / self.schur
+        free -= shift * self.answer
+        return free, shift

@@ -1,0 +1,121 @@
+r"""The stiffness of a block of trilinear cells as what one column of nodes sees of its eight neighbours.
+
+The weak form is that of `assembly`,
+
+.. math:: K = \int \lambda\, (\nabla\!\cdot u)(\nabla\!\cdot v) + 2\mu\, \varepsilon(u):\varepsilon(v),
+
+and scikit-fem integrates it over one column of cells. Where the material varies in depth only, every column
+of nodes has the same rows: the sum of the cells around one is kept instead of a matrix, and
+`kernels.apply_stencil` multiplies by it. Boxes are symmetric under mirrors, so that neighbours on opposite
+sides share a coefficient up to its sign, and 22 of the 81 coefficients of a plane are left.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.block.elements import element_matrices
+
+if TYPE_CHECKING:
+    from fem_contact.block.mesh import BlockMesh
+
+__all__ = ["TERMS", "LineFactors", "stencil"]
+
+Array = NDArray[np.float64]
+
+#: Coefficients in the order of the kernels: component of the force, of the displacement, and the neighbour
+#: (x, y) that stands for its mirror images; odd along x (y) where exactly one of the components is x (y).
+TERMS = (
+    *((0, 0, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1), (0, 0, 1, 1), (1, 0, 1, 1), (2, 0, 1, 0), (2, 0, 1, 1)),
+    *((1, 1, 0, 0), (1, 1, 1, 0), (1, 1, 0, 1), (1, 1, 1, 1), (0, 1, 1, 1), (2, 1, 0, 1), (2, 1, 1, 1)),
+    *(
+        (2, 2, 0, 0),
+        (2, 2, 1, 0),
+        (2, 2, 0, 1),
+        (2, 2, 1, 1),
+        (0, 2, 1, 0),
+        (0, 2, 1, 1),
+        (1, 2, 0, 1),
+        (1, 2, 1, 1),
+    ),
+)
+
+#: Numbers in `TERMS` of a component's coupling to itself: own column, neighbours along x, along y, diagonal.
+_OWN = ((0, 1, 2, 3), (7, 8, 9, 10), (14, 15, 16, 17))
+
+
+def stencil(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Array:
+    """Sum the cells around the nodes of one column.
+
+    Parameters
+    ----------
+    mesh : BlockMesh
+        Of trilinear cells.
+    poisson : float
+        Below 1/2.
+    modulus : (nz,) array, optional
+        Young's modulus of each layer over E, from the bottom upwards; 1 by default.
+
+    Returns
+    -------
+    (nz, 3, 22) array
+        For every plane above the clamped one, from the bottom upwards, the coefficients `TERMS` of the
+        forces that it causes on the plane below it, itself and the plane above, over E times the cell width.
+    """
+    matrices, offsets = element_matrices(mesh, poisson)
+    if modulus is not None:
+        matrices = matrices * modulus[:, None, None]
+    corners = offsets // 2
+    planes = np.zeros((mesh.nz + 1, 3, len(TERMS)))
+    for test, (i, j, k) in enumerate(corners):
+        for trial, neighbour in enumerate(corners):
+            x, y, z = neighbour - (i, j, k)
+            upper = neighbour[2]
+            for term, (a, b, right, ahead) in enumerate(TERMS):
+                if (right, ahead) == (x, y):
+                    planes[upper : upper + mesh.nz, 1 - z, term] += matrices[:, 3 * test + a, 3 * trial + b]
+    return planes[1:].copy()
+
+
+@dataclass(frozen=True, kw_only=True)
+class LineFactors:
+    """A column's coupling to itself, factorised: three tridiagonal matrices L D L'.
+
+    Attributes
+    ----------
+    low : (nz, 3) array
+        Below the diagonal of L; its first row is 0.
+    reciprocal : (nz, 3) array
+        1 / D.
+    """
+
+    low: Array
+    reciprocal: Array
+
+    @classmethod
+    def of(cls, coefficients: Array, shape: tuple[int, int]) -> LineFactors:
+        """Factorise; where a grid is one node wide, a column is its own neighbour."""
+        x, y = (2.0 if n == 1 else 0.0 for n in shape)
+        share = np.array([1, x, y, x * y])
+        low, reciprocal = np.zeros((len(coefficients), 3)), np.zeros((len(coefficients), 3))
+        for component, terms in enumerate(_OWN):
+            below, own = (coefficients[:, plane][:, terms] @ share for plane in (0, 1))
+            pivot = own[0]
+            reciprocal[0, component] = 1 / pivot
+            for k in range(1, len(own)):
+                low[k, component] = below[k] / pivot
+                pivot = own[k] - low[k, component] * below[k]
+                reciprocal[k, component] = 1 / pivot
+        return cls(low=low, reciprocal=reciprocal)
+
+    @cached_property
+    def tied(self) -> Array:
+        """Vertical displacement of a column whose top is moved by one, its neighbours held; (nz,)."""
+        follow = np.ones(len(self.low))
+        follow[:-1] = np.cumprod(-self.low[:0:-1, 2])[::-1]
+        return follow

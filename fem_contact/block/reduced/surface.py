@@ -1,0 +1,353 @@
+"""The block as its surface nodes see it: the discrete compliance, applied by FFT."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from fem_contact.block.mesh import BlockMesh, node_weights
+from fem_contact.block.problem import Found, Problem
+from fem_contact.block.reduced.column import FoldedLayers, fold, surface_compliance
+from fem_contact.complementarity import Operator, Solution, solve_nested
+from fem_contact.complementarity.fourier import FourierOperator
+from fem_contact.contact import Status
+from fem_contact.errors import InvalidInput
+from fem_contact.response import BondedLayer
+from fem_contact.settings import Settings
+from fem_contact.solid import Solid
+
+__all__ = ["BlockResponse", "SurfaceOperator", "phase_pairs", "solve_reduced", "surface_operator"]
+
+Array = NDArray[np.float64]
+
+#: Share of the force of a proposed contact node that the others start with.
+_SPREAD = 0.01
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlockResponse:
+    """The block of one mesh as a response: displacement of its surface nodes from pressures, per wavevector.
+
+    It holds for the grid of that mesh only. Trilinear elements have one kind of surface node and satisfy the
+    `Response` protocol; for triquadratic ones `SurfaceOperator` is the response.
+
+    Attributes
+    ----------
+    mesh : BlockMesh
+    solid : Solid
+    width : float
+        Width of a cell along x [m].
+    layer_modulus : (nz,) array or None
+        Young's modulus of each layer over `solid.young`, from the bottom upwards; None where it is 1.
+    """
+
+    mesh: BlockMesh
+    solid: Solid
+    width: float
+    layer_modulus: Array | None = None
+
+    @property
+    def contact_modulus(self) -> float:
+        """E* [Pa] of the top layer."""
+        top = 1.0 if self.layer_modulus is None else float(self.layer_modulus[-1])
+        return self.solid.contact_modulus * top
+
+    @cached_property
+    def folded(self) -> FoldedLayers:
+        """Folded element matrices of the column."""
+        return fold(self.mesh, poisson=self.solid.poisson, modulus=self.layer_modulus)
+
+    def compliance(self, qx: Array, qy: Array) -> Array:
+        """Surface displacement over pressure [m/Pa] at wavevectors (qx, qy) [1/m], broadcast together.
+
+        Pressure is nodal force over cell area.
+
+        Raises
+        ------
+        InvalidInput
+            For triquadratic elements, whose response is a matrix over four kinds of nodes.
+        """
+        if self.folded.types != 1:
+            raise InvalidInput(
+                f"{self.mesh.element.name}: has four kinds of surface nodes; use SurfaceOperator"
+            )
+        # The response is even in both components: each size of a component is computed once.
+        (x, from_x), (y, from_y) = _sizes(qx), _sizes(qy)
+        phases = phase_pairs(x * self.width, y * (self.width * self.mesh.aspect))
+        table = self.trilinear(phases).reshape(x.size, y.size)
+        return np.asarray(table[from_x, from_y])
+
+    def trilinear(self, phases: Array, *, states: Array | None = None) -> Array:
+        """Displacement over pressure [m/Pa] at (n, 2) phases per cell, trilinear cells, compiled.
+
+        `states`, of shape (nz - 1, n, 6), receives what the descent into the block needs.
+        """
+        response = self.surface_amplitudes(phases, states=states)[:, 2]
+        return np.asarray(response * (self.mesh.aspect * self.width / self.solid.young))
+
+    def surface_amplitudes(self, phases: Array, *, states: Array | None = None) -> Array:
+        """Amplitudes (n, 3) over the cell width under unit vertical nodal force over E width^2."""
+        from fem_contact.block.reduced.kernels import pack, sweep
+
+        packed, parity = pack(self.folded.coefficients)
+        response = np.empty((len(phases), 3))
+        kept = np.empty((0, 0, 6)) if states is None else states
+        sweep(packed, parity, np.ascontiguousarray(phases), kept, response)
+        return response
+
+
+def _sizes(q: Array) -> tuple[Array, NDArray[np.intp]]:
+    """Different absolute values, and where each entry finds its own."""
+    sizes, inverse = np.unique(np.abs(np.asarray(q, dtype=float)), return_inverse=True)
+    return sizes, inverse.reshape(np.shape(q))
+
+
+def phase_pairs(x: Array, y: Array) -> Array:
+    """All pairs (x_i, y_j), one per row."""
+    return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+
+
+class SurfaceOperator:
+    """Response of the four kinds of surface nodes of triquadratic cells, and its inverse, by real FFTs.
+
+    Forces are in units of the mean node area, force / (dx dy) over E; lengths are in cell widths. Arrays run
+    over the surface nodes (nx, ny), which are four interleaved lattices.
+
+    Parameters
+    ----------
+    response : BlockResponse
+    threads : int
+        Threads of each transform.
+    """
+
+    pairs = 1.0
+
+    def __init__(self, response: BlockResponse, *, threads: int = 1) -> None:
+        mesh = response.mesh
+        self.shape, self.cells, self.threads = mesh.shape, mesh.cells, threads
+        x, y = 2 * np.pi * scipy.fft.fftfreq(self.cells[0]), 2 * np.pi * scipy.fft.rfftfreq(self.cells[1])
+        half = np.abs(x[: self.cells[0] // 2 + 1])
+        mirror = np.minimum(np.arange(x.size), x.size - np.arange(x.size))
+        scale = mesh.aspect * response.width / response.solid.young / mesh.element.types
+        table = surface_compliance(response.folded, phase_pairs(half, y))
+        table = scale * table.reshape(half.size, y.size, 4, 4)
+        inverse: Array = np.linalg.inv(_padded(table)).astype(float)
+        inverse[0, 0] = _without_mean(table[0, 0])
+        self.compliance = np.moveaxis(table, (2, 3), (0, 1))[:, :, mirror].copy()
+        self.inverse = np.moveaxis(inverse, (2, 3), (0, 1))[:, :, mirror].copy()
+        self.stiffness = float(np.mean(np.trace(self.inverse)) / 4)
+        # Positions differ by half a cell between the lattices; the tables refer to one origin.
+        self.turns = np.stack([np.exp(0.5j * (x[:, None] * a + y * b)) for a in (0, 1) for b in (0, 1)])
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the arrays held, and of the spectra that come and go."""
+        return self.compliance.nbytes + self.inverse.nbytes + 3 * self.turns.nbytes
+
+    def apply(self, force: Array, out: Array) -> None:
+        """Write the displacement under ``force`` into ``out``."""
+        self._transform(force, out, self.compliance)
+
+    def precondition(self, residual: Array, out: Array) -> None:
+        """Write the full-contact force under a displacement, without its mean, into ``out``."""
+        self._transform(residual, out, self.inverse)
+
+    def _transform(self, values: Array, out: Array, table: Array) -> None:
+        lattices = [(slice(a, None, 2), slice(b, None, 2)) for a in (0, 1) for b in (0, 1)]
+        waves = np.stack([scipy.fft.rfft2(values[lattice], workers=self.threads) for lattice in lattices])
+        waves /= self.turns
+        answer = np.einsum("abxy,bxy->axy", table, waves)
+        answer *= self.turns
+        for lattice, wave in zip(lattices, answer, strict=True):
+            out[lattice] = scipy.fft.irfft2(wave, s=self.cells, workers=self.threads)
+
+
+def surface_operator(response: BlockResponse, *, threads: int = 1) -> FourierOperator | SurfaceOperator:
+    """Return the operator of the block's surface nodes: forces in units of the mean node area."""
+    mesh = response.mesh
+    if mesh.element.order == 2:
+        return SurfaceOperator(response, threads=threads)
+    lengths = mesh.cells[0] * response.width, mesh.cells[1] * response.width * mesh.aspect
+    return FourierOperator(response, mesh.shape, lengths, threads=threads)
+
+
+def _padded(table: Array) -> Array:
+    """Replace the response at zero phase, singular for the incompressible solid, by the identity."""
+    padded = table.copy()
+    padded[0, 0] = np.eye(table.shape[-1])
+    return padded
+
+
+def _without_mean(compliance: Array) -> Array:
+    """Return the matrix from displacements to the forces of zero sum that cause them, up to a constant."""
+    size = len(compliance)
+    basis = np.linalg.svd(np.ones((1, size)))[2][1:].T
+    return np.asarray(basis @ np.linalg.solve(basis.T @ compliance @ basis, basis.T))
+
+
+def solve_reduced(
+    problem: Problem,
+    response: BlockResponse,
+    operator: FourierOperator | SurfaceOperator,
+    *,
+    start: NDArray[np.bool_] | Found | None,
+) -> Found:
+    """Solve the contact of the surface nodes at a mean pressure."""
+    mesh, threads = problem.mesh, operator.threads
+    assert problem.pressure is not None
+    if isinstance(start, Found):
+        first: Array | None = start.force
+    else:
+        # Some force everywhere: one loaded node alone leaves no direction to search.
+        first = None if start is None else np.where(start, 1.0, _SPREAD)
+    weights, bound = node_weights(mesh), problem.bound
+    direct = _bound_everywhere(problem, operator) or _touching_everywhere(problem, operator)
+    if direct is not None:
+        solution, gap = direct.judged(problem), direct.gap
+    else:
+        lengths = float(mesh.cells[0]), mesh.cells[1] * mesh.aspect
+        # Coarser grids only lead to a first guess, for which the homogeneous layer is near enough.
+        layer = BondedLayer(solid=response.solid, thickness=float(-mesh.planes[0]))
+        solution = solve_nested(
+            operator,
+            problem.heights,
+            coarse=lambda shape: FourierOperator(layer, shape, lengths, threads=threads),
+            mean_force=problem.pressure,
+            length_scale=problem.roughness,
+            settings=Settings(tolerance=problem.tolerance, max_iterations=problem.steps, threads=threads),
+            start=first,
+            bound=bound if bound is None or weights is None else bound * weights,
+            weights=weights,
+        )
+        gap = solution.displacement - problem.heights + solution.offset
+    return Found(
+        force=solution.force * (mesh.aspect / mesh.element.types),
+        gap=gap,
+        displacement=solution.displacement,
+        in_contact=solution.in_contact,
+        offset=solution.offset,
+        status=solution.status,
+        iterations=solution.iterations,
+        linear_iterations=0,
+        fft_pairs=solution.fft_pairs,
+        bytes=max(solution.peak_bytes + operator.nbytes, 4 * solution.force.nbytes + operator.nbytes),
+        method="reduced",
+        note=f"{solution.iterations} iterations",
+        at_bound=None if bound is None else solution.at_bound,
+    )
+
+
+def solve_reduced_offset(
+    problem: Problem, response: BlockResponse, operator: FourierOperator | SurfaceOperator
+) -> Found:
+    """Seek the mean pressure that belongs to a prescribed offset; the offset falls as the load rises."""
+    from scipy.optimize import brentq
+
+    assert problem.offset is not None
+    target, found = problem.offset, None
+    # Of a rigid profile driven in by its full height the block would bear less than this.
+    high = 2 * -target / (1 - problem.poisson**2) / min(-float(problem.mesh.planes[0]), 1.0)
+    tight = replace(problem, tolerance=min(problem.tolerance, 1e-10), offset=None)
+
+    def excess(logarithm: float) -> float:
+        nonlocal found
+        pressure = high * math.exp(logarithm)
+        found = solve_reduced(replace(tight, pressure=pressure), response, operator, start=found)
+        return found.offset - target
+
+    low, top = -1.0, 0.0
+    while excess(top) > 0:
+        low, top = top, top + 3.0
+    while excess(low) < 0:
+        low, top = 2 * low - 1.0, low
+    root = brentq(excess, low, top, xtol=1e-14, rtol=4 * np.finfo(float).eps)
+    excess(root)
+    assert found is not None
+    return found
+
+
+#: Relative difference at which a load counts as equal to the bound: means differ by rounding.
+_SLACK = 1e-12
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Direct:
+    """An answer that no iteration led to.
+
+    Attributes
+    ----------
+    solution : Solution
+    gap : (nx, ny) array
+        Over the cell width.
+    """
+
+    solution: Solution
+    gap: Array
+
+    def judged(self, problem: Problem) -> Solution:
+        """Let the residual say whether rounding left an answer; a NaN is not below the tolerance."""
+        solution, mesh = self.solution, problem.mesh
+        left = problem.violation(
+            solution.force * (mesh.aspect / mesh.element.types),
+            self.gap,
+            None if problem.bound is None else solution.at_bound,
+        )
+        return solution if left <= problem.tolerance else replace(solution, status=Status.STAGNATED)
+
+
+def _bound_everywhere(problem: Problem, operator: Operator) -> _Direct | None:
+    """Return the answer where the bound leaves no choice, at the offset of least indentation."""
+    assert problem.pressure is not None
+    if problem.bound is None or problem.mean_bound > problem.pressure * (1 + _SLACK):
+        return None
+    weights, displacement = node_weights(problem.mesh), np.empty(problem.mesh.shape)
+    force = problem.bound * (1.0 if weights is None else weights)
+    operator.apply(force, displacement)
+    everywhere = np.ones(force.shape, dtype=bool)
+    offset = float(np.min(problem.heights - displacement))
+    solution = Solution(
+        force=force,
+        displacement=displacement,
+        offset=offset,
+        in_contact=everywhere,
+        at_bound=everywhere,
+        status=Status.CONVERGED,
+        iterations=0,
+        fft_pairs=operator.pairs,
+    )
+    return _Direct(solution=solution, gap=displacement - problem.heights + offset)
+
+
+def _touching_everywhere(problem: Problem, operator: Operator) -> _Direct | None:
+    """Return the exact answer where all nodes touch; None where that needs tension."""
+    assert problem.pressure is not None
+    weights = node_weights(problem.mesh)
+    force, displacement = np.empty(problem.mesh.shape), np.empty(problem.mesh.shape)
+    operator.precondition(problem.heights, force)
+    operator.apply(force, displacement)
+    # The uniform compression may be larger by many orders, and no gap can be read off the sum of both.
+    gap = displacement - problem.heights
+    gap -= gap.mean()
+    # A uniform pressure moves all nodes alike, so it can be added.
+    force += (problem.pressure - force.mean()) * (1.0 if weights is None else weights)
+    if force.min() < 0 or (
+        problem.bound is not None and np.any(force > problem.bound * (1.0 if weights is None else weights))
+    ):
+        return None
+    operator.apply(force, displacement)
+    solution = Solution(
+        force=force,
+        displacement=displacement,
+        offset=float(np.mean(problem.heights - displacement)),
+        in_contact=np.ones(force.shape, dtype=bool),
+        at_bound=np.zeros(force.shape, dtype=bool),
+        status=Status.CONVERGED,
+        iterations=0,
+        fft_pairs=3 * operator.pairs,
+    )
+    return _Direct(solution=solution, gap=gap)

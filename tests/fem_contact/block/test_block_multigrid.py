@@ -1,0 +1,339 @@
+"""The full system on the grids of its multigrid: kernels, cycle, contact."""
+
+import numpy as np
+import pytest
+
+from fem_contact.block import ELEMENTS, estimate, plan_mesh, solve, solve_displacement, solve_path
+from fem_contact.block.full import kernels
+from fem_contact.block.full.assembly import assemble
+from fem_contact.block.full.linear import conjugate_gradients
+from fem_contact.block.full.multigrid import (
+    Hierarchy,
+    RefinedBlock,
+    StencilBlock,
+    Transfer,
+    build_hierarchy,
+    refined_hierarchy,
+)
+from fem_contact.block.full.stencil import TERMS
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField, random_surface
+
+SOLID = Solid(young=1.0, poisson=0.3)
+
+
+def rough(shape=(32, 32), lengths=(1.0, 1.0), *, seed=17, waves=4):
+    unit = 2 * np.pi / max(lengths)
+    surface = random_surface(
+        lambda q: (q / unit) ** -3.6, q_short=waves * unit, lengths=lengths, shape=shape, seed=seed
+    )
+    return HeightField(heights=surface.heights * (0.1 / surface.rms_gradient), lengths=lengths)
+
+
+def hierarchy_of(shape=(6, 8), lengths=(1.0, 1.1), *, element="Hex1", poisson=0.3, layered=False, **mesh):
+    planned = plan_mesh(shape, lengths, element=ELEMENTS[element], **mesh)
+    modulus = np.linspace(1.0, 7.0, planned.nz) if layered else None
+    return planned, build_hierarchy(planned, poisson=poisson, modulus=modulus), modulus
+
+
+def some_tied(shape, *, seed=5):
+    tied = np.random.default_rng(seed).random(shape) < 0.2
+    tied[1:3, 2:4] = True
+    return tied
+
+
+# The NumPy twins.
+
+
+def twin_apply(c, u):
+    """Sum what every plane does to its neighbours, one mirror image after the other."""
+    forces = np.zeros_like(u)
+    nz = u.shape[2]
+    for target in (-1, 0, 1):
+        source = slice(max(0, -target), nz - max(0, target))
+        onto = slice(max(0, target), nz - max(0, -target))
+        for term, (a, b, x, y) in enumerate(TERMS):
+            odd_x, odd_y = (a == 0) != (b == 0), (a == 1) != (b == 1)
+            for i in {x, -x}:
+                for j in {y, -y}:
+                    sign = (-1 if odd_x and i < 0 else 1) * (-1 if odd_y and j < 0 else 1)
+                    moved = np.roll(u[..., b], (-i, -j), axis=(0, 1))
+                    forces[:, :, onto, a] += sign * c[source, target + 1, term] * moved[:, :, source]
+    return forces
+
+
+def twin_relax(c, f, tied, u, *, backward):
+    """Solve the columns of one colour at once with a dense matrix; only for even numbers of columns."""
+    nz = u.shape[2]
+    line = np.zeros((3 * nz, 3 * nz))
+    for column in range(3 * nz):
+        unit = np.zeros((4, 4, nz, 3))
+        unit[0, 0].flat[column] = 1
+        line[:, column] = twin_apply(c, unit)[0, 0].ravel()
+    u = u.copy()
+    for colour in (3, 2, 1, 0) if backward else (0, 1, 2, 3):
+        left = f - twin_apply(c, u)
+        for i in range(colour // 2, u.shape[0], 2):
+            for j in range(colour % 2, u.shape[1], 2):
+                free = np.ones(3 * nz, dtype=bool)
+                free[-1] = not tied[i, j]
+                change = np.zeros(3 * nz)
+                change[free] = np.linalg.solve(line[np.ix_(free, free)], left[i, j].ravel()[free])
+                u[i, j] += change.reshape(nz, 3)
+    return u
+
+
+def twin_interpolation(fine, coarse):
+    """Dense matrix of linear interpolation between two periodic grids with node 0 in common."""
+    matrix = np.zeros((fine, coarse))
+    for i in range(fine):
+        place = i * coarse / fine
+        low = int(np.floor(place + 1e-12))
+        matrix[i, low % coarse] += 1 - (place - low)
+        matrix[i, (low + 1) % coarse] += place - low
+    return matrix
+
+
+@pytest.mark.parametrize("element", ["Hex1", "Hex1/P0"])
+@pytest.mark.parametrize(("shape", "layered"), [((6, 8), False), ((5, 7), True), ((3, 4), True)])
+def test_the_stencil_is_the_assembled_matrix(element, shape, layered):
+    mesh, hierarchy, modulus = hierarchy_of(shape, element=element, layered=layered, poisson=0.41)
+    moduli = None if modulus is None else np.broadcast_to(modulus, (*mesh.cells, mesh.nz))
+    matrix = assemble(mesh, poisson=0.41, modulus=moduli).free()
+    u = np.random.default_rng(9).standard_normal(matrix.shape[0])
+    exact = matrix @ u
+    found = StencilBlock(hierarchy=hierarchy, heights=np.zeros(shape)).apply(u)
+    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-14 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("shape", [(6, 8), (5, 3), (2, 1)])
+def test_forces_are_their_twin(shape):
+    _, hierarchy, _ = hierarchy_of(shape, layered=True)
+    level, generator = hierarchy.levels[0], np.random.default_rng(31)
+    u = generator.standard_normal(level.field_shape)
+    exact, found = twin_apply(level.coefficients, u), np.empty_like(u)
+    kernels.apply_stencil(level.coefficients, u, found)
+    np.testing.assert_allclose(found, exact, atol=1e-13 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("backward", [False, True])
+def test_relaxation_is_its_twin(backward):
+    _, hierarchy, _ = hierarchy_of((6, 8), layered=True)
+    level, generator = hierarchy.levels[0], np.random.default_rng(32)
+    u, f = generator.standard_normal((2, *level.field_shape))
+    tied = some_tied((6, 8))
+    exact = twin_relax(level.coefficients, f, tied, u, backward=backward)
+    kernels.relax(level.coefficients, level.lines.low, level.lines.reciprocal, f, tied, u, backward)
+    np.testing.assert_allclose(u, exact, atol=1e-12 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize(
+    ("fine", "coarse"), [((8, 6), (4, 3)), ((7, 5), (4, 3)), ((6, 5), (6, 3)), ((2, 1), (1, 1))]
+)
+def test_transfer_between_grids_is_its_twin_and_transposed(fine, coarse):
+    transfers = [Transfer.between(f, c) for f, c in zip(fine, coarse, strict=True)]
+    tables = [table for t in transfers for table in (t.low, t.weight)]
+    matrix = np.kron(*(twin_interpolation(f, c) for f, c in zip(fine, coarse, strict=True)))
+    generator = np.random.default_rng(33)
+    values, forces = generator.standard_normal((*coarse, 4)), generator.standard_normal((*fine, 4))
+    up, down = np.zeros((*fine, 4)), np.zeros((*coarse, 4))
+    kernels.prolong(values, *tables, up)
+    kernels.restrict(forces, *tables, down)
+    np.testing.assert_allclose(up.reshape(-1, 4), matrix @ values.reshape(-1, 4), atol=1e-14)
+    np.testing.assert_allclose(down.reshape(-1, 4), matrix.T @ forces.reshape(-1, 4), atol=1e-14)
+
+
+def test_a_coarser_grid_is_what_interpolation_makes_of_the_finer_one():
+    _, hierarchy, _ = hierarchy_of((8, 6), layered=True)
+    fine, coarse = hierarchy.levels[:2]
+    u = np.random.default_rng(34).standard_normal(coarse.field_shape)
+    exact = fine.restricted(twin_apply(fine.coefficients, fine.prolonged(u)))
+    np.testing.assert_allclose(twin_apply(coarse.coefficients, u), exact, atol=1e-12 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("shape", [(8, 6), (7, 5)])
+def test_the_cycle_is_symmetric_and_positive(shape):
+    _, hierarchy, _ = hierarchy_of(shape)
+    tied = hierarchy.tied(some_tied(shape))
+    x, y = np.random.default_rng(35).standard_normal((2, *hierarchy.levels[0].field_shape))
+    x[tied[0], -1, 2] = y[tied[0], -1, 2] = 0
+    into_x, into_y = hierarchy.cycle(x, tied), hierarchy.cycle(y, tied)
+    assert np.vdot(into_x, y) == pytest.approx(np.vdot(x, into_y), rel=1e-12)
+    assert np.vdot(into_x, x) > 0
+    assert not into_x[tied[0], -1, 2].any()
+
+
+def test_a_single_column_is_solved_exactly():
+    _, hierarchy, _ = hierarchy_of((1, 1), layered=True)
+    level = hierarchy.levels[0]
+    f = np.random.default_rng(36).standard_normal(level.field_shape)
+    u = hierarchy.cycle(f, (np.zeros((1, 1), dtype=bool),))
+    np.testing.assert_allclose(twin_apply(level.coefficients, u), f, atol=1e-12)
+
+
+def steps_of(hierarchy: Hierarchy, tied, block=None) -> int:
+    """Conjugate-gradient steps to 1e-8 under random forces with tied nodes."""
+    block = block or StencilBlock(hierarchy=hierarchy, heights=np.zeros(tied.shape))
+    masks, held = hierarchy.tied(tied), block.vertical(tied)
+    shape = hierarchy.levels[0].field_shape
+
+    def apply(u):
+        forces = block.apply(u)
+        forces[held] = 0
+        return forces
+
+    right = np.zeros(shape)
+    right[:, :, -1, 2] = np.random.default_rng(3).standard_normal(tied.shape)
+    right = right.ravel()
+    right[held] = 0
+    found = conjugate_gradients(
+        apply,
+        right,
+        precondition=lambda r: hierarchy.cycle(r.reshape(shape), masks).ravel(),
+        start=np.zeros_like(right),
+        scale=float(np.linalg.norm(right)),
+        tolerance=1e-8,
+        max_iterations=100,
+    )
+    assert found.converged
+    return found.iterations
+
+
+def patches(shape):
+    """Pairs of nodes on a side, wherever they fall on the coarser grids."""
+    tied, generator = np.zeros(shape, dtype=bool), np.random.default_rng(3)
+    for _ in range(shape[0] * shape[1] // 64):
+        i, j = (int(generator.integers(n)) for n in shape)
+        tied[i : i + 2, j : j + 2] = True
+    return tied
+
+
+@pytest.mark.parametrize(
+    ("shape", "lengths", "poisson", "mesh", "most"),
+    [
+        ((16, 16), (1.0, 1.0), 0.3, {}, 13),
+        ((48, 48), (1.0, 1.0), 0.3, {}, 14),
+        ((33, 27), (1.0, 1.0), 0.3, {}, 14),
+        ((32, 32), (1.0, 1.0), 0.45, {}, 21),
+        ((32, 32), (1.0, 1.0), 0.3, {"depth": 100.0}, 14),
+        ((32, 32), (1.0, 1.0), 0.3, {"depth": 0.01}, 14),
+        ((32, 32), (1.0, 1.0), 0.3, {"first_layer": 1e-6}, 14),
+        ((32, 32), (1.0, 1.0), 0.3, {"growth": 1.02}, 14),
+        ((32, 32), (1.0, 8.0), 0.3, {}, 18),
+        ((32, 32), (50.0, 1.0), 0.3, {}, 18),
+    ],
+)
+def test_steps_depend_neither_on_the_grid_nor_on_the_shape_of_cells(shape, lengths, poisson, mesh, most):
+    """The limits are the steps that were counted, and some one in eight more."""
+    planned = plan_mesh(shape, lengths, **mesh)
+    assert steps_of(build_hierarchy(planned, poisson=poisson), patches(shape)) <= most
+
+
+@pytest.mark.parametrize(("cells", "poisson"), [(4, 0.3), (10, 0.3), (8, 0.45)])
+def test_trilinear_cells_between_the_nodes_precondition_triquadratic_ones(cells, poisson):
+    mesh = plan_mesh((2 * cells, 2 * cells), (1.0, 1.0), element=ELEMENTS["Hex2"], depth=0.7)
+    matrix = assemble(mesh, poisson=poisson).free()
+    hierarchy = refined_hierarchy(mesh, poisson=poisson)
+    tied = patches(mesh.shape)
+    block = RefinedBlock(matrix=matrix, mesh=mesh, heights=np.zeros(mesh.shape), hierarchy=hierarchy)
+    # 26, 27 and 33 were counted.
+    assert steps_of(hierarchy, tied, block) <= (37 if poisson > 0.4 else 30)
+
+
+def agree(full, reduced, within=1e-8):
+    """Nodal forces of one system solved twice, to the full one's linear tolerance."""
+    a, b = full.contact.checked(), reduced.contact.checked()
+    np.testing.assert_array_equal(a.in_contact, b.in_contact)
+    assert np.linalg.norm(a.pressure - b.pressure) < within * np.linalg.norm(b.pressure)
+    return a, b
+
+
+@pytest.mark.parametrize(
+    ("shape", "lengths", "poisson", "mesh"),
+    [
+        ((48, 48), (1.0, 1.0), 0.3, {}),
+        ((33, 20), (1.0, 1.0), 0.3, {}),
+        ((32, 32), (1.0, 3.0), 0.0, {"growth": 1.5}),
+        ((32, 32), (1.0, 1.0), 0.4999, {}),
+        ((32, 32), (1.0, 1.0), 0.45, {"element": "Hex1"}),
+        ((24, 24), (1.0, 1.0), 0.3, {"first_layer": 1e-5}),
+        ((24, 24), (1.0, 1.0), 0.3, {"modulus": lambda x, y, z: np.where(z > -0.1, 20.0, 1.0)}),
+    ],
+)
+def test_nodal_forces_are_those_of_the_reduced_block(shape, lengths, poisson, mesh):
+    surface, solid = rough(shape, lengths), Solid(young=1.0, poisson=poisson)
+    load = 0.05 * solid.contact_modulus * surface.rms_gradient
+    full = solve(surface, solid, mean_pressure=load, method="full", tolerance=1e-9, **mesh)
+    reduced = solve(surface, solid, mean_pressure=load, tolerance=1e-13, **mesh)
+    agree(full, reduced)
+
+
+def test_hardness_paths_and_prescribed_approach_agree_with_the_reduced_block():
+    surface = rough()
+    load = 0.1 * SOLID.contact_modulus * surface.rms_gradient
+    hard = {"mean_pressure": load, "pressure_bound": 2.5 * load}
+    full, reduced = agree(
+        solve(surface, SOLID, method="full", tolerance=1e-9, **hard),
+        solve(surface, SOLID, tolerance=1e-13, **hard),
+    )
+    np.testing.assert_array_equal(full.at_bound, reduced.at_bound)
+    assert full.at_bound.any()
+    loads = [0.5 * load, load, 0.2 * load]
+    for step, exact in zip(
+        solve_path(surface, SOLID, mean_pressures=loads, method="full", tolerance=1e-9),
+        solve_path(surface, SOLID, mean_pressures=loads, tolerance=1e-13),
+        strict=True,
+    ):
+        agree(step, exact)
+    offset = full.offset
+    full, reduced = (
+        solve_displacement(surface, SOLID, offset=offset, method=m, tolerance=1e-9)
+        for m in ("full", "reduced")
+    )
+    agree(full, reduced)
+
+
+def test_a_nested_first_set_saves_sets_and_changes_nothing():
+    surface = rough((48, 48))
+    load = 0.05 * SOLID.contact_modulus * surface.rms_gradient
+    nested = solve(surface, SOLID, mean_pressure=load, method="full", tolerance=1e-9)
+    everything = np.ones(surface.shape, dtype=bool)
+    plain = solve(surface, SOLID, mean_pressure=load, method="full", tolerance=1e-9, start=everything)
+    agree(nested, plain)
+    assert nested.contact.cost.iterations <= 4 < plain.contact.cost.iterations
+
+
+def test_each_solver_of_the_full_system_is_named():
+    surface = rough((10, 10))
+    load = 0.05 * SOLID.contact_modulus * surface.rms_gradient
+
+    def told(**options):
+        return solve(
+            surface, SOLID, mean_pressure=load, method="full", depth=0.3, **options
+        ).contact.provenance
+
+    for element in ("Hex1", "Hex1/P0"):
+        assert "geometric multigrid" in told(element=element)["method"]
+        assert "pyamg" not in told(element=element)
+    assert "trilinear cells between the nodes" in told(element="Hex2")["method"]
+    lateral = told(modulus=lambda x, y, z: 1 + 0.1 * np.cos(2 * np.pi * x) + 0 * z)
+    assert "smoothed aggregation" in lateral["method"]
+    assert "pyamg" in lateral
+
+
+def test_the_estimate_holds_the_memory_that_is_used():
+    import tracemalloc
+
+    surface = rough((48, 48))
+    load = 0.05 * SOLID.contact_modulus * surface.rms_gradient
+    solve(rough((16, 16)), SOLID, mean_pressure=load, method="full")
+    tracemalloc.start()
+    solve(surface, SOLID, mean_pressure=load, method="full")
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    planned = estimate((48, 48), method="full")
+    flat = estimate((1, 1), method="full").bytes
+    # Fields alone, without the interpreter and its libraries.
+    assert 0.6 * (planned.bytes - flat) < peak < planned.bytes - flat
+    lateral = estimate((48, 48), method="full", element="Hex2")
+    assert lateral.bytes > 10 * planned.bytes - 10 * flat

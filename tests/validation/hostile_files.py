@@ -1,0 +1,350 @@
+"""Small files that bring readers of heights down, made by code; and damage done to good ones."""
+
+from __future__ import annotations
+
+import io
+import struct
+import tempfile
+import zipfile
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from fem_contact.surface import HeightField
+from validation.scenes.topography import write_topography
+
+Files = Iterator[tuple[str, bytes]]
+
+
+def good(suffix: str, shape: tuple[int, int] = (12, 10)) -> bytes:
+    """A file that is read without complaint."""
+    heights = np.random.default_rng(77).normal(size=shape) * 1e-9
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"good{suffix}"
+        write_topography(path, HeightField(heights=heights, lengths=(1.2e-6, 1.0e-6)))
+        return path.read_bytes()
+
+
+def all_hostile() -> Files:
+    """Every one of them, with the name it should have."""
+    yield from _nothing()
+    yield from _npy()
+    yield from _text()
+    yield from _x3p()
+    yield from _netcdf()
+
+
+def _nothing() -> Files:
+    for suffix in (".npy", ".txt", ".csv", ".dat", ".asc", ".nc", ".x3p"):
+        yield f"empty{suffix}", b""
+        yield f"zeros{suffix}", bytes(4096)
+        yield f"ones{suffix}", b"\xff" * 4096
+        yield f"noise{suffix}", np.random.default_rng(6).bytes(4096)
+        yield f"half{suffix}", good(".txt" if suffix in (".csv", ".dat", ".asc") else suffix)[:-70]
+
+
+def _npy() -> Files:
+    def header(text: str, version: bytes = b"\x01\x00") -> bytes:
+        size = struct.pack("<H" if version[0] == 1 else "<I", len(text))
+        return b"\x93NUMPY" + version + size + text.encode()
+
+    def says(kind: str, shape: str) -> bytes:
+        return header(f"{{'descr': '{kind}', 'fortran_order': False, 'shape': {shape}, }}\n")
+
+    yield "petabytes.npy", says("<f8", "(100000000, 100000000)")
+    yield "gigabytes.npy", says("<f8", "(40000, 40000)") + bytes(64)
+    yield "negative.npy", says("<f8", "(-4, -4)") + bytes(128)
+    yield "no-axis.npy", says("<f8", "()") + bytes(8)
+    yield "one-axis.npy", says("<f8", "(16,)") + bytes(128)
+    yield "empty-axis.npy", says("<f8", "(0, 8)")
+    yield "three-axes.npy", says("<f8", "(2, 2, 2)") + bytes(64)
+    yield "short.npy", says("<f8", "(8, 8)") + bytes(64)
+    yield "objects.npy", says("|O", "(2, 2)") + b"cos\nsystem\n(S'true'\ntR." * 4
+    yield "no-type.npy", says("<q9", "(2, 2)") + bytes(64)
+    yield "zero-width.npy", says("|V0", "(2, 2)")
+    yield "nested.npy", header("(" * 9000 + "\n")
+    yield "long-header.npy", header("{" + " " * 2_000_000, b"\x02\x00")
+    yield "announced-header.npy", b"\x93NUMPY\x02\x00" + struct.pack("<I", 2**32 - 1) + b"{"
+    yield "unknown-version.npy", header("{}", b"\x09\x00")
+    yield "calls.npy", header("__import__('os').getcwd()\n")
+    yield "dates.npy", says("<M8[s]", "(4, 4)") + bytes(128)
+    yield "archive.npy", _archive({"main.xml": b"", "a.npy": b""})
+
+
+def _text() -> Files:
+    rows = b"1 2 3 4\n5 6 7 8\n9 1 2 3\n4 5 6 7\n"
+    yield "utf-16-half.txt", "1 2\n3 4\n".encode("utf-16")[:-1]
+    yield "no-utf-8.txt", b"# Width: 10 \xb5m \xff\xfe\n" + b"x" + rows
+    yield "letters-within.txt", rows + b"five 6 7 8\n" + rows
+    yield "control.txt", b"\x1b[31m\x07" + rows
+    yield "escapes-within.txt", rows + b"\x1b]0;title\x07 2 3 4\n"
+    yield "zero-byte.txt", b"1 2\n3 \x004\n"
+    yield "ragged.txt", b"1 2 3 4\n5 6\n7 8 9 1\n"
+    yield "one-row-of-a-million.txt", b"1 " * 10**6 + b"\n"
+    yield "two-rows-of-a-million-ragged.txt", b"1 " * 10**6 + b"\n" + b"1 " * 999_999 + b"\n"
+    yield "one-column.txt", b"1\n" * 1000
+    yield "one-number-of-a-megabyte.txt", b"9" * 2**20 + b"\n"
+    yield "announced-rows.txt", b"1 2 3 4 5 6 7 8 " * 64 + b"\n" * 2**21
+    yield "header-alone.txt", b"# Channel: Topography\n# Width: 1 um\n"
+    yield "header-without-end.txt", b"#" * 2**20
+    yield "volts.txt", b"# Width: 1 um\n# Height: 1 um\n# Value units: V\n" + rows
+    yield "endless-unit.txt", b"# Width: 1 um\n# Height: 1 um\n# Value units: m**9**9**9\n" + rows
+    yield "endless-width.txt", b"# Width: 1 m**9**9**9\n# Height: 1 um\n# Value units: m\n" + rows
+    yield "no-width.txt", b"# Width: 0 um\n# Height: 1 um\n# Value units: m\n" + rows
+    yield "width-nan.txt", b"# Width: ,,e um\n# Height: 1 um\n# Value units: m\n" + rows
+    yield "scattered.txt", b"0 0 1\n1 3 2\n2.3 1 1\n4 .4 2\n5 5 5\n"
+    yield "points-twice.txt", b"0 0 1\n0 1 2\n1 0 1\n1 1 2\n1 1 5\n"
+    yield "points-on-a-line.txt", b"".join(b"%d 0 1\n" % i for i in range(20))
+    yield "points-on-a-diagonal.txt", b"".join(b"%d %d 1\n" % (i, i) for i in range(200))
+    yield "points-of-a-huge-grid.txt", b"".join(b"%d %d 1\n" % (i, i) for i in range(20_000))
+    yield "points-nan.txt", b"nan 0 1\n0 1 2\n1 0 1\n1 1 2\n"
+    yield "narrow-map.txt", b"1 5 3\n2 3 9\n7 3 3\n8 1 1\n5 5 5\n"
+    yield "empty-fields.csv", b"1;;3;4\n5;6;7;8\n1;2;3;4\n"
+    yield "thousands.csv", b"1.000,5;2.000,5;1;1\n1.000,5;2.000,5;1;1\n"
+    yield "quoted.csv", b'"1","2"\n"3","4"\n'
+    yield "overflow.csv", b"1e999,1e999\n1,2\n"
+    yield "huge-heights.csv", b"1e300,2\n3,4\n"
+
+
+def _archive(entries: dict[str, bytes], way: int = zipfile.ZIP_DEFLATED) -> bytes:
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", way) as archive:
+        for name, content in entries.items():
+            archive.writestr(name, content)
+    return file.getvalue()
+
+
+def _unpacked(raw: bytes) -> dict[str, bytes]:
+    with zipfile.ZipFile(io.BytesIO(raw)) as archive:
+        return {name: archive.read(name) for name in archive.namelist()}
+
+
+def _x3p() -> Files:
+    whole = good(".x3p")
+    parts = _unpacked(whole)
+    xml, data = parts["main.xml"], parts["bindata/data.bin"]
+
+    def changed(old: bytes, new: bytes) -> bytes:
+        assert old in xml, old
+        return _archive({"main.xml": xml.replace(old, new), "bindata/data.bin": data})
+
+    def with_xml(text: bytes) -> bytes:
+        return _archive({"main.xml": text, "bindata/data.bin": data})
+
+    yield "no-xml.x3p", _archive({"bindata/data.bin": data})
+    yield "no-data.x3p", _archive({"main.xml": xml})
+    yield "empty-xml.x3p", with_xml(b"")
+    yield "bad-encoding.x3p", with_xml(xml.replace(b"UTF-8", b"UTF-9"))
+    yield "bad-bytes.x3p", with_xml(xml.replace(b"SUR", b"S\xff\xfe\xb5R"))
+    yield "utf-7.x3p", with_xml(xml.replace(b"UTF-8", b"utf-7"))
+    laughs = b'<!DOCTYPE l [<!ENTITY a "ha">' + b"".join(
+        b'<!ENTITY a%d "%s">' % (k, b"&a%s;" % (b"%d" % (k - 1) if k else b"") * 10) for k in range(10)
+    )
+    declaration, _, body = xml.partition(b"?>")
+    yield "laughs.x3p", with_xml(declaration + b"?>" + laughs + b"]>" + body.replace(b"SUR", b"&a9;"))
+    secret = b'<!DOCTYPE l [<!ENTITY a SYSTEM "file:///etc/passwd">]>'
+    yield "external.x3p", with_xml(declaration + b"?>" + secret + body.replace(b"SUR", b"&a;"))
+    yield "laughs-16.x3p", with_xml(("<?xml version='1.0'?><!DOCTYPE l []>" + body.decode()).encode("utf-16"))
+    yield "deep.x3p", with_xml(b"<a>" * 200_000)
+    yield "wide.x3p", with_xml(b"<a>" + b"<b/>" * 1_000_000 + b"</a>")
+    yield "cut.x3p", with_xml(xml[:-40])
+    yield "bomb-xml.x3p", _archive({"main.xml": b" " * 2**28, "bindata/data.bin": data})
+    yield "bomb-data.x3p", _archive({"main.xml": xml, "bindata/data.bin": bytes(2**28)})
+    large = xml.replace(b"<SizeX>12", b"<SizeX>40000").replace(b"<SizeY>10", b"<SizeY>40000")
+    yield "announced.x3p", with_xml(large)
+    for name, value in {"zero": b"0", "negative": b"-3", "word": b"many", "digits": b"9" * 6000}.items():
+        yield f"size-{name}.x3p", changed(b"<SizeX>12", b"<SizeX>" + value)
+    for name, value in {"zero": b"0", "nan": b"nan", "inf": b"inf", "word": b"m", "minus": b"-1e-6"}.items():
+        yield f"step-{name}.x3p", xml_step(xml, data, value)
+    yield "type.x3p", changed(b"<DataType>D", b"<DataType>Q")
+    yield "no-cz.x3p", changed(b"<CZ>", b"<CQ>").replace(b"</CZ>", b"</CQ>")
+    yield "climbing.x3p", changed(b"bindata/data.bin", b"../../../../etc/passwd")
+    yield "lying.x3p", _lying(whole)
+    yield "encrypted.x3p", _flagged(whole, 1)
+    yield "packing.x3p", _packing(whole, 99)
+    for way, name in ((zipfile.ZIP_LZMA, "lzma"), (zipfile.ZIP_BZIP2, "bzip2")):
+        yield f"{name}.x3p", _archive(parts, way)
+    yield (
+        "masked-short.x3p",
+        _archive(
+            {
+                "main.xml": xml.replace(
+                    b"</PointDataLink>", b"</PointDataLink><ValidPointsLink>v</ValidPointsLink>"
+                ),
+                "bindata/data.bin": data,
+                "v": b"\xff",
+            }
+        ),
+    )
+    yield "many.x3p", _archive({f"{k}": b"" for k in range(5000)} | parts)
+    yield "central.x3p", whole.replace(b"PK\x01\x02", b"PK\x01\x03")
+
+
+def xml_step(xml: bytes, data: bytes, value: bytes) -> bytes:
+    """An X3P file with another increment along x."""
+    before, mark, after = xml.partition(b"<Increment>")
+    return _archive(
+        {"main.xml": before + mark + value + after[after.index(b"<") :], "bindata/data.bin": data}
+    )
+
+
+def _flagged(whole: bytes, flag: int) -> bytes:
+    raw = bytearray(whole)
+    for mark, offset in ((b"PK\x03\x04", 6), (b"PK\x01\x02", 8)):
+        place = raw.find(mark)
+        while place >= 0:
+            raw[place + offset] |= flag
+            place = raw.find(mark, place + 4)
+    return bytes(raw)
+
+
+def _packing(whole: bytes, way: int) -> bytes:
+    raw = bytearray(whole)
+    for mark, offset in ((b"PK\x03\x04", 8), (b"PK\x01\x02", 10)):
+        place = raw.find(mark)
+        while place >= 0:
+            raw[place + offset : place + offset + 2] = struct.pack("<H", way)
+            place = raw.find(mark, place + 4)
+    return bytes(raw)
+
+
+def _lying(whole: bytes) -> bytes:
+    """An archive whose entries say that they are 960 bytes long, and unpack to 256 MiB."""
+    parts = _unpacked(whole)
+    bomb = _archive({"main.xml": parts["main.xml"], "bindata/data.bin": bytes(2**28)})
+    return bomb.replace(struct.pack("<I", 2**28), struct.pack("<I", 960))
+
+
+def _netcdf() -> Files:
+    import netCDF4
+
+    def made(build, **options) -> bytes:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "made.nc"
+            with netCDF4.Dataset(path, "w", **options) as file:
+                build(file)
+            return path.read_bytes()
+
+    def plain(nx=6, ny=5, kind="f8", unit="nm", x_unit="um", x=None, **storage):
+        def build(file):
+            for axis, count in (("x", nx), ("y", ny)):
+                file.createDimension(axis, count)
+                position = file.createVariable(axis, "f8", (axis,))
+                if x_unit is not None:
+                    position.units = x_unit
+                if count and count < 10**4:
+                    position[...] = np.arange(count) if x is None or axis == "y" else x
+            heights = file.createVariable("heights", kind, ("x", "y"), **storage)
+            if unit is not None:
+                heights.units = unit
+            if nx and ny and nx * ny < 10**6 and kind is not str:
+                heights[...] = np.ones((nx, ny))
+
+        return build
+
+    for layout in ("NETCDF4", "NETCDF3_CLASSIC", "NETCDF3_64BIT_OFFSET", "NETCDF3_64BIT_DATA"):
+        yield f"cut-{layout}.nc", made(plain(), format=layout)[:-100]
+        yield f"headed-{layout}.nc", made(plain(), format=layout)[:200]
+    yield "nothing.nc", made(lambda file: None)
+    yield "empty-axis.nc", made(plain(nx=0))
+    yield "one-point.nc", made(plain(nx=1, ny=1))
+    yield "huge.nc", made(plain(nx=10**6, ny=10**6, zlib=True, chunksizes=(1000, 1000)))
+    yield "huge-chunk.nc", made(plain(nx=30_000, ny=30_000, zlib=True, chunksizes=(16_000, 16_000)))
+    yield "texts.nc", made(plain(kind=str))
+    yield "unit-array.nc", made(plain(unit=np.array([1.0, 2.0])))
+    yield "unit-number.nc", made(plain(unit=3))
+    yield "unit-texts.nc", made(plain(unit=["nm", "um"]))
+    yield "x-unit-array.nc", made(plain(x_unit=np.arange(3)))
+    yield "endless-unit.nc", made(plain(unit="m**9**9**9"))
+    yield "endless-x-unit.nc", made(plain(x_unit="m**9**9**9"))
+    yield "long-unit.nc", made(plain(unit="nm " * 10**5))
+    yield "seconds.nc", made(plain(unit="s"))
+    yield "escaping-unit.nc", made(plain(unit="\x1b[31m"))
+    yield "uneven.nc", made(plain(x=[0, 1, 2, 4, 8, 16]))
+    yield "standing.nc", made(plain(x=[1] * 6))
+    yield "unknown-x.nc", made(plain(x=[0, 1, np.nan, 3, 4, 5]))
+    yield "infinite-x.nc", made(plain(x=[0, 1, 2, 3, 4, np.inf]))
+
+    def scaled(value):
+        def build(file):
+            plain()(file)
+            file["heights"].setncattr("scale_factor", value)
+
+        return build
+
+    yield "scale-text.nc", made(scaled("large"))
+    yield "scale-array.nc", made(scaled(np.arange(3.0)))
+
+    def unnamed(file):
+        for name in "abc":
+            file.createDimension(name, 4)
+        for name, axes in (("first", ("a", "b")), ("second", ("b", "c"))):
+            file.createVariable(name, "f8", axes)
+
+    yield "two-maps.nc", made(unnamed)
+
+    def crossed(file):
+        file.createDimension("x", 4)
+        file.createDimension("y", 4)
+        file.createVariable("x", "f8", ("x", "y"))
+        file.createVariable("heights", "f8", ("x", "y"))[...] = np.ones((4, 4))
+
+    yield "crossed.nc", made(crossed)
+
+    def compound(file):
+        pair = file.createCompoundType(np.dtype([("a", "f8"), ("b", "f8")]), "pair")
+        file.createDimension("x", 4)
+        file.createDimension("y", 4)
+        file.createVariable("heights", pair, ("x", "y"))
+
+    yield "compound.nc", made(compound)
+
+    def ragged(file):
+        kind = file.createVLType("f8", "ragged")
+        file.createDimension("x", 4)
+        file.createDimension("y", 4)
+        file.createVariable("heights", kind, ("x", "y"))
+
+    yield "ragged.nc", made(ragged)
+
+    def length(value):
+        def build(file):
+            plain()(file)
+            for axis in "xy":
+                file[axis].setncattr("length", value)
+
+        return build
+
+    for name, value in {"text": "long", "array": np.arange(3.0), "nan": np.nan, "minus": -6.0}.items():
+        yield f"length-{name}.nc", made(length(value))
+    # A classic header that announces 2^31 - 1 dimensions.
+    yield "announced.nc", b"CDF\x01" + struct.pack(">iii", 0, 10, 2**31 - 1) + bytes(64)
+    yield "announced-name.nc", b"CDF\x01" + struct.pack(">iiii", 0, 10, 1, 2**31 - 1) + bytes(64)
+    yield "announced-64.nc", b"CDF\x05" + struct.pack(">qiqq", 0, 10, 2**62, 2**62) + bytes(64)
+    yield "packed.nc", zlib.compress(made(plain()))
+
+
+def damaged(raw: bytes, *, seed: int) -> bytes:
+    """A good file after a flipped bit, a zeroed or repeated block, a cut, or a number made extreme."""
+    chance = np.random.default_rng(seed)
+    copy = bytearray(raw)
+    place = int(chance.integers(len(copy)))
+    match int(chance.integers(6)):
+        case 0:
+            copy[place] ^= 1 << int(chance.integers(8))
+        case 1:
+            size = int(chance.choice([16, 64, 512]))
+            start = place // size * size
+            copy[start : start + size] = bytes(len(copy[start : start + size]))
+        case 2:
+            del copy[place:]
+        case 3:
+            copy[place : place + 4] = bytes.fromhex("ffffffff")
+        case 4:
+            copy[place:place] = copy[place // 2 : place // 2 + 64]
+        case _:
+            for spot in chance.integers(len(copy), size=8):
+                copy[int(spot)] = int(chance.integers(256))
+    return bytes(copy)

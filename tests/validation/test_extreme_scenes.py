@@ -1,0 +1,240 @@
+"""Values beyond all reason are refused by name when a scene is read; what is read is explained."""
+
+from __future__ import annotations
+
+import math
+import tomllib
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from pydantic import ValidationError
+
+from validation.comparison.explain import explain
+from validation.errors import UsageError
+from validation.scenes import surfaces
+from validation.scenes.scene import Scene, SelfAffineSurface, scene_problems
+from validation.scenes.surfaces import Expected, expected, reference_field
+from validation.studies import find_study
+
+TEXT = """
+name = "extreme"
+[surface]
+kind = "self-affine"
+length = 1e-4
+hurst = 0.8
+lambda_long = 5e-5
+lambda_short = 1.25e-5
+rms_gradient = 0.1
+seed = 5
+[solid]
+young = 1e9
+poisson = 0.3
+[load]
+reduced_pressure = 0.05
+[methods.bem]
+grids = [32, 48]
+under_resolved = true
+[methods.fem]
+grids = [16]
+under_resolved = true
+method = "reduced"
+depth = 1e-4
+[methods.theory]
+"""
+TREE = tomllib.loads(TEXT)
+
+
+def with_value(tree, place, value):
+    """A copy with one value set."""
+    key, *rest = place
+    copy = dict(tree) if isinstance(tree, dict) else list(tree)
+    copy[key] = with_value(copy[key], rest, value) if rest else value
+    return copy
+
+
+def problem(tree) -> str:
+    """What the reader of scenes says; empty if it has no objection."""
+    try:
+        Scene.model_validate(tree)
+    except ValidationError as error:
+        lines = scene_problems(error)
+        assert all("\n" not in line and len(line) < 600 for line in lines)
+        return "; ".join(lines)
+    return ""
+
+
+BEYOND = [
+    (
+        ("surface", "length"),
+        5e-324,
+        "surface.length (item 1) = 5e-324: is out of range; sizes from 1e-30",
+    ),
+    (("surface", "length"), "1 m**9**9**9", "has an unknown unit"),
+    (("surface", "length"), "1 nm squared squared squared", "has an unknown unit"),
+    (("surface", "length"), "1e999999999 m", "has an unknown unit"),
+    (("surface", "length"), "1" * 5000 + " m", "(5004 characters): must be a length such as"),
+    (("surface", "length"), 10**5000, "a number of thousands of digits: is out of range"),
+    (
+        ("surface", "rms_gradient"),
+        5e-324,
+        "surface.rms_gradient = 5e-324: must lie between 1e-12 and 1e+06",
+    ),
+    (("surface", "seed"), 2**63, "must be less than 9223372036854775808"),
+    (("solid", "young"), 1e300, "solid.young = 1e+300: is out of range"),
+    (("load", "reduced_pressure"), 1e300, "must lie between 1e-12 and 1e+06"),
+    (("methods", "bem", "grids"), [9 * 10**15], "must have at most 131072 points along a side"),
+    (("methods", "bem", "grids"), [32] * 10**6, "at most 256 items"),
+    (
+        ("ensemble",),
+        {"realisations": 100_000_000, "grids": [32, 48]},
+        "ensemble.realisations = 100000000: must be less than or equal to 10000",
+    ),
+    (("title",), "\x1b[31mred", r"must be a line of text; it holds the control character '\x1b'"),
+    (("title",), "abc\u202edef", r"it holds the control character '\u202e'"),
+    (("title",), "two\nlines", r"'\n'"),
+    (("title",), "x" * 10**6, "(1000002 characters): String should have at most 200 characters"),
+    (("name",), "x" * 101, "name = 'xxx"),
+]
+
+
+@pytest.mark.parametrize(("place", "value", "words"), BEYOND, ids=range(len(BEYOND)))
+def test_a_value_beyond_all_reason_is_refused_by_name(place, value, words):
+    assert words in problem(with_value(TREE, place, value))
+
+
+def test_titles_in_any_language_and_with_brackets_are_shown(tmp_path):
+    for title in ("Rauheit – größer", "粗さ", "a [/] b [bold]c", "חספוס"):
+        assert problem(with_value(TREE, ("title",), title)) == ""
+
+
+EXTREMES = st.one_of(
+    st.sampled_from([10.0**k for k in (-30, -20, -12, -9, -6, -3, 0, 3, 6, 9, 20, 30)]),
+    st.floats(min_value=0.0, allow_infinity=False),
+)
+WHOLE = st.integers(0, 10**18)
+PLACES = {
+    ("surface", "length"): st.one_of(EXTREMES, st.lists(EXTREMES, min_size=2, max_size=2)),
+    ("surface", "hurst"): st.floats(0, 1),
+    ("surface", "lambda_long"): EXTREMES,
+    ("surface", "lambda_short"): EXTREMES,
+    ("surface", "rms_gradient"): EXTREMES,
+    ("surface", "seed"): WHOLE,
+    ("surface", "rolloff"): st.sampled_from(["sharp", "smooth", "plateau"]),
+    ("solid", "young"): EXTREMES,
+    ("solid", "poisson"): st.floats(-1, 0.5),
+    ("load", "reduced_pressure"): EXTREMES,
+    ("load",): st.builds(lambda p: {"pressure": p}, EXTREMES),
+    ("methods", "bem", "grids"): st.lists(st.one_of(WHOLE, st.integers(2, 200_000)), max_size=3),
+    ("methods", "bem", "shifts"): st.integers(0, 9),
+    ("methods", "fem", "grids"): st.lists(st.integers(2, 200_000), max_size=3),
+    ("methods", "fem", "depth"): EXTREMES,
+    ("methods", "fem", "growth"): st.floats(1, 4),
+    ("methods", "fem", "method"): st.sampled_from(["full", "reduced"]),
+    ("ensemble",): st.builds(
+        lambda n, grid: {"realisations": n, "grids": [grid, 2 * grid]},
+        st.one_of(WHOLE, st.integers(2, 300)),
+        st.integers(2, 70_000),
+    ),
+    ("effects",): st.lists(
+        st.one_of(
+            st.builds(lambda h: {"kind": "hardness", "hardness": h}, EXTREMES),
+            st.builds(lambda w, r: {"kind": "adhesion", "work": w, "reach": r}, EXTREMES, EXTREMES),
+            st.builds(lambda t: {"kind": "thickness", "thickness": t}, EXTREMES),
+            st.builds(lambda e, d: {"kind": "graded", "bulk_young": e, "depth": d}, EXTREMES, EXTREMES),
+        ),
+        max_size=2,
+    ),
+}
+CHANGES = st.lists(
+    st.sampled_from(sorted(PLACES)).flatmap(lambda place: st.tuples(st.just(place), PLACES[place])),
+    min_size=1,
+    max_size=4,
+)
+
+
+def explained(changes) -> str:
+    """Read and explain a scene with extreme values: how it ended."""
+    tree = {**TREE}
+    # Tables before what is in them, or the load of a table that was replaced would be set.
+    for place, value in sorted(changes, key=lambda change: -len(change[0])):
+        tree = with_value(tree, place, value)
+    if problem(tree):
+        return "refused when read"
+    try:
+        found = explain(Scene.model_validate(tree))
+    except UsageError as refusal:
+        sentence = str(refusal)
+    else:
+        sentence = ""
+    if sentence:
+        assert "\n" not in sentence
+        return "refused when explained"
+    assert math.isfinite(found.seconds)
+    assert all("nan" not in words for _, words in found.facts)
+    return "explained"
+
+
+@settings(max_examples=120, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@given(CHANGES)
+def test_extreme_scenes_are_refused_or_explained(changes):
+    # Large surfaces are looked at by their spectrum; this keeps the others small as well.
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(surfaces, "_SURVEYED_POINTS", 2**16)
+        explained(changes)
+
+
+@pytest.mark.slow
+@settings(max_examples=5000, deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
+@given(CHANGES)
+def test_extreme_scenes_are_refused_or_explained_thousands_of_times(changes):
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(surfaces, "_SURVEYED_POINTS", 2**16)
+        explained(changes)
+
+
+@pytest.mark.parametrize(
+    ("name", "flag"), [("multilevel", "--pilot"), ("scaling", "--surfaces"), ("hurst", "--pairs")]
+)
+def test_a_study_of_two_billion_surfaces_is_refused(name, flag):
+    with pytest.raises(UsageError, match=r"= '?2147483648'?: must be (at most|less than or equal to) 10000"):
+        find_study(name).options.parse([flag, "2147483648"])
+
+
+LARGE = SelfAffineSurface(
+    kind="self-affine", length=1e-4, hurst=0.8, lambda_long=5e-5, lambda_short=1e-8, rms_gradient=0.1, seed=5
+)
+
+
+def test_a_surface_too_large_to_be_looked_at_is_told_by_its_spectrum():
+    tree = with_value(TREE, ("surface", "lambda_short"), 1e-8)
+    facts = dict(explain(Scene.model_validate(tree)).facts)
+    assert facts["realised surface"].startswith("not made here, for it takes 20001 x 20001 points")
+    assert "(of C(q))" in facts["Nayak parameter"]
+
+
+def test_what_the_spectrum_tells_is_near_what_a_surface_has(monkeypatch):
+    surface = LARGE.model_copy(update={"lambda_long": 1e-5, "lambda_short": 5e-7})
+    field = reference_field(surface)
+    monkeypatch.setattr(surfaces, "_SURVEYED_POINTS", 100)
+    told = expected(surface)
+    assert isinstance(told, Expected)
+    assert told.rms_height == pytest.approx(field.rms_height, rel=0.05)
+    assert told.rms_gradient == pytest.approx(field.rms_gradient, rel=0.02)
+    assert told.nayak == pytest.approx(field.nayak, rel=0.1)
+    from validation.effects.base import full_contact_energy
+
+    # U = (E*/4) sum q |h(q)|^2: half of what the integral of q C over the plane gives, per E*/2.
+    assert 0.25 * told.first_moment == pytest.approx(full_contact_energy(field, modulus=1.0), rel=0.05)
+
+
+def test_a_surface_that_does_not_fit_into_memory_is_refused_in_one_line(monkeypatch):
+    import psutil
+
+    free = psutil.virtual_memory()._replace(available=2**30)
+    monkeypatch.setattr(psutil, "virtual_memory", lambda: free)
+    with pytest.raises(
+        UsageError, match=r"20001 x 20001 points and 22\.4 GiB, .* take a lambda_short above 4.*e-08"
+    ) as e:
+        reference_field(LARGE)
+    assert "\n" not in str(e.value)

@@ -1,0 +1,307 @@
+"""One kind of page: what a run and a study leave is written by the same code."""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import io
+import json
+import re
+import shutil
+import socket
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+from rich.console import Console
+
+from validation.cli.progress import Bar
+from validation.cli.results import page_table, print_page, sentence_lines
+from validation.comparison.compare import Scatter
+from validation.comparison.report import run_page
+from validation.comparison.run import report_run, run_scene
+from validation.report.figure import new_figure, save_figure
+from validation.report.page import Answer, Page, render, write_page
+from validation.report.table import ResultTable, shown
+from validation.report.words import mathematics
+from validation.scenes.scene import load_scene
+from validation.solves.bench import Bench
+from validation.studies import find_study
+from validation.studies._outputs import is_study, report_study, run_study
+
+
+def _run_area(folder, store, **how):
+    """Run the smallest study at a small size."""
+    area = find_study("area")
+    options = area.options(
+        reduced_pressures=(0.02, 0.1, 0.5), seed=3, surfaces=2, grids=(16, 24, 32), bandwidth=2.0
+    )
+    return run_study(area, options, folder, bench=Bench.at(store), **how)
+
+
+@pytest.fixture(scope="module")
+def outputs(small_run, tmp_path_factory):
+    """What a run and a study left behind: page, folder, and how both are made again."""
+    folder = tmp_path_factory.mktemp("outputs")
+    shutil.copytree(small_run.folder, folder / "run")
+    (folder / "study").mkdir()
+    study = _run_area(folder / "study", folder / "solves")
+    return {
+        "run": (small_run.page, folder / "run", report_run),
+        "study": (study.page, folder / "study", report_study),
+    }
+
+
+@pytest.mark.parametrize("kind", ["run", "study"])
+def test_a_run_and_a_study_leave_the_same_kind_of_page(outputs, kind):
+    page, folder, again = outputs[kind]
+    written = {path.relative_to(folder): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+    html = (folder / "report.html").read_text(encoding="utf-8")
+    headings = re.findall(r"<h2>(.*?)</h2>", html)
+    assert headings[0] == "What was found"
+    assert headings[-2:] == ["Settings, seeds, versions", "Papers to cite"]
+    assert "Figures" in headings
+    for words in (page.lead, *page.findings, *(column for t in page.tables for column in t.columns)):
+        assert mathematics(words) in html
+    assert json.loads((folder / "summary.json").read_text())["findings"] == list(page.findings)
+    for name, table in page.records.items():
+        with (folder / f"{name}.csv").open(newline="") as file:
+            assert len(list(csv.reader(file))) == 1 + len(table.rows)
+    for drawing in page.figures:
+        assert f'id="{drawing.name}"' in html
+        suffixes = {path.suffix for path in folder.glob(f"figures/{drawing.name}.*")}
+        assert suffixes == {".svg", ".pdf", ".csv", ".nc"}
+    for path in written:
+        if path.parts[0] in ("report.html", "figures", "summary.json", "table.csv", "data.csv"):
+            (folder / path).unlink()
+    again(folder)
+    for path, content in written.items():
+        if path.suffix != ".nc":
+            assert (folder / path).read_bytes() == content, path
+
+
+def _page(**said):
+    return Page(title="A page", lead="p0 = 2 Pa", settings={"seed": 5}, seeds="5", papers=(), **said)
+
+
+def test_a_page_writes_every_digit_and_shows_five(tmp_path):
+    table = ResultTable.of(("name", "value"), [("a", 1 / 3), ("b", float("nan"))])
+    data = xr.Dataset({"area": ("load", np.array([0.1, 0.2]))})
+    page = _page(records={"table": table}, tables=(shown(table),), data=data, summary={"x": 1})
+    files = write_page(page, tmp_path)
+    assert [path.name for path in files] == ["report.html", "data.csv", "table.csv", "summary.json"]
+    assert (tmp_path / "table.csv").read_text().splitlines()[1] == f"a,{1 / 3!r}"
+    assert "0.33333</td>" in (tmp_path / "report.html").read_text()
+    assert not (tmp_path / "figures").exists()
+
+
+def test_what_looks_like_markup_is_shown_and_not_obeyed():
+    page = dataclasses.replace(
+        _page(findings=("<b>A/A0</b> = 1",), answers=(Answer(question="<i>", answer="<u>"),)),
+        title="<script>alert(1)</script>",
+    )
+    html = render(page)
+    assert "<script>" not in html
+    assert "&lt;b&gt;A/A<sub>0</sub>&lt;/b&gt; = 1" in html
+    assert not re.search(r"<[iu]>", html)
+
+
+def test_a_run_of_another_scene_leaves_nothing_of_the_one_before(small_run, write_scene, tmp_path):
+    folder = tmp_path / "results"
+    shutil.copytree(small_run.folder, folder)
+    old = [folder / "figures" / name for name in ("surface-3d.png", "other.svg", "other-bin.csv")]
+    old += [folder / name for name in ("budget.csv", "data.csv", "data-load.csv", "study.json")]
+    mine = [folder / "notes.txt", folder / "figures" / "notes.txt"]
+    for path in (*old, *mine):
+        path.write_text("earlier")
+    draft = folder / "figures" / f".{socket.gethostname()}-{_dead_process()}-area.svg"
+    draft.write_text("half")
+    again = run_scene(load_scene(str(write_scene(("A small scene", "Another"), fem=False))), folder)
+    assert again.solved == 0
+    assert not [path for path in (*old, draft) if path.exists()]
+    assert all(path.exists() for path in mine)
+    assert {path.suffix for path in again.files if path.is_file()} == {".html", ".csv", ".json"}
+    assert not list(folder.glob("fields/*"))
+
+
+def test_an_interrupted_run_of_another_scene_does_not_stand_beside_the_old_report(
+    small_run, write_scene, tmp_path, monkeypatch
+):
+    folder = tmp_path / "results"
+    shutil.copytree(small_run.folder, folder)
+
+    def interrupted(*args, **kwargs):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("validation.comparison.run.solve_all", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        run_scene(small_run.comparison.scene, folder)
+    assert (folder / "report.html").exists()
+    with pytest.raises(KeyboardInterrupt):
+        run_scene(load_scene(str(write_scene(("A small scene", "Another")))), folder)
+    assert not (folder / "report.html").exists()
+    assert not list(folder.glob("figures/*"))
+
+
+def test_a_folder_is_that_of_what_ran_in_it_last(outputs, small_run, tmp_path):
+    folder = tmp_path / "both"
+    shutil.copytree(outputs["study"][1], folder)
+    assert is_study(folder)
+    run_scene(small_run.comparison.scene, folder, store_folder=small_run.folder / "solves")
+    assert not is_study(folder)
+    _run_area(folder, tmp_path / "solves")
+    assert is_study(folder)
+    assert not (folder / "run.json").exists()
+    assert not (folder / "table.csv").exists()
+
+
+def _dead_process():
+    done = subprocess.Popen([sys.executable, "-c", ""])
+    done.wait()
+    return done.pid
+
+
+HOSTILE = "[/]\x1b[31m<b>\u202etxt.exe"
+
+
+def test_a_hostile_title_is_harmless_in_terminal_and_page(small_run, capsys):
+    scene = small_run.comparison.scene.model_copy(update={"title": HOSTILE})
+    page = run_page(dataclasses.replace(small_run.comparison, scene=scene))
+    print_page(page, [])
+    for text in (capsys.readouterr().out, render(page)):
+        assert r"[/]\x1b[31m" in text
+        assert not {"\x1b", "\u202e"} & set(text)
+    assert "&lt;b&gt;" in render(page)
+
+
+@pytest.mark.parametrize("width", [80, 100, 200])
+def test_columns_that_decide_stay_whole_at_every_width(small_run, width):
+    console = Console(width=width, file=io.StringIO(), force_terminal=False)
+    table = small_run.page.tables[0]
+    shown, left_out = page_table(table, width=width)
+    console.print(shown)
+    text = console.file.getvalue()
+    assert max(map(len, text.splitlines())) <= width
+    limit = next(row for row in table.sums if row[0] == "limit")
+    for words in ("method", "A/A0 pixel", limit[2]):
+        assert words in text
+    for name in table.columns:
+        assert (name in text) != (name in left_out)
+    assert "…" not in text
+    assert (width == 200) == (not left_out)
+
+
+def test_a_narrow_terminal_keeps_the_first_columns_of_a_study_whole(outputs):
+    table = outputs["study"][0].tables[0]
+    shown, left_out = page_table(table, width=60)
+    kept = [str(column.header) for column in shown.columns]
+    assert kept == list(table.columns[: len(kept)])
+    assert (*kept, *reversed(left_out)) == table.columns
+    assert 2 <= len(kept) < len(table.columns)
+
+
+def test_findings_break_at_words_on_a_terminal_and_nowhere_in_a_log(small_run):
+    finding = f"- {small_run.comparison.findings[0]}"
+    lines = sentence_lines(finding, 80)
+    assert len(lines) > 1
+    assert max(map(len, lines)) <= 80
+    assert " ".join(line.strip() for line in lines) == finding
+    assert sentence_lines(finding, None) == [finding]
+
+
+def test_a_log_says_how_many_of_how_many_as_it_goes(write_scene, tmp_path, capsys):
+    scene = load_scene(str(write_scene(fem=False)))
+    with Bar(quiet=False) as bar:
+        run_scene(scene, tmp_path / "results", progress=bar)
+    lines = capsys.readouterr().err.splitlines()
+    assert lines[0].startswith("fem-contact: 1 of 12: ")
+    assert lines[-1].startswith("fem-contact: 12 of 12: ")
+
+
+def test_a_bar_ends_full_and_counts(monkeypatch):
+    monkeypatch.setattr("rich.console.Console.is_terminal", True)
+    cost = SimpleNamespace(seconds=0.1)
+    jobs = tuple(
+        SimpleNamespace(key=str(k), describe=lambda: "a solve", predict=lambda: cost) for k in range(3)
+    )
+    with Bar(quiet=False) as bar:
+        bar.start(jobs, 2)
+        for job in jobs:
+            bar.begin(job)
+            bar.done(job)
+        (task,) = bar._progress.tasks
+        assert task.percentage == 100
+        assert task.fields["count"] == "3 of 3"
+
+
+@pytest.mark.parametrize(("range_", "plain"), [((1, 30), True), ((0.02, 200), False), ((2e-9, 5e-9), False)])
+def test_a_logarithmic_axis_of_few_decades_carries_plain_numbers(tmp_path, range_, plain):
+    figure, (axes,) = new_figure()
+    axes.plot(range_, [1, 2])
+    axes.set_xscale("log")
+    save_figure(figure, tmp_path / "figure.svg")
+    words = [label.get_text() for label in axes.get_xticklabels()]
+    assert any("10^" in text for text in words) != plain
+    assert ({"1", "2", "5", "10", "20"} <= set(words)) == plain
+
+
+@pytest.mark.parametrize("kind", ["run", "study"])
+def test_without_a_report_the_numbers_are_there_and_the_report_can_be_made_later(
+    outputs, small_run, tmp_path, kind
+):
+    _, whole, again = outputs[kind]
+    folder = tmp_path / kind
+    if kind == "run":
+        shutil.copytree(whole, folder)
+        run_scene(small_run.comparison.scene, folder, report=False)
+    else:
+        folder.mkdir()
+        _run_area(folder, whole.parent / "solves", report=False)
+    assert not (folder / "report.html").exists()
+    assert not list(folder.glob("figures/*"))
+    again(folder)
+    for path in whole.rglob("*"):
+        if path.suffix in (".csv", ".json", ".html", ".svg"):
+            assert (folder / path.relative_to(whole)).read_bytes() == path.read_bytes(), path
+
+
+def test_a_legend_stands_beside_the_data_it_would_lie_over(tmp_path):
+    hidden, (axes,) = new_figure()
+    for k in range(12):
+        axes.plot([0, 1], [k, 12 - k], label=f"line {k} of a figure with long names")
+    axes.legend()
+    free, (empty,) = new_figure()
+    empty.plot([0, 1], [0, 1], label="line")
+    empty.legend(loc="upper left")
+    for figure in (hidden, free):
+        save_figure(figure, tmp_path / "figure.svg")
+    assert axes.get_legend() is None
+    (legend,) = hidden.legends
+    assert len(legend.get_texts()) == 12
+    box = legend.get_window_extent()
+    assert not box.overlaps(axes.get_window_extent())
+    assert hidden.bbox.x0 <= box.x0 < box.x1 <= hidden.bbox.x1, "cut at the edge of the figure"
+    assert empty.get_legend() is not None
+
+
+def test_one_solve_tells_of_no_scatter(small_run):
+    for row in small_run.comparison.rows:
+        assert np.isnan(row.pixel_scatter) == (row.solves == 1)
+    with (small_run.folder / "table.csv").open() as file:
+        said = {row["solves"]: row["pixel_scatter"] for row in csv.DictReader(file)}
+    assert said["1"] == "nan"
+    summary = json.loads((small_run.folder / "summary.json").read_text())
+    assert [row["pixel_scatter"] for row in summary["rows"] if row["solves"] == 1] == [None, None]
+
+
+def test_the_card_says_what_grids_and_what_surfaces_leave_open(small_run):
+    c = small_run.comparison
+    (alone,) = [card for card in run_page(c).answers if card.question == "How sure?"]
+    assert alone.answer.startswith("grid +- ")
+    assert "scatter between surfaces unknown" in alone.basis
+    several = dataclasses.replace(c, scatter=Scatter(areas=(0.1, 0.12), ratios=(1.0, 1.2), grid_error=0.001))
+    (both,) = [card for card in run_page(several).answers if card.question == "How sure?"]
+    assert both.answer == f"{alone.answer}, surfaces +- 13 %"

@@ -1,0 +1,475 @@
+"""Scenes of the theory alone: the paper's applications, run as every other scene is; mistakes named."""
+
+import csv
+import json
+import math
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from persson.capillary import CapillaryWaves
+from persson.elastic import contact_area
+from persson.hardness import constant_hardness
+from persson.scale import Scale
+from persson.spectrum import SelfAffine
+from validation.cli import commands as cli
+from validation.comparison.explain import explain, roughness_of
+from validation.comparison.run import report_run, run_scene
+from validation.effects.base import Roughness
+from validation.errors import SceneError, UsageError
+from validation.methods.theory import TheoryOptions, against_magnification, predict
+from validation.scenes.checks import check_scene
+from validation.scenes.realised import Realised, realise
+from validation.scenes.scene import load_scene
+from validation.scenes.surfaces import spectrum_of
+from validation.solves.press import solves_of
+
+APPLICATIONS = ("pmma-silane", "polished-steel", "pyrex", "pyrex-squeezed", "tire-rim")
+
+RIM = """
+name = "mine"
+[surface]
+kind = "self-affine"
+length = "62.83185307179586 um"
+hurst = 0.8
+lambda_long = "62.83185307179586 um"
+lambda_short = "0.6283185307179586 nm"
+rms_height = "0.5 um"
+[solid]
+young = "10 MPa"
+poisson = 0.5
+[load]
+pressure = "0.5 MPa"
+[methods.theory]
+"""
+
+WAVES = """
+name = "waves"
+[surface]
+kind = "capillary-waves"
+length = "100 nm"
+lambda_long = "50 nm"
+lambda_short = "12.5 nm"
+lambda_bend = "4 nm"
+temperature = "370 K"
+surface_tension = "0.04 J/m^2"
+seed = 77
+[solid]
+young = "2.9 GPa"
+poisson = 0.35
+[load]
+reduced_pressure = 0.1
+[methods.theory]
+[methods.bem]
+grids = [24, 48]
+"""
+
+
+@pytest.fixture
+def scene(tmp_path):
+    def write(text, *changes):
+        for old, new in changes:
+            assert old in text, old
+            text = text.replace(old, new)
+        path = tmp_path / "mine.toml"
+        path.write_text(text, encoding="utf-8")
+        return load_scene(str(path))
+
+    return write
+
+
+def answers(scene):
+    realised = realise(scene)
+    check_scene(scene, realised)
+    return against_magnification(realised, scene.effects, scene.methods.theory)
+
+
+def with_effect(text, effect):
+    return f"{text}\n[[effects]]\n{effect}\n"
+
+
+def test_tire_rim_gives_the_paper_s_area():
+    areas = {answer.pressure: answer.area[-1] for answer in answers(load_scene("tire-rim"))}
+    assert areas[5e5] == pytest.approx(0.4355, abs=2e-4)
+
+
+def test_steel_yields_and_pyrex_sticks_only_after_squeezing():
+    steel = answers(load_scene("polished-steel"))
+    assert steel[1].area_plastic[-1] == pytest.approx(10e6 / 2e9, rel=0.01)
+    (before,) = answers(load_scene("pyrex"))
+    (after,) = answers(load_scene("pyrex-squeezed"))
+    assert before.area[-1] == 0
+    assert after.area[-1] > 0.9
+    assert after.macroscopic_work / 0.43 == pytest.approx(0.45, abs=0.02)
+
+
+def test_pmma_carries_its_area_by_adhesion():
+    assert all(answer.area[-1] > 0.8 for answer in answers(load_scene("pmma-silane")))
+
+
+def test_scenes_say_the_spectra_of_the_paper():
+    from validation.paper import systems
+
+    ours = spectrum_of(load_scene("pmma-silane").surface), spectrum_of(load_scene("polished-steel").surface)
+    for found, printed in zip(ours, (systems.pmma(), systems.steel()), strict=True):
+        assert found.q_short == pytest.approx(printed.q_short, rel=1e-15)
+        assert found.moments().rms_gradient == pytest.approx(printed.moments().rms_gradient, rel=1e-12)
+
+
+def test_without_effects_the_contact_is_elastic(scene):
+    (answer,) = answers(scene(RIM))
+    assert answer.area[-1] == pytest.approx(0.060086, abs=5e-7)
+    assert answer.work is None
+    assert answer.error_estimate == 0
+
+
+def test_every_effect_and_every_reading_changes_the_result(scene):
+    (plain,) = answers(scene(RIM))
+    sticky = 'kind = "adhesion"\nwork = "0.01 J/m^2"'
+    for effect in (
+        sticky,
+        'kind = "hardness"\nhardness = "5 MPa"',
+        'kind = "hardness"\nhardness = "5 MPa"\nsize_wavelength = "0.6 um"\nsize_exponent = 0.1',
+        'kind = "coating"\nyoung = "2 MPa"\nthickness = "10 um"',
+        'kind = "smoothing"\npressure = "0.5 MPa"\nhardness = "5 MPa"',
+    ):
+        (changed,) = answers(scene(with_effect(RIM, effect)))
+        assert changed.area[-1] > 1.01 * plain.area[-1], effect
+    (improved,) = answers(scene(with_effect(RIM, sticky)))
+    for reading in (
+        'energy = "old"',
+        'energy = "as_printed"',
+        'area = "projected"',
+        'ideal_strength = "1 MPa"',
+    ):
+        (other,) = answers(scene(with_effect(RIM + reading, sticky)))
+        assert abs(other.area[-1] / improved.area[-1] - 1) > 10 * improved.error_estimate, reading
+
+
+def test_a_hardness_that_rises_with_exponent_zero_is_the_constant_one(scene):
+    constant = 'kind = "hardness"\nhardness = "5 MPa"'
+    (closed,) = answers(scene(with_effect(RIM, constant)))
+    (solved,) = answers(
+        scene(with_effect(RIM, f'{constant}\nsize_wavelength = "0.6 um"\nsize_exponent = 0.0'))
+    )
+    # The solution of the diffusion equation states its own error.
+    assert np.abs(solved.area - closed.area).max() < 10 * solved.error_estimate < 1e-4
+
+
+def test_the_hardness_of_a_wave_counts_from_its_length(scene):
+    effect = 'kind = "hardness"\nhardness = "5 MPa"\nsize_wavelength = "0.6 um"\nsize_exponent = 0.5'
+    (hardness,) = scene(with_effect(RIM, effect)).effects
+    (told,) = [hardness]
+    from fem_contact.solid import Solid
+    from validation.effects.base import Told
+
+    rising = Told.by(Solid(young=1e7, poisson=0.5), [told]).hardness
+    # H (1 + l/lambda)^n at lambda = l and far above.
+    assert float(rising(2 * math.pi / 0.6e-6)) == pytest.approx(5e6 * 2**0.5, rel=1e-14)
+    assert float(rising(0.0)) == 5e6
+
+
+def test_a_list_of_loads_is_answered_load_by_load(scene):
+    many = answers(scene(RIM, ('pressure = "0.5 MPa"', 'pressure = ["0.1 MPa", "0.5 MPa", 2e6]')))
+    assert [answer.pressure for answer in many] == [1e5, 5e5, 2e6]
+    (one,) = answers(scene(RIM))
+    np.testing.assert_array_equal(many[1].area, one.area)
+
+
+def test_without_a_surface_reduced_pressure_counts_in_the_gradient_of_the_spectrum(scene):
+    loaded = scene(RIM, ('pressure = "0.5 MPa"', "reduced_pressure = [0.01, 0.1]"))
+    exact = SelfAffine.from_rms_height(5e-7, hurst=0.8, q_long=1e5, q_short=1e10)
+    unit = 1e7 / 0.75 * exact.moments().rms_gradient
+    assert [answer.pressure / unit for answer in answers(loaded)] == pytest.approx([0.01, 0.1], rel=1e-12)
+    variance = float(Scale(exact, contact_modulus=1e7 / 0.75).variance(1e10))
+    areas = [answer.area[-1] for answer in answers(loaded)]
+    assert areas == pytest.approx([contact_area(p * unit, stress_variance=variance) for p in (0.01, 0.1)])
+
+
+def test_no_surface_is_drawn_for_the_theory_alone(scene, monkeypatch, tmp_path):
+    def drawn(*arguments, **options):
+        raise AssertionError("a surface was drawn")
+
+    monkeypatch.setattr("validation.scenes.surfaces.random_waves", drawn)
+    # With a seed, too: C(q) alone answers.
+    loaded = scene(RIM, ('rms_height = "0.5 um"', 'rms_height = "0.5 um"\nseed = 5'))
+    run_scene(loaded, tmp_path / "out")
+    explain(loaded)
+    assert solves_of(loaded) == ()
+
+
+def test_an_earlier_squeezing_takes_what_yielded_from_the_spectrum(scene):
+    effect = 'kind = "smoothing"\npressure = "0.5 MPa"\nhardness = "5 MPa"\nform = "sharp"'
+    (smooth,) = answers(scene(with_effect(RIM, effect)))
+    exact = SelfAffine.from_rms_height(5e-7, hurst=0.8, q_long=1e5, q_short=1e10)
+    scale = Scale(exact, contact_modulus=1e7 / 0.75)
+    last = smooth.wavevectors[-1]
+    assert last < 1e10
+    half = constant_hardness(5e5, stress_variance=scale.variance(last), yield_stress=5e6).plastic * 10
+    # The last of 400 wavevectors at which at most half had yielded.
+    assert 0.4 < half <= 0.5
+
+
+def test_what_is_not_listed_is_not_imported(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text(RIM, encoding="utf-8")
+    code = (
+        "import sys\n"
+        "from validation.scenes.scene import load_scene\n"
+        "from validation.scenes.realised import realise\n"
+        "from validation.methods.theory import against_magnification\n"
+        f"scene = load_scene({str(path)!r})\n"
+        "against_magnification(realise(scene), scene.effects, scene.methods.theory)\n"
+        "unwanted = {'numba', 'matplotlib', 'persson.adhesion', 'persson.hardness', 'persson.graded'}\n"
+        "print(sorted(unwanted & set(sys.modules)))\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "named"),
+    [
+        ("hurst = 0.8", "hurst = 1.8", r"surface\.hurst = 1\.8"),
+        ('rms_height = "0.5 um"', 'rms_height = "0.5 s"', r"surface\.rms_height = '0\.5 s': is not a length"),
+        ('rms_height = "0.5 um"', "", "'rms_gradient' and 'rms_height'"),
+        ('"0.6283185307179586 nm"', '"1 m"', "lambda_short = 1 m: must be below lambda_long"),
+        ('pressure = "0.5 MPa"', "pressure = 0.0", r"load\.pressure: 0 needs the effect 'adhesion'"),
+        ('pressure = "0.5 MPa"', "pressure = [1e5, 0.0]", r"load\.pressure: 0 needs the effect 'adhesion'"),
+        ('pressure = "0.5 MPa"', "pressure = []", r"load\.pressure = \[\]"),
+        ('pressure = "0.5 MPa"', 'pressure = ["1 MPa", "2 s"]', r"load\.pressure \(item 2\) = '2 s'"),
+        ('pressure = "0.5 MPa"', "pressure = -1.0", r"load\.pressure = -1\.0: must be greater than or equal"),
+        ("poisson = 0.5", "poisson = 0.7", r"solid\.poisson = 0\.7"),
+        ("poisson = 0.5", "poisson = 0.5\ncolour = 3", "colour"),
+        ("[load]", '[[effects]]\nkind = "magnetism"\n[load]', "must be one of .*'smoothing'"),
+        ("hurst = 0.8", "hurst = ", "TOML"),
+        ("[methods.theory]", "[methods.theory]\nenergy = 'new'", r"methods\.theory\.energy = 'new'"),
+        ("[methods.theory]", "", "methods: missing"),
+        ("[methods.theory]", "[methods]", r"give at least one of the tables .*\[methods.theory\]"),
+        (
+            "[methods.theory]",
+            "[methods.theory]\n[methods.bem]\ngrids = [32]",
+            r"surface\.seed: missing.*'bem'",
+        ),
+    ],
+)
+def test_mistakes_are_named(scene, old, new, named):
+    with pytest.raises(SceneError, match=named):
+        scene(RIM, (old, new))
+
+
+@pytest.mark.parametrize(
+    ("effect", "named"),
+    [
+        ('kind = "hardness"\nhardness = "5 MPa"\nsize_exponent = 0.1', "give both 'size_wavelength' and"),
+        (
+            'kind = "smoothing"\npressure = "5 MPa"\nhardness = "1 MPa"',
+            "must be above the pressure of the squ",
+        ),
+        ('kind = "hardness"\nhardness = "5 MPa"\n' * 2, "TOML"),
+        (
+            'kind = "hardness"\nhardness = "5 MPa"\n[[effects]]\nkind = "hardness"\nhardness = 1e7',
+            "both fill the",
+        ),
+    ],
+)
+def test_mistakes_in_effects_are_named(scene, effect, named):
+    with pytest.raises(SceneError, match=named):
+        scene(with_effect(RIM, effect))
+
+
+@pytest.mark.parametrize(
+    ("text", "changes", "effect", "named"),
+    [
+        (
+            RIM,
+            (),
+            'kind = "thickness"\nthickness = "1 mm"',
+            "'thickness': method 'theory' does not handle it",
+        ),
+        (RIM, (), 'kind = "hardness"\nhardness = "0.4 MPa"', "hardness = 400000 Pa: must not be below"),
+        (RIM, (("[methods.theory]", '[methods.theory]\nenergy = "old"'),), "", "energy = 'old': belongs to"),
+        (
+            WAVES,
+            (),
+            'kind = "adhesion"\nwork = 0.01',
+            r"\[\[effects\]\] 1 reach: missing; method 'bem' needs",
+        ),
+        (
+            WAVES,
+            (),
+            'kind = "smoothing"\npressure = "1 MPa"\nhardness = "1 GPa"',
+            "'smoothing': method 'bem' does",
+        ),
+        (
+            WAVES,
+            (),
+            'kind = "hardness"\nhardness = "1 GPa"\nsize_wavelength = "1 um"\nsize_exponent = 0.1',
+            r"\[\[effects\]\] 1 size_wavelength = 1e-06 m: method 'bem' knows one hardness",
+        ),
+    ],
+)
+def test_what_a_method_cannot_be_given_is_refused_by_name(scene, text, changes, effect, named):
+    loaded = scene(with_effect(text, effect) if effect else text, *changes)
+    with pytest.raises(UsageError, match=named):
+        check_scene(loaded, realise(loaded))
+
+
+@pytest.mark.parametrize("load", ["reduced_pressure = [0.1, 0.2]", "reduced_pressure = 0.0"])
+def test_a_solver_presses_with_one_load_above_zero(scene, load):
+    with pytest.raises(
+        SceneError, match=r"load\.reduced_pressure = .*: method 'bem' presses with one load above 0"
+    ):
+        scene(WAVES, ("reduced_pressure = 0.1", load))
+
+
+def test_an_unknown_scene_is_named_with_those_there_are():
+    with pytest.raises(SceneError, match="tire-rim"):
+        load_scene("tyre-rim")
+    with pytest.raises(SceneError, match="read"):
+        load_scene("nowhere.toml")
+
+
+def test_a_solver_presses_frozen_capillary_waves(scene):
+    loaded = scene(WAVES)
+    realised = realise(loaded)
+    exact = CapillaryWaves(
+        temperature=370,
+        surface_tension=0.04,
+        q_bend=2 * math.pi / 4e-9,
+        q_min=2 * math.pi / 50e-9,
+        q_short=2 * math.pi / 12.5e-9,
+    )
+    assert realised.spectrum == exact
+    # Waves of a period: their sum over C(q) is that of `random_waves` for any C(q).
+    q = 2 * np.pi * np.fft.fftfreq(96, 100e-9 / 96)
+    waves = np.hypot(q[:, None], q[None, :])
+    power = (2 * np.pi / 100e-9) ** 2 * np.sum(exact(waves) * waves**2)
+    assert realised.field.rms_gradient == pytest.approx(math.sqrt(power), rel=1e-12)
+    contact = next(iter(solves_of(loaded))).do(threads=1).contact.checked()
+    assert 0 < contact.in_contact.mean() < 1
+    assert predict(realised, ()).ensemble_area == pytest.approx(predict(realised, ()).area, rel=0.5)
+
+
+def test_two_equal_surfaces_add_up_wave_by_wave(scene):
+    one, two = (
+        spectrum_of(scene(WAVES, ("seed = 77", f"seed = 77\nsurfaces = {n}")).surface) for n in (1, 2)
+    )
+    assert two.moments().rms_height == pytest.approx(2 * one.moments().rms_height, rel=1e-14)
+
+
+def test_readings_of_the_theory_are_used_beside_a_solver_too(scene):
+    loaded = scene(with_effect(WAVES, 'kind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "1 nm"'))
+    realised = realise(loaded)
+    plain, old = (
+        predict(realised, loaded.effects, TheoryOptions(energy=energy)) for energy in ("improved", "old")
+    )
+    assert plain.other == pytest.approx(old.area, rel=1e-14)
+    assert old.other == pytest.approx(plain.area, rel=1e-14)
+    assert "Eqs. 44-49" in plain.note
+    assert "Eq. 43" in old.note
+
+
+def test_judgements_from_the_spectrum_are_those_of_a_surface_with_many_waves(scene):
+    loaded = scene(WAVES, ('length = "100 nm"', 'length = "800 nm"'), ("[24, 48]", "[144]"))
+    drawn = realise(loaded)
+    alone = Realised(surface=drawn.surface, solid=drawn.solid, load=drawn.load, drawn=False)
+    exact, expected = roughness_of(drawn), roughness_of(alone)
+    # Sums over the waves of a period against integrals: the long waves are few, L = 16 lambda_long.
+    for name in Roughness.__dataclass_fields__:
+        assert getattr(expected, name) == pytest.approx(getattr(exact, name), rel=0.02), name
+
+
+def rows(path):
+    with path.open(encoding="utf-8") as file:
+        return list(csv.reader(file))
+
+
+def test_a_run_leaves_tables_figures_and_a_report_that_can_be_made_again(tmp_path):
+    outputs = run_scene(load_scene("polished-steel"), tmp_path / "out")
+    folder = outputs.folder
+    areas, curves = rows(folder / "areas.csv"), rows(folder / "magnification.csv")
+    assert areas[0] == ["pressure [Pa]", "A/A0", "A_pl/A0", "gamma_eff(1) [J/m^2]", "error estimate of A/A0"]
+    assert [float(row[0]) for row in areas[1:]] == [1e6, 1e7, 1e8]
+    assert curves[0] == ["pressure [Pa]", "zeta", "A/A0", "A_pl/A0", "gamma_eff [J/m^2]"]
+    assert len(curves) == 1 + 3 * 200
+    zeta = [float(row[1]) for row in curves[1:201]]
+    assert (zeta[0], zeta[-1]) == pytest.approx((1.001, 1e5), rel=1e-8)
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert "area-against-magnification" in page
+    assert "200,001 points along a side" in page
+    assert "Every load, by the theory alone" in page
+    assert {path.suffix for path in (folder / "figures").iterdir()} >= {".svg", ".pdf", ".csv", ".nc"}
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    assert summary["answers"][1]["plastic"] == pytest.approx(0.005, rel=0.01)
+    before = {path: path.read_bytes() for path in folder.rglob("*.csv")}
+    (folder / "report.html").unlink()
+    again = report_run(folder)
+    assert again.files[0] == folder / "report.html"
+    assert (folder / "report.html").exists()
+    assert {path: path.read_bytes() for path in folder.rglob("*.csv")} == before
+
+
+def test_findings_say_what_is_in_contact_and_what_holds(tmp_path):
+    def said(name):
+        return " ".join(run_scene(load_scene(name), tmp_path / name, report=False).comparison.findings)
+
+    assert "nothing is in contact" in said("pyrex")
+    assert "45.2 % of the work of adhesion" in said("pyrex-squeezed")
+    assert "below zero: as a whole the interface does not stick" in said("tire-rim")
+    steel = said("polished-steel")
+    assert "A_pl/A0 = 0.005000 has yielded" in steel
+    assert "No surface was drawn: h'_rms = 0.199" in steel
+    assert "200,001 points along a side" in steel
+
+
+def test_where_the_theory_has_no_answer_the_row_says_why(scene, tmp_path, monkeypatch):
+    from persson.errors import OutsideTheory
+
+    def refused(*arguments, **options):
+        raise OutsideTheory("tension beyond what holds")
+
+    monkeypatch.setattr("persson.elastic.contact_area", refused)
+    outputs = run_scene(scene(RIM), tmp_path / "out")
+    assert "the theory has no answer: tension beyond what holds" in outputs.comparison.findings[0]
+    assert rows(tmp_path / "out" / "areas.csv")[1][1] == "nan"
+    assert outputs.comparison.summary()["answers"][0]["area"] is None
+
+
+@pytest.mark.parametrize("name", APPLICATIONS)
+def test_an_application_is_explained_with_its_spectrum(name):
+    said = explain(load_scene(name))
+    assert said.grids == ()
+    assert (said.seconds, said.peak_bytes) == (0, 0)
+    words = "\n".join(part for part in said.parts() if isinstance(part, str))
+    assert "none is drawn, for no solver runs; all that follows is that of C(q)" in words
+    assert "No solver runs" in words
+    assert {"a solver", "finite slopes"} <= {item.effect for item in said.left_out}
+    assert said.effects
+
+
+def test_the_command_line_runs_lists_and_plans_them(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def printed(*words):
+        return CliRunner().invoke(cli.app, list(words), catch_exceptions=False).output
+
+    assert set(APPLICATIONS) <= set(json.loads(printed("scenes", "list", "--json")))
+    assert json.loads(printed("run", "pyrex", "--dry-run", "--json")) == []
+    assert not list(tmp_path.iterdir())
+    found = json.loads(printed("run", "pyrex-squeezed", "--json"))
+    assert found["answers"][0]["area"] == pytest.approx(0.9356, abs=2e-4)
+    text = printed("run", "pmma-silane", "-q")
+    assert "0.9117" in text
+    assert "results/pmma-silane/report.html" in text
+    assert "report.html" in printed("report", "results/pmma-silane")
+
+
+def test_an_accuracy_needs_a_solver_to_reach_it(scene, tmp_path):
+    from validation.comparison.accuracy import run_accurate
+
+    with pytest.raises(UsageError, match=r"--accuracy: no solver is listed; add \[methods\.bem\]"):
+        run_accurate(scene(RIM), tmp_path, target=0.01)

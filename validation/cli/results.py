@@ -1,0 +1,107 @@
+"""How the page of a run or a study is printed: its table, its findings, and where its files are."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from validation.cli.options import show, terminal_width
+from validation.errors import harmless
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+    from validation.report.page import Page
+    from validation.report.table import WordTable
+
+__all__ = ["page_table", "print_page", "sentence_lines"]
+
+#: Rows from which on a table is left to the files.
+_MANY_ROWS = 40
+
+#: Columns of a log or a pipe, which have no width of their own.
+_WIDE = 160
+
+
+def print_page(
+    page: Page, files: Iterable[Path], *, more: Sequence[str] = (), done: str = "Written:"
+) -> None:
+    """Print the first table of a page, what was found, and the files.
+
+    Parameters
+    ----------
+    page : Page
+    files : iterable of Path
+    more : sequence of str
+        Findings that the page does not have.
+    done : str
+        Line above the files.
+    """
+    width = terminal_width()
+    for line in sentence_lines(f"{page.title}: {page.lead}", width):
+        show(line)
+    for table in page.tables[:1]:
+        if len(table.rows) <= _MANY_ROWS:
+            shown, left_out = page_table(table, width=width or _WIDE)
+            show(shown)
+            where = f"In the files, not here: {', '.join(left_out)}. " if left_out else ""
+            for line in sentence_lines(where + table.note, width):
+                show(line)
+    for finding in (*page.findings, *more):
+        for line in sentence_lines(f"- {finding}", width):
+            show(line)
+    show(f"\n{done}")
+    for path in files:
+        show(f"  {path}")
+
+
+def sentence_lines(text: str, width: int | None) -> list[str]:
+    """Break a text at words, lines after the first indented below a bullet; a log gets it as one line.
+
+    >>> sentence_lines("- The area of contact grows.", 20)
+    ['- The area of', '  contact grows.']
+    """
+    if width is None:
+        return [text] if text else []
+    below = "  " if text.startswith("- ") else ""
+    return textwrap.wrap(text, width, subsequent_indent=below, break_long_words=False, break_on_hyphens=False)
+
+
+def page_table(table: WordTable, *, width: int) -> tuple[Table, tuple[str, ...]]:
+    """Return a table as rich prints it in a width, and the columns that found no place in it.
+
+    Columns leave whole, in the order that the table says, so that none of those that stay is cut.
+    """
+    rows = [*table.rows, *table.sums]
+    widths = {
+        name: max(len(cell) for cell in (name, *(row[k] for row in rows)))
+        for k, name in enumerate(table.columns)
+    }
+    left_out: list[str] = []
+    for name in table.yielding:
+        # Every column brings two blanks and an edge.
+        if sum(3 + w for w in widths.values()) + 1 <= width:
+            break
+        left_out.append(name)
+        del widths[name]
+    fits = sum(3 + w for w in widths.values()) + 1 <= width
+    return _rich(table, columns=tuple(widths), fits=fits), tuple(left_out)
+
+
+def _rich(table: WordTable, *, columns: Sequence[str], fits: bool) -> Table:
+    from rich.table import Table
+    from rich.text import Text
+
+    shown = Table()
+    for name in columns:
+        side: Any = "left" if name in table.left else "right"
+        shown.add_column(Text(harmless(name)), justify=side, no_wrap=fits, overflow="fold")
+    kept = [table.columns.index(name) for name in columns]
+    for row in table.rows:
+        shown.add_row(*(Text(harmless(row[k])) for k in kept))
+    shown.add_section()
+    for row in table.sums:
+        shown.add_row(*(Text(harmless(row[k])) for k in kept))
+    return shown

@@ -1,0 +1,57 @@
+"""An earlier squeezing whose plastic flow has flattened the short waves of the surface."""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal, Self
+
+from pydantic import Field, model_validator
+
+from validation.effects.base import Effect, Judgement, Roughness, SlotName, Told
+from validation.units import Pressure, wrong
+
+__all__ = ["Smoothing"]
+
+#: Standard deviations of the full-contact stress beyond which points that yield are rare.
+_RARE = 4.0
+
+
+class Smoothing(Effect):
+    """The surface was squeezed before, and what yielded then is smooth now; it changes C(q)."""
+
+    kind: Literal["smoothing"] = "smoothing"
+    pressure: Pressure = Field(description='nominal pressure of the squeezing, e.g. "20 MPa"')
+    hardness: Pressure = Field(description='indentation hardness at the squeezing, e.g. "6 GPa"')
+    form: Literal["gradual", "sharp"] = Field(
+        default="gradual",
+        description="C(q) less the share that yielded at q, or C(q) up to where half had yielded",
+    )
+
+    slot: ClassVar[SlotName] = "spectrum"
+    meshed: ClassVar[bool] = False
+    papers: ClassVar[tuple[str, ...]] = (
+        "Surfaces smoothed by plastic flow: B. N. J. Persson, Surf. Sci. Rep. 61, 201 (2006), Sec. 10.2.",
+    )
+
+    @model_validator(mode="after")
+    def _carried(self) -> Self:
+        if self.hardness <= self.pressure:
+            raise wrong(
+                f"hardness = {self.hardness:.6g} Pa: must be above the pressure of the squeezing, "
+                f"{self.pressure:.6g} Pa"
+            )
+        return self
+
+    def theory(self, told: Told) -> None:
+        """Persson 2006, Sec. 10.2."""
+        told.smoothing = {"pressure": self.pressure, "hardness": self.hardness, "form": self.form}
+
+    def judge(self, rough: Roughness) -> Judgement:
+        """Compare the spread of the stress with the hardness."""
+        ratio = rough.modulus * rough.gradient / self.hardness
+        number = f"E* h'_rms / H = {ratio:.3g} at the squeezing (Persson 2006, Sec. 10.2)"
+        return self.said(number, matters=ratio / 2 > 1 / _RARE)
+
+    @classmethod
+    def example(cls, spacing: float) -> Self:
+        """Return a squeezing that yields a part of the contact."""
+        return cls(pressure=0.02, hardness=0.06)

@@ -1,0 +1,190 @@
+"""Tables of a scene: surfaces, the solid, the load."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+from pydantic import AfterValidator, Discriminator, Field, StrictInt, Tag, model_validator
+
+from validation.errors import UsageError
+from validation.units import (
+    MOST_ITEMS,
+    Length,
+    Lengths,
+    Number,
+    Pressure,
+    Ratio,
+    Table,
+    Temperature,
+    Tension,
+    exactly_one,
+    quantity,
+    wrong,
+)
+
+__all__ = [
+    "CapillarySurface",
+    "FileSurface",
+    "Load",
+    "RandomSurface",
+    "SelfAffineSurface",
+    "SolidSpec",
+    "Surface",
+]
+
+
+class RandomSurface(Table):
+    """What random periodic surfaces share: waves between lambda_long and lambda_short in one period."""
+
+    kind: str
+    length: Lengths = Field(description='period L, or [Lx, Ly], e.g. "100 um"')
+    lambda_long: Length = Field(description="longest wavelength of the self-affine range, or of all waves")
+    lambda_short: Length = Field(description="shortest wavelength")
+    amplitudes: Literal["exact", "gaussian"] = "exact"
+    seed: Annotated[StrictInt, Field(ge=0, lt=2**63)] | None = Field(
+        default=None,
+        description="whole number that names the realisation; every solver needs it, the theory none",
+    )
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.lambda_short >= self.lambda_long:
+            raise wrong(
+                f"lambda_short = {self.lambda_short:.6g} m: must be below "
+                f"lambda_long = {self.lambda_long:.6g} m"
+            )
+        if self.lambda_long > min(self.length) * (1 + 1e-12):
+            raise wrong(
+                f"lambda_long = {self.lambda_long:.6g} m: must not exceed the period {min(self.length):.6g} m"
+            )
+        return self
+
+    def seed_of(self, realisation: int) -> int:
+        """Return the seed of a realisation: that of the scene for 0, the next for 1, and so on.
+
+        Raises
+        ------
+        UsageError
+            Without a seed there is C(q), but no surface.
+        """
+        if self.seed is None:
+            raise UsageError("surface.seed: missing; a surface is drawn by a whole number that names it")
+        return self.seed + realisation
+
+
+class SelfAffineSurface(RandomSurface):
+    """A random periodic surface with C(q) ~ q^(-2(1+H)) between lambda_long and lambda_short."""
+
+    kind: Literal["self-affine"]
+    hurst: Number = Field(ge=0, le=1, description="Hurst exponent H, in [0, 1]")
+    rms_gradient: Ratio | None = Field(default=None, description="h'_rms of C(q), both directions together")
+    rms_height: Length | None = Field(default=None, description="h_rms of C(q)")
+    rolloff: Literal["sharp", "smooth", "plateau"] = "sharp"
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        exactly_one(self, ("rms_gradient", "rms_height"))
+        return self
+
+
+class CapillarySurface(RandomSurface):
+    """Frozen capillary waves, C(q) ~ 1 / (q^2 + q^4/q_bend^2); `surfaces` equal ones add up, wave by wave."""
+
+    kind: Literal["capillary-waves"]
+    temperature: Temperature = Field(description='at which they froze: the glass transition, e.g. "370 K"')
+    surface_tension: Tension = Field(description='of the melt, e.g. "0.04 J/m^2"')
+    lambda_bend: Length = Field(description="wavelength below which bending stiffness suppresses the waves")
+    surfaces: Annotated[StrictInt, Field(ge=1, le=1000)] = Field(
+        default=1, description="equal surfaces that touch, such as 2 of the same glass"
+    )
+
+
+class FileSurface(Table):
+    """Heights read from a file: .npy, text, .nc, .x3p, or what SurfaceTopography reads; shape (nx, ny).
+
+    They are levelled, filled and made periodic, in this order, as the table says.
+    """
+
+    kind: Literal["file"]
+    path: Path = Field(description="file of heights, relative to the scene file")
+    length: Lengths = Field(
+        description='size L, or [Lx, Ly], e.g. "100 um"; may be left out where the file says it'
+    )
+    unit: Length | None = Field(
+        default=None, description='unit of the heights, e.g. "1 nm"; may be left out where the file says it'
+    )
+    tilt: Literal["keep", "plane", "quadratic"] = Field(
+        default="keep", description="what to take out before anything else"
+    )
+    missing: Literal["refuse", "nearest", "harmonic"] = Field(
+        default="refuse", description="what to do with points without a height"
+    )
+    edges: Literal["periodic", "tukey", "hann"] | None = Field(
+        default=None, description="taper that makes it periodic; not needed where opposite edges match"
+    )
+    margin: Ratio = Field(
+        default=0.1, gt=0, le=0.5, description="share of each side over which a tukey taper falls"
+    )
+
+
+Surface = Annotated[SelfAffineSurface | CapillarySurface | FileSurface, Field(discriminator="kind")]
+
+
+class SolidSpec(Table):
+    """The elastic half-space or block; the rough body is rigid."""
+
+    young: Pressure = Field(description='Young\'s modulus, e.g. "1 GPa"')
+    poisson: Number = Field(gt=-1, le=0.5, description="Poisson ratio, in (-1, 0.5]")
+
+
+def _zero_or_ratio(value: float) -> float:
+    if value != 0 and not 1e-12 <= value <= 1e6:
+        raise wrong("must lie between 1e-12 and 1e+06")
+    return value
+
+
+def _amount(value: object) -> str:
+    return "several" if isinstance(value, (list, tuple)) else "one"
+
+
+_Pressure = Annotated[float, quantity("Pa", "pressure", "10 MPa"), Field(ge=0)]
+_Ratio = Annotated[Number, Field(ge=0), AfterValidator(_zero_or_ratio)]
+_Pressures = Annotated[
+    Annotated[_Pressure, Tag("one")]
+    | Annotated[tuple[_Pressure, ...], Field(min_length=1, max_length=MOST_ITEMS), Tag("several")],
+    Discriminator(_amount),
+]
+_Ratios = Annotated[
+    Annotated[_Ratio, Tag("one")]
+    | Annotated[tuple[_Ratio, ...], Field(min_length=1, max_length=MOST_ITEMS), Tag("several")],
+    Discriminator(_amount),
+]
+
+
+class Load(Table):
+    """The nominal pressure p0, or p* = p0 / (E* h'_rms) with the realised gradient.
+
+    Where the theory stands alone, h'_rms is that of C(q), a list of loads may be given, and with adhesion a
+    load may be 0.
+    """
+
+    pressure: _Pressures | None = None
+    reduced_pressure: _Ratios | None = None
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        exactly_one(self, ("pressure", "reduced_pressure"))
+        return self
+
+    @property
+    def key(self) -> str:
+        """Which of the two is given."""
+        return "pressure" if self.pressure is not None else "reduced_pressure"
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """All loads that are given, as they are given."""
+        given = self.pressure if self.pressure is not None else self.reduced_pressure
+        assert given is not None
+        return given if isinstance(given, tuple) else (given,)

@@ -1,0 +1,223 @@
+"""A measured patch of a surface: levelled, filled, made periodic; every step is written down."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.surface import HeightField
+from fem_contact.surface.spectra import window_weights
+from validation.errors import UsageError
+
+__all__ = ["Edges", "Missing", "Tilt", "Topography"]
+
+Array = NDArray[np.float64]
+Tilt = Literal["keep", "plane", "quadratic"]
+Missing = Literal["refuse", "nearest", "harmonic"]
+Edges = Literal["periodic", "tukey", "hann"]
+
+#: A step between opposite edges of more than this many typical steps between neighbours is no period.
+_JUMP = 4.0
+#: Points of a block of rows that a plane is fitted to at a time.
+_BLOCK_POINTS = 2**18
+#: Most missing points that a membrane is stretched over; their equations are solved directly.
+_MOST_HOLES = 2**20
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Topography:
+    """A measured patch of a surface.
+
+    Attributes
+    ----------
+    heights : (nx, ny) array
+        Heights [m]; NaN where there are none.
+    lengths : tuple of float
+        Size of the patch (Lx, Ly) [m], number of points times spacing.
+    history : tuple of str
+        What was done to it, in words.
+    unit : float
+        Unit [m] that the heights had where they come from.
+    digest : str
+        SHA-256 of the file they come from; empty if from none.
+    """
+
+    heights: Array
+    lengths: tuple[float, float]
+    history: tuple[str, ...] = ()
+    unit: float = 1.0
+    digest: str = ""
+
+    @property
+    def missing(self) -> int:
+        """Number of points without a height."""
+        return int(np.count_nonzero(~np.isfinite(self.heights)))
+
+    @property
+    def slope(self) -> tuple[float, float]:
+        """Slope of the least-squares plane along x and y [-]."""
+        coefficients = _fitted(self.heights, "plane")
+        nx, ny = self.heights.shape
+        return float(coefficients[1]) * nx / self.lengths[0], float(coefficients[2]) * ny / self.lengths[1]
+
+    @property
+    def edge_jump(self) -> float:
+        """Root mean square step between opposite edges over that between neighbours; about 1 if periodic."""
+        h = self.heights
+        jumps, steps = [], []
+        for axis in (0, 1):
+            rows = np.moveaxis(h, axis, 0)
+            if rows.shape[0] > 2:
+                jumps.append(_rms(rows[0] - rows[-1]))
+                steps.append(_rms(np.diff(rows, axis=0)))
+        ratios = [jump / step for jump, step in zip(jumps, steps, strict=True) if step > 0]
+        return max(ratios, default=0.0)
+
+    def levelled(self, tilt: Tilt) -> Topography:
+        """Take the least-squares plane or quadratic of the known points out."""
+        if tilt == "keep":
+            return self
+        heights = self.heights.copy()
+        for coefficient, term in zip(_fitted(heights, tilt), _terms(heights.shape, tilt), strict=True):
+            heights -= coefficient * term
+        sx, sy = self.slope
+        words = f"{tilt} taken out (slope {sx:.3g} along x, {sy:.3g} along y)"
+        return replace(self, heights=heights, history=(*self.history, words))
+
+    def filled(self, missing: Missing) -> Topography:
+        """Give missing points a height, by choice.
+
+        Raises
+        ------
+        UsageError
+            When there are some and the choice is to refuse.
+        """
+        count = self.missing
+        if count == 0:
+            return self
+        if count == self.heights.size:
+            raise UsageError("the topography has no known point")
+        if missing == "refuse":
+            raise UsageError(
+                f"{count} of {self.heights.size} heights are NaN or infinite: say how to fill them with "
+                "missing = 'nearest' or 'harmonic'"
+            )
+        if missing == "harmonic" and count > _MOST_HOLES:
+            raise UsageError(
+                f"{count} heights are missing, and missing = 'harmonic' fills at most {_MOST_HOLES}: choose "
+                "missing = 'nearest'"
+            )
+        fill: Callable[[Array], Array] = _nearest if missing == "nearest" else _harmonic
+        words = f"{count} missing points ({100 * count / self.heights.size:.2g} %) filled: {missing}"
+        return replace(self, heights=fill(self.heights), history=(*self.history, words))
+
+    def made_periodic(self, edges: Edges | None, *, margin: float = 0.1) -> Topography:
+        """Bring opposite edges together by a named taper, or take the patch as one period.
+
+        Raises
+        ------
+        UsageError
+            When nothing was chosen and opposite edges do not match.
+        """
+        if edges is None:
+            if self.edge_jump > _JUMP:
+                raise UsageError(
+                    f"opposite edges differ by {self.edge_jump:.3g} typical steps between neighbours, so "
+                    "this is "
+                    "no period: choose edges = 'tukey' or 'hann', or 'periodic' to take it as it is"
+                )
+            return self
+        if edges == "periodic":
+            words = f"taken as periodic (edges differ by {self.edge_jump:.3g} typical steps)"
+            return replace(self, history=(*self.history, words))
+        nx, ny = self.heights.shape
+        weights = window_weights((nx, ny), window=edges, margin=margin)
+        mean = float(np.mean(self.heights))
+        before = _rms(self.heights - mean)
+        tapered = weights * (self.heights - mean)
+        share = f" over {100 * margin:.3g} % of each side" if edges == "tukey" else ""
+        after = f"h_rms {before:.4g} m before, {_rms(tapered):.4g} m after"
+        words = f"made periodic: {edges} taper{share} ({after})"
+        return replace(self, heights=tapered, history=(*self.history, words))
+
+    def height_field(self) -> HeightField:
+        """Return the heights as one period of a surface."""
+        return HeightField(heights=self.heights, lengths=self.lengths)
+
+
+def _rms(values: Array) -> float:
+    known = values[np.isfinite(values)]
+    return float(np.sqrt(np.mean(known**2))) if known.size else 0.0
+
+
+def _terms(shape: tuple[int, ...], tilt: Tilt) -> list[Array]:
+    """Terms of a plane or quadratic at positions in points from the centre; they broadcast to the shape."""
+    nx, ny = shape
+    x = np.asarray(np.arange(nx) - (nx - 1) / 2, dtype=float)[:, None]
+    y = np.asarray(np.arange(ny) - (ny - 1) / 2, dtype=float)[None, :]
+    plane: list[Array] = [np.ones((1, 1)), x, y]
+    return plane if tilt == "plane" else [*plane, x * x, x * y, y * y]
+
+
+def _fitted(heights: Array, tilt: Tilt) -> Array:
+    """Return the least-squares coefficients over the known points, from blocks of rows brought to triangles.
+
+    The matrix of a whole map, and the copies that a solver makes of it, would take twenty times the map.
+    """
+    terms = _terms(heights.shape, tilt)
+    # Columns of like size: a constant beside squares of thousands would lose digits.
+    scale = np.array([max(float(np.abs(term).max()), 1.0) for term in terms])
+    triangle = np.zeros((0, len(terms) + 1))
+    rows = max(1, _BLOCK_POINTS // heights.shape[1])
+    for start in range(0, heights.shape[0], rows):
+        part = slice(start, start + rows)
+        known = np.isfinite(heights[part])
+        columns = [np.broadcast_to(t[part] if t.shape[0] > 1 else t, known.shape)[known] for t in terms]
+        block = np.column_stack([*(c / s for c, s in zip(columns, scale, strict=True)), heights[part][known]])
+        triangle = np.asarray(np.linalg.qr(np.vstack([triangle, block]), mode="r"))
+    return np.asarray(np.linalg.lstsq(triangle[:, :-1], triangle[:, -1], rcond=None)[0] / scale)
+
+
+def _nearest(heights: Array) -> Array:
+    from scipy.ndimage import distance_transform_edt
+
+    indices = distance_transform_edt(~np.isfinite(heights), return_distances=False, return_indices=True)
+    return np.asarray(heights[tuple(indices)])
+
+
+def _harmonic(heights: Array) -> Array:
+    """Fill holes with the discrete harmonic function that continues their rims: a stretched membrane."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.linalg import spsolve
+
+    hole = ~np.isfinite(heights)
+    number = np.full(heights.shape, -1)
+    number[hole] = np.arange(np.count_nonzero(hole))
+    count = int(number.max()) + 1
+    rows, columns, values, right, degree = [], [], [], np.zeros(count), np.zeros(count)
+    for axis, step in ((0, 1), (0, -1), (1, 1), (1, -1)):
+        n = heights.shape[axis]
+        here = np.moveaxis(number, axis, 0)[max(0, -step) : n - max(0, step)]
+        there = np.moveaxis(number, axis, 0)[max(0, step) : n - max(0, -step)]
+        level = np.moveaxis(heights, axis, 0)[max(0, step) : n - max(0, -step)]
+        mine = here >= 0
+        np.add.at(degree, here[mine], 1.0)
+        inside = mine & (there >= 0)
+        rows.append(here[inside])
+        columns.append(there[inside])
+        values.append(np.full(np.count_nonzero(inside), -1.0))
+        rim = mine & (there < 0)
+        np.add.at(right, here[rim], level[rim])
+    rows.append(np.arange(count))
+    columns.append(np.arange(count))
+    values.append(degree)
+    matrix = coo_array(
+        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(count, count)
+    ).tocsr()
+    filled = heights.copy()
+    filled[hole] = spsolve(matrix, right)
+    return filled

@@ -1,0 +1,116 @@
+"""What a file of heights says of itself, and the sizes past which it is refused."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["MOST_BYTES", "MOST_POINTS", "Raw", "check_shape", "even_steps", "plain_attribute", "real"]
+
+Array = NDArray[np.float64]
+
+#: Heights that are read: 8192 x 8192, half a gigabyte as numbers.
+MOST_POINTS = 2**26
+#: Bytes of a file that is read.
+MOST_BYTES = 2**31
+#: Share of a step by which positions may be off an even spacing; files round them.
+_UNEVEN = 0.02
+
+
+@dataclass(frozen=True, kw_only=True)
+class Raw:
+    """A file of heights as it is.
+
+    Attributes
+    ----------
+    heights : (nx, ny) array
+        In `unit`; NaN where there are none.
+    lengths : tuple of float, optional
+        Size of the patch in `length_units`; None where the file does not say it.
+    length_units : tuple of str, optional
+        None where only the ratio of the two lengths is known.
+    unit : str, optional
+        Unit of the heights; None where the file does not say it.
+    notes : tuple of str
+        What a reader of the results should know of how the file was taken.
+    """
+
+    heights: Array
+    lengths: tuple[float, float] | None = None
+    length_units: tuple[str, str] | None = None
+    unit: str | None = None
+    notes: tuple[str, ...] = ()
+
+
+def check_shape(shape: tuple[int, ...]) -> None:
+    """Refuse what is no map, or one too large, before it is read.
+
+    Raises
+    ------
+    ValueError
+    """
+    if len(shape) != 2 or min(shape) < 2:
+        raise ValueError(f"shape {shape}; a map of at least 2 x 2 heights is needed")
+    if math.prod(shape) > MOST_POINTS:
+        raise ValueError(
+            f"{shape[0]} x {shape[1]} heights; at most {MOST_POINTS} are read: cut it or thin it out"
+        )
+
+
+def real(values: Any) -> Array:
+    """Return heights as real numbers; complex ones are refused rather than halved.
+
+    Raises
+    ------
+    ValueError
+    """
+    array = np.asarray(values)
+    if array.dtype.kind not in "biuf":
+        raise ValueError(f"it holds {array.dtype.name} values; heights are real numbers")
+    return array.astype(float, copy=False)
+
+
+def plain_attribute(value: Any, what: str) -> str | None:
+    """Return an attribute that should be a short text; None for an empty one.
+
+    Raises
+    ------
+    ValueError
+        For an array, or an essay.
+    """
+    if value is None:
+        return None
+    if not isinstance(value, str):
+        raise ValueError(f"{what} is a {type(value).__name__}, and must be a text such as 'um'")
+    if len(value) > 64:
+        raise ValueError(f"{what} is {len(value)} characters long, and must be a text such as 'um'")
+    return value.strip() or None
+
+
+def even_steps(positions: Array, name: str) -> float:
+    """Return the step of evenly spaced positions, negative where they fall.
+
+    Raises
+    ------
+    ValueError
+        For others: the methods here know no other grid.
+    """
+    n = positions.size
+    if n < 2:
+        raise ValueError(f"{name} has {n} position{'s' * (n != 1)}; at least 2 are needed")
+    if not np.all(np.isfinite(positions)):
+        raise ValueError(f"{name} is not known everywhere")
+    step = float(positions[-1] - positions[0]) / (n - 1)
+    if not math.isfinite(step) or step == 0:
+        raise ValueError(f"{name} runs from {positions[0]:.6g} to {positions[-1]:.6g}")
+    off = np.abs(positions - (positions[0] + step * np.arange(n))).max() / abs(step)
+    if not off <= _UNEVEN:
+        steps = np.diff(positions)
+        raise ValueError(
+            f"{name} is not evenly spaced: its steps run from {steps.min():.4g} to {steps.max():.4g}"
+        )
+    return step

@@ -1,0 +1,201 @@
+"""Measured topographies from files: within bounds of time and memory, once for a file, in metres."""
+
+from __future__ import annotations
+
+import os
+import time
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation import bounded
+from validation.errors import UsageError
+from validation.scenes.topography.formats import one_line, read_plain
+from validation.scenes.topography.patch import Topography
+from validation.scenes.topography.raw import MOST_POINTS
+from validation.units import LARGEST, metres
+
+__all__ = ["FileSays", "digest_of", "file_says", "read_topography"]
+
+Array = NDArray[np.float64]
+Lengths = tuple[float, float]
+
+#: Time to read a file, and bytes of it that are read in a further second [s, 1/s].
+_SECONDS, _BYTES_PER_SECOND = 60.0, 2e6
+#: Memory to read a file: that of the largest map in a few copies, and more for the text of it.
+_MEMORY, _COPIES = 2**31 + 2**30, 4
+#: Cells are called oblong, and lengths at odds with a file, when ratios are off by more than this.
+_RATIO = 0.02
+#: A file that was changed less than this before it was read is read again: a later change may have the same
+#: time [s].
+_SETTLED = 1.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FileSays:
+    """What a file of heights says of itself.
+
+    Attributes
+    ----------
+    heights : (nx, ny) array
+        In its own unit; NaN where there are none.
+    lengths : tuple of float, optional
+        Size of the patch [m].
+    ratio : float, optional
+        Lx/Ly, also where only this is known.
+    unit : float, optional
+        Unit of the heights [m].
+    digest : str
+        SHA-256 of the file.
+    notes : tuple of str
+    """
+
+    heights: Array
+    lengths: Lengths | None
+    ratio: float | None
+    unit: float | None
+    digest: str
+    notes: tuple[str, ...]
+
+    def check_square(self, key: str) -> None:
+        """Refuse one length for both sides if points along them differ in number and no size is known.
+
+        Raises
+        ------
+        UsageError
+        """
+        nx, ny = self.heights.shape
+        if self.lengths is None and abs(nx / ny - 1) > _RATIO:
+            raise UsageError(
+                f"{key}: one length for {nx} x {ny} points makes oblong cells; give both sides, [Lx, Ly], x "
+                "along the first of the two numbers of points"
+            )
+
+
+#: The last file that was read: what tells its content, and what it says.
+_LAST: dict[str, tuple[tuple[int, ...], FileSays]] = {}
+
+
+def file_says(path: Path) -> FileSays:
+    """Read a file as it is; a file that has not changed since is not read again.
+
+    Raises
+    ------
+    UsageError
+        For a file that cannot be read, or not within bounds of size, time and memory.
+    """
+    name = os.path.abspath(path)
+    content = _content(name)
+    if name in _LAST and content is not None and _LAST[name][0] == content:
+        return _LAST[name][1]
+    says = _read(name, 0 if content is None else content[2])
+    _LAST.clear()
+    if content is not None and time.time() - content[3] / 1e9 > _SETTLED and _content(name) == content:
+        _LAST[name] = (content, says)
+    return says
+
+
+def _content(name: str) -> tuple[int, ...] | None:
+    """Return what changes with the content of a file; None for a file that cannot be asked."""
+    try:
+        facts = os.stat(name)
+    except (OSError, ValueError):
+        return None
+    return facts.st_dev, facts.st_ino, facts.st_size, max(facts.st_mtime_ns, facts.st_ctime_ns)
+
+
+def _read(name: str, size: int) -> FileSays:
+    try:
+        found = bounded.call(
+            read_plain,
+            name,
+            seconds=_SECONDS + size / _BYTES_PER_SECOND,
+            memory=_MEMORY + _COPIES * size,
+            most_bytes=8 * MOST_POINTS,
+        )
+    except bounded.OutOfBounds as error:
+        raise UsageError(f"cannot be read: its reader {error}") from None
+    return _in_metres(found)
+
+
+def _in_metres(found: dict[str, Any]) -> FileSays:
+    lengths, units = found["lengths"], found["length_units"]
+    try:
+        unit = metres(found["unit"])
+        scales = None if units is None else [metres(each) for each in units]
+    except ValueError as error:
+        raise UsageError(f"is no topography of its kind ({one_line(error)})") from None
+    ratio = None if lengths is None else lengths[0] / lengths[1]
+    if lengths is not None and scales is not None:
+        lengths = (lengths[0] * scales[0], lengths[1] * scales[1])
+        ratio = lengths[0] / lengths[1]
+    if ratio is not None and not (0 < ratio < np.inf):
+        raise UsageError(f"is no topography of its kind (sides in the ratio {ratio:.3g})")
+    return FileSays(
+        heights=found["heights"],
+        lengths=None if scales is None else lengths,
+        ratio=ratio,
+        unit=unit,
+        digest=found["digest"],
+        notes=tuple(found["notes"]),
+    )
+
+
+def digest_of(path: Path) -> str:
+    """Return the SHA-256 of a file of heights, of the very bytes that were read."""
+    return file_says(path).digest
+
+
+def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float | None = None) -> Topography:
+    """Read a topography: .npy, text, .nc, .x3p, and whatever SurfaceTopography reads where it is installed.
+
+    Text is a matrix, rows along x, or three columns x, y, z of an even grid; a width and a height in its
+    header, as Gwyddion writes them, are the sizes along its columns and rows.
+
+    Parameters
+    ----------
+    path : Path
+    lengths : tuple of float, optional
+        Size of the patch [m]; from the file if not given.
+    unit : float, optional
+        Unit of the heights [m]; that of the file if not given.
+
+    Raises
+    ------
+    UsageError
+        For a file that cannot be read, or says neither size nor unit and is not given them: heights taken for
+        metres by default would be wrong by the factor that instruments most often leave out.
+    """
+    says = file_says(path)
+    size = lengths or says.lengths
+    if size is None:
+        raise UsageError("does not say how large the patch is: give length")
+    scale = unit if unit is not None else says.unit
+    if scale is None:
+        raise UsageError('does not say the unit of its heights: give unit, such as "1 nm"')
+    if says.lengths is None and says.ratio is not None and abs(size[0] / size[1] / says.ratio - 1) > _RATIO:
+        raise UsageError(
+            f"its sides are in the ratio {says.ratio:.4g}, and length = [{size[0]:.4g}, {size[1]:.4g}] m "
+            f"says {size[0] / size[1]:.4g}: give both sides, [Lx, Ly]"
+        )
+    heights = np.where(np.isfinite(says.heights), says.heights, np.nan)
+    peak = float(np.abs(says.heights).max(where=np.isfinite(says.heights), initial=0.0)) * scale
+    if not peak <= LARGEST:
+        raise UsageError(f"holds heights up to {peak:.3g} m; at most {LARGEST:.0e} m are computed with")
+    heights *= scale
+    heights.setflags(write=False)
+    nx, ny = heights.shape
+    words = f"{one_line(path.name)}: {nx} x {ny} points, {size[0]:.4g} m x {size[1]:.4g} m"
+    if says.lengths is not None and any(
+        abs(a / b - 1) > _RATIO for a, b in zip(size, says.lengths, strict=True)
+    ):
+        words += f" (its own: {says.lengths[0]:.4g} m x {says.lengths[1]:.4g} m)"
+    cells = size[0] / nx, size[1] / ny
+    if abs(cells[0] / cells[1] - 1) > _RATIO:
+        words += f", oblong cells of {cells[0]:.4g} m x {cells[1]:.4g} m"
+    return Topography(
+        heights=heights, lengths=size, history=(words, *says.notes), unit=scale, digest=says.digest
+    )

@@ -1,0 +1,39 @@
+"""Options that many studies have, with their ranges and meanings: like things have like names."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+__all__ = [
+    "Bandwidth",
+    "Element",
+    "Hurst",
+    "Pairs",
+    "Periods",
+    "ReducedPressure",
+    "Seed",
+    "Shifts",
+    "Surfaces",
+]
+
+Hurst = Annotated[float, Field(ge=0, le=1, description="Hurst exponent H")]
+Periods = Annotated[float, Field(ge=1, description="L / lambda_long")]
+Bandwidth = Annotated[float, Field(gt=1, description="lambda_long / lambda_short")]
+Seed = Annotated[int, Field(ge=0, description="whole number that names the first surface")]
+ReducedPressure = Annotated[
+    float, Field(gt=0, description="p* = p0 / (E* h'_rms) with the realised gradient of each surface")
+]
+#: Surfaces that a study is given at most: what they scatter by is long known.
+_MOST = 10_000
+Surfaces = Annotated[
+    int, Field(ge=2, le=_MOST, description="how many; scatter between them is the uncertainty")
+]
+Pairs = Annotated[
+    int,
+    Field(ge=2, le=_MOST, description="pairs of surfaces +h, -h; scatter between pairs is the uncertainty"),
+]
+Shifts = Annotated[int, Field(ge=1, le=_MOST, description="sub-grid shifts along each axis")]
+#: Finite elements of the block, by the names of `fem_contact.block`.
+Element = Literal["Hex1", "Hex1/P0", "Hex2", "Hex2/P1disc"]

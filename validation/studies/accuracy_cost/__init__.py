@@ -1,0 +1,343 @@
+"""What does each digit of the contact area cost, for which method and which definition, and do the claimed errors hold?"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from pydantic import Field
+
+from validation.measures.block import BlockMeasurement
+from validation.measures.common import Ladder, RisingOrNone, base_case, base_surface, results_of
+from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.report.drawing import Drawing
+from validation.report.table import ResultTable
+from validation.solves.bench import Bench
+from validation.studies._options import Bandwidth, Hurst, Periods, ReducedPressure, Seed, Surfaces
+from validation.studies._study import StudyOptions
+from validation.studies.accuracy_cost.peer_solve import SOLVERS
+from validation.studies.accuracy_cost.peers import PeerMeasurement, installed_peers
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from validation.solves.solve import NumbersSolve
+
+__all__ = [
+    "Options",
+    "coverage",
+    "figures",
+    "findings",
+    "front",
+    "root_mean_square",
+    "run",
+    "table",
+]
+
+_TARGETS = (0.1, 0.03, 0.01, 0.003, 0.001)
+_AREAS = ("pixel", "perimeter", "subcell")
+_ELEMENTS = ("Hex1", "Hex2")
+
+#: Of the solver: its error of the area is a tenth to a half of that, far below all that is to be told apart.
+_TOLERANCE, _FINE_TOLERANCE = 1e-5, 1e-8
+
+
+class Options(StudyOptions):
+    """Surfaces and grids. Times are of the processor; use one worker all the same."""
+
+    reduced_pressure: ReducedPressure = 0.05
+    hurst: Hurst = 0.8
+    periods: Periods = 4.0
+    bandwidth: Bandwidth = 8.0
+    surfaces: Annotated[
+        Surfaces,
+        Field(
+            description="how many; their claimed intervals are checked too, for which sixty are better than twelve"
+        ),
+    ] = 12
+    seed: Seed = 5006
+    points_per_wave: Ladder = Field(
+        default=(3.0, 4.0, 6.0, 8.0, 12.0, 16.0),
+        description="grids of the boundary elements, as lambda_short/dx, rising",
+    )
+    held_out_points_per_wave: Ladder = Field(
+        default=(16.0, 24.0, 32.0), description="finer grids whose limit is the reference"
+    )
+    fem_points_per_wave: RisingOrNone = Field(
+        default=(4.0, 8.0, 16.0), description="grids of the finite elements (exact reduction)"
+    )
+    peer_points_per_wave: RisingOrNone = Field(
+        default=(4.0, 8.0, 16.0),
+        description="grids of tamaas and ContactMechanics, where they are installed; none: they are left out",
+    )
+
+
+#: A part of the study, then what is told apart in it: element or code, grid, number of the surface.
+_Case = tuple[str | float | int, ...]
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Measure error and time of every way to an area, against limits from grids that no way has seen.
+
+    Returns
+    -------
+    xarray.Dataset
+        error (way, surface), relative to the reference of the surface; seconds and peak_bytes (way); reference_error; for
+        the limits over all coarse grids, claimed (surface): the half width of their 95 % interval, relative.
+
+    Notes
+    -----
+    All run on one thread; seconds are of its processor, which other work on the machine disturbs least. Memory is that
+    of the arrays of a solve; of a peer, by how much its process grew. A peer's solver is stopped as soon as the area it
+    counts is within a tenth of its grid error of the converged count: equal error, not equal residual.
+    """
+    codes = installed_peers() if options.peer_points_per_wave else ()
+    return _dataset(results_of(bench, _cases(options, codes)), options, codes)
+
+
+def _cases(options: Options, codes: Sequence[str]) -> dict[_Case, NumbersSolve]:
+    """List the solves of each part."""
+    surface = base_surface(
+        hurst=options.hurst, periods=options.periods, bandwidth=options.bandwidth, seed=options.seed
+    )
+    first = base_case(surface, reduced_pressure=options.reduced_pressure)
+    pressed = {k: first.further(k) for k in range(options.surfaces)}
+    cases: dict[_Case, NumbersSolve] = {}
+    for part, per_wave, tolerance in (
+        ("coarse", options.points_per_wave, _TOLERANCE),
+        ("fine", options.held_out_points_per_wave, _FINE_TOLERANCE),
+    ):
+        grids = tuple(grid_for(first, n) for n in per_wave)
+        for k, own in pressed.items():
+            cases[part, k] = Measurement(realised=own, grids=grids, tolerance=tolerance)
+    for element, n, k in itertools.product(_ELEMENTS, options.fem_points_per_wave, pressed):
+        points = grid_for(first, n)[0]
+        cases["FEM", element, n, k] = BlockMeasurement(realised=pressed[k], points=points, element=element)
+    for code, n, k in itertools.product(codes, options.peer_points_per_wave, pressed):
+        points = grid_for(first, n)[0]
+        cases["peers", code, n, k] = PeerMeasurement(realised=pressed[k], points=points, code=code)
+    return cases
+
+
+def _dataset(found: Mapping[_Case, xr.Dataset], options: Options, codes: Sequence[str]) -> xr.Dataset:
+    import xarray as xr
+
+    surfaces = range(options.surfaces)
+    coarse = [found["coarse", k] for k in surfaces]
+    limits = [area_limits(found["fine", k]) for k in surfaces]
+    reference = np.array([value[0] for value, _ in limits])
+    uncertainty = np.array([error[0] for _, error in limits]) / reference
+    ways = _bem_ways(coarse)
+    for element, n in itertools.product(_ELEMENTS, options.fem_points_per_wave):
+        part = [found["FEM", element, n, k] for k in surfaces]
+        ways += [_single_way(part, area, f"FEM {element}", n) for area in ("pixel", "perimeter")]
+    for code, n in itertools.product(codes, options.peer_points_per_wave):
+        ways.append(_single_way([found["peers", code, n, k] for k in surfaces], "pixel", code, n))
+    claimed, missed = _claims(coarse, reference)
+    said = {
+        "reference_error": (uncertainty, "standard error of the reference, relative"),
+        "claimed": (claimed, "half width of the claimed 95 % interval, relative"),
+        "missed": (missed, "distance of the claimed limit from the reference, relative"),
+    }
+    return xr.Dataset(
+        {
+            "error": (("way", "surface"), np.array([way.areas / reference - 1 for way in ways])),
+            "seconds": ("way", np.array([way.seconds for way in ways]), {"units": "s"}),
+            "peak_bytes": ("way", np.array([way.peak_bytes for way in ways]), {"units": "byte"}),
+            **{name: ("surface", values, {"long_name": words}) for name, (values, words) in said.items()},
+        },
+        coords={"label": ("way", [way.label for way in ways])},
+        attrs={
+            "study": "accuracy-cost",
+            "reduced_pressure": options.reduced_pressure,
+            "peers": " ".join(codes),
+            "absent": " ".join(name for name in SOLVERS if name not in codes),
+            "methods": "bem fem perimeter",
+        },
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Way:
+    """A way to an area: the areas of all surfaces, and what one surface costs on average."""
+
+    label: str
+    areas: np.ndarray
+    seconds: float
+    peak_bytes: float
+
+
+def _bem_ways(measured: list[xr.Dataset]) -> list[_Way]:
+    """List single grids, shifts averaged, limits over two grids, and over three with shifts."""
+    ways = []
+    per_wave = measured[0].points_per_wave.values
+    for i, name in itertools.product(range(per_wave.size), _AREAS):
+        values = np.array([d[name][i, :, 0].values for d in measured])
+        seconds = float(np.mean([d.seconds[i, :, 0].values for d in measured]))
+        size = float(np.max([d.peak_bytes[i, :, 0].values for d in measured]))
+        label = f"BEM {name}, {per_wave[i]:g} per wave"
+        ways.append(_Way(label=label, areas=values[:, 0], seconds=seconds, peak_bytes=size))
+        ways.append(
+            _Way(label=f"{label}, 4 shifts", areas=values.mean(axis=1), seconds=4 * seconds, peak_bytes=size)
+        )
+    for count, shifts in ((2, 1), (3, 4)):
+        for i in range(per_wave.size - count + 1):
+            parts = [d.isel(grid=slice(i, i + count), shift=slice(shifts)) for d in measured]
+            words = f"BEM limit, {per_wave[i]:g} to {per_wave[i + count - 1]:g} per wave"
+            ways.append(
+                _Way(
+                    label=words + (", 4 shifts" if shifts == 4 else ""),
+                    areas=np.array([area_limits(part)[0][0] for part in parts]),
+                    seconds=float(np.mean([part.seconds.sum() for part in parts])),
+                    peak_bytes=float(np.max([part.peak_bytes for part in parts])),
+                )
+            )
+    return ways
+
+
+def _single_way(measured: Sequence[xr.Dataset], area: str, name: str, per_wave: float) -> _Way:
+    """Return the area of another method on one grid of all surfaces."""
+    return _Way(
+        label=f"{name} {area}, {per_wave:g} per wave",
+        areas=np.array([float(d[area]) for d in measured]),
+        seconds=float(np.mean([float(d.seconds) for d in measured])),
+        peak_bytes=float(np.max([float(d.peak_bytes) for d in measured])),
+    )
+
+
+def _claims(measured: list[xr.Dataset], reference: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Half widths of the 95 % intervals of the limits over all coarse grids, and how far those limits are off."""
+    half, missed = [], []
+    for data, truth in zip(measured, reference, strict=True):
+        (value,), (error,) = area_limits(data)
+        half.append(2 * error / truth)
+        missed.append(value / truth - 1)
+    return np.array(half), np.array(missed)
+
+
+def root_mean_square(dataset: xr.Dataset) -> np.ndarray:
+    """Return the root mean square error over the surfaces of each way, the error of the reference included."""
+    return np.asarray(np.sqrt((dataset.error**2).mean("surface")).values)
+
+
+def front(dataset: xr.Dataset, cost: str = "seconds") -> list[int]:
+    """Return the ways no other beats in both error and cost ("seconds" or "peak_bytes"), cheapest first."""
+    error, price = root_mean_square(dataset), dataset[cost].values
+    best, kept = np.inf, []
+    for k in np.lexsort((error, price)):
+        if error[k] < best:
+            best = error[k]
+            kept.append(int(k))
+    return kept
+
+
+def coverage(dataset: xr.Dataset) -> tuple[int, int]:
+    """Return how many claimed intervals hold the reference (with its own interval), and of how many."""
+    allowed = np.hypot(dataset.claimed.values, 2 * dataset.reference_error.values)
+    return int(np.count_nonzero(np.abs(dataset.missed.values) <= allowed)), int(dataset.sizes["surface"])
+
+
+def table(dataset: xr.Dataset) -> ResultTable:
+    """Return the fastest and the leanest way to each accuracy; below the error of the reference it is not determinable."""
+    error = root_mean_square(dataset)
+    seconds, size = dataset.seconds.values, dataset.peak_bytes.values / 2**20
+    floor = float(np.sqrt((dataset.reference_error**2).mean()))
+    rows: list[tuple[float | str, ...]] = []
+    for target in _TARGETS:
+        good = np.flatnonzero(error <= target)
+        if target < 2 * floor:
+            words = f"not determinable: the reference is known to {100 * floor:.2g} %"
+            rows.append((f"{100 * target:g} %", words, *[""] * 6))
+        elif not good.size:
+            rows.append((f"{100 * target:g} %", "none of the ways tried", *[""] * 6))
+        else:
+            fast, lean = (
+                int(good[np.lexsort((other[good], price[good]))[0]])
+                for price, other in ((seconds, size), (size, seconds))
+            )
+            cells: list[float | str] = [f"{100 * target:g} %"]
+            cells += [
+                str(dataset.label.values[fast]),
+                100 * float(error[fast]),
+                float(seconds[fast]),
+                float(size[fast]),
+            ]
+            cells += [str(dataset.label.values[lean]), float(size[lean]), float(seconds[lean])]
+            rows.append(tuple(cells))
+    columns = ("accuracy of A/A0", "cheapest way", "rms error [%]", "seconds", "MiB")
+    return ResultTable.of((*columns, "leanest way", "its MiB", "its seconds"), rows)
+
+
+def findings(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Return what a digit costs, whether the claimed intervals hold, and what peers need for the same error."""
+    sentences = []
+    for row in table(dataset).rows:
+        if isinstance(row[3], float):
+            sentences.append(
+                f"{row[0]} costs {row[3]:.2g} s and {row[4]:.2g} MiB: {row[1]} (rms error {row[2]:.2g} %); with least memory "
+                f"{row[6]:.2g} MiB and {row[7]:.2g} s: {row[5]}."
+            )
+        else:
+            sentences.append(f"{row[0]}: {row[1]}.")
+    held, total = coverage(dataset)
+    sentences.append(
+        f"The claimed 95 % intervals of the limits over the coarse grids hold the reference on {held} of {total} surfaces "
+        f"({100 * held / total:.0f} %); they are {100 * float(dataset.claimed.mean()):.2g} % wide to either side on average."
+    )
+    sentences.extend(_against_peer(dataset, code) for code in dataset.attrs["peers"].split())
+    absent = dataset.attrs["absent"].split()
+    if absent:
+        sentences.append(
+            f"Not compared, because not installed (extra `peers`) or not asked for: {', '.join(absent)}."
+        )
+    return tuple(sentences)
+
+
+def _against_peer(dataset: xr.Dataset, code: str) -> str:
+    """Say what the most accurate solve of a peer costs, and what the same error costs here."""
+    error, labels = root_mean_square(dataset), dataset.label.values.tolist()
+    theirs = min((k for k, label in enumerate(labels) if label.startswith(code)), key=lambda k: error[k])
+    ours = [k for k, label in enumerate(labels) if label.startswith("BEM") and error[k] <= error[theirs]]
+    said = (
+        f"{code}: {labels[theirs].removeprefix(code + ' ')} is off by {100 * error[theirs]:.2g} % after "
+        f"{float(dataset.seconds[theirs]):.2g} s with {float(dataset.peak_bytes[theirs]) / 2**20:.2g} MiB"
+    )
+    if not ours:
+        return said + "; none of the ways here is as good."
+    best = min(ours, key=lambda k: float(dataset.seconds[k]))
+    factor = float(dataset.seconds[theirs] / dataset.seconds[best])
+    counted = labels[theirs].replace(code, "BEM")
+    plain = ""
+    if counted in labels:
+        same = float(dataset.seconds[theirs] / dataset.seconds[labels.index(counted)])
+        plain = f"; counted on the same grid, {_times(same)}"
+    return (
+        f"{said}; here that error costs {float(dataset.seconds[best]):.2g} s with "
+        f"{float(dataset.peak_bytes[best]) / 2**20:.2g} MiB ({labels[best]}): {_times(factor)} time{plain}."
+    )
+
+
+def _times(factor: float) -> str:
+    size = float(f"{max(factor, 1 / factor):.2g}")
+    return f"{size:g} times {'less' if factor >= 1 else 'more'}"
+
+
+def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
+    """Draw error against time and against memory."""
+    from validation.studies.accuracy_cost.plots import error_against_cost
+
+    fronts = {cost: front(dataset, cost) for cost in ("seconds", "peak_bytes")}
+    return (
+        Drawing(
+            name="accuracy-cost",
+            figure=error_against_cost(dataset, root_mean_square(dataset), fronts),
+            data=dataset[["error", "seconds", "peak_bytes"]],
+            caption="Root mean square error of the contact area over the surfaces against the processor time of one surface "
+            "on one thread (left) and against the memory of the arrays of its largest solve (right; of other codes, by "
+            "how much their process grew), for every method, grid and definition of the area; the lines join the ways "
+            "that no other beats; grey, the error of the reference.",
+        ),
+    )

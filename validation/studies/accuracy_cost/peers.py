@@ -1,0 +1,110 @@
+"""Other contact codes, where they are installed: what their contact area costs on the grids of ours."""
+
+from __future__ import annotations
+
+import importlib.metadata
+import importlib.util
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_contact.area import EDGE_CONSTANTS, contact_areas
+from validation.errors import RunFailed
+from validation.measures.common import reduced_load
+from validation.measures.single_solve import SingleSolve
+from validation.solves.solve import Prediction
+from validation.studies.accuracy_cost import peer_solve
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["PeerMeasurement", "installed_peers"]
+
+#: Part of its grid error that a peer's solver may leave in its area: equal error, not equal residual.
+_SOLVER_SHARE = 0.1
+
+
+def installed_peers() -> tuple[str, ...]:
+    """Name the codes that are installed, of those there is a solve for."""
+    return tuple(name for name in peer_solve.SOLVERS if importlib.util.find_spec(name) is not None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PeerMeasurement(SingleSolve):
+    """One surface at one load on one grid, by another code, solved no further than its grid deserves.
+
+    Attributes
+    ----------
+    code : str
+        Name of its package.
+    realised : Realised
+        Surface, solid and load.
+    points : int
+        Along each axis.
+    """
+
+    code: str
+
+    @property
+    def recipe(self) -> dict[str, Any]:
+        """Everything that determines the numbers."""
+        return super().recipe | {"code": self.code, "version": importlib.metadata.version(self.code)}
+
+    @property
+    def prefix(self) -> str:
+        """Readable start of the name on disk."""
+        return f"peer-{self.code}-{self.points}"
+
+    def describe(self) -> str:
+        """Return a few words for a progress bar."""
+        return f"{self.code} {self.where}"
+
+    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
+        """Predict the cost; its interpreter and the libraries it loads take most of the memory."""
+        n = self.points**2
+        return Prediction(seconds=3.0 + 5e-5 * n, peak_bytes=300 * n + 200 * 2**20, unknowns=n)
+
+    def measure(self) -> xr.Dataset:
+        """Return its pixel area, seconds of one thread, growth of its memory, and the tolerance it needed."""
+        import xarray as xr
+
+        from fem_contact import bem
+
+        own, field = self.realised, self.heights()
+        ours = contact_areas(
+            bem.solve(field, self.half_space, mean_pressure=own.pressure, threads=1).checked()
+        )
+        # Unit period, gradient and modulus: their tolerances are not free of units.
+        heights = field.heights / (max(own.lengths) * own.field.rms_gradient)
+        allowed = _SOLVER_SHARE * EDGE_CONSTANTS["bem"] * ours.edge_fraction
+        found = self._solved(heights, pixel=ours.pixel, allowed=allowed)
+        return xr.Dataset({name: ((), float(value)) for name, value in found.items()})
+
+    def _solved(self, heights: np.ndarray, *, pixel: float, allowed: float) -> dict[str, Any]:
+        one = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "heights.npy"
+            np.save(file, heights)
+            numbers = (reduced_load(self.realised), pixel, allowed)
+            # The file, not the module: a process that imports this package would have its memory, too.
+            command = [sys.executable, "-P", peer_solve.__file__, self.code, str(file)]
+            done = subprocess.run(
+                [*command, *map(repr, numbers)],
+                env={**os.environ, **one},
+                capture_output=True,
+                text=True,
+                check=False,
+            )
+        try:
+            answer: dict[str, Any] = json.loads(done.stdout.strip().splitlines()[-1])
+        except (ValueError, IndexError):
+            last = (done.stderr.strip() or "no answer").splitlines()[-1]
+            raise RunFailed(f"{self.describe()}: {last}") from None
+        return answer

@@ -1,0 +1,346 @@
+"""By how much does a grid overestimate the contact area, and what remains of the distance to the theory?"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any, Self
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from validation.measures.block import BlockMeasurement
+from validation.measures.budget import Budget, budget_table, grid_share, solver_error
+from validation.measures.common import SHIFTS, Ladder, RisingOrNone, base_case, base_surface, persson_area
+from validation.measures.distributions import Distributions
+from validation.measures.ladders import spectral_share, usual_ladders
+from validation.measures.measurement import grid_for
+from validation.measures.statistics import combined, mean_over_surfaces
+from validation.measures.theory import ensemble_area
+from validation.report.drawing import Drawing
+from validation.report.table import ResultTable
+from validation.scenes.realised import Realised
+from validation.solves.bench import Bench
+from validation.studies._options import Bandwidth, Element, Hurst, Periods, ReducedPressure, Seed, Surfaces
+from validation.studies._study import StudyOptions
+from validation.studies.refinement.data import AREAS, finite_elements, on_grids, overestimate
+from validation.studies.refinement.grid_roughness import GridRoughness
+from validation.units import wrong
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from validation.solves.solve import NumbersSolve
+
+__all__ = ["Options", "budget", "figures", "findings", "overestimate", "run", "table"]
+
+#: Tolerance of the finite-element solves that show what their usual one leaves.
+_STRICT = 1e-10
+
+#: Finest grid of the check of the solver, as lambda_short/dx.
+_SOLVER_POINTS = 8.0
+
+#: A part of the study, then what is told apart in it.
+_Case = tuple[str | float | int, ...]
+
+
+class Options(StudyOptions):
+    """Surfaces, grids, and what is measured beside them."""
+
+    reduced_pressure: ReducedPressure = 0.05
+    hurst: Hurst = 0.8
+    periods: Periods = 4.0
+    bandwidth: Bandwidth = 8.0
+    surfaces: Surfaces = 4
+    seed: Seed = 2006
+    shifts: int = Field(default=SHIFTS, ge=1, description="sub-grid shifts along each axis")
+    points_per_wave: Ladder = Field(
+        default=(2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0),
+        description="grids, as lambda_short/dx, rising; below 3 they are run, labelled and left out of the limit",
+    )
+    grid_scale_grids: tuple[Annotated[int, Field(ge=8)], ...] = Field(
+        default=(64, 128, 256),
+        min_length=1,
+        description="points along a side of the same surfaces with roughness down to the grid scale",
+    )
+    elements: tuple[Element, ...] = Field(
+        default=("Hex1", "Hex2"),
+        description="finite elements of a block one period deep, reduced to its surface; none to leave them out",
+    )
+    fem_points_per_wave: RisingOrNone = Field(
+        default=(4.0, 8.0, 16.0),
+        description="grids of the finite elements, as lambda_short/dx, rising, at least three",
+    )
+    ladders: bool = Field(
+        default=True, description="also measure how kappa moves with bandwidth and sample, for the budget"
+    )
+
+    @model_validator(mode="after")
+    def _limit_of_elements(self) -> Self:
+        if self.elements and len(self.fem_points_per_wave) < 3:
+            raise wrong(
+                f"fem_points_per_wave = {', '.join(f'{n:g}' for n in self.fem_points_per_wave)}: the limit of the finite "
+                "elements needs at least three grids"
+            )
+        return self
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Measure the area on every grid, by boundary and by finite elements, and with roughness down to the grid scale.
+
+    Returns
+    -------
+    xarray.Dataset
+        Areas with dimensions (surface, grid), means over the shifts; `limit` per surface; moments of P(sigma) and sizes of
+        patches; areas of finite elements with dimensions (element, surface, fem_grid); kappa of the grid-scale protocol
+        with dimensions (surface, protocol_grid, slope).
+    """
+    surface = base_surface(
+        hurst=options.hurst, periods=options.periods, bandwidth=options.bandwidth, seed=options.seed
+    )
+    first = base_case(surface, reduced_pressure=options.reduced_pressure)
+    pressed = [first.further(k) for k in range(options.surfaces)]
+    cases = {**_boundary_elements(options, pressed), **_finite_elements(options, pressed)}
+    climbed = usual_ladders(
+        hurst=options.hurst,
+        periods=options.periods,
+        reduced_pressure=options.reduced_pressure,
+        seed=options.seed,
+    )
+    solved = bench.solve([*cases.values(), *(climbed.cases if options.ladders else ())])
+    found = {case: solved[solve] for case, solve in cases.items()}
+    data = _of_boundary_elements(found, options)
+    gradients = [field.attrs["rms_gradient"] for case, field in found.items() if case[0] == "grids"]
+    data["ensemble"] = ensemble_area(surface, [options.reduced_pressure], rms_gradients=gradients).mean()
+    if options.elements:
+        node = 1 / grid_for(first, options.fem_points_per_wave[0])[0] ** 2
+        data = data.merge(_of_finite_elements(found, options, node=node))
+    if options.ladders:
+        data = data.merge(climbed.dataset(solved))
+    return data.assign_attrs(
+        study="refinement",
+        reduced_pressure=options.reduced_pressure,
+        hurst=options.hurst,
+        periods=options.periods,
+        bandwidth=options.bandwidth,
+        shifts=options.shifts,
+        methods="theory bem fem perimeter" if options.elements else "theory bem perimeter",
+    )
+
+
+def _boundary_elements(options: Options, pressed: Sequence[Realised]) -> dict[_Case, NumbersSolve]:
+    """List the solves on resolved grids, one with a smaller residual, and those with roughness to the grid scale."""
+    grids = tuple(grid_for(pressed[0], n) for n in options.points_per_wave)
+    cases: dict[_Case, NumbersSolve] = {}
+    for k, own in enumerate(pressed):
+        cases["grids", k] = Distributions(realised=own, grids=grids, shifts=options.shifts)
+    usual = Distributions(realised=pressed[0], grids=grids[: _few(options)], shifts=options.shifts)
+    cases["strict",] = replace(usual, tolerance=usual.tolerance / 100)
+    for (k, own), n in itertools.product(enumerate(pressed), options.grid_scale_grids):
+        cases["grid scale", k, n] = GridRoughness(realised=own, points=n)
+    return cases
+
+
+def _few(options: Options) -> int:
+    """Count the grids of the check of the solver: what its stopping does shows on coarse grids, too."""
+    return max(2, sum(n <= _SOLVER_POINTS for n in options.points_per_wave))
+
+
+def _finite_elements(options: Options, pressed: Sequence[Realised]) -> dict[_Case, NumbersSolve]:
+    """List the blocks, and one of each element with a smaller residual."""
+    points = {n: grid_for(pressed[0], n)[0] for n in options.fem_points_per_wave}
+    cases: dict[_Case, NumbersSolve] = {}
+    for element, (k, own), n in itertools.product(options.elements, enumerate(pressed), points):
+        cases["fem", element, k, n] = BlockMeasurement(realised=own, points=points[n], element=element)
+    for element in options.elements:
+        cases["strict fem", element] = BlockMeasurement(
+            realised=pressed[0],
+            points=points[options.fem_points_per_wave[0]],
+            element=element,
+            tolerance=_STRICT,
+        )
+    return cases
+
+
+def _of_boundary_elements(found: Mapping[_Case, xr.Dataset], options: Options) -> xr.Dataset:
+    """Return what the boundary elements give."""
+    surfaces = range(options.surfaces)
+    measured = [found["grids", k] for k in surfaces]
+    data = on_grids(measured).assign_coords(
+        slope=["spectral", "forward", "central"],
+        protocol_points=("protocol_grid", list(options.grid_scale_grids)),
+    )
+    kappa = [[found["grid scale", k, n].kappa.values for n in options.grid_scale_grids] for k in surfaces]
+    data["kappa_grid_scale"] = (("surface", "protocol_grid", "slope"), np.array(kappa))
+    usual = measured[0].isel(grid=slice(0, _few(options)))
+    data["solver_error"] = solver_error(usual, found["strict",])
+    return data
+
+
+def _of_finite_elements(found: Mapping[_Case, xr.Dataset], options: Options, *, node: float) -> xr.Dataset:
+    """Return what the finite elements give, and what the stopping of their solver leaves.
+
+    Less than the share `node` of one node on the coarsest grid cannot be seen, and counts as one.
+    """
+    elements, per_wave = options.elements, options.fem_points_per_wave
+    blocks: Any = {case[1:]: data for case, data in found.items() if case[0] == "fem"}
+    data = finite_elements(blocks, elements, per_wave, surfaces=options.surfaces)
+    counted = np.array([float(blocks[element, 0, per_wave[0]].pixel) for element in elements])
+    strictly = np.array([float(found["strict fem", element].pixel) for element in elements])
+    data["fem_solver_error"] = ("element", np.maximum(np.abs(counted - strictly), node) / strictly)
+    return data
+
+
+def table(dataset: xr.Dataset) -> ResultTable:
+    """Return one row for each grid, then the limit, the theory and the grid-scale protocol."""
+    pressure = float(dataset.attrs["reduced_pressure"])
+    rows: list[tuple[float | str, ...]] = []
+    for i, per_wave in enumerate(dataset.points_per_wave.values):
+        label = "" if per_wave > 2 * (1 + 1e-9) else " (under-resolved)"
+        errors = []
+        for name in AREAS:
+            values = overestimate(dataset, name)[:, i].values
+            errors += [100 * float(values.mean()), 100 * mean_over_surfaces(values).half_width]
+        rows.append(
+            (
+                f"{int(dataset.points[i])}{label}",
+                float(per_wave),
+                float(dataset.cells_per_patch[:, i].mean()),
+                float(dataset.pixel[:, i].mean()) / pressure,
+                *errors,
+                float(dataset.first_moment[:, i].mean()),
+                float(dataset.density_at_zero[:, i].mean()),
+                float(dataset.patches[:, i].mean()),
+                *(float(dataset.cells[:, i, m].mean()) for m in range(dataset.sizes["part"])),
+                float(dataset.seconds[:, i].mean()),
+            )
+        )
+    if "element" in dataset.dims:
+        rows += _fem_rows(dataset)
+    columns = (
+        "grid",
+        "lambda_short/dx",
+        "cells in the median patch",
+        "kappa, counted (zeroth moment / p*)",
+        *(f"{name} {what} [%]" for name in AREAS for what in ("- limit", "+- (95 %)")),
+        "first moment / p0",
+        "P(0+) E*h'",
+        "patches",
+        *(f"cells at {100 * float(part):g} % of the area" for part in dataset.part.values),
+        "seconds",
+    )
+    return ResultTable.of(columns, rows)
+
+
+def _fem_rows(dataset: xr.Dataset) -> list[tuple[float | str, ...]]:
+    """Rows of the finite elements, with both countings against the limit of the boundary elements."""
+    pressure, nan = float(dataset.attrs["reduced_pressure"]), float("nan")
+    rows: list[tuple[float | str, ...]] = []
+    for e, g in itertools.product(range(dataset.sizes["element"]), range(dataset.sizes["fem_grid"])):
+        counted = (dataset.fem_pixel[e, :, g] / dataset.limit - 1).values
+        corrected = (dataset.fem_perimeter[e, :, g] / dataset.limit - 1).values
+        errors = []
+        for values in (counted, corrected):
+            errors += [100 * float(values.mean()), 100 * mean_over_surfaces(values).half_width]
+        rows.append(
+            (
+                f"FEM {dataset.element.values[e]}",
+                float(dataset.fem_points_per_wave[g]),
+                nan,
+                float(dataset.fem_pixel[e, :, g].mean()) / pressure,
+                *errors,
+                *([nan] * (6 + dataset.sizes["part"])),
+            )
+        )
+    return rows
+
+
+def budget(dataset: xr.Dataset) -> ResultTable:
+    """Return what is uncertain about kappa in the limit, by boundary and by finite elements."""
+    pressure = float(dataset.attrs["reduced_pressure"])
+    spectral: dict[str, float] = {}
+    if "ladder" in dataset.dims:
+        steps = {
+            "size": 1 / float(dataset.attrs["periods"]),
+            "bandwidth": 1 / float(dataset.attrs["bandwidth"]),
+        }
+        size, band = (
+            spectral_share(dataset, kind, hurst=float(dataset.attrs["hurst"]), step=step)
+            for kind, step in steps.items()
+        )
+        spectral = {"finite size": size, "bandwidth": band}
+    limit = mean_over_surfaces(dataset.limit.values)
+    shares = {
+        "grid": grid_share(
+            dataset.limit.values, errors=dataset.limit_error.values, drifts=dataset.limit_drift.values
+        ),
+        "solver": float(dataset.solver_error),
+        "surfaces": limit.half_width / limit.value,
+    }
+    budgets = [
+        Budget(quantity="kappa, boundary elements", value=limit.value / pressure, shares=shares | spectral)
+    ]
+    for e in range(dataset.sizes.get("element", 0)):
+        found = mean_over_surfaces(dataset.fem_limit[e].values)
+        # How far two discretisations of the same surfaces are apart in the limit is a part of their grids' error.
+        apart = float((dataset.fem_limit[e] / dataset.limit).mean()) - 1
+        random = grid_share(
+            dataset.fem_limit[e].values, errors=dataset.fem_limit_error[e].values, drifts=[0.0]
+        )
+        fem_shares = {
+            "grid": combined(random, apart),
+            "solver": float(dataset.fem_solver_error[e]),
+            "surfaces": found.half_width / found.value,
+            "depth": float(dataset.depth_error),
+        }
+        name = f"kappa, finite elements {dataset.element.values[e]}"
+        budgets.append(Budget(quantity=name, value=found.value / pressure, shares=fem_shares | spectral))
+    return budget_table(budgets)
+
+
+def findings(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Return what refinement shows, in words."""
+    from validation.studies.refinement.sentences import all_of
+
+    return tuple(all_of(dataset))
+
+
+def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
+    """Draw error against resolution, error against cells per patch, and kappa of the grid-scale protocol."""
+    from validation.studies.refinement import plots
+
+    errors = {name: overestimate(dataset, name) for name in AREAS}
+    theory = float(persson_area(dataset.attrs["reduced_pressure"])) / float(dataset.attrs["reduced_pressure"])
+    return (
+        Drawing(
+            name="error-against-resolution",
+            figure=plots.error_against_resolution(dataset, errors),
+            data=dataset[[*AREAS, "limit", *(n for n in ("fem_pixel", "fem_perimeter") if n in dataset)]],
+            caption="Distance of each definition of the area from the limit of its own surface: lines, mean over surfaces; dots, single surfaces; dashed, first order in dx; open, finite elements by element, counted and with the edge constant of the element.",
+        ),
+        Drawing(
+            name="error-against-cells",
+            figure=plots.error_against_cells(dataset, errors["pixel"]),
+            data=dataset[["pixel", "limit", "cells_per_patch"]],
+            caption="Overestimate by counting against the size of the contact patches in cells, the criterion of Persson 2006, Sec. 12; grey, what it asks for.",
+        ),
+        Drawing(
+            name="stress-on-grids",
+            figure=plots.stress_on_grids(dataset),
+            data=dataset[["density", "first_moment", "pixel"]],
+            caption="P(sigma) on every grid, mean over surfaces (left), with Persson's; its first and zeroth moment over those of the limit (right): the load is kept, the area is not.",
+        ),
+        Drawing(
+            name="patches-on-grids",
+            figure=plots.patches_on_grids(dataset),
+            data=dataset[["patches", "cells"]],
+            caption="Number of contact patches against the grid (left), and the cells of the patches that hold 10, 50 and 90 % of the area (right); grey, what Persson 2006, Sec. 12, asks for.",
+        ),
+        Drawing(
+            name="grid-scale-protocol",
+            figure=plots.grid_scale_protocol(dataset, theory),
+            data=dataset[["kappa_grid_scale"]],
+            caption="kappa when the roughness goes down to the grid scale and nodes are counted, by the way the slope is measured; bars, scatter between surfaces.",
+        ),
+    )

@@ -1,0 +1,153 @@
+"""From the measurements of the study `refinement` to its dataset."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_contact.area import ContactAreas, limit_area
+from validation.measures.budget import grid_drift
+from validation.measures.distributions import PATCH_EDGES, STRESS_EDGES, weighted_percentile
+from validation.measures.measurement import area_limits
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["AREAS", "finite_elements", "on_grids", "overestimate"]
+
+AREAS = ("pixel", "perimeter", "subcell")
+
+#: Parts of the contact area at which patch sizes are read: newborn patches are one cell on every grid, and count little.
+_PARTS = (0.1, 0.5, 0.9)
+
+
+def overestimate(dataset: xr.Dataset, name: str) -> xr.DataArray:
+    """Return the relative distance of an area from the limit of its own surface, (surface, grid)."""
+    return dataset[name] / dataset["limit"] - 1
+
+
+def on_grids(measured: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Areas, moments of P(sigma), patches and limits of the boundary elements."""
+    import xarray as xr
+
+    names = (*AREAS, "density_at_zero", "patches", "cells_per_patch", "edge_fraction", "residual")
+    first = [d.isel(load=0) for d in measured]
+    data: dict[str, Any] = {
+        name: (("surface", "grid"), np.array([d[name].mean("shift").values for d in first])) for name in names
+    }
+    data["seconds"] = (("surface", "grid"), np.array([d.seconds.sum("shift").values for d in first]))
+    data["first_moment"] = (
+        ("surface", "grid"),
+        np.array([d.load_profile.sum("load_bin").values for d in first]),
+        {"long_name": "first moment of P(sigma) over p0"},
+    )
+    width = float(np.diff(STRESS_EDGES)[0])
+    data["density"] = (
+        ("grid", "stress_bin"),
+        np.mean([d.stress_profile.values for d in first], axis=0) / width,
+        {"long_name": "P(sigma) E* h'_rms per nominal area, mean over surfaces"},
+    )
+    cells = [
+        [
+            [weighted_percentile(row, PATCH_EDGES, part) * per_wave**2 for part in _PARTS]
+            for row, per_wave in zip(d.patch_area_profile.values, d.points_per_wave.values, strict=True)
+        ]
+        for d in first
+    ]
+    data["cells"] = (
+        ("surface", "grid", "part"),
+        np.array(cells),
+        {"long_name": "cells of the patch below which a part of the contact area lies"},
+    )
+    limits = [area_limits(d) for d in measured]
+    data["limit"] = (("surface",), np.array([value[0] for value, _ in limits]))
+    data["limit_error"] = (("surface",), np.array([error[0] for _, error in limits]))
+    data["limit_drift"] = (("surface",), np.array([grid_drift(d)[0] for d in measured]))
+    return xr.Dataset(
+        data,
+        coords={
+            "points_per_wave": (
+                "grid",
+                measured[0].points_per_wave.values,
+                {"long_name": "lambda_short / dx"},
+            ),
+            "points": ("grid", measured[0].points.values),
+            "stress": (
+                "stress_bin",
+                (STRESS_EDGES[1:] + STRESS_EDGES[:-1]) / 2,
+                {"long_name": "sigma / (E* h'_rms)"},
+            ),
+            "part": ("part", list(_PARTS)),
+        },
+    )
+
+
+def finite_elements(
+    fem: Mapping[tuple[str, int, float], xr.Dataset],
+    elements: tuple[str, ...],
+    per_wave: tuple[float, ...],
+    *,
+    surfaces: int,
+) -> xr.Dataset:
+    """Areas of the finite elements on every grid, their limit, and what the finite depth does to the area.
+
+    Parameters
+    ----------
+    fem : mapping
+        Results by element, number of the surface, and points per wave.
+    elements, per_wave, surfaces
+        Which of them there are.
+    """
+    import xarray as xr
+
+    from fem_contact.block import ELEMENTS
+
+    shape = (len(elements), surfaces, len(per_wave))
+    fields = {
+        name: np.array(
+            [[[float(fem[e, k, n][name]) for n in per_wave] for k in range(surfaces)] for e in elements]
+        )
+        for name in ("pixel", "perimeter", "pixel_bem", "pixel_layer")
+    }
+    limit, error = np.empty(shape[:2]), np.empty(shape[:2])
+    for e, k in itertools.product(range(shape[0]), range(surfaces)):
+        constant = ELEMENTS[elements[e]].edge_constant
+        areas = [
+            ContactAreas(
+                pixel=pixel,
+                perimeter=perimeter,
+                edge_length=np.nan,
+                edge_fraction=(pixel - perimeter) / constant,
+                edge_constant=constant,
+                spacing=(1 / n, 1 / n),
+            )
+            for pixel, perimeter, n in zip(
+                fields["pixel"][e, k], fields["perimeter"][e, k], per_wave, strict=True
+            )
+        ]
+        found = limit_area(areas)
+        limit[e, k], error[e, k] = found.value, found.uncertainty
+    # On the finest grid, where one node is least.
+    depth = np.abs(fields["pixel_layer"] / fields["pixel_bem"] - 1)[..., -1].mean()
+    dims = ("element", "surface", "fem_grid")
+    return xr.Dataset(
+        {
+            "fem_pixel": (dims, fields["pixel"], {"long_name": "A/A0, contact nodes counted"}),
+            "fem_perimeter": (
+                dims,
+                fields["perimeter"],
+                {"long_name": "A/A0, with the element's edge constant"},
+            ),
+            "fem_limit": (dims[:2], limit, {"long_name": "A/A0, limit over the grids of the element"}),
+            "fem_limit_error": (dims[:2], error, {"long_name": "standard error of that limit"}),
+            "depth_error": (
+                (),
+                depth,
+                {"long_name": "relative change of the area by a layer as deep as the block"},
+            ),
+        },
+        coords={"element": list(elements), "fem_points_per_wave": ("fem_grid", list(per_wave))},
+    )

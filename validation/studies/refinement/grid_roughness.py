@@ -1,0 +1,105 @@
+"""Hyun's protocol: roughness down to the grid scale, contact nodes counted, slope measured in three ways."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_contact.area import contact_areas
+from fem_contact.surface import HeightField, random_surface
+from validation.measures.common import reduced_load
+from validation.measures.single_solve import SingleSolve
+from validation.scenes.scene import SelfAffineSurface
+from validation.scenes.surfaces import spectrum_of
+from validation.solves.solve import Prediction
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["GridRoughness", "rms_slopes"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class GridRoughness(SingleSolve):
+    """The waves of a surface continued with its power law to the shortest a grid can carry, pressed on that grid.
+
+    The surface gives H, lambda_long, period and seed; its lambda_short is replaced by two spacings. The reduced
+    pressure is that of the spectral slope.
+    """
+
+    @property
+    def recipe(self) -> dict[str, Any]:
+        """Everything that determines the numbers."""
+        recipe = super().recipe
+        surface = {name: value for name, value in recipe["surface"].items() if name != "lambda_short"}
+        return recipe | {"surface": surface}
+
+    @property
+    def prefix(self) -> str:
+        """Readable start of the name on disk."""
+        return f"grid-roughness-{self.points}"
+
+    def describe(self) -> str:
+        """Return a few words for a progress bar."""
+        return f"roughness to the grid scale, {self.where}"
+
+    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
+        """Predict the cost; roughness at the grid scale converges slowly."""
+        n = self.points**2
+        return Prediction(seconds=2e-3 + 4e-6 * n, peak_bytes=120 * n, unknowns=n)
+
+    def measure(self) -> xr.Dataset:
+        """Return kappa for the three slopes."""
+        import xarray as xr
+
+        from fem_contact import bem
+
+        field, modulus = self._rough_field(), self.realised.contact_modulus
+        slopes = rms_slopes(field)
+        pressure = reduced_load(self.realised) * modulus * slopes["spectral"]
+        result = bem.solve(field, self.half_space, mean_pressure=pressure, threads=1).checked()
+        pixel = contact_areas(result).pixel
+        kappa = [pixel * modulus * slope / pressure for slope in slopes.values()]
+        return xr.Dataset(
+            {"kappa": ("slope", kappa), "pixel": ((), pixel), "seconds": ((), result.cost.wall_seconds)},
+            coords={"slope": list(slopes)},
+        )
+
+    def _rough_field(self) -> HeightField:
+        surface = self.realised.surface
+        assert isinstance(surface, SelfAffineSurface)
+        # The Nyquist wave itself has no phase on the grid: stop one wave short of it.
+        q_short = 2 * np.pi / surface.length[0] * (self.points // 2 - 1)
+        wide = surface.model_copy(update={"lambda_short": 2 * np.pi / q_short})
+        return random_surface(
+            spectrum_of(wide),
+            q_short=q_short,
+            lengths=surface.length,
+            shape=self.grid,
+            seed=surface.seed_of(self.realised.realisation),
+        )
+
+
+def rms_slopes(field: HeightField) -> dict[str, float]:
+    """Root mean square gradient by spectral, forward and central differences.
+
+    Examples
+    --------
+    >>> x = np.arange(64) / 64
+    >>> wave = HeightField(heights=np.cos(2 * np.pi * x)[:, None] * np.ones(4), lengths=(1.0, 1.0))
+    >>> [round(slope / wave.rms_gradient, 4) for slope in rms_slopes(wave).values()]
+    [1.0, 0.9996, 0.9984]
+    """
+    h, (dx, dy) = field.heights, field.spacing
+    forward = ((np.roll(h, -1, 0) - h) / dx, (np.roll(h, -1, 1) - h) / dy)
+    central = (
+        (np.roll(h, -1, 0) - np.roll(h, 1, 0)) / (2 * dx),
+        (np.roll(h, -1, 1) - np.roll(h, 1, 1)) / (2 * dy),
+    )
+    return {
+        "spectral": field.rms_gradient,
+        "forward": float(np.sqrt(np.mean(forward[0] ** 2 + forward[1] ** 2))),
+        "central": float(np.sqrt(np.mean(central[0] ** 2 + central[1] ** 2))),
+    }
