@@ -17,10 +17,12 @@ def methods() -> Mapping[str, Method]:
     """Return all methods by name: those of this package, then those of other packages.
 
     Another package adds one by an entry point of the group ``fem_contact.methods``. The first solver that a
-    scene lists is the one its limit is taken from and the others are compared with.
+    scene lists is the one its limit is taken from and the others are compared with; so those written
+    elsewhere stand last.
     """
     kinds = found_in(__name__, Method, group="fem_contact.methods")  # type: ignore[type-abstract]
-    return {kind.name: kind() for kind in kinds}
+    ours_first = sorted(kinds, key=lambda kind: getattr(kind, "foreign", False))
+    return {kind.name: kind() for kind in ours_first}
 
 
 def find_method(name: str) -> Method:
