@@ -146,8 +146,8 @@ class Solver(Method):
     foreign : bool
         Whether it was written elsewhere; such ones stand after the others.
     half_space : bool
-        Whether it solves the bare half-space, u-hat = 2 p-hat / (E* q) at the grid points, so that its residuals
-        follow from its pressure alone.
+        Whether it solves the bare half-space, u-hat = 2 p-hat / (E* q) at the grid points, so that its
+        residuals follow from its pressure alone.
     """
 
     slots: ClassVar[frozenset[SlotName]] = frozenset()
