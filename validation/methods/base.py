@@ -85,6 +85,18 @@ class Claim:
     cpu_seconds: float
     peak_bytes: int
 
+    @classmethod
+    def of(cls, contact: ContactResult) -> Claim:
+        """Return what a result says."""
+        return cls(
+            pressure=contact.pressure,
+            in_contact=contact.in_contact,
+            iterations=contact.cost.iterations,
+            wall_seconds=contact.cost.wall_seconds,
+            cpu_seconds=contact.cost.cpu_seconds,
+            peak_bytes=contact.cost.peak_bytes,
+        )
+
 
 class Method(ABC):
     """A way to answer a scene: its table ``[methods.NAME]``, and what it can be given.
@@ -148,6 +160,8 @@ class Solver(Method):
     half_space : bool
         Whether it solves the bare half-space, u-hat = 2 p-hat / (E* q) at the grid points, so that its
         residuals follow from its pressure alone.
+    score_points : int
+        Points along a side of the coarsest grid of its scorecard.
     """
 
     slots: ClassVar[frozenset[SlotName]] = frozenset()
@@ -155,6 +169,7 @@ class Solver(Method):
     for_ensembles: ClassVar[bool] = False
     foreign: ClassVar[bool] = False
     half_space: ClassVar[bool] = False
+    score_points: ClassVar[int] = 32
 
     def handles(self, effect: type[Effect]) -> bool:
         """Whether the slot of the effect is one of its own."""
@@ -198,15 +213,7 @@ class Solver(Method):
     ) -> Claim:
         """Return what it says, unjudged."""
         found = self.solve(field, mean_pressure=mean_pressure, slots=slots, settings=settings, threads=1)
-        contact = found.contact
-        return Claim(
-            pressure=contact.pressure,
-            in_contact=contact.in_contact,
-            iterations=contact.cost.iterations,
-            wall_seconds=contact.cost.wall_seconds,
-            cpu_seconds=contact.cost.cpu_seconds,
-            peak_bytes=contact.cost.peak_bytes,
-        )
+        return Claim.of(found.contact)
 
     def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Run through the compiled passes once, so that no solve is charged with loading them."""

@@ -58,6 +58,7 @@ class Fem(Solver):
     options: ClassVar[type[Table]] = FemOptions
     slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound"})
     independent = True
+    score_points = 16
     papers = (
         "Finite elements: T. Gustafsson, G. D. McBain, scikit-fem, J. Open Source Softw. 5, 2369 (2020); "
         "linear systems: N. Bell, L. N. Olson, J. Schroder, PyAMG, J. Open Source Softw. 7, 4142 (2022).",
