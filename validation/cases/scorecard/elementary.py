@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 _WAVES = ((1, 0, 1.0, 0.3), (0, 1, 0.8, 1.1), (1, 1, 0.5, 2.0), (2, 1, 0.3, 0.7))
 #: Largest difference, in cells, of a wave's place from where the two longest put it.
 _SAME_PLACE = 0.05
-#: Light and middling loads p*, for a surface of unit gradient and E* = 1.
-_LOADS = (0.005, 0.05)
+#: Very light, light and middling loads p*, for a surface of unit gradient and E* = 1.
+_LOADS = (1e-5, 0.005, 0.05)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
