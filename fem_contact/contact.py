@@ -29,8 +29,8 @@ class Status(Enum):
     CYCLING = "the active set repeats itself: solve the linear systems more accurately"
     TIME_LIMIT = "stopped at the time limit: allow more time or a coarser grid"
     NOT_CONFIRMED = (
-        "the residuals of the returned pressure are above the tolerance: solve it more accurately, or accept a "
-        "larger tolerance"
+        "the residuals of the returned pressure are above the tolerance: solve it more accurately, or accept "
+        "a larger tolerance"
     )
     SEPARATED = "pulled apart: adhesion does not bear this tension, and there is no equilibrium to return"
 

@@ -126,7 +126,7 @@ def test_boundary_elements_are_scored_in_less_than_two_minutes_of_processor_time
     outcome = CliRunner().invoke(app, ["validate", "--method", "bem", "--quick", "--json"])
     assert time.process_time() - began < 120
     assert outcome.exit_code == 0, outcome.output
-    (card,) = json.loads(outcome.output)
+    (card,) = json.loads(outcome.output)["scorecards"]
     assert card["passed"]
     page = (tmp_path / "results" / "scorecard-bem" / "scorecard.html").read_text(encoding="utf-8")
     assert "Every claim holds for bem." in page
@@ -146,7 +146,8 @@ def test_a_failing_solver_of_ones_own_exits_with_one_and_is_named(
         app, ["validate", "--method", "flat_toy:solve", "--quick", "--output", "card"]
     )
     assert outcome.exit_code == 1
-    (card,) = json.loads((tmp_path / "card" / "scorecard.json").read_text(encoding="utf-8"))
+    written = (tmp_path / "card" / "scorecard.json").read_text(encoding="utf-8")
+    (card,) = json.loads(written)["scorecards"]
     assert not card["passed"]
     failed = {row["case"] for row in card["rows"] if not row["passed"]}
     assert {"honesty", "hertz", "westergaard", "rough-4"} <= failed

@@ -215,6 +215,10 @@ class Solver(Method):
         found = self.solve(field, mean_pressure=mean_pressure, slots=slots, settings=settings, threads=1)
         return Claim.of(found.contact)
 
+    def score_settings(self, points: int) -> dict[str, float | str]:
+        """Return what its scorecard tells it on a grid, so that refining the grid refines all of it."""
+        return {}
+
     def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Run through the compiled passes once, so that no solve is charged with loading them."""
 

@@ -166,6 +166,11 @@ class Fem(Solver):
         solution = block.solve(field, slots.solid, mean_pressure=mean_pressure, **said)
         return Solved(contact=solution.contact, block=solution)
 
+    def score_settings(self, points: int) -> dict[str, float | str]:
+        """Refine the layers with the grid: at one growth, finer grids approach a block that is .2 % off."""
+        growth = float(FemOptions.model_fields["growth"].default)
+        return {"growth": growth ** (self.score_points / points)}
+
     def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Press a small block."""
         points = 16

@@ -78,7 +78,7 @@ class Foreign(Solver):
         """Return what tells one version of the solver from another."""
         return ()
 
-    def settings(self, options: ForeignOptions) -> Settings:
+    def settings(self, options: Any) -> Settings:
         """Return what was said, and which version of the solver is told so."""
         given = {"tolerance": options.tolerance, "seconds": options.seconds, "memory": options.memory}
         said = tuple((name, value) for name, value in given.items() if value is not None)
@@ -233,8 +233,8 @@ def judged(
 def half_space_displacement(pressure: Array, field: HeightField, *, solid: Solid) -> Array:
     """Return the displacement [m] of the half-space under pressures [Pa] at the points of a surface."""
     nx, ny = field.shape
-    qx = 2 * np.pi * np.fft.fftfreq(nx, field.lengths[0] / nx)
-    qy = 2 * np.pi * np.fft.rfftfreq(ny, field.lengths[1] / ny)
+    qx: Array = np.asarray(2 * np.pi * np.fft.fftfreq(nx, field.lengths[0] / nx), dtype=np.float64)
+    qy: Array = np.asarray(2 * np.pi * np.fft.rfftfreq(ny, field.lengths[1] / ny), dtype=np.float64)
     compliance = HalfSpace(solid=solid).compliance(qx[:, None], qy[None, :])
     return np.asarray(np.fft.irfft2(compliance * np.fft.rfft2(pressure), s=field.shape))
 
@@ -308,7 +308,7 @@ def serve(function: str, file: str, request: Mapping[str, Any]) -> dict[str, Any
     if request["folder"] not in sys.path:  # last: it must not stand in for an installed module
         sys.path.append(request["folder"])
     home, _, name = function.partition(":")
-    solve: Callable[..., Any] = importlib.import_module(home)
+    solve: Any = importlib.import_module(home)
     for part in name.split("."):
         solve = getattr(solve, part)
     heights = np.load(file)

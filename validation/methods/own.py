@@ -44,7 +44,7 @@ class Own(Foreign):
         """Return the function that the scene names."""
         return str(settings["solver"]), {}
 
-    def settings(self, options: OwnOptions) -> Settings:
+    def settings(self, options: Any) -> Settings:
         """Return what was said, and what the code was when it was said."""
         return (*super().settings(options), *self.named(options.solver))
 

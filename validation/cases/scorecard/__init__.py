@@ -59,7 +59,7 @@ class Scorecard:
     verdicts : tuple of Verdict
         The worst failure first.
     cost : tuple of CostRow
-        Of the rough surface with the widest spectrum; empty where it was not solved.
+        Of one rough surface; empty where rough surfaces were not solved.
     left_out : tuple of str
         Rows that do not apply.
     """
@@ -146,7 +146,7 @@ def score(subject: Subject, *, tell: Callable[[str], None] | None = None) -> Sco
     tell : callable, optional
         Given a line for every row.
     """
-    subject.warmed_up()
+    subject.warm_up()
     verdicts = sorted(run_cases(rows(subject), tell=tell), key=_worst_first)
     left_out = tuple(row[0] for row in _ROWS if row[3] and not subject.solver.half_space)
     return Scorecard(

@@ -73,13 +73,13 @@ def _solves(subject: Subject) -> list[tuple[HeightField, float, Pressed]]:
 
 
 def tension(subject: Subject) -> Sequence[Check]:
-    """No pressure is below zero."""
+    """Check that no pressure is below zero."""
     lowest = min(float(pressed.claim.pressure.min()) for _, _, pressed in _solves(subject))
     return [Check.below("lowest pressure over E* h'_rms", min(lowest, 0.0), 10 * subject.tolerance)]
 
 
 def place(subject: Subject) -> Sequence[Check]:
-    """The pressure lies where the heights are."""
+    """Check that the pressure lies where the heights are."""
     shift = _transfer(subject).shift
     return [
         Check.below(f"pressure beside the heights along {axis} [cells]", value, _SAME_PLACE)
@@ -88,7 +88,7 @@ def place(subject: Subject) -> Sequence[Check]:
 
 
 def factor(subject: Subject) -> Sequence[Check]:
-    """The stiffness of the longest waves is that of E*."""
+    """Check that the stiffness of the longest waves is that of E*."""
     found = _transfer(subject)
     sizes = np.abs(found.ratio)
     mean = float(sizes[:2].mean())
@@ -99,7 +99,7 @@ def factor(subject: Subject) -> Sequence[Check]:
 
 
 def full_contact(subject: Subject) -> Sequence[Check]:
-    """Every wave is pressed flat by E* q h / 2."""
+    """Check that every wave is pressed flat by E* q h / 2."""
     found = _transfer(subject)
     return [
         Check.below(f"error of the pressure of the wave ({kx}, {ky})", abs(ratio - 1), float(allowed))
@@ -108,7 +108,7 @@ def full_contact(subject: Subject) -> Sequence[Check]:
 
 
 def load(subject: Subject) -> Sequence[Check]:
-    """The mean pressure is the one asked for."""
+    """Check that the mean pressure is the one asked for."""
     return [
         Check.relative(
             f"mean pressure over p0 at p* = {p:g}",
@@ -121,7 +121,7 @@ def load(subject: Subject) -> Sequence[Check]:
 
 
 def contact_set(subject: Subject) -> Sequence[Check]:
-    """What is called contact carries load; without a word of the solver, what its p > 0 says is counted."""
+    """Check that what is called contact carries load; a solver that names none is read by its p > 0."""
     checks = []
     for _, p, pressed in _solves(subject):
         named = pressed.claim.in_contact
@@ -144,7 +144,7 @@ def contact_set(subject: Subject) -> Sequence[Check]:
 
 
 def honesty(subject: Subject) -> Sequence[Check]:
-    """The residuals of the returned pressure, recomputed, are what was asked for."""
+    """Check that the residuals of the returned pressure, recomputed, are what was asked for."""
     checks = []
     for _, p, pressed in _solves(subject):
         residuals = pressed.result.residuals

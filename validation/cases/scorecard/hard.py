@@ -26,7 +26,7 @@ def _egg_box(n: int) -> HeightField:
 
 
 def near_full(subject: Subject) -> Sequence[Check]:
-    """An egg box is pressed flat at its flattening load, and just below it is open at the valleys."""
+    """Press an egg box flat at its flattening load; just below it is open at the valleys."""
     n, miss = 4 * subject.points, 0.02
     found = subject.press(_egg_box(n), 1.0001 * _FLAT)
     exact = 1.0001 * _FLAT + _FLAT * _egg_box(n).heights / _DEPTH
@@ -52,7 +52,7 @@ def near_full(subject: Subject) -> Sequence[Check]:
 
 
 def one_cell(subject: Subject) -> Sequence[Check]:
-    """A paraboloid whose load one point can carry is carried by one point."""
+    """Press a paraboloid so lightly that one point carries the load."""
     n = 2 * subject.points
     mean = 0.02 / n / n**2
     found = subject.press(HertzInPeriod(radius=1e-3).surface(n, (0.0, 0.0)), mean)
@@ -73,7 +73,7 @@ def one_cell(subject: Subject) -> Sequence[Check]:
 
 
 def elongated(subject: Subject) -> Sequence[Check]:
-    """A wave across a period four times as long, on cells four times as long, is the same wave."""
+    """Press a wave that is uniform over a period four times as long, on cells four times as long."""
     n = 2 * subject.points
     return [
         Check.below(
@@ -86,7 +86,7 @@ def elongated(subject: Subject) -> Sequence[Check]:
 
 
 def odd_axes(subject: Subject) -> Sequence[Check]:
-    """Grids with an odd number of points are solved as well as even ones."""
+    """Check that grids with an odd number of points are solved as well as even ones."""
     n = 2 * subject.points
     checks = []
     for shape in ((n - 19, n), (n, n - 19), (n - 19, n - 19)):

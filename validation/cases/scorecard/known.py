@@ -33,7 +33,7 @@ def order(sizes: Sequence[int], errors: Sequence[float]) -> float:
 
 
 def hertz(subject: Subject) -> Sequence[Check]:
-    """A paraboloid carries Hertz's pressure."""
+    """Check that a paraboloid carries Hertz's pressure."""
     errors, peak = [], 0.0
     for n in subject.ladder:
         found = subject.press(_HERTZ.surface(n, (0.0, 0.0)), _HERTZ.load).claim.pressure
@@ -50,7 +50,7 @@ def hertz(subject: Subject) -> Sequence[Check]:
 
 
 def hertz_radius(subject: Subject) -> Sequence[Check]:
-    """The counted contact radius converges to Hertz's in first order."""
+    """Check that the counted contact radius converges to Hertz's in first order."""
     excess = []
     for n in subject.ladder:
         shares = [
@@ -87,7 +87,7 @@ def strip_error(x: Array, pressure: Array) -> float:
 
 
 def westergaard(subject: Subject) -> Sequence[Check]:
-    """A wave carries Westergaard's pressure."""
+    """Check that a wave carries Westergaard's pressure."""
     errors = [strip_error(*strip(subject, n, across=(4, 4 / n), axis=0)) for n in subject.ladder]
     return [
         Check.below("mean error of p(x) over the peak, finest grid", errors[-1], 0.01),

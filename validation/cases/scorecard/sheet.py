@@ -30,7 +30,9 @@ def write_scorecards(cards: Sequence[Scorecard], folder: Path) -> tuple[Path, Pa
     html = folder / "scorecard.html"
     with atomic_path(html) as draft:
         draft.write_text(render(page), encoding="utf-8")
-    return html, write_json(folder / "scorecard.json", _finite([card.summary() for card in cards]))
+    return html, write_json(
+        folder / "scorecard.json", {"scorecards": [_finite(card.summary()) for card in cards]}
+    )
 
 
 def scorecard_page(cards: Sequence[Scorecard]) -> Page:
@@ -72,7 +74,7 @@ def _answers(card: Scorecard) -> tuple[Answer, ...]:
         Answer(
             question="Processor time to 1 % of the area",
             answer="not reached" if math.isnan(cheapest) else f"{cheapest:.2g} s",
-            basis="rough surface with the widest spectrum",
+            basis="of one rough surface, lambda_long/lambda_short = 4",
         )
     )
     return tuple(answers)
@@ -92,7 +94,13 @@ def _reason(verdict: Verdict) -> str:
         verdict.checks,
         key=lambda one: (not one.passed, abs(one.computed - one.reference) / (one.tolerance or math.inf)),
     )
-    return f"{check.quantity} is {check.computed:.4g}; allowed is {check.reference:.4g} +- {check.tolerance:.2g}."
+    low, high = check.reference - check.tolerance, check.reference + check.tolerance
+    allowed = f"{low:.4g} to {high:.4g}"
+    if check.reference == 0:
+        allowed = f"at most {check.tolerance:.2g}"
+    elif check.tolerance < 1e-3 * abs(check.reference):
+        allowed = f"{check.reference:.4g} +- {check.tolerance:.2g}"
+    return f"{check.quantity} is {check.computed + 0.0:.4g}; allowed is {allowed}."
 
 
 def _word(card: Scorecard, row: str) -> str:
@@ -152,7 +160,7 @@ def _costs(cards: Sequence[Scorecard]) -> WordTable:
         ),
         rows=tuple(lines),
         title="What a digit costs",
-        note="Processor seconds of the cheapest grid whose perimeter-corrected area is that near to the limit.",
+        note="Processor seconds of the cheapest grid whose area is that near to the limit.",
         left=frozenset({"solver"}),
     )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -81,7 +81,8 @@ class Subject:
 
     def press(self, field: HeightField, load: float, *, solid: Solid = SOFT) -> Pressed:
         """Press a surface [m] with a mean pressure [Pa]."""
-        settings = {**self.settings, "tolerance": self.tolerance}
+        refined = self.solver.score_settings(max(field.shape))
+        settings = {**refined, **self.settings, "tolerance": self.tolerance}
         slots = Slots(solid=solid)
         if self.solver.half_space:
             claim = self.solver.claim(field, mean_pressure=load, slots=slots, settings=settings)
@@ -99,10 +100,9 @@ class Subject:
         ).contact
         return Pressed(claim=Claim.of(found), result=found)
 
-    def warmed_up(self) -> Subject:
+    def warm_up(self) -> None:
         """Let it import and compile what it needs."""
         self.solver.rehearse((), {**self.settings, "tolerance": self.tolerance})
-        return replace(self)
 
 
 def rough(points: int, *, bandwidth: int = 4, waves: int = 2, seed: int = 271) -> HeightField:
