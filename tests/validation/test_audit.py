@@ -53,6 +53,9 @@ def test_an_ensemble_with_a_coarse_grid_and_a_second_theory_agrees_throughout(wr
     scene = write_scene(
         ("[methods.theory]", ensemble),
         ("grids = [12, 24, 48]\nshifts = 2", "grids = [6, 16, 32]\nunder_resolved = true"),
+        # Gaussian amplitudes and a pressure in Pa: each surface has its own gradient, and its own theory.
+        ("seed = 77", 'seed = 77\namplitudes = "gaussian"'),
+        ("reduced_pressure = 0.1", 'pressure = "11 kPa"'),
         fem=False,
     )
     run_scene(load_scene(str(scene)), tmp_path / "results", report=False)

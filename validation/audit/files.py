@@ -14,7 +14,7 @@ import numpy as np
 
 from validation.audit.ledger import Ledger
 from validation.audit.recomputed import Row, Run, without_none
-from validation.audit.sentences import labels, with_error
+from validation.audit.sentences import label_of, with_error
 
 __all__ = ["audit_figures", "audit_page", "audit_summary", "audit_table"]
 
@@ -192,7 +192,7 @@ def _distribution(figures: Path, run: Run, ledger: Ledger) -> None:
     for point in found:
         curves.setdefault(point["curve"], []).append(point)
     for row in run.rows:
-        label = f"{labels[row.method]} {row.grid[0]} x {row.grid[1]}"
+        label = f"{label_of(row.method)} {row.grid[0]} x {row.grid[1]}"
         bins = curves.get(label, [])
         ledger.same(place, f"{label} is drawn", bool(bins), True)
         own = run.shown(row.method, row.grid)
@@ -277,7 +277,7 @@ def _line(line: dict[str, str], row: Row, ledger: Ledger) -> None:
     place, where = "report.html, every grid", f"{row.method} {row.grid[0]}x{row.grid[1]}"
     shifts = f" ({row.solves})" if row.solves > 1 else ""
     note = " (under-resolved)" if row.under_resolved else ""
-    ledger.same(place, where, line["method"], labels[row.method] + note)
+    ledger.same(place, where, line["method"], label_of(row.method) + note)
     ledger.same(place, where, line["grid (shifts)"], f"{row.grid[0]} x {row.grid[1]}{shifts}")
     if row.solves > 1:
         with_error(ledger, f"page, {where} pixel", line["A/A0 pixel"], (row.pixel, row.pixel_scatter))

@@ -64,7 +64,7 @@ class Run:
         self.effects: list[dict[str, Any]] = self.scene.get("effects", [])
         asked = self.scene["methods"]
         #: Methods that solve on grids, in the order of the comparison: the first is the reference.
-        self.methods = sorted(name for name in asked if "grids" in asked[name])
+        self.methods = [name for name in asked if "grids" in asked[name]]
         self.options: dict[str, dict[str, Any]] = asked
         #: Stored solves by method, grid, shift and realisation.
         self.solves: dict[tuple[str, Grid, tuple[float, float], int], Stored] = {}

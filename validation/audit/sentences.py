@@ -12,15 +12,18 @@ from validation.audit.ledger import Ledger
 from validation.audit.limits import Limit
 from validation.audit.recomputed import Row, Run
 
-__all__ = ["audit_sentences", "labels"]
+__all__ = ["audit_sentences", "label_of", "with_error"]
 
-#: What texts call a method.
-labels = {"bem": "BEM", "fem": "FEM"}
 _PLACE = "sentence"
 _N = r"[-+]?[\d.]+(?:e[-+]?\d+)?"
 _P = rf"(?:{_N} %|not determinable)"
 _ERR = rf"(?:{_N} \+- {_N}|\({_N} \+- {_N}\)e[-+]\d+)"
 _GRID = r"\d+ x \d+"
+
+def label_of(method: str) -> str:
+    """Return what texts call a method."""
+    return method.upper() if method in ("bem", "fem") else method
+
 
 Reader = Callable[[re.Match[str], Run, Ledger], None]
 
@@ -160,7 +163,7 @@ def _scatter(found: re.Match[str], run: Run, ledger: Ledger) -> None:
 
 def _row(run: Run, label: str, grid: str) -> Row | None:
     for row in run.rows:
-        if labels.get(row.method) == label and f"{row.grid[0]} x {row.grid[1]}" == grid:
+        if label_of(row.method) == label and f"{row.grid[0]} x {row.grid[1]}" == grid:
             return row
     return None
 
@@ -168,7 +171,7 @@ def _row(run: Run, label: str, grid: str) -> Row | None:
 def _counting(found: re.Match[str], run: Run, ledger: Ledger) -> None:
     first, last = _row(run, found["label"], found["g1"]), _row(run, found["label"], found["g2"])
     limit = run.own_limit
-    own = [row for row in run.rows if labels.get(row.method) == found["label"] and not row.under_resolved]
+    own = [row for row in run.rows if label_of(row.method) == found["label"] and not row.under_resolved]
     ledger.same(_PLACE, "first and last resolved grid", (first, last), (own[0], own[-1]) if own else None)
     if first is None or last is None or limit is None:
         return
@@ -260,7 +263,7 @@ def _none_cheap(found: re.Match[str], run: Run, ledger: Ledger) -> None:
 
 
 def _coarse(found: re.Match[str], run: Run, ledger: Ledger) -> None:
-    names = [f"{labels[r.method]} {r.grid[0]} x {r.grid[1]}" for r in run.rows if r.under_resolved]
+    names = [f"{label_of(r.method)} {r.grid[0]} x {r.grid[1]}" for r in run.rows if r.under_resolved]
     if not run.measured:
         ledger.same(_PLACE, "under-resolved grids", found["names"].split(", "), names)
 

@@ -119,7 +119,7 @@ class Stored:
         c = self.contact
         along_x = np.sum(c[:-1] != c[1:]) + np.sum(c[-1] != c[0])
         along_y = np.sum(c[:, :-1] != c[:, 1:]) + np.sum(c[:, -1] != c[:, 0])
-        return float(along_x + along_y) / c.size
+        return float((along_x + along_y) / c.size)
 
     @property
     def edge_constant(self) -> float:

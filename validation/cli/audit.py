@@ -33,6 +33,8 @@ def audit(
 
     try:
         ledger = read(folder)
+    except KeyError as error:
+        raise UsageError(f"{folder}: cannot be audited: no {error} in it; run the scene again") from None
     except (OSError, ValueError, LookupError) as error:
         raise UsageError(f"{folder}: cannot be audited: {error}; name the results of a run") from None
     if as_json:
