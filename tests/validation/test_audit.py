@@ -66,6 +66,15 @@ def test_an_ensemble_with_a_coarse_grid_and_a_second_theory_agrees_throughout(wr
     assert any(entry.name == "under-resolved grids" for entry in ledger.entries)
 
 
+def test_an_ensemble_is_read_without_the_shifts_of_its_first_surface(write_scene, tmp_path):
+    ensemble = "[ensemble]\nrealisations = 2\ngrids = [12, 24]\n\n[methods.theory]"
+    scene = write_scene(("[methods.theory]", ensemble), fem=False)
+    run_scene(load_scene(str(scene)), tmp_path / "results", report=False)
+    ledger = audit(tmp_path / "results")
+    assert [str(entry) for entry in ledger.wrong] == []
+    assert "scatter, areas 1" in {entry.name for entry in ledger.entries}
+
+
 def test_with_a_hardness_areas_are_judged_and_the_theory_is_called_not_judged(write_scene, tmp_path):
     hard = '[[effects]]\nkind = "hardness"\nhardness = "60 kPa"\n\n[methods.theory]'
     scene = write_scene(("[methods.theory]", hard), fem=False)
@@ -182,6 +191,13 @@ def test_swapped_columns_are_found_in_the_table_of_the_page(copied):
     _edit(copied / "report.html", "<td>0.2283</td><td>2.283</td>", "<td>2.283</td><td>0.2283</td>")
     wrong = {entry.name for entry in audit(copied).wrong}
     assert wrong == {"bem 12x12 A/A0 perimeter", "bem 12x12 kappa"}
+
+
+def test_the_cards_of_the_page_follow_from_the_fields(small_run, copied):
+    names = {entry.name for entry in audit(small_run.folder).entries if entry.place == "report.html, card"}
+    assert len(names) == 7
+    _edit(copied / "report.html", "over the grids; κ = 2.2368", "over the grids; κ = 2.2378")
+    assert [entry.name for entry in audit(copied).wrong] == ["kappa of the card"]
 
 
 def test_a_number_changed_in_the_table_file_is_found(copied):

@@ -269,8 +269,10 @@ def audit_page(folder: Path, run: Run, ledger: Ledger) -> None:
         columns = ("pressure, relative L2", "pixel area", "perimeter area")
         for name, value in zip(columns, values, strict=True):
             ledger.text(place, f"{line['grid']} {name}", line[name], value)
-    for question, answer in re.findall(r"<div><span>(.*?)</span><b>(.*?)</b>", page, flags=re.S):
-        _card(_plain(question), _plain(answer), run, ledger)
+    for card in re.findall(r"<div><span>(.*?)</span><b>(.*?)</b><span>(.*?)</span></div>", page):
+        question, answer, basis = map(_plain, card)
+        _card(question, answer, run, ledger)
+        _basis(basis, run, ledger)
 
 
 def _line(line: dict[str, str], row: Row, ledger: Ledger) -> None:
@@ -321,3 +323,16 @@ def _card(question: str, answer: str, run: Run, ledger: Ledger) -> None:
         ledger.text(place, question, said[1] if said else answer, limit.error / limit.value)
     elif question.startswith("What did it cost"):
         ledger.text(place, question, answer.removesuffix(" s"), sum(row.seconds for row in run.rows), 3)
+
+
+def _basis(basis: str, run: Run, ledger: Ledger) -> None:
+    """Judge what stands in small print below a card."""
+    limit, load, theory = run.own_limit, run.reduced_pressure, run.theory()
+    place = "report.html, card"
+    kappa = re.fullmatch(r"limit over the grids; kappa = (\S+) \+- (\S+)", basis)
+    if kappa is not None and limit is not None and load is not None:
+        ledger.text(place, "kappa of the card", kappa[1], limit.value / load)
+        ledger.text(place, "error of kappa of the card", kappa[2], limit.error / load)
+    stands = re.fullmatch(r"theory: A/A0 = (\S+) with the realised gradient", basis)
+    if stands is not None and theory is not None:
+        ledger.text(place, "theory of the card", stands[1], theory, 4)

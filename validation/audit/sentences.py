@@ -20,6 +20,7 @@ _P = rf"(?:{_N} %|not determinable)"
 _ERR = rf"(?:{_N} \+- {_N}|\({_N} \+- {_N}\)e[-+]\d+)"
 _GRID = r"\d+ x \d+"
 
+
 def label_of(method: str) -> str:
     """Return what texts call a method."""
     return method.upper() if method in ("bem", "fem") else method
