@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from validation.cli.audit import audit
 from validation.cli.options import (
     AccuracyOption,
     DryRunOption,
@@ -59,6 +60,7 @@ scenes_app = typer.Typer(no_args_is_help=True, help="The scenes that come with t
 app.add_typer(scenes_app, name="scenes")
 app.add_typer(surface_app, name="surface")
 app.add_typer(store_app, name="store")
+app.command(epilog="Examples: fem-contact audit results/quickstart  |  fem-contact audit mine --list")(audit)
 
 
 @app.command(
