@@ -256,7 +256,7 @@ def lines_figure(
             here = data if value is None else data.sel({along: value})
             look = next(looks)
             words = str(data[name].attrs.get("long_name", name))
-            named = [] if value is None else [f"{along} = {value:g}"]
+            named = [] if value is None else [_named_value(data, str(along), value)]
             # What all lines have in common stands at the axis.
             label = mathtext(", ".join(named if named and len(lines) == 1 else [words, *named]))
             error = here[f"{name}_error"].values if f"{name}_error" in data else None
@@ -271,6 +271,12 @@ def lines_figure(
     axes.set_ylabel(_common_label(data, lines))
     axes.legend(fontsize=7)
     return figure
+
+
+def _named_value(data: xr.Dataset, name: str, value: Any) -> str:
+    unit = data[name].attrs.get("units", "1")
+    said = str(value) if isinstance(value, str) else f"{value:g}"
+    return f"{name} = {said}" + ("" if unit == "1" else f" {unit}")
 
 
 def _common_label(data: xr.Dataset, lines: Sequence[str]) -> str:
