@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact._checks import choice, finite, instance, shown
+from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -116,14 +117,17 @@ def _cells(
     return np.stack(columns, axis=1)
 
 
-def render_surface(path: Path, solution: BlockSolution, *, magnification: float | None = None) -> None:
-    """Draw the deformed surface of the block, coloured by the contact pressure, into a picture, off screen.
+def render_surface(
+    path: Path, solution: ContactResult | BlockSolution, *, magnification: float | None = None
+) -> None:
+    """Draw the deformed surface, coloured by the contact pressure (dark is high), into a picture, off screen.
 
     Parameters
     ----------
     path : Path
         File to write, ``.png`` for instance.
-    solution : BlockSolution
+    solution : ContactResult or BlockSolution
+        Of whichever solver: the contact alone is drawn.
     magnification : float, optional
         Factor on the displacement; by default the deepest dent is drawn a tenth of the period deep.
 
@@ -133,9 +137,10 @@ def render_surface(path: Path, solution: BlockSolution, *, magnification: float 
         For a magnification that is not finite.
     """
     path = _checked_path(path)
-    _check_solution(solution)
+    if not isinstance(solution, ContactResult):
+        _check_solution(solution)
     pyvista = _pyvista()
-    contact = solution.contact
+    contact = solution if isinstance(solution, ContactResult) else solution.contact
     rise = -(contact.displacement - contact.displacement.min())
     depth = float(np.ptp(rise))
     if magnification is None:

@@ -111,7 +111,7 @@ def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatc
         ),
         (("run", "quickstart", "--memory", "1 MiB"), "raise the limit with --memory"),
         (("run", "quickstart", "--memory", "3"), "raise the limit with --memory"),
-        (("run", "pyrex"), "pyrex: is a scene of the theory alone, which no solver runs; from Python: "),
+        (("run", "pyrex", "--accuracy", "1%"), "--accuracy"),
         (("study", "nothing"), "no such study; one of: "),
         (("study", "area", "--surfaces"), "--surfaces: needs a value"),
         (("study", "area", "--hurts", "1"), "unknown option '--hurts'; it has: "),
@@ -414,15 +414,17 @@ def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write
 
 def test_every_option_of_every_study_says_what_it_is(tool):
     for name, found in studies().items():
-        for option in found.options.values():
-            assert len(option.meaning) > 2, (name, option.name)
-            assert "None" not in option.words
-            assert "default: )" not in option.words
+        for flag, field in found.options.flags().items():
+            assert field.description, (name, flag)
+            assert len(field.description) > 2, (name, flag)
+        lines = "\n".join(found.help_lines())
+        assert "None" not in lines
+        assert "default: )" not in lines
     code, out, err = tool("study", "hurst", "--help")
     assert (code, err) == (0, "")
-    assert "--equal-nayak a number (may be left out)\n        Also choose the ratio of each H" in out
-    assert "--size a number (default: " in out
-    assert "L/lambda_long" in out
+    assert "--equal-nayak a number (may be left out)" in out
+    assert "--periods a number (default: " in out
+    assert "L / lambda_long" in out
     assert "Example" not in out
     assert tool("study", "nothing", "-h")[0] == 2
 

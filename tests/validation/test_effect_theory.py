@@ -12,7 +12,7 @@ from persson.hardness import constant_hardness
 from persson.spectrum import SelfAffine
 from validation.comparison.compare import compare
 from validation.comparison.figure_data import pressure_at_zero_data
-from validation.comparison.report import _summary_rows
+from validation.comparison.report import run_page
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import Told
 from validation.effects.hardness import Hardness
@@ -77,7 +77,7 @@ def test_a_scene_that_yields_is_set_beside_its_theory(write_scene, tmp_path):
     assert found.theory.area >= found.theory.plastic
     assert all(row.plastic > 0 for row in found.rows)
     assert any(text.startswith("Yielded, A_pl/A0 = ") and "by the theory" in text for text in found.findings)
-    names = [cells[0] for cells in _summary_rows(found)]
+    names = [str(row[0]) for table in run_page(found).tables for row in (*table.rows, *table.sums)]
     assert {"BEM, yielded", "Persson, yielded"} <= set(names)
     # The closed form of P(sigma) is that of elastic contact: it is not drawn beside a yielding one.
     assert not np.any(pressure_at_zero_data(found, {})["curve"] == "Persson")

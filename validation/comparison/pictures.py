@@ -6,8 +6,6 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any
 
 from validation.report.page import Picture
 
@@ -46,7 +44,5 @@ def _main() -> None:
     from fem_contact.export import render_surface
     from validation.solves.store import read_result
 
-    # Drawing asks for the contact alone, whichever solver it came from.
-    solution: Any = SimpleNamespace(contact=read_result(Path(sys.argv[1])))
     # The renderer chooses the format by the suffix.
-    render_surface(Path(sys.argv[2]), solution)
+    render_surface(Path(sys.argv[2]), read_result(Path(sys.argv[1])))

@@ -20,6 +20,7 @@ from validation.report.papers import MEASURED, PERIMETER
 from validation.report.table import ResultTable, WordTable
 from validation.report.words import significant, with_error
 from validation.solves.press import Press
+from validation.solves.provenance import made_words
 
 if TYPE_CHECKING:
     from fem_contact.contact import ContactResult
@@ -124,7 +125,7 @@ def run_page(comparison: Comparison, results: Solves | None = None, *, pictures:
         figures=_drawings(comparison, fields) if fields else (),
         pictures=() if picture is None else (picture,),
         no_picture=missing,
-        facts=(_realised(comparison),),
+        facts=(_realised(comparison), *(() if results is None else made_words(results.made()))),
         settings=scene.model_dump(mode="json", exclude_none=True),
         seeds=_seeds(scene),
         papers=_papers_for(comparison),
@@ -228,10 +229,18 @@ def _tables(c: Comparison) -> Iterator[WordTable]:
     )
     if c.cross:
         yield WordTable(
-            title="Finite elements against boundary elements",
-            columns=("grid", "lambda_short/dx", "pressure, relative L2", "pixel area", "perimeter area"),
+            title=f"Beside {_first(c)} on the same grid",
+            columns=(
+                "method",
+                "grid",
+                "lambda_short/dx",
+                "pressure, relative L2",
+                "pixel area",
+                "perimeter area",
+            ),
             rows=tuple(
                 (
+                    find_method(check.method).label,
                     f"{check.grid[0]} x {check.grid[1]}",
                     f"{check.points_per_wave:.3g}",
                     f"{100 * check.pressure:.2f} %",
@@ -240,11 +249,26 @@ def _tables(c: Comparison) -> Iterator[WordTable]:
                 )
                 for check in c.cross
             ),
-            left=frozenset({"grid"}),
-            note="Same surface, same points, same load. The finite-element block is the full "
-            "three-dimensional system with its own contact algorithm, so agreement tests both codes; the "
-            "differences include that of the two discretisations.",
+            left=frozenset({"method", "grid"}),
+            note="Same surface, same points, same load. " + _independence(c),
         )
+
+
+def _first(c: Comparison) -> str:
+    """Label of the method that the others are compared with."""
+    return find_method(next(iter(c.scene.methods.solvers))).label
+
+
+def _independence(c: Comparison) -> str:
+    """Say what the agreement of the methods proves."""
+    _, *others = c.scene.methods.solvers.items()
+    apart = [method.label for _, method in others if method.independent]
+    if not apart:
+        return "They share a contact algorithm, so that agreement tests the discretisation alone."
+    return (
+        f"{' and '.join(apart)} has a contact algorithm of its own, so agreement tests both codes; the "
+        "differences include that of the discretisations."
+    )
 
 
 def _grid(row: Row) -> str:

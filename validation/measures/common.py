@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import numpy as np
@@ -33,11 +33,9 @@ __all__ = [
     "RisingOrNone",
     "base_case",
     "base_surface",
-    "check_ladder",
     "over_surfaces",
     "persson_area",
     "reduced_load",
-    "resolved",
     "results_of",
     "truncated_surface",
 ]
@@ -103,30 +101,22 @@ def results_of(bench: Bench, cases: Mapping[Case, Solve]) -> dict[Case, Any]:
     return {case: results[solve] for case, solve in cases.items()}
 
 
-def resolved(per_wave: Iterable[float]) -> list[float]:
-    """Return the grids, as lambda_short/dx, that are fine enough for a limit."""
-    return [n for n in per_wave if n >= LEAST_POINTS_PER_WAVE * (1 - 1e-9)]
-
-
-def check_ladder(per_wave: Sequence[float], *, shifts: int) -> None:
-    """Refuse grids, as lambda_short/dx, over which no limit can be taken: fewer than three solves on two of them."""
-    fine = resolved(per_wave)
-    if len(fine) < 2 or len(fine) * shifts**2 < 3:
-        raise wrong(
-            f"with shifts = {shifts} a limit over grids needs three solves on two grids of at least "
-            f"{LEAST_POINTS_PER_WAVE:g} points per wave"
-        )
-
-
 def _in_rising_order(values: tuple[Any, ...]) -> tuple[Any, ...]:
     if any(later <= earlier for earlier, later in itertools.pairwise(values)):
         raise wrong("must be positive and rising")
     return values
 
 
-def _of_a_limit(values: tuple[float, ...], others: ValidationInfo) -> tuple[float, ...]:
-    check_ladder(values, shifts=others.data.get("shifts", SHIFTS))
-    return values
+def _of_a_limit(per_wave: tuple[float, ...], others: ValidationInfo) -> tuple[float, ...]:
+    """Refuse grids over which no limit can be taken: fewer than three solves on two of them."""
+    shifts = others.data.get("shifts", SHIFTS)
+    fine = sum(n >= LEAST_POINTS_PER_WAVE * (1 - 1e-9) for n in per_wave)
+    if fine < 2 or fine * shifts**2 < 3:
+        raise wrong(
+            f"with shifts = {shifts} a limit over grids needs three solves on two grids of at least "
+            f"{LEAST_POINTS_PER_WAVE:g} points per wave"
+        )
+    return per_wave
 
 
 #: Sub-grid shifts along each axis that the studies take unless they say otherwise.

@@ -41,7 +41,6 @@ __all__ = [
     "looks",
     "new_figure",
     "plain_look",
-    "points_per_wave_axis",
     "readable_ticks",
     "save_figure",
 ]
@@ -306,11 +305,3 @@ def look(k: int) -> dict[str, Any]:
 def plain_look(k: int) -> dict[str, Any]:
     """Return the same for lines without error bars."""
     return {"marker": SYMBOLS[k % 8], "color": COLOURS[k % 8], "ms": 5}
-
-
-def points_per_wave_axis(axes: Axes, per_wave: Sequence[float]) -> None:
-    """Lay grids, as lambda_short/dx, along the axis."""
-    axes.set_xscale("log", base=2)
-    axes.set_xticks(per_wave, [f"{p:g}" for p in per_wave])
-    axes.minorticks_off()
-    axes.set_xlabel(r"points per shortest wavelength, $\lambda_{short}/\Delta x$")

@@ -2,25 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from persson.elastic import pressure_distribution, stress_variance
-from validation.report.figure import (
-    COLOURS,
-    SYMBOLS,
-    THEORY,
-    look,
-    new_figure,
-    plain_look,
-    points_per_wave_axis,
-)
+from validation.report.figure import COLOURS, SYMBOLS, THEORY, look, new_figure, plain_look
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 __all__ = [
@@ -61,7 +54,7 @@ def error_against_resolution(dataset: xr.Dataset, errors: Mapping[str, xr.DataAr
         per_wave, start * per_wave[0] / per_wave, color="black", lw=0.8, ls="--", label="first order in dx"
     )
     axes.set_yscale("log")
-    points_per_wave_axis(axes, per_wave)
+    _points_per_wave_axis(axes, per_wave)
     axes.set_ylabel("distance of the area from its limit [%]")
     axes.legend(fontsize=8)
     return figure
@@ -129,7 +122,7 @@ def stress_on_grids(dataset: xr.Dataset) -> Figure:
     for k, (values, label) in enumerate(moments):
         spread = values.std("surface", ddof=1)
         right.errorbar(dataset.points_per_wave, values.mean("surface"), yerr=spread, label=label, **look(k))
-    points_per_wave_axis(right, dataset.points_per_wave.values)
+    _points_per_wave_axis(right, dataset.points_per_wave.values)
     right.legend(fontsize=8)
     return figure
 
@@ -154,5 +147,13 @@ def patches_on_grids(dataset: xr.Dataset) -> Figure:
     right.set_ylabel("cells of the patch")
     right.legend(fontsize=7)
     for axes in (left, right):
-        points_per_wave_axis(axes, dataset.points_per_wave.values)
+        _points_per_wave_axis(axes, dataset.points_per_wave.values)
     return figure
+
+
+def _points_per_wave_axis(axes: Axes, per_wave: Sequence[float]) -> None:
+    """Lay grids, as lambda_short/dx, along the axis."""
+    axes.set_xscale("log", base=2)
+    axes.set_xticks(per_wave, [f"{p:g}" for p in per_wave])
+    axes.minorticks_off()
+    axes.set_xlabel(r"points per shortest wavelength, $\lambda_{short}/\Delta x$")
