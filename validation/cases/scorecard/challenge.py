@@ -30,8 +30,8 @@ _INDEX = "challenge.json"
 _ORDER_SEED = 20170405
 _ASKED = (
     "Press the rigid rough profile h, positive towards the elastic half-space z < 0, against it with the "
-    "mean pressure p0: p >= 0, gap g = u - h + offset >= 0, p g = 0, without friction or adhesion, repeated in "
-    "x and y. Write the pressures [Pa], compression positive, as an array of the shape of the heights to "
+    "mean pressure p0: p >= 0, gap g = u - h + offset >= 0, p g = 0, without friction or adhesion, repeated "
+    "in x and y. Write the pressures [Pa], compression positive, as an array of the shape of the heights to "
     "pressure.npy, or as nx lines of ny numbers to pressure.txt, in this folder. Optional: answer.json with "
     '"seconds" (processor time) and "iterations".'
 )
