@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from fem_contact.area import contact_areas
 from fem_contact.contact import Status
 from fem_contact.errors import NotConverged
 from fem_contact.solid import Solid
@@ -156,6 +157,17 @@ def test_a_point_with_a_pressure_of_rounding_size_is_not_in_contact(own_module: 
     found = pressed(solver).checked()
     assert np.all(found.pressure > 0)
     assert np.array_equal(found.in_contact, pressed("my_module:solve").in_contact)
+
+
+def test_the_edge_of_a_foreign_contact_is_located_as_that_of_boundary_elements(own_module: Path) -> None:
+    reference = find_solver("bem").solve(
+        example_field(32),
+        mean_pressure=0.01,
+        slots=Slots(solid=Solid(young=1.0, poisson=0.0)),
+        settings={"tolerance": 1e-10},
+    )
+    found = contact_areas(pressed("my_module:solve").checked(), subcell=True)
+    assert found.subcell == pytest.approx(contact_areas(reference.contact, subcell=True).subcell, rel=1e-4)
 
 
 def test_foreign_solvers_stand_after_the_others_and_are_given_no_effects() -> None:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from validation.cli.audit import audit
+from validation.cli.challenge import challenge_app
 from validation.cli.options import (
     AccuracyOption,
     DryRunOption,
@@ -63,6 +64,7 @@ app.add_typer(scenes_app, name="scenes")
 app.add_typer(surface_app, name="surface")
 app.add_typer(store_app, name="store")
 app.command(epilog="Examples: fem-contact audit results/quickstart  |  fem-contact audit mine --list")(audit)
+app.add_typer(challenge_app, name="challenge")
 
 
 @app.command(
@@ -356,11 +358,9 @@ def _score(names: list[str], *, quick: bool, tolerance: float, output: Path | No
         _list(files)
     first = cards[0]
     if first.failed:
-        fault = "" if first.fault is None else f"; {first.fault[1]}"
-        rows = ", ".join(verdict.case for verdict in first.failed)
-        raise RunFailed(f"{first.subject.name}: {len(first.failed)} rows fail: {rows}{fault}")
+        raise RunFailed(first.sentence)
     if not as_json:
-        typer.echo(f"{first.subject.name}: all {len(first.verdicts)} rows hold")
+        typer.echo(first.sentence)
 
 
 @app.command(epilog="Examples: fem-contact reproduce  |  fem-contact reproduce --no-figures --json")

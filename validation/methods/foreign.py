@@ -145,6 +145,10 @@ class Foreign(Solver):
             unknowns=points,
         )
 
+    def words(self, options: Any) -> str:
+        """Name it in a sentence."""
+        return f"solver {self.label}"
+
     def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Let its process import and compile what it needs; what it fails at, a solve says."""
         slots = Slots(solid=Solid(young=1.0, poisson=0.0))
@@ -226,7 +230,12 @@ def judged(
             unknowns=pressure.size,
             peak_bytes=claim.peak_bytes,
         ),
-        provenance={"method": f"{method}, pressure alone; the rest recomputed", "tolerance": repr(tolerance)},
+        provenance={
+            "method": f"{method}, pressure alone; the rest recomputed",
+            # By its residuals it solves the discrete problem of our boundary elements, edges included.
+            "element": "bem",
+            "tolerance": repr(tolerance),
+        },
     )
 
 

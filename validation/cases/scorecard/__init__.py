@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
@@ -11,7 +11,7 @@ from typing import Any
 from validation.cases import Case, Check, Verdict, run_cases
 from validation.cases.scorecard import elementary, hard, known, ladder
 from validation.cases.scorecard.ladder import CostRow
-from validation.cases.scorecard.subject import Inconclusive, Subject
+from validation.cases.scorecard.subject import Inconclusive, Subject, Unanswered
 
 __all__ = ["FAULTS", "Scorecard", "Subject", "rows", "score"]
 
@@ -38,6 +38,8 @@ _ROWS: tuple[_Row, ...] = (
     ("odd-axes", "Odd numbers of points are solved as well.", hard.odd_axes, True),
 )
 
+_OTHER_BODY = "recomputes residuals on the half-space, and this solver solves another body"
+
 #: Rows that name a fault, in the order in which they are believed: each is read as if those before held.
 FAULTS: tuple[tuple[str, str], ...] = (
     ("tension", "pressures below zero are allowed"),
@@ -60,14 +62,14 @@ class Scorecard:
         The worst failure first.
     cost : tuple of CostRow
         Of one rough surface; empty where rough surfaces were not solved.
-    left_out : tuple of str
-        Rows that do not apply.
+    left_out : mapping of str to str
+        Rows that were not judged, and why.
     """
 
     subject: Subject
     verdicts: tuple[Verdict, ...]
     cost: tuple[CostRow, ...]
-    left_out: tuple[str, ...]
+    left_out: Mapping[str, str]
 
     @property
     def failed(self) -> tuple[Verdict, ...]:
@@ -80,13 +82,23 @@ class Scorecard:
         known_by = {verdict.case for verdict in self.failed if verdict.error is None}
         return next((fault for fault in FAULTS if fault[0] in known_by), None)
 
+    @property
+    def sentence(self) -> str:
+        """What came out, in a line."""
+        name, failed = self.subject.name, self.failed
+        if not failed:
+            return f"{name}: all {len(self.verdicts)} rows hold"
+        fault = "" if self.fault is None else f"; {self.fault[1]}"
+        count = "1 row fails" if len(failed) == 1 else f"{len(failed)} rows fail"
+        return f"{name}: {count}: {', '.join(verdict.case for verdict in failed)}{fault}"
+
     def verdict(self, row: str) -> Verdict | None:
         """Return the verdict of a row; None where it does not apply."""
         return next((verdict for verdict in self.verdicts if verdict.case == row), None)
 
     def seconds_to(self, error: float) -> float:
         """Return processor seconds of the cheapest grid whose area is that near; NaN where none is."""
-        near = [row.seconds for row in self.cost if row.error <= error]
+        near = [row.seconds for row in self.cost if row.error <= error and not math.isnan(row.seconds)]
         return min(near, default=math.nan)
 
     def summary(self) -> dict[str, Any]:
@@ -98,7 +110,7 @@ class Scorecard:
             "passed": not self.failed,
             "fault": None if fault is None else {"row": fault[0], "words": fault[1]},
             "rows": [{**verdict.summary(), "over_tolerance": excess(verdict)} for verdict in self.verdicts],
-            "left_out": list(self.left_out),
+            "left_out": dict(self.left_out),
             "cost": [asdict(row) for row in self.cost],
         }
 
@@ -147,11 +159,15 @@ def score(subject: Subject, *, tell: Callable[[str], None] | None = None) -> Sco
         Given a line for every row.
     """
     subject.warm_up()
-    verdicts = sorted(run_cases(rows(subject), tell=tell), key=_worst_first)
-    left_out = tuple(row[0] for row in _ROWS if row[3] and not subject.solver.half_space)
-    return Scorecard(
-        subject=subject, verdicts=tuple(verdicts), cost=tuple(_cost(subject, verdicts)), left_out=left_out
-    )
+    left_out = {row[0]: _OTHER_BODY for row in _ROWS if row[3] and not subject.solver.half_space}
+    found = list(run_cases(rows(subject), tell=tell))
+    unanswered = f"{Unanswered.__name__}: "
+    for verdict in found:
+        if (verdict.error or "").startswith(unanswered):
+            left_out[verdict.case] = str(verdict.error).removeprefix(unanswered)
+    verdicts = sorted((one for one in found if one.case not in left_out), key=_worst_first)
+    cost = () if left_out and subject.solver.half_space else tuple(_cost(subject, verdicts))
+    return Scorecard(subject=subject, verdicts=tuple(verdicts), cost=cost, left_out=left_out)
 
 
 def _cost(subject: Subject, verdicts: Sequence[Verdict]) -> Iterator[CostRow]:

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 
 from fem_contact import bem
-from fem_contact.area import EDGE_MAPS, ContactAreas, contact_areas
+from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import located_limit
 from fem_contact.response import HalfSpace
@@ -120,9 +120,7 @@ def _solved(
         n = _WAVES * width * points
         result = subject.press(rough(n, bandwidth=width, waves=_WAVES), _PRESSURE).result
         constant, located = subject.solver.edge_constant(result), subject.solver.locates_edges
-        areas = contact_areas(
-            result, edge_constant=constant, subcell=located, edge_map=EDGE_MAPS["bem"] if located else None
-        )
+        areas = contact_areas(result, edge_constant=constant, subcell=located)
         found.append((n, result, areas))
     return found
 

@@ -106,7 +106,7 @@ def _reason(verdict: Verdict) -> str:
 def _word(card: Scorecard, row: str) -> str:
     verdict = card.verdict(row)
     if verdict is None:
-        return "does not apply"
+        return "not judged"
     return "holds" if verdict.passed else "FAILS"
 
 
@@ -193,11 +193,8 @@ def _notes(card: Scorecard) -> tuple[Note, ...]:
         return ()
     return (
         Note(
-            title="Rows that do not apply",
-            sentences=(
-                f"{', '.join(card.left_out)}: they recompute residuals on the half-space, and this solver "
-                "solves another body or discretisation.",
-            ),
+            title="Rows that were not judged",
+            sentences=tuple(f"{row}: {why}." for row, why in card.left_out.items()),
         ),
     )
 

@@ -16,7 +16,7 @@ from validation.methods import Solver
 from validation.methods.base import Claim
 from validation.methods.foreign import judged
 
-__all__ = ["SOFT", "Inconclusive", "Pressed", "Subject", "rough"]
+__all__ = ["SOFT", "Inconclusive", "Pressed", "Subject", "Unanswered", "rough"]
 
 #: E* = 1.
 SOFT = Solid(young=1.0, poisson=0.0)
@@ -24,6 +24,10 @@ SOFT = Solid(young=1.0, poisson=0.0)
 
 class Inconclusive(Exception):
     """A row that cannot be read, because another one fails."""
+
+
+class Unanswered(Exception):
+    """A problem that the solver was not asked, or left out."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
