@@ -2,7 +2,8 @@
 
 ``python tests/mutants/driver.py`` runs all of them, ``--only WORDS`` those whose name or file contains the
 words, ``--tests PATH ...`` against other tests than the catalogue names, to find what notices. A fault is
-*killed* where a test that it names fails, *survived* where all pass, *broken* where pytest could not run them.
+*killed* where a test that it names fails, *survived* where all pass, *broken* where pytest could not run
+them.
 """
 
 from __future__ import annotations

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from validation.audit import audit
+from fem_contact.area import EDGE_CONSTANTS, EDGE_MAPS
+from validation.audit import audit, stored
 from validation.audit.ledger import Ledger, printed
 from validation.audit.reading import judge_fields, judge_surfaces
 from validation.audit.recomputed import Run
@@ -281,3 +282,9 @@ def test_the_command_refuses_a_folder_without_a_run(tmp_path):
 )
 def test_a_printed_number_agrees_to_half_a_unit_of_its_last_digit(text, value, digits, agrees):
     assert printed(text, value, digits=digits) is agrees
+
+
+def test_constants_of_edges_stand_twice_and_agree():
+    assert {key: c for key, c in EDGE_CONSTANTS.items() if key != "fem"} == stored.EDGE_CONSTANTS
+    assert EDGE_CONSTANTS["fem"] == EDGE_CONSTANTS["Hex1"]
+    assert tuple(stored.EDGE_MAP.ravel()) == tuple(EDGE_MAPS["bem"])
