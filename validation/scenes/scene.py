@@ -58,6 +58,7 @@ __all__ = [
     "not_led_out",
     "scene_problems",
     "scene_text",
+    "sized",
     "unit_registry",
 ]
 
@@ -349,7 +350,7 @@ def load_scene(scene: str) -> Scene:
     text, folder = scene_text(scene)
     data = _named(parsed_toml(text, scene), scene)
     try:
-        checked = Scene.model_validate(_sized(data, folder, scene))
+        checked = Scene.model_validate(sized(data, folder, scene))
     except ValidationError as error:
         raise SceneError(scene, scene_problems(error)) from None
     if isinstance(checked.surface, FileSurface) and not checked.surface.path.is_absolute():
@@ -366,7 +367,7 @@ def _named(data: dict[str, Any], scene: str) -> dict[str, Any]:
     return data if "name" in data or re.fullmatch(_NAME, stem) is None else {"name": stem, **data}
 
 
-def _sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
+def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
     """Fill in the length of a measured surface from its file, and ask for what neither of the two says."""
     surface = data.get("surface")
     if not isinstance(surface, dict) or surface.get("kind") != "file":
