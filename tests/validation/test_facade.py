@@ -54,15 +54,21 @@ def test_a_finite_element_contact_is_corrected_by_the_constant_of_its_element():
 
 def test_heights_given_in_nanometres_are_those_that_were_drawn():
     drawn = SURFACE.heights(40).values
-    by_array = press(measured(drawn * 1e9, length="100 um", unit="1 nm"), **SOLID, pressure="5 MPa")
+    by_array = press(measured(drawn * 1e9, length="100 um", unit="1 nm"), **SOLID, pressure="5 MPa", grid=40)
     field = HeightField(heights=drawn, lengths=(1e-4, 1e-4))
-    by_field = press(measured(field), **SOLID, pressure=5e6)
+    by_field = press(measured(field), **SOLID, pressure=5e6, grid=40)
     by_seed = press(SURFACE, Solid(young=2e9, poisson=0.25), pressure=5e6, grid=40)
     # Rounding of the factor 1e9 alone; the solver's tolerance is 1e-8.
     for other in (by_array, by_field):
         difference = np.abs(other.result.pressure - by_seed.result.pressure).max()
         assert difference < 1e-5 * by_seed.result.pressure.max()
         assert other.areas().pixel == by_seed.areas().pixel
+
+
+def test_a_measured_surface_is_resolved_unless_a_grid_is_asked_for():
+    contact = press(measured(SURFACE.heights(40).values, length=1e-4, unit=1.0), **SOLID, pressure=5e6)
+    assert contact.result.shape == (80, 80)
+    assert not contact.comparison.rows[0].under_resolved
 
 
 def test_heights_in_memory_have_a_recipe_of_their_own():

@@ -1,11 +1,16 @@
-"""The notebooks of the documentation run from top to bottom, and say what they promise."""
+"""Notebooks, recipes and the README run from top to bottom, and say what they promise."""
 
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
 import pytest
+
+from fem_contact import HeightField
+from validation import self_affine
+from validation.scenes.topography import write_topography
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -44,3 +49,33 @@ def test_each_of_ten_things_takes_three_lines_at_most_and_gives_its_numbers(caps
     assert (tmp_path / "block.vtu").stat().st_size > 10_000
     assert space["own"].realised.pressure == 5e6
     assert "10 patches" in capsys.readouterr().out
+
+
+def _blocks(path: Path, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL)
+
+
+def test_the_lines_of_python_in_the_readme_print_what_it_shows(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    readme = DOCS.parent / "README.md"
+    (source,) = _blocks(readme, "python")
+    exec(compile(source, str(readme), "exec"), {})
+    assert capsys.readouterr().out == _blocks(readme, "text")[-1]
+    assert {path.name for path in tmp_path.iterdir()} == {"stress.png", "fields.nc"}
+
+
+def test_the_recipes_run_in_their_order(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    rough = {"hurst": 0.8, "lambda_long": "500 nm", "lambda_short": "125 nm", "rms_gradient": 0.1, "seed": 21}
+    field = self_affine(length="1 um", **rough).heights(24)
+    write_topography(tmp_path / "afm.x3p", HeightField(heights=field.values, lengths=(1e-6, 1e-6)))
+    space: dict[str, object] = {}
+    for source in _blocks(DOCS / "how_to.md", "python"):
+        if 'study("hurst"' in source:  # minutes; the study has tests of its own
+            continue
+        exec(compile(source, "how_to.md", "exec"), space)
+    assert list(space["sweep"].limit) == sorted(space["sweep"].limit)
+    # Each method's own edge constant brings the areas of the two nearer.
+    assert abs(space["check"].perimeter) < abs(space["check"].pixel)
+    assert (tmp_path / "block.vtu").exists()
+    assert float(capsys.readouterr().out.split()[0]) == pytest.approx(0.1125, abs=5e-5)

@@ -74,7 +74,7 @@ def pressure_at_zero_figure(data: xr.Dataset) -> Figure:
     figure, (axes,) = new_figure()
     curve = data["curve"].values
     labels = [label for label in dict.fromkeys(curve) if label != "Persson"]
-    shades = np.linspace(0.75, 0.0, max(len(labels), 2))
+    shades = np.linspace(0.75, 0.0, max(len(labels), 2))[-len(labels) :]  # the finest is black
     styles = ["-", "--", "-.", ":"]
     for k, label in enumerate(labels):
         here = data.isel(bin=curve == label)

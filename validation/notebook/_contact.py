@@ -154,7 +154,11 @@ class Contact:
                 name=what, figure=figure, data=data, caption="Contact pressure; white: no contact."
             )
         if what == "distribution":
-            top = 1.02 * float(self.result.pressure.max()) / self.realised.pressure_scale
+            ends = [1.02 * float(self.result.pressure.max())]
+            if self.theory is not None and self.theory.answers:
+                # Three standard deviations of the stress at full contact above its mean.
+                ends.append(self.realised.pressure + 3 * math.sqrt(self.theory.stress_variance))
+            top = max(ends) / self.realised.pressure_scale
             curves = {self.solve.label: [self.result]}
             data = figure_data.pressure_at_zero_data(self.comparison, curves, top=top)
             words = (

@@ -57,8 +57,8 @@ def press(
     pressure, reduced_pressure : quantity or float
         p0, or p* = p0 / (E* h'_rms) with the realised gradient; one of the two.
     grid : int or (int, int), optional
-        Points along the sides; 8 per shortest wave if not given, 4 by finite elements, and those
-        of a measured surface.
+        Points along the sides; 8 per shortest wave if not given, 4 by finite elements and of a
+        measured surface, whose shortest wave is two of its spacings.
     method : str
         "bem" for boundary elements, "fem" for the finite-element block, or one of another package.
     options : mapping, optional
@@ -303,10 +303,10 @@ def _effects(said: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def _default_grid(surface: Surface, method: str) -> tuple[int, int]:
-    """Return the grid of a measured surface, or one that resolves a random one."""
+    """Return twice the points of a measured surface, 4 per shortest wave, or what resolves a random one."""
     if surface.given is not None:
         nx, ny = surface.given.raw.heights.shape
-        return nx, ny
+        return 2 * nx, 2 * ny
     assert isinstance(surface.table, RandomSurface)
     quick, slow = _POINTS_PER_WAVE
     points = quick if method == "bem" else slow

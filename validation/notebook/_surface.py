@@ -195,21 +195,18 @@ def _told_by(heights: Any) -> tuple[Any, tuple[float, float] | None, float | Non
     """Return heights, their size [m], their unit [m] and what they are, as far as the object says it."""
     if isinstance(heights, HeightField):
         return heights.heights, heights.lengths, 1.0, "HeightField"
-    what = type(heights).__name__
+    what, size, unit = type(heights).__name__, None, None
     try:
         if callable(getattr(heights, "heights", None)) and hasattr(heights, "physical_sizes"):
-            scale = metres(heights.unit)
-            sizes = None if scale is None else tuple(scale * float(size) for size in heights.physical_sizes)
-            values, size, unit = (
-                np.ma.filled(np.ma.asarray(heights.heights(), dtype=float), np.nan),
-                sizes,
-                scale,
-            )
+            unit = metres(heights.unit)
+            lx, ly = heights.physical_sizes
+            size = None if unit is None else (unit * float(lx), unit * float(ly))
+            values = real(np.ma.filled(np.ma.asarray(heights.heights(), dtype=float), np.nan))
         else:
-            values, size, unit = real(np.ma.filled(heights, np.nan)), None, None
+            values = real(np.ma.filled(heights, np.nan))
         check_shape(values.shape)
     except (ValueError, TypeError) as error:
         raise UsageError(
             f"measured: heights of type {what}: {error}; give a file, a 2-D array, or a topography"
         ) from None
-    return values, size, unit, what  # type: ignore[return-value]
+    return values, size, unit, what
