@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from validation.cli.audit import audit
+from validation.cli.challenge import challenge_app
 from validation.cli.options import (
     AccuracyOption,
     DryRunOption,
@@ -61,6 +63,8 @@ scenes_app = typer.Typer(no_args_is_help=True, help="The scenes that come with t
 app.add_typer(scenes_app, name="scenes")
 app.add_typer(surface_app, name="surface")
 app.add_typer(store_app, name="store")
+app.command(epilog="Examples: fem-contact audit results/quickstart  |  fem-contact audit mine --list")(audit)
+app.add_typer(challenge_app, name="challenge")
 
 
 @app.command(
@@ -279,7 +283,10 @@ def calibrate(
         typer.echo(f"Kept in {cache_file()}")
 
 
-@app.command(epilog="Examples: fem-contact validate --quick  |  fem-contact validate hertz westergaard")
+@app.command(
+    epilog="Examples: fem-contact validate --quick  |  fem-contact validate hertz westergaard  |  "
+    "fem-contact validate --method my_module:solve --method bem"
+)
 def validate(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="CASE", help="Cases to run; all if not given.")
@@ -288,11 +295,27 @@ def validate(
         bool, typer.Option("--quick", help="Only what takes seconds; under three minutes.")
     ] = False,
     list_all: Annotated[bool, typer.Option("--list", help="Name the cases and their claims.")] = False,
+    method: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--method", metavar="NAME", help="Score this solver: a method, or module:function of your own."
+        ),
+    ] = None,
+    tolerance: Annotated[
+        float, typer.Option("--tolerance", min=1e-12, max=1e-2, help="Of the residuals, with --method.")
+    ] = 1e-6,
+    output: OutputOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Check every case with a known answer; exit with 1 if any fails."""
+    """Check every case with a known answer; exit with 1 if any fails.
+
+    With --method, a scorecard of that solver is written instead; further ones stand beside the first.
+    """
     from validation.cases import chosen_cases, run_cases, verdict_table
 
+    if method:
+        _score(method, quick=quick, tolerance=tolerance, output=output, as_json=as_json)
+        return
     cases = chosen_cases(names or [], quick=quick)
     if list_all:
         for case in cases:
@@ -309,6 +332,35 @@ def validate(
         raise RunFailed(f"{len(failed)} of {len(verdicts)} cases failed: {', '.join(failed)}")
     if not as_json:
         typer.echo(f"all {len(verdicts)} cases passed")
+
+
+def _score(names: list[str], *, quick: bool, tolerance: float, output: Path | None, as_json: bool) -> None:
+    """Write the scorecards of solvers; fail where the first of them does."""
+    from validation.cases.scorecard import Subject, score
+    from validation.cases.scorecard.sheet import write_scorecards
+    from validation.files import prepare_folder
+    from validation.methods import chosen_solver
+
+    chosen = {name: chosen_solver(name) for name in names}
+    plain = re.sub(r"[^A-Za-z0-9._-]", "-", names[0])
+    folder = prepare_folder(output or Path("results") / f"scorecard-{plain}")
+    cards = []
+    with stopping_cleanly():
+        for name, (solver, settings) in chosen.items():
+            subject = Subject(name=name, solver=solver, settings=settings, tolerance=tolerance, quick=quick)
+            if not as_json:
+                typer.echo(f"{name}:")
+            cards.append(score(subject, tell=None if as_json else lambda line: say(line, prefix="")))
+    files = write_scorecards(cards, folder)
+    if as_json:
+        typer.echo(files[1].read_text(encoding="utf-8"), nl=False)
+    else:
+        _list(files)
+    first = cards[0]
+    if first.failed:
+        raise RunFailed(first.sentence)
+    if not as_json:
+        typer.echo(first.sentence)
 
 
 @app.command(epilog="Examples: fem-contact reproduce  |  fem-contact reproduce --no-figures --json")

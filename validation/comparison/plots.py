@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from validation.comparison.figure_data import NEAR_ZERO
-from validation.report.figure import LOOK, new_figure
+from validation.report.figure import looks, new_figure
 from validation.report.words import significant, with_error
 
 if TYPE_CHECKING:
@@ -21,10 +20,14 @@ if TYPE_CHECKING:
 __all__ = ["area_figure", "cost_figure", "pressure_at_zero_figure", "pressure_maps_figure"]
 
 
+def _looks(comparison: Comparison) -> dict[tuple[str, str], dict[str, Any]]:
+    return looks({name: solver.label for name, solver in comparison.scene.methods.solvers.items()})
+
+
 def area_figure(comparison: Comparison) -> Figure:
     """Contact area against grid spacing: pixel, corrected, limit and theory, FEM beside BEM."""
     figure, (axes,) = new_figure()
-    for (method, name), look in LOOK.items():
+    for (method, name), look in _looks(comparison).items():
         rows = comparison.rows_of(method)
         if rows:
             spacing = [1 / row.points_per_wave for row in rows]
@@ -75,7 +78,7 @@ def pressure_at_zero_figure(data: xr.Dataset) -> Figure:
     figure, (axes,) = new_figure()
     curve = data["curve"].values
     labels = [label for label in dict.fromkeys(curve) if label != "Persson"]
-    shades = np.linspace(0.75, 0.0, max(len(labels), 2))
+    shades = np.linspace(0.75, 0.0, max(len(labels), 2))[-len(labels) :]  # the finest is black
     styles = ["-", "--", "-.", ":"]
     for k, label in enumerate(labels):
         here = data.isel(bin=curve == label)
@@ -85,7 +88,7 @@ def pressure_at_zero_figure(data: xr.Dataset) -> Figure:
     theory = data.isel(bin=curve == "Persson")
     if theory.sizes["bin"]:
         axes.plot(theory["lower"], theory["density"], color="#38761d", lw=2, label="Persson")
-    axes.set_xlim(min(0.0, float(data["lower"].min())), NEAR_ZERO)
+    axes.set_xlim(min(0.0, float(data["lower"].min())), float(data["upper"].max()))
     axes.set_ylim(bottom=0)
     axes.set_xlabel(r"pressure $\sigma / (E^* h'_{rms})$")
     axes.set_ylabel(r"$P(\sigma)\, E^* h'_{rms}$ per nominal area")
@@ -101,7 +104,7 @@ def cost_figure(comparison: Comparison) -> Figure:
         axes.text(0.5, 0.5, "no limit: the error is not determinable", ha="center", transform=axes.transAxes)
         return figure
     floor = max(limit.uncertainty / limit.value, 1e-6)
-    for (method, name), look in LOOK.items():
+    for (method, name), look in _looks(comparison).items():
         rows = comparison.rows_of(method)
         if rows:
             errors = [max(abs(getattr(row, name) / limit.value - 1), 1e-6) for row in rows]

@@ -20,6 +20,7 @@ from validation.report.papers import MEASURED, PERIMETER
 from validation.report.table import ResultTable, WordTable
 from validation.report.words import significant, with_error
 from validation.solves.press import Press
+from validation.solves.provenance import made_words
 
 if TYPE_CHECKING:
     from fem_contact.contact import ContactResult
@@ -124,7 +125,7 @@ def run_page(comparison: Comparison, results: Solves | None = None, *, pictures:
         figures=_drawings(comparison, fields) if fields else (),
         pictures=() if picture is None else (picture,),
         no_picture=missing,
-        facts=(_realised(comparison),),
+        facts=(_realised(comparison), *(() if results is None else made_words(results.made()))),
         settings=scene.model_dump(mode="json", exclude_none=True),
         seeds=seed_words(scene),
         papers=papers_for(scene),

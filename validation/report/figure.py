@@ -6,7 +6,7 @@ import itertools
 import math
 import re
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,6 +38,7 @@ __all__ = [
     "embeddable",
     "lines_figure",
     "look",
+    "looks",
     "new_figure",
     "plain_look",
     "readable_ticks",
@@ -91,6 +92,32 @@ COLOURS = ("#0b5394", "#b45f06", "#38761d", "#741b47", "#134f5c", "#7f6000", "#4
 THEORY: dict[str, Any] = {"color": "#38761d", "ls": "-."}
 #: Digits of the labels of a logarithmic axis, most to least.
 _TICKS: tuple[tuple[float, ...], ...] = ((1, 2, 3, 5, 7), (1, 2, 5), (1, 3), (1,))
+
+
+def looks(labels: Mapping[str, str]) -> dict[tuple[str, str], dict[str, Any]]:
+    """Return how the counted and the corrected area of each method are drawn, by name and definition.
+
+    Parameters
+    ----------
+    labels : mapping of str to str
+        What each method is called, by its name; those that have no look of their own take one in turn.
+    """
+    found: dict[tuple[str, str], dict[str, Any]] = {}
+    others = [name for name in labels if (name, "pixel") not in LOOK]
+    for name, label in labels.items():
+        if name not in others:
+            found |= {key: look for key, look in LOOK.items() if key[0] == name}
+            continue
+        turn = 3 + others.index(name) % (len(COLOURS) - 3)  # the third colour is the theory's
+        line = {"color": COLOURS[turn], "marker": SYMBOLS[turn]}
+        found[name, "pixel"] = {**line, "ls": "-", "label": f"{label}, pixel count"}
+        found[name, "perimeter"] = {
+            **line,
+            "mfc": "white",
+            "ls": "--",
+            "label": f"{label}, perimeter-corrected",
+        }
+    return found
 
 
 FILLS = [None, None, None, None, "white", "white", "white", "white"]

@@ -36,6 +36,8 @@ class Realised:
         Counts further surfaces of the same spectrum from 0, the scene's own: added to its seed.
     inverted : bool
         Press -h instead of h: hills become valleys, which halves much of the scatter between surfaces.
+    given : Measured, optional
+        Heights that are there already, in place of those of the file that `surface` names.
     drawn : bool
         Whether a random surface is made of C(q); where the theory stands alone it is not, and h'_rms is that
         of C(q).
@@ -50,6 +52,7 @@ class Realised:
     load: Load
     realisation: int = 0
     inverted: bool = False
+    given: Measured | None = None
     drawn: bool = True
 
     def __reduce__(self) -> Any:
@@ -69,6 +72,8 @@ class Realised:
     @cached_property
     def measured(self) -> Measured | None:
         """The measured surface, read and hashed once; None for a random one."""
+        if self.given is not None:
+            return self.given
         return surfaces.measured_surface(self.surface) if isinstance(self.surface, FileSurface) else None
 
     @property

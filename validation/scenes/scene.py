@@ -215,6 +215,13 @@ class Scene(_Table):
     effects: tuple[EffectSpec, ...] = ()
     run: RunOptions = RunOptions()
 
+    @model_validator(mode="before")
+    @classmethod
+    def _effects_are_a_list(cls, data: object) -> object:
+        if isinstance(data, dict) and isinstance(data.get("effects"), dict):
+            raise _wrong("effects: each is a table of a list; write [[effects]], not [effects]")
+        return data
+
     @model_validator(mode="after")
     def _one_effect_per_slot(self) -> Self:
         found = clash(self.effects)
