@@ -392,7 +392,9 @@ def reproduce(
 
 @app.command(epilog="Example: fem-contact report results/quickstart")
 def report(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Results folder of a run, a sweep or a study.")],
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Results folder of a run, a sweep or a study.")
+    ],
     pictures: PicturesOption = None,
     as_json: JsonOption = False,
 ) -> None:
@@ -405,7 +407,9 @@ def report(
     if is_sweep(folder):
         files = report_sweep(folder).files
     else:
-        files = report_study(folder).files if is_study(folder) else report_run(folder, pictures=pictures).files
+        files = (
+            report_study(folder).files if is_study(folder) else report_run(folder, pictures=pictures).files
+        )
     if as_json:
         typer.echo(json.dumps([str(path) for path in files], indent=2))
     else:

@@ -67,7 +67,8 @@ SetOption = Annotated[
     typer.Option(
         "--set",
         metavar="KEY=VALUE",
-        help="Set a key of the scene, e.g. solid.young='2 GPa' or sweep.seed=[7,8]; may be given several times.",
+        help="Set a key of the scene, e.g. solid.young='2 GPa' or sweep.seed=[7,8]; may be given "
+        "several times.",
     ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for scripts instead of tables.")]

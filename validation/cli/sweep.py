@@ -57,7 +57,9 @@ def run_swept(
 
     given = next((flag for flag, value in unfit.items() if value), None)
     if given is not None:
-        raise UsageError(f"{given}: not together with the table [sweep] of {scene}; run one scene of it by --set")
+        raise UsageError(
+            f"{given}: not together with the table [sweep] of {scene}; run one scene of it by --set"
+        )
     with naming(scene):
         cases = realised_cases(sweep)
     if dry_run:

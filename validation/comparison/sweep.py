@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from fem_contact import errors as fem_errors
+from persson import errors as persson_errors
 from validation.comparison import theory_alone
 from validation.comparison.compare import Comparison, Row, compare
 from validation.comparison.explain import Explanation, explain
@@ -45,6 +47,8 @@ __all__ = [
 _RECORD = "sweep.json"
 _FORMAT = "fem-contact sweep 1"
 _DATA = "data.nc"
+#: What checks of a scene, and making its surface, refuse.
+_UNFIT = (UsageError, fem_errors.InvalidInput, persson_errors.InvalidInput)
 
 #: Variables of the dataset, over the swept keys: unit, meaning.
 _VARIABLES = {
@@ -107,8 +111,11 @@ def realised_cases(sweep: Sweep, kind: type[Realised] = Realised) -> tuple[Reali
     for k, scene in enumerate(sweep.scenes):
         realised = realise(scene, like=surfaces.get(scene.surface), kind=kind)
         try:
+            if len(scene.load.values) > 1:
+                key = f"load.{scene.load.key}"
+                raise UsageError(f"{key}: lists several loads; move the list to [sweep], as sweep.{key}")
             check_scene(scene, realised)
-        except UsageError as error:
+        except _UNFIT as error:
             raise UsageError(f"{error} ([sweep] at {sweep.words(k)})") from None
         surfaces.setdefault(scene.surface, realised)
         made.append(realised)
@@ -162,7 +169,8 @@ def run_sweep(
     solves = solves_of_sweep(sweep, cases)
     results = solve_all(solves, store, progress=progress, execution=execution)
     data = _dataset(sweep, [_case(*pair, results) for pair in zip(sweep.scenes, cases, strict=True)])
-    data.attrs.update(solves=len(solves), asked=sum(len(solves_of(*p)) for p in zip(sweep.scenes, cases, strict=True)))
+    asked = (solves_of(*pair) for pair in zip(sweep.scenes, cases, strict=True))
+    data.attrs.update(solves=len(solves), asked=sum(map(len, asked)))
     with atomic_path(folder / _DATA) as draft:
         data.to_netcdf(draft, engine="netcdf4")
     outputs = report_sweep(folder, numbers_only=not report)
@@ -371,9 +379,9 @@ class SweepExplanation:
         named = ", ".join(f"{key.key} ({len(key.values)} values)" for key in self.keys)
         yield f"Sweep of scene {self.name}: {len(self.cases)} cases, {joined} {named}"
         yield (
-            f"{self.solves} solves, of which cases share {self.asked - self.solves}: about {self.seconds:.2g} s "
-            f"one after the other and {self.peak_bytes / 2**20:.3g} MiB at most (meant to be right within a "
-            "factor of 2)."
+            f"{self.solves} solves; {self.asked - self.solves} more are shared between cases: about "
+            f"{self.seconds:.2g} s one after the other and {self.peak_bytes / 2**20:.3g} MiB at most (meant "
+            "to be right within a factor of 2)."
         )
         ends = self.cases[:1] if len(self.cases) == 1 else (self.cases[0], self.cases[-1])
         for words, one in ends:

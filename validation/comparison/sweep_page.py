@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from validation.comparison.report import papers_for, seed_words
 from validation.methods import find_method
 from validation.report.drawing import Drawing
 from validation.report.page import Answer, Page
-from validation.report.table import ResultTable, shown
+from validation.report.table import ResultTable, WordTable, shown
 from validation.report.words import json_ready, significant, with_error
 from validation.scenes.sweep import SweptKey, value_words
 
@@ -25,20 +26,24 @@ __all__ = ["sweep_findings", "sweep_page", "sweep_table"]
 
 #: Lines of a figure that can be told apart.
 _MOST_LINES = 4
-#: Columns of the table after the swept keys.
+#: Columns of the table after the swept keys, and after those of the methods.
 _COLUMNS = {
     "area": "A/A0 limit",
-    "area_error": "+-",
+    "area_error": "A/A0 +-",
     "theory": "A/A0 theory",
-    "theory_ensemble": "A/A0 theory, C(q)",
     "kappa": "kappa",
     "kappa_error": "kappa +-",
     "theory_plastic": "A_pl/A0 theory",
-    "scatter": "scatter of surfaces",
-    "pressure": "p0 [Pa]",
-    "reduced_pressure": "p*",
 }
-_OF_METHODS = {"perimeter": "perimeter", "pixel": "pixel", "plastic": "A_pl/A0", "grid": "grid"}
+_LAST = {
+    "theory_ensemble": "A/A0 theory, C(q)",
+    "scatter": "scatter of surfaces",
+    "reduced_pressure": "p*",
+    "pressure": "p0 [Pa]",
+}
+#: Values that are read with the error in the column after them.
+_WITH_ERROR = ("A/A0 limit", "kappa")
+_OF_METHODS = {"plastic": "A_pl/A0", "perimeter": "A/A0 perimeter", "pixel": "A/A0 pixel", "grid": "grid"}
 
 
 def sweep_page(data: xr.Dataset, keys: Sequence[SweptKey], scene: Scene, *, figures: bool = True) -> Page:
@@ -63,14 +68,7 @@ def sweep_page(data: xr.Dataset, keys: Sequence[SweptKey], scene: Scene, *, figu
         lead=_lead(data, keys),
         answers=tuple(_answers(data)),
         findings=findings,
-        tables=(
-            shown(
-                table,
-                title="Every case",
-                note="A/A0 limit: over the grids, with its standard error for this surface (grid only); theory: "
-                "Persson with the realised gradient, or from C(q) alone; perimeter and pixel: on the finest grid.",
-            ),
-        ),
+        tables=(_in_words(table, swept=len(keys)),),
         figures=tuple(_figures(data, keys)) if figures else (),
         settings={
             "sweep": {"mode": data.attrs["mode"], **swept},
@@ -111,19 +109,44 @@ def _flat(data: xr.Dataset, name: str, keys: Sequence[SweptKey]) -> Any:
 def sweep_table(data: xr.Dataset, keys: Sequence[SweptKey]) -> ResultTable:
     """Return one row for each case: the swept values, limit, theory, each method on its finest grid."""
     columns = {
-        key.name if key.unit == "1" else f"{key.name} [{key.unit}]": _flat(data, key.name, keys) for key in keys
+        key.name if key.unit == "1" else f"{key.name} [{key.unit}]": _flat(data, key.name, keys)
+        for key in keys
     }
     swept = {key.name for key in keys}
-    for name, words in _COLUMNS.items():
-        if name in data.data_vars and name not in swept:
-            columns[words] = _flat(data, name, keys)
+
+    def add(chosen: dict[str, str]) -> None:
+        for name, words in chosen.items():
+            if name in data.data_vars and name not in swept:
+                columns[words] = _flat(data, name, keys)
+
+    add(_COLUMNS)
     for method in data["solver"].values if "solver" in data.coords else ():
         here = data.sel(solver=method)
         for name, words in _OF_METHODS.items():
             if name in data.data_vars:
                 columns[f"{find_method(str(method)).label} {words}"] = _flat(here, name, keys)
+    add(_LAST)
     rows = zip(*(values.tolist() for values in columns.values()), strict=True)
     return ResultTable.of(list(columns), list(rows))
+
+
+def _in_words(table: ResultTable, *, swept: int) -> WordTable:
+    """Return the table as it is read, values with their errors."""
+    pairs = {name: table.columns.index(name) for name in _WITH_ERROR if name in table.columns}
+    kept = [k for k in range(len(table.columns)) if k - 1 not in pairs.values()]
+    rows = [
+        [with_error(float(row[k]), float(row[k + 1])) if k in pairs.values() else row[k] for k in kept]
+        for row in table.rows
+    ]
+    columns = [table.columns[k] for k in kept]
+    words = shown(
+        ResultTable.of(columns, rows),
+        title="Every case",
+        note="A/A0 limit: over the grids, with its standard error for this surface (grid only); theory: "
+        "Persson with the realised gradient, or from C(q) alone; perimeter and pixel: on the finest grid.",
+    )
+    # What a case is and what it comes to stay.
+    return replace(words, left=frozenset(columns[:1]), yielding=tuple(reversed(columns[swept + 1 :])))
 
 
 def _answers(data: xr.Dataset) -> Iterator[Answer]:
@@ -136,7 +159,11 @@ def _answers(data: xr.Dataset) -> Iterator[Answer]:
     yield Answer(question="How large is the contact? A/A0", answer=f"{low} to {high}", basis=basis)
     if "area_error" in data:
         share = float((data["area_error"] / data["area"]).max())
-        scatter = f"; surfaces scatter by up to {percent(float(data['scatter'].max()))}" if "scatter" in data else ""
+        scatter = (
+            f"; surfaces scatter by up to {percent(float(data['scatter'].max()))}"
+            if "scatter" in data
+            else ""
+        )
         yield Answer(
             question="How sure?",
             answer=f"grid +- {percent(share)} at most",
@@ -166,7 +193,7 @@ def sweep_findings(data: xr.Dataset, keys: Sequence[SweptKey]) -> tuple[str, ...
 
 
 def _result(data: xr.Dataset) -> tuple[str, str]:
-    """The variable that answers, and what it is called."""
+    """Return the variable that answers, and what it is called."""
     if "area" not in data:
         return "theory_ensemble", "the theory gives A/A0"
     if bool(data["area"].notnull().any()):
@@ -214,8 +241,8 @@ def _between_seeds(here: xr.Dataset, name: str, fixed: str) -> Iterator[str]:
     if len(values) > 1 and np.mean(values) > 0:
         spread = float(np.std(values, ddof=1) / np.mean(values))
         yield (
-            f"Between {len(values)} surfaces{fixed} A/A0 scatters by {percent(spread)} (standard deviation) about "
-            f"{significant(float(np.mean(values)))}."
+            f"Between {len(values)} surfaces{fixed} A/A0 scatters by {percent(spread)} (standard deviation) "
+            f"about {significant(float(np.mean(values)))}."
         )
 
 
@@ -241,9 +268,10 @@ def _theory(data: xr.Dataset, keys: Sequence[SweptKey]) -> Iterator[str]:
         return
     apart, sure = area[known] / theory[known] - 1, error[known] / theory[known]
     agree = int(np.sum(np.abs(apart) <= np.maximum(2 * sure, 1e-9)))
+    low, high = _side(float(apart.min())), _side(float(apart.max()))
     text = (
-        f"The limit lies between {_side(float(apart.min()))} and {_side(float(apart.max()))} Persson's theory with the "
-        f"realised gradient (grid uncertainty at most {percent(float(sure.max()))})"
+        f"The limit lies between {low} and {high} Persson's theory "
+        f"with the realised gradient (grid uncertainty at most {percent(float(sure.max()))})"
     )
     yield text + f"; in {agree} of {int(known.sum())} cases the two agree to within twice that uncertainty."
 
@@ -259,14 +287,16 @@ def _missing(data: xr.Dataset, keys: Sequence[SweptKey]) -> Iterator[str]:
     missing = int(data["area"].isnull().sum())
     if missing:
         why = data.attrs["no_limit"] or "the grids do not tell"
-        yield f"In {missing} of {data['area'].size} cases the limit over the grids is not determinable: {why}."
+        cases = data["area"].size
+        yield f"In {missing} of {cases} cases the limit over the grids is not determinable: {why}."
     if "scatter" in data:
-        yield (
-            "Between surfaces of one spectrum the area scatters by "
-            f"{percent(float(data['scatter'].min()))} to {percent(float(data['scatter'].max()))} (standard deviation)."
-        )
+        low, high = (percent(float(v)) for v in (data["scatter"].min(), data["scatter"].max()))
+        yield f"Between surfaces of one spectrum the area scatters by {low} to {high} (standard deviation)."
     elif not any(key.key == "surface.seed" for key in keys):
-        yield "Every case is one surface: without an ensemble or a swept seed the scatter between surfaces is unknown."
+        yield (
+            "Every case is one surface: without an ensemble or a swept seed the scatter between surfaces is "
+            "unknown."
+        )
 
 
 def _figures(data: xr.Dataset, keys: Sequence[SweptKey]) -> Iterator[Drawing]:
@@ -277,10 +307,19 @@ def _figures(data: xr.Dataset, keys: Sequence[SweptKey]) -> Iterator[Drawing]:
     if alone:
         drawn["area"] = (("theory_ensemble",), "Contact area by Persson's theory from C(q)")
     elif limit:
-        drawn["area"] = (("area", "theory"), "Contact area: limit over the grids with its standard error (grid only)")
-        drawn["kappa"] = (("kappa", "theory_kappa"), "Area over load, kappa, with its standard error (grid only)")
+        drawn["area"] = (
+            ("area", "theory"),
+            "Contact area: limit over the grids with its standard error (grid only)",
+        )
+        drawn["kappa"] = (
+            ("kappa", "theory_kappa"),
+            "Area over load, kappa, with its standard error (grid only)",
+        )
     else:
-        drawn["area"] = (("finest", "theory"), "Contact area on the finest grid, since the grids tell no limit")
+        drawn["area"] = (
+            ("finest", "theory"),
+            "Contact area on the finest grid, since the grids tell no limit",
+        )
     if "plastic" in data:
         drawn["plastic"] = (("yielded", "theory_plastic"), "Yielded area, points counted on the finest grid")
     shown_data = _with_finest(data)
@@ -317,10 +356,8 @@ def _drawing(
     )
 
 
-def _plane(
-    data: xr.Dataset, key: SweptKey, keys: Sequence[SweptKey]
-) -> tuple[xr.Dataset, str | None, str]:
-    """Return what one figure shows: along a key, one line for each of a few values of another, the rest fixed."""
+def _plane(data: xr.Dataset, key: SweptKey, keys: Sequence[SweptKey]) -> tuple[xr.Dataset, str | None, str]:
+    """Return what one figure shows: along a key, a line for each of a few values of another."""
     along, said = None, []
     if data.attrs["mode"] == "product":
         for other in keys:
@@ -341,8 +378,9 @@ def _plane(
 
 
 def _scales(data: xr.Dataset, key: SweptKey, lines: Sequence[str]) -> str:
-    """Logarithmic axes for what is positive and spans more than a factor of ten."""
+    """Logarithmic axes for keys that span a factor of three, and results that span ten."""
     spans = {"x": np.asarray(key.values, dtype=float) if key.numeric else np.zeros(1)}
     spans["y"] = np.concatenate([data[line].values.ravel() for line in lines])
-    wide = (axis for axis, v in spans.items() if np.nanmin(v) > 0 and np.nanmax(v) > 10 * np.nanmin(v))
+    least = {"x": 3, "y": 10}
+    wide = (k for k, v in spans.items() if np.nanmin(v) > 0 and np.nanmax(v) >= least[k] * np.nanmin(v))
     return "".join(wide)

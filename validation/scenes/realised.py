@@ -239,9 +239,7 @@ def realise(scene: Scene, *, like: Realised | None = None, kind: type[Realised] 
     kind : type
         `Surveyed` where it is only looked at.
     """
-    made = kind(
-        surface=scene.surface, solid=scene.solid, load=scene.load, drawn=bool(scene.methods.solvers)
-    )
+    made = kind(surface=scene.surface, solid=scene.solid, load=scene.load, drawn=bool(scene.methods.solvers))
     same = like is not None and replace(like, solid=made.solid, load=made.load) == made
     if like is not None and same:
         made.__dict__.update({name: like.__dict__[name] for name in _OF_THE_SURFACE if name in like.__dict__})

@@ -360,7 +360,9 @@ def load_scene(scene: str) -> Scene:
     text, folder = scene_text(scene)
     data = parsed_toml(text, scene)
     if "sweep" in data:
-        raise SceneError(scene, ["[sweep]: is many scenes; fem-contact run and explain take it, this does not"])
+        raise SceneError(
+            scene, ["[sweep]: is many scenes; fem-contact run and explain take it, this does not"]
+        )
     return checked_scene(sized(data, folder, scene), folder, scene)
 
 

@@ -199,11 +199,15 @@ def _set_from_outside(data: dict[str, Any], setting: str) -> None:
             inner = key.removeprefix("sweep.")
             found = inner if inner == "mode" else _found_key(inner, data)
             flat = dict(_flat(swept)) if isinstance(swept, dict) else {}
-            kept = {k: v for k, v in flat.items() if k != found and (k == "mode" or _found_key(k, data) != found)}
+            kept = {
+                k: v for k, v in flat.items() if k != found and (k == "mode" or _found_key(k, data) != found)
+            }
             data["sweep"] = {**kept, found: _value(text)}
             return
         found = _found_key(key, data)
-        listed = [_found_key(k, data) for k, _ in _flat(swept) if k != "mode"] if isinstance(swept, dict) else []
+        listed = (
+            [_found_key(k, data) for k, _ in _flat(swept) if k != "mode"] if isinstance(swept, dict) else []
+        )
         if found in listed:
             raise UsageError(f"{found}: is swept; set sweep.{found}=[...] instead")
         _put(data, found, _value(text))
@@ -288,8 +292,9 @@ def _put(data: dict[str, Any], key: str, value: Any) -> None:
     else:
         table = data
         for part in parts[:-1]:
-            inner = table.get(part)
-            table[part] = inner = inner if isinstance(inner, dict) else {}
+            inner = table.setdefault(part, {})
+            if not isinstance(inner, dict):
+                raise UsageError(f"{key}: {part} = {_short(inner)} of the scene is no table")
             table = inner
     for pair in _EITHER:
         if key in pair:
@@ -352,7 +357,9 @@ def _expanded(
     data: dict[str, Any], mode: Mode, lists: Mapping[str, list[Any]], *, folder: Path, scene: str
 ) -> Sweep:
     """Make and check every scene; the first that cannot be run is refused, with the values it stands at."""
-    each = list(itertools.product(*lists.values()) if mode == "product" else zip(*lists.values(), strict=True))
+    each = list(
+        itertools.product(*lists.values()) if mode == "product" else zip(*lists.values(), strict=True)
+    )
     # A measured surface says its size once, unless the sweep changes what is read.
     alone = any(key.startswith("surface.") for key in lists)
     base = data if alone else sized(data, folder, scene)
@@ -369,12 +376,11 @@ def _expanded(
             known = [p if any(k in p for k in lists) else f"{p} ([sweep] at {at})" for p in error.problems]
             raise SceneError(scene, known) from None
     keys = _swept(tuple(scenes), mode, lists)
-    if mode == "product":
-        for key in keys:
-            twice = next((v for k, v in enumerate(key.values) if v in key.values[:k]), None)
-            if twice is not None:
-                words = value_words(twice, key.unit)
-                raise SceneError(scene, [f"[sweep] {key.key}: {words} is listed twice"])
+    for swept in keys if mode == "product" else ():
+        twice = next((v for k, v in enumerate(swept.values) if v in swept.values[:k]), None)
+        if twice is not None:
+            words = value_words(twice, swept.unit)
+            raise SceneError(scene, [f"[sweep] {swept.key}: {words} is listed twice"])
     return Sweep(scenes=tuple(scenes), keys=keys, mode=mode)
 
 
