@@ -28,6 +28,10 @@ class Status(Enum):
     OBLONG_CELLS = "the residual no longer falls on cells far from square: choose spacings alike in x and y"
     CYCLING = "the active set repeats itself: solve the linear systems more accurately"
     TIME_LIMIT = "stopped at the time limit: allow more time or a coarser grid"
+    NOT_CONFIRMED = (
+        "the residuals of the returned pressure are above the tolerance: solve it more accurately, or accept "
+        "a larger tolerance"
+    )
     SEPARATED = "pulled apart: adhesion does not bear this tension, and there is no equilibrium to return"
 
 

@@ -21,6 +21,9 @@ import numpy as np
 import psutil
 import pytest
 
+sys.path.insert(0, str(Path(__file__).parent))
+from solving import Notes, dask_cluster
+
 from validation.errors import RunFailed, UsageError
 from validation.files import prepare_folder
 from validation.solves import pool
@@ -60,25 +63,6 @@ def solves_of(**options):
             options["reduced_pressures"], range(options["surfaces"]), options["grids"]
         )
     )
-
-
-class Notes(Silent):
-    """Progress that remembers."""
-
-    def __init__(self):
-        self.notes, self.begun, self.finished, self.missing = [], [], [], None
-
-    def start(self, missing, stored):
-        self.missing = len(missing)
-
-    def begin(self, solve):
-        self.begun.append(solve.key)
-
-    def done(self, solve):
-        self.finished.append(solve.key)
-
-    def note(self, text):
-        self.notes.append(text)
 
 
 def bench_at(folder, progress=None, **execution):
@@ -126,39 +110,11 @@ def test_two_workers_give_the_same_bits_although_one_is_killed(serial, tmp_path)
     assert not list(tmp_path.glob(".*")), "drafts of the dead"
 
 
-@contextmanager
-def dask_cluster(folder, workers=2):
-    """A scheduler and workers of one thread, each a process of its own."""
-    address = folder / "scheduler.json"
-    paths = os.pathsep.join(entry for entry in sys.path if entry)
-    environment = {**os.environ, **pool.ONE_THREAD, "PYTHONPATH": paths}
-    quiet = {"env": environment, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
-    here = ("--host", "127.0.0.1", "--no-dashboard")
-    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", "0", *here]
-    scheduler = subprocess.Popen([*command, "--scheduler-file", str(address)], **quiet)
-    command = [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", str(address), *here]
-    command += ["--nthreads", "1", "--no-nanny", "--memory-limit", "1GiB"]
-    team = []
-    try:
-        for _ in range(600):
-            if address.exists():
-                break
-            time.sleep(0.05)
-        team += [subprocess.Popen(command, **quiet) for _ in range(workers)]
-        import json
-
-        yield json.loads(address.read_text())["address"], team
-    finally:
-        for process in (*team, scheduler):
-            process.kill()
-            process.wait()
-
-
 @pytest.mark.filterwarnings("default")  # of dask's own threads and sockets when a worker is killed
 def test_a_dask_cluster_gives_the_same_bits_although_a_worker_is_killed(serial, tmp_path):
     pytest.importorskip("distributed", reason="LOUD: no Dask installed, the cluster is not tested")
     store = tmp_path / "store"
-    with dask_cluster(prepare_folder(tmp_path / "cluster")) as (address, team):
+    with dask_cluster(prepare_folder(tmp_path / "cluster")) as (address, team, _):
         progress = Notes()
         bench = bench_at(store, progress, scheduler=address)
         thread, killed = kill_when(40, store, lambda: team[0].pid)

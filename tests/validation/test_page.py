@@ -23,6 +23,7 @@ from validation.cli.results import page_table, print_page, sentence_lines
 from validation.comparison.compare import Scatter
 from validation.comparison.report import run_page
 from validation.comparison.run import report_run, run_scene
+from validation.errors import UsageError
 from validation.report.figure import new_figure, save_figure
 from validation.report.page import Answer, Page, render, write_page
 from validation.report.table import ResultTable, shown
@@ -305,3 +306,22 @@ def test_the_card_says_what_grids_and_what_surfaces_leave_open(small_run):
     several = dataclasses.replace(c, scatter=Scatter(areas=(0.1, 0.12), ratios=(1.0, 1.2), grid_error=0.001))
     (both,) = [card for card in run_page(several).answers if card.question == "How sure?"]
     assert both.answer == f"{alone.answer}, surfaces +- 13 %"
+
+
+def test_a_flipped_bit_in_the_numbers_of_a_study_is_noticed(tmp_path):
+    from validation.solves.bench import Bench
+    from validation.studies import area
+    from validation.studies._outputs import report_study, run_study
+
+    options = area.Options(reduced_pressures=(0.1,), surfaces=2, grids=(32, 48))
+    run_study(find_study("area"), options, tmp_path, bench=Bench.at(tmp_path / "solves"), report=False)
+    path = tmp_path / "data.nc"
+    content = bytearray(path.read_bytes())
+    with xr.open_dataset(path) as plain:  # other readers see plain netCDF
+        assert plain["area"].size == 1
+    for position in range(100, len(content), len(content) // 40):
+        flipped = bytearray(content)
+        flipped[position] ^= 4
+        path.write_bytes(flipped)
+        with pytest.raises(UsageError, match=r"data\.nc: damaged: .*; run the study again"):
+            report_study(tmp_path, numbers_only=True)

@@ -21,6 +21,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
+sys.path.insert(0, str(Path(__file__).parent))
+from solving import Numbers, fields
+
 from validation import files
 from validation.errors import RunFailed
 from validation.files import NotWritten, atomic_path, prepare_folder, remove_drafts
@@ -28,58 +31,9 @@ from validation.solves.attempt import Outcome, Silent, attempt
 from validation.solves.provenance import Made, made_words
 from validation.solves.running import Execution, solve_all
 from validation.solves.seal import Damaged, seal, unseal
-from validation.solves.solve import NumbersSolve, Prediction
 from validation.solves.store import Store, check_store, read_result
-from validation.studies import area
 
 MADE = Made.now(threads=1, seconds=0.5)
-
-
-class Numbers(NumbersSolve):
-    """A solve of a study: some numbers made from a seed."""
-
-    def __init__(self, seed=7):
-        self.seed = seed
-
-    @property
-    def recipe(self):
-        return {"seed": self.seed}
-
-    prefix = "numbers"
-    code_path = ()
-
-    def describe(self):
-        return f"numbers of seed {self.seed}"
-
-    def predict(self, *, pair_seconds=0.5e-3):
-        return Prediction(seconds=0.1, peak_bytes=1, unknowns=1)
-
-    def measure(self):
-        rng = np.random.default_rng(self.seed)
-        return xr.Dataset(
-            {
-                "area": ("grid", rng.random(40), {"units": "1"}),
-                "counted": ("grid", rng.integers(0, 9, 40)),
-                "resolved": ("grid", rng.random(40) > 0.5),
-                "zeros": ("grid", np.zeros(40)),
-            },
-            coords={"grid": np.arange(40), "name": ("kind", ["fine", "coarse"])},
-            attrs={"note": "for a test"},
-        )
-
-
-class Notes(Silent):
-    def __init__(self):
-        self.notes = []
-
-    def note(self, text):
-        self.notes.append(text)
-
-
-def fields(points=12, load=0.1):
-    """A small solve of a scene."""
-    told = area.Options(grids=(12, 16), periods=2.0, bandwidth=2.0, hurst=0.7, surfaces=2, seed=21)
-    return area.solve_of(told, surface=0, reduced_pressure=load, points=points)
 
 
 KINDS = {"fields": (fields(), fields(load=0.2)), "numbers": (Numbers(7), Numbers(8))}
@@ -429,7 +383,7 @@ def test_limits_of_the_shell_end_in_one_line(tmp_path, limit):
         "import sys; sys.path.insert(0, 'tests/validation')\n"
         "from pathlib import Path; from validation.errors import RunFailed, UsageError\n"
         "from validation.solves.store import Store; from validation.solves.running import attempt\n"
-        "from test_store import Numbers, fields\n"
+        "from solving import fields\n"
         "import os\n"
         "solve = fields(points=48)\n"
         "held = []\n"

@@ -128,7 +128,9 @@ class Verdict:
 
 def all_cases() -> tuple[Case, ...]:
     """Return the cases of every module of this package."""
-    names = sorted(info.name for info in pkgutil.iter_modules(__path__) if not info.name.startswith("_"))
+    # A folder is no module of cases: a scorecard's are made for a solver.
+    found = [info for info in pkgutil.iter_modules(__path__) if not info.ispkg]
+    names = sorted(info.name for info in found if not info.name.startswith("_"))
     return tuple(case for name in names for case in importlib.import_module(f"{__name__}.{name}").CASES)
 
 

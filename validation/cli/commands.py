@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from validation.cli.audit import audit
+from validation.cli.challenge import challenge_app
 from validation.cli.options import (
     AccuracyOption,
     DryRunOption,
@@ -23,6 +25,7 @@ from validation.cli.options import (
     ReportOption,
     SceneArgument,
     SchedulerOption,
+    SetOption,
     StoreOption,
     TimeLimitOption,
     WorkersOption,
@@ -37,6 +40,7 @@ from validation.cli.options import (
 from validation.cli.refusals import refusals_in_words
 from validation.cli.store import store_app
 from validation.cli.surface import surface_app
+from validation.cli.sweep import run_swept
 from validation.errors import RunFailed, UsageError
 
 if TYPE_CHECKING:
@@ -59,15 +63,19 @@ scenes_app = typer.Typer(no_args_is_help=True, help="The scenes that come with t
 app.add_typer(scenes_app, name="scenes")
 app.add_typer(surface_app, name="surface")
 app.add_typer(store_app, name="store")
+app.command(epilog="Examples: fem-contact audit results/quickstart  |  fem-contact audit mine --list")(audit)
+app.add_typer(challenge_app, name="challenge")
 
 
 @app.command(
     epilog="Examples: fem-contact run quickstart  |  fem-contact run mine.toml --workers 2 --store "
     "results/solves"
     "  |  fem-contact run mine.toml --dry-run  |  fem-contact run mine.toml --accuracy 1%"
+    "  |  fem-contact run mine.toml --set surface.hurst=0.7 --set hardness='3 GPa'"
 )
 def run(
     scene: SceneArgument = "quickstart",
+    settings: SetOption = None,
     output: OutputOption = None,
     store: StoreOption = None,
     workers: WorkersOption = None,
@@ -84,7 +92,8 @@ def run(
     """Run a scene: solve, compare, write table, fields and report.
 
     Finished solves in the store are used again, so an interrupted run continues where it stopped. Options of
-    where and how to run may also stand in the scene, in its table 'run'. With --accuracy, grids, tolerance
+    where and how to run may also stand in the scene, in its table 'run'. A scene with a table 'sweep' is run
+    at every value of the keys it lists, into one dataset and one report. With --accuracy, grids, tolerance
     and number of surfaces are chosen instead of read from the scene, and results go to
     results/NAME-accuracy.
     """
@@ -93,11 +102,12 @@ def run(
     from validation.comparison.run import run_scene
     from validation.scenes.checks import check_scene
     from validation.scenes.realised import realise
-    from validation.scenes.scene import load_scene, not_led_out
+    from validation.scenes.scene import not_led_out
+    from validation.scenes.sweep import Sweep, load_asked
     from validation.solves.press import solves_of
     from validation.solves.store import Store
 
-    loaded = load_scene(scene)
+    loaded = load_asked(scene, settings or ())
     said = loaded.run
     results = Path("results")
     plain = (
@@ -110,6 +120,20 @@ def run(
         folder = not_led_out(plain.with_name(f"{plain.name}-accuracy"), of=results, option="--output")
     store_folder = store or said.folder("store") or not_led_out(plain / "solves", of=plain, option="--store")
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
+    if isinstance(loaded, Sweep):
+        run_swept(
+            loaded,
+            scene,
+            folder,
+            store_folder=store_folder,
+            execution=execution,
+            dry_run=dry_run,
+            report=with_report,
+            quiet=quiet or said.quiet,
+            as_json=as_json,
+            unfit={"--accuracy": accuracy, "--time-limit": time_limit, "--pictures": pictures},
+        )
+        return
     chosen = chosen_accuracy(accuracy, time_limit=time_limit, dry_run=dry_run, execution=execution)
     with naming(scene):
         realised = realise(loaded)
@@ -224,14 +248,17 @@ def study(
 
 
 @app.command(epilog="Example: fem-contact explain quickstart")
-def explain(scene: SceneArgument = "quickstart", as_json: JsonOption = False) -> None:
+def explain(
+    scene: SceneArgument = "quickstart", settings: SetOption = None, as_json: JsonOption = False
+) -> None:
     """Say what a scene would run, on which grids, at what cost, and what it leaves out. Solves nothing."""
     from validation.comparison.explain import explain as explain_scene
-    from validation.scenes.scene import load_scene
+    from validation.comparison.sweep import explain_sweep
+    from validation.scenes.sweep import Sweep, load_asked
 
-    loaded = load_scene(scene)
+    loaded = load_asked(scene, settings or ())
     with naming(scene):
-        explanation = explain_scene(loaded)
+        explanation = explain_sweep(loaded) if isinstance(loaded, Sweep) else explain_scene(loaded)
     if as_json:
         typer.echo(json.dumps(explanation.summary(), indent=2))
     else:
@@ -256,7 +283,10 @@ def calibrate(
         typer.echo(f"Kept in {cache_file()}")
 
 
-@app.command(epilog="Examples: fem-contact validate --quick  |  fem-contact validate hertz westergaard")
+@app.command(
+    epilog="Examples: fem-contact validate --quick  |  fem-contact validate hertz westergaard  |  "
+    "fem-contact validate --method my_module:solve --method bem"
+)
 def validate(
     names: Annotated[
         list[str] | None, typer.Argument(metavar="CASE", help="Cases to run; all if not given.")
@@ -265,11 +295,27 @@ def validate(
         bool, typer.Option("--quick", help="Only what takes seconds; under three minutes.")
     ] = False,
     list_all: Annotated[bool, typer.Option("--list", help="Name the cases and their claims.")] = False,
+    method: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--method", metavar="NAME", help="Score this solver: a method, or module:function of your own."
+        ),
+    ] = None,
+    tolerance: Annotated[
+        float, typer.Option("--tolerance", min=1e-12, max=1e-2, help="Of the residuals, with --method.")
+    ] = 1e-6,
+    output: OutputOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Check every case with a known answer; exit with 1 if any fails."""
+    """Check every case with a known answer; exit with 1 if any fails.
+
+    With --method, a scorecard of that solver is written instead; further ones stand beside the first.
+    """
     from validation.cases import chosen_cases, run_cases, verdict_table
 
+    if method:
+        _score(method, quick=quick, tolerance=tolerance, output=output, as_json=as_json)
+        return
     cases = chosen_cases(names or [], quick=quick)
     if list_all:
         for case in cases:
@@ -286,6 +332,35 @@ def validate(
         raise RunFailed(f"{len(failed)} of {len(verdicts)} cases failed: {', '.join(failed)}")
     if not as_json:
         typer.echo(f"all {len(verdicts)} cases passed")
+
+
+def _score(names: list[str], *, quick: bool, tolerance: float, output: Path | None, as_json: bool) -> None:
+    """Write the scorecards of solvers; fail where the first of them does."""
+    from validation.cases.scorecard import Subject, score
+    from validation.cases.scorecard.sheet import write_scorecards
+    from validation.files import prepare_folder
+    from validation.methods import chosen_solver
+
+    chosen = {name: chosen_solver(name) for name in names}
+    plain = re.sub(r"[^A-Za-z0-9._-]", "-", names[0])
+    folder = prepare_folder(output or Path("results") / f"scorecard-{plain}")
+    cards = []
+    with stopping_cleanly():
+        for name, (solver, settings) in chosen.items():
+            subject = Subject(name=name, solver=solver, settings=settings, tolerance=tolerance, quick=quick)
+            if not as_json:
+                typer.echo(f"{name}:")
+            cards.append(score(subject, tell=None if as_json else lambda line: say(line, prefix="")))
+    files = write_scorecards(cards, folder)
+    if as_json:
+        typer.echo(files[1].read_text(encoding="utf-8"), nl=False)
+    else:
+        _list(files)
+    first = cards[0]
+    if first.failed:
+        raise RunFailed(first.sentence)
+    if not as_json:
+        typer.echo(first.sentence)
 
 
 @app.command(epilog="Examples: fem-contact reproduce  |  fem-contact reproduce --no-figures --json")
@@ -317,16 +392,24 @@ def reproduce(
 
 @app.command(epilog="Example: fem-contact report results/quickstart")
 def report(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Results folder of a run or a study.")],
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Results folder of a run, a sweep or a study.")
+    ],
     pictures: PicturesOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Write the report of a finished run or study again, from stored results alone. Solves nothing."""
     from validation.comparison.run import report_run
+    from validation.comparison.sweep import is_sweep, report_sweep
     from validation.studies._outputs import check_results, is_study, report_study
 
     check_results(folder)
-    files = report_study(folder).files if is_study(folder) else report_run(folder, pictures=pictures).files
+    if is_sweep(folder):
+        files = report_sweep(folder).files
+    else:
+        files = (
+            report_study(folder).files if is_study(folder) else report_run(folder, pictures=pictures).files
+        )
     if as_json:
         typer.echo(json.dumps([str(path) for path in files], indent=2))
     else:

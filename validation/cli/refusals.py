@@ -14,12 +14,15 @@ from validation.files import system_words
 __all__ = ["refusals_in_words"]
 
 _STORED = "every finished solve is stored, and the same command continues after it"
+#: Address space that numba, OpenBLAS and the interpreter take before a surface is made [bytes].
+_LEAST = 2**30
 _MEMORY = f"memory does not suffice (ulimit -v, smaller grids, fewer --workers); {_STORED}"
 
 
 @contextlib.contextmanager
 def refusals_in_words() -> Iterator[None]:
     """Turn a refusal of the system into a sentence and exit code 1."""
+    _refuse_too_little()
     try:
         try:
             yield
@@ -42,6 +45,18 @@ def refusals_in_words() -> Iterator[None]:
         if "can't start new thread" not in str(error):
             raise
         _end(f"no further thread can be started (ulimit -u, ulimit -v); {_STORED}")
+
+
+def _refuse_too_little() -> None:
+    """Refuse a limit of memory under which libraries abort the process with words of their own."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return
+    limit = resource.getrlimit(resource.RLIMIT_AS)[0]
+    if limit != resource.RLIM_INFINITY and limit < _LEAST:
+        say(f"ulimit -v = {limit // 1024}: the libraries alone take more; allow {_LEAST // 1024} or more")
+        sys.exit(2)
 
 
 def _for_want_of_memory(error: ImportError) -> bool:

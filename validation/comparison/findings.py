@@ -207,13 +207,24 @@ def _difference(c: Comparison, checks: list[CrossCheck]) -> str:
     )
     if first is last:
         return text + "."
-    pressure = "shrinks" if last.pressure < first.pressure else "does not shrink"
-    area = "shrinks" if abs(last.pixel) < abs(first.pixel) else "does not shrink"
+    pressure = _shrinks([check.pressure for check in checks], checks)
+    area = _shrinks([abs(check.pixel) for check in checks], checks)
     return (
         text
         + f"; on {first.grid[0]} x {first.grid[1]} by {percent(first.pressure)} and {percent(first.pixel)}: "
         f"with refinement the difference in pressure {pressure} and that in area {area}."
     )
+
+
+def _shrinks(differences: list[float], checks: list[CrossCheck]) -> str:
+    """Say whether differences shrink with refinement, and like which power of dx where three grids tell."""
+    if differences[-1] >= differences[0]:
+        return "does not shrink"
+    if len(checks) < 3:
+        return "shrinks"
+    spacing = np.log([1 / check.points_per_wave for check in checks])
+    order = float(np.polyfit(spacing, np.log(differences), 1)[0])
+    return f"shrinks like dx^{order:.2f} (fit over {len(checks)} grids)"
 
 
 def _pressure_at_zero(c: Comparison) -> list[str]:

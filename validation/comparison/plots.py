@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from validation.report.figure import LOOK, new_figure
+from validation.report.figure import looks, new_figure
 from validation.report.words import significant, with_error
 
 if TYPE_CHECKING:
@@ -20,10 +20,14 @@ if TYPE_CHECKING:
 __all__ = ["area_figure", "cost_figure", "pressure_at_zero_figure", "pressure_maps_figure"]
 
 
+def _looks(comparison: Comparison) -> dict[tuple[str, str], dict[str, Any]]:
+    return looks({name: solver.label for name, solver in comparison.scene.methods.solvers.items()})
+
+
 def area_figure(comparison: Comparison) -> Figure:
     """Contact area against grid spacing: pixel, corrected, limit and theory, FEM beside BEM."""
     figure, (axes,) = new_figure()
-    for (method, name), look in LOOK.items():
+    for (method, name), look in _looks(comparison).items():
         rows = comparison.rows_of(method)
         if rows:
             spacing = [1 / row.points_per_wave for row in rows]
@@ -100,7 +104,7 @@ def cost_figure(comparison: Comparison) -> Figure:
         axes.text(0.5, 0.5, "no limit: the error is not determinable", ha="center", transform=axes.transAxes)
         return figure
     floor = max(limit.uncertainty / limit.value, 1e-6)
-    for (method, name), look in LOOK.items():
+    for (method, name), look in _looks(comparison).items():
         rows = comparison.rows_of(method)
         if rows:
             errors = [max(abs(getattr(row, name) / limit.value - 1), 1e-6) for row in rows]

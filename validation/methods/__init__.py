@@ -9,7 +9,7 @@ from validation.errors import UsageError
 from validation.methods.base import Method, Solver
 from validation.registry import found_in
 
-__all__ = ["Method", "Solver", "find_method", "find_solver", "methods"]
+__all__ = ["Method", "Solver", "chosen_solver", "find_method", "find_solver", "methods"]
 
 
 @cache
@@ -17,10 +17,12 @@ def methods() -> Mapping[str, Method]:
     """Return all methods by name: those of this package, then those of other packages.
 
     Another package adds one by an entry point of the group ``fem_contact.methods``. The first solver that a
-    scene lists is the one its limit is taken from and the others are compared with.
+    scene lists is the one its limit is taken from and the others are compared with; so those written
+    elsewhere stand last.
     """
     kinds = found_in(__name__, Method, group="fem_contact.methods")  # type: ignore[type-abstract]
-    return {kind.name: kind() for kind in kinds}
+    ours_first = sorted(kinds, key=lambda kind: getattr(kind, "foreign", False))
+    return {kind.name: kind() for kind in ours_first}
 
 
 def find_method(name: str) -> Method:
@@ -34,6 +36,28 @@ def find_method(name: str) -> Method:
     if name not in methods():
         raise UsageError(f"method {name!r}: no such method; one of: {', '.join(methods())}")
     return methods()[name]
+
+
+def chosen_solver(text: str) -> tuple[Solver, dict[str, float | str]]:
+    """Return a solver by name, or the user's own by ``module:function``, and what it is told.
+
+    Raises
+    ------
+    UsageError
+        For one that is unknown, presses no surface, or is not installed.
+    """
+    from validation.methods.own import Own
+
+    if ":" in text:
+        own = Own()
+        return own, dict(own.named(text))
+    found = find_solver(text)
+    if isinstance(found, Own):
+        raise UsageError(f"method {text!r}: say which function: module:name")
+    missing = found.available()
+    if missing is not None:
+        raise UsageError(f"method {text!r}: {missing}")
+    return found, {}
 
 
 def find_solver(name: str) -> Solver:

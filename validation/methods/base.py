@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 from pydantic import Field, StrictBool
 
 from fem_contact.contact import ContactResult
@@ -19,7 +20,7 @@ from validation.units import Grids, Number, Table
 if TYPE_CHECKING:
     from validation.scenes.realised import Realised
 
-__all__ = ["Cost", "Gridded", "Method", "Settings", "Solved", "Solver", "example_field"]
+__all__ = ["Claim", "Cost", "Gridded", "Method", "Settings", "Solved", "Solver", "example_field"]
 
 Grid = tuple[int, int]
 Shift = tuple[float, float]
@@ -59,6 +60,42 @@ class Solved:
 
     contact: ContactResult
     block: Any = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Claim:
+    """What a solver says, before anybody judges it.
+
+    Attributes
+    ----------
+    pressure : (nx, ny) array
+        [Pa], compression positive.
+    in_contact : (nx, ny) array of bool, or None
+        Its contact set; None where it names none.
+    iterations : int
+        0 where it does not say.
+    wall_seconds, cpu_seconds : float
+    peak_bytes : int
+    """
+
+    pressure: NDArray[np.float64]
+    in_contact: NDArray[np.bool_] | None
+    iterations: int
+    wall_seconds: float
+    cpu_seconds: float
+    peak_bytes: int
+
+    @classmethod
+    def of(cls, contact: ContactResult) -> Claim:
+        """Return what a result says."""
+        return cls(
+            pressure=contact.pressure,
+            in_contact=contact.in_contact,
+            iterations=contact.cost.iterations,
+            wall_seconds=contact.cost.wall_seconds,
+            cpu_seconds=contact.cost.cpu_seconds,
+            peak_bytes=contact.cost.peak_bytes,
+        )
 
 
 class Method(ABC):
@@ -118,11 +155,21 @@ class Solver(Method):
         Whether the place of an edge inside a cell is known for the bare half-space on square cells.
     for_ensembles : bool
         Whether it is quick enough for the realisations of an ensemble.
+    foreign : bool
+        Whether it was written elsewhere; such ones stand after the others.
+    half_space : bool
+        Whether it solves the bare half-space, u-hat = 2 p-hat / (E* q) at the grid points, so that its
+        residuals follow from its pressure alone.
+    score_points : int
+        Points along a side of the coarsest grid of its scorecard.
     """
 
     slots: ClassVar[frozenset[SlotName]] = frozenset()
     locates_edges: ClassVar[bool] = False
     for_ensembles: ClassVar[bool] = False
+    foreign: ClassVar[bool] = False
+    half_space: ClassVar[bool] = False
+    score_points: ClassVar[int] = 32
 
     def handles(self, effect: type[Effect]) -> bool:
         """Whether the slot of the effect is one of its own."""
@@ -160,6 +207,17 @@ class Solver(Method):
         threads: int | None = None,
     ) -> Solved:
         """Press a surface [m] with a nominal pressure [Pa]."""
+
+    def claim(
+        self, field: HeightField, *, mean_pressure: float, slots: Slots, settings: Mapping[str, Any]
+    ) -> Claim:
+        """Return what it says, unjudged."""
+        found = self.solve(field, mean_pressure=mean_pressure, slots=slots, settings=settings, threads=1)
+        return Claim.of(found.contact)
+
+    def score_settings(self, points: int) -> dict[str, float | str]:
+        """Return what its scorecard tells it on a grid, so that refining the grid refines all of it."""
+        return {}
 
     def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Run through the compiled passes once, so that no solve is charged with loading them."""

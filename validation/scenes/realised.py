@@ -224,8 +224,23 @@ class Surveyed(Realised):
         return super().field
 
 
-def realise(scene: Scene) -> Realised:
-    """Return what a scene asks for, to be made once and handed down."""
-    return Realised(
-        surface=scene.surface, solid=scene.solid, load=scene.load, drawn=bool(scene.methods.solvers)
-    )
+#: What is made of the surface alone, whatever the solid and the load.
+_OF_THE_SURFACE = ("_waves", "measured", "field", "spectrum", "_estimate")
+
+
+def realise(scene: Scene, *, like: Realised | None = None, kind: type[Realised] = Realised) -> Realised:
+    """Return what a scene asks for, to be made once and handed down.
+
+    Parameters
+    ----------
+    scene : Scene
+    like : Realised, optional
+        What another scene asks for: if its surface is the same, it is not made again.
+    kind : type
+        `Surveyed` where it is only looked at.
+    """
+    made = kind(surface=scene.surface, solid=scene.solid, load=scene.load, drawn=bool(scene.methods.solvers))
+    same = like is not None and replace(like, solid=made.solid, load=made.load) == made
+    if like is not None and same:
+        made.__dict__.update({name: like.__dict__[name] for name in _OF_THE_SURFACE if name in like.__dict__})
+    return made

@@ -30,6 +30,8 @@ _AHEAD = 2
 _LOOK_EVERY, _TOLD_AFTER = 1.0, 30.0
 #: How long a scheduler that does not answer is waited for [s].
 _LOST_AFTER = 30.0
+#: How long the few words of a worker may take to come [s].
+_ANSWER_WITHIN = 5.0
 
 #: Code paths that this process is warm for, where it is a worker.
 _WARM: set[tuple[str, ...]] = set()
@@ -68,8 +70,8 @@ class _Cluster:
             except queue.Empty:
                 yield from self._looked_after()
                 continue
-            solve, _, _ = self.submitted.pop(future.key, (None, None, None))
-            outcome = None if solve is None else self._outcome(future, solve)
+            known = self.submitted.pop(future.key, None)
+            outcome = None if known is None else self._outcome(future, known[0])
             if outcome is not None:
                 yield outcome
 
@@ -96,7 +98,12 @@ class _Cluster:
     def _outcome(self, future: Any, solve: Solve) -> Outcome | None:
         """Return how a solve ended; None if it is tried again."""
         if future.status == "finished":
-            said = json.loads(str(future.result(timeout=_LOST_AFTER)))
+            said = _answer(future)
+            if said is None:  # the worker died with its answer, but what it solved may be stored
+                if self.store.path(solve).exists():
+                    return Outcome(solve=solve)
+                self.waiting.insert(0, solve)
+                return None
             outcome = Outcome(solve=solve, error=said["error"], fatal=bool(said["fatal"]))
             if outcome.error is None and not _visible(self.store.path(solve)):
                 return Outcome(solve=solve, error=_unshared(self.store.path(solve)), fatal=True)
@@ -301,10 +308,23 @@ def _unshared(path: Path) -> str:
     )
 
 
+def _answer(future: Any) -> dict[str, Any] | None:
+    """Return what a worker said at the end of a solve; None if it cannot be had any more."""
+    try:
+        said: dict[str, Any] = json.loads(str(future.result(timeout=_ANSWER_WITHIN)))
+        return said
+    except Exception:  # of a worker or a scheduler that is lost, Dask raises what its state makes of it
+        with contextlib.suppress(Exception):
+            future.cancel()
+        return None
+
+
 def _reason(future: Any) -> tuple[str, bool]:
     """Say why there is no result, and whether the workers died."""
-    error = future.exception(timeout=_LOST_AFTER)
-    if type(error).__name__ == "KilledWorker":
+    error = future.exception(timeout=_ANSWER_WITHIN)
+    # Where tblib is loaded, an exception travels as its class and what it holds.
+    kinds = [type(error), *(one for one in error.args if isinstance(one, type))]
+    if any(kind.__name__ == "KilledWorker" for kind in kinds):
         return "its workers died again and again, killed from outside or for lack of memory", True
     return f"{type(error).__name__}: {error}".splitlines()[0], False
 

@@ -52,7 +52,7 @@ def dataset_bytes(data: xr.Dataset) -> memoryview:
     from xarray.backends import NetCDF4DataStore
 
     memory = InMemory()
-    data.dump_to_store(NetCDF4DataStore(memory.file))
+    data.dump_to_store(NetCDF4DataStore(memory.file))  # type: ignore[no-untyped-call]
     return memory.close()
 
 
@@ -63,5 +63,6 @@ def read_dataset(content: memoryview) -> xr.Dataset:
     from xarray.backends import NetCDF4DataStore
 
     # xarray closes the file.
-    with xr.open_dataset(NetCDF4DataStore(netCDF4.Dataset("memory", memory=content))) as data:
+    store = NetCDF4DataStore(netCDF4.Dataset("memory", memory=content))  # type: ignore[no-untyped-call]
+    with xr.open_dataset(store) as data:
         return data.load()

@@ -11,11 +11,14 @@ from typing import TYPE_CHECKING, Any
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.effects import effect_kinds
 from validation.errors import UsageError
-from validation.files import atomic_path, write_json
+from validation.files import read_whole, write_json, write_whole
 from validation.methods import methods
 from validation.report.page import Page, write_page
 from validation.report.papers import MEASURED, PERIMETER
 from validation.report.table import shown, shown_dataset
+from validation.solves.netcdf import dataset_bytes, read_dataset
+from validation.solves.provenance import Made
+from validation.solves.seal import Damaged, seal, unseal
 from validation.studies import Study, StudyOptions, find_study
 
 if TYPE_CHECKING:
@@ -49,11 +52,12 @@ def run_study(
         "study": study.name,
         "options": options.model_dump(mode="json", exclude_none=True),
     }
-    for other in ("run.json", "accuracy.json"):  # the folder is that of this study now
+    for other in ("run.json", "accuracy.json", "sweep.json"):  # the folder is that of this study now
         (folder / other).unlink(missing_ok=True)
     write_json(folder / _RECORD, said)
-    with atomic_path(folder / _DATA) as draft:
-        data.to_netcdf(draft, engine="netcdf4")
+    content = dataset_bytes(data)
+    made = Made.now(threads=1, seconds=0.0).as_json()
+    write_whole(folder / _DATA, (content, seal(content, recipe=json.dumps(said), made=made)))
     return report_study(folder, numbers_only=not report)
 
 
@@ -69,7 +73,7 @@ def check_results(folder: Path) -> None:
     ------
     UsageError
     """
-    records = ("run.json", _RECORD)
+    records = ("run.json", "sweep.json", _RECORD)
     if any((folder / record).exists() for record in records):
         return
     places = sorted(
@@ -96,13 +100,13 @@ def report_study(folder: Path, *, numbers_only: bool = False) -> StudyOutputs:
     UsageError
         For a folder that holds no finished study of this version.
     """
-    import xarray as xr
-
     try:
         said = json.loads((folder / _RECORD).read_text(encoding="utf-8"))
         study = find_study(said["study"])
-        with xr.open_dataset(folder / _DATA, engine="netcdf4") as stored:
-            data = stored.load()
+        # Verified before it is parsed: a flipped bit would be another number.
+        data = read_dataset(unseal(read_whole(folder / _DATA)).content)
+    except Damaged as damage:
+        raise UsageError(f"{folder / _DATA}: damaged: {damage}; run the study again") from None
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{folder}: holds no finished study ({error})") from None
     page = study_page(study, data, said["options"], figures=not numbers_only)

@@ -1,0 +1,158 @@
+"""Solves, progress and clusters that the tests of the bench share; imported by worker processes, too."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from validation.solves import pool
+from validation.solves.running import Silent
+from validation.solves.solve import NumbersSolve, Prediction
+from validation.studies import area
+
+
+class Notes(Silent):
+    """Progress that remembers."""
+
+    def __init__(self):
+        self.notes, self.begun, self.finished, self.missing = [], [], [], None
+
+    def start(self, missing, stored):
+        self.missing = len(missing)
+
+    def begin(self, solve):
+        self.begun.append(solve.key)
+
+    def done(self, solve):
+        self.finished.append(solve.key)
+
+    def note(self, text):
+        self.notes.append(text)
+
+
+class Numbers(NumbersSolve):
+    """A solve of a study: some numbers made from a seed."""
+
+    def __init__(self, seed=7):
+        self.seed = seed
+
+    @property
+    def recipe(self):
+        return {"seed": self.seed}
+
+    prefix = "numbers"
+    code_path = ()
+
+    def describe(self):
+        return f"numbers of seed {self.seed}"
+
+    def predict(self, *, pair_seconds=0.5e-3):
+        return Prediction(seconds=0.1, peak_bytes=1, unknowns=1)
+
+    def measure(self):
+        rng = np.random.default_rng(self.seed)
+        return xr.Dataset(
+            {
+                "area": ("grid", rng.random(40), {"units": "1"}),
+                "counted": ("grid", rng.integers(0, 9, 40)),
+                "resolved": ("grid", rng.random(40) > 0.5),
+                "zeros": ("grid", np.zeros(40)),
+            },
+            coords={"grid": np.arange(40), "name": ("kind", ["fine", "coarse"])},
+            attrs={"note": "for a test"},
+        )
+
+
+def fields(points=12, load=0.1):
+    """A small solve of a scene."""
+    told = area.Options(grids=(12, 16), periods=2.0, bandwidth=2.0, hurst=0.7, surfaces=2, seed=21)
+    return area.solve_of(told, surface=0, reduced_pressure=load, points=points)
+
+
+class Slow(Numbers):
+    """Numbers that take their time."""
+
+    seconds = 0.4
+
+    def measure(self):
+        time.sleep(self.seconds)
+        return super().measure()
+
+
+class Endless(Slow):
+    seconds = 600
+
+
+class Deadly(Numbers):
+    """A solve that kills its worker as often as a file says."""
+
+    def __init__(self, seed, tally):
+        super().__init__(seed)
+        self.tally = tally
+
+    def measure(self):
+        left = int(Path(self.tally).read_text())
+        if left:
+            Path(self.tally).write_text(str(left - 1))
+            os.kill(os.getpid(), signal.SIGKILL)
+        return super().measure()
+
+
+class DiesAtStart(Numbers):
+    """A worker that dies while it makes itself ready, as often as a file says."""
+
+    code_path = ("start",)
+
+    def __init__(self, seed, tally):
+        super().__init__(seed)
+        self.tally = tally
+
+    def warm_up(self):
+        left = int(Path(self.tally).read_text())
+        if left:
+            Path(self.tally).write_text(str(left - 1))
+            print("no room for this library", file=sys.stderr, flush=True)
+            os.kill(os.getpid(), signal.SIGKILL)
+
+
+class Team(list):
+    """Processes of Dask workers, and how to start one more."""
+
+    def __init__(self, start):
+        super().__init__()
+        self.start = start
+
+
+@contextmanager
+def dask_cluster(folder, workers=2, paths=()):
+    """A scheduler and workers of one thread, each a process of its own."""
+    address = folder / "scheduler.json"
+    path = os.pathsep.join(entry for entry in (*sys.path, *paths) if entry)
+    environment = {**os.environ, **pool.ONE_THREAD, "PYTHONPATH": path}
+    quiet = {"env": environment, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
+    here = ("--host", "127.0.0.1", "--no-dashboard")
+    command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", "0", *here]
+    scheduler = subprocess.Popen([*command, "--scheduler-file", str(address)], **quiet)
+    worker = [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", str(address), *here]
+    worker += ["--nthreads", "1", "--no-nanny", "--memory-limit", "1GiB"]
+    team = Team(lambda: subprocess.Popen(worker, **quiet))
+    try:
+        for _ in range(600):
+            if address.exists():
+                break
+            time.sleep(0.05)
+        team += [team.start() for _ in range(workers)]
+        yield json.loads(address.read_text())["address"], team, scheduler
+    finally:
+        for process in (*team, scheduler):
+            process.kill()
+            process.wait()

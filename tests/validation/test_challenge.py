@@ -1,0 +1,123 @@
+"""The scorecard by files: a solver in plain C goes round, in whole and in part."""
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from validation.cases.scorecard.challenge import export, score_folder
+from validation.cli import app
+from validation.errors import UsageError
+
+SOURCE = Path(__file__).with_name("polonsky_keer.c")
+
+
+@pytest.fixture(scope="module")
+def problems(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("challenge")
+    export(folder, points=16, tolerance=1e-6)
+    return folder
+
+
+@pytest.fixture
+def folder(problems: Path, tmp_path: Path) -> Path:
+    """A copy that may be answered."""
+    return Path(shutil.copytree(problems, tmp_path / "mine"))
+
+
+@pytest.fixture(scope="module")
+def answered(problems: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Answers of the solver in C to every problem."""
+    compiler = shutil.which("cc") or shutil.which("gcc")
+    if compiler is None:
+        pytest.skip("no C compiler")
+    place = tmp_path_factory.mktemp("solver")
+    subprocess.run([compiler, "-O2", "-o", "solver", str(SOURCE), "-lm"], cwd=place, check=True)
+    folder = Path(shutil.copytree(problems, place / "answered"))
+    for problem in sorted(folder.glob("problem-*")):
+        subprocess.run([str(place / "solver")], cwd=problem, check=True, timeout=120)
+    return folder
+
+
+def test_a_solver_in_plain_c_passes_every_row(answered: Path) -> None:
+    outcome = CliRunner().invoke(app, ["challenge", "score", str(answered), "--json"])
+    assert outcome.exit_code == 0, outcome.output
+    card = json.loads((answered / "scorecard.json").read_text(encoding="utf-8"))["scorecards"][0]
+    assert card["passed"]
+    assert card["left_out"] == {}
+    assert {"hertz", "westergaard", "honesty", "rough-4"} <= {row["case"] for row in card["rows"]}
+
+
+def test_answers_that_are_wrong_by_a_factor_are_named(answered: Path, tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(answered, tmp_path / "doubled"))
+    for file in folder.glob("problem-*/pressure.txt"):
+        pressure = np.loadtxt(file)
+        np.savetxt(file, 2 * (pressure - pressure.mean()) + pressure.mean())
+    outcome = CliRunner().invoke(app, ["challenge", "score", str(folder)])
+    assert outcome.exit_code == 1
+    card = json.loads((folder / "scorecard.json").read_text(encoding="utf-8"))["scorecards"][0]
+    failed = {row["case"] for row in card["rows"] if not row["passed"]}
+    assert {"tension", "factor", "honesty"} <= failed
+
+
+def test_what_is_not_answered_is_left_out_and_said_so(answered: Path, tmp_path: Path) -> None:
+    folder = Path(shutil.copytree(answered, tmp_path / "part"))
+    for place in folder.glob("problem-*"):
+        said = json.loads((place / "problem.json").read_text(encoding="utf-8"))
+        if said["shape"][0] % 2:
+            (place / "pressure.txt").unlink()
+    card = score_folder(folder)
+    assert set(card.left_out) == {"odd-axes"}
+    assert "has no answer" in card.left_out["odd-axes"]
+    assert not card.failed
+
+
+def test_problems_say_everything_but_what_they_are(problems: Path) -> None:
+    folders = sorted(problems.glob("problem-*"))
+    assert len(folders) > 30
+    for place in folders:
+        assert {file.name for file in place.iterdir()} == {
+            *("heights.npy", "heights.txt", "parameters.txt", "problem.json")
+        }
+        said = json.loads((place / "problem.json").read_text(encoding="utf-8"))
+        heights = np.load(place / "heights.npy")
+        np.testing.assert_array_equal(np.loadtxt(place / "heights.txt"), heights)
+        assert list(heights.shape) == said["shape"]
+        numbers = np.loadtxt(place / "parameters.txt")
+        assert numbers[5] == said["mean_pressure_Pa"]
+        words = json.dumps(said).lower()
+        assert not any(name in words for name in ("hertz", "westergaard", "honesty", "symmetry", "rough-"))
+
+
+@pytest.mark.parametrize(
+    ("values", "says"),
+    [
+        (np.zeros((3, 3)), r"shape \(3, 3\): must be that of the heights"),
+        (np.array(["a", "b"]), "cannot be read"),
+    ],
+)
+def test_an_answer_that_fits_no_problem_is_refused_by_name(
+    folder: Path, values: np.ndarray, says: str
+) -> None:
+    np.save(folder / "problem-004" / "pressure.npy", values)
+    with pytest.raises(UsageError, match=rf"problem-004.*{says}"):
+        score_folder(folder)
+
+
+def test_a_folder_without_answers_is_refused(folder: Path) -> None:
+    with pytest.raises(UsageError, match="no answer"):
+        score_folder(folder)
+
+
+def test_a_folder_that_is_no_challenge_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="fem-contact challenge export"):
+        score_folder(tmp_path)
+
+
+def test_answers_are_not_exported_over(folder: Path) -> None:
+    with pytest.raises(UsageError, match="holds a challenge already"):
+        export(folder, points=16, tolerance=1e-6)

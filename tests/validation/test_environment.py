@@ -1,0 +1,154 @@
+"""What schedulers and containers leave behind, and what the machine refuses: a line, not a traceback."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+from solving import Numbers
+
+from validation import environment
+from validation.solves.running import solve_all
+from validation.solves.store import Store
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(autouse=True)
+def environment_restored():
+    """What is settled in one test is not left to the next."""
+    before = dict(os.environ)
+    yield
+    os.environ.clear()
+    os.environ.update(before)
+
+
+def command(*arguments, shell="", **extra):
+    """Run `fem-contact`, after commands of the shell."""
+    path = os.pathsep.join([str(ROOT), *filter(None, sys.path)])
+    line = f'{shell} exec "$0" -m validation.cli "$@"'
+    return subprocess.run(
+        ["bash", "-c", line, sys.executable, *arguments],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, "PYTHONPATH": path, **extra},
+    )
+
+
+@pytest.mark.parametrize(
+    ("said", "kept"), [("", None), ("2,1", "2"), (" 4 ", "4"), ("0", None), ("-1", None), ("many", None)]
+)
+def test_numbers_of_threads_are_put_right(monkeypatch, said, kept):
+    monkeypatch.setenv("OMP_NUM_THREADS", said)
+    environment.settle()
+    assert os.environ.get("OMP_NUM_THREADS") == kept
+
+
+@pytest.mark.parametrize("said", ["", "2,1"])
+def test_a_surface_is_made_whatever_omp_num_threads_says(tmp_path, said):
+    target = tmp_path / "rough.npy"
+    done = command("surface", "generate", "quickstart", str(target), "--grid", "128", OMP_NUM_THREADS=said)
+    assert done.returncode == 0, done.stderr
+    assert target.exists()
+
+
+def test_compiled_passes_are_kept_in_a_private_folder_where_nothing_else_can_be_written(
+    monkeypatch, tmp_path
+):
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    monkeypatch.setattr(environment, "_writable", lambda folder: str(folder).startswith(str(tmp_path)))
+    monkeypatch.setattr(environment.tempfile, "gettempdir", lambda: str(tmp_path))
+    environment.settle()
+    folder = Path(os.environ["NUMBA_CACHE_DIR"])
+    assert folder.parent == tmp_path
+    assert folder.stat().st_mode & 0o777 == 0o700
+    folder.chmod(0o777)  # somebody else may have put there what we would run
+    monkeypatch.delenv("NUMBA_CACHE_DIR")
+    monkeypatch.setattr(environment.tempfile, "tempdir", str(tmp_path))
+    environment.settle()
+    assert Path(os.environ["NUMBA_CACHE_DIR"]) != folder
+
+
+def test_a_cache_that_can_be_written_is_left_alone(monkeypatch, tmp_path):
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    environment.settle()
+    assert os.environ["NUMBA_CACHE_DIR"] == str(tmp_path)
+    monkeypatch.setenv("NUMBA_CACHE_DIR", "/proc/nowhere")
+    monkeypatch.setattr(environment.os, "access", lambda place, mode: not str(place).startswith("/proc"))
+    environment.settle()
+    assert os.environ.get("NUMBA_CACHE_DIR") != "/proc/nowhere"
+
+
+def test_kernels_compile_with_a_read_only_home_and_package(tmp_path):
+    """Both on a file system that nobody can write to, as in a container."""
+    inside, mount = tmp_path / "image", shutil.which("mount")
+    inside.mkdir()
+    for name in ("persson", "fem_contact", "validation"):
+        shutil.copytree(ROOT / name, inside / name, ignore=shutil.ignore_patterns("__pycache__"))
+    bound = mount and subprocess.run([mount, "--bind", inside, inside], capture_output=True, check=False)
+    if not bound or bound.returncode:
+        pytest.skip("LOUD: a read-only package folder is not tested: nothing can be mounted here")
+    try:
+        subprocess.run([mount, "-o", "remount,ro,bind", inside], check=True)
+        code = (
+            "import validation, fem_contact.complementarity.kernels, os; print(os.environ['NUMBA_CACHE_DIR'])"
+        )
+        kept = {
+            key: value for key, value in os.environ.items() if key not in ("XDG_CACHE_HOME", "PYTHONPATH")
+        }
+        kept |= {"HOME": str(inside), "TMPDIR": str(tmp_path), "PYTHONPATH": str(inside)}
+        done = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=False, env=kept, cwd=tmp_path
+        )
+    finally:
+        subprocess.run(["umount", "-l", inside], check=True)
+    assert done.returncode == 0, done.stderr
+    assert Path(done.stdout.strip()).parent == tmp_path
+
+
+@pytest.mark.parametrize("arguments", [("scenes", "list"), ("--help",), ("scenes", "show", "quickstart")])
+def test_an_output_that_is_full_is_one_line(arguments):
+    done = command(*arguments, shell="exec > /dev/full;")
+    assert done.returncode == 1
+    assert done.stderr == "fem-contact: the output cannot be written (No space left on device)\n"
+
+
+def test_too_little_memory_is_one_line(tmp_path):
+    done = command("run", "quickstart", "-q", "-o", str(tmp_path), shell="ulimit -v 600000;")
+    assert done.returncode == 2
+    assert done.stderr == (
+        "fem-contact: ulimit -v = 600000: the libraries alone take more; allow 1048576 or more\n"
+    )
+
+
+def test_store_check_verifies_lists_and_sets_aside(tmp_path):
+    store, solves = Store(folder=tmp_path / "solves"), [Numbers(k) for k in range(3)]
+    solve_all(solves, store)
+    done = command("store", "check", str(store.folder))
+    assert done.returncode == 0, done.stderr
+    assert "3 of 3 solves are intact" in done.stdout
+    assert "done on" in done.stdout or "done between" in done.stdout
+    data = bytearray(store.path(solves[1]).read_bytes())
+    data[2000] ^= 1
+    store.path(solves[1]).write_bytes(data)
+    done = command("store", "check", str(store.folder), "--list")
+    assert done.returncode == 1
+    assert f"{store.path(solves[1]).name}: damaged: its bytes are not those that were written" in done.stdout
+    assert f"{store.path(solves[0]).name}: intact" in done.stdout
+    assert "1 of 3 files are damaged or cannot be read; --set-aside" in done.stderr
+    done = command("store", "check", str(store.folder), "--set-aside", "--json")
+    assert done.returncode == 0, done.stderr
+    assert [row["intact"] for row in json.loads(done.stdout)].count(False) == 1
+    assert store.path(solves[1]).with_suffix(".nc.corrupt").exists()
+    assert "2 of 2 solves are intact" in command("store", "check", str(store.folder)).stdout
+    done = command("store", "check", str(tmp_path / "nowhere"))
+    assert done.returncode == 2
+    assert "is no folder" in done.stderr

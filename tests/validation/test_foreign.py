@@ -1,0 +1,203 @@
+"""Solvers written elsewhere: bounded, recomputed, and never trusted."""
+
+import textwrap
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fem_contact.area import contact_areas
+from fem_contact.contact import Status
+from fem_contact.errors import NotConverged
+from fem_contact.solid import Solid
+from validation.cli import app
+from validation.effects.base import Slots
+from validation.errors import UsageError
+from validation.methods import find_method, find_solver, methods
+from validation.methods.base import Solver, example_field
+from validation.scenes.checks import check_scene
+from validation.scenes.realised import realise
+from validation.scenes.scene import load_scene
+from validation.solves.press import solves_of
+
+README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+SCENE = """
+[surface]
+kind = "self-affine"
+length = 1.0
+hurst = 0.8
+lambda_long = 0.5
+lambda_short = 0.25
+rms_gradient = 0.1
+seed = 17
+[solid]
+young = 1.0
+poisson = 0.0
+[load]
+reduced_pressure = 0.1
+[methods.bem]
+grids = [16, 24, 32]
+"""
+
+
+@pytest.fixture
+def own_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The solver of the README, in the folder the command is started in."""
+    code = README.split("<!-- own-solver -->")[1].split("```python\n")[1].split("```")[0]
+    (tmp_path / "my_module.py").write_text(code, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def pressed(solver: str, **settings: float):
+    slots = Slots(solid=Solid(young=1.0, poisson=0.0))
+    return (
+        find_solver("own")
+        .solve(example_field(32), mean_pressure=0.01, slots=slots, settings={"solver": solver, **settings})
+        .contact
+    )
+
+
+def written(name: str, body: str) -> str:
+    code = "import numpy as np\ndef solve(heights, lengths, *, contact_modulus, mean_pressure):\n"
+    Path(f"{name}.py").write_text(code + textwrap.indent(textwrap.dedent(body), "    "), encoding="utf-8")
+    return f"{name}:solve"
+
+
+def test_the_solver_of_the_readme_agrees_with_boundary_elements(own_module: Path) -> None:
+    reference = (
+        find_solver("bem")
+        .solve(
+            example_field(32),
+            mean_pressure=0.01,
+            slots=Slots(solid=Solid(young=1.0, poisson=0.0)),
+            settings={"tolerance": 1e-10},
+        )
+        .contact
+    )
+    found = pressed("my_module:solve", tolerance=1e-6).checked()
+    # An energy error of the tolerance leaves its square root in the pressure.
+    assert np.linalg.norm(found.pressure - reference.pressure) < 1e-3 * np.linalg.norm(reference.pressure)
+    assert np.array_equal(found.in_contact, reference.in_contact)
+
+
+@pytest.mark.slow
+def test_a_scene_with_an_own_solver_runs_beside_boundary_elements(own_module: Path) -> None:
+    scene = SCENE + '[methods.own]\nsolver = "my_module:solve"\ngrids = [16, 32]\n'
+    Path("mine.toml").write_text(scene, encoding="utf-8")
+    outcome = CliRunner().invoke(app, ["run", "mine.toml", "--quiet"])
+    assert outcome.exit_code == 0, outcome.output
+    page = (own_module / "results" / "mine" / "report.html").read_text(encoding="utf-8")
+    assert "Own solver" in page
+
+
+def test_another_text_of_the_module_is_another_recipe(own_module: Path) -> None:
+    scene = SCENE + '[methods.own]\nsolver = "my_module:solve"\ngrids = [16]\n'
+    Path("mine.toml").write_text(scene, encoding="utf-8")
+
+    def key() -> str:
+        loaded = load_scene("mine.toml")
+        return next(solve.key for solve in solves_of(loaded) if solve.method == "own")
+
+    before = key()
+    assert key() == before
+    with Path("my_module.py").open("a", encoding="utf-8") as file:
+        file.write("\n# changed\n")
+    assert key() != before
+
+
+def test_a_module_that_is_not_there_is_refused_before_anything_is_solved(own_module: Path) -> None:
+    scene = SCENE + '[methods.own]\nsolver = "no_such_module_here:solve"\ngrids = [16]\n'
+    Path("mine.toml").write_text(scene, encoding="utf-8")
+    loaded = load_scene("mine.toml")
+    with pytest.raises(UsageError, match=r"methods\.own\.solver.*no module 'no_such_module_here'"):
+        check_scene(loaded, realise(loaded))
+
+
+def test_a_claim_of_convergence_is_recomputed_from_the_pressure(own_module: Path) -> None:
+    solver = written(
+        "uniform", "return {'pressure': np.full(heights.shape, mean_pressure), 'converged': True}"
+    )
+    found = pressed(solver)
+    assert found.status is Status.NOT_CONFIRMED
+    assert found.residuals.complementarity > 0.1
+    with pytest.raises(NotConverged, match="above the tolerance"):
+        found.checked()
+
+
+@pytest.mark.parametrize(
+    ("name", "body", "says"),
+    [
+        ("raises", "raise ValueError('no such thing')", "raised ValueError: no such thing"),
+        ("crashes", "import os; os.abort()", "crashed its process"),
+        ("sleeps", "import time; time.sleep(60)", "took more than 1 s"),
+        ("small", "return np.zeros((2, 2))", r"shape \(2, 2\): must have that of the heights"),
+        ("nan", "return np.full(heights.shape, np.nan)", None),
+        ("load", "return np.full(heights.shape, 2 * mean_pressure)", None),
+    ],
+)
+def test_what_goes_wrong_in_a_foreign_solver_is_said(
+    own_module: Path, name: str, body: str, says: str | None
+) -> None:
+    solver = written(name, body)
+    with pytest.raises(NotConverged, match=says):
+        pressed(solver, seconds=1.0).checked()
+
+
+def test_a_point_with_a_pressure_of_rounding_size_is_not_in_contact(own_module: Path) -> None:
+    solver = written(
+        "haze",
+        """
+        import my_module
+        p = my_module.solve(heights, lengths, contact_modulus=contact_modulus, mean_pressure=mean_pressure)
+        return np.maximum(p, 1e-15 * mean_pressure)
+        """,
+    )
+    found = pressed(solver).checked()
+    assert np.all(found.pressure > 0)
+    assert np.array_equal(found.in_contact, pressed("my_module:solve").in_contact)
+
+
+def test_the_edge_of_a_foreign_contact_is_located_as_that_of_boundary_elements(own_module: Path) -> None:
+    reference = find_solver("bem").solve(
+        example_field(32),
+        mean_pressure=0.01,
+        slots=Slots(solid=Solid(young=1.0, poisson=0.0)),
+        settings={"tolerance": 1e-10},
+    )
+    found = contact_areas(pressed("my_module:solve").checked(), subcell=True)
+    assert found.subcell == pytest.approx(contact_areas(reference.contact, subcell=True).subcell, rel=1e-4)
+
+
+def test_foreign_solvers_stand_after_the_others_and_are_given_no_effects() -> None:
+    solvers = [method for method in methods().values() if isinstance(method, Solver)]
+    flags = [solver.foreign for solver in solvers]
+    assert flags == sorted(flags)
+    assert all(not solver.slots for solver in solvers if solver.foreign)
+
+
+@pytest.mark.parametrize("name", ["tamaas", "contact_mechanics"])
+def test_a_peer_that_is_missing_says_what_to_install(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("importlib.util.find_spec", lambda package: None)
+    assert "pip install 'fem-contact[peers]'" in str(find_method(name).available())
+
+
+@pytest.mark.parametrize("name", ["tamaas", "contact_mechanics"])
+@pytest.mark.parametrize("load", [1e-4, 0.01, 0.1])
+def test_a_peer_agrees_with_boundary_elements(name: str, load: float) -> None:
+    peer = find_solver(name)
+    if peer.available() is not None:
+        pytest.skip(str(peer.available()))
+    solid = Solid(young=2e9, poisson=0.3)
+    found, ours = (
+        solver.solve(
+            example_field(64),
+            mean_pressure=load * solid.contact_modulus,
+            slots=Slots(solid=solid),
+            settings={"tolerance": 1e-9},
+        ).contact.checked()
+        for solver in (peer, find_solver("bem"))
+    )
+    assert np.linalg.norm(found.pressure - ours.pressure) < 1e-4 * np.linalg.norm(ours.pressure)
+    assert np.array_equal(found.in_contact, ours.in_contact)

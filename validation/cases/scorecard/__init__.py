@@ -1,0 +1,182 @@
+"""A solver's scorecard: problems with known answers, hard ones, rough ones, and whether it keeps its word."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import partial
+from typing import Any
+
+from validation.cases import Case, Check, Verdict, run_cases
+from validation.cases.scorecard import elementary, hard, known, ladder
+from validation.cases.scorecard.ladder import CostRow
+from validation.cases.scorecard.subject import Inconclusive, Subject, Unanswered
+
+__all__ = ["FAULTS", "Scorecard", "Subject", "rows", "score"]
+
+_Row = tuple[str, str, Callable[[Subject], Sequence[Check]], bool]
+
+#: Row, claim, function, and whether it needs what is recomputed on the half-space from the pressure.
+_ROWS: tuple[_Row, ...] = (
+    ("tension", "No pressure is below zero.", elementary.tension, False),
+    ("place", "The pressure lies where the heights are.", elementary.place, False),
+    ("factor", "The stiffness is that of E*.", elementary.factor, False),
+    ("full-contact", "Each wave is pressed flat by E* q h / 2.", elementary.full_contact, False),
+    ("load", "The mean pressure is the one asked for.", elementary.load, False),
+    ("contact-set", "What is called contact carries load on a closed gap.", elementary.contact_set, True),
+    ("honesty", "Recomputed residuals are within the tolerance asked for.", elementary.honesty, True),
+    ("hertz", "A paraboloid carries Hertz's pressure.", known.hertz, False),
+    ("hertz-radius", "The counted radius converges to Hertz's in first order.", known.hertz_radius, False),
+    ("westergaard", "A wave carries Westergaard's pressure.", known.westergaard, False),
+    ("symmetry", "A mirrored surface has the mirrored pressure.", known.symmetry, False),
+    ("units", "Units of length and pressure change nothing.", known.units, False),
+    ("nested-grids", "Finer and finer grids approach one answer.", known.nested, False),
+    ("near-full", "Full contact just above and below the flattening load.", hard.near_full, False),
+    ("one-cell", "A load that one point carries is carried by one point.", hard.one_cell, False),
+    ("elongated", "Long periods and long cells change nothing.", hard.elongated, False),
+    ("odd-axes", "Odd numbers of points are solved as well.", hard.odd_axes, True),
+)
+
+_OTHER_BODY = "recomputes residuals on the half-space, and this solver solves another body"
+
+#: Rows that name a fault, in the order in which they are believed: each is read as if those before held.
+FAULTS: tuple[tuple[str, str], ...] = (
+    ("tension", "pressures below zero are allowed"),
+    ("place", "the pressure lies beside the heights"),
+    ("factor", "the stiffness has a wrong factor"),
+    ("load", "the load is not the one asked for"),
+    ("contact-set", "points are called contact that carry no load"),
+    ("honesty", "the iteration ends before its tolerance is met"),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scorecard:
+    """How a solver did.
+
+    Attributes
+    ----------
+    subject : Subject
+    verdicts : tuple of Verdict
+        The worst failure first.
+    cost : tuple of CostRow
+        Of one rough surface; empty where rough surfaces were not solved.
+    left_out : mapping of str to str
+        Rows that were not judged, and why.
+    """
+
+    subject: Subject
+    verdicts: tuple[Verdict, ...]
+    cost: tuple[CostRow, ...]
+    left_out: Mapping[str, str]
+
+    @property
+    def failed(self) -> tuple[Verdict, ...]:
+        """Verdicts that did not pass."""
+        return tuple(verdict for verdict in self.verdicts if not verdict.passed)
+
+    @property
+    def fault(self) -> tuple[str, str] | None:
+        """The row that names what is wrong, and the words; None where none does."""
+        known_by = {verdict.case for verdict in self.failed if verdict.error is None}
+        return next((fault for fault in FAULTS if fault[0] in known_by), None)
+
+    @property
+    def sentence(self) -> str:
+        """What came out, in a line."""
+        name, failed = self.subject.name, self.failed
+        if not failed:
+            return f"{name}: all {len(self.verdicts)} rows hold"
+        fault = "" if self.fault is None else f"; {self.fault[1]}"
+        count = "1 row fails" if len(failed) == 1 else f"{len(failed)} rows fail"
+        return f"{name}: {count}: {', '.join(verdict.case for verdict in failed)}{fault}"
+
+    def verdict(self, row: str) -> Verdict | None:
+        """Return the verdict of a row; None where it does not apply."""
+        return next((verdict for verdict in self.verdicts if verdict.case == row), None)
+
+    def seconds_to(self, error: float) -> float:
+        """Return processor seconds of the cheapest grid whose area is that near; NaN where none is."""
+        near = [row.seconds for row in self.cost if row.error <= error and not math.isnan(row.seconds)]
+        return min(near, default=math.nan)
+
+    def summary(self) -> dict[str, Any]:
+        """Everything as JSON-ready data."""
+        fault = self.fault
+        return {
+            "method": self.subject.name,
+            "tolerance": self.subject.tolerance,
+            "passed": not self.failed,
+            "fault": None if fault is None else {"row": fault[0], "words": fault[1]},
+            "rows": [{**verdict.summary(), "over_tolerance": excess(verdict)} for verdict in self.verdicts],
+            "left_out": dict(self.left_out),
+            "cost": [asdict(row) for row in self.cost],
+        }
+
+
+def excess(verdict: Verdict) -> float:
+    """Return the largest difference over its tolerance; infinite where nothing could be computed."""
+    if verdict.error is not None or not verdict.checks:
+        return math.inf
+    return max(_excess(check) for check in verdict.checks)
+
+
+def _excess(check: Check) -> float:
+    difference = abs(check.computed - check.reference)
+    if not math.isfinite(difference):
+        return math.inf
+    if check.tolerance == 0:
+        return 0.0 if difference == 0 else math.inf
+    return difference / check.tolerance
+
+
+def rows(subject: Subject) -> tuple[Case, ...]:
+    """Return the rows that apply to a solver."""
+    found = [
+        Case(name=name, claim=claim, run=partial(function, subject))
+        for name, claim, function, recomputed in _ROWS
+        if subject.solver.half_space or not recomputed
+    ]
+    found += [
+        Case(
+            name=f"rough-{width}",
+            claim=f"Area, gap and energy at lambda_long/lambda_short = {width} are those of the limit.",
+            run=partial(ladder.rough_surface, subject, width),
+        )
+        for width in ladder.bandwidths(subject)
+    ]
+    return tuple(found)
+
+
+def score(subject: Subject, *, tell: Callable[[str], None] | None = None) -> Scorecard:
+    """Run every row that applies; one that raises has failed, and the others go on.
+
+    Parameters
+    ----------
+    subject : Subject
+    tell : callable, optional
+        Given a line for every row.
+    """
+    subject.warm_up()
+    left_out = {row[0]: _OTHER_BODY for row in _ROWS if row[3] and not subject.solver.half_space}
+    found = list(run_cases(rows(subject), tell=tell))
+    unanswered = f"{Unanswered.__name__}: "
+    for verdict in found:
+        if (verdict.error or "").startswith(unanswered):
+            left_out[verdict.case] = str(verdict.error).removeprefix(unanswered)
+    verdicts = sorted((one for one in found if one.case not in left_out), key=_worst_first)
+    cost = () if left_out and subject.solver.half_space else tuple(_cost(subject, verdicts))
+    return Scorecard(subject=subject, verdicts=tuple(verdicts), cost=cost, left_out=left_out)
+
+
+def _cost(subject: Subject, verdicts: Sequence[Verdict]) -> Iterator[CostRow]:
+    rough = [verdict for verdict in verdicts if verdict.case.startswith("rough")]
+    if rough and all(verdict.error is None for verdict in rough):
+        yield from ladder.cost(subject)
+
+
+def _worst_first(verdict: Verdict) -> tuple[bool, bool, float]:
+    """Sort failures first, the larger before the smaller; what another failure hides, after them."""
+    hidden = (verdict.error or "").startswith(Inconclusive.__name__)
+    return verdict.passed, hidden, -excess(verdict)

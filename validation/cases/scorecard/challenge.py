@@ -1,0 +1,231 @@
+"""The scorecard by files: numbered problems go out, pressures in any language come back."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.surface import HeightField
+from validation.cases.scorecard import Scorecard, ladder, rows, score
+from validation.cases.scorecard.subject import Subject, Unanswered
+from validation.effects.base import Slots
+from validation.errors import UsageError
+from validation.files import atomic_path, write_json
+from validation.methods.base import Claim
+from validation.methods.bem import Bem
+
+__all__ = ["export", "score_folder"]
+
+Array = NDArray[np.float64]
+
+_FORMAT = "fem-contact challenge 1"
+_INDEX = "challenge.json"
+#: The order of the problems says nothing of what they ask for.
+_ORDER_SEED = 20170405
+_ASKED = (
+    "Press the rigid rough profile h, positive towards the elastic half-space z < 0, against it with the "
+    "mean pressure p0: p >= 0, gap g = u - h + offset >= 0, p g = 0, without friction or adhesion, repeated "
+    "in x and y. Write the pressures [Pa], compression positive, as an array of the shape of the heights to "
+    "pressure.npy, or as nx lines of ny numbers to pressure.txt, in this folder. Optional: answer.json with "
+    '"seconds" (processor time) and "iterations".'
+)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Problem:
+    """One surface, modulus and load."""
+
+    field: HeightField
+    modulus: float
+    load: float
+
+
+def _key(field: HeightField, modulus: float, load: float) -> tuple[object, ...]:
+    return field.heights.tobytes(), field.shape, field.lengths, modulus, load
+
+
+class _Recorder(Bem):
+    """Boundary elements that remember what they were asked."""
+
+    def __init__(self, points: int) -> None:
+        self.score_points = points  # type: ignore[misc]
+        self.asked: dict[tuple[object, ...], _Problem] = {}
+
+    def claim(
+        self, field: HeightField, *, mean_pressure: float, slots: Slots, settings: Mapping[str, Any]
+    ) -> Claim:
+        """Remember the problem and solve it, since rows read the answers."""
+        modulus = slots.solid.contact_modulus
+        problem = _Problem(field=field, modulus=modulus, load=mean_pressure)
+        self.asked.setdefault(_key(field, modulus, mean_pressure), problem)
+        return super().claim(field, mean_pressure=mean_pressure, slots=slots, settings=settings)
+
+
+class _Answers(Bem):
+    """A solver whose answers lie in a folder."""
+
+    label = "Answers"
+    papers = ()  # type: ignore[assignment]
+
+    def __init__(self, folder: Path, numbers: Mapping[tuple[object, ...], int], points: int) -> None:
+        self.score_points = points  # type: ignore[misc]
+        self.folder, self.numbers = folder, numbers
+
+    def rehearse(self, effects: object, settings: object = None) -> None:
+        """Nothing is compiled."""
+
+    def claim(
+        self, field: HeightField, *, mean_pressure: float, slots: Slots, settings: Mapping[str, Any]
+    ) -> Claim:
+        """Read the answer of a problem.
+
+        Raises
+        ------
+        Unanswered
+            Where there is none.
+        """
+        number = self.numbers[_key(field, slots.solid.contact_modulus, mean_pressure)]
+        folder = _problem_folder(self.folder, number)
+        said = _said(folder / "answer.json")
+        return Claim(
+            pressure=_pressure(folder, field.shape),
+            in_contact=None,
+            iterations=int(said.get("iterations", 0)),
+            wall_seconds=float(said.get("seconds", np.nan)),
+            cpu_seconds=float(said.get("seconds", np.nan)),
+            peak_bytes=0,
+        )
+
+
+def export(folder: Path, *, points: int, tolerance: float) -> int:
+    """Write the problems of a scorecard into a folder, without their answers; return how many.
+
+    Parameters
+    ----------
+    folder : Path
+    points : int
+        Along a side of the coarsest grid of a ladder.
+    tolerance : float
+        Of the residuals.
+
+    Raises
+    ------
+    UsageError
+        For a folder that holds one.
+    """
+    if (folder / _INDEX).exists():
+        raise UsageError(f"{folder}: holds a challenge already; score it, or export into another folder")
+    problems = _problems(points, tolerance)
+    for number, problem in enumerate(problems, start=1):
+        place = _problem_folder(folder, number)
+        place.mkdir(parents=True, exist_ok=True)
+        _write(place, number, problem, tolerance)
+    index = {"format": _FORMAT, "points": points, "tolerance": tolerance, "problems": len(problems)}
+    write_json(folder / _INDEX, index)
+    return len(problems)
+
+
+def score_folder(folder: Path, *, tell: Callable[[str], None] | None = None) -> Scorecard:
+    """Score the answers of a folder; rows whose problems have none are left out.
+
+    Raises
+    ------
+    UsageError
+        For a folder that is no challenge, holds no answer, or one that cannot be read.
+    """
+    index = _said(folder / _INDEX)
+    if index.get("format") != _FORMAT:
+        raise UsageError(f"{folder}: is no challenge; make one with: fem-contact challenge export DIR")
+    points, tolerance = int(index["points"]), float(index["tolerance"])
+    problems = _problems(points, tolerance)
+    if not any(_answer(_problem_folder(folder, k + 1)) for k in range(len(problems))):
+        raise UsageError(f"{folder}: no answer; write pressure.npy or pressure.txt beside the heights")
+    for k, problem in enumerate(problems):
+        place = _problem_folder(folder, k + 1)
+        if _answer(place):
+            _pressure(place, problem.field.shape)
+    numbers = {_key(one.field, one.modulus, one.load): k + 1 for k, one in enumerate(problems)}
+    subject = Subject(
+        name=folder.resolve().name,
+        solver=_Answers(folder, numbers, points),
+        settings={},
+        tolerance=tolerance,
+    )
+    return score(subject, tell=tell)
+
+
+def _problems(points: int, tolerance: float) -> list[_Problem]:
+    """Return what the rows of a scorecard ask for, each once, in an order that tells nothing."""
+    recorder = _Recorder(points)
+    subject = Subject(name="recorder", solver=recorder, settings={}, tolerance=tolerance)
+    for row in rows(subject):
+        row.run()
+    ladder.cost(subject)
+    asked = list(recorder.asked.values())
+    return [asked[k] for k in np.random.default_rng(_ORDER_SEED).permutation(len(asked))]
+
+
+def _write(folder: Path, number: int, problem: _Problem, tolerance: float) -> None:
+    field = problem.field
+    with atomic_path(folder / "heights.npy") as draft, draft.open("wb") as file:
+        np.save(file, field.heights)
+    with atomic_path(folder / "heights.txt") as draft:
+        np.savetxt(draft, field.heights, fmt="%.17g")
+    with atomic_path(folder / "parameters.txt") as draft:
+        numbers = (*field.shape, *field.lengths, problem.modulus, problem.load, tolerance)
+        draft.write_text("\n".join(f"{value:.17g}" for value in numbers) + "\n", encoding="ascii")
+    write_json(
+        folder / "problem.json",
+        {
+            "problem": number,
+            "shape": list(field.shape),
+            "lengths_m": list(field.lengths),
+            "contact_modulus_Pa": problem.modulus,
+            "mean_pressure_Pa": problem.load,
+            "tolerance": tolerance,
+            "heights": "heights.npy, or nx lines of ny numbers in heights.txt, in m",
+            "parameters": "parameters.txt: nx, ny, Lx [m], Ly [m], E* [Pa], p0 [Pa], tolerance, one a line",
+            "asked": _ASKED,
+        },
+    )
+
+
+def _problem_folder(folder: Path, number: int) -> Path:
+    return folder / f"problem-{number:03d}"
+
+
+def _answer(folder: Path) -> Path | None:
+    return next(
+        (folder / name for name in ("pressure.npy", "pressure.txt") if (folder / name).is_file()), None
+    )
+
+
+def _pressure(folder: Path, shape: tuple[int, int]) -> Array:
+    file = _answer(folder)
+    if file is None:
+        raise Unanswered(f"{folder.name} has no answer")
+    try:
+        if file.suffix == ".npy":
+            found = np.asarray(np.load(file, allow_pickle=False), dtype=float)
+        else:
+            found = np.loadtxt(file, ndmin=2)
+    except (OSError, ValueError, TypeError) as problem:
+        raise UsageError(f"{file}: cannot be read: {problem}") from None
+    if found.shape != shape:
+        raise UsageError(f"{file}: shape {found.shape}: must be that of the heights, {shape}")
+    return np.array(found, dtype=np.float64)
+
+
+def _said(file: Path) -> dict[str, Any]:
+    """Return what a JSON file says; nothing where there is none or it says something else."""
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}

@@ -1,0 +1,55 @@
+"""The verbs of `fem-contact challenge`: problems for solvers in any language, and their score."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from validation.cli.options import JsonOption, say, stopping_cleanly
+from validation.errors import RunFailed
+
+__all__ = ["challenge_app"]
+
+challenge_app = typer.Typer(
+    no_args_is_help=True, help="Score a solver in any language by files: problems out, pressures back."
+)
+
+
+@challenge_app.command(epilog="Example: fem-contact challenge export mine")
+def export(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder to write the problems into.")],
+    points: Annotated[
+        int, typer.Option("--points", min=16, max=128, help="Along a side of the coarsest grids.")
+    ] = 16,
+    tolerance: Annotated[
+        float, typer.Option("--tolerance", min=1e-12, max=1e-2, help="Of the residuals.")
+    ] = 1e-6,
+) -> None:
+    """Write numbered problems: heights as .npy and text, every parameter with its unit, what to return."""
+    from validation.cases.scorecard.challenge import export as write
+    from validation.files import prepare_folder
+
+    with stopping_cleanly():
+        count = write(prepare_folder(folder), points=points, tolerance=tolerance)
+    typer.echo(
+        f"{folder}: {count} problems; their answers are scored by: fem-contact challenge score {folder}"
+    )
+
+
+@challenge_app.command(epilog="Example: fem-contact challenge score mine")
+def score(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of problems, with answers to some.")],
+    as_json: JsonOption = False,
+) -> None:
+    """Score the answers of a folder, all or some; exit with 1 if a row fails."""
+    from validation.cases.scorecard.challenge import score_folder
+    from validation.cases.scorecard.sheet import write_scorecards
+
+    with stopping_cleanly():
+        card = score_folder(folder, tell=None if as_json else lambda line: say(line, prefix=""))
+    html, file = write_scorecards([card], folder)
+    typer.echo(file.read_text(encoding="utf-8") if as_json else f"Written: {html}")
+    if card.failed:
+        raise RunFailed(card.sentence)

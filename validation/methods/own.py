@@ -1,0 +1,98 @@
+"""A solver of the user's own: a Python function, named in the scene."""
+
+from __future__ import annotations
+
+import hashlib
+import importlib.util
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+from pydantic import Field
+
+from validation.effects.base import Effect
+from validation.errors import UsageError
+from validation.methods.base import Settings
+from validation.methods.foreign import Foreign, ForeignOptions
+from validation.units import Table
+
+if TYPE_CHECKING:
+    from validation.scenes.realised import Realised
+
+__all__ = ["Own", "OwnOptions"]
+
+_FUNCTION = r"^[A-Za-z_][\w.]*:[A-Za-z_][\w.]*$"
+
+
+class OwnOptions(ForeignOptions):
+    """Your own solver, ``solve(heights, lengths, *, contact_modulus, mean_pressure) -> pressures``."""
+
+    solver: Annotated[str, Field(pattern=_FUNCTION, max_length=200)] = Field(
+        description='a function as "module:name", e.g. "my_module:solve"'
+    )
+
+
+class Own(Foreign):
+    """A function of heights [m], periods [m], E* [Pa] and p0 [Pa] that returns pressures [Pa]."""
+
+    name = "own"
+    label = "Own solver"
+    options: ClassVar[type[Table]] = OwnOptions
+
+    def words(self, options: OwnOptions) -> str:
+        """Name it in a sentence."""
+        return f"solver {options.solver}"
+
+    def call(self, settings: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
+        """Return the function that the scene names."""
+        return str(settings["solver"]), {}
+
+    def settings(self, options: Any) -> Settings:
+        """Return what was said, and what the code was when it was said."""
+        return (*super().settings(options), *self.named(options.solver))
+
+    def named(self, function: str) -> Settings:
+        """Return function and digest of its code, so that a changed solver is solved with anew."""
+        return ("solver", function), ("code", _digest(function))
+
+    def check(self, options: OwnOptions, realised: Realised, effects: Sequence[Effect]) -> None:
+        """Refuse a module that is not found."""
+        _ = _digest(options.solver)
+
+
+def _digest(function: str) -> str:
+    """Return a digest of the module of a function; in a package, of all modules of the package.
+
+    Raises
+    ------
+    UsageError
+        Where there is no such module.
+    """
+    package = function.partition(":")[0].partition(".")[0]
+    here = str(Path.cwd())
+    added = here not in sys.path
+    if added:
+        sys.path.append(here)
+    try:
+        spec = importlib.util.find_spec(package)
+    except (ImportError, ValueError):
+        spec = None
+    finally:
+        if added:
+            sys.path.remove(here)
+    if spec is None:
+        raise UsageError(
+            f"methods.own.solver = {function!r}: no module {package!r} is installed or lies in {here!r}"
+        )
+    if spec.submodule_search_locations is not None:
+        files = sorted(
+            path for place in spec.submodule_search_locations for path in Path(place).rglob("*.py")
+        )
+    else:
+        files = [] if spec.origin is None else [Path(spec.origin)]
+    digest = hashlib.sha256()
+    for file in files:
+        if file.is_file():
+            digest.update(file.read_bytes())
+    return digest.hexdigest()[:16]
