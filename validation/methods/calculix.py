@@ -248,7 +248,7 @@ class _Deck:
 
     def lines(self) -> Iterator[str]:
         """Yield the lines of the deck."""
-        nx, ny = self.heights.shape
+        nx, ny = (int(n) for n in self.heights.shape)
         count, layers = (nx + 1) * (ny + 1), int(self.planes.size) - 1
         spacing = self.sides[0] / nx, self.sides[1] / ny
 
