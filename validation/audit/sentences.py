@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -332,8 +332,8 @@ _FORMS: tuple[tuple[str, Reader], ...] = (
         rf"On the same surface and (?P<g1>{_GRID}) grid the .+ and the .+ differ by (?P<p1>{_P}) in pressure "
         rf"\(relative L2\) and (?P<a1>{_P}) in pixel area(?:\.|; on (?P<g2>{_GRID}) by (?P<p2>{_P}) and "
         rf"(?P<a2>{_P}): with refinement the difference in pressure "
-        rf"(?P<t1>shrinks(?: like dx\^(?P<o1>{_N}) \(fit over (?P<n1>\d+) grids\))?|does not shrink) and that in "
-        rf"area (?P<t2>shrinks(?: like dx\^(?P<o2>{_N}) \(fit over (?P<n2>\d+) grids\))?|does not shrink)\.)",
+        rf"(?P<t1>shrinks(?: like dx\^(?P<o1>{_N}) \(fit over (?P<n1>\d+) grids\))?|does not shrink) and that "
+        rf"in area (?P<t2>shrinks(?: like dx\^(?P<o2>{_N}) \(fit over (?P<n2>\d+) grids\))?|does not shrink)\.)",
         _cross,
     ),
     (
