@@ -189,6 +189,12 @@ def _counting(found: re.Match[str], run: Run, ledger: Ledger) -> None:
         ledger.text(_PLACE, f"{name}, lambda_short/dx of the last", found["w2"], last.points_per_wave, 3)
 
 
+def _trend(group: str) -> str:
+    """Pattern of what is said of a difference over grids: groups t, o (order), n (grids)."""
+    fit = rf"(?: like dx\^(?P<o{group}>{_N}) \(fit over (?P<n{group}>\d+) grids\))?"
+    return rf"(?P<t{group}>shrinks{fit}|does not shrink)"
+
+
 def _cross(found: re.Match[str], run: Run, ledger: Ledger) -> None:
     by = {f"{grid[0]} x {grid[1]}": values for _, grid, *values in run.cross}
     last = by.get(found["g1"])
@@ -204,8 +210,8 @@ def _cross(found: re.Match[str], run: Run, ledger: Ledger) -> None:
     ledger.text(_PLACE, f"difference in pixel area on {found['g2']}", found["a2"], first[1])
     method = next(name for name, grid, *_ in run.cross if f"{grid[0]} x {grid[1]}" == found["g1"])
     checks = [check for check in run.cross if check[0] == method]
-    for name, group, column in (("pressure", "1", 2), ("area", "2", 3)):
-        sizes = [abs(check[column]) for check in checks]
+    pressures, areas = [check[2] for check in checks], [abs(check[3]) for check in checks]
+    for name, group, sizes in (("pressure", "1", pressures), ("area", "2", areas)):
         shrinks = sizes[-1] < sizes[0]
         said = found[f"t{group}"].startswith("shrinks")
         ledger.same(_PLACE, f"difference in {name} shrinks", said, shrinks)
@@ -332,8 +338,10 @@ _FORMS: tuple[tuple[str, Reader], ...] = (
         rf"On the same surface and (?P<g1>{_GRID}) grid the .+ and the .+ differ by (?P<p1>{_P}) in pressure "
         rf"\(relative L2\) and (?P<a1>{_P}) in pixel area(?:\.|; on (?P<g2>{_GRID}) by (?P<p2>{_P}) and "
         rf"(?P<a2>{_P}): with refinement the difference in pressure "
-        rf"(?P<t1>shrinks(?: like dx\^(?P<o1>{_N}) \(fit over (?P<n1>\d+) grids\))?|does not shrink) and that "
-        rf"in area (?P<t2>shrinks(?: like dx\^(?P<o2>{_N}) \(fit over (?P<n2>\d+) grids\))?|does not shrink)\.)",
+        + _trend("1")
+        + " and that in area "
+        + _trend("2")
+        + r"\.)",
         _cross,
     ),
     (
