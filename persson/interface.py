@@ -96,12 +96,12 @@ def crossover_length(work_of_adhesion: float, *, contact_modulus: float, atomic_
 
 
 def opening_work(work_of_adhesion: float, *, dissipation: ArrayLike) -> Array:
-    """Work Delta gamma [1 + f(v)] [J/m^2] that an opening crack takes in a viscoelastic solid (Sec. 8.6)."""
+    """Work ``Delta gamma [1 + f(v)]`` [J/m^2] an opening crack takes, viscoelastic solid (Sec. 8.6)."""
     f = non_negative("dissipation", dissipation)
     return positive("work_of_adhesion", work_of_adhesion, unit="J/m^2") * (1 + f)
 
 
 def closing_work(work_of_adhesion: float, *, dissipation: ArrayLike) -> Array:
-    """Work Delta gamma / [1 + f(v)] [J/m^2] that a closing crack gains in a viscoelastic solid (Sec. 8.6)."""
+    """Work ``Delta gamma / [1 + f(v)]`` [J/m^2] a closing crack gains, viscoelastic solid (Sec. 8.6)."""
     f = non_negative("dissipation", dissipation)
     return positive("work_of_adhesion", work_of_adhesion, unit="J/m^2") / (1 + f)

@@ -1,5 +1,36 @@
-"""The comparison of theory and simulation: the only package that knows both."""
+"""The comparison of theory and simulation: the only package that knows both.
+
+>>> from validation import measured, press, self_affine, study, table, theory
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 from validation.environment import settle
 
+if TYPE_CHECKING:
+    from validation.notebook import Contact, Surface, measured, press, self_affine, study, table, theory
+
+__all__ = ["Contact", "Surface", "measured", "press", "self_affine", "study", "table", "theory"]
+
 settle()
+
+
+def __getattr__(name: str) -> object:
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("fem-contact")
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    # Not before it is asked for: the command line needs none of it.
+    from validation import notebook
+
+    value: object = getattr(notebook, name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__, "__version__"} - {"TYPE_CHECKING", "annotations"})

@@ -6,6 +6,7 @@ import difflib
 import functools
 import math
 import re
+import typing
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated
 
@@ -35,6 +36,7 @@ __all__ = [
     "exactly_one",
     "metres",
     "quantity",
+    "unit_of",
     "unit_registry",
     "within",
     "wrong",
@@ -67,30 +69,43 @@ def wrong(message: str) -> PydanticCustomError:
 
 def quantity(unit: str, kind: str, example: str) -> BeforeValidator:
     """Read a number with a unit ("0.5 um") or a bare number in SI, and convert it once."""
+    return BeforeValidator(functools.partial(_read, unit=unit, kind=kind, example=example))
 
-    def convert(value: object) -> float:
-        allowed = f'must be a {kind} such as "{example}", or a number in {unit}'
-        if isinstance(value, bool) or not isinstance(value, (int, float, str)):
-            raise wrong(allowed)
-        if not isinstance(value, str):
-            return _in_bounds(value, unit)
-        found = _QUANTITY.fullmatch(value) if len(value) <= _LONGEST else None
-        if found is None:
-            raise wrong(allowed)
-        number, symbol = found[1], found[2]
-        if symbol is None:
-            raise wrong(f"has no unit; {allowed} without quotes")
-        import pint
 
-        try:
-            converted = _converted(Fraction(number), symbol, unit)
-        except pint.DimensionalityError:
-            raise wrong(f"is not a {kind}; {allowed}") from None
-        except Exception:  # the parser of unit names raises whatever its tokens lead to
-            raise wrong(f"has an unknown unit; {allowed}") from None
-        return _in_bounds(converted, unit)
+def unit_of(annotation: object) -> str:
+    """Return the SI unit of the values that a field holds, one of them or several; "1" for plain numbers.
 
-    return BeforeValidator(convert)
+    >>> unit_of(Lengths), unit_of(Pressure | None), unit_of(int)
+    ('m', 'Pa', '1')
+    """
+    if isinstance(annotation, BeforeValidator) and isinstance(annotation.func, functools.partial):
+        return str(annotation.func.keywords["unit"])
+    inner = (*typing.get_args(annotation), *getattr(annotation, "metadata", ()))
+    return next((unit for part in inner if (unit := unit_of(part)) != "1"), "1")
+
+
+def _read(value: object, *, unit: str, kind: str, example: str) -> float:
+    """Return a number, with a unit or bare in SI, in SI."""
+    allowed = f'must be a {kind} such as "{example}", or a number in {unit}'
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        raise wrong(allowed)
+    if not isinstance(value, str):
+        return _in_bounds(value, unit)
+    found = _QUANTITY.fullmatch(value) if len(value) <= _LONGEST else None
+    if found is None:
+        raise wrong(allowed)
+    number, symbol = found[1], found[2]
+    if symbol is None:
+        raise wrong(f"has no unit; {allowed} without quotes")
+    import pint
+
+    try:
+        converted = _converted(Fraction(number), symbol, unit)
+    except pint.DimensionalityError:
+        raise wrong(f"is not a {kind}; {allowed}") from None
+    except Exception:  # the parser of unit names raises whatever its tokens lead to
+        raise wrong(f"has an unknown unit; {allowed}") from None
+    return _in_bounds(converted, unit)
 
 
 def _converted(number: Fraction, symbol: str, unit: str) -> Fraction:

@@ -160,3 +160,23 @@ def test_adhesion_is_lost_when_roughness_exceeds_the_stretch():
     assert relative[0] > 0.85
     assert relative[0] > relative[1] > relative[2]
     assert relative[2] < 0.1
+
+
+def test_mean_radius_of_summits_is_mccools():
+    """1/R = (8/3) sqrt(m4 / pi) with the fourth moment of a profile: McCool, Wear 107, 37 (1986)."""
+    of_profile = 0.7
+    moments = Moments(m0=2.0, m2=1.0, m4=8 / 3 * of_profile)
+    assert 1 / nayak_asperities(moments).radius == pytest.approx(8 / 3 * math.sqrt(0.7 / math.pi), rel=1e-12)
+
+
+@pytest.mark.parametrize("alpha", [2.0, 12.0])
+def test_heights_of_the_summits_pressed_scatter_like_nayaks(alpha):
+    moments = Moments(m0=1.0, m2=1.0, m4=alpha / 1.5)
+    d = np.linspace(-6.0, 8.0, 351)
+    above = bush_gibson_thomas(d, moments=moments, contact_modulus=1.0).density
+    exact = nayak_asperities(moments)
+    assert above[0] == pytest.approx(exact.density, rel=1e-4)
+    share, middle = -np.diff(above) / above[0], (d[1:] + d[:-1]) / 2
+    mean = float(share @ middle)
+    # Cells of .04 add .04^2 / 12.
+    assert float(share @ (middle - mean) ** 2) == pytest.approx(exact.rms_height**2, rel=1e-3)

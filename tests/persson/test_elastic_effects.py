@@ -151,3 +151,9 @@ def test_soft_skin_adheres_better_than_the_stiff_bulk_alone():
 def test_wrong_arguments_are_refused_by_name(call, named):
     with pytest.raises(InvalidInput, match=named):
         call()
+
+
+def test_energy_factor_of_wang_and_mueser_is_five_ninths_without_contact_and_one_at_full_contact():
+    """S(P) = (5 - 2 P^2 + 6 P^4) / 9 (Wang and Mueser, Lubricants 5, 35, 2017); its least is at P^2 = 1/6."""
+    factor = energy_factor(np.array([0.0, math.sqrt(1 / 6), 1.0]), variant="wang_mueser")
+    np.testing.assert_allclose(factor, [5 / 9, 29 / 54, 1.0], rtol=1e-14)

@@ -1,20 +1,81 @@
-"""The notebook of the documentation runs from top to bottom, and says what it promises."""
+"""Notebooks, recipes and the README run from top to bottom, and say what they promise."""
 
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
-NOTEBOOK = Path(__file__).parents[2] / "docs" / "studies.ipynb"
+import pytest
+
+from fem_contact import HeightField
+from validation import self_affine
+from validation.scenes.topography import write_topography
+
+DOCS = Path(__file__).parents[2] / "docs"
 
 
-def test_the_notebook_runs_and_its_sentences_are_computed(capsys):
-    cells = json.loads(NOTEBOOK.read_text())["cells"]
+def _run(name: str) -> tuple[dict[str, object], list[str]]:
+    path = DOCS / f"{name}.ipynb"
     space: dict[str, object] = {}
-    for cell in cells:
-        if cell["cell_type"] == "code":
-            exec(compile("".join(cell["source"]), str(NOTEBOOK), "exec"), space)
+    sources = [
+        "".join(c["source"]) for c in json.loads(path.read_text())["cells"] if c["cell_type"] == "code"
+    ]
+    for source in sources:
+        exec(compile(source, str(path), "exec"), space)
+    return space, sources
+
+
+def test_the_notebook_of_studies_runs_and_its_sentences_are_computed(capsys):
+    space, _ = _run("studies")
     printed = capsys.readouterr().out
     assert "kappa in the limit of vanishing spacing" in printed
     assert "Spectra of alpha 3" in printed
     assert space["kappa"].sizes["surface"] == 4
+
+
+def test_each_of_ten_things_takes_three_lines_at_most_and_gives_its_numbers(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    space, sources = _run("ten_things")
+    assert max(len(source.splitlines()) for source in sources[1:]) <= 3
+    sweep, hursts, limit = space["sweep"], space["hursts"], space["limit"]
+    assert list(sweep.area) == sorted(sweep.area)
+    assert (sweep.area > sweep.persson).all()
+    assert hursts.hurst.values.tolist() == [0.3, 0.8]
+    # The same grids of the same surface: a number of one cell is that of the other.
+    assert hursts.kappa_limit.sel(hurst=0.8).item() == pytest.approx(limit.value / 0.05, rel=1e-12)
+    # 0.12389 is the limit that the ladder to 512 x 512 gives (README); four standard errors.
+    assert abs(limit.value - 0.12389) < 4 * limit.uncertainty < 0.01
+    assert (tmp_path / "block.vtu").stat().st_size > 10_000
+    assert space["own"].realised.pressure == 5e6
+    assert "10 patches" in capsys.readouterr().out
+
+
+def _blocks(path: Path, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL)
+
+
+def test_the_lines_of_python_in_the_readme_print_what_it_shows(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    readme = DOCS.parent / "README.md"
+    (source,) = _blocks(readme, "python")
+    exec(compile(source, str(readme), "exec"), {})
+    assert capsys.readouterr().out == _blocks(readme, "text")[-1]
+    assert {path.name for path in tmp_path.iterdir()} == {"stress.png", "fields.nc"}
+
+
+def test_the_recipes_run_in_their_order(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    rough = {"hurst": 0.8, "lambda_long": "500 nm", "lambda_short": "125 nm", "rms_gradient": 0.1, "seed": 21}
+    field = self_affine(length="1 um", **rough).heights(24)
+    write_topography(tmp_path / "afm.x3p", HeightField(heights=field.values, lengths=(1e-6, 1e-6)))
+    space: dict[str, object] = {}
+    for source in _blocks(DOCS / "how_to.md", "python"):
+        if 'study("hurst"' in source:  # minutes; the study has tests of its own
+            continue
+        exec(compile(source, "how_to.md", "exec"), space)
+    assert list(space["sweep"].limit) == sorted(space["sweep"].limit)
+    # Each method's own edge constant brings the areas of the two nearer.
+    assert abs(space["check"].perimeter) < abs(space["check"].pixel)
+    assert (tmp_path / "block.vtu").exists()
+    assert float(capsys.readouterr().out.split()[0]) == pytest.approx(0.1125, abs=5e-5)

@@ -145,9 +145,9 @@ def test_a_scene_without_a_name_is_named_after_its_file(write_scene, tmp_path):
         load_scene(str(odd))
 
 
-def test_the_scene_in_the_readme_is_a_scene(tmp_path):
-    readme = (Path(__file__).parents[2] / "README.md").read_text()
-    (text,) = re.findall(r"```toml\n(\[surface\].*?)```", readme, re.DOTALL)
+def test_the_scene_in_the_first_page_is_a_scene(tmp_path):
+    page = (Path(__file__).parents[2] / "docs" / "getting_started.md").read_text()
+    (text,) = re.findall(r"```toml\n(\[surface\].*?)```", page, re.DOTALL)
     (tmp_path / "mine.toml").write_text(text)
     scene = load_scene(str(tmp_path / "mine.toml"))
     assert (scene.name, scene.surface.length) == ("mine", (1e-4, 1e-4))

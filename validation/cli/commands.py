@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from validation.cli.audit import audit
 from validation.cli.challenge import challenge_app
 from validation.cli.options import (
     AccuracyOption,
@@ -24,6 +25,7 @@ from validation.cli.options import (
     ReportOption,
     SceneArgument,
     SchedulerOption,
+    SetOption,
     StoreOption,
     TimeLimitOption,
     WorkersOption,
@@ -38,6 +40,7 @@ from validation.cli.options import (
 from validation.cli.refusals import refusals_in_words
 from validation.cli.store import store_app
 from validation.cli.surface import surface_app
+from validation.cli.sweep import run_swept
 from validation.errors import RunFailed, UsageError
 
 if TYPE_CHECKING:
@@ -60,6 +63,7 @@ scenes_app = typer.Typer(no_args_is_help=True, help="The scenes that come with t
 app.add_typer(scenes_app, name="scenes")
 app.add_typer(surface_app, name="surface")
 app.add_typer(store_app, name="store")
+app.command(epilog="Examples: fem-contact audit results/quickstart  |  fem-contact audit mine --list")(audit)
 app.add_typer(challenge_app, name="challenge")
 
 
@@ -67,9 +71,11 @@ app.add_typer(challenge_app, name="challenge")
     epilog="Examples: fem-contact run quickstart  |  fem-contact run mine.toml --workers 2 --store "
     "results/solves"
     "  |  fem-contact run mine.toml --dry-run  |  fem-contact run mine.toml --accuracy 1%"
+    "  |  fem-contact run mine.toml --set surface.hurst=0.7 --set hardness='3 GPa'"
 )
 def run(
     scene: SceneArgument = "quickstart",
+    settings: SetOption = None,
     output: OutputOption = None,
     store: StoreOption = None,
     workers: WorkersOption = None,
@@ -86,7 +92,8 @@ def run(
     """Run a scene: solve, compare, write table, fields and report.
 
     Finished solves in the store are used again, so an interrupted run continues where it stopped. Options of
-    where and how to run may also stand in the scene, in its table 'run'. With --accuracy, grids, tolerance
+    where and how to run may also stand in the scene, in its table 'run'. A scene with a table 'sweep' is run
+    at every value of the keys it lists, into one dataset and one report. With --accuracy, grids, tolerance
     and number of surfaces are chosen instead of read from the scene, and results go to
     results/NAME-accuracy.
     """
@@ -95,11 +102,12 @@ def run(
     from validation.comparison.run import run_scene
     from validation.scenes.checks import check_scene
     from validation.scenes.realised import realise
-    from validation.scenes.scene import load_scene, not_led_out
+    from validation.scenes.scene import not_led_out
+    from validation.scenes.sweep import Sweep, load_asked
     from validation.solves.press import solves_of
     from validation.solves.store import Store
 
-    loaded = load_scene(scene)
+    loaded = load_asked(scene, settings or ())
     said = loaded.run
     results = Path("results")
     plain = (
@@ -112,6 +120,20 @@ def run(
         folder = not_led_out(plain.with_name(f"{plain.name}-accuracy"), of=results, option="--output")
     store_folder = store or said.folder("store") or not_led_out(plain / "solves", of=plain, option="--store")
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
+    if isinstance(loaded, Sweep):
+        run_swept(
+            loaded,
+            scene,
+            folder,
+            store_folder=store_folder,
+            execution=execution,
+            dry_run=dry_run,
+            report=with_report,
+            quiet=quiet or said.quiet,
+            as_json=as_json,
+            unfit={"--accuracy": accuracy, "--time-limit": time_limit, "--pictures": pictures},
+        )
+        return
     chosen = chosen_accuracy(accuracy, time_limit=time_limit, dry_run=dry_run, execution=execution)
     with naming(scene):
         realised = realise(loaded)
@@ -226,14 +248,17 @@ def study(
 
 
 @app.command(epilog="Example: fem-contact explain quickstart")
-def explain(scene: SceneArgument = "quickstart", as_json: JsonOption = False) -> None:
+def explain(
+    scene: SceneArgument = "quickstart", settings: SetOption = None, as_json: JsonOption = False
+) -> None:
     """Say what a scene would run, on which grids, at what cost, and what it leaves out. Solves nothing."""
     from validation.comparison.explain import explain as explain_scene
-    from validation.scenes.scene import load_scene
+    from validation.comparison.sweep import explain_sweep
+    from validation.scenes.sweep import Sweep, load_asked
 
-    loaded = load_scene(scene)
+    loaded = load_asked(scene, settings or ())
     with naming(scene):
-        explanation = explain_scene(loaded)
+        explanation = explain_sweep(loaded) if isinstance(loaded, Sweep) else explain_scene(loaded)
     if as_json:
         typer.echo(json.dumps(explanation.summary(), indent=2))
     else:
@@ -367,16 +392,24 @@ def reproduce(
 
 @app.command(epilog="Example: fem-contact report results/quickstart")
 def report(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Results folder of a run or a study.")],
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Results folder of a run, a sweep or a study.")
+    ],
     pictures: PicturesOption = None,
     as_json: JsonOption = False,
 ) -> None:
     """Write the report of a finished run or study again, from stored results alone. Solves nothing."""
     from validation.comparison.run import report_run
+    from validation.comparison.sweep import is_sweep, report_sweep
     from validation.studies._outputs import check_results, is_study, report_study
 
     check_results(folder)
-    files = report_study(folder).files if is_study(folder) else report_run(folder, pictures=pictures).files
+    if is_sweep(folder):
+        files = report_sweep(folder).files
+    else:
+        files = (
+            report_study(folder).files if is_study(folder) else report_run(folder, pictures=pictures).files
+        )
     if as_json:
         typer.echo(json.dumps([str(path) for path in files], indent=2))
     else:

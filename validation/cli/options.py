@@ -32,6 +32,7 @@ __all__ = [
     "ReportOption",
     "SceneArgument",
     "SchedulerOption",
+    "SetOption",
     "StoreOption",
     "TimeLimitOption",
     "WorkersOption",
@@ -59,6 +60,15 @@ SceneArgument = Annotated[
     str,
     typer.Argument(
         metavar="SCENE", help="A built-in scene by name, or a TOML file.", autocompletion=_scene_names
+    ),
+]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Set a key of the scene, e.g. solid.young='2 GPa' or sweep.seed=[7,8]; may be given "
+        "several times.",
     ),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print JSON for scripts instead of tables.")]

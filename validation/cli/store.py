@@ -63,7 +63,8 @@ def _store_in(folder: Path) -> Path:
     if not folder.is_dir():
         raise UsageError(f"{folder}: is no folder; name the folder of a store, such as results/solves")
     inner = folder / "solves"
-    return inner if inner.is_dir() and (folder / "run.json").exists() else folder
+    ours = any((folder / record).exists() for record in ("run.json", "sweep.json"))
+    return inner if inner.is_dir() and ours else folder
 
 
 def _line(one: Checked) -> str:

@@ -17,7 +17,7 @@ from validation.errors import UsageError
 from validation.methods import Solver, methods
 from validation.methods.theory import theory_words
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import Realised, Surveyed
+from validation.scenes.realised import Realised, Surveyed, realise
 from validation.scenes.scene import Scene
 from validation.scenes.surfaces import Expected
 from validation.solves.calibration import effect_costs
@@ -113,17 +113,21 @@ class Explanation:
         )
 
 
-def explain(scene: Scene) -> Explanation:
+def explain(scene: Scene, realised: Realised | None = None) -> Explanation:
     """Say what a scene will run and at what cost, without solving anything.
+
+    Parameters
+    ----------
+    scene : Scene
+    realised : Realised, optional
+        What it asks for, where somebody has looked at it already.
 
     Raises
     ------
     UsageError
         For an effect that a method of the scene lacks, and for numbers that no method can compute with.
     """
-    realised = Surveyed(
-        surface=scene.surface, solid=scene.solid, load=scene.load, drawn=bool(scene.methods.solvers)
-    )
+    realised = realised or realise(scene, kind=Surveyed)
     try:
         check_scene(scene, realised)
         return _explained(scene, realised)

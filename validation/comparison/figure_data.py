@@ -71,7 +71,9 @@ def cost_data(c: Comparison) -> xr.Dataset:
     )
 
 
-def pressure_at_zero_data(c: Comparison, results: dict[str, list[ContactResult]]) -> xr.Dataset:
+def pressure_at_zero_data(
+    c: Comparison, results: dict[str, list[ContactResult]], *, top: float = NEAR_ZERO
+) -> xr.Dataset:
     """P(sigma) near zero on each grid, in bins whose number follows the points in contact, and Persson's.
 
     With adhesion it begins at the most negative pressure of a contact point, since some are pulled.
@@ -81,6 +83,8 @@ def pressure_at_zero_data(c: Comparison, results: dict[str, list[ContactResult]]
     c : Comparison
     results : dict of str to list of ContactResult
         Solves by label, coarse to fine; the shifts of one grid are averaged.
+    top : float
+        Where it ends, in E* h'_rms.
     """
     unit = c.contact_modulus * c.rms_gradient
     labels, lower, upper, density = [], [], [], []
@@ -88,7 +92,7 @@ def pressure_at_zero_data(c: Comparison, results: dict[str, list[ContactResult]]
         points = sum(np.count_nonzero(result.in_contact) for result in solves)
         bins = min(48, max(8, int(np.sqrt(points) / 2)))
         lowest = _lowest(solves) / unit if c.adhesive else 0.0
-        edges = np.linspace(lowest, NEAR_ZERO, bins + 1)
+        edges = np.linspace(lowest, top, bins + 1)
         found = np.mean([pressure_distribution(result, edges * unit).density for result in solves], axis=0)
         labels += [label] * bins
         lower += list(edges[:-1])
@@ -96,7 +100,7 @@ def pressure_at_zero_data(c: Comparison, results: dict[str, list[ContactResult]]
         density += list(found * unit)
     # The closed form is that of elastic contact without adhesion.
     if c.theory is not None and not c.theory.note:
-        stress = np.linspace(0, NEAR_ZERO, 201)
+        stress = np.linspace(0, top, 201)
         exact = elastic.pressure_distribution(
             stress * unit, pressure=c.pressure, stress_variance=c.theory.stress_variance
         )

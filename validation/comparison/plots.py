@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from validation.comparison.figure_data import NEAR_ZERO
 from validation.report.figure import looks, new_figure
 from validation.report.words import significant, with_error
 
@@ -79,7 +78,7 @@ def pressure_at_zero_figure(data: xr.Dataset) -> Figure:
     figure, (axes,) = new_figure()
     curve = data["curve"].values
     labels = [label for label in dict.fromkeys(curve) if label != "Persson"]
-    shades = np.linspace(0.75, 0.0, max(len(labels), 2))
+    shades = np.linspace(0.75, 0.0, max(len(labels), 2))[-len(labels) :]  # the finest is black
     styles = ["-", "--", "-.", ":"]
     for k, label in enumerate(labels):
         here = data.isel(bin=curve == label)
@@ -89,7 +88,7 @@ def pressure_at_zero_figure(data: xr.Dataset) -> Figure:
     theory = data.isel(bin=curve == "Persson")
     if theory.sizes["bin"]:
         axes.plot(theory["lower"], theory["density"], color="#38761d", lw=2, label="Persson")
-    axes.set_xlim(min(0.0, float(data["lower"].min())), NEAR_ZERO)
+    axes.set_xlim(min(0.0, float(data["lower"].min())), float(data["upper"].max()))
     axes.set_ylim(bottom=0)
     axes.set_xlabel(r"pressure $\sigma / (E^* h'_{rms})$")
     axes.set_ylabel(r"$P(\sigma)\, E^* h'_{rms}$ per nominal area")

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from validation.solves.running import Solves
     from validation.solves.store import Store
 
-__all__ = ["effects_note", "run_page", "write_outputs"]
+__all__ = ["effects_note", "papers_for", "run_page", "seed_words", "write_outputs"]
 
 _COLUMNS = (
     "method",
@@ -127,8 +127,8 @@ def run_page(comparison: Comparison, results: Solves | None = None, *, pictures:
         no_picture=missing,
         facts=(_realised(comparison), *(() if results is None else made_words(results.made()))),
         settings=scene.model_dump(mode="json", exclude_none=True),
-        seeds=_seeds(scene),
-        papers=_papers_for(comparison),
+        seeds=seed_words(scene),
+        papers=papers_for(scene),
         records={"table": _record(comparison)},
         summary=comparison.summary(),
     )
@@ -414,15 +414,15 @@ def _picture(shown: dict[Press, ContactResult], store: Store) -> tuple[Picture |
     return render_stored(store.path(solve), label=solve.label)
 
 
-def _papers_for(comparison: Comparison) -> tuple[str, ...]:
+def papers_for(scene: Scene) -> tuple[str, ...]:
     """Name what is to be cited: methods, effects, and how areas were corrected."""
-    scene = comparison.scene
     cited = [paper for method in scene.methods.asked.values() for paper in method.cited(scene.effects)]
     cited += [paper for effect in scene.effects for paper in effect.papers]
-    return (*cited, PERIMETER, *([MEASURED] if comparison.treatment else []))
+    return (*cited, PERIMETER, *([MEASURED] if scene.surface.kind == "file" else []))
 
 
-def _seeds(scene: Scene) -> str:
+def seed_words(scene: Scene) -> str:
+    """Say by which numbers surfaces are drawn."""
     surface = scene.surface
     if surface.kind == "file":
         return "none: the surface was measured"

@@ -169,7 +169,10 @@ def _record(scene: Scene, folder: Path, store: Store) -> None:
     path = folder / _RUN_FILE
     if not (path.exists() and path.read_bytes() == json_text(said).encode()):
         clear_page(folder)
-    (folder / "study.json").unlink(missing_ok=True)
+    for other in ("study.json", "sweep.json"):
+        if (folder / other).exists():  # of which the dataset was, too
+            (folder / "data.nc").unlink(missing_ok=True)
+            (folder / other).unlink()
     write_json(path, said)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import html
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -35,6 +37,16 @@ class Drawing:
     figure: Figure
     data: xr.Dataset
     caption: str
+
+    def _repr_html_(self) -> str:
+        """Show the figure in a notebook, whatever draws figures there."""
+        from validation.report.figure import embeddable, save_figure
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "figure.svg"
+            save_figure(self.figure, path)
+            svg = embeddable(path.read_text(encoding="utf-8"), self.name, words=self.caption)
+        return f"<figure>{svg}<figcaption>{html.escape(self.caption)}</figcaption></figure>"
 
 
 def write_drawing(drawing: Drawing, folder: Path) -> tuple[Path, ...]:

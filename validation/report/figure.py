@@ -239,7 +239,7 @@ def lines_figure(
         Variables to draw; their words are the legend. The axis is what the words of all begin with, or else
         those of the first.
     along : str, optional
-        Second dimension; one line is drawn for each of its values.
+        Second dimension; one line is drawn for each of its values, in one colour for all `lines`.
     logarithmic : str
         "x", "y" or "xy".
     reference : dict of str to float, optional
@@ -250,13 +250,14 @@ def lines_figure(
         {"color": colour, "marker": marker, "ls": style, "mfc": fill}
         for (colour, marker), style, fill in zip(MARKERS * 2, STYLES * 2, FILLS, strict=True)
     )
-    for name in lines:
+    paired = along is not None and len(lines) > 1
+    for line, name in enumerate(lines):
         values = [None] if along is None else list(data[along].values)
-        for value in values:
+        for k, value in enumerate(values):
             here = data if value is None else data.sel({along: value})
-            look = next(looks)
+            look = _paired_look(line, k) if paired else next(looks)
             words = str(data[name].attrs.get("long_name", name))
-            named = [] if value is None else [f"{along} = {value:g}"]
+            named = [] if value is None else [_named_value(data, str(along), value)]
             # What all lines have in common stands at the axis.
             label = mathtext(", ".join(named if named and len(lines) == 1 else [words, *named]))
             error = here[f"{name}_error"].values if f"{name}_error" in data else None
@@ -271,6 +272,18 @@ def lines_figure(
     axes.set_ylabel(_common_label(data, lines))
     axes.legend(fontsize=7)
     return figure
+
+
+def _paired_look(line: int, value: int) -> dict[str, Any]:
+    """Colour and symbol tell the value, style and filling the line, so that those of a value pair up."""
+    colour, marker = MARKERS[value % len(MARKERS)]
+    return {"color": colour, "marker": marker, "ls": STYLES[line % 4], "mfc": "white" if line else None}
+
+
+def _named_value(data: xr.Dataset, name: str, value: Any) -> str:
+    unit = data[name].attrs.get("units", "1")
+    said = str(value) if isinstance(value, str) else f"{value:g}"
+    return f"{name} = {said}" + ("" if unit == "1" else f" {unit}")
 
 
 def _common_label(data: xr.Dataset, lines: Sequence[str]) -> str:

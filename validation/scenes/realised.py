@@ -36,6 +36,8 @@ class Realised:
         Counts further surfaces of the same spectrum from 0, the scene's own: added to its seed.
     inverted : bool
         Press -h instead of h: hills become valleys, which halves much of the scatter between surfaces.
+    given : Measured, optional
+        Heights that are there already, in place of those of the file that `surface` names.
     drawn : bool
         Whether a random surface is made of C(q); where the theory stands alone it is not, and h'_rms is that
         of C(q).
@@ -50,6 +52,7 @@ class Realised:
     load: Load
     realisation: int = 0
     inverted: bool = False
+    given: Measured | None = None
     drawn: bool = True
 
     def __reduce__(self) -> Any:
@@ -69,6 +72,8 @@ class Realised:
     @cached_property
     def measured(self) -> Measured | None:
         """The measured surface, read and hashed once; None for a random one."""
+        if self.given is not None:
+            return self.given
         return surfaces.measured_surface(self.surface) if isinstance(self.surface, FileSurface) else None
 
     @property
@@ -219,8 +224,23 @@ class Surveyed(Realised):
         return super().field
 
 
-def realise(scene: Scene) -> Realised:
-    """Return what a scene asks for, to be made once and handed down."""
-    return Realised(
-        surface=scene.surface, solid=scene.solid, load=scene.load, drawn=bool(scene.methods.solvers)
-    )
+#: What is made of the surface alone, whatever the solid and the load.
+_OF_THE_SURFACE = ("_waves", "measured", "field", "spectrum", "_estimate")
+
+
+def realise(scene: Scene, *, like: Realised | None = None, kind: type[Realised] = Realised) -> Realised:
+    """Return what a scene asks for, to be made once and handed down.
+
+    Parameters
+    ----------
+    scene : Scene
+    like : Realised, optional
+        What another scene asks for: if its surface is the same, it is not made again.
+    kind : type
+        `Surveyed` where it is only looked at.
+    """
+    made = kind(surface=scene.surface, solid=scene.solid, load=scene.load, drawn=bool(scene.methods.solvers))
+    same = like is not None and replace(like, solid=made.solid, load=made.load) == made
+    if like is not None and same:
+        made.__dict__.update({name: like.__dict__[name] for name in _OF_THE_SURFACE if name in like.__dict__})
+    return made

@@ -6,6 +6,7 @@ import math
 import os
 import re
 import tomllib
+from collections.abc import Mapping
 from functools import reduce
 from importlib import resources
 from operator import or_
@@ -54,10 +55,13 @@ __all__ = [
     "SelfAffineSurface",
     "SolidSpec",
     "builtin_scenes",
+    "checked_scene",
     "load_scene",
     "not_led_out",
+    "parsed_toml",
     "scene_problems",
     "scene_text",
+    "sized",
     "unit_registry",
 ]
 
@@ -354,9 +358,24 @@ def load_scene(scene: str) -> Scene:
         With one line for each problem: key, value, what is allowed.
     """
     text, folder = scene_text(scene)
-    data = _named(parsed_toml(text, scene), scene)
+    data = parsed_toml(text, scene)
+    if "sweep" in data:
+        raise SceneError(
+            scene, ["[sweep]: is many scenes; fem-contact run and explain take it, this does not"]
+        )
+    return checked_scene(sized(data, folder, scene), folder, scene)
+
+
+def checked_scene(data: Mapping[str, Any], folder: Path, scene: str) -> Scene:
+    """Return the scene that parsed tables say, with the path of a measured surface made absolute.
+
+    Raises
+    ------
+    SceneError
+        With one line for each problem.
+    """
     try:
-        checked = Scene.model_validate(_sized(data, folder, scene))
+        checked = Scene.model_validate(_named(data, scene))
     except ValidationError as error:
         raise SceneError(scene, scene_problems(error)) from None
     if isinstance(checked.surface, FileSurface) and not checked.surface.path.is_absolute():
@@ -367,13 +386,13 @@ def load_scene(scene: str) -> Scene:
     return checked
 
 
-def _named(data: dict[str, Any], scene: str) -> dict[str, Any]:
+def _named(data: Mapping[str, Any], scene: str) -> Mapping[str, Any]:
     """Name a scene that has no name after its file, if that makes a name."""
     stem = Path(scene).stem
     return data if "name" in data or re.fullmatch(_NAME, stem) is None else {"name": stem, **data}
 
 
-def _sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
+def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
     """Fill in the length of a measured surface from its file, and ask for what neither of the two says."""
     surface = data.get("surface")
     if not isinstance(surface, dict) or surface.get("kind") != "file":

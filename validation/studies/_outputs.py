@@ -52,7 +52,7 @@ def run_study(
         "study": study.name,
         "options": options.model_dump(mode="json", exclude_none=True),
     }
-    for other in ("run.json", "accuracy.json"):  # the folder is that of this study now
+    for other in ("run.json", "accuracy.json", "sweep.json"):  # the folder is that of this study now
         (folder / other).unlink(missing_ok=True)
     write_json(folder / _RECORD, said)
     content = dataset_bytes(data)
@@ -73,7 +73,7 @@ def check_results(folder: Path) -> None:
     ------
     UsageError
     """
-    records = ("run.json", _RECORD)
+    records = ("run.json", "sweep.json", _RECORD)
     if any((folder / record).exists() for record in records):
         return
     places = sorted(

@@ -1,0 +1,28 @@
+"""Equations of the docstrings as MathML, which browsers draw without a script."""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from typing import Any
+
+import griffe
+from latex2mathml.converter import convert
+
+#: A directive `.. math::` with what follows on its line, and lines that are indented or empty after it.
+_EQUATION = re.compile(r"^( *)\.\. math::(.*\n(?:(?:\1 +.*)?(?:\n|\Z))*)", re.MULTILINE)
+
+
+class Mathematics(griffe.Extension):
+    """Writes each equation of a docstring as a block of HTML."""
+
+    def on_instance(self, *, obj: griffe.Object, **_: Any) -> None:
+        """Rewrite the docstring of a module, class or function."""
+        if obj.docstring is not None:
+            obj.docstring.value = _EQUATION.sub(_drawn, obj.docstring.value + "\n").rstrip()
+
+
+def _drawn(found: re.Match[str]) -> str:
+    first, _, rest = found[2].partition("\n")
+    source = " ".join(f"{first} {textwrap.dedent(rest)}".split())
+    return f"{found[1]}<div>{convert(source, display='block')}</div>\n\n"

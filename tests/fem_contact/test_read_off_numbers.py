@@ -1,0 +1,121 @@
+"""Limits, errors and states by closed forms that share nothing with the code."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from fem_contact import adhesion
+from fem_contact.adhesion.descent import Minimum
+from fem_contact.adhesion.laws import Exponential
+from fem_contact.adhesion.state import AdhesionProblem, Stability
+from fem_contact.area import ContactAreas, limit_area
+from fem_contact.contact import Status
+from fem_contact.extrapolation import located_limit
+from fem_contact.response import HalfSpace
+from fem_contact.settings import Settings
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+
+
+def areas(value, points, fraction):
+    """An area on a square grid, counted and located alike."""
+    return ContactAreas(
+        pixel=value,
+        perimeter=value,
+        edge_length=fraction * points,
+        edge_fraction=fraction,
+        edge_constant=0.1,
+        spacing=(1 / points, 1 / points),
+        subcell=value,
+        cells=points * points,
+    )
+
+
+def _law(area, fraction, count):
+    """Covariance of the error law, written out: four random orders and the noise of the lattice."""
+    fraction, count = np.asarray(fraction), np.asarray(count)
+    z = fraction / (area * (1 - area) ** 1.25)
+    spread = np.diag(fraction * (0.005**2 + (0.036 * z) ** 2) / count)
+    for power, deviation in ((1, 0.02), (1.5, 0.008), (2, 0.003), (3, 0.001)):
+        term = deviation * fraction * z**power
+        spread += np.outer(term, term)
+    return np.linalg.inv(spread)
+
+
+@pytest.mark.parametrize("apart", [1e-6, 0.02])
+def test_the_limit_is_the_best_estimate_under_the_law_of_error_and_its_spread_the_claim(apart):
+    coarse, fine = 0.2 + apart, 0.2
+    # Two shifts of the coarse grid, one of the fine one, whose edges are half as many.
+    given = [areas(coarse, 32, 0.08), areas(coarse, 32, 0.08), areas(fine, 64, 0.04)]
+    weight = _law(fine, [0.04, 0.08], [64**2, 2 * 32**2])
+    value = float(weight.sum(axis=0) @ [fine, coarse] / weight.sum())
+    rest = np.array([fine, coarse]) - value
+    misfit = max(1.0, float(rest @ weight @ rest))
+    assert (misfit > 1.5) is (apart > 0.01)
+    found = located_limit(given)
+    assert found.value == pytest.approx(value, rel=1e-10)
+    assert found.uncertainty == pytest.approx(math.sqrt(misfit / weight.sum()), rel=1e-8)
+
+
+def test_the_error_of_a_counted_limit_is_that_of_the_intercept_with_two_numbers_fitted():
+    # Edges chosen so that all grids weigh alike: fraction times spacing^2 is constant.
+    points, x = np.array([16, 32, 48, 64]), np.array([16, 32, 48, 64]) ** 2 / 1e5
+    y = 0.2 + 0.1 * x + np.array([1, -1, -1, 1]) * 1e-3
+    found = limit_area([areas(*row) for row in zip(y, points, x, strict=True)])
+    sxx = np.sum((x - x.mean()) ** 2)
+    slope = np.sum((x - x.mean()) * y) / sxx
+    intercept = y.mean() - slope * x.mean()
+    variance = np.sum((y - intercept - slope * x) ** 2) / (4 - 2)
+    assert found.value == pytest.approx(intercept, rel=1e-9)
+    assert found.uncertainty == pytest.approx(math.sqrt(variance * (1 / 4 + x.mean() ** 2 / sxx)), rel=1e-9)
+
+
+def test_a_state_is_stable_only_where_its_curvature_exceeds_its_uncertainty():
+    assert Stability(curvature=0.3, uncertainty=0.2).is_minimum
+    assert not Stability(curvature=0.1, uncertainty=0.2).is_minimum
+    assert not Stability(curvature=-0.3, uncertainty=0.2).is_minimum
+
+
+def test_cells_of_a_process_zone_are_modulus_times_work_over_strength_squared_and_spacing():
+    law = Exponential(work=3e-3, reach=0.02)
+    exact = 5.0 * 0.02**2 / 3e-3 / 0.1
+    assert adhesion.cells_in_process_zone(law, spacing=0.1, contact_modulus=5.0) == pytest.approx(exact)
+
+
+def _packed(*, gap, force):
+    """An adhesive state with planted gap and force on a surface of waves."""
+    x = np.arange(16) / 16
+    surface = HeightField(heights=0.01 * np.cos(2 * np.pi * x)[:, None] * np.ones(16), lengths=(1.0, 1.0))
+    law = Exponential(work=1e-3, reach=0.03)
+    problem = AdhesionProblem(
+        surface, HalfSpace(solid=Solid(young=1.0, poisson=0.0)), law=law, settings=Settings(tolerance=1e-8)
+    )
+    minimum = Minimum(
+        gap=gap,
+        force=force,
+        mean_pressure=0.01,
+        offset=0.02,
+        energy=0.0,
+        imbalance=0.0,
+        status=Status.CONVERGED,
+        iterations=1,
+        fft_pairs=1.0,
+    )
+    return surface, law, problem.packed(minimum).contact
+
+
+def test_tension_beyond_the_attraction_of_the_law_is_a_residual():
+    force = np.zeros((16, 16))
+    force[0, 0], force[8, 8] = -0.1, 0.1
+    surface, law, contact = _packed(gap=np.zeros((16, 16)), force=force)
+    exact = (0.1 - 0.01 - law.strength) / surface.rms_gradient
+    assert contact.residuals.tension == pytest.approx(exact, rel=1e-12)
+
+
+def test_the_gap_of_an_adhesive_state_is_displacement_less_heights_plus_offset():
+    surface, _, contact = _packed(gap=np.full((16, 16), 0.004), force=np.zeros((16, 16)))
+    gap = contact.displacement - surface.heights + contact.offset
+    np.testing.assert_allclose(gap, contact.gap, atol=1e-15)

@@ -1,0 +1,200 @@
+"""Faults of physics and numerics, put into a copy of the code one at a time: which tests notice?
+
+``python tests/mutants/driver.py`` runs all of them, ``--only WORDS`` those whose name or file contains the
+words, ``--tests PATH ...`` against other tests than the catalogue names, to find what notices. A fault is
+*killed* where a test that it names fails, *survived* where all pass, *broken* where pytest could not run
+them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import queue
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import tomllib
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+CATALOGUES = ("persson", "fem_contact", "validation")
+_COPIED = (*CATALOGUES, "tests", "docs", "pyproject.toml", "README.md", "ARCHITECTURE.md", "CHANGELOG.md")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mutant:
+    """One fault.
+
+    Attributes
+    ----------
+    name : str
+        The physics that is wrong with it.
+    file, old, new : str
+        In which file what stands, once, and what is put there.
+    tests : tuple of str
+        Tests, whose names are the claim, or files of tests that notice it.
+    kernel : bool
+        Whether compiled code changes, so that nothing of the cache may be used.
+    survives : str
+        Why no test can notice; empty where one must.
+    """
+
+    name: str
+    file: str
+    old: str
+    new: str
+    tests: tuple[str, ...]
+    kernel: bool = False
+    survives: str = ""
+
+    def applied(self, text: str) -> str:
+        """Return the text of the file with the fault."""
+        found = text.count(self.old)
+        if found != 1:
+            raise ValueError(
+                f"{self.name}: {self.old!r} stands {found} times in {self.file}, must stand once"
+            )
+        return text.replace(self.old, self.new)
+
+
+def catalogue() -> tuple[Mutant, ...]:
+    """Return all faults."""
+    return tuple(mutant for package in CATALOGUES for mutant in _read(package))
+
+
+def _read(package: str) -> Iterator[Mutant]:
+    said = tomllib.loads(Path(__file__).with_name(f"{package}.toml").read_text(encoding="utf-8"))
+    groups = said.get("tests", {})
+    for entry in said["mutant"]:
+        tests = tuple(path for name in entry.pop("tests") for path in groups.get(name, (name,)))
+        yield Mutant(tests=tests, **entry)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What became of one fault: killed, survived or broken; the tests that failed; seconds."""
+
+    mutant: Mutant
+    verdict: str
+    failed: tuple[str, ...]
+    seconds: float
+    output: str
+
+
+@contextmanager
+def copied_tree() -> Iterator[Path]:
+    """Make a copy of the tree that may be damaged."""
+    with tempfile.TemporaryDirectory(prefix="mutants-") as name:
+        tree = Path(name) / "tree"
+        tree.mkdir()
+        leave = shutil.ignore_patterns("__pycache__", "mutants", "*.nbc", "*.nbi")
+        for entry in _COPIED:
+            source = ROOT / entry
+            if source.is_dir():
+                shutil.copytree(source, tree / entry, ignore=leave)
+            elif source.exists():
+                shutil.copy(source, tree / entry)
+        yield tree
+
+
+def run_tests(tree: Path, tests: Sequence[str], *, cache: Path, limit: float = 600) -> tuple[int, str]:
+    """Run tests in a tree, and return pytest's exit code with its output."""
+    environment = os.environ | {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(cache)}
+    environment.pop("PYTEST_ADDOPTS", None)
+    # The results of one fault must not be mistaken for those of another.
+    options = [
+        "-q",
+        "-n",
+        "0",
+        "-p",
+        "no:cacheprovider",
+        "-m",
+        "not benchmark",
+        "-rf",
+        "--tb=no",
+        "--maxfail=12",
+    ]
+    command = [sys.executable, "-B", "-m", "pytest", *options, *tests]
+    try:
+        done = subprocess.run(
+            command, check=False, cwd=tree, env=environment, capture_output=True, text=True, timeout=limit
+        )
+    except subprocess.TimeoutExpired:
+        return 1, f"FAILED within {limit:g} s: nothing came to an end"
+    return done.returncode, done.stdout + done.stderr
+
+
+def judge(mutant: Mutant, tree: Path, *, tests: Sequence[str] = ()) -> Outcome:
+    """Put a fault into a copy of the tree, run its tests, and take it out again."""
+    path, began = tree / mutant.file, time.perf_counter()
+    sound = path.read_text(encoding="utf-8")
+    fresh = tree.parent / "fresh-cache"
+    path.write_text(mutant.applied(sound), encoding="utf-8")
+    try:
+        cache = fresh if mutant.kernel else tree.parent / "cache"
+        code, output = run_tests(tree, tests or mutant.tests, cache=cache)
+    finally:
+        path.write_text(sound, encoding="utf-8")
+        shutil.rmtree(fresh, ignore_errors=True)
+    failed = tuple(re.findall(r"^FAILED (\S+(?: \S+\])?)", output, flags=re.M))
+    verdict = {0: "survived", 1: "killed"}.get(code, "broken")
+    return Outcome(
+        mutant=mutant, verdict=verdict, failed=failed, seconds=time.perf_counter() - began, output=output
+    )
+
+
+def run_all(mutants: Sequence[Mutant], *, workers: int, tests: Sequence[str] = ()) -> Iterator[Outcome]:
+    """Judge faults, several at a time, each worker in its own copy of the tree."""
+    with ThreadPoolExecutor(workers) as pool:
+        trees: queue.SimpleQueue[Path] = queue.SimpleQueue()
+
+        def one(mutant: Mutant) -> Outcome:
+            tree = trees.get()
+            try:
+                return judge(mutant, tree, tests=tests)
+            finally:
+                trees.put(tree)
+
+        contexts = [copied_tree() for _ in range(workers)]
+        try:
+            for context in contexts:
+                trees.put(context.__enter__())
+            yield from pool.map(one, mutants)
+        finally:
+            for context in contexts:
+                context.__exit__(None, None, None)
+
+
+def main() -> int:
+    """Run the catalogue, or a part of it; 1 where a fault survived that a test should notice."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", default="", help="words of the name or file")
+    parser.add_argument("--tests", nargs="+", default=[], help="run these instead of the named ones")
+    parser.add_argument("--workers", type=int, default=2)
+    asked = parser.parse_args()
+    chosen = [m for m in catalogue() if asked.only in m.name or asked.only in m.file]
+    counts: dict[str, int] = {}
+    unexpected = 0
+    for outcome in run_all(chosen, workers=asked.workers, tests=asked.tests):
+        mutant, verdict = outcome.mutant, outcome.verdict
+        counts[verdict] = counts.get(verdict, 0) + 1
+        unexpected += verdict == "broken" or (verdict == "survived") != bool(mutant.survives)
+        print(f"{verdict:8s} {outcome.seconds:6.1f} s  {mutant.file}: {mutant.name}", flush=True)
+        for test in outcome.failed:
+            print(f"           by {test}", flush=True)
+        if verdict == "broken":
+            print(outcome.output[-600:], flush=True)
+    print(", ".join(f"{n} {verdict}" for verdict, n in sorted(counts.items())))
+    return 1 if unexpected else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

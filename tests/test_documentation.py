@@ -1,0 +1,61 @@
+"""The pages of the documentation name what there is, and lead where they say."""
+
+import re
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import fem_contact
+import persson
+import validation
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+PAGES = sorted([*ROOT.glob("*.md"), *DOCS.rglob("*.md")])
+
+
+@pytest.mark.parametrize(
+    ("page", "package"),
+    [("persson", persson), ("fem_contact", fem_contact), ("notebook", validation)],
+)
+def test_the_reference_has_every_public_name(page, package):
+    text = (DOCS / "reference" / f"{page}.md").read_text(encoding="utf-8")
+    shown = set(re.findall(r"[\w.]+", text))
+    homes = {f"{package.__name__}.{name}" for name in package.__all__}
+    missing = {full for full in homes if full not in shown and full.rpartition(".")[2] not in shown}
+    # The one verb of studies is shown where it lives.
+    assert missing <= {"validation.study"}
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_links_between_files_lead_somewhere(page):
+    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    for target in re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", text):
+        if not target.startswith(("http://", "https://")):
+            assert (page.parent / target).exists(), target
+
+
+def test_every_page_is_in_the_navigation_of_the_site():
+    said = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("\nnav:")[2]
+    pages = [*DOCS.rglob("*.md"), *DOCS.rglob("*.ipynb")]
+    assert {path.relative_to(DOCS).as_posix() for path in pages if "results" not in path.parts} == set(
+        re.findall(r"[\w/]+\.(?:md|ipynb)", said)
+    )
+
+
+def test_the_citation_is_of_this_version():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"\nversion: {project['version']}\n" in citation
+    assert f"\nlicense: {project['license']}\n" in citation
+
+
+def test_the_workflow_calls_what_everybody_calls():
+    workflow = (ROOT / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8")
+    assert re.findall(r"run: (.*)", workflow) == [".ci/run"]
+
+
+def test_the_readme_fits_on_a_screen_and_a_half():
+    readme = (ROOT / "README.md").read_text(encoding="utf-8")
+    assert len(readme.splitlines()) < 110

@@ -1,0 +1,312 @@
+"""What the comparison computes, by numbers known in closed form: loads, theories, intervals, recipes."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from fem_contact import bem
+from fem_contact.area import ContactAreas, Limit
+from fem_contact.extrapolation import located_limit
+from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+from persson import elastic
+from persson.spectrum import SelfAffine
+from validation.comparison import accuracy_search
+from validation.comparison.accuracy_search import Ladder, Search
+from validation.comparison.compare import Scatter, _Reading
+from validation.comparison.findings import findings
+from validation.effects.adhesion import Adhesion
+from validation.effects.base import Roughness, Slots, Told
+from validation.effects.coating import Coating
+from validation.effects.graded import Graded
+from validation.effects.hardness import Hardness
+from validation.effects.thickness import Thickness
+from validation.measures.budget import Budget, budget_table
+from validation.methods.theory import TheoryOptions, _summed_variance, with_effects
+from validation.scenes.realised import realise
+from validation.scenes.scene import Scene
+from validation.solves.fields import decode_result, encode_result
+from validation.solves.netcdf import reading
+from validation.solves.press import Press
+
+SOLID = Solid(young=2e9, poisson=0.3)
+SPECTRUM = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=2e5, q_short=8e5)
+
+
+def scene(**changed):
+    """A scene of a period of 3 x 2 whose cells are oblong."""
+    said = {
+        "name": "oblong",
+        "surface": {
+            "kind": "self-affine",
+            "length": [3.0, 2.0],
+            "hurst": 0.8,
+            "lambda_long": 1.0,
+            "lambda_short": 0.5,
+            "rms_gradient": 0.05,
+            "amplitudes": "gaussian",
+            "seed": 9,
+        },
+        "solid": {"young": 2e9, "poisson": 0.3},
+        "load": {"reduced_pressure": 0.2},
+        "methods": {"theory": {}, "bem": {"grids": [[24, 12], [32, 32]]}},
+    }
+    return Scene.model_validate(said | changed)
+
+
+def _sentence(comparison, word):
+    (found,) = [text for text in findings(comparison) if word in text]
+    return found
+
+
+@pytest.mark.parametrize(("errors", "agrees"), [(1.9, True), (2.1, False)])
+def test_agreement_is_claimed_within_twice_the_uncertainty_and_no_more(small_run, errors, agrees):
+    c = small_run.comparison
+    area = c.theory.area
+    limit = Limit(value=area * (1 + errors * 0.01), uncertainty=0.01 * area, edge_constant=0.1, grids=3)
+    said = _sentence(dataclasses.replace(c, limit=limit), "Persson's theory gives")
+    assert ("The limit agrees" in said) is agrees
+
+
+@pytest.mark.parametrize(("errors", "accident"), [(2.9, True), (3.1, False)])
+def test_an_accident_is_excluded_beyond_three_standard_errors_and_not_before(small_run, errors, accident):
+    # Of four ratios m -+ d the standard error is d / sqrt 3.
+    d = 0.01
+    mean = 1 + errors * d / math.sqrt(3)
+    scatter = Scatter(areas=(0.1,) * 4, ratios=(mean - d, mean + d) * 2, grid_error=0.0)
+    said = _sentence(dataclasses.replace(small_run.comparison, scatter=scatter), "4 realisations")
+    assert ("cannot tell it from zero" in said) is accident
+
+
+def test_a_modulus_that_is_the_same_for_every_wave_gives_the_variance_of_the_half_space():
+    field = realise(scene()).field
+    constant = _summed_variance(field, lambda q: np.full(np.shape(q), 3e9))
+    exact = float(elastic.stress_variance(field.moments[1], contact_modulus=3e9))
+    assert constant == pytest.approx(exact, rel=1e-12)
+
+
+def _theory(*effects, **options):
+    variance = float(elastic.stress_variance(SPECTRUM.m2(), contact_modulus=SOLID.contact_modulus))
+    return with_effects(
+        Told.by(SOLID, effects), 5e6, variance=variance, spectrum=SPECTRUM, options=TheoryOptions(**options)
+    )
+
+
+def test_contact_of_a_hard_solid_is_that_of_the_elastic_one():
+    variance = float(elastic.stress_variance(SPECTRUM.m2(), contact_modulus=SOLID.contact_modulus))
+    exact = float(elastic.contact_area(5e6, stress_variance=variance))
+    assert _theory(Hardness(hardness=1e13)).area == pytest.approx(exact, rel=1e-9)
+    # Where everything yields, the hardness carries the load alone.
+    soft = _theory(Hardness(hardness=5.5e6))
+    assert soft.plastic == pytest.approx(5 / 5.5, rel=1e-6)
+    assert soft.area == pytest.approx(soft.plastic, abs=1e-6)
+
+
+def test_the_energy_that_is_asked_for_is_used_and_the_other_stands_beside_it():
+    sticky = Adhesion(work=2.0, reach=1e-8)
+    improved, old = _theory(sticky), _theory(sticky, energy="old")
+    assert improved.other == pytest.approx(old.area, rel=1e-9)
+    assert old.other == pytest.approx(improved.area, rel=1e-9)
+    assert abs(old.area / improved.area - 1) > 1e-3
+
+
+def test_areas_are_projected_only_where_that_is_asked_for():
+    sticky = Adhesion(work=2.0, reach=1e-8)
+    assert abs(_theory(sticky, area="projected").area / _theory(sticky).area - 1) > 1e-4
+
+
+def test_a_spectrum_is_brought_to_the_gradient_of_the_surface():
+    realised = realise(scene())
+    assert abs(realised.field.rms_gradient / 0.05 - 1) > 0.01
+    assert math.sqrt(realised.own_spectrum.m2()) == pytest.approx(realised.field.rms_gradient, rel=1e-9)
+
+
+def test_points_per_wave_are_those_of_the_coarser_axis():
+    realised = realise(scene())
+    assert realised.points_per_wave((24, 12)) == pytest.approx(0.5 / (2 / 12), rel=1e-12)
+    assert realised.points_per_wave((12, 24)) == pytest.approx(0.5 / (3 / 12), rel=1e-12)
+
+
+def test_the_unit_of_reduced_pressure_is_modulus_times_gradient():
+    realised = realise(scene())
+    exact = 2e9 / (1 - 0.09) * realised.field.rms_gradient
+    assert realised.pressure_scale == pytest.approx(exact, rel=1e-12)
+    assert realised.pressure == pytest.approx(0.2 * exact, rel=1e-12)
+    assert realised.reduced_pressure == pytest.approx(0.2, rel=1e-12)
+
+
+def test_a_budget_lists_every_source_and_adds_up():
+    shares = {name: 0.01 * (k + 1) for k, name in enumerate(("grid", "solver", "surfaces", "finite size"))}
+    shares |= {"bandwidth": 0.05, "depth": 0.06}
+    table = budget_table([Budget(quantity="kappa", value=2.0, shares=shares)])
+    (row,) = table.rows
+    names = [f"{name} [%]" for name in shares]
+    assert [name for name in table.columns if name in names] == names
+    assert row[2:-2] == pytest.approx((1, 2, 3, 4, 5, 6))
+    assert row[-2] == pytest.approx(math.sqrt(1 + 4 + 9 + 36))
+    assert row[-1] == pytest.approx(math.sqrt(91))
+
+
+def _areas(value, spacing):
+    return ContactAreas(
+        pixel=value, perimeter=value, edge_length=1.0, edge_fraction=0.02, edge_constant=0.1,
+        spacing=(spacing, spacing), subcell=value, cells=round(1 / spacing**2),
+    )  # fmt: skip
+
+
+def _search(monkeypatch, planted):
+    """A search whose solves give planted areas."""
+    search = Search(
+        scene=scene(),
+        realised=realise(scene()),
+        target=0.4,
+        bench=SimpleNamespace(),
+        time_limit=None,
+        pair=1.0,
+    )
+    ladder = Ladder(grids=((64, 64),), shifts=1, error=0.1, seconds=0.0, peak_bytes=0)
+    monkeypatch.setattr(Search, "_solved", lambda self, ladder, **_: planted)
+    monkeypatch.setattr(Search, "_cheapest", lambda self, known, tried: ladder)
+    monkeypatch.setattr(Search, "_balanced", lambda self, *_: (ladder, len(planted)))
+    return search
+
+
+def test_an_accuracy_claims_twice_the_standard_error_of_the_grids_and_the_tolerance(monkeypatch):
+    planted = [[_areas(0.21, 1 / 32), _areas(0.2, 1 / 64)]]
+    limit = located_limit(planted[0])
+    search = _search(monkeypatch, planted)
+    monkeypatch.setattr(Search, "_grid", lambda self, level: (64, 64))
+    # The pilot solves one grid, the ladder both.
+    answers = iter([[[planted[0][1]]], planted])
+    monkeypatch.setattr(Search, "_solved", lambda self, ladder, **_: next(answers))
+    found = search.own_surface()
+    assert found.area == pytest.approx(limit.value, rel=1e-12)
+    assert found.error == pytest.approx(2 * limit.uncertainty / limit.value + search.tolerance, rel=1e-12)
+
+
+def test_the_mean_of_an_accuracy_claims_students_interval_and_the_grids_whole_error(monkeypatch):
+    planted = [[_areas(value, 1 / 64)] for value in (0.19, 0.21, 0.19, 0.21)]
+    search = _search(monkeypatch, planted)
+    found = search.ensemble(SimpleNamespace(finest=planted[0][0]))
+    limits = [located_limit(areas) for areas in planted]
+    values = [limit.value for limit in limits]
+    assert np.mean(values) == pytest.approx(0.2, rel=1e-12)
+    # Student's t of 3 degrees of freedom is 3.1824; the deviation of the four is .01 (4/3)^(1/2).
+    assert found.statistical == pytest.approx(3.1824 * 0.01 * math.sqrt(4 / 3) / 2 / 0.2, rel=1e-4)
+    grid = 2 * np.mean([limit.uncertainty for limit in limits]) / 0.2 + search.tolerance
+    assert found.grid == pytest.approx(grid, rel=1e-12)
+    assert found.error == pytest.approx(math.hypot(found.grid, found.statistical), rel=1e-12)
+    assert accuracy_search._student(4) == pytest.approx(3.1824, rel=1e-4)
+
+
+def test_a_recipe_tells_tolerances_shifts_and_grids_apart():
+    realised = realise(scene())
+    usual = Press(method="bem", grid=(24, 12), realised=realised, settings=(("tolerance", 1e-8),))
+    others = [
+        dataclasses.replace(usual, settings=(("tolerance", 1e-6),)),
+        dataclasses.replace(usual, shift=(0.0, 0.5)),
+        dataclasses.replace(usual, grid=(12, 24)),
+        dataclasses.replace(usual, realised=realised.further(1)),
+        dataclasses.replace(usual, effects=(Hardness(hardness=1e9),)),
+    ]
+    assert len({usual.key, *(other.key for other in others)}) == 1 + len(others)
+
+
+@pytest.fixture(scope="module")
+def weighted():
+    """A contact whose points carry unequal areas, some at the bound."""
+    x = np.arange(16) / 16
+    heights = 1e-3 * (np.cos(2 * np.pi * x)[:, None] + np.cos(2 * np.pi * x)[None, :])
+    result = bem.solve(
+        HeightField(heights=heights, lengths=(1.0, 1.0)), HalfSpace(solid=SOLID), mean_pressure=1e6
+    )
+    weights = np.tile([[1.5, 0.5], [0.5, 1.5]], (8, 8))
+    at_bound = np.zeros((16, 16), dtype=bool)
+    at_bound[0, 0] = at_bound[0, 2] = at_bound[0, 1] = True
+    return dataclasses.replace(result, weights=weights, at_bound=at_bound)
+
+
+def test_node_weights_are_read_back_bit_for_bit(weighted):
+    found = decode_result(encode_result(weighted, recipe="{}"))
+    np.testing.assert_array_equal(found.weights, weighted.weights)
+    assert (found.offset, found.mean_pressure) == (weighted.offset, weighted.mean_pressure)
+
+
+def test_stored_fields_carry_checksums(weighted):
+    with reading(encode_result(weighted, recipe="{}")) as file:
+        fields = [variable for variable in file.variables.values() if variable.ndim == 2]
+        assert len(fields) == 7
+        assert all(variable.filters()["fletcher32"] for variable in fields)
+
+
+def test_the_yielded_area_counts_each_point_by_its_weight(weighted):
+    solve = Press(method="bem", grid=(16, 16), realised=realise(scene()))
+    found = _Reading.of(solve, weighted, bare=False, shown=False)
+    assert found.plastic == pytest.approx((1.5 + 0.5 + 1.5) / 256, rel=1e-12)
+
+
+def _wave(modulus, wavelength):
+    return float(np.squeeze(modulus(np.array([2 * np.pi / wavelength]))))
+
+
+def test_short_waves_feel_the_coating_and_long_waves_the_bulk():
+    told = Told.by(SOLID, [Coating(young=6e9, thickness=1e-6)])
+    assert _wave(told.modulus, 1e-9) == pytest.approx(6e9 / 0.91, rel=1e-3)
+    assert _wave(told.modulus, 1e-2) == pytest.approx(2e9 / 0.91, rel=1e-2)
+
+
+def test_a_graded_profile_falls_to_one_over_e_at_its_depth_for_mesh_and_theory():
+    effect = Graded(bulk_young=8e9, depth=3e-6)
+    slots, told = Slots.filled(SOLID, [effect]), Told.by(SOLID, [effect])
+    exact = 8e9 + (2e9 - 8e9) / math.e
+    zero = np.zeros(1)
+    assert float(slots.body.modulus(zero, zero, np.array([-3e-6]))[0]) * 2e9 == pytest.approx(
+        exact, rel=1e-12
+    )
+    assert float(told.modulus.young(3e-6)) == pytest.approx(exact, rel=1e-12)
+    assert float(told.modulus.young(0.0)) == pytest.approx(2e9, rel=1e-12)
+
+
+def test_a_frictionless_base_makes_a_softer_layer():
+    layers = [
+        Slots.filled(SOLID, [Thickness(thickness=1e-6, base=base)]) for base in ("bonded", "frictionless")
+    ]
+    assert [type(slots.response) for slots in layers] == [BondedLayer, FrictionlessLayer]
+    q = np.array([[1e6]])
+    bonded, free = (float(slots.response.compliance(q, 0 * q)[0, 0]) for slots in layers)
+    assert free > 1.01 * bonded
+    assert layers[0].body.depth == 1e-6
+    assert layers[1].body is None
+
+
+def _rough(**changed):
+    said = {"modulus": 1e9, "gradient": 0.1, "curvature": 1e5, "longest": 1e-5, "shortest": 1e-6}
+    return Roughness(**{**said, "full_energy": 0.01, **changed})
+
+
+@pytest.mark.parametrize(("hardness", "matters"), [(1.9e8, True), (2.1e8, False)])
+def test_a_hardness_matters_below_four_deviations_of_the_stress_at_full_contact(hardness, matters):
+    # The deviation is E* h'_rms / 2 = 5e7 Pa.
+    assert Hardness(hardness=hardness).judge(_rough()).matters is matters
+
+
+def test_hardness_rises_by_its_power_at_its_wavelength():
+    told = Told.by(SOLID, [Hardness(hardness=1e9, size_wavelength=1e-6, size_exponent=0.5)])
+    assert _wave(told.hardness, 1e-6) == pytest.approx(math.sqrt(2) * 1e9, rel=1e-12)
+    assert _wave(told.hardness, 1e-6 / 3) == pytest.approx(2e9, rel=1e-12)
+
+
+def test_the_judgement_of_adhesion_is_free_of_units():
+    # All lengths by 2^20 and all pressures by 2^-30: curvature by 2^-20, work and energy by 2^-10.
+    k, s = 2.0**20, 2.0**-30
+    first = Adhesion(work=0.05, reach=2e-9).judge(_rough())
+    rough = _rough(
+        modulus=1e9 * s, curvature=1e5 / k, longest=1e-5 * k, shortest=1e-6 * k, full_energy=0.01 * k * s
+    )
+    assert Adhesion(work=0.05 * k * s, reach=2e-9 * k).judge(rough).number == first.number

@@ -1,0 +1,176 @@
+"""The few lines of a notebook give the numbers of a run, and what is wrong is said in one line."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import fem_contact
+import persson
+import validation
+from fem_contact import HalfSpace, HeightField, Solid
+from fem_contact.area import EDGE_CONSTANTS, contact_areas
+from validation import measured, press, self_affine, table, theory
+from validation.comparison.run import run_scene
+from validation.errors import UsageError
+from validation.scenes.scene import Scene
+
+WAVES = {
+    "length": "100 um",
+    "hurst": 0.7,
+    "lambda_long": "50 um",
+    "lambda_short": "12.5 um",
+    "rms_gradient": 0.1,
+}
+SOLID = {"young": "2 GPa", "poisson": 0.25}
+SURFACE = self_affine(**WAVES, seed=7)
+
+
+def test_its_numbers_are_those_of_a_run(tmp_path):
+    grids = [32, 48, 64]
+    scene = Scene.model_validate(
+        {
+            "name": "same",
+            "surface": {"kind": "self-affine", **WAVES, "seed": 7},
+            "solid": SOLID,
+            "load": {"reduced_pressure": 0.08},
+            "methods": {"bem": {"grids": grids}, "theory": {}},
+        }
+    )
+    run = run_scene(scene, tmp_path, report=False).comparison
+    contact = press(SURFACE, **SOLID, reduced_pressure=0.08, grid=32)
+    assert contact.areas().perimeter == run.rows[0].perimeter
+    assert contact.theory == run.theory
+    assert contact.limit(grids) == run.limit
+    assert contact.plot("grids").data.limit == pytest.approx(run.limit.value, rel=1e-12)
+
+
+def test_a_finite_element_contact_is_corrected_by_the_constant_of_its_element():
+    contact = press(SURFACE, **SOLID, reduced_pressure=0.08, method="fem", grid=18)
+    assert (
+        contact.areas().edge_constant == EDGE_CONSTANTS["Hex1"] == contact_areas(contact.result).edge_constant
+    )
+
+
+def test_heights_given_in_nanometres_are_those_that_were_drawn():
+    drawn = SURFACE.heights(40).values
+    by_array = press(measured(drawn * 1e9, length="100 um", unit="1 nm"), **SOLID, pressure="5 MPa", grid=40)
+    field = HeightField(heights=drawn, lengths=(1e-4, 1e-4))
+    by_field = press(measured(field), **SOLID, pressure=5e6, grid=40)
+    by_seed = press(SURFACE, Solid(young=2e9, poisson=0.25), pressure=5e6, grid=40)
+    # Rounding of the factor 1e9 alone; the solver's tolerance is 1e-8.
+    for other in (by_array, by_field):
+        difference = np.abs(other.result.pressure - by_seed.result.pressure).max()
+        assert difference < 1e-5 * by_seed.result.pressure.max()
+        assert other.areas().pixel == by_seed.areas().pixel
+
+
+def test_a_measured_surface_is_resolved_unless_a_grid_is_asked_for():
+    contact = press(measured(SURFACE.heights(40).values, length=1e-4, unit=1.0), **SOLID, pressure=5e6)
+    assert contact.result.shape == (80, 80)
+    assert not contact.comparison.rows[0].under_resolved
+
+
+def test_heights_in_memory_have_a_recipe_of_their_own():
+    field = SURFACE.heights(40).values
+    recipes = [
+        press(measured(heights, length=1e-4, unit=1.0), **SOLID, pressure=5e6).solve.recipe["surface"]["path"]
+        for heights in (field, -field)
+    ]
+    assert recipes[0] != recipes[1]
+
+
+def test_what_looks_like_a_topography_of_another_package_is_read_with_its_units():
+    class Topography:
+        unit = "um"
+        physical_sizes = (100.0, 100.0)
+
+        def heights(self):
+            return np.ma.masked_array(SURFACE.heights(40).values * 1e6, mask=np.eye(40) * 0)
+
+    found = measured(Topography())
+    assert found.table.length == pytest.approx((1e-4, 1e-4))
+    np.testing.assert_allclose(found.heights(), SURFACE.heights(40), rtol=0, atol=1e-18)
+
+
+def test_a_file_is_a_surface_and_its_size_may_stand_in_it(tmp_path):
+    SURFACE.heights(40).to_netcdf(tmp_path / "rough.nc")
+    np.testing.assert_allclose(measured(tmp_path / "rough.nc").heights(), SURFACE.heights(40), rtol=1e-15)
+
+
+def test_a_table_tells_contacts_apart_by_what_differs():
+    loads = (0.05, 0.1)
+    soft = table([press(SURFACE, **SOLID, reduced_pressure=p, hardness="150 MPa") for p in loads])
+    assert soft.reduced_pressure.values == pytest.approx(loads)
+    assert (soft.plastic.diff("reduced_pressure") > 0).all()
+    assert (soft.persson_plastic > 0).all()
+    with pytest.raises(UsageError, match="do not tell the contacts apart"):
+        table([press(SURFACE, **SOLID, reduced_pressure=0.05)] * 2)
+    with pytest.raises(UsageError, match="one of: reduced_pressure, pressure"):
+        table([press(SURFACE, **SOLID, reduced_pressure=0.05)], along="colour")
+
+
+def test_the_theory_alone_is_the_closed_form_of_the_spectrum():
+    found = theory(self_affine(**WAVES), **SOLID, reduced_pressure=[0.01, 0.5])
+    variance = persson.stress_variance(0.1**2, contact_modulus=1.0)
+    expected = persson.contact_area(np.array([0.01, 0.5]) * 0.1, stress_variance=variance)
+    np.testing.assert_allclose(found.area, expected, rtol=1e-9)
+
+
+def test_a_limit_that_is_not_there_says_why():
+    limit = press(SURFACE, **SOLID, reduced_pressure=0.05, grid=32).limit([32])
+    assert np.isnan(limit.value)
+    assert "two resolved grids" in limit.doubt
+
+
+def test_what_is_shown_is_short():
+    contact = press(SURFACE, **SOLID, reduced_pressure=0.05, grid=32)
+    for shown in (repr(SURFACE), repr(contact)):
+        assert len(shown) < 250
+    assert "<table>" in contact._repr_html_()
+    assert "A/A0" in contact._repr_html_()
+    picture = contact.plot("distribution")._repr_html_()
+    assert picture.startswith("<figure><svg")
+    # The whole of P(sigma): what was left out at the upper end is nothing.
+    data = contact.plot("distribution").data
+    solved = data.isel(bin=data.curve.values == "BEM 32 x 32")
+    share = float((solved.density * (solved.upper - solved.lower)).sum())
+    assert share == pytest.approx(contact.areas().pixel, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        (lambda: press(np.zeros((8, 8)), **SOLID, pressure=1e6), r"found ndarray; .* write measured\(array"),
+        (lambda: press(Solid(young=1e9, poisson=0.3), SURFACE, pressure=1e6), "surface: found Solid; write"),
+        (
+            lambda: press(SURFACE, HalfSpace(solid=Solid(young=1e9, poisson=0.3)), pressure=1e6),
+            "solid: found HalfSpace; give its Solid, half_space.solid",
+        ),
+        (lambda: press(SURFACE, **SOLID, pressure="1 kg"), "load.pressure = '1 kg': is not a pressure"),
+        (lambda: press(SURFACE, **SOLID, reduced_pressure=[0.1, 0.2]), r"one load; for several write table"),
+        (lambda: press(SURFACE, **SOLID, pressure=1e6, hardnes=1e9), "did you mean 'hardness'"),
+        (lambda: press(SURFACE, **SOLID, pressure=1e6, adhesion=1.0), "give a table .* with work, reach"),
+        (lambda: press(SURFACE, **SOLID, pressure=1e6, method="bemm"), "did you mean 'bem'"),
+        (lambda: press(SURFACE, **SOLID, pressure=1e6, grid=8), r"too coarse for lambda_short"),
+        (lambda: measured(np.zeros((8, 8)), lengths=1e-5), "unknown key 'lengths'; did you mean 'length'"),
+        (lambda: measured(np.zeros((8, 8)), length=1e-5), 'unit is missing; .* unit="1 nm"'),
+        (lambda: measured(np.zeros((8, 6)), length=1e-5, unit=1), "one length for 8 x 6 points; give both"),
+        (lambda: measured(3, length=1e-5, unit=1), "heights of type int: .*give a file, a 2-D array"),
+        (lambda: self_affine(lengths=1e-5), "unknown key 'lengths'; did you mean 'length'"),
+        (lambda: press(SURFACE, **SOLID, reduced_pressure=0.05, grid=32).to_vtu("x.vtu"), "method='fem'"),
+        (lambda: press(SURFACE, **SOLID, reduced_pressure=0.05, grid=32).against("bem"), "another method"),
+        (lambda: press(SURFACE, **SOLID, reduced_pressure=0.05, grid=32).plot("heat"), "one of: 'pressure'"),
+    ],
+)
+def test_what_is_wrong_is_said_in_one_line(wrong, words):
+    with pytest.raises(UsageError, match=words) as caught:
+        wrong()
+    assert "\n" not in str(caught.value)
+
+
+def test_the_three_packages_have_one_version():
+    assert validation.__version__ == persson.__version__ == fem_contact.__version__
+    assert "press" in dir(validation)
+    with pytest.raises(AttributeError, match="no attribute 'presss'"):
+        _ = validation.presss

@@ -1,0 +1,102 @@
+"""What was found in the files of a run, beside what its fields say."""
+
+from __future__ import annotations
+
+import math
+import re
+from dataclasses import dataclass, field
+from typing import Any
+
+__all__ = ["Entry", "Ledger", "printed"]
+
+_NUMBER = r"[-+]?\d+(?:\.(?P<decimals>\d+))?(?:e(?P<power>[-+]?\d+))?"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entry:
+    """One number or word of a run.
+
+    Attributes
+    ----------
+    place, name : str
+        File or part of it, and what stands there.
+    found, recomputed : object
+        As it stands, and as the fields say.
+    agrees : bool
+    """
+
+    place: str
+    name: str
+    found: Any
+    recomputed: Any
+    agrees: bool
+
+    def __str__(self) -> str:
+        verdict = "agrees" if self.agrees else "DISAGREES"
+        return f"{self.place}: {self.name}: found {self.found}, recomputed {self.recomputed}: {verdict}"
+
+
+@dataclass(kw_only=True)
+class Ledger:
+    """Entries, and what could not be judged.
+
+    Attributes
+    ----------
+    entries : list of Entry
+    unread : list of str
+        What stands in the run and is not recomputed, with the reason.
+    """
+
+    entries: list[Entry] = field(default_factory=list)
+    unread: list[str] = field(default_factory=list)
+
+    @property
+    def wrong(self) -> tuple[Entry, ...]:
+        """Entries that disagree."""
+        return tuple(entry for entry in self.entries if not entry.agrees)
+
+    def number(self, place: str, name: str, found: Any, expected: float | None, **how: float) -> None:
+        """Enter a number of full precision: `rtol` 1e-9 and `atol` 1e-13 unless said; None stands for NaN."""
+        rtol, atol = how.get("rtol", 1e-9), how.get("atol", 1e-13)
+        a, b = _float(found), _float(expected)
+        agrees = (math.isnan(a) and math.isnan(b)) or abs(a - b) <= atol + rtol * abs(b)
+        self.entries.append(Entry(place=place, name=name, found=found, recomputed=expected, agrees=agrees))
+
+    def same(self, place: str, name: str, found: Any, expected: Any) -> None:
+        """Enter what must be equal."""
+        self.entries.append(
+            Entry(place=place, name=name, found=found, recomputed=expected, agrees=found == expected)
+        )
+
+    def text(
+        self, place: str, name: str, found: str, expected: float | None, digits: int | None = None
+    ) -> None:
+        """Enter a number as it is printed: to half a unit of its last digit, or of that significant one."""
+        agrees = printed(found, expected, digits=digits)
+        self.entries.append(Entry(place=place, name=name, found=found, recomputed=expected, agrees=agrees))
+
+
+def _float(value: Any) -> float:
+    return math.nan if value is None or value == "" else float(value)
+
+
+def printed(text: str, value: float | None, *, digits: int | None = None) -> bool:
+    """Whether a printed number is the value, rounded.
+
+    >>> printed("27 %", 0.2651), printed("0.1", 0.1003, digits=4), printed("1.0e-08", 1.04e-8)
+    (True, False, True)
+    """
+    exact = _float(value)
+    if not math.isfinite(exact):
+        return text in ("", "nan", "not determinable", "unknown")
+    share = text.endswith("%")
+    found = re.fullmatch(_NUMBER, text.removesuffix("%").strip().replace(",", ""))
+    if found is None:
+        return False
+    scale = 0.01 if share else 1.0
+    unit = 10.0 ** (int(found["power"] or 0) - len(found["decimals"] or "")) * scale
+    if float(found[0]) == 0:
+        unit = 1e-9
+    if digits is not None and exact != 0:
+        unit = 10.0 ** (math.floor(math.log10(abs(exact))) - digits + 1) * scale
+    return abs(float(found[0]) * scale - exact) <= 0.5 * unit * (1 + 1e-6) + 1e-14 * abs(exact)

@@ -1,0 +1,87 @@
+"""The limit of the contact area over grids, from the stored fields of one surface."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from validation.audit.stored import Stored
+
+__all__ = ["Limit", "limit_over"]
+
+#: Powers of the width in the error law, with the deviations of their coefficients; noise; least contact.
+_LAW = {1.0: 0.02, 1.5: 0.008, 2.0: 0.003, 3.0: 0.001}
+_GAP_POWER, _NOISE, _LEAST_POINTS = 1.25, (0.005, 0.036), 16
+
+
+@dataclass(frozen=True, kw_only=True)
+class Limit:
+    """A/A0 for vanishing spacing, its standard error, number of solves and the area extrapolated."""
+
+    value: float
+    error: float
+    solves: int
+    definition: str
+
+
+def limit_over(solves: Sequence[Stored], *, located: bool) -> Limit | None:
+    """Return the limit, or None where these grids do not give one."""
+    groups: dict[tuple[float, float], list[Stored]] = {}
+    for one in solves:
+        groups.setdefault(one.spacing, []).append(one)
+    if len(groups) < 2:
+        return None
+    grids = [groups[key] for key in sorted(groups, key=lambda s: s[0] * s[1])]
+    if np.mean([one.pixel * one.p.size for one in grids[0]]) < _LEAST_POINTS * (1 - 1e-9):
+        return None
+    if not located and len(solves) < 3:
+        return None
+    found = _located(grids) if located else _counted(solves)
+    limit = Limit(
+        value=found[0], error=found[1], solves=len(solves), definition="subcell" if located else "pixel"
+    )
+    return limit if 0 < limit.value <= 1 + 1e-12 else None
+
+
+def _located(grids: Sequence[Sequence[Stored]]) -> tuple[float, float]:
+    """Best estimate of A from areas whose errors are correlated as the error law says."""
+    means = [float(np.mean([one.subcell for one in group])) for group in grids]
+    used = [k for k, mean in enumerate(means) if mean > 0 or k == 0]
+    area = np.array([means[k] for k in used])
+    step = np.array([math.sqrt(grids[k][0].spacing[0] * grids[k][0].spacing[1]) for k in used])
+    fraction = float(np.mean([one.edges for one in grids[0]])) * step / step[0]
+    if fraction[0] == 0 or not 0 < area[0] < 1:
+        return float(area[0]), 0.0
+    z = fraction / (area[0] * (1 - area[0]) ** _GAP_POWER)
+    count = np.array([len(grids[k]) * grids[k][0].p.size for k in used])
+    spread = np.diag(fraction * (_NOISE[0] ** 2 + (_NOISE[1] * z) ** 2) / count)
+    for power, deviation in _LAW.items():
+        term = deviation * fraction * z**power
+        spread = spread + np.outer(term, term)
+    ones = np.ones(area.size)
+    weight = np.linalg.solve(spread, ones)
+    value = float(area[0] + weight @ (area - area[0]) / weight.sum())
+    rest = area - value
+    misfit = float(rest @ np.linalg.solve(spread, rest)) / max(area.size - 1, 1)
+    return value, math.sqrt(max(1.0, misfit) / float(weight.sum()))
+
+
+def _counted(solves: Sequence[Stored]) -> tuple[float, float]:
+    """Straight line of the counted area against its edges, weighted by their scatter."""
+    area, edges = np.array([one.pixel for one in solves]), np.array([one.edges for one in solves])
+    if not np.any(edges):
+        return float(area.mean()), 0.0
+    cell = np.array([one.spacing[0] * one.spacing[1] for one in solves])
+    deviation = np.sqrt(edges * cell)
+    w = 1 / np.maximum(deviation / deviation.max(), 1e-3) ** 2
+    # Closed form of a weighted straight line.
+    s, sx, sy = w.sum(), w @ edges, w @ area
+    sxx, sxy = w @ edges**2, w @ (edges * area)
+    determinant = s * sxx - sx**2
+    value, slope = (sxx * sy - sx * sxy) / determinant, (s * sxy - sx * sy) / determinant
+    rest = area - value - slope * edges
+    variance = float(w @ rest**2) / (area.size - 2)
+    return float(value), math.sqrt(variance * sxx / determinant)

@@ -1,0 +1,112 @@
+"""One run, read from beginning to end."""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+
+from validation.audit.files import audit_figures, audit_page, audit_summary, audit_table
+from validation.audit.ledger import Ledger
+from validation.audit.recomputed import Run
+from validation.audit.sentences import audit_sentences
+from validation.audit.stored import Array, Stored, wavevectors
+
+__all__ = ["audit", "judge_fields", "judge_surfaces"]
+
+
+def audit(folder: Path) -> Ledger:
+    """Compute every number of a run again from its stored fields, and compare all places where it stands.
+
+    Parameters
+    ----------
+    folder : Path
+        Results of a run with at least one solver.
+
+    Returns
+    -------
+    Ledger
+        Every number found, beside the one recomputed.
+
+    Raises
+    ------
+    OSError, ValueError, LookupError
+        For a folder that holds no finished run of this version.
+    """
+    ledger = Ledger()
+    run = Run(folder)
+    if not run.methods:
+        raise LookupError("a scene of the theory alone stores no field")
+    for key, one in run.solves.items():
+        judge_fields(key[3], one, run, ledger)
+    judge_surfaces(run, ledger)
+    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    audit_table(folder, run, ledger)
+    audit_summary(summary, run, ledger)
+    audit_sentences(summary["findings"], run, ledger)
+    audit_figures(folder, run, ledger)
+    audit_page(folder, run, ledger)
+    return ledger
+
+
+def judge_fields(k: int, one: Stored, run: Run, ledger: Ledger) -> None:
+    """Judge one solve: what was pressed is what was asked for, and the fields obey their definitions."""
+    place = f"{one.method} {one.grid[0]}x{one.grid[1]} {one.shift}, surface {k}"
+    height = float(np.ptp(one.h)) or float(np.ptp(one.u)) or 1.0
+    ledger.number(place, "E* [Pa]", one.modulus, run.modulus)
+    pressure = run.pressure(k)
+    if pressure is not None:
+        ledger.number(place, "mean pressure [Pa]", one.mean_pressure, pressure, rtol=1e-6)
+    misfit = float(np.max(np.abs(one.gap - (one.u - one.h + float(one.said["offset"])))))
+    ledger.number(place, "gap less u - h + offset, over the height", misfit / height, 0.0, atol=1e-9)
+    ledger.same(place, "status", one.said["status"], "CONVERGED")
+    if not run.adhesive:
+        for name, value in one.residuals.items():
+            stands = one.stored_residuals[name]
+            ledger.number(place, f"residual, {name}", abs(stands), value, rtol=1e-6, atol=1e-14)
+    if one.method == "bem" and run.bare:
+        ledger.number(place, "u against 2 p / (E* q)", _elastic_misfit(one), 0.0, atol=1e-6)
+
+
+def _elastic_misfit(one: Stored) -> float:
+    """Largest difference between u and the half-space's answer to p, over the largest u."""
+    q = wavevectors(one.p.shape, one.lengths)
+    q[0, 0] = np.inf
+    exact = np.fft.ifft2(2 * np.fft.fft2(one.p) / (one.modulus * q)).real
+    size = float(np.max(np.abs(exact)))
+    u = one.u - one.u.mean()
+    return float(np.max(np.abs(u - exact))) / size if size else float(np.max(np.abs(u)))
+
+
+def judge_surfaces(run: Run, ledger: Ledger) -> None:
+    """Judge that all solves of a realisation press one surface, moved as said, and others another."""
+    if run.measured:
+        return
+    for (method, grid, shift, k), one in run.solves.items():
+        found = run.moments(k)
+        if found is None or not run.resolved(one):
+            continue
+        place = f"{method} {grid[0]}x{grid[1]} {shift}, surface {k}"
+        ledger.number(
+            place, "h'_rms of the surface pressed", math.sqrt(one.moments[1]), math.sqrt(found[1]), rtol=1e-8
+        )
+        still = run.solves.get((method, grid, (0.0, 0.0), k))
+        if shift != (0.0, 0.0) and still is not None:
+            size = float(np.ptp(one.h)) or 1.0
+            misfit = float(np.max(np.abs(one.h - _moved(still, shift)))) / size
+            ledger.number(place, "heights against those moved by the shift", misfit, 0.0, atol=1e-8)
+    alike: dict[tuple[str, tuple[int, int]], list[bytes]] = {}
+    for (method, grid, shift, _), one in run.solves.items():
+        if shift == (0.0, 0.0):
+            alike.setdefault((method, grid), []).append(one.h.tobytes())
+    for (method, grid), heights in alike.items():
+        place = f"{method} {grid[0]}x{grid[1]}"
+        ledger.same(place, "surfaces that differ", len(set(heights)), len(heights))
+
+
+def _moved(one: Stored, shift: tuple[float, float]) -> Array:
+    """Heights at the points of a grid moved by parts of a cell."""
+    phase = [np.exp(2j * np.pi * np.fft.fftfreq(n) * s) for n, s in zip(one.grid, shift, strict=True)]
+    return np.asarray(np.fft.ifft2(np.fft.fft2(one.h) * phase[0][:, None] * phase[1][None, :]).real)

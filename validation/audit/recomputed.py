@@ -1,0 +1,308 @@
+"""A run computed again: its rows, limit, theory, scatter and cross-checks from the stored fields."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from validation.audit.limits import Limit, limit_over
+from validation.audit.stored import Stored
+
+__all__ = ["Row", "Run", "without_none"]
+
+Grid = tuple[int, int]
+
+
+def without_none(value: Any) -> Any:
+    """Return JSON data without the keys that hold nothing."""
+    if isinstance(value, dict):
+        return {key: without_none(item) for key, item in value.items() if item is not None}
+    return [without_none(item) for item in value] if isinstance(value, list) else value
+
+
+@dataclass(frozen=True, kw_only=True)
+class Row:
+    """One method on one grid, over its shifts."""
+
+    method: str
+    grid: Grid
+    points_per_wave: float
+    under_resolved: bool
+    solves: int
+    pixel: float
+    pixel_scatter: float
+    perimeter: float
+    kappa: float
+    density_at_zero: float
+    residual: float
+    seconds: float
+    unknowns: int
+    plastic: float | None
+
+
+class Run:
+    """What the stored solves of one run say.
+
+    Parameters
+    ----------
+    folder : Path
+        Results of a run with a solver.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        record = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+        self.scene: dict[str, Any] = record["scene"]
+        self.surface: dict[str, Any] = self.scene["surface"]
+        self.measured = self.surface["kind"] == "file"
+        self.effects: list[dict[str, Any]] = self.scene.get("effects", [])
+        asked = self.scene["methods"]
+        #: Methods that solve on grids, in the order of the comparison: the first is the reference.
+        self.methods = [name for name in asked if "grids" in asked[name]]
+        self.options: dict[str, dict[str, Any]] = asked
+        #: Stored solves by method, grid, shift and realisation.
+        self.solves: dict[tuple[str, Grid, tuple[float, float], int], Stored] = {}
+        self._find((folder / record["store"]).resolve())
+
+    def _find(self, store: Path) -> None:
+        """Take from a store, which others may share, what this scene asked for."""
+        for path in sorted(store.glob("*.nc")):
+            if not path.name.startswith(tuple(f"{name}-" for name in self.methods)):
+                continue
+            one = Stored(path)
+            k = self._realisation(one.recipe)
+            if k is not None:
+                self.solves.setdefault((one.method, one.grid, one.shift, k), one)
+
+    def _realisation(self, recipe: dict[str, Any]) -> int | None:
+        """Return which realisation of the scene a recipe asks for; None if it is of another scene."""
+        said, surface = without_none(recipe), dict(without_none(recipe["surface"]))
+        asked = dict(self.surface)
+        k = 0
+        if self.measured:  # the recipe holds the digest of the file in place of its path
+            surface["path"] = asked["path"]
+        else:
+            k = surface.pop("seed") - asked.pop("seed")
+        same = (
+            surface == asked
+            and said["solid"] == self.scene["solid"]
+            and said["load"] == self.scene["load"]
+            and said.get("effects", []) == self.effects
+            and "inverted" not in said
+        )
+        told = self.options.get(recipe["method"], {})
+        same = same and all(told.get(key) == value for key, value in said["settings"].items() if key in told)
+        return k if same and k in range(self.realisations) else None
+
+    @property
+    def realisations(self) -> int:
+        """How many surfaces of the spectrum there are."""
+        return int(self.scene.get("ensemble", {}).get("realisations", 1))
+
+    @property
+    def bare(self) -> bool:
+        """Whether nothing is listed beyond linear elasticity."""
+        return not self.effects
+
+    @cached_property
+    def adhesive(self) -> bool:
+        """Whether the surfaces attract each other."""
+        return any(effect["kind"] == "adhesion" for effect in self.effects)
+
+    @property
+    def shortest(self) -> float | None:
+        """lambda_short [m] of a random surface."""
+        value = self.surface.get("lambda_short")
+        return None if value is None else float(value)
+
+    def points_per_wave(self, one: Stored) -> float:
+        """lambda_short / dx on the coarser axis; NaN for a measured surface, whose file is not read."""
+        return math.nan if self.shortest is None else self.shortest / max(one.spacing)
+
+    def resolved(self, one: Stored) -> bool:
+        """Whether lambda_short > 2 dx."""
+        return self.shortest is None or self.shortest > 2 * max(one.spacing) * (1 + 1e-12)
+
+    def moments(self, k: int = 0) -> tuple[float, float, float] | None:
+        """(m0, m2, m4) of one realisation, from its finest grid that resolves it."""
+        own = [one for key, one in self.solves.items() if key[3] == k and self.resolved(one)]
+        if not own or self.measured:
+            return None
+        return max(own, key=lambda one: one.p.size).moments
+
+    @cached_property
+    def modulus(self) -> float:
+        """E* = E / (1 - nu^2) [Pa]."""
+        solid = self.scene["solid"]
+        return float(solid["young"] / (1 - solid["poisson"] ** 2))
+
+    @cached_property
+    def gradient(self) -> float | None:
+        """h'_rms of the surface."""
+        found = self.moments()
+        return None if found is None else math.sqrt(found[1])
+
+    def pressure(self, k: int = 0) -> float | None:
+        """p0 [Pa]: as given, or p* E* h'_rms of that realisation."""
+        load = self.scene["load"]
+        if "pressure" in load:
+            return float(np.ravel(load["pressure"])[0])
+        found = self.moments(k)
+        return (
+            None
+            if found is None
+            else float(np.ravel(load["reduced_pressure"])[0]) * self.modulus * math.sqrt(found[1])
+        )
+
+    @cached_property
+    def reduced_pressure(self) -> float | None:
+        """p* = p0 / (E* h'_rms)."""
+        pressure = self.pressure()
+        return None if pressure is None or not self.gradient else pressure / (self.modulus * self.gradient)
+
+    def shown(self, method: str, grid: Grid) -> list[Stored]:
+        """Solves of the scene's own surface on one grid, all shifts that were asked for."""
+        per_axis = int(self.options[method].get("shifts", 1))
+        steps = [i / per_axis for i in range(per_axis)]
+        keys = [(method, grid, shift, 0) for shift in itertools.product(steps, steps)]
+        return [self.solves[key] for key in keys if key in self.solves]
+
+    @cached_property
+    def rows(self) -> list[Row]:
+        """Every method on every grid, coarse to fine."""
+        grids = {name: sorted(tuple(g) for g in self.options[name]["grids"]) for name in self.methods}
+        return [self._row(name, grid) for name in self.methods for grid in grids[name]]
+
+    def _row(self, method: str, grid: Grid) -> Row:
+        own = self.shown(method, grid)
+        if not own:
+            raise LookupError(f"no stored solve of {method} on {grid[0]} x {grid[1]}")
+        counted = [one.pixel for one in own]
+        perimeter = math.fsum(one.perimeter for one in own) / len(own)
+        scatter = math.nan
+        if len(own) > 1:
+            mean = math.fsum(counted) / len(own)
+            scatter = math.sqrt(math.fsum((c - mean) ** 2 for c in counted) / (len(own) - 1) / len(own))
+        density = math.nan if self.adhesive else math.fsum(one.density_at_zero for one in own) / len(own)
+        yields = any(effect["kind"] == "hardness" for effect in self.effects)
+        load = self.reduced_pressure
+        return Row(
+            method=method,
+            grid=grid,
+            points_per_wave=self.points_per_wave(own[0]),
+            under_resolved=not self.resolved(own[0]),
+            solves=len(own),
+            pixel=math.fsum(counted) / len(own),
+            pixel_scatter=scatter,
+            perimeter=perimeter,
+            kappa=math.nan if load is None else perimeter / load,
+            density_at_zero=density,
+            residual=max(self.residual(one) for one in own),
+            seconds=math.fsum(one.cost["wall_seconds"] for one in own),
+            unknowns=int(own[0].cost["unknowns"]),
+            plastic=math.fsum(one.plastic for one in own) / len(own) if yields else None,
+        )
+
+    def residual(self, one: Stored) -> float:
+        """Return the largest of the four residuals."""
+        pressure = self.pressure()
+        load = 0.0 if pressure is None else abs(one.mean_pressure - pressure) / pressure
+        return max(*one.residuals.values(), load)
+
+    def limit(self, method: str, k: int = 0, grids: set[Grid] | None = None) -> Limit | None:
+        """Limit of one realisation over resolved grids of one method."""
+        wanted = grids or {row.grid for row in self.rows if row.method == method and not row.under_resolved}
+        one_shift = grids is not None
+        own = [
+            one
+            for (name, grid, shift, realisation), one in self.solves.items()
+            if name == method
+            and realisation == k
+            and grid in wanted
+            and (shift == (0.0, 0.0) or (not one_shift and one in self.shown(name, grid)))
+        ]
+        square = all(abs(one.spacing[0] / one.spacing[1] - 1) <= 0.05 for one in own)
+        return limit_over(own, located=method == "bem" and self.bare and square)
+
+    @cached_property
+    def own_limit(self) -> Limit | None:
+        """That of the first method that has one."""
+        return next((found for name in self.methods if (found := self.limit(name)) is not None), None)
+
+    def theory(self, k: int = 0) -> float | None:
+        """erf(p0 / sqrt(2 V)), V = E*^2 m2 / 4 of that realisation; None with effects."""
+        found, pressure = self.moments(k), self.pressure(k)
+        if not self.bare or "theory" not in self.options or found is None or pressure is None:
+            return None
+        return self._persson(pressure, found[1])
+
+    def _persson(self, pressure: float, m2: float) -> float:
+        return math.erf(pressure / math.sqrt(2 * 0.25 * self.modulus**2 * m2)) if m2 > 0 else 1.0
+
+    @cached_property
+    def ensemble_theory(self) -> float | None:
+        """The same from C(q) alone."""
+        pressure, found = self.pressure(), self.spectral_moments
+        if self.theory() is None or pressure is None or found is None:
+            return None
+        return self._persson(pressure, found[1])
+
+    @cached_property
+    def spectral_moments(self) -> tuple[float, float] | None:
+        """(m0, m2): integrals over C(q) ~ q^(-2 - 2 H) between the cut-offs of a sharp spectrum."""
+        s = self.surface
+        if s["kind"] != "self-affine" or s.get("rolloff", "sharp") != "sharp":
+            return None
+        low, high = 2 * math.pi / s["lambda_long"], 2 * math.pi / s["lambda_short"]
+
+        def integral(power: float) -> float:
+            """Of q^power between the cut-offs."""
+            if abs(power + 1) < 1e-12:
+                return math.log(high / low)
+            return float((high ** (power + 1) - low ** (power + 1)) / (power + 1))
+
+        per_height = integral(1 - 2 * s["hurst"]) / integral(-1 - 2 * s["hurst"])
+        if "rms_gradient" in s:
+            m2 = s["rms_gradient"] ** 2
+            return m2 / per_height, m2
+        m0 = s["rms_height"] ** 2
+        return m0, m0 * per_height
+
+    @cached_property
+    def scatter(self) -> tuple[list[float], list[float], float] | None:
+        """(areas, areas over their own theory, relative grid error) of the realisations."""
+        if "ensemble" not in self.scene:
+            return None
+        grids = {(int(g[0]), int(g[1])) for g in self.scene["ensemble"]["grids"]}
+        limits = [self.limit("bem", k, grids) for k in range(self.realisations)]
+        found = [one for one in limits if one is not None]
+        if len(found) < len(limits):
+            return None
+        theories = [self.theory(k) for k in range(self.realisations)]
+        areas = [one.value for one in found]
+        ratios = [a / (t or 1.0) for a, t in zip(areas, theories, strict=True)]
+        return areas, ratios, math.sqrt(math.fsum((one.error / one.value) ** 2 for one in found) / len(found))
+
+    @cached_property
+    def cross(self) -> list[tuple[str, Grid, float, float, float]]:
+        """(method, grid, pressure, pixel, perimeter) of each other method against the first."""
+        found = []
+        first, *others = self.methods
+        for row in self.rows:
+            key = (row.grid, (0.0, 0.0), 0)
+            if row.method not in others or (first, *key) not in self.solves:
+                continue
+            if not any(r.method == first and r.grid == row.grid for r in self.rows):
+                continue
+            a, b = self.solves[(row.method, *key)], self.solves[(first, *key)]
+            difference = math.sqrt(float(np.sum((a.p - b.p) ** 2)) / float(np.sum(b.p**2)))
+            found.append(
+                (row.method, row.grid, difference, a.pixel / b.pixel - 1, a.perimeter / b.perimeter - 1)
+            )
+        return found

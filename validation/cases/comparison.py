@@ -1,0 +1,311 @@
+"""The comparison itself: scenes whose every printed number is known, from the scene to table and sentence."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import re
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from validation.audit import audit
+from validation.cases import Case, Check
+from validation.cases._closed_forms import westergaard_mean_pressure, westergaard_pressure
+from validation.comparison.compare import Scatter
+from validation.comparison.run import run_scene
+from validation.measures.budget import Budget, budget_table, grid_share
+from validation.measures.statistics import mean_over_surfaces
+from validation.scenes.scene import Scene
+
+__all__ = ["CASES"]
+
+_YOUNG, _POISSON = 1e6, 0.3
+_MODULUS = _YOUNG / (1 - _POISSON**2)
+#: Excess of the counted area per edge and cell.
+_EDGE = {"bem": 0.103, "fem": 0.198}
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Written:
+    """What a run left on disk: summary.json, table.csv by method and grid, and what the audit found wrong."""
+
+    summary: dict[str, Any]
+    table: dict[tuple[str, str], dict[str, str]]
+    wrong: int
+
+    def column(self, method: str, grid: str, name: str) -> float:
+        """Return one number of table.csv."""
+        return float(self.table[method, grid][name])
+
+    def said(self, pattern: str) -> re.Match[str]:
+        """Return what a sentence of that form says."""
+        found = [match for text in self.summary["findings"] if (match := re.search(pattern, text))]
+        if len(found) != 1:
+            raise AssertionError(f"{len(found)} sentences are of the form {pattern!r}")
+        return found[0]
+
+
+def _run(scene: dict[str, Any], folder: Path) -> _Written:
+    """Run a scene into a folder and read back its files."""
+    said = {"name": "case", "solid": {"young": _YOUNG, "poisson": _POISSON}, **scene}
+    run_scene(Scene.model_validate(said), folder / "results", report=False)
+    with (folder / "results" / "table.csv").open(encoding="utf-8") as file:
+        table = {(row["method"], row["grid"]): row for row in csv.DictReader(file)}
+    summary = json.loads((folder / "results" / "summary.json").read_text(encoding="utf-8"))
+    return _Written(summary=summary, table=table, wrong=len(audit(folder / "results").wrong))
+
+
+_HALF_WIDTH, _AMPLITUDE = 0.3, 1e-3
+_WAVE_GRIDS = (64, 128, 256)
+
+
+def _wave() -> list[Check]:
+    """Press a cosine of period 1 until it touches over 60 %; its file holds 32 x 4 points."""
+    load = westergaard_mean_pressure(_AMPLITUDE, half_width=_HALF_WIDTH, contact_modulus=_MODULUS)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        wave = _AMPLITUDE * np.cos(2 * np.pi * np.arange(32) / 32)[:, None] * np.ones(4)
+        np.save(folder / "wave.npy", wave)
+        surface = {"kind": "file", "path": str(folder / "wave.npy"), "length": [1.0, 0.125], "unit": 1.0}
+        found = _run(
+            {
+                "surface": surface,
+                "load": {"pressure": load},
+                "methods": {
+                    "theory": {},
+                    "bem": {"grids": [[n, n // 8] for n in _WAVE_GRIDS]},
+                    "fem": {"grids": [[64, 8]], "method": "reduced"},
+                },
+            },
+            folder,
+        )
+    said, gradient = found.summary, 2 * math.pi * _AMPLITUDE / math.sqrt(2)
+    reduced = load / (_MODULUS * gradient)
+    theory = math.erf(math.sqrt(2) * reduced)
+    limit, area = said["limit"], 2 * _HALF_WIDTH
+    distance = found.said(r"The limit lies ([\d.]+) % (above|below) it")
+    cross = said["cross_checks"][0]
+    counted = [found.column(method, "64x8", "pixel") for method in ("fem", "bem")]
+    return [
+        Check.relative("E* [Pa]", said["contact_modulus_Pa"], _MODULUS, 1e-12),
+        Check.relative("p0 [Pa]", said["pressure_Pa"], load, 1e-12),
+        Check.relative("h_rms [m]", said["realised"]["rms_height_m"], _AMPLITUDE / math.sqrt(2), 1e-12),
+        Check.relative("h'_rms", said["realised"]["rms_gradient"], gradient, 1e-12),
+        Check.relative("Nayak parameter of a wave", said["realised"]["nayak"], 1.5, 1e-12),
+        Check.relative("p*", said["reduced_pressure"], reduced, 1e-12),
+        Check.relative("theory, erf(sqrt 2 p*)", said["theory"]["area"], theory, 1e-12),
+        # The law of error counts on edges that fall anywhere between grid points; those of a wave run along
+        # the grid, two in all, and are placed to a tenth of a cell.
+        Check(
+            quantity="limit of A/A0",
+            computed=limit["value"],
+            reference=area,
+            tolerance=0.2 / _WAVE_GRIDS[-1],
+        ),
+        Check.below("error of the limit", limit["uncertainty"], 0.02 * area),
+        Check.relative("BEM solves of the limit", limit["grids"], 3, 0.0),
+        # Two digits are printed, and the limit is known as above.
+        Check(
+            quantity="sentence: limit below the theory [%]",
+            computed=float(distance[1]) * (1 if distance[2] == "below" else -1),
+            reference=100 * (1 - area / theory),
+            tolerance=20 / _WAVE_GRIDS[-1] / theory + 0.05,
+        ),
+        Check.relative(
+            "FEM / BEM - 1 of the counted area", cross["pixel"], counted[0] / counted[1] - 1, 1e-9
+        ),
+        Check.below("FEM against BEM in pressure", cross["pressure"], 0.1),
+        *(check for n in _WAVE_GRIDS for check in _wave_row(found, "bem", n, reduced)),
+        *_wave_row(found, "fem", 64, reduced),
+    ]
+
+
+def _wave_row(found: _Written, method: str, n: int, reduced: float) -> list[Check]:
+    """Judge one row of the table: the strip has two edges in every line of n points."""
+    grid, name = f"{n}x{n // 8}", f"{method} {n}x{n // 8}"
+    pixel, perimeter = (found.column(method, grid, column) for column in ("pixel", "perimeter"))
+    # The window of P(0+): 0.2 E* h' (dx / l)^(1/2), with l = 1 the period.
+    window = 0.2 / math.sqrt(n)
+    x = np.linspace(0, _HALF_WIDTH, 200001)
+    p = westergaard_pressure(x, half_width=_HALF_WIDTH, mean_pressure=reduced)
+    share = 2 * (_HALF_WIDTH - float(x[np.argmax(p < window)]))
+    density = found.column(method, grid, "density_at_zero")
+    return [
+        Check(quantity=f"{name}: pixel", computed=pixel, reference=2 * _HALF_WIDTH, tolerance=2 / n),
+        Check.relative(f"{name}: perimeter", perimeter, pixel - 2 * _EDGE[method] / n, 1e-12),
+        Check.relative(f"{name}: kappa", found.column(method, grid, "kappa"), perimeter / reduced, 1e-12),
+        # A point more or less on either edge.
+        Check(
+            quantity=f"{name}: P(0+)", computed=density, reference=share / window, tolerance=2 / n / window
+        ),
+    ]
+
+
+_ROUGH = {
+    "kind": "self-affine",
+    "length": 1.0,
+    "hurst": 0.7,
+    "lambda_long": 0.5,
+    "lambda_short": 0.25,
+    "rms_gradient": 0.02,
+    "seed": 2718,
+}
+
+
+def _full() -> list[Check]:
+    """Press a rough surface with eight deviations of its full-contact stress."""
+    reduced = 4.0
+    with tempfile.TemporaryDirectory() as name:
+        found = _run(
+            {
+                "surface": _ROUGH,
+                "load": {"reduced_pressure": reduced},
+                "methods": {
+                    "theory": {},
+                    "bem": {"grids": [12, 24, 32]},
+                    "fem": {"grids": [12], "method": "reduced"},
+                },
+            },
+            Path(name),
+        )
+    said = found.summary
+    found.said("^Contact is complete: A/A0 = 1")
+    checks = [
+        Check.relative("numbers that the audit disagrees with", found.wrong, 0.0, 0.0),
+        Check.relative("p*", said["reduced_pressure"], reduced, 1e-12),
+        Check.relative("limit of A/A0", said["limit"]["value"], 1.0, 1e-12),
+        Check.relative("theory", said["theory"]["area"], 1.0, 1e-12),
+        Check.relative("theory from C(q)", said["theory"]["ensemble_area"], 1.0, 1e-12),
+        Check.relative("FEM against BEM, counted area", said["cross_checks"][0]["pixel"], 0.0, 0.0),
+    ]
+    for (method, grid), row in found.table.items():
+        for column, exact in (
+            ("pixel", 1.0),
+            ("perimeter", 1.0),
+            ("kappa", 1 / reduced),
+            ("density_at_zero", 0.0),
+        ):
+            checks.append(Check.relative(f"{method} {grid}: {column}", float(row[column]), exact, 1e-12))
+    return checks
+
+
+def _ensemble() -> list[Check]:
+    """Press three surfaces of one spectrum with one pressure: each has its own gradient and theory."""
+    with tempfile.TemporaryDirectory() as name:
+        found = _run(
+            {
+                "surface": {**_ROUGH, "amplitudes": "gaussian"},
+                "load": {"pressure": 0.1 * 0.02 * _MODULUS},
+                "methods": {"theory": {}, "bem": {"grids": [16, 32, 48]}},
+                "ensemble": {"realisations": 3, "grids": [16, 32]},
+            },
+            Path(name),
+        )
+    said = found.summary
+    argument = math.sqrt(2) * said["reduced_pressure"]
+    spread = np.array(said["scatter"]["areas"]) / np.array(said["scatter"]["ratios"])
+    gradients = said["realised"]["rms_gradient"] / 0.02
+    ratios = np.array(said["scatter"]["ratios"])
+    standing = found.said(r"their mean lies ([\d.]+) % (above|below) the theory \(\+- ([\d.]+) %\)")
+    return [
+        Check.relative("numbers that the audit disagrees with", found.wrong, 0.0, 0.0),
+        Check.relative("theory, erf(sqrt 2 p*)", said["theory"]["area"], math.erf(argument), 1e-12),
+        Check.relative(
+            "theory from C(q), erf(sqrt 2 p* h' / h'_C)",
+            said["theory"]["ensemble_area"],
+            math.erf(argument * gradients),
+            1e-9,
+        ),
+        Check.relative("theory of the first surface", float(spread[0]), math.erf(argument), 1e-9),
+        Check.within(
+            "theories of the others, apart by [%]", 100 * float(np.ptp(spread) / spread[0]), 0.1, 50
+        ),
+        Check(
+            quantity="sentence: mean above the theory [%]",
+            computed=float(standing[1]) * (1 if standing[2] == "above" else -1),
+            reference=100 * (float(ratios.mean()) - 1),
+            tolerance=0.5,
+        ),
+        Check(
+            quantity="sentence: standard error of the mean [%]",
+            computed=float(standing[3]),
+            reference=100 * float(np.sqrt(np.sum((ratios - ratios.mean()) ** 2) / 2 / 3)),
+            tolerance=0.05,
+        ),
+    ]
+
+
+def _intervals() -> list[Check]:
+    """Plant means and scatters, and see what intervals are claimed and how often they hold."""
+    checks = []
+    # Student's t of n - 1 degrees of freedom, 97.5 %, as tabled.
+    for n, student in ((2, 12.706), (3, 4.303), (5, 2.776), (10, 2.262), (30, 2.045)):
+        planted = 5.0 + np.sqrt(np.arange(1, n + 1))
+        error = float(np.sqrt(np.sum((planted - planted.mean()) ** 2) / (n - 1) / n))
+        claim = mean_over_surfaces(planted)
+        checks.append(
+            Check.relative(f"95 % half width of {n} samples", claim.half_width, student * error, 3e-4)
+        )
+    rng, trials = np.random.default_rng(314), 2000
+    claims = [mean_over_surfaces(rng.normal(3.0, 0.4, 4)) for _ in range(trials)]
+    held = sum(abs(claim.value - 3.0) <= claim.half_width for claim in claims)
+    # Four deviations of the binomial; 1.96 in place of Student's 3.18 would hold 86 %.
+    checks.append(
+        Check(
+            quantity="share of 95 % intervals that hold",
+            computed=held / trials,
+            reference=0.95,
+            tolerance=0.02,
+        )
+    )
+    shares = grid_share([2.0] * 4, errors=[0.06] * 4, drifts=[0.08] * 4)
+    # Twice .06 / sqrt 4 at random, .08 that does not average, over 2.
+    checks.append(Check.relative("share of the grid in a budget", shares, 0.05, 1e-12))
+    budget = Budget(
+        quantity="kappa",
+        value=2.0,
+        shares={"grid": 0.03, "solver": 0.04, "surfaces": 0.12, "bandwidth": 0.84},
+    )
+    (row,) = budget_table([budget]).rows
+    checks.append(Check.relative("for this spectrum and period [%]", float(row[-2]), 13.0, 1e-12))
+    checks.append(Check.relative("for any [%]", float(row[-1]), math.sqrt(13**2 + 84**2), 1e-12))
+    scatter = Scatter(areas=(0.1, 0.1, 0.1, 0.1), ratios=(1.1, 1.3, 1.1, 1.3), grid_error=0.0)
+    checks.append(Check.relative("mean of area over theory", scatter.mean_ratio, 1.2, 1e-12))
+    checks.append(
+        Check.relative("scatter of one surface", scatter.relative, 0.1 * math.sqrt(4 / 3) / 1.2, 1e-12)
+    )
+    checks.append(Check.relative("standard error of the mean", scatter.mean_error, 0.1 / math.sqrt(3), 1e-12))
+    return checks
+
+
+CASES = (
+    Case(
+        name="comparison-wave",
+        claim="Of a wave pressed as a scene, every number of table, summary and sentences is Westergaard's.",
+        run=_wave,
+        source="H. M. Westergaard, J. Appl. Mech. 6, 49 (1939); Persson 2006, Eq. 20",
+    ),
+    Case(
+        name="comparison-full-contact",
+        claim="Of a surface in full contact, every number of the table is exact.",
+        run=_full,
+        source="Persson 2006, Eq. 20; exact",
+    ),
+    Case(
+        name="comparison-ensemble",
+        claim="Each surface of an ensemble is compared with the theory of its own gradient.",
+        run=_ensemble,
+        source="Persson 2006, Eq. 20; exact",
+    ),
+    Case(
+        name="comparison-intervals",
+        claim="Intervals that claim 95 % hold in 95 of 100 trials, and shares of a budget add up.",
+        run=_intervals,
+        source="Student, Biometrika 6, 1 (1908)",
+    ),
+)

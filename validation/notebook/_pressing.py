@@ -1,0 +1,313 @@
+"""Pressing a surface of a notebook, and asking the theory alone."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+from validation.comparison.theory_alone import answer_alone
+from validation.effects import effect_kinds
+from validation.errors import UsageError
+from validation.notebook._contact import Contact, pressed
+from validation.notebook._surface import Surface
+from validation.notebook._tables import GridLike, Quantity, checked, fast_grid
+from validation.scenes.checks import check_scene
+from validation.scenes.realised import Realised
+from validation.scenes.scene import Scene
+from validation.scenes.tables import RandomSurface
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["press", "table", "theory"]
+
+#: Points per shortest wave of the grid that is taken unless one is given: by a quick method, by others.
+_POINTS_PER_WAVE = (8.0, 4.0)
+
+
+def press(
+    surface: Surface,
+    solid: Solid | None = None,
+    *,
+    young: Quantity | None = None,
+    poisson: float | None = None,
+    pressure: Quantity | None = None,
+    reduced_pressure: float | None = None,
+    grid: GridLike | None = None,
+    method: str = "bem",
+    options: Mapping[str, Any] | None = None,
+    **effects: Any,
+) -> Contact:
+    """Press a surface against an elastic solid.
+
+    Parameters
+    ----------
+    surface : Surface
+        Of `self_affine` or `measured`.
+    solid : Solid, optional
+        In place of `young` and `poisson`.
+    young : quantity
+        Young's modulus, a number in Pa or a text such as "1 GPa".
+    poisson : float
+    pressure, reduced_pressure : quantity or float
+        p0, or p* = p0 / (E* h'_rms) with the realised gradient; one of the two.
+    grid : int or (int, int), optional
+        Points along the sides; 8 per shortest wave if not given, 4 by finite elements and of a
+        measured surface, whose shortest wave is two of its spacings.
+    method : str
+        "bem" for boundary elements, "fem" for the finite-element block, or one of another package.
+    options : mapping, optional
+        More of the table ``[methods.NAME]`` of a scene, such as ``{"tolerance": 1e-10}``.
+    effects
+        Effects by name, each a table or its chief quantity: ``hardness="2 GPa"``,
+        ``adhesion={"work": "50 mJ/m^2", "reach": "2 nm"}``.
+
+    Raises
+    ------
+    UsageError
+        For what cannot be pressed, before anything is computed.
+    FemContactError
+        When the solve fails.
+    """
+    tables, listed = _tables(surface, solid, young=young, poisson=poisson), _effects(effects)
+    if np.ndim(pressure) or np.ndim(reduced_pressure):  # type: ignore[arg-type]
+        raise UsageError(
+            "press: takes one load; for several write table([press(..., reduced_pressure=p) for p in loads])"
+        )
+    chosen = {**(options or {}), "grids": [_default_grid(surface, method) if grid is None else grid]}
+    known = all(effect_kinds()[effect["kind"]].has_theory() for effect in listed)
+    scene = checked(
+        Scene,
+        "press",
+        {
+            **tables,
+            "load": _without_none(pressure=pressure, reduced_pressure=reduced_pressure),
+            "methods": {method: chosen, **({"theory": {}} if known else {})},
+            "effects": listed,
+        },
+    )
+    realised = Realised(surface=scene.surface, solid=scene.solid, load=scene.load, given=surface.given)
+    return pressed(scene, realised, done={})
+
+
+def theory(
+    surface: Surface,
+    solid: Solid | None = None,
+    *,
+    young: Quantity | None = None,
+    poisson: float | None = None,
+    pressure: Any = None,
+    reduced_pressure: Any = None,
+    **effects: Any,
+) -> xr.Dataset:
+    """Return what Persson's theory says of the C(q) of a surface at one load or several; nothing is pressed.
+
+    Parameters are those of `press`; a load may be a list. The dataset, over `load`, has A/A0, the yielded
+    part of it, and the error that the theory estimates of itself; NaN where it has no answer.
+    """
+    import xarray as xr
+
+    tables, listed = _tables(surface, solid, young=young, poisson=poisson), _effects(effects)
+    load = _without_none(pressure=pressure, reduced_pressure=reduced_pressure)
+    scene = checked(Scene, "theory", {**tables, "load": load, "methods": {"theory": {}}, "effects": listed})
+    realised = Realised(
+        surface=scene.surface, solid=scene.solid, load=scene.load, given=surface.given, drawn=False
+    )
+    check_scene(scene, realised)
+    answers = answer_alone(scene, realised).answers
+    loads = np.array([answer.pressure for answer in answers])
+    columns = {
+        "area": ([_at_last(answer.area) for answer in answers], "A/A0, Persson, from C(q)"),
+        "area_plastic": (
+            [_at_last(answer.area_plastic) for answer in answers],
+            "A_pl/A0, Persson, from C(q)",
+        ),
+        "error_estimate": ([answer.error_estimate for answer in answers], "error of A/A0"),
+    }
+    return xr.Dataset(
+        {
+            name: ("load", values, {"units": "1", "long_name": words})
+            for name, (values, words) in columns.items()
+        },
+        coords={
+            "pressure": ("load", loads, {"units": "Pa", "long_name": "p0"}),
+            "reduced_pressure": (
+                "load",
+                loads / realised.pressure_scale,
+                {"units": "1", "long_name": _REDUCED},
+            ),
+        },
+        attrs={"note": "; ".join(dict.fromkeys(answer.note for answer in answers if answer.note))},
+    )
+
+
+def table(contacts: Iterable[Contact], *, along: str = "reduced_pressure", limit: bool = False) -> xr.Dataset:
+    """Return the numbers of several contacts as one dataset.
+
+    Parameters
+    ----------
+    contacts : iterable of Contact
+    along : str
+        What differs between them, and becomes the coordinate: ``reduced_pressure``, ``pressure``, ``method``,
+        ``points``, or a key of surface, solid or effect such as ``hurst``, ``seed``, ``young``, ``hardness``.
+    limit : bool
+        Also take the limit over grids of each, with its standard error, which presses each on some more.
+
+    Raises
+    ------
+    UsageError
+        For contacts that do not differ in it.
+    """
+    import xarray as xr
+
+    pressed_ones = list(contacts)
+    said = [_said(contact) for contact in pressed_ones]
+    known = dict.fromkeys(name for one in said for name in one)
+    if any(along not in one for one in said) or not said:
+        raise UsageError(f"table: along = {along!r}: not known of every contact; one of: {', '.join(known)}")
+    values = [one[along] for one in said]
+    if len(set(values)) < len(values):
+        raise UsageError(f"table: along = {along!r}: {values[0]!r} and so on do not tell the contacts apart")
+    rows = [_numbers(contact, limit=limit) for contact in pressed_ones]
+    data = {
+        name: (along, [row[name] for row in rows], {"units": "1", "long_name": words})
+        for name, words in _WORDS.items()
+        if name in rows[0]
+    }
+    # What else differs stands beside it.
+    others = {
+        name: (along, [one[name] for one in said])
+        for name in known
+        if name != along and all(name in one for one in said) and len({one[name] for one in said}) > 1
+    }
+    return xr.Dataset(data, coords={along: values, **others})
+
+
+_REDUCED = "p* = p0 / (E* h'_rms)"
+_WORDS = {
+    "area": "A/A0, corrected at the edge",
+    "pixel": "A/A0, contact points counted",
+    "kappa": "kappa = (A/A0) / p*",
+    "limit": "A/A0 in the limit of vanishing spacing",
+    "limit_error": "standard error of the limit",
+    "kappa_limit": "kappa of the limit",
+    "kappa_limit_error": "standard error of it",
+    "persson": "A/A0, Persson, with the realised gradient",
+    "persson_kappa": "kappa, Persson",
+    "plastic": "A_pl/A0, points at the hardness",
+    "persson_plastic": "A_pl/A0, Persson",
+    "residual": "largest residual of the contact conditions",
+}
+
+
+def _numbers(contact: Contact, *, limit: bool) -> dict[str, float]:
+    areas, load = contact.areas(), contact.realised.reduced_pressure
+    found = {"area": areas.perimeter, "pixel": areas.pixel, "kappa": areas.perimeter / load}
+    if limit:
+        over = contact.limit()
+        found |= {"limit": over.value, "limit_error": over.uncertainty}
+        found |= {"kappa_limit": over.value / load, "kappa_limit_error": over.uncertainty / load}
+    area = float("nan") if contact.theory is None else contact.theory.area
+    found |= {"persson": area, "persson_kappa": area / load}
+    (row,) = contact.comparison.rows
+    if row.plastic is not None:
+        theory_says = None if contact.theory is None else contact.theory.plastic
+        found |= {
+            "plastic": row.plastic,
+            "persson_plastic": float("nan") if theory_says is None else theory_says,
+        }
+    return {**found, "residual": contact.result.residuals.worst}
+
+
+def _said(contact: Contact) -> dict[str, Any]:
+    """Return what was asked for, by name."""
+    scene, realised = contact.scene, contact.realised
+    found: dict[str, Any] = {"reduced_pressure": realised.reduced_pressure, "pressure": realised.pressure}
+    found |= {"method": contact.solve.solver.label, "points": contact.solve.grid[0]}
+    for listed in (scene.surface, scene.solid, *scene.effects):
+        values = listed.model_dump(exclude_none=True, exclude={"kind"}).items()
+        found |= {name: value for name, value in values if isinstance(value, (int, float, str))}
+    return found
+
+
+def _at_last(values: Any) -> float:
+    return float(values[-1]) if values.size else float("nan")
+
+
+def _without_none(**said: Any) -> dict[str, Any]:
+    return {name: value for name, value in said.items() if value is not None}
+
+
+def _tables(
+    surface: object, solid: object, *, young: Quantity | None, poisson: float | None
+) -> dict[str, Any]:
+    """Return name, surface and solid as a scene has them.
+
+    Raises
+    ------
+    UsageError
+        For what is no surface or no solid, with what to write instead.
+    """
+    if not isinstance(surface, Surface):
+        what, remedy = type(surface).__name__, "write self_affine(...) or measured(...)"
+        if isinstance(surface, np.ndarray):
+            remedy = (
+                'an array says neither size nor unit: write measured(array, length="100 um", unit="1 nm")'
+            )
+        elif isinstance(surface, HeightField):
+            remedy = "write measured(field)"
+        raise UsageError(f"surface: found {what}; {remedy}")
+    found: dict[str, Any] = {"name": "notebook", "surface": surface.table}
+    if solid is None:
+        return {**found, "solid": _without_none(young=young, poisson=poisson)}
+    if not isinstance(solid, Solid):
+        what = type(solid).__name__
+        remedy = "give its Solid, half_space.solid" if hasattr(solid, "solid") else "give a Solid"
+        raise UsageError(f'solid: found {what}; {remedy}, or young="1 GPa", poisson=0.3')
+    if young is not None or poisson is not None:
+        raise UsageError("solid: given twice; leave young and poisson out, or the Solid")
+    return {**found, "solid": {"young": solid.young, "poisson": solid.poisson}}
+
+
+def _effects(said: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return effects as a scene lists them: a table, or the field that bears the name of the effect."""
+    kinds, listed = effect_kinds(), []
+    for name, value in said.items():
+        if name not in kinds:
+            allowed = (
+                "young",
+                "poisson",
+                "pressure",
+                "reduced_pressure",
+                "grid",
+                "method",
+                "options",
+                *kinds,
+            )
+            close = difflib.get_close_matches(name, allowed, n=1)
+            hint = f"did you mean {close[0]!r}? " if close else ""
+            raise UsageError(f"{name}: no such argument or effect; {hint}Allowed: {', '.join(allowed)}")
+        if isinstance(value, Mapping):
+            listed.append({"kind": name, **value})
+        elif name in kinds[name].model_fields:
+            listed.append({"kind": name, name: value})
+        else:
+            fields = ", ".join(field for field in kinds[name].model_fields if field != "kind")
+            raise UsageError(f"{name} = {value!r}: give a table {{...}} with {fields}")
+    return listed
+
+
+def _default_grid(surface: Surface, method: str) -> tuple[int, int]:
+    """Return twice the points of a measured surface, 4 per shortest wave, or what resolves a random one."""
+    if surface.given is not None:
+        nx, ny = surface.given.raw.heights.shape
+        return 2 * nx, 2 * ny
+    assert isinstance(surface.table, RandomSurface)
+    quick, slow = _POINTS_PER_WAVE
+    points = quick if method == "bem" else slow
+    return fast_grid(surface.table.length, surface.table.lambda_short, points)

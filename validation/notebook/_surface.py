@@ -1,0 +1,212 @@
+"""Surfaces of a notebook: self-affine ones, and those that were measured."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fem_contact.surface import HeightField
+from validation.errors import UsageError
+from validation.notebook._tables import GridLike, Quantity, as_html, checked, pair, plain, shown
+from validation.scenes import surfaces
+from validation.scenes.scene import sized
+from validation.scenes.tables import FileSurface, SelfAffineSurface
+from validation.scenes.tables import Surface as SurfaceTable
+from validation.scenes.topography import Measured, Topography
+from validation.scenes.topography.raw import check_shape, real
+from validation.units import metres
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Surface", "measured", "self_affine"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Surface:
+    """A rough surface: the table of a scene, and the heights where they were given.
+
+    Attributes
+    ----------
+    table : SelfAffineSurface or FileSurface
+    given : Measured or None
+        Heights of a measured surface; None for a random one.
+    """
+
+    table: SurfaceTable
+    given: Measured | None = None
+
+    def heights(self, grid: GridLike | None = None) -> xr.DataArray:
+        """Return the heights [m] over x and y [m]: on a grid, or on the smallest that resolves them."""
+        import xarray as xr
+
+        if self.given is not None:
+            field = surfaces.measured_field(self.given)
+            field = field if grid is None else field.resampled(pair(grid))
+        elif grid is None:
+            field = surfaces.reference_field(self.table)
+        else:
+            field = surfaces.height_field(self.table, pair(grid))
+        axes = {
+            name: (name, np.arange(n) * step, {"units": "m"})
+            for name, n, step in zip("xy", field.shape, field.spacing, strict=True)
+        }
+        words = {"units": "m", "long_name": "height, positive towards the elastic body"}
+        return xr.DataArray(field.heights, dims=("x", "y"), coords=axes, name="heights", attrs=words)
+
+    @property
+    def _facts(self) -> dict[str, str]:
+        said = self.table.model_dump(exclude_none=True, exclude={"kind", "path"})
+        facts = {name: shown(value) for name, value in said.items()}
+        if self.given is not None:
+            facts["what was done"] = "; ".join(self.given.raw.history)
+        return facts
+
+    def __repr__(self) -> str:
+        said = ", ".join(f"{name}={value}" for name, value in self._facts.items())
+        return f"<{self.table.kind} surface: {said}>"
+
+    def _repr_html_(self) -> str:
+        return as_html(f"{self.table.kind} surface", self._facts)
+
+
+def self_affine(
+    *,
+    length: Quantity | Sequence[Quantity] | None = None,
+    hurst: float | None = None,
+    lambda_long: Quantity | None = None,
+    lambda_short: Quantity | None = None,
+    rms_gradient: float | None = None,
+    rms_height: Quantity | None = None,
+    seed: int | None = None,
+    **others: Any,
+) -> Surface:
+    """Return a random, periodic surface with C(q) ~ q^(-2(1+H)) between two wavelengths.
+
+    Parameters
+    ----------
+    length : quantity
+        Period L or (Lx, Ly): a number in m, or a text with its unit such as "100 um".
+    hurst : float
+        H, in [0, 1].
+    lambda_long, lambda_short : quantity
+        Longest and shortest wavelength.
+    rms_gradient, rms_height : float or quantity
+        h'_rms or h_rms of C(q), one of the two.
+    seed : int
+        Names the realisation; the theory alone needs none.
+    others
+        ``rolloff`` and ``amplitudes``, as in ``[surface]`` of a scene.
+
+    Raises
+    ------
+    SceneError
+        One line for each mistake.
+
+    Examples
+    --------
+    >>> self_affine(
+    ...     length="100 um", hurst=0.8, lambda_long="50 um", lambda_short="5 um", rms_gradient=0.1, seed=3
+    ... ).heights(64).shape
+    (64, 64)
+    """
+    said = {
+        "length": length,
+        "hurst": hurst,
+        "lambda_long": lambda_long,
+        "lambda_short": lambda_short,
+        "rms_gradient": rms_gradient,
+        "rms_height": rms_height,
+        "seed": seed,
+    }
+    return Surface(table=checked(SelfAffineSurface, "self_affine", {"kind": "self-affine", **said, **others}))
+
+
+def measured(
+    heights: Any,
+    *,
+    length: Quantity | Sequence[Quantity] | None = None,
+    unit: Quantity | None = None,
+    **treatment: Any,
+) -> Surface:
+    """Return a measured surface: from a file, an array, or an object of SurfaceTopography.
+
+    Parameters
+    ----------
+    heights : path, (nx, ny) array, SurfaceTopography topography or HeightField
+        A file of any format that scenes read. NaN where there is no height.
+    length : quantity
+        Size L or (Lx, Ly), number of points times spacing; not needed where `heights` says it.
+    unit : quantity
+        Unit of the heights, such as "1 nm" or 1e-9; not needed where `heights` says it.
+    treatment
+        ``tilt``, ``missing``, ``edges``, ``margin`` as in ``[surface]`` of a scene.
+
+    Raises
+    ------
+    UsageError
+        For what gives no surface, or says too little of it.
+    """
+    if not treatment.keys() <= FileSurface.model_fields.keys():
+        checked(FileSurface, "measured", {"kind": "file", **treatment})  # which names the unknown key
+    if isinstance(heights, (str, os.PathLike)):
+        said = {"kind": "file", "path": str(heights), "length": length, "unit": unit, **treatment}
+        asked = {"surface": {name: plain(value) for name, value in said.items() if value is not None}}
+        on_file = checked(FileSurface, "measured", sized(asked, Path(), "measured")["surface"])
+        return Surface(table=on_file, given=surfaces.measured_surface(on_file))
+    values, own_length, own_unit, words = _told_by(heights)
+    if length is None and own_length is None:
+        raise UsageError('measured: length is missing; give the size of the patch, as length="100 um"')
+    if unit is None and own_unit is None:
+        raise UsageError(
+            'measured: unit is missing; give the unit of the heights, as unit="1 nm" or unit=1 for m'
+        )
+    nx, ny = values.shape
+    if length is not None and (isinstance(length, str) or np.ndim(length) == 0) and nx != ny:
+        raise UsageError(f"measured: one length for {nx} x {ny} points; give both sides, as length=(Lx, Ly)")
+    said = {
+        "kind": "file",
+        "path": words,
+        "length": own_length if length is None else length,
+        "unit": own_unit if unit is None else unit,
+        **treatment,
+    }
+    in_memory = checked(FileSurface, "measured", said)
+    assert in_memory.unit is not None
+    raw = Topography(
+        heights=np.where(np.isfinite(values), values, np.nan) * in_memory.unit,
+        lengths=in_memory.length,
+        history=(f"{words}: {nx} x {ny} points",),
+        unit=in_memory.unit,
+        digest=hashlib.sha256(
+            repr(values.shape).encode() + np.ascontiguousarray(values).tobytes()
+        ).hexdigest(),
+    )
+    return Surface(table=in_memory, given=Measured(surface=in_memory, raw=raw))
+
+
+def _told_by(heights: Any) -> tuple[Any, tuple[float, float] | None, float | None, str]:
+    """Return heights, their size [m], their unit [m] and what they are, as far as the object says it."""
+    if isinstance(heights, HeightField):
+        return heights.heights, heights.lengths, 1.0, "HeightField"
+    what, size, unit = type(heights).__name__, None, None
+    try:
+        if callable(getattr(heights, "heights", None)) and hasattr(heights, "physical_sizes"):
+            unit = metres(heights.unit)
+            lx, ly = heights.physical_sizes
+            size = None if unit is None else (unit * float(lx), unit * float(ly))
+            values = real(np.ma.filled(np.ma.asarray(heights.heights(), dtype=float), np.nan))
+        else:
+            values = real(np.ma.filled(heights, np.nan))
+        check_shape(values.shape)
+    except (ValueError, TypeError) as error:
+        raise UsageError(
+            f"measured: heights of type {what}: {error}; give a file, a 2-D array, or a topography"
+        ) from None
+    return values, size, unit, what

@@ -1,0 +1,438 @@
+"""Sweeps: one scene at several values of its keys, and keys that are set from outside the file."""
+
+from __future__ import annotations
+
+import copy
+import difflib
+import itertools
+import math
+import tomllib
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic.fields import FieldInfo
+
+from validation.effects import effect_kinds
+from validation.errors import SceneError, UsageError
+from validation.methods import methods
+from validation.scenes.scene import (
+    Ensemble,
+    RunOptions,
+    Scene,
+    checked_scene,
+    parsed_toml,
+    scene_text,
+    sized,
+)
+from validation.scenes.tables import CapillarySurface, FileSurface, Load, SelfAffineSurface, SolidSpec
+from validation.units import MOST_ITEMS, unit_of
+
+__all__ = ["MODES", "Sweep", "SweptKey", "load_asked", "scene_keys"]
+
+Value = float | int | str
+Mode = Literal["product", "zip"]
+MODES: tuple[Mode, ...] = ("product", "zip")
+
+#: Scenes of one sweep; each has solves of its own.
+_MOST_CASES = 4096
+#: Keys of which a scene gives one: setting the one takes the other out.
+_EITHER = (
+    frozenset({"load.pressure", "load.reduced_pressure"}),
+    frozenset({"surface.rms_gradient", "surface.rms_height"}),
+)
+_SURFACES = {"self-affine": SelfAffineSurface, "capillary-waves": CapillarySurface, "file": FileSurface}
+#: Last words of keys that mean something else in a dataset of a sweep.
+_TAKEN = frozenset({"area", "solver", "kappa", "theory", "case", "scatter"})
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweptKey:
+    """A key of a scene and the values it takes.
+
+    Attributes
+    ----------
+    key : str
+        As in the scene, such as "load.reduced_pressure".
+    name : str
+        Its coordinate in the dataset: the last word, or the last two where that would not tell.
+    unit : str
+        SI; "1" for plain numbers and words.
+    meaning : str
+    values : tuple
+        As listed, quantities in SI.
+    """
+
+    key: str
+    name: str
+    unit: str
+    meaning: str
+    values: tuple[Value, ...]
+
+    @property
+    def numeric(self) -> bool:
+        """Whether its values are numbers."""
+        return not any(isinstance(value, str) for value in self.values)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sweep:
+    """The scenes that a table [sweep] makes of one.
+
+    Attributes
+    ----------
+    scenes : tuple of Scene
+        For a product the last key runs fastest.
+    keys : tuple of SweptKey
+    mode : str
+        "product": every combination; "zip": first with first, second with second.
+    """
+
+    scenes: tuple[Scene, ...]
+    keys: tuple[SweptKey, ...]
+    mode: Mode
+
+    @property
+    def name(self) -> str:
+        """Name of the scene that is swept."""
+        return self.scenes[0].name
+
+    @property
+    def title(self) -> str:
+        """Title of the scene that is swept."""
+        return self.scenes[0].title
+
+    @property
+    def run(self) -> RunOptions:
+        """How it is run."""
+        return self.scenes[0].run
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Values along each dimension: one for each key of a product, the cases of a zip."""
+        if self.mode == "zip":
+            return (len(self.scenes),)
+        return tuple(len(key.values) for key in self.keys)
+
+    def words(self, case: int) -> str:
+        """Say where a case stands, such as "young = 2e+09 Pa, seed = 7"."""
+        places = [case] * len(self.keys)
+        if self.mode == "product":
+            for k in reversed(range(len(self.keys))):
+                case, places[k] = divmod(case, len(self.keys[k].values))
+        said = zip(self.keys, places, strict=True)
+        return ", ".join(f"{key.name} = {value_words(key.values[k], key.unit)}" for key, k in said)
+
+
+def value_words(value: Value, unit: str = "1") -> str:
+    """Write a value and its unit.
+
+    >>> value_words(2e6, "Pa"), value_words(0.05), value_words("smooth")
+    ('2e+06 Pa', '0.05', 'smooth')
+    """
+    text = value if isinstance(value, str) else f"{value:.6g}" if isinstance(value, float) else str(value)
+    return text if unit == "1" else f"{text} {unit}"
+
+
+def load_asked(scene: str, settings: Sequence[str] = ()) -> Scene | Sweep:
+    """Read a scene with some keys set otherwise, and expand its table [sweep] if it has one.
+
+    Parameters
+    ----------
+    scene : str
+        Built-in by name, or a TOML file by path.
+    settings : sequence of str
+        Each ``key=value``, the value as in the file; quotes round a quantity may be left out.
+
+    Raises
+    ------
+    SceneError
+        With one line for each problem: key, value, what is allowed.
+    UsageError
+        For a setting that names no key.
+    """
+    text, folder = scene_text(scene)
+    data = parsed_toml(text, scene)
+    for setting in settings:
+        _set_from_outside(data, setting)
+    if "sweep" not in data:
+        return checked_scene(sized(data, folder, scene), folder, scene)
+    try:
+        mode, lists = _table(data.pop("sweep"), data)
+    except UsageError as error:
+        raise SceneError(scene, [f"[sweep] {error}"]) from None
+    return _expanded(data, mode, lists, folder=folder, scene=scene)
+
+
+def scene_keys(data: Mapping[str, Any] | None = None) -> dict[str, FieldInfo]:
+    """Return the keys that a scene may have, with what each means; an effect is named by its kind.
+
+    Parameters
+    ----------
+    data : mapping, optional
+        Tables of a scene, whose kind of surface narrows the choice.
+    """
+    kind = _table_of(data or {}, "surface").get("kind")
+    rough = [_SURFACES[kind]] if isinstance(kind, str) and kind in _SURFACES else list(_SURFACES.values())
+    tables: list[tuple[str, Any]] = [("surface", table) for table in rough]
+    tables += [("solid", SolidSpec), ("load", Load), ("ensemble", Ensemble), ("run", RunOptions)]
+    tables += [(f"methods.{name}", method.options) for name, method in methods().items()]
+    tables += [(f"effects.{name}", effect) for name, effect in effect_kinds().items()]
+    keys = {name: Scene.model_fields[name] for name in ("name", "title")}
+    for place, table in tables:
+        for name, info in table.model_fields.items():
+            if not (name == "kind" and place.startswith("effects.")):
+                keys.setdefault(f"{place}.{name}", info)
+    return keys
+
+
+def _set_from_outside(data: dict[str, Any], setting: str) -> None:
+    """Set one key, as --set says it."""
+    key, equals, text = setting.partition("=")
+    key = key.strip()
+    if not (equals and key):
+        raise UsageError(f"--set {setting}: must be key=value, such as solid.young='2 GPa'")
+    swept = data.get("sweep")
+    try:
+        if key.startswith("sweep."):
+            inner = key.removeprefix("sweep.")
+            found = inner if inner == "mode" else _found_key(inner, data)
+            flat = dict(_flat(swept)) if isinstance(swept, dict) else {}
+            kept = {
+                k: v for k, v in flat.items() if k != found and (k == "mode" or _found_key(k, data) != found)
+            }
+            data["sweep"] = {**kept, found: _value(text)}
+            return
+        found = _found_key(key, data)
+        listed = (
+            [_found_key(k, data) for k, _ in _flat(swept) if k != "mode"] if isinstance(swept, dict) else []
+        )
+        if found in listed:
+            raise UsageError(f"{found}: is swept; set sweep.{found}=[...] instead")
+        _put(data, found, _value(text))
+    except UsageError as error:
+        raise UsageError(f"--set {error}") from None
+
+
+def _value(text: str) -> Any:
+    """Read a value as a scene file has it; what is no TOML is a text, such as 5 GPa without quotes."""
+    try:
+        read = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return _plain(text.strip())
+    value = read.get("value")
+    known = len(read) == 1 and isinstance(value, (bool, int, float, str, list))
+    return value if known else text.strip()
+
+
+def _plain(text: str) -> float | str:
+    try:
+        return float(text)
+    except ValueError:
+        return text
+
+
+def _table_of(data: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    table = data.get(name)
+    return table if isinstance(table, dict) else {}
+
+
+def _found_key(key: str, data: Mapping[str, Any]) -> str:
+    """Return a key in full; its last word does where only one has it.
+
+    Raises
+    ------
+    UsageError
+        For what no scene has, and for a word that several keys share.
+    """
+    keys = scene_keys(data)
+    if key in keys:
+        return key
+    ending = [full for full in keys if full.endswith(f".{key}")]
+    present = [full for full in ending if _present(full, data)] or ending
+    own = f"effects.{key}.{key}"  # the hardness of the effect 'hardness' before that of another
+    if len(present) == 1 or own in present:
+        return own if own in present else present[0]
+    if present:
+        raise UsageError(f"{key}: is short for {', '.join(present)}; name one of them")
+    inside = [full for full in keys if full.startswith(f"{key}.")]
+    if inside:
+        raise UsageError(f"{key}: is a table; name one of its keys: {', '.join(inside)}")
+    last = {full.rpartition(".")[2]: full for full in keys}
+    close = difflib.get_close_matches(key, keys, n=1) or difflib.get_close_matches(key, last, n=1)
+    hint = f"; did you mean {last.get(close[0], close[0])!r}?" if close else ""
+    raise UsageError(f"{key}: is no key of a scene{hint}")
+
+
+def _present(key: str, data: Mapping[str, Any]) -> bool:
+    """Whether a scene has the table of a key."""
+    table, *rest = key.split(".")
+    if table == "methods":
+        return rest[0] in _table_of(data, "methods")
+    if table == "effects":
+        return any(isinstance(e, dict) and e.get("kind") == rest[0] for e in _listed(data))
+    return table in data
+
+
+def _listed(data: Mapping[str, Any]) -> list[Any]:
+    effects = data.get("effects")
+    return effects if isinstance(effects, list) else []
+
+
+def _put(data: dict[str, Any], key: str, value: Any) -> None:
+    """Set a key in full; a table, method or effect that is not there is listed with it."""
+    parts = key.split(".")
+    if parts[0] == "effects":
+        effects = data["effects"] = list(_listed(data))
+        table = next((e for e in effects if isinstance(e, dict) and e.get("kind") == parts[1]), None)
+        if table is None:
+            table = {"kind": parts[1]}
+            effects.append(table)
+    else:
+        table = data
+        for part in parts[:-1]:
+            inner = table.setdefault(part, {})
+            if not isinstance(inner, dict):
+                raise UsageError(f"{key}: {part} = {_short(inner)} of the scene is no table")
+            table = inner
+    for pair in _EITHER:
+        if key in pair:
+            (other,) = pair - {key}
+            table.pop(other.rpartition(".")[2], None)
+    table[parts[-1]] = value
+
+
+def _flat(table: Mapping[str, Any], place: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield keys and values of [sweep]: without quotes, load.pressure is a table in a table."""
+    for key, value in table.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f"{place}{key}.")
+        else:
+            yield f"{place}{key}", value
+
+
+def _table(table: Any, data: Mapping[str, Any]) -> tuple[Mode, dict[str, list[Any]]]:
+    """Read [sweep]: the mode, and each key in full with its list.
+
+    Raises
+    ------
+    UsageError
+    """
+    if not isinstance(table, dict):
+        raise UsageError("must be a table of keys with lists, such as load.reduced_pressure = [0.01, 0.1]")
+    said = dict(_flat(table))
+    mode = said.pop("mode", "product")
+    if mode not in MODES:
+        raise UsageError(f"mode = {mode!r}: must be 'product' or 'zip'")
+    lists: dict[str, list[Any]] = {}
+    for key, values in said.items():
+        full = _found_key(key, data)
+        if full.partition(".")[0] in ("name", "title", "run"):
+            raise UsageError(f"{full}: says how a scene is called or run, and changes no result")
+        if not isinstance(values, list) or not 1 <= len(values) <= MOST_ITEMS:
+            raise UsageError(f"{full} = {_short(values)}: must be a list of 1 to {MOST_ITEMS} values")
+        rival = next((k for k in lists if k == full or any({k, full} <= pair for pair in _EITHER)), None)
+        if rival is not None:
+            again = "is listed twice" if rival == full else f"excludes {rival}, which is swept, too"
+            raise UsageError(f"{full}: {again}")
+        lists[full] = values
+    if not lists:
+        raise UsageError("is empty; list a key with its values, such as load.reduced_pressure = [0.01, 0.1]")
+    lengths = {key: len(values) for key, values in lists.items()}
+    if mode == "zip" and len(set(lengths.values())) > 1:
+        found = ", ".join(f"{key} has {n}" for key, n in lengths.items())
+        raise UsageError(f"mode = 'zip': all lists must be as long; {found}")
+    if mode == "product" and math.prod(lengths.values()) > _MOST_CASES:
+        raise UsageError(f"makes {math.prod(lengths.values())} scenes; must be at most {_MOST_CASES}")
+    return mode, lists
+
+
+def _short(value: object) -> str:
+    words = repr(value)
+    return words if len(words) <= 60 else f"{words[:60]}..."
+
+
+def _expanded(
+    data: dict[str, Any], mode: Mode, lists: Mapping[str, list[Any]], *, folder: Path, scene: str
+) -> Sweep:
+    """Make and check every scene; the first that cannot be run is refused, with the values it stands at."""
+    each = list(
+        itertools.product(*lists.values()) if mode == "product" else zip(*lists.values(), strict=True)
+    )
+    # A measured surface says its size once, unless the sweep changes what is read.
+    alone = any(key.startswith("surface.") for key in lists)
+    base = data if alone else sized(data, folder, scene)
+    scenes = []
+    for values in each:
+        here = copy.deepcopy(base)
+        for key, value in zip(lists, values, strict=True):
+            _put(here, key, value)
+        try:
+            scenes.append(checked_scene(sized(here, folder, scene) if alone else here, folder, scene))
+        except SceneError as error:
+            at = ", ".join(f"{key} = {_short(value)}" for key, value in zip(lists, values, strict=True))
+            # One sentence about a swept value says enough of where it is.
+            known = [p if any(k in p for k in lists) else f"{p} ([sweep] at {at})" for p in error.problems]
+            raise SceneError(scene, known) from None
+    keys = _swept(tuple(scenes), mode, lists)
+    for swept in keys if mode == "product" else ():
+        twice = next((v for k, v in enumerate(swept.values) if v in swept.values[:k]), None)
+        if twice is not None:
+            words = value_words(twice, swept.unit)
+            raise SceneError(scene, [f"[sweep] {swept.key}: {words} is listed twice"])
+    return Sweep(scenes=tuple(scenes), keys=keys, mode=mode)
+
+
+def _swept(scenes: Sequence[Scene], mode: Mode, lists: Mapping[str, list[Any]]) -> tuple[SweptKey, ...]:
+    """Read the values off the checked scenes, where quantities are in SI."""
+    last = [key.rpartition(".")[2] for key in lists]
+    known = scene_keys({"surface": {"kind": scenes[0].surface.kind}})
+    keys, step = [], len(scenes)
+    for key, word in zip(lists, last, strict=True):
+        if mode == "zip":
+            own: Sequence[Scene] = scenes
+        else:
+            step //= len(lists[key])
+            own = [scenes[k * step] for k in range(len(lists[key]))]
+        values = tuple(_said(scene, key) for scene in own)
+        if any(isinstance(value, str) for value in values):
+            values = tuple(map(str, values))
+        info = known[key]
+        clear = last.count(word) == 1 and word not in _TAKEN
+        unit = unit_of(info.annotation)
+        if unit == "1":
+            unit = next((u for part in info.metadata if (u := unit_of(part)) != "1"), "1")
+        keys.append(
+            SweptKey(
+                key=key,
+                name=word if clear else "_".join(key.split(".")[-2:]),
+                unit="1" if any(isinstance(value, str) for value in values) else unit,
+                meaning=info.description or key,
+                values=values,
+            )
+        )
+    return tuple(keys)
+
+
+def _said(scene: Scene, key: str) -> Value:
+    """Value of a key in a checked scene, as a coordinate: a number or words."""
+    parts = key.split(".")
+    table: Any = getattr(scene, parts[0])
+    if parts[0] == "effects":
+        table = next(effect for effect in scene.effects if effect.kind == parts[1])
+    elif parts[0] == "methods":
+        table = scene.methods.options(parts[1])
+    value = getattr(table, parts[-1])
+    if isinstance(value, tuple) and len(set(value)) == 1 and isinstance(value[0], float):
+        value = value[0]
+    if isinstance(value, (bool, Path)) or not isinstance(value, (int, float)):
+        return _in_words(value)
+    return value
+
+
+def _in_words(value: Any) -> str:
+    """Write a list as it is read: grids as 32x32, 64x64."""
+    if isinstance(value, tuple) and value and isinstance(value[0], tuple):
+        return ", ".join("x".join(map(str, item)) for item in value)
+    return ", ".join(map(str, value)) if isinstance(value, tuple) else str(value)
