@@ -435,3 +435,13 @@ def test_a_spectrum_without_meaning_is_refused(value):
         random_surface(
             lambda q: np.where(q > 40, value, 1e-9), q_short=Q_SHORT, lengths=LENGTHS, shape=(16, 16), seed=7
         )
+
+
+def test_the_shortest_wave_of_an_even_grid_carries_the_power_of_a_cosine() -> None:
+    # +-1 on the points is a cosine between them, whose mean square is one half, whichever way it is measured.
+    heights = np.cos(np.pi * np.arange(8))[:, None] * np.ones(9)
+    surface = HeightField(heights=heights, lengths=(1.0, 1.0))
+    rings = radial_spectrum(surface)
+    cell = (2 * np.pi) ** 2
+    np.testing.assert_allclose(np.sum(rings.power * rings.count) * cell, 0.5, rtol=1e-12)
+    np.testing.assert_allclose(surface.moments[1], 0.5 * (8 * np.pi) ** 2, rtol=1e-12)

@@ -160,9 +160,9 @@ def test_ctrl_c_is_exit_code_130_and_a_sentence(tool, monkeypatch):
 def test_a_dry_run_lists_solves_and_does_none(tool, tmp_path):
     code, out, _ = tool("run", "quickstart", "--dry-run")
     assert code == 0
-    assert "56 of 56 solves are to be done" in out
+    assert "57 of 57 solves are to be done" in out
     rows = json.loads(tool("run", "quickstart", "--dry-run", "--json")[1])
-    assert len(rows) == 56
+    assert len(rows) == 57
     assert all(row["seconds"] > 0 and row["peak_bytes"] > 0 and not row["stored"] for row in rows)
     plan = json.loads(tool("study", "area", "--seed", "5", "--surfaces", "2", "--dry-run", "--json")[1])
     assert len(plan) == 8 * 2 * 3

@@ -27,7 +27,7 @@ def _run(name: str) -> tuple[dict[str, object], list[str]]:
 
 
 def test_the_notebook_of_studies_runs_and_its_sentences_are_computed(capsys):
-    space, _ = _run("studies")
+    space, _ = _run("studies_in_python")
     printed = capsys.readouterr().out
     assert "kappa in the limit of vanishing spacing" in printed
     assert "Spectra of alpha 3" in printed

@@ -125,7 +125,7 @@ def test_the_quickstart_is_the_scene_it_promises_to_be():
     assert surface.lambda_short == pytest.approx(surface.length[0] / 8, rel=1e-15)
     assert scene.load.reduced_pressure == 0.05
     assert [grid[0] for grid in scene.methods.bem.grids] == [32, 64, 128, 256, 512]
-    assert [grid[0] for grid in scene.methods.fem.grids] == [32, 64]
+    assert [grid[0] for grid in scene.methods.fem.grids] == [32, 64, 128]
 
 
 @given(text=st.text(max_size=200))

@@ -14,7 +14,7 @@ from validation.measures.theory import VARIANTS
 from validation.scenes.scene import load_scene
 from validation.solves.bench import Bench
 from validation.studies import find_study, hurst, magnification, pressure, theory_verdict
-from validation.studies._outputs import report_study
+from validation.studies._outputs import report_study, write_data
 from validation.studies.theory_verdict import words as words_of
 
 SMALL = {"periods": 2.0, "bandwidth": 2.0}
@@ -130,7 +130,7 @@ def test_every_quantity_of_the_theory_is_scored_and_full_contact_is_exact(scored
 def test_a_report_lists_what_is_uncertain_and_writes_it_as_csv(scored, tmp_path):
     said = {"format": "fem-contact study 1", "study": "theory-verdict", "options": {"seed": 2006}}
     (tmp_path / "study.json").write_text(json.dumps(said))
-    scored.to_netcdf(tmp_path / "data.nc", engine="netcdf4")
+    write_data(scored, said, tmp_path)
     report_study(tmp_path)
     page = (tmp_path / "report.html").read_text()
     assert "What is uncertain" in page

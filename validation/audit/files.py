@@ -262,9 +262,10 @@ def audit_page(folder: Path, run: Run, ledger: Ledger) -> None:
     for line in lines[len(run.rows) :]:
         _sum(line, run, ledger)
     place = "report.html, cross-checks"
-    crossed = tables.get("Finite elements against boundary elements", [])
+    crossed = next((lines for title, lines in tables.items() if title.startswith("Beside ")), [])
     ledger.same(place, "number of rows", len(crossed), len(run.cross))
-    for line, (_, grid, *values) in zip(crossed, run.cross, strict=False):
+    for line, (method, grid, *values) in zip(crossed, run.cross, strict=False):
+        ledger.same(place, "method", line["method"], label_of(method))
         ledger.same(place, "grid", line["grid"], f"{grid[0]} x {grid[1]}")
         columns = ("pressure, relative L2", "pixel area", "perimeter area")
         for name, value in zip(columns, values, strict=True):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -202,9 +202,24 @@ def _cross(found: re.Match[str], run: Run, ledger: Ledger) -> None:
         return
     ledger.text(_PLACE, f"difference in pressure on {found['g2']}", found["p2"], first[0])
     ledger.text(_PLACE, f"difference in pixel area on {found['g2']}", found["a2"], first[1])
-    ledger.same(_PLACE, "difference in pressure shrinks", found["t1"] == "shrinks", last[0] < first[0])
-    shrinks = abs(last[1]) < abs(first[1])
-    ledger.same(_PLACE, "difference in area shrinks", found["t2"] == "shrinks", shrinks)
+    method = next(name for name, grid, *_ in run.cross if f"{grid[0]} x {grid[1]}" == found["g1"])
+    checks = [check for check in run.cross if check[0] == method]
+    for name, group, column in (("pressure", "1", 2), ("area", "2", 3)):
+        sizes = [abs(check[column]) for check in checks]
+        shrinks = sizes[-1] < sizes[0]
+        said = found[f"t{group}"].startswith("shrinks")
+        ledger.same(_PLACE, f"difference in {name} shrinks", said, shrinks)
+        if found[f"o{group}"] is None:
+            continue
+        order = _slope([1 / check[1][0] for check in checks], sizes)
+        ledger.text(_PLACE, f"order in dx of the difference in {name}", found[f"o{group}"], order)
+        ledger.same(_PLACE, f"grids of the difference in {name}", int(found[f"n{group}"]), len(checks))
+
+
+def _slope(x: Sequence[float], y: Sequence[float]) -> float:
+    """Slope of ln y over ln x by least squares."""
+    u, v = np.log(x), np.log(y)
+    return float(np.sum((u - u.mean()) * (v - v.mean())) / np.sum((u - u.mean()) ** 2))
 
 
 def _at_zero(found: re.Match[str], run: Run, ledger: Ledger) -> None:
@@ -219,9 +234,7 @@ def _at_zero(found: re.Match[str], run: Run, ledger: Ledger) -> None:
     if run.measured:
         ledger.unread.append("order of P(0+) of a measured surface")
         return
-    x = np.log([1 / row.points_per_wave for row in rows])
-    y = np.log([row.density_at_zero for row in rows])
-    slope = float(np.sum((x - x.mean()) * (y - y.mean())) / np.sum((x - x.mean()) ** 2))
+    slope = _slope([1 / row.points_per_wave for row in rows], [row.density_at_zero for row in rows])
     ledger.text(_PLACE, "order of P(0+) in dx", found["order"], slope)
     ledger.same(_PLACE, "P(0+) falls with refinement", "does not fall" not in found[0], slope > 0.1)
     if "grids" in found.groupdict():
@@ -318,8 +331,9 @@ _FORMS: tuple[tuple[str, Reader], ...] = (
     (
         rf"On the same surface and (?P<g1>{_GRID}) grid the .+ and the .+ differ by (?P<p1>{_P}) in pressure "
         rf"\(relative L2\) and (?P<a1>{_P}) in pixel area(?:\.|; on (?P<g2>{_GRID}) by (?P<p2>{_P}) and "
-        rf"(?P<a2>{_P}): with refinement the difference in pressure (?P<t1>shrinks|does not shrink) "
-        r"and that in area (?P<t2>shrinks|does not shrink)\.)",
+        rf"(?P<a2>{_P}): with refinement the difference in pressure "
+        rf"(?P<t1>shrinks(?: like dx\^(?P<o1>{_N}) \(fit over (?P<n1>\d+) grids\))?|does not shrink) and that "
+        rf"in area (?P<t2>shrinks(?: like dx\^(?P<o2>{_N}) \(fit over (?P<n2>\d+) grids\))?|does not shrink)\.)",
         _cross,
     ),
     (

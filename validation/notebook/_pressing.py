@@ -13,6 +13,7 @@ from fem_contact.surface import HeightField
 from validation.comparison.theory_alone import answer_alone
 from validation.effects import effect_kinds
 from validation.errors import UsageError
+from validation.methods import methods
 from validation.notebook._contact import Contact, pressed
 from validation.notebook._surface import Surface
 from validation.notebook._tables import GridLike, Quantity, checked, fast_grid
@@ -309,5 +310,5 @@ def _default_grid(surface: Surface, method: str) -> tuple[int, int]:
         return 2 * nx, 2 * ny
     assert isinstance(surface.table, RandomSurface)
     quick, slow = _POINTS_PER_WAVE
-    points = quick if method == "bem" else slow
+    points = quick if getattr(methods().get(method), "for_ensembles", False) else slow
     return fast_grid(surface.table.length, surface.table.lambda_short, points)

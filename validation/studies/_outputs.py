@@ -26,7 +26,15 @@ if TYPE_CHECKING:
 
     from validation.solves.bench import Bench
 
-__all__ = ["StudyOutputs", "check_results", "is_study", "report_study", "run_study", "study_page"]
+__all__ = [
+    "StudyOutputs",
+    "check_results",
+    "is_study",
+    "report_study",
+    "run_study",
+    "study_page",
+    "write_data",
+]
 
 _RECORD = "study.json"
 _FORMAT = "fem-contact study 1"
@@ -55,10 +63,15 @@ def run_study(
     for other in ("run.json", "accuracy.json", "sweep.json"):  # the folder is that of this study now
         (folder / other).unlink(missing_ok=True)
     write_json(folder / _RECORD, said)
+    write_data(data, said, folder)
+    return report_study(folder, numbers_only=not report)
+
+
+def write_data(data: xr.Dataset, said: Mapping[str, Any], folder: Path) -> None:
+    """Write the numbers of a study, sealed: netCDF that shows every change since."""
     content = dataset_bytes(data)
     made = Made.now(threads=1, seconds=0.0).as_json()
     write_whole(folder / _DATA, (content, seal(content, recipe=json.dumps(said), made=made)))
-    return report_study(folder, numbers_only=not report)
 
 
 def is_study(folder: Path) -> bool:

@@ -213,7 +213,7 @@ def test_an_incompressible_solid_is_sent_to_the_reduced_method() -> None:
 
 
 @pytest.mark.parametrize("method", ["full", "reduced"])
-@pytest.mark.parametrize("reduced", [1e3, 1e12, 1e30])
+@pytest.mark.parametrize("reduced", [1e3, 1e12, 1e20])
 def test_full_contact_far_beyond_the_roughness_is_exact(method: str, reduced: float) -> None:
     surface = rough((16, 16))
     flat = press(surface, 5.0, method="reduced").contact.checked()
