@@ -21,7 +21,7 @@ from validation.scenes.realised import realise
 from validation.scenes.scene import load_scene
 from validation.solves.press import solves_of
 
-README = (Path(__file__).parents[2] / "README.md").read_text(encoding="utf-8")
+METHODS = (Path(__file__).parents[2] / "docs" / "methods.md").read_text(encoding="utf-8")
 SCENE = """
 [surface]
 kind = "self-affine"
@@ -43,8 +43,8 @@ grids = [16, 24, 32]
 
 @pytest.fixture
 def own_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """The solver of the README, in the folder the command is started in."""
-    code = README.split("<!-- own-solver -->")[1].split("```python\n")[1].split("```")[0]
+    """The solver of docs/methods.md, in the folder the command is started in."""
+    code = METHODS.split("<!-- own-solver -->")[1].split("```python\n")[1].split("```")[0]
     (tmp_path / "my_module.py").write_text(code, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     return tmp_path
@@ -65,7 +65,7 @@ def written(name: str, body: str) -> str:
     return f"{name}:solve"
 
 
-def test_the_solver_of_the_readme_agrees_with_boundary_elements(own_module: Path) -> None:
+def test_the_solver_of_the_docs_agrees_with_boundary_elements(own_module: Path) -> None:
     reference = (
         find_solver("bem")
         .solve(
