@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ import pytest
 from fem_contact import adhesion, bem
 from fem_contact.adhesion.descent import Minimum
 from fem_contact.adhesion.laws import Exponential
+from fem_contact.adhesion.path import _Walk
 from fem_contact.adhesion.state import AdhesionProblem, Stability
 from fem_contact.area import ContactAreas, limit_area
 from fem_contact.contact import Status
@@ -180,3 +182,12 @@ def test_what_a_window_takes_from_the_power_is_made_up_for():
 
     # Some 2500 waves, of which a window sees about a quarter as independent: 4 %.
     assert middle(hann) == pytest.approx(middle(bare), rel=0.1)
+
+
+def test_energy_lost_in_a_step_is_the_work_of_the_mean_load_less_what_is_stored():
+    def state(load, offset, energy):
+        return SimpleNamespace(mean_pressure=load, offset=offset, energy=energy)
+
+    # Moved inwards by 0.2 under a load that rises from 1 to 3, storing 0.15: 2 * 0.2 - 0.15.
+    lost = _Walk._dissipated(None, state(1.0, 0.5, 0.0), state(3.0, 0.3, 0.15))
+    assert lost == pytest.approx(0.25, rel=1e-12)
