@@ -182,3 +182,14 @@ def test_pulled_points_are_in_the_distribution_with_adhesion_alone(write_scene, 
     assert np.isnan(comparison.rows[0].density_at_zero)
     plain = pressure_at_zero_data(_with_effects(comparison), solves)
     assert plain.lower.values[0] == 0
+
+
+def test_two_solvers_of_one_discrete_problem_are_not_said_to_differ_more_on_finer_grids(small_run):
+    c = small_run.comparison
+    same = tuple(
+        dataclasses.replace(check, pressure=size, pixel=0.0)
+        for check, size in zip(c.cross, (1e-8, 3e-8), strict=True)
+    )
+    said = _sentence(dataclasses.replace(c, cross=same), "On the same surface")
+    assert said.endswith("no more than their tolerances leave.")
+    assert "shrink" not in said
