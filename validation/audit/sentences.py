@@ -336,7 +336,8 @@ _FORMS: tuple[tuple[str, Reader], ...] = (
     ),
     (
         rf"On the same surface and (?P<g1>{_GRID}) grid the .+ and the .+ differ by (?P<p1>{_P}) in pressure "
-        rf"\(relative L2\) and (?P<a1>{_P}) in pixel area(?:\.|, no more than their tolerances leave\.|; on (?P<g2>{_GRID}) by (?P<p2>{_P}) and "
+        rf"\(relative L2\) and (?P<a1>{_P}) in pixel area"
+        rf"(?:\.|, no more than their tolerances leave\.|; on (?P<g2>{_GRID}) by (?P<p2>{_P}) and "
         rf"(?P<a2>{_P}): with refinement the difference in pressure "
         + _trend("1")
         + " and that in area "
