@@ -47,7 +47,7 @@ def reference() -> EffectCosts:
     solved = {name: kind for name, kind in effect_kinds().items() if any(m.handles(kind) for m in solvers)}
     return EffectCosts(
         factors=MappingProxyType({name: kind.cost for name, kind in solved.items()}),
-        source="measured on a virtual AMD EPYC, 2026-11-21; 'fem-contact calibrate' measures this machine",
+        source="as their files say, for a virtual AMD EPYC; 'fem-contact calibrate' measures this machine",
     )
 
 
