@@ -19,7 +19,7 @@ _DOORS = importlib.util.module_from_spec(_SPEC)
 _SPEC.loader.exec_module(_DOORS)
 
 #: Modules whose public names are all doors, or results, constants and types that need none.
-FEM = _DOORS.solver_doors()
+FEM = _DOORS.solver_doors() | _DOORS.block_doors()
 THEORY = _DOORS.theory_doors()
 
 #: Processor seconds: more than the slowest sensible call takes, less than a hang.
