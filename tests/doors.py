@@ -256,7 +256,11 @@ def block_doors() -> dict[str, Door]:
         "element": "Hex1",
     } | mesh
     load = {"mean_pressure": 0.01, "pressure_bound": 0.5, "start": wave > 0}
-    sideways = {"modulus": lambda x, y, z: 1 + 0.5 * np.cos(2 * np.pi * x) + 0 * y + 0 * z}
+    sideways = {
+        "modulus": lambda x, y, z: 1 + 0.5 * np.cos(2 * np.pi * x) + 0 * y + 0 * z,
+        "growth": 4.0,
+        "first_layer": 0.25,
+    }
     return {
         "block.solve": (block.solve, held | load),
         "block.solve of the full system": (block.solve, held | load | {"method": "full"}),
@@ -267,7 +271,8 @@ def block_doors() -> dict[str, Door]:
             block.solve_displacement,
             held | {"method": "full", "offset": 0.005},
         ),
-        "block.solve_path": (
+        "block.solve_path": (block.solve_path, held | {"mean_pressures": [0.01, 0.02]}),
+        "block.solve_path, walked": (
             lambda **given: list(block.solve_path(**given)),
             held | {"mean_pressures": [0.01, 0.02]},
         ),

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from fem_contact.block import BlockSolution, estimate, solve
+from fem_contact.block import BlockSolution, estimate, solve, solve_path
 from fem_contact.contact import Status
 from fem_contact.errors import InsufficientMemory, InvalidInput, NotConverged
 from fem_contact.solid import Solid
