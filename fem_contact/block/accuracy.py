@@ -9,6 +9,7 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._checks import numbers_of, positive, shown, within
 from fem_contact.block.mesh import MeshOptions
 from fem_contact.block.reduced.column import eliminate, fold, surface_response
 from fem_contact.block.session import planned_mesh
@@ -83,6 +84,9 @@ def wave_errors(
     >>> fine.worst < 0.005, 0.01 < coarse.along_axis < 0.02
     (True, True)
     """
+    poisson = within("poisson", poisson, -1, 0.5, interval="(-1, 0.5]")
+    members = numbers_of("wavelengths", wavelengths, unit="m")
+    sought = [positive("wavelengths", wavelength, unit="m") for wavelength in members]
     planned = planned_mesh(shape, lengths, poisson=poisson, options=mesh)
     order, width = planned.element.order, lengths[0] / planned.cells[0]
     folded = fold(planned, poisson=poisson)
@@ -90,10 +94,12 @@ def wave_errors(
     # A pressure equal at all kinds of nodes loads them by their areas; the answer is the mean over these.
     share = np.ones(1) if order == 1 else np.array([1, 2, 2, 4]) / 9
     errors = []
-    for wavelength in wavelengths:
+    for wavelength in sought:
         nodes = wavelength / width * order
         if not nodes >= 2:
-            raise InvalidInput(f"wavelength = {wavelength!r}: must span two nodes, {2 * width / order:.6g} m")
+            raise InvalidInput(
+                f"wavelengths = {shown(wavelength)}: must span two nodes, {2 * width / order:.6g} m"
+            )
         q = 2 * np.pi * width / wavelength
         diagonal = np.array([1.0, planned.aspect]) / np.hypot(planned.aspect, 1.0)
         waves = q * np.array([[1.0, 0.0], diagonal])

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._checks import choice
 from fem_contact.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -100,8 +101,7 @@ def element_for(name: str | None, *, poisson: float) -> Element:
     """
     if name is None:
         name = "Hex1" if poisson <= _LOCKING else "Hex1/P0" if poisson < 0.5 else "Hex2/P1disc"
-    if name not in ELEMENTS:
-        raise InvalidInput(f"element = {name!r}: must be one of {', '.join(ELEMENTS)}")
+    choice("element", name, ELEMENTS)
     if poisson == 0.5 and name != "Hex2/P1disc":
         raise InvalidInput(f"element = {name!r}: cannot represent poisson = 0.5; take 'Hex2/P1disc'")
     return ELEMENTS[name]

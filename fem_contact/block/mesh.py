@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING, TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._checks import instance, positive, shown, within
 from fem_contact.block.elements import ELEMENTS, Element, quiet_skfem, scalar_basis
 from fem_contact.errors import InvalidInput
+from fem_contact.surface.heights import checked_lengths, checked_shape
 
 if TYPE_CHECKING:
     from skfem import CellBasis
@@ -71,16 +73,21 @@ def graded_layers(depth: float, *, first: float, growth: float) -> Array:
     >>> graded_layers(3.0, first=1.0, growth=1.0)
     array([1., 1., 1.])
     """
-    for name, value in (("depth", depth), ("first_layer", first)):
-        if not (math.isfinite(value) and value > 0):
-            raise InvalidInput(f"{name} = {value!r}: must be a positive, finite length")
-    if not (math.isfinite(growth) and growth >= 1):
-        raise InvalidInput(f"growth = {growth!r}: must be a finite ratio, at least 1")
+    depth, first, growth = positive("depth", depth), positive("first", first), checked_growth(growth)
+    return _layers(depth, first, growth)
+
+
+def checked_growth(growth: object) -> float:
+    """Return a ratio of neighbouring layers, or refuse."""
+    return within("growth", growth, 1, math.inf, interval="[1, inf)")
+
+
+def _layers(depth: float, first: float, growth: float) -> Array:
     ratio = depth / first
     if not ratio < _THINNEST:
         raise InvalidInput(
-            f"first_layer = {first!r}: must be more than {1 / _THINNEST:.0e} of the depth {depth!r}: thinner "
-            "ones are lost in rounding"
+            f"depth / first_layer = {ratio:.3g}: must be less than {_THINNEST:.0e}: thinner layers are "
+            "lost in rounding"
         )
     needed = ratio if growth == 1 else math.log1p(ratio * (growth - 1)) / math.log(growth)
     if not needed < _MOST_LAYERS:
@@ -266,21 +273,25 @@ def plan_mesh(
         Thinner top layers make short waves softer, not better.
     element : Element
     """
-    if any(int(n) != n or n < element.order or n % element.order for n in shape):
+    instance("element", element, Element, what="an `Element`, one of `ELEMENTS`")
+    shape, lengths = checked_shape(shape), checked_lengths(lengths)
+    growth = checked_growth(growth)
+    depth = None if depth is None else positive("depth", depth, unit="m")
+    first_layer = None if first_layer is None else positive("first_layer", first_layer, unit="m")
+    if any(n % element.order for n in shape):
         raise InvalidInput(
-            f"shape = {shape!r}: must be two positive whole numbers of nodes"
-            + (f", even for {element.name}" if element.order == 2 else "")
+            f"shape = {shape}: must be even for {element.name}, whose cells are two nodes wide"
         )
-    nx, ny = int(shape[0]) // element.order, int(shape[1]) // element.order
+    nx, ny = shape[0] // element.order, shape[1] // element.order
     dx, dy = lengths[0] / nx, lengths[1] / ny
     thickness = (max(lengths) if depth is None else depth) / dx
     if not thickness < _DEEPEST:
         raise InvalidInput(
-            f"depth = {depth!r}: must be less than {_DEEPEST:.0e} cell widths ({_DEEPEST * dx:.3g} m): "
+            f"depth = {shown(depth)}: must be less than {_DEEPEST:.0e} cell widths ({_DEEPEST * dx:.3g} m): "
             "deeper, the surface is lost in the rounding of the block's compression"
         )
     top = min(1.0, thickness / _LEAST_LAYERS) if first_layer is None else first_layer / dx
     if first_layer is not None and depth is not None and first_layer > depth:
         raise InvalidInput(f"first_layer = {first_layer!r}: must not exceed the depth {depth!r} m")
-    layers = graded_layers(thickness, first=top, growth=growth)[::-1]
+    layers = _layers(thickness, top, growth)[::-1]
     return BlockMesh(cells=(nx, ny), aspect=dy / dx, layers=layers, element=element)

@@ -12,6 +12,19 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._checks import (
+    LEAST,
+    array,
+    choice,
+    doubles,
+    finite,
+    function,
+    instance,
+    positive,
+    shown,
+    whole,
+    within,
+)
 from fem_contact.block.elements import element_for
 from fem_contact.block.full.multigrid import has_stencil
 from fem_contact.block.mesh import BlockMesh, MeshOptions, nodal_pressure, node_weights, plan_mesh
@@ -33,7 +46,7 @@ if TYPE_CHECKING:
     from fem_contact.block.reduced.heterogeneous import HeterogeneousBlock
     from fem_contact.block.reduced.surface import SurfaceOperator
 
-__all__ = ["Method", "Modulus", "Session", "needed_bytes", "planned_mesh"]
+__all__ = ["Method", "Modulus", "Session", "check_method", "needed_bytes", "planned_mesh"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -71,6 +84,12 @@ _SLACK = 1e-12
 #: Largest ratio of mean pressure and Young's modulus, and the reciprocal of the least.
 _STIFFEST = 1e60
 
+#: Largest ratio of a cell's Young's modulus and the solid's, and the reciprocal of the least.
+_HARDEST = 1e30
+
+#: Least tolerance: rounding leaves more.
+_FINEST = 1e-16
+
 #: Active sets, and steps of the surface iteration, allowed by default.
 _SETS, _STEPS = 60, 10_000
 
@@ -79,6 +98,10 @@ def planned_mesh(
     shape: tuple[int, int], lengths: tuple[float, float], *, poisson: float, options: MeshOptions
 ) -> BlockMesh:
     """Plan the mesh that options of the public functions describe."""
+    for name, value in options.items():
+        if name not in MeshOptions.__annotations__:
+            allowed = ", ".join(MeshOptions.__annotations__)
+            raise InvalidInput(f"{name} = {shown(value)}: is no option; those of the mesh are {allowed}")
     return plan_mesh(
         shape,
         lengths,
@@ -127,12 +150,12 @@ class Session:
     ) -> Session:
         """Refuse what no computation can start from."""
         began = time.perf_counter(), time.process_time()
-        if method not in ("full", "reduced"):
-            raise InvalidInput(f"method = {method!r}: must be 'full' or 'reduced'")
-        if not (np.isfinite(tolerance) and 0 < tolerance < 1):
-            raise InvalidInput(f"tolerance = {tolerance!r}: must lie in (0, 1)")
-        if max_iterations is not None and max_iterations < 1:
-            raise InvalidInput(f"max_iterations = {max_iterations!r}: must be at least 1")
+        instance("surface", surface, HeightField, what="a `HeightField`")
+        instance("solid", solid, Solid, what="a `Solid`")
+        check_method(method)
+        tolerance = within("tolerance", tolerance, _FINEST, 1, interval=f"[{_FINEST:g}, 1)")
+        if max_iterations is not None:
+            whole("max_iterations", max_iterations, least=1, most=10**7)
         if method == "full" and solid.poisson == 0.5:
             raise InvalidInput(
                 "poisson = 0.5: the full system has no finite stiffness there; take method = 'reduced', or "
@@ -163,7 +186,7 @@ class Session:
 
     def at_pressure(self, mean_pressure: float, start: Mask | BlockSolution | None) -> BlockSolution:
         """Solve at a mean pressure [Pa], from a first set or a solution of this session."""
-        check_pressure(mean_pressure)
+        mean_pressure = positive("mean_pressure", mean_pressure, unit="Pa")
         if not 1 / _STIFFEST < mean_pressure / self.solid.young < _STIFFEST:
             raise InvalidInput(
                 f"mean_pressure = {mean_pressure!r}: over Young's modulus it must lie in (1e-60, 1e60), or "
@@ -173,15 +196,14 @@ class Session:
         if problem.mean_bound < mean_pressure / self.solid.young * (1 - _SLACK):
             raise InvalidInput(
                 f"pressure_bound with mean {problem.mean_bound * self.solid.young:.6g} Pa: must not be below "
-                f"the mean pressure {mean_pressure:.6g} Pa, or nothing carries the load"
+                f"mean_pressure = {mean_pressure:.6g} Pa, or nothing carries the load"
             )
         return self._dressed(self._find(problem, self._guess(start)), target=mean_pressure)
 
     def at_offset(self, offset: float) -> BlockSolution:
         """Solve at an offset [m]."""
-        if not np.isfinite(offset):
-            raise InvalidInput(f"offset = {offset!r}: must be a finite distance in m")
-        problem = replace(self.problem, offset=(offset - self.top) / self.width)
+        offset = (finite("offset", offset, unit="m") - self.top) / self.width
+        problem = replace(self.problem, offset=offset)
         return self._dressed(self._displaced(problem), target=None)
 
     def _guess(self, start: Mask | BlockSolution | None) -> Mask | Found | None:
@@ -334,10 +356,9 @@ def _apart(problem: Problem) -> Found:
     )
 
 
-def check_pressure(mean_pressure: float) -> None:
-    """Refuse a mean pressure that cannot be carried."""
-    if not (np.isfinite(mean_pressure) and mean_pressure > 0):
-        raise InvalidInput(f"mean_pressure = {mean_pressure!r}: must be a positive, finite pressure in Pa")
+def check_method(method: object) -> None:
+    """Refuse a method that there is not."""
+    choice("method", method, ("full", "reduced"))
 
 
 def _provenance(problem: Problem, *, width: float, found: Found) -> dict[str, str]:
@@ -363,20 +384,24 @@ def _cell_moduli(modulus: Modulus | None, mesh: BlockMesh, width: float) -> Arra
     """Evaluate the modulus at the cells' centres: (nx, ny, nz), or (1, 1, nz) where only z counts."""
     if modulus is None:
         return None
+    function("modulus", modulus)
     (nx, ny), edges = mesh.cells, mesh.edges * width
     x = np.asarray((np.arange(nx) + 0.5) * width, dtype=float)[:, None, None]
     y = np.asarray((np.arange(ny) + 0.5) * (width * mesh.aspect), dtype=float)[None, :, None]
     z: Array = np.asarray(0.5 * (edges[1:] + edges[:-1]), dtype=float)[None, None, :]
-    values: Array = np.asarray(modulus(x, y, z), dtype=float)
+    values = doubles("modulus", modulus(x, y, z))
     try:
         full = np.broadcast_to(values, (nx, ny, mesh.nz))
     except ValueError as error:
         raise InvalidInput(
             f"modulus: gave an array of shape {values.shape} that does not fit the cells {(nx, ny, mesh.nz)}"
         ) from error
-    bad = int(np.count_nonzero(~(np.isfinite(full) & (full > 0))))
+    bad = int(np.count_nonzero(~((full >= 1 / _HARDEST) & (full <= _HARDEST))))
     if bad:
-        raise InvalidInput(f"modulus: {bad} of {full.size} cells are not positive and finite")
+        raise InvalidInput(
+            f"modulus: {bad} of {full.size} cells are not positive numbers "
+            f"from {1 / _HARDEST:g} to {_HARDEST:g}"
+        )
     deep = full[:1, :1]
     return deep.copy() if np.array_equal(full, np.broadcast_to(deep, full.shape)) else full.copy()
 
@@ -385,23 +410,21 @@ def _checked_bound(bound: float | Array | None, shape: tuple[int, int], *, young
     """Return the bound on the pressure at every node over E."""
     if bound is None:
         return None
-    values = np.asarray(bound, dtype=float)
+    values = array("pressure_bound", bound, unit="Pa")
     if values.ndim != 0 and values.shape != shape:
         raise InvalidInput(
             f"pressure_bound of shape {values.shape}: must be one pressure or of shape {shape}"
         )
-    if not (np.all(np.isfinite(values)) and np.all(values > 0)):
-        raise InvalidInput("pressure_bound: must be positive and finite everywhere, in Pa")
+    if not np.all(values >= LEAST):
+        raise InvalidInput(f"pressure_bound = {shown(bound)}: must be at least {LEAST:g} Pa everywhere")
     return np.full(shape, values / young) if values.ndim == 0 else values / young
 
 
 def _checked_start(start: Mask | None, shape: tuple[int, int]) -> Mask | None:
     if start is None:
         return None
-    if start.shape != shape or start.dtype != np.bool_:
-        raise InvalidInput(
-            f"start: must be a boolean array of shape {shape}, not {start.dtype} {start.shape}"
-        )
+    if not isinstance(start, np.ndarray) or start.shape != shape or start.dtype != np.bool_:
+        raise InvalidInput(f"start = {shown(start)}: must be an array of bool of shape {shape}")
     return start.copy() if start.any() else None
 
 

@@ -9,8 +9,9 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._checks import instance, numbers_of, positive, within
 from fem_contact.block.mesh import MeshOptions
-from fem_contact.block.session import Method, Modulus, Session, check_pressure, needed_bytes, planned_mesh
+from fem_contact.block.session import Method, Modulus, Session, check_method, needed_bytes, planned_mesh
 from fem_contact.block.solution import BlockSolution
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
@@ -55,6 +56,8 @@ def estimate(
     >>> estimate((64, 64)).unknowns
     184320
     """
+    check_method(method)
+    poisson = within("poisson", poisson, -1, 0.5, interval="(-1, 0.5]")
     planned = planned_mesh(shape, lengths, poisson=poisson, options=mesh)
     return Estimate(unknowns=planned.unknowns, bytes=needed_bytes(planned, method), layers=planned.nz)
 
@@ -123,7 +126,9 @@ def solve(
     InsufficientMemory
         If the estimate exceeds the memory available.
     """
-    check_pressure(mean_pressure)
+    mean_pressure = positive("mean_pressure", mean_pressure, unit="Pa")
+    if start is not None:
+        instance("start", start, np.ndarray, what="an array of bool with the surface's shape")
     session = Session.checked(
         surface,
         solid,
@@ -200,9 +205,8 @@ def solve_path(
     BlockSolution
         One per load, as soon as it is found.
     """
-    loads = list(mean_pressures)
-    for load in loads:
-        check_pressure(load)
+    members = numbers_of("mean_pressures", mean_pressures, unit="Pa")
+    loads = [positive("mean_pressures", load, unit="Pa") for load in members]
     session = Session.checked(
         surface,
         solid,

@@ -22,6 +22,7 @@ __all__ = ["ActiveSetSolution", "Settings", "solve_contact"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Violation = Callable[[Array, Array, Mask | None], float]
 
 #: Linear tolerance while the set still moves; it only has to tell contact from separation at most nodes.
 _LOOSE = 1e-3
@@ -247,7 +248,7 @@ def solve_contact(
     offset: float,
     start: Mask,
     settings: Settings,
-    violation: Callable[[Array, Array, Mask | None], float],
+    violation: Violation,
     displacement: Array | None = None,
 ) -> ActiveSetSolution:
     """Press a rigid profile into the block.
@@ -295,15 +296,9 @@ def solve_contact(
             state, solution = problem.advance(state, load=load, settings=settings, tolerance=tolerance)
             linear, most = linear + solution.iterations, max(most, solution.iterations)
         if tolerance == settings.tolerance:
-            if not solution.converged:
-                limited = solution.iterations >= settings.max_linear_iterations
-                status = Status.ITERATION_LIMIT if limited else Status.STAGNATED
-                break
-            if state.settled or violation(state.force, state.gap, state.plastic) <= settings.tolerance:
-                status = Status.CONVERGED
-                break
-            if state.key in seen:
-                status = Status.CYCLING
+            verdict = _verdict(state, solution, seen=seen, settings=settings, violation=violation)
+            if verdict is not None:
+                status = verdict
                 break
         if sets < settings.max_iterations:
             seen.add(_key(state.nodes, state.plastic))
@@ -322,6 +317,18 @@ def solve_contact(
         most_linear_iterations=most,
         at_bound=_at_bound(state, block, settings.tolerance),
     )
+
+
+def _verdict(
+    state: _State, solution: LinearSolution, *, seen: set[bytes], settings: Settings, violation: Violation
+) -> Status | None:
+    """Return how the iteration ends with a set solved to the tolerance; None where the next is to be tried."""
+    if not solution.converged:
+        limited = solution.iterations >= settings.max_linear_iterations
+        return Status.ITERATION_LIMIT if limited else Status.STAGNATED
+    if state.settled or violation(state.force, state.gap, state.plastic) <= settings.tolerance:
+        return Status.CONVERGED
+    return Status.CYCLING if state.key in seen else None
 
 
 def _at_bound(state: _State, block: Block, tolerance: float) -> Mask | None:

@@ -39,7 +39,8 @@ def test_thin_block_still_has_several_layers() -> None:
         ({"first_layer": 1e-300}, "first_layer"),
         ({"first_layer": 1e-12, "growth": 1.0}, "at most 10,000"),
         ({"first_layer": 1e-6, "growth": 1 + 1e-12}, "at most 10,000"),
-        ({"depth": 1e300}, "cell widths"),
+        ({"depth": 1e300}, "depth"),
+        ({"depth": 1e20}, "cell widths"),
     ],
 )
 def test_impossible_layers_are_refused_by_name(changes: dict[str, float], name: str) -> None:

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from fem_contact.block import BlockSolution, estimate, solve
+from fem_contact.block import BlockSolution, estimate, solve, solve_path
 from fem_contact.contact import Status
 from fem_contact.errors import InsufficientMemory, InvalidInput, NotConverged
 from fem_contact.solid import Solid
@@ -223,10 +223,48 @@ def test_full_contact_far_beyond_the_roughness_is_exact(method: str, reduced: fl
     assert contact.mean_pressure / flat.mean_pressure == pytest.approx(reduced / 5.0, rel=1e-8)
 
 
-@pytest.mark.parametrize("factor", [1e-306, 1e306])
-def test_pressures_out_of_the_range_of_the_arithmetic_are_refused(factor: float) -> None:
-    with pytest.raises(InvalidInput, match="range of the arithmetic"):
-        solve(rough((10, 11)), Solid(young=1.0, poisson=0.3), mean_pressure=factor)
+@pytest.mark.parametrize(("young", "pressure"), [(1e30, 1e-35), (1e-35, 1e30)])
+def test_pressures_out_of_the_range_of_the_arithmetic_are_refused(young: float, pressure: float) -> None:
+    with pytest.raises(InvalidInput, match=r"mean_pressure.*range of the arithmetic"):
+        solve(rough((10, 11)), Solid(young=young, poisson=0.3), mean_pressure=pressure)
+
+
+@pytest.mark.parametrize("pressure", [1e-306, 3e38, 1e306])
+def test_pressures_that_nothing_can_be_computed_with_are_refused_at_the_door(pressure: float) -> None:
+    with pytest.raises(InvalidInput, match="mean_pressure = "):
+        solve(rough((10, 11)), SOLID, mean_pressure=pressure)
+    with pytest.raises(InvalidInput, match="mean_pressures = "):
+        solve_path(rough((10, 11)), SOLID, mean_pressures=[1e5, pressure])
+
+
+def test_an_option_that_the_mesh_does_not_have_is_refused() -> None:
+    with pytest.raises(InvalidInput, match=r"first = 1e-06: is no option.*first_layer"):
+        solve(rough((10, 11)), SOLID, mean_pressure=1e5, **{"first": 1e-6})
+
+
+@pytest.mark.parametrize("method", ["full", "reduced"])
+@pytest.mark.parametrize(
+    ("argument", "value"),
+    [
+        ("surface", None),
+        ("solid", {}),
+        ("method", np.array([])),
+        ("modulus", 2.0),
+        ("pressure_bound", "x"),
+        ("tolerance", 5e-324),
+        ("max_iterations", float("nan")),
+        ("max_iterations", True),
+        ("start", "x"),
+        ("depth", "x"),
+        ("growth", [1.2]),
+        ("first_layer", 10**400),
+        ("element", []),
+    ],
+)
+def test_what_is_of_the_wrong_type_is_refused_by_name(method: str, argument: str, value: object) -> None:
+    given = {"surface": rough((10, 11)), "solid": SOLID, "mean_pressure": 1e5, "method": method}
+    with pytest.raises(InvalidInput, match=f"^{argument} = "):
+        solve(**(given | {argument: value}))
 
 
 @pytest.mark.parametrize(
