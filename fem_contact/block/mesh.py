@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fem_contact._checks import instance, positive, shown, within
 from fem_contact.block.elements import ELEMENTS, Element, quiet_skfem, scalar_basis
 from fem_contact.errors import InvalidInput
-from fem_contact.surface.heights import checked_lengths, checked_shape
+from fem_contact.surface.heights import checked_counts, checked_lengths
 
 if TYPE_CHECKING:
     from skfem import CellBasis
@@ -274,7 +274,7 @@ def plan_mesh(
     element : Element
     """
     instance("element", element, Element, what="an `Element`, one of `ELEMENTS`")
-    shape, lengths = checked_shape(shape), checked_lengths(lengths)
+    shape, lengths = checked_counts(shape), checked_lengths(lengths)
     growth = checked_growth(growth)
     depth = None if depth is None else positive("depth", depth, unit="m")
     first_layer = None if first_layer is None else positive("first_layer", first_layer, unit="m")

@@ -322,7 +322,7 @@ def solve_contact(
 def _verdict(
     state: _State, solution: LinearSolution, *, seen: set[bytes], settings: Settings, violation: Violation
 ) -> Status | None:
-    """Return how the iteration ends with a set solved to the tolerance; None where the next is to be tried."""
+    """Return how a set solved to the tolerance ends the iteration; None where the next is to be tried."""
     if not solution.converged:
         limited = solution.iterations >= settings.max_linear_iterations
         return Status.ITERATION_LIMIT if limited else Status.STAGNATED
