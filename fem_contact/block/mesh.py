@@ -30,7 +30,10 @@ Lengths = tuple[float, float]
 #: A layer count is not raised for a rounding error in depth / first layer.
 _SLACK = 1e-9
 
-#: Cell widths that the depth must stay below.
+#: Width [m] that cells must exceed, or the powers of wavevectors leave the range of the arithmetic.
+_SMALLEST = 1e-60
+
+#: Cell widths that the depth and the other side of a cell must stay below.
 _DEEPEST = 1e9
 
 #: Depth over the first layer must stay below this.
@@ -284,6 +287,11 @@ def plan_mesh(
         )
     nx, ny = shape[0] // element.order, shape[1] // element.order
     dx, dy = lengths[0] / nx, lengths[1] / ny
+    if not (min(dx, dy) > _SMALLEST and max(dx, dy) < _DEEPEST * min(dx, dy)):
+        raise InvalidInput(
+            f"lengths = {shown(lengths)}: make cells of {dx:.3g} m x {dy:.3g} m; their sides must differ by "
+            f"less than a factor of {_DEEPEST:.0e} and exceed {_SMALLEST:g} m"
+        )
     thickness = (max(lengths) if depth is None else depth) / dx
     if not thickness < _DEEPEST:
         raise InvalidInput(
