@@ -256,6 +256,7 @@ def block_doors() -> dict[str, Door]:
         "element": "Hex1",
     } | mesh
     load = {"mean_pressure": 0.01, "pressure_bound": 0.5, "start": wave > 0}
+    planned = block.plan_mesh((12, 12), (1.0, 1.0))
     sideways = {
         "modulus": lambda x, y, z: 1 + 0.5 * np.cos(2 * np.pi * x) + 0 * y + 0 * z,
         "growth": 4.0,
@@ -281,6 +282,14 @@ def block_doors() -> dict[str, Door]:
             plan | mesh | {"method": "full", "poisson": 0.3, "element": "Hex1"},
         ),
         "block.plan_mesh": (block.plan_mesh, plan | mesh | {"element": block.ELEMENTS["Hex1"]}),
+        "BlockResponse": (
+            block.BlockResponse,
+            {"mesh": planned, "solid": held["solid"], "width": 0.1, "layer_modulus": np.ones(planned.nz)},
+        ),
+        "BlockResponse.compliance": (
+            block.BlockResponse(mesh=planned, solid=held["solid"], width=1 / 12).compliance,
+            {"qx": np.array([1.0, 2.0]), "qy": np.array([1.0, 2.0])},
+        ),
         "block.graded_layers": (block.graded_layers, {"depth": 8.0, "first": 1.0, "growth": 1.2}),
         "block.wave_errors": (
             block.wave_errors,

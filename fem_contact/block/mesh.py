@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from fem_contact._checks import instance, positive, shown, within
 from fem_contact.block.elements import ELEMENTS, Element, quiet_skfem, scalar_basis
 from fem_contact.errors import InvalidInput
-from fem_contact.surface.heights import checked_lengths, checked_shape
+from fem_contact.surface.heights import checked_counts, checked_lengths
 
 if TYPE_CHECKING:
     from skfem import CellBasis
@@ -30,7 +30,10 @@ Lengths = tuple[float, float]
 #: A layer count is not raised for a rounding error in depth / first layer.
 _SLACK = 1e-9
 
-#: Cell widths that the depth must stay below.
+#: Width [m] that cells must exceed, or the powers of wavevectors leave the range of the arithmetic.
+_SMALLEST = 1e-60
+
+#: Cell widths that the depth and the other side of a cell must stay below.
 _DEEPEST = 1e9
 
 #: Depth over the first layer must stay below this.
@@ -274,7 +277,7 @@ def plan_mesh(
     element : Element
     """
     instance("element", element, Element, what="an `Element`, one of `ELEMENTS`")
-    shape, lengths = checked_shape(shape), checked_lengths(lengths)
+    shape, lengths = checked_counts(shape), checked_lengths(lengths)
     growth = checked_growth(growth)
     depth = None if depth is None else positive("depth", depth, unit="m")
     first_layer = None if first_layer is None else positive("first_layer", first_layer, unit="m")
@@ -284,6 +287,11 @@ def plan_mesh(
         )
     nx, ny = shape[0] // element.order, shape[1] // element.order
     dx, dy = lengths[0] / nx, lengths[1] / ny
+    if not (min(dx, dy) > _SMALLEST and max(dx, dy) < _DEEPEST * min(dx, dy)):
+        raise InvalidInput(
+            f"lengths = {shown(lengths)}: make cells of {dx:.3g} m x {dy:.3g} m; their sides must differ by "
+            f"less than a factor of {_DEEPEST:.0e} and exceed {_SMALLEST:g} m"
+        )
     thickness = (max(lengths) if depth is None else depth) / dx
     if not thickness < _DEEPEST:
         raise InvalidInput(

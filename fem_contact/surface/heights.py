@@ -207,16 +207,21 @@ def _checked_heights(given: object) -> Array:
 
 
 def checked_shape(shape: object) -> Shape:
+    """Return two positive whole numbers (nx, ny) of points that fit into memory, or refuse."""
+    points = checked_counts(shape)
+    room_for("shape", points, needed=48.0 * points[0] * points[1])
+    return points
+
+
+def checked_counts(shape: object) -> Shape:
     """Return two positive whole numbers (nx, ny), or refuse."""
     what = "two positive whole numbers (nx, ny)"
     counts = pair("shape", shape, what=what)
     nx, ny = (int(n) if isinstance(n, float) and n % 1 == 0 else n for n in counts)
     try:
-        points = whole("nx", nx, least=1, most=2**24), whole("ny", ny, least=1, most=2**24)
+        return whole("nx", nx, least=1, most=2**24), whole("ny", ny, least=1, most=2**24)
     except InvalidInput:
         raise InvalidInput(f"shape = {shown(shape)}: must be {what}, at most 2^24 each") from None
-    room_for("shape", points, needed=48.0 * points[0] * points[1])
-    return points
 
 
 def checked_lengths(lengths: object) -> Lengths:

@@ -10,6 +10,7 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from fem_contact._checks import alike, array, instance, positive, samples, shown
 from fem_contact.block.mesh import BlockMesh, node_weights
 from fem_contact.block.problem import Found, Problem
 from fem_contact.block.reduced.column import FoldedLayers, fold, surface_compliance
@@ -51,6 +52,17 @@ class BlockResponse:
     width: float
     layer_modulus: Array | None = None
 
+    def __post_init__(self) -> None:
+        instance("mesh", self.mesh, BlockMesh, what="a `BlockMesh`")
+        instance("solid", self.solid, Solid, what="a `Solid`")
+        positive("width", self.width, unit="m")
+        if self.layer_modulus is not None:
+            values = samples("layer_modulus", self.layer_modulus)
+            if values.size != self.mesh.nz or not np.all(values > 0):
+                raise InvalidInput(
+                    f"layer_modulus = {shown(self.layer_modulus)}: must be {self.mesh.nz} positive numbers"
+                )
+
     @property
     def contact_modulus(self) -> float:
         """E* [Pa] of the top layer."""
@@ -76,6 +88,8 @@ class BlockResponse:
             raise InvalidInput(
                 f"{self.mesh.element.name}: has four kinds of surface nodes; use SurfaceOperator"
             )
+        qx, qy = array("qx", qx, unit="1/m"), array("qy", qy, unit="1/m")
+        alike(qx=qx, qy=qy)
         # The response is even in both components: each size of a component is computed once.
         (x, from_x), (y, from_y) = _sizes(qx), _sizes(qy)
         phases = phase_pairs(x * self.width, y * (self.width * self.mesh.aspect))

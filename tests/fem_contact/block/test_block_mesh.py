@@ -48,6 +48,12 @@ def test_impossible_layers_are_refused_by_name(changes: dict[str, float], name: 
         plan_mesh((8, 8), (1.0, 1.0), **changes)
 
 
+@pytest.mark.parametrize("lengths", [(1e30, 1e-30), (1e-30, 1e30), (1e-118, 1e-118), (0.0, 1.0), "x"])
+def test_periods_that_no_cells_can_fill_are_refused(lengths: tuple[float, float]) -> None:
+    with pytest.raises(InvalidInput, match="lengths = "):
+        plan_mesh((8, 8), lengths)
+
+
 def test_growth_beyond_the_depth_makes_two_layers_and_no_overflow() -> None:
     layers = graded_layers(1000.0, first=1.0, growth=1e300)
     np.testing.assert_allclose(layers, [1, 999], rtol=1e-12)

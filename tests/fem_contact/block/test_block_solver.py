@@ -205,6 +205,10 @@ def test_too_large_a_block_is_refused_before_anything_is_assembled() -> None:
         solve(surface, SOLID, mean_pressure=1e6, method="full")
 
 
+def test_what_no_memory_holds_can_still_be_estimated() -> None:
+    assert estimate((10**5, 10**5)).bytes > 10**12
+
+
 def test_an_incompressible_solid_is_sent_to_the_reduced_method() -> None:
     surface, solid = rough((12, 12)), Solid(young=1.0, poisson=0.5)
     with pytest.raises(InvalidInput, match=r"poisson = 0\.5.*method = 'reduced'"):
