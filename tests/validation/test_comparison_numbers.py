@@ -28,7 +28,7 @@ from validation.effects.graded import Graded
 from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
 from validation.measures.budget import Budget, budget_table
-from validation.methods.theory import TheoryOptions, _summed_variance, with_effects
+from validation.methods.theory import TheoryOptions, _realised_variance, with_effects
 from validation.scenes.realised import realise
 from validation.scenes.scene import Scene
 from validation.solves.fields import decode_result, encode_result
@@ -85,9 +85,10 @@ def test_an_accident_is_excluded_beyond_three_standard_errors_and_not_before(sma
 
 
 def test_a_modulus_that_is_the_same_for_every_wave_gives_the_variance_of_the_half_space():
-    field = realise(scene()).field
-    constant = _summed_variance(field, lambda q: np.full(np.shape(q), 3e9))
-    exact = float(elastic.stress_variance(field.moments[1], contact_modulus=3e9))
+    realised = realise(scene())
+    told = Told(solid=SOLID, modulus=lambda q: np.full(np.shape(q), 3e9))
+    constant = _realised_variance(realised, told)
+    exact = float(elastic.stress_variance(realised.field.moments[1], contact_modulus=3e9))
     assert constant == pytest.approx(exact, rel=1e-12)
 
 

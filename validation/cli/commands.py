@@ -44,7 +44,11 @@ from validation.cli.sweep import run_swept
 from validation.errors import RunFailed, UsageError
 
 if TYPE_CHECKING:
+    from validation.comparison.accuracy import Reached
+    from validation.comparison.run import Outputs
     from validation.paper.claims import ClaimRow
+    from validation.scenes.scene import Scene
+    from validation.scenes.sweep import Sweep
     from validation.studies import Study
 
 __all__ = ["app", "main"]
@@ -98,27 +102,16 @@ def run(
     results/NAME-accuracy.
     """
     from validation.cli.progress import Bar
-    from validation.cli.results import print_page
     from validation.comparison.run import run_scene
     from validation.scenes.checks import check_scene
     from validation.scenes.realised import realise
-    from validation.scenes.scene import not_led_out
     from validation.scenes.sweep import Sweep, load_asked
     from validation.solves.press import solves_of
     from validation.solves.store import Store
 
     loaded = load_asked(scene, settings or ())
     said = loaded.run
-    results = Path("results")
-    plain = (
-        output or said.folder("output") or not_led_out(results / loaded.name, of=results, option="--output")
-    )
-    # Beside the results of a plain run, whose solves it shares.
-    beside = accuracy is not None and not (output or said.output)
-    folder = plain
-    if beside:
-        folder = not_led_out(plain.with_name(f"{plain.name}-accuracy"), of=results, option="--output")
-    store_folder = store or said.folder("store") or not_led_out(plain / "solves", of=plain, option="--store")
+    folder, store_folder = _folders(loaded, output, store, accurate=accuracy is not None)
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
     if isinstance(loaded, Sweep):
         run_swept(
@@ -157,6 +150,13 @@ def run(
 
             accurate = run_accurate(loaded, folder, **chosen, **options)
             outputs, reached = accurate.outputs, accurate.reached
+    _say(outputs, reached, as_json=as_json)
+
+
+def _say(outputs: Outputs, reached: Reached | None, *, as_json: bool) -> None:
+    """Print what a run found, or its summary as JSON."""
+    from validation.cli.results import print_page
+
     if as_json:
         summary = outputs.comparison.summary()
         if reached is not None:
@@ -172,11 +172,28 @@ def run(
     )
 
 
+def _folders(
+    asked: Scene | Sweep, output: Path | None, store: Path | None, *, accurate: bool
+) -> tuple[Path, Path]:
+    """Return the folders of results and of solves: the command line goes before the scene."""
+    from validation.scenes.scene import not_led_out
+
+    said, results = asked.run, Path("results")
+    plain = (
+        output or said.folder("output") or not_led_out(results / asked.name, of=results, option="--output")
+    )
+    folder = plain
+    if accurate and not (output or said.output):
+        # Beside the results of a plain run, whose solves it shares.
+        folder = not_led_out(plain.with_name(f"{plain.name}-accuracy"), of=results, option="--output")
+    return folder, store or said.folder("store") or not_led_out(plain / "solves", of=plain, option="--store")
+
+
 @app.command(
     context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
     add_help_option=False,
-    epilog="Examples: fem-contact study --list  |  fem-contact study area --seeds 3,4,5 --grids 128,192 "
-    "--workers 2",
+    epilog="Examples: fem-contact study --list  |  fem-contact study area --seed 3 --surfaces 3 "
+    "--grids 128,192 --workers 2",
 )
 def study(
     context: typer.Context,

@@ -196,11 +196,7 @@ def full_contact_energy(surface: HeightField, *, modulus: float) -> float:
     >>> round(full_contact_energy(wave, modulus=8.0) / (2 * np.pi), 12)
     1.0
     """
-    nx, ny = surface.shape
-    power = np.abs(np.fft.fft2(surface.heights, norm="forward")) ** 2
-    qx = 2 * np.pi * np.fft.fftfreq(nx, surface.lengths[0] / nx)
-    qy = 2 * np.pi * np.fft.fftfreq(ny, surface.lengths[1] / ny)
-    return 0.25 * modulus * float(np.sum(np.hypot(qx[:, None], qy[None, :]) * power))
+    return surface.spectral_sum(lambda q: 0.25 * modulus * q)
 
 
 class Effect(Table):

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field
 
-from fem_contact.surface import HeightField
 from persson import elastic
 from persson.errors import PerssonError
 from validation.effects.base import Effect, Told, effect_key
@@ -160,18 +159,8 @@ def _realised_variance(realised: Realised, told: Told) -> float:
         return float(
             elastic.stress_variance(realised.field.moments[1], contact_modulus=realised.contact_modulus)
         )
-    return _summed_variance(realised.field, told.modulus)
-
-
-def _summed_variance(field: HeightField, modulus: Callable[[Any], Array]) -> float:
-    nx, ny = field.shape
-    power = np.abs(np.fft.fft2(field.heights, norm="forward")) ** 2
-    qx = 2 * np.pi * np.fft.fftfreq(nx, field.lengths[0] / nx)
-    qy = 2 * np.pi * np.fft.fftfreq(ny, field.lengths[1] / ny)
-    q = np.hypot(qx[:, None], qy[None, :])
-    felt = np.zeros(q.shape)
-    felt[q > 0] = modulus(q[q > 0])
-    return float(np.sum((felt * q / 2) ** 2 * power))
+    felt = told.modulus
+    return realised.field.spectral_sum(lambda q: (felt(q) * q / 2) ** 2)
 
 
 def _spectral_variance(spectrum: Spectrum, modulus: Modulus) -> float:
