@@ -107,8 +107,8 @@ class ContactAreas:
     cells : int
         Number of cells of the nominal area.
     alignment : float
-        0 where the contour runs in all directions, as that of a rough surface does; 1 where it runs in one, so
-        that its edges all lie alike between the grid points. Measured where the edge is located.
+        0 where the contour runs in all directions, as that of a rough surface does; 1 where it runs in one,
+        so that its edges all lie alike between the grid points. Measured where the edge is located.
     """
 
     pixel: float

@@ -8,11 +8,11 @@ The area with its edge located inside the cells (`fem_contact.area.subcell_area`
 where f is the edge fraction, in proportion to the spacing, z is the spacing in units of the width of the
 contact patches (near full contact, of a little less than that of the gaps), n the number of cells and nu a
 random number. The first order is taken out by the edge map, of contours of all directions; where the contour
-runs in one (`ContactAreas.alignment`), as that of a wave does, f (k_1 + k'_h) is left. The half power follows from the square-root
-fields of the edge. The coefficients k depend on surface and load, and that is the point: on a few grids they
-cannot all be fitted, and leaving one out makes any fit look better than it is. They are therefore taken as
-random numbers of zero mean, whose size was measured, and the limit is what the areas of the grids at hand
-then say of A, with the spread that remains.
+runs in one (`ContactAreas.alignment`), as that of a wave does, f (k_1 + k'_h) is left. The half power follows
+from the square-root fields of the edge. The coefficients k depend on surface and load, and that is the point:
+on a few grids they cannot all be fitted, and leaving one out makes any fit look better than it is. They are
+therefore taken as random numbers of zero mean, whose size was measured, and the limit is what the areas of
+the grids at hand then say of A, with the spread that remains.
 """
 
 from __future__ import annotations
