@@ -112,9 +112,8 @@ def _columns(
                 held = one.p[one.bound]
                 if held.size:
                     kept.ledger.number(place, "pressure where it yields [Pa]", held.min(), hardness)
-            theory[r, k] = yielded_areas(
-                pressure, variance=one.modulus**2 * one.moments[1] / 4, hardness=hardness
-            )
+                variance = one.modulus**2 * one.moments[1] / 4
+                theory[r, k] = yielded_areas(pressure, variance=variance, hardness=hardness)
     _limits(kept, areas, theory, (ladder, suffix))
 
 
