@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
+from surfaces import rough_surface
 
 from fem_contact import adhesion, bem
 from fem_contact.adhesion import path as adhesion_path
@@ -18,14 +19,7 @@ ELASTIC = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
 def rough(points=48, seed=11, gradient=0.1, *, waves=6):
     """A surface of wavelengths 1/2 to 1/waves of the period."""
-    surface = random_surface(
-        lambda q: q ** (-3.6) * (q > 1.9 * 2 * np.pi),
-        q_short=waves * 2 * np.pi,
-        lengths=(1.0, 1.0),
-        shape=(points, points),
-        seed=seed,
-    )
-    return HeightField(heights=surface.heights * (gradient / surface.rms_gradient), lengths=(1.0, 1.0))
+    return rough_surface((points, points), seed=seed, waves=waves, longest=1.9, gradient=gradient)
 
 
 def sticky_tips(points=64, *, seed=11):

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from surfaces import rough_surface
 
 from fem_contact import adhesion
 from fem_contact.adhesion.descent import Landscape
@@ -12,7 +13,7 @@ from fem_contact.errors import InvalidInput
 from fem_contact.hardness import Hardness, press, yielded
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField, random_surface
+from fem_contact.surface import HeightField
 
 HALF = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 LOAD, POINTS = 0.01, 64
@@ -20,10 +21,7 @@ TOLERANCE = 1e-9
 
 
 def rough():
-    surface = random_surface(
-        lambda q: q**-3.6, q_short=16 * np.pi, lengths=(1.0, 1.0), shape=(POINTS, POINTS), seed=31
-    )
-    return HeightField(heights=surface.heights * (0.1 / surface.rms_gradient), lengths=(1.0, 1.0))
+    return rough_surface((POINTS, POINTS), seed=31, waves=8)
 
 
 def law(work, kind=Exponential):

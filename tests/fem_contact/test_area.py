@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from surfaces import LATTICE_CUBE, rough_surface
 
 from fem_contact import block
 from fem_contact.area import (
@@ -22,7 +23,7 @@ from fem_contact.contact import ContactResult, Cost, Residuals, Status
 from fem_contact.errors import InvalidInput
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField, random_surface
+from fem_contact.surface import HeightField
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
@@ -84,7 +85,7 @@ def test_the_edge_constant_is_that_of_the_element_that_made_the_result() -> None
 
 def test_a_pressed_block_is_corrected_with_its_own_constant() -> None:
     solid = Solid(young=1.0, poisson=0.3)
-    pressed = block.solve(rough_surface(309).resampled((24, 24)), solid, mean_pressure=0.02, element="Hex2")
+    pressed = block.solve(rough(309).resampled((24, 24)), solid, mean_pressure=0.02, element="Hex2")
     assert contact_areas(pressed.contact).edge_constant == block.ELEMENTS["Hex2"].edge_constant
 
 
@@ -172,7 +173,7 @@ def test_constants_are_named_by_discretisation() -> None:
 def paraboloid(n: int, radius: float, shift: tuple[float, float]) -> tuple[ContactResult, float]:
     """Hertzian contact with the curvature that periodic images add; its true relative area."""
     load = 4 * radius**3 / 3
-    curvature = 1 - load * 9.03362168 / (2 * np.pi)
+    curvature = 1 - load * LATTICE_CUBE / (2 * np.pi)
     x, y = ((np.arange(n) + part) / n - 0.5 for part in shift)
     heights = -(x[:, None] ** 2 + y[None, :] ** 2) * curvature / 2
     surface = HeightField(heights=heights, lengths=(1.0, 1.0))
@@ -205,19 +206,12 @@ def test_edge_constant_removes_the_excess_of_counted_discs() -> None:
     assert excess / fraction == pytest.approx(EDGE_CONSTANTS["bem"], abs=3 * 0.02 / np.sqrt(24))
 
 
-def rough_surface(seed: int) -> HeightField:
-    surface = random_surface(
-        lambda q: np.where(q > 12.0, q**-3.6, 0.0),
-        q_short=32 * np.pi,
-        lengths=(1.0, 1.0),
-        shape=(64, 64),
-        seed=seed,
-    )
-    return HeightField(heights=surface.heights / surface.rms_gradient, lengths=(1.0, 1.0))
+def rough(seed: int) -> HeightField:
+    return rough_surface((64, 64), seed=seed, waves=16, longest=1.95, gradient=1.0)
 
 
 def rough_areas(seed: int, resolution: int) -> ContactAreas:
-    surface = rough_surface(seed).resampled((16 * resolution, 16 * resolution))
+    surface = rough(seed).resampled((16 * resolution, 16 * resolution))
     return contact_areas(solve(surface, SOFT, mean_pressure=0.05).checked(), subcell=True)
 
 
@@ -304,7 +298,7 @@ def test_known_constant_of_great_certainty_is_kept() -> None:
 
 @pytest.mark.parametrize("pressure", [0.05, 0.01])
 def test_located_areas_of_finite_and_boundary_elements_agree(pressure: float) -> None:
-    surface = rough_surface(309).resampled((256, 256))
+    surface = rough(309).resampled((256, 256))
     solid = Solid(young=1 - 0.3**2, poisson=0.3)
     by_boundary = solve(surface, SOFT, mean_pressure=pressure).checked()
     by_finite = block.solve(

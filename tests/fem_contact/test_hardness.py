@@ -2,27 +2,21 @@ import itertools
 
 import numpy as np
 import pytest
+from surfaces import rough_surface
 
 from fem_contact import bem
 from fem_contact.errors import InvalidInput
 from fem_contact.hardness import Hardness, press, unload, yielded
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField, random_surface
+from fem_contact.surface import HeightField
 
 ELASTIC = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 LOAD = 0.01
 
 
 def rough(points=64, *, waves=8, gradient=0.1):
-    surface = random_surface(
-        lambda q: q ** (-3.6),
-        q_short=waves * 2 * np.pi,
-        lengths=(1.0, 1.0),
-        shape=(points, points),
-        seed=31,
-    )
-    return HeightField(heights=surface.heights * (gradient / surface.rms_gradient), lengths=(1.0, 1.0))
+    return rough_surface((points, points), seed=31, waves=waves, gradient=gradient)
 
 
 def pressed(hardness, load=LOAD, **options):

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from surfaces import rough_surface
 
 from fem_contact.bem import solve, solve_path
 from fem_contact.contact import ContactResult
@@ -21,7 +22,7 @@ from fem_contact.stress import (
     pressure_distribution,
     refined_edges,
 )
-from fem_contact.surface import HeightField, random_surface
+from fem_contact.surface import HeightField
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
@@ -35,14 +36,7 @@ def paraboloid(n: int) -> ContactResult:
 
 
 def rough(n: int) -> HeightField:
-    surface = random_surface(
-        lambda q: np.where(q > 10.0, q**-3.6, 0.0),
-        q_short=2 * np.pi * 8,
-        lengths=(1.0, 1.0),
-        shape=(n, n),
-        seed=3,
-    )
-    return HeightField(heights=surface.heights / surface.rms_gradient, lengths=(1.0, 1.0))
+    return rough_surface((n, n), seed=3, waves=8, longest=1.6, gradient=1.0)
 
 
 def rough_contact(n: int) -> ContactResult:

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from surfaces import LATTICE_CUBE
 
 from fem_contact.area import contact_areas
 from fem_contact.block import ELEMENTS, solve
@@ -7,7 +8,6 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 
 #: Sum of 1 / r^3 over the points of a unit square lattice other than the origin.
-LATTICE_SUM = 9.03362168
 
 #: Where the apex falls within a cell, and how many of the sixteen quarter shifts look like it.
 SHIFTS = (((0.0, 0.0), 1), ((0.5, 0.5), 1), ((0.25, 0.5), 2), ((0.25, 0.25), 4))
@@ -22,7 +22,7 @@ def press_paraboloid(
     """
     solid = Solid(young=1.0, poisson=poisson)
     load = 4 * solid.contact_modulus * edge**3 / 3
-    curvature = 1 - load / (2 * np.pi * solid.contact_modulus) * LATTICE_SUM
+    curvature = 1 - load / (2 * np.pi * solid.contact_modulus) * LATTICE_CUBE
     x, y = (((np.arange(n) + s) / n + 0.5) % 1 - 0.5 for s in shift)
     r = np.hypot(x[:, None], y[None, :])
     surface = HeightField(heights=-curvature * r**2 / 2, lengths=(1.0, 1.0))

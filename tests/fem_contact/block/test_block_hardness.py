@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from surfaces import rough_surface
 
 from fem_contact import bem, block
 from fem_contact.errors import InvalidInput
 from fem_contact.hardness import yielded
 from fem_contact.response import BondedLayer
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField, random_surface
+from fem_contact.surface import HeightField
 
 SOLID = Solid(young=1.0, poisson=0.3)
 LOAD = 0.01
@@ -16,14 +17,7 @@ MESH = {"depth": 0.3, "growth": 1.5}
 
 
 def rough(points=12, *, waves=4):
-    surface = random_surface(
-        lambda q: q**-3.6,
-        q_short=waves * 2 * np.pi,
-        lengths=(1.0, 1.0),
-        shape=(points, points),
-        seed=31,
-    )
-    return HeightField(heights=surface.heights * (0.1 / surface.rms_gradient), lengths=(1.0, 1.0))
+    return rough_surface((points, points), seed=31, waves=waves)
 
 
 def pressed(hardness, *, surface=None, load=LOAD, method="reduced", **options):

@@ -1,23 +1,20 @@
 import numpy as np
 import pytest
+from surfaces import rough_surface
 
 from fem_contact.block import BlockSolution, plan_mesh, solve, solve_displacement, solve_path
 from fem_contact.block.full.assembly import assemble
 from fem_contact.block.reduced.heterogeneous import HeterogeneousBlock
 from fem_contact.errors import InvalidInput
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField, random_surface
+from fem_contact.surface import HeightField
 
 SOLID = Solid(young=3e9, poisson=0.3)
 LENGTH = 1e-5
 
 
 def rough(n: int) -> HeightField:
-    unit = 2 * np.pi / LENGTH
-    surface = random_surface(
-        lambda q: 1e-30 * (q / unit) ** -3.6, q_short=4 * unit, lengths=(LENGTH, LENGTH), shape=(n, n), seed=7
-    )
-    return HeightField(heights=surface.heights * (0.1 / surface.rms_gradient), lengths=surface.lengths)
+    return rough_surface((n, n), (LENGTH, LENGTH), seed=7, waves=4)
 
 
 def particle(surface: HeightField, contrast: float):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from surfaces import rough_surface
 
 from fem_contact.block import ELEMENTS, estimate, plan_mesh, solve, solve_displacement, solve_path
 from fem_contact.block.full import kernels
@@ -17,17 +18,12 @@ from fem_contact.block.full.multigrid import (
 )
 from fem_contact.block.full.stencil import TERMS
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField, random_surface
 
 SOLID = Solid(young=1.0, poisson=0.3)
 
 
 def rough(shape=(32, 32), lengths=(1.0, 1.0), *, seed=17, waves=4):
-    unit = 2 * np.pi / max(lengths)
-    surface = random_surface(
-        lambda q: (q / unit) ** -3.6, q_short=waves * unit, lengths=lengths, shape=shape, seed=seed
-    )
-    return HeightField(heights=surface.heights * (0.1 / surface.rms_gradient), lengths=lengths)
+    return rough_surface(shape, lengths, seed=seed, waves=waves)
 
 
 def hierarchy_of(shape=(6, 8), lengths=(1.0, 1.1), *, element="Hex1", poisson=0.3, layered=False, **mesh):

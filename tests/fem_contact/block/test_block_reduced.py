@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from surfaces import rough_surface
 
 from fem_contact import bem
 from fem_contact.block import (
@@ -17,7 +18,7 @@ from fem_contact.block.solution import ArraySource
 from fem_contact.contact import Status
 from fem_contact.errors import InsufficientMemory, InvalidInput
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField, random_surface
+from fem_contact.surface import HeightField
 
 SOLID = Solid(young=3e9, poisson=0.3)
 
@@ -25,11 +26,7 @@ SOLID = Solid(young=3e9, poisson=0.3)
 def rough(
     shape: tuple[int, int], lengths: tuple[float, float] = (1e-5, 1e-5), *, seed: int = 7
 ) -> HeightField:
-    unit = 2 * np.pi / max(lengths)
-    surface = random_surface(
-        lambda q: 1e-30 * (q / unit) ** -3.6, q_short=4 * unit, lengths=lengths, shape=shape, seed=seed
-    )
-    return HeightField(heights=surface.heights * (0.1 / surface.rms_gradient), lengths=lengths)
+    return rough_surface(shape, lengths, seed=seed, waves=4)
 
 
 def press(

@@ -1,26 +1,22 @@
 import numpy as np
 import pytest
+from surfaces import LATTICE_CUBE, rough_surface
 
 from fem_contact.block import BlockSolution, estimate, solve, solve_path
 from fem_contact.contact import Status
 from fem_contact.errors import InsufficientMemory, InvalidInput, NotConverged
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField, random_surface
+from fem_contact.surface import HeightField
 
 SOLID = Solid(young=3e9, poisson=0.3)
 
 #: Sum of 1 / r^3 over the points of a unit square lattice other than the origin.
-LATTICE_SUM = 9.0336
 
 
 def rough(
     shape: tuple[int, int], lengths: tuple[float, float] = (1e-5, 1e-5), *, seed: int = 7
 ) -> HeightField:
-    unit = 2 * np.pi / max(lengths)
-    surface = random_surface(
-        lambda q: 1e-30 * (q / unit) ** -3.6, q_short=4 * unit, lengths=lengths, shape=shape, seed=seed
-    )
-    return HeightField(heights=surface.heights * (0.1 / surface.rms_gradient), lengths=lengths)
+    return rough_surface(shape, lengths, seed=seed, waves=4)
 
 
 def press(surface: HeightField, reduced: float = 0.05, **changes: object) -> BlockSolution:
@@ -42,7 +38,7 @@ def test_hertz_peak_and_profile_within_one_percent() -> None:
     surface = HeightField(heights=-(r**2) / (2 * radius), lengths=(1.0, 1.0))
     contact = solve(surface, SOLID, mean_pressure=load, method="full").contact.checked()
     # The periodic images of the load add their curvature F / (2 pi E*) sum 1 / r^3 to that of the sphere.
-    curvature = 1 / radius + load / (2 * np.pi * SOLID.contact_modulus) * LATTICE_SUM
+    curvature = 1 / radius + load / (2 * np.pi * SOLID.contact_modulus) * LATTICE_CUBE
     edge = (3 * load / (4 * SOLID.contact_modulus * curvature)) ** (1 / 3)
     peak = 3 * load / (2 * np.pi * edge**2)
     assert contact.pressure[0, 0] == pytest.approx(peak, rel=1e-2)
