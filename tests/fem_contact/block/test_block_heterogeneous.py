@@ -62,7 +62,7 @@ def test_steps_depend_on_the_contrast_and_not_on_the_grid() -> None:
 
 
 def test_stiff_particle_raises_the_peak_pressure_and_a_soft_one_lowers_it() -> None:
-    peaks = [press(rough(32), contrast).contact.checked().pressure.max() for contrast in (0.1, 1.0, 10.0)]
+    peaks = [press(rough(16), contrast).contact.checked().pressure.max() for contrast in (0.1, 1.0, 10.0)]
     assert peaks == sorted(peaks)
 
 
