@@ -1,8 +1,7 @@
 """What `fem-contact validate` notices: which functions its cases call, and whether any of them fails.
 
-``validate_cases.py record FILE`` writes the functions that each case calls; ``validate_cases.py run NAME ...``
-runs cases until one fails, names it and exits with 1. Both import the packages that PYTHONPATH names, sound
-or damaged.
+``validate_cases.py record FILE`` writes the functions that each case calls, ``... run NAME ...``
+runs cases until one fails, names it and exits with 1. Both import the packages that PYTHONPATH names.
 """
 
 from __future__ import annotations

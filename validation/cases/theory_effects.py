@@ -11,7 +11,7 @@ from scipy.integrate import quad
 
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
 from persson.diffusion import solve_diffusion
-from persson.elastic import contact_area, initial_slope, persson_kappa, pressure_for_area
+from persson.elastic import contact_area, diffusion_parameter, initial_slope, persson_kappa, pressure_for_area
 from persson.graded import ExponentialLayers, GradedModulus, SurfaceLayer
 from persson.hardness import constant_hardness
 from persson.scale import Scale
@@ -42,6 +42,9 @@ def _elastic() -> list[Check]:
         Check.relative("P'(0+) from dA/dV = -P'(0+) / 2", slope, 2 * (lost[0] - lost[1]), 1e-6),
         Check.relative(
             "kappa at p* = .3", float(persson_kappa(0.3)), math.erf(0.3 * math.sqrt(2)) / 0.3, 1e-12
+        ),
+        Check.relative(
+            "G = V / (2 p0^2)", float(diffusion_parameter(pressure, stress_variance=variance)), 0.72, 1e-12
         ),
         Check.relative("kappa without load", float(persson_kappa(0.0)), math.sqrt(8 / math.pi), 1e-12),
     ]
