@@ -29,9 +29,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-CATALOGUES = ("persson", "fem_contact", "validation")
+PACKAGES = ("persson", "fem_contact", "validation")
 _CASES = Path(__file__).with_name("validate_cases.py")
-_COPIED = (*CATALOGUES, "tests", "docs", "pyproject.toml", "README.md", "ARCHITECTURE.md", "CHANGELOG.md")
+_COPIED = (*PACKAGES, "tests", "docs", "pyproject.toml", "README.md", "ARCHITECTURE.md", "CHANGELOG.md")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,11 +72,11 @@ class Mutant:
 
 def catalogue() -> tuple[Mutant, ...]:
     """Return all faults."""
-    return tuple(mutant for package in CATALOGUES for mutant in _read(package))
+    return tuple(mutant for file in sorted(Path(__file__).parent.glob("*.toml")) for mutant in _read(file))
 
 
-def _read(package: str) -> Iterator[Mutant]:
-    said = tomllib.loads(Path(__file__).with_name(f"{package}.toml").read_text(encoding="utf-8"))
+def _read(file: Path) -> Iterator[Mutant]:
+    said = tomllib.loads(file.read_text(encoding="utf-8"))
     groups = said.get("tests", {})
     for entry in said["mutant"]:
         tests = tuple(path for name in entry.pop("tests") for path in groups.get(name, (name,)))
