@@ -132,10 +132,12 @@ def _stability() -> list[Check]:
 
 def _loop() -> list[Check]:
     """Bring surfaces together and take them apart: the work of the loop is what its jumps lose."""
-    surface = _wave(64)
-    # As steep as the grid carries: peaks snap in and off.
+    # One peak in a period: two alike would leave it to rounding which of them snaps first.
+    x = np.cos(2 * math.pi * np.arange(64) / 64)
+    surface = HeightField(heights=0.01 * (x[:, None] + x[None, :]), lengths=(1.0, 1.0))
+    # As steep as the grid carries.
     law = Exponential(work=0.95 * 0.02**2 * 32, reach=0.02)
-    offsets = np.linspace(0.14, 0.008, 24)
+    offsets = np.linspace(0.14, 0.008, 20)
     path = adhesion.follow(
         surface, _BODY, law=law, offsets=[*offsets, *offsets[::-1]], resolution=0.02, tolerance=1e-8
     )
@@ -143,17 +145,20 @@ def _loop() -> list[Check]:
     for one, two in itertools.pairwise(path.points):
         work -= 0.5 * (one.mean_pressure + two.mean_pressure) * (two.offset - one.offset)
         stored += two.energy - one.energy
+    kinds = [jump.kind for jump in path.jumps]
     return [
-        Check.within("jumps of the loop", len(path.jumps), 2, 20),
+        Check.relative(
+            "snap-in on the way in, pull-off on the way out", kinds == ["snap-in", "pull-off"], 1, 0
+        ),
         Check.below("energy stored by the loop over w", stored / law.work, 1e-6),
-        # The trapezoidal rule over smooth loops of 14 steps leaves .006 w.
+        # The trapezoidal rule on 14 steps of the smooth branches leaves .0015 w.
         Check(
             quantity="work of the loop over w",
             computed=work / law.work,
             reference=path.dissipated / law.work,
-            tolerance=0.005,
+            tolerance=0.0015,
         ),
-        Check.within("loss of the loop over w", path.dissipated / law.work, 0.1, 1.0),
+        Check.within("loss of the loop over w", path.dissipated / law.work, 0.015, 0.05),
     ]
 
 

@@ -89,7 +89,7 @@ def _summits() -> list[Check]:
     mean = 4 * math.sqrt(_MOMENTS.m0 / (math.pi * alpha))
     deviation = math.sqrt(_MOMENTS.m0 * (1 - 0.8968 / alpha))
     # How many summits stand above a plane tells where they are: mean and scatter of their heights.
-    d = np.linspace(-8, 8, 1601) * math.sqrt(_MOMENTS.m0)
+    d = np.linspace(-8, 8, 401) * math.sqrt(_MOMENTS.m0)
     contact = bush_gibson_thomas(d, moments=_MOMENTS, contact_modulus=1.0)
     share = contact.density / density
     below = (d < 0).astype(float)
