@@ -137,9 +137,15 @@ def _loop() -> list[Check]:
     surface = HeightField(heights=0.01 * (x[:, None] + x[None, :]), lengths=(1.0, 1.0))
     # As steep as the grid carries.
     law = Exponential(work=0.95 * 0.02**2 * 32, reach=0.02)
-    offsets = np.linspace(0.14, 0.008, 20)
+    offsets = np.linspace(0.14, 0.008, 40)
     path = adhesion.follow(
-        surface, _BODY, law=law, offsets=[*offsets, *offsets[::-1]], resolution=0.02, tolerance=1e-8
+        surface,
+        _BODY,
+        law=law,
+        offsets=[*offsets, *offsets[::-1]],
+        resolution=0.01,
+        least_jump=0.005,
+        tolerance=1e-8,
     )
     work = stored = 0.0
     for one, two in itertools.pairwise(path.points):
@@ -148,17 +154,17 @@ def _loop() -> list[Check]:
     kinds = [jump.kind for jump in path.jumps]
     return [
         Check.relative(
-            "snap-in on the way in, pull-off on the way out", kinds == ["snap-in", "pull-off"], 1, 0
+            "snap-in first, pull-off last", (kinds[0], kinds[-1]) == ("snap-in", "pull-off"), 1, 0
         ),
         Check.below("energy stored by the loop over w", stored / law.work, 1e-6),
-        # The trapezoidal rule on 14 steps of the smooth branches leaves .0015 w.
+        # Losses that are no jumps, and the trapezoidal rule on the smooth branches, leave .001 w.
         Check(
             quantity="work of the loop over w",
             computed=work / law.work,
             reference=path.dissipated / law.work,
             tolerance=0.0015,
         ),
-        Check.within("loss of the loop over w", path.dissipated / law.work, 0.015, 0.05),
+        Check.within("loss of the loop over w", path.dissipated / law.work, 0.04, 0.08),
     ]
 
 
