@@ -186,7 +186,8 @@ def _profile() -> list[Check]:
         return felt**2 / 4 * 2 * math.pi * q**4 * float(_ROUGH(q))
 
     exact = quad(grown, math.log(1e5), math.log(1e8), epsabs=0, epsrel=1e-10)[0]
-    checks.append(Check.relative("V of a graded solid [Pa^2]", float(scale.variance(1e8)), exact, 1e-5))
+    # Simpson's rule on 24 points per e-fold: h^4 / 2880, times a few powers of q.
+    checks.append(Check.relative("V of a graded solid [Pa^2]", float(scale.variance(1e8)), exact, 1e-7))
     return checks
 
 
@@ -263,23 +264,24 @@ def _adhesion() -> list[Check]:
 
 
 def _energies() -> list[Check]:
-    """Write Eq. 37 in wavevectors, with both elastic energies, and sum it from the solution's own areas."""
+    """Write Eq. 37 in wavevectors, with each elastic energy, and sum it from the solution's own areas."""
     checks = []
     q = np.geomspace(1e5, 1e10, 20001)
     spectrum = 2 * math.pi * q**3 * _RIM(q)
-    for energy in ("old", "improved"):
+    for energy, load in (("old", 0.0), ("improved", _RIM_PRESSURE), ("as_printed", 0.0)):
         found = _rim(replace(_RIM_INTERFACE, energy=energy))  # type: ignore[arg-type]
         area = found.area_at(q)
         if energy == "old":
             share = area
         else:
-            # Eq. 48 over V, from d<(sigma - sigma_0)^2> = P dV + (sigma_a + sigma_0)^2 dP.
+            # Eq. 48 over V, from d<(sigma - s)^2> = P dV + (sigma_a + s)^2 dP about s = sigma_0. Eq. 50
+            # as it is printed is <sigma^2> - sigma_0^2, which is that about s = 0.
             limit = np.interp(np.log(q), np.log(found.wavevectors), found.tensile_limit)
             variance = np.interp(np.log(q), np.log(found.wavevectors), found.variance)
             started = np.concatenate(
                 [[variance[0] * area[0]], np.diff(variance) * (area[1:] + area[:-1]) / 2]
             )
-            middle = ((limit + _RIM_PRESSURE) ** 2)[1:] + ((limit + _RIM_PRESSURE) ** 2)[:-1]
+            middle = ((limit + load) ** 2)[1:] + ((limit + load) ** 2)[:-1]
             lost = np.concatenate([[0.0], middle / 2 * np.diff(area)])
             share = np.cumsum(started + lost) / variance
         density = _RIM_MODULUS / 4 * spectrum / q * share
@@ -293,7 +295,7 @@ def _energies() -> list[Check]:
         for place, one, other in zip(q[some], work, left, strict=True):
             name = f"gamma_eff / gamma at {place:g} 1/m, {energy} energy"
             # Interpolation between nodes .12 apart in ln V, and the trapezoidal rule.
-            checks.append(Check(quantity=name, computed=float(one), reference=float(other), tolerance=5e-3))
+            checks.append(Check(quantity=name, computed=float(one), reference=float(other), tolerance=2e-4))
     return checks
 
 
@@ -344,6 +346,6 @@ CASES = (
         name="theory-adhesion-energy",
         claim="The adhesive energy left at each scale is what the waves beyond it have not cost.",
         run=_energies,
-        source="Persson 2006, Eqs. 37, 43 and 48",
+        source="Persson 2006, Eqs. 37, 43, 48 and 50",
     ),
 )
