@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -44,8 +45,10 @@ def _inside() -> list[Check]:
     x = np.cos(2 * math.pi * np.arange(24) / 24)
     wave = HeightField(heights=1e-3 * x[:, None] * np.ones(8), lengths=(1.0, 1.0 / 3))
     found = block.solve(wave, solid, mean_pressure=0.05)
+    sheared = replace(found.stress(), tensor=np.array([0.0, 0.0, 0.0, 0.0, 0.2, 0.0]))
     carried = float(np.mean(found.stress().tensor[:, :, -1, 2]))
     checks += [
+        Check.relative("von Mises' stress of simple shear", float(sheared.von_mises), 0.2 * 3**0.5, 1e-12),
         Check.relative("mean vertical stress under the surface [Pa]", carried, -0.05, 1e-9),
         Check.relative("energy of the field [J/m^2]", found.equilibrium().energy, found.energy, 1e-9),
         Check.below("forces that nothing balances", found.equilibrium().residual, 1e-9),
