@@ -132,8 +132,8 @@ def _solved(
 
     def preconditioned(values: Array) -> Array:
         operator.precondition(spread(values), answer)
-        # Only waves shorter than the period are there; the mean of full contact would be left out.
-        return answer[moving] + longest * values.mean()
+        # It leaves out the mean, which is given the stiffness of the softest wave.
+        return np.asarray(answer[moving] + longest * values.mean())
 
     def counted(_: Array) -> None:
         nonlocal steps

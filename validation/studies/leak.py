@@ -72,10 +72,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
     cases = _cases(options)
     found = results_of(bench, cases)
-    rows = [
+    rows: list[xr.Dataset] = [
         xr.concat([found[b, k] for k in range(options.surfaces)], dim="surface") for b in options.bandwidths
     ]
-    data = xr.concat(rows, dim="spectrum")
+    data: xr.Dataset = xr.concat(rows, dim="spectrum")
     for name, words in _QUANTITIES.items():
         data[name].attrs = {"units": "1", "long_name": words}
     data["contact_threshold"].attrs = {
