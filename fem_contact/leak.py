@@ -22,8 +22,8 @@ Axis = Literal["x", "y"]
 
 #: By how much the flux through the cross-sections may differ, relative to the flux.
 _BALANCE = 1e-10
-#: Times the direct solve is applied to what is left over; each gains some ten digits.
-_REFINEMENTS = 3
+#: Times that the direct solve is applied to what is left over; each gains some ten digits.
+_MOST_TERMS = 8
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -199,17 +199,19 @@ def _flow(gap: Array, open_cells: Mask, *, spacing: tuple[float, float]) -> GapF
     cubed = np.where(open_cells, gap / widest, 0.0) ** 3
     along, across = _between(cubed, 0) * (dy / dx), _between(cubed, 1) * (dx / dy)
     solve = _factorised(open_cells, along, across)
-    # In wide places the pressure hardly falls: its differences need more digits than a double holds.
-    pressure = np.zeros(gap.shape, dtype=np.longdouble)
-    for _ in range(_REFINEMENTS):
-        flux_x = along * (pressure - np.roll(pressure, -1, axis=0) + dx)
-        flux_y = across * (pressure - np.roll(pressure, -1, axis=1))
+    # In wide places the pressure hardly falls: a single number for it would lose the fall. So it is kept as
+    # terms that are never added, only their differences are; each corrects what those before it leave over.
+    terms: list[Array] = []
+    balance = np.inf
+    while balance > _BALANCE and len(terms) < _MOST_TERMS:
+        flux_x, flux_y = along * _fall(terms, 0, dx), across * _fall(terms, 1, 0.0)
+        sections = flux_x.sum(axis=1)
+        through = sections.mean()
+        if terms:
+            balance = float(np.max(np.abs(sections - through)) / np.abs(through))
         left = flux_x - np.roll(flux_x, 1, axis=0) + flux_y - np.roll(flux_y, 1, axis=1)
-        pressure[open_cells] -= solve(left[open_cells].astype(float))
-    flux_x = along * (pressure - np.roll(pressure, -1, axis=0) + dx)
-    sections = flux_x.sum(axis=1)
-    through = sections.mean()
-    balance = float(np.max(np.abs(sections - through)) / through)
+        terms.append(np.zeros(gap.shape))
+        terms[-1][open_cells] = -solve(left[open_cells].astype(float))
     if not balance <= _BALANCE:
         raise NotConverged(
             f"flow: the flux through the sections differs by {balance:.1e} of it, more than {_BALANCE:g}: "
@@ -218,9 +220,17 @@ def _flow(gap: Array, open_cells: Mask, *, spacing: tuple[float, float]) -> GapF
     return GapFlow(
         conductance=widest**3 / 12 * float(through) / (gap.shape[1] * dy),
         closed=False,
-        pressure=np.where(open_cells, pressure, np.nan).astype(float),
+        pressure=np.where(open_cells, sum(terms), np.nan),
         balance=balance,
     )
+
+
+def _fall(terms: list[Array], axis: int, mean: float) -> NDArray[np.longdouble]:
+    """Fall of the pressure to the next cell along an axis: the mean, what nearly cancels it, the rest."""
+    fall = np.full(terms[0].shape if terms else (1, 1), mean, dtype=np.longdouble)
+    for term in terms:
+        fall = fall + (term - np.roll(term, -1, axis=axis))
+    return fall
 
 
 def _between(cubed: Array, axis: int) -> Array:

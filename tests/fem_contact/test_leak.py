@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fem_contact.errors import InvalidInput
+from fem_contact.errors import InvalidInput, NotConverged
 from fem_contact.leak import critical_gap, flow_conductance, percolates
 from fem_contact.patches import find_patches
 
@@ -60,6 +60,24 @@ def test_the_flux_is_the_same_through_every_section_of_a_gap_of_many_decades():
     # The work of the mean gradient is what is dissipated.
     again = flow_conductance(3.0 * gap, (1.0, 0.7))
     assert again.conductance == pytest.approx(27 * found.conductance, rel=1e-12)
+
+
+def test_wide_pools_behind_narrow_straits_keep_the_flux_in_balance():
+    # Two pools, joined by two straits of one cell, whose cubes are 1e-9 of theirs: all resistance is there.
+    gap = np.ones((24, 24))
+    gap[11] = gap[23] = 0.0
+    gap[11, 5] = gap[23, 17] = 1e-3
+    found = flow_conductance(gap, (1.0, 1.0))
+    assert found.balance < 1e-10
+    assert found.conductance == pytest.approx(1e-9 / 12 / 2, rel=1e-6)
+
+
+def test_a_strait_too_narrow_for_the_arithmetic_is_refused():
+    gap = np.ones((24, 24))
+    gap[11] = gap[23] = 0.0
+    gap[11, 5] = gap[23, 17] = 1e-6
+    with pytest.raises(NotConverged, match="decades"):
+        flow_conductance(gap, (1.0, 1.0))
 
 
 def test_wider_gaps_never_leak_less():
