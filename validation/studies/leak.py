@@ -205,7 +205,14 @@ def _figure(dataset: xr.Dataset) -> Figure:
             label=label,
             **look(s),
         )
-        left.plot(dataset.area, media, ls="--", mfc="white", label="Bruggeman", **plain_look(s))
+        left.plot(
+            dataset.area,
+            media,
+            ls="--",
+            mfc="white",
+            label="Bruggeman, same gaps" if s == 0 else None,
+            **plain_look(s),
+        )
         for name, fill in (("contact_threshold", plain_look(s)["color"]), ("gap_threshold", "white")):
             values = np.sort(dataset[name][s].values.ravel())
             share = (np.arange(values.size) + 0.5) / values.size
