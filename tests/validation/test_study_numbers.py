@@ -393,11 +393,13 @@ def test_oblong_cells_are_written_with_the_step_of_each_axis(tmp_path, suffix):
 
 def test_yielded_and_elastic_areas_and_loads_are_those_of_their_points():
     contact = pressed(wave(), 0.01, pressure_bound=0.02)
-    weights = np.tile([1.5, 0.5], (32, 16))
+    weights = np.tile([[1.5], [0.5]], (16, 32))
     found = yielded(replace(contact, weights=weights))
     bound, touching = np.asarray(contact.at_bound), np.asarray(contact.in_contact)
     assert bound.any()
     assert found.plastic_area == pytest.approx((weights * bound).sum() / 1024, rel=1e-12)
+    # The points at the bound have more than their share of the area.
+    assert abs((weights * bound).sum() / bound.sum() - 1) > 0.01
     assert found.elastic_area == pytest.approx((weights * (touching & ~bound)).sum() / 1024, rel=1e-12)
     assert found.plastic_load == pytest.approx(0.02 * (weights * bound).sum() / 1024, rel=1e-8)
     assert found.elastic_area + found.plastic_area + found.open_area == pytest.approx(1.0, rel=1e-12)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from fem_contact import bem, block
 from fem_contact.area import ContactAreas, contact_areas, limit_area
-from fem_contact.contact import ContactResult, Status, measure_residuals
+from fem_contact.contact import ContactResult, Residuals, Status, measure_residuals
 from fem_contact.errors import NotConverged
 from fem_contact.extrapolation import located_limit
 from fem_contact.patches import find_patches
@@ -224,7 +224,7 @@ def _residuals() -> list[Check]:
     height, gradient = float(np.std(surface.heights)), 0.7
     target = 1.1
 
-    def measured(pressure: Array) -> object:
+    def measured(pressure: Array) -> Residuals:
         return measure_residuals(
             pressure=pressure,
             gap=gap,
@@ -239,7 +239,7 @@ def _residuals() -> list[Check]:
     found = measured(pressure)
     total = float(np.sum(np.abs(pressure)))
     product = 4.0 * 0.25 + 0.1 * 0.5
-    worst = measured(np.where(pressure == 4.0, np.nan, pressure)).worst  # type: ignore[attr-defined]
+    worst = measured(np.where(pressure == 4.0, np.nan, pressure)).worst
     solved = bem.solve(surface, _SOFT, mean_pressure=0.01)
     refused = 0
     for factor in (2.0, 1e3):
@@ -249,15 +249,15 @@ def _residuals() -> list[Check]:
         except NotConverged:
             refused += 1
     return [
-        Check.relative("penetration / h_rms", found.penetration, 0.03 / height, 1e-12),  # type: ignore[attr-defined]
-        Check.relative("tension / (E* h'_rms)", found.tension, 0.1 / (3 * gradient), 1e-12),  # type: ignore[attr-defined]
+        Check.relative("penetration / h_rms", found.penetration, 0.03 / height, 1e-12),
+        Check.relative("tension / (E* h'_rms)", found.tension, 0.1 / (3 * gradient), 1e-12),
         Check.relative(
             "sum p |g| / (sum p h_rms)",
             found.complementarity,
             product / total / height,
-            1e-12,  # type: ignore[attr-defined]
+            1e-12,
         ),
-        Check.relative("|mean p - p0| / p0", found.load, abs(pressure.mean() - target) / target, 1e-12),  # type: ignore[attr-defined]
+        Check.relative("|mean p - p0| / p0", found.load, abs(pressure.mean() - target) / target, 1e-12),
         Check.relative("residuals of a NaN that are NaN", float(np.isnan(worst)), 1.0, 0.0),
         Check.relative("results beyond their tolerance that are refused", refused, 2, 0.0),
     ]

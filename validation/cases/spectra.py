@@ -187,6 +187,10 @@ def _between() -> list[Check]:
     moved = short.shifted((0.25, 0.0)).heights[:, 0]
     exact = np.cos(math.pi * i) * math.cos(math.pi / 4)
     checks.append(Check.below("shortest wave, moved", float(np.max(np.abs(moved - exact))), 1e-12))
+    # Between its points it is a cosine, of mean square 1/2.
+    rings = radial_spectrum(short)
+    power = float(np.sum(rings.power * rings.count)) * (2 * math.pi) ** 2
+    checks.append(Check.relative("mean square of the shortest wave", power, 0.5, 1e-12))
     # A ramp of phase tells the direction.
     wave = HeightField(heights=np.cos(2 * math.pi * i / 8)[:, None] * np.ones(3), lengths=(1.0, 1.0))
     found = wave.shifted((0.3, 0.0)).heights[:, 1]
