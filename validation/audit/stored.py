@@ -93,6 +93,11 @@ class Stored:
         return nx, ny
 
     @property
+    def cells(self) -> int:
+        """Number of cells."""
+        return int(self.p.size)
+
+    @property
     def shift(self) -> tuple[float, float]:
         """Sub-grid shift in parts of a cell."""
         x, y = self.recipe["shift"]

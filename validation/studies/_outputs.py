@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -59,6 +60,7 @@ def run_study(
         "format": _FORMAT,
         "study": study.name,
         "options": options.model_dump(mode="json", exclude_none=True),
+        "store": os.path.relpath(bench.store.folder.resolve(), folder.resolve()),
     }
     for other in ("run.json", "accuracy.json", "sweep.json"):  # the folder is that of this study now
         (folder / other).unlink(missing_ok=True)
