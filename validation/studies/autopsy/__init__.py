@@ -73,7 +73,7 @@ class Options(StudyOptions):
         multiple_of=2,
         description="rings of waves in each octave, even: half octaves are compared",
     )
-    surfaces: Surfaces = 8
+    surfaces: Surfaces = 6
     points_per_wave: Annotated[Rising, Field(min_length=2)] = Field(
         default=(8.0, 12.0), description="grids of the rings, as lambda_short/dx, rising"
     )
