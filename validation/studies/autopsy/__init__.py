@@ -73,7 +73,7 @@ class Options(StudyOptions):
         multiple_of=2,
         description="rings of waves in each octave, even: half octaves are compared",
     )
-    surfaces: Surfaces = 6
+    surfaces: Surfaces = 4
     points_per_wave: Annotated[Rising, Field(min_length=2)] = Field(
         default=(8.0, 12.0), description="grids of the rings, as lambda_short/dx, rising"
     )
@@ -132,9 +132,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
     chains = _chains(options)
     probes = [_probes(options, zeta) for zeta in options.probes]
-    solved = bench.solve([solve for cases in (chains, *probes) for solve in cases.values()])
-    along, *probed = (_stacked(solved, cases) for cases in (chains, *probes))
-    data = along.merge(_apart(xr.concat(probed, dim="probe")))
+    solved = bench.solve([*chains.values(), *(solve for cases in probes for solve in cases.values())])
+    probed = xr.concat([_stacked(solved, cases) for cases in probes], dim="probe")
+    data = _stacked(solved, chains).merge(_apart(probed))
     slope, half_width = _slopes(options, bench)
     data["slope"] = ("hurst", "load", "probe"), slope
     data["slope_half_width"] = ("hurst", "load", "probe"), half_width
@@ -309,13 +309,17 @@ def table(dataset: xr.Dataset) -> ResultTable:
     }
     ends = np.asarray(dataset.attrs["octaves"], dtype=float)
     ratio = Spread.of(reading.over_persson(dataset))
-    rows = []
+    rows: list[tuple[float | str, ...]] = []
     for h, j, k in itertools.product(
         range(dataset.sizes["hurst"]), range(dataset.sizes["load"]), range(ends.size - 1)
     ):
         at = {"hurst": h, "load": j, "octave": k}
         end = {"hurst": h, "load": j, "level": int(np.argmin(np.abs(dataset.zeta.values - ends[k + 1])))}
-        row = [float(dataset.hurst[h]), float(dataset.reduced_pressure[j]), f"{ends[k]:g}-{ends[k + 1]:g}"]
+        row: list[float | str] = [
+            float(dataset.hurst[h]),
+            float(dataset.reduced_pressure[j]),
+            f"{ends[k]:g}-{ends[k + 1]:g}",
+        ]
         for name, spread in columns.items():
             row.append(float(spread.value.isel(at)))
             if name in _WITH_INTERVAL:
@@ -394,7 +398,7 @@ def _dataset(**variables: xr.DataArray) -> xr.Dataset:
 
 def _means(values: xr.Dataset) -> xr.Dataset:
     """Means over surfaces and half widths of their intervals."""
-    found = {}
+    found: dict[str, xr.DataArray] = {}
     for name, variable in values.data_vars.items():
         spread = Spread.of(variable)
         found |= {str(name): spread.value, f"{name}_half_width": spread.half_width}

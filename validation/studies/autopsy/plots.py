@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -46,7 +46,7 @@ def drift_and_diffusivity(dataset: xr.Dataset, *, load: int) -> Figure:
         at = dataset.isel(hurst=h, load=load)
         for z, zeta in enumerate(dataset.probe_zeta.values):
             p, mu, d = reading.profiles(at, probe=z, step=chosen)
-            style = {"color": COLOURS[z], "ls": _LINES[h % 4], "lw": 1.2}
+            style: dict[str, Any] = {"color": COLOURS[z], "ls": _LINES[h % 4], "lw": 1.2}
             label = rf"$\zeta$ = {zeta:g}, H = {exponent:g}"
             by_zeta.plot(p, d, label=label, **style)
             drift.plot(p, mu, label=label, **style)
@@ -193,7 +193,7 @@ def area_and_restarts(dataset: xr.Dataset) -> Figure:
         axes.set_xlabel(r"$\zeta = q/q_{long}$")
     panels[0].set_ylabel(r"$A$ over Persson's")
     handles, labels = panels[0].get_legend_handles_labels()
-    figure.legend(handles, labels, fontsize=7, ncols=4, loc="outside lower center")
+    figure.legend(handles, labels, fontsize=7, ncols=min(4, loads), loc="outside lower center")
     return figure
 
 

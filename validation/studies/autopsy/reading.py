@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.stats
@@ -74,6 +74,10 @@ def limit(values: xr.DataArray, spacing: xr.DataArray) -> xr.DataArray:
     coarse, fine = (spacing.isel({grid: k}) for k in (-2, -1))
     low, high = (values.isel({grid: k}) for k in (-2, -1))
     return high + (high - low) * fine / (coarse - fine)
+
+
+def _ln(values: xr.DataArray) -> xr.DataArray:
+    return values.copy(data=np.log(values.values))
 
 
 def _along(dataset: xr.Dataset, name: str) -> xr.DataArray:
@@ -146,14 +150,14 @@ def area_book(dataset: xr.Dataset) -> xr.Dataset:
     before, after = _levels(dataset, "area")
     own = before.isel(sign=0)
     variance = [part.isel(grid=-1) for part in _levels(dataset, "variance")]
-    steps = _by_octave(dataset, np.log(variance[1] / variance[0]))
+    steps = _by_octave(dataset, _ln(variance[1] / variance[0]))
     theory = [_erf(dataset.nominal.isel(grid=-1) / np.sqrt(part)) for part in variance]
     net = _along(dataset, "entered") - _along(dataset, "lost")
     return xr.Dataset(
         {
-            "located": _by_octave(dataset, np.log(after.mean("sign") / own)) / steps,
-            "counted": _by_octave(dataset, np.log1p(net / own)) / steps,
-            "persson": _by_octave(dataset, np.log(theory[1] / theory[0])) / steps,
+            "located": _by_octave(dataset, _ln(after.mean("sign") / own)) / steps,
+            "counted": _by_octave(dataset, _ln(1 + net / own)) / steps,
+            "persson": _by_octave(dataset, _ln(theory[1] / theory[0])) / steps,
         }
     )
 
@@ -170,14 +174,15 @@ def persson_area(dataset: xr.Dataset) -> xr.DataArray:
 
 def over_persson(dataset: xr.Dataset) -> xr.DataArray:
     """Return the simulated area (limit) over that of the theory at every magnification."""
-    return dataset.area.isel(sign=0) / persson_area(dataset)
+    ratio: xr.DataArray = dataset.area.isel(sign=0) / persson_area(dataset)
+    return ratio
 
 
 def restarts(dataset: xr.Dataset) -> xr.DataArray:
     """Area of absorbing diffusion started from the truth over the true area, (restart, level); 1 where it starts."""
     import xarray as xr
 
-    ratios = []
+    ratios: list[xr.DataArray] = []
     for row, zeta in enumerate(dataset.restart_zeta.values):
         start = int(np.argmin(np.abs(dataset.zeta.values - zeta)))
         diffused = dataset.diffused.isel(restart=row)
@@ -191,12 +196,12 @@ def loss_ratio(dataset: xr.Dataset) -> xr.DataArray:
     """How much faster restarted diffusion loses area than the truth, ln against ln, over half an octave: (restart)."""
     import xarray as xr
 
-    found = []
+    found: list[xr.DataArray] = []
     ratio, area = restarts(dataset), dataset.area.isel(sign=0)
     for row, zeta in enumerate(dataset.restart_zeta.values):
         start, end = (int(np.argmin(np.abs(dataset.zeta.values - z))) for z in (zeta, zeta * 2**0.5))
-        true = np.log(area.isel(level=end) / area.isel(level=start))
-        found.append(1 + np.log(ratio.isel(restart=row, level=end)) / true.where(true < -_NO_LOSS))
+        true = _ln(area.isel(level=end) / area.isel(level=start))
+        found.append(1 + _ln(ratio.isel(restart=row, level=end)) / true.where(true < -_NO_LOSS))
     return xr.concat(found, dim="restart")
 
 
@@ -207,7 +212,8 @@ _NO_LOSS = 1e-3
 def flux(dataset: xr.Dataset, name: str) -> xr.DataArray:
     """Something that the probes counted over the contact area before the ring, limit over grids: (probe, variance_step)."""
     area = dataset.probe_area.isel(sign=0, probe_level=0)
-    return _probed(dataset, dataset[f"probe_{name}"]) / area
+    share: xr.DataArray = _probed(dataset, dataset[f"probe_{name}"]) / area
+    return share
 
 
 def _probed(dataset: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
@@ -223,20 +229,21 @@ def exponents(values: xr.DataArray, steps: Array) -> xr.DataArray:
     """Exponent of Delta V between neighbouring steps, and over all of them (last): (..., pair)."""
     import xarray as xr
 
-    logarithm = np.log(values.where(values > 0))
+    logarithm = _ln(values.where(values > 0))
     pairs = [*itertools.pairwise(range(steps.size)), (0, steps.size - 1)]
     found = [
         (logarithm.isel(variance_step=b) - logarithm.isel(variance_step=a)) / np.log(steps[b] / steps[a])
         for a, b in pairs
     ]
-    return xr.concat(found, dim="pair")
+    falls: xr.DataArray = _ln(after / area.isel(sign=0, probe_level=0)) / _ln(1 + dataset.relative_step)
+    return falls
 
 
 def net_flux(dataset: xr.Dataset) -> xr.DataArray:
     """D ln A / d ln V of every probe and step, from the located area: (probe, variance_step)."""
     area = dataset.probe_area
     after = area.isel(probe_level=slice(1, None)).mean("sign").rename(probe_level="variance_step")
-    return np.log(after / area.isel(sign=0, probe_level=0)) / np.log1p(dataset.relative_step)
+    return _ln(after / area.isel(sign=0, probe_level=0)) / _ln(1 + dataset.relative_step)
 
 
 def edge_book(dataset: xr.Dataset) -> dict[str, Spread]:
@@ -297,5 +304,6 @@ def two_steps(dataset: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
 
 def returns(dataset: xr.Dataset) -> xr.DataArray:
     """Chance that a ring brings a point back into contact, by rings since it left (0: never in contact)."""
-    at: Any = dataset.isel(grid=-1)
-    return at.returned / at.out_points.where(at.out_points > 0)
+    at = dataset.isel(grid=-1)
+    chance: xr.DataArray = at.returned / at.out_points.where(at.out_points > 0)
+    return chance
