@@ -26,10 +26,11 @@ from validation.solves.running import Solves
 from validation.studies import stress_near_zero
 from validation.studies._options import Hurst, Seed, Surfaces
 from validation.studies._study import StudyOptions
-
+from validation.studies.autopsy import reading
 from validation.studies.autopsy.books import FLOWS, PROFILE_EDGES, PROFILES
 from validation.studies.autopsy.chain import Chain
 from validation.studies.autopsy.probe import RING, Probe
+from validation.studies.autopsy.reading import Spread
 from validation.studies.autopsy.rings import AREAS, ring_ends
 from validation.units import wrong
 
@@ -61,9 +62,17 @@ class Options(StudyOptions):
         default=(0.02, 0.05, 0.3, 1.0),
         description="p* = p0 / (E* h'_rms) with the realised gradient of all waves, rising",
     )
-    periods: int = Field(default=2, ge=1, le=64, description="L / lambda_long, whole: rings are of such waves")
+    periods: int = Field(
+        default=2, ge=1, le=64, description="L / lambda_long, whole: rings are of such waves"
+    )
     bandwidth: float = Field(default=32.0, ge=2, le=1024, description="lambda_long / lambda_short")
-    steps_per_octave: int = Field(default=4, ge=1, le=64, description="rings of waves in each octave")
+    steps_per_octave: int = Field(
+        default=2,
+        ge=2,
+        le=64,
+        multiple_of=2,
+        description="rings of waves in each octave, even: half octaves are compared",
+    )
     surfaces: Surfaces = 4
     points_per_wave: Annotated[Rising, Field(min_length=2)] = Field(
         default=(8.0, 12.0), description="grids of the rings, as lambda_short/dx, rising"
@@ -123,9 +132,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
     chains = _chains(options)
     probes = [_probes(options, zeta) for zeta in options.probes]
-    solved = bench.solve([solve for cases in (chains, *probes) for solve in cases.values()])
-    along, *probed = (_stacked(solved, cases) for cases in (chains, *probes))
-    data = along.merge(_apart(xr.concat(probed, dim="probe")))
+    solved = bench.solve([*chains.values(), *(solve for cases in probes for solve in cases.values())])
+    probed = xr.concat([_stacked(solved, cases) for cases in probes], dim="probe")
+    data = _stacked(solved, chains).merge(_apart(probed))
     slope, half_width = _slopes(options, bench)
     data["slope"] = ("hurst", "load", "probe"), slope
     data["slope_half_width"] = ("hurst", "load", "probe"), half_width
@@ -151,7 +160,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 def _chains(options: Options) -> dict[_Case, Chain]:
     """List the chains: every surface at every load on every grid."""
-    sizes = map(len, (options.hursts, options.reduced_pressures, range(options.surfaces), options.points_per_wave))
+    sizes = map(
+        len, (options.hursts, options.reduced_pressures, range(options.surfaces), options.points_per_wave)
+    )
     return {
         (h, j, k, g): Chain(
             realised=options.realised(
@@ -237,7 +248,10 @@ def _with_limits(data: xr.Dataset, grids: Sequence[Chain | Probe]) -> xr.Dataset
 
     others = [str(dim) for dim in data.pixel.dims if dim != "grid"]
     flat = {
-        name: (("grid", "shift", "load"), data[name].transpose("grid", *others).values.reshape(len(grids), 1, -1))
+        name: (
+            ("grid", "shift", "load"),
+            data[name].transpose("grid", *others).values.reshape(len(grids), 1, -1),
+        )
         for name in AREAS
     }
     areas = xr.Dataset(flat).assign(
@@ -277,3 +291,115 @@ _WORDS = {
     **FLOWS,
     **PROFILES,
 }
+
+
+def table(dataset: xr.Dataset) -> ResultTable:
+    """Return one row for each H, load and octave: the books, and what absorbing diffusion makes of the same start."""
+    square, area = reading.square_book(dataset), reading.area_book(dataset)
+    columns = {
+        "S = d<p^2>/(A dV)": Spread.of(square.change),
+        **{words: Spread.of(square[name]) for name, (words, _, _) in reading.TERMS.items()},
+        "told by D(p), mu(p)": Spread.of(square.told),
+        "d ln A/d ln V": Spread.of(area.located),
+        "counted": Spread.of(area.counted),
+        "Persson": Spread.of(area.persson),
+        "loss of restarted diffusion over true": Spread.of(
+            reading.loss_ratio(dataset).rename(restart="octave")
+        ),
+    }
+    ends = np.asarray(dataset.attrs["octaves"], dtype=float)
+    ratio = Spread.of(reading.over_persson(dataset))
+    rows: list[tuple[float | str, ...]] = []
+    for h, j, k in itertools.product(
+        range(dataset.sizes["hurst"]), range(dataset.sizes["load"]), range(ends.size - 1)
+    ):
+        at = {"hurst": h, "load": j, "octave": k}
+        end = {"hurst": h, "load": j, "level": int(np.argmin(np.abs(dataset.zeta.values - ends[k + 1])))}
+        row: list[float | str] = [
+            float(dataset.hurst[h]),
+            float(dataset.reduced_pressure[j]),
+            f"{ends[k]:g}-{ends[k + 1]:g}",
+        ]
+        for name, spread in columns.items():
+            row.append(float(spread.value.isel(at)))
+            if name in _WITH_INTERVAL:
+                row.append(float(spread.half_width.isel(at)))
+        row += [float(ratio.value.isel(end)), float(ratio.half_width.isel(end))]
+        rows.append(tuple(row))
+    names = [["H"], ["p*"], ["zeta"]]
+    names += [[name, "+- (95 %)"] if name in _WITH_INTERVAL else [name] for name in columns]
+    names += [["A/Persson at its end", "+- (95 %)"]]
+    return ResultTable.of(tuple(itertools.chain(*names)), rows)
+
+
+_WITH_INTERVAL = ("S = d<p^2>/(A dV)", "d ln A/d ln V", "loss of restarted diffusion over true")
+
+
+def findings(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Return what fails, where, and what cancels."""
+    from validation.studies.autopsy import sentences
+
+    return tuple(sentences.all_of(dataset))
+
+
+def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
+    """Draw the terms of the diffusion equation, the flows, the budget, the restarts and the memory."""
+    from validation.studies.autopsy import plots
+
+    load = plots.nearest(dataset.reduced_pressure, 0.05)
+    return (
+        Drawing(
+            name="budget",
+            figure=plots.budget_bars(dataset),
+            data=_means(reading.square_book(dataset)),
+            caption="Where d<p^2>/(A dV) comes from, octave by octave (left of each pair the smaller H): diffusion and drift of the points that stay, loss, re-entry; circles, their sum with 95 % over surfaces. Persson's theory has the green line: diffusion alone.",
+        ),
+        Drawing(
+            name="restarts",
+            figure=plots.area_and_restarts(dataset),
+            data=_means(
+                _dataset(over_persson=reading.over_persson(dataset), restarted=reading.restarts(dataset))
+            ),
+            caption="Contact area over Persson's as waves are added, with 95 % over surfaces; dashed, where absorbing diffusion goes when it starts from the true distribution of pressure.",
+        ),
+        Drawing(
+            name="drift-and-diffusivity",
+            figure=plots.drift_and_diffusivity(dataset, load=load),
+            data=dataset[[f"probe_{name}" for name in PROFILES]].isel(load=load, probe_grid=-1),
+            caption=f"Diffusivity and drift of points that stay in contact, by their pressure before the ring, p* = {float(dataset.reduced_pressure[load]):g}, all surfaces; green, Persson's theory. Near p = 0 the diffusivity has no limit as the step vanishes: the edge of the contact moves.",
+        ),
+        Drawing(
+            name="fluxes",
+            figure=plots.fluxes(dataset),
+            data=_means(
+                _dataset(
+                    lost=reading.flux(dataset, "lost"),
+                    entered=reading.flux(dataset, "entered"),
+                    net=reading.net_flux(dataset),
+                )
+            ),
+            caption="Area that a ring takes out of contact and brings back, over the contact area, against its step (left), their ratio (middle) and the net (right), at the last magnification probed and the largest H; limits over grids, 95 % over surfaces.",
+        ),
+        Drawing(
+            name="memory",
+            figure=plots.memory(dataset),
+            data=_means(_dataset(returns=reading.returns(dataset))),
+            caption="Chance that a ring brings a point back into contact against the number of rings since it left; 95 % over surfaces. Without memory it would be one number.",
+        ),
+    )
+
+
+def _dataset(**variables: xr.DataArray) -> xr.Dataset:
+    """Put variables together."""
+    import xarray as xr
+
+    return xr.Dataset(variables)
+
+
+def _means(values: xr.Dataset) -> xr.Dataset:
+    """Means over surfaces and half widths of their intervals."""
+    found: dict[str, xr.DataArray] = {}
+    for name, variable in values.data_vars.items():
+        spread = Spread.of(variable)
+        found |= {str(name): spread.value, f"{name}_half_width": spread.half_width}
+    return _dataset(**found)

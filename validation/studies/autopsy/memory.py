@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.studies.autopsy.books import PROFILE_EDGES, Pressed
+from validation.studies.autopsy.books import BINS, Pressed, bins_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -84,13 +84,10 @@ def composed_inflow(was_out: NDArray[np.bool_], before: Pressed, after: Pressed,
         Unit of pressure [Pa] of the bins.
     """
     touching = before.in_contact
-    bins = PROFILE_EDGES.size - 1
-    where = np.clip(
-        np.searchsorted(PROFILE_EDGES, before.pressure[touching] / unit, side="right") - 1, 0, bins - 1
-    )
-    points = np.bincount(where, minlength=bins)
-    stayed = np.bincount(where, weights=after.in_contact[touching], minlength=bins)
-    came = np.bincount(where, weights=was_out[touching], minlength=bins)
+    where = bins_of(before.pressure[touching] / unit)
+    points = np.bincount(where, minlength=BINS)
+    stayed = np.bincount(where, weights=after.in_contact[touching], minlength=BINS)
+    came = np.bincount(where, weights=was_out[touching], minlength=BINS)
     by_contact = float(np.sum(came * stayed / np.maximum(points, 1)))
     out = np.count_nonzero(~touching)
     entered = np.count_nonzero(after.in_contact & ~touching)
