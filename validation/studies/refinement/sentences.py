@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.measures.common import persson_area
 from validation.measures.references import KAPPA_LITERATURE
 from validation.measures.statistics import Estimate, mean_over_surfaces, order_of_convergence
 from validation.measures.theory import modes_sentence
@@ -26,21 +25,30 @@ def all_of(dataset: xr.Dataset) -> Iterator[str]:
     """Yield what refinement shows, in words."""
     pressure = float(dataset.attrs["reduced_pressure"])
     limit = mean_over_surfaces(dataset.limit.values / pressure)
-    theory = float(persson_area(pressure)) / pressure
+    theory = float(dataset.theory) / pressure
     resolved = dataset.isel(grid=np.flatnonzero(dataset.points_per_wave.values > 2 * (1 + 1e-9)))
-    yield (
-        f"kappa in the limit of vanishing spacing is {limit} (95 %, {limit.samples} surfaces) at p* = {pressure:g}; Persson's theory "
-        f"gives {theory:.4g}: {100 * (1 - theory / limit.value):.0f} % of the simulated area is not explained by the grid."
-    )
-    yield _verdict(resolved, limit.value, theory)
-    yield modes_sentence([theory * pressure], [float(dataset.ensemble)])
+    whole = "" if limit.samples == 1 else f" (95 %, {limit.samples} surfaces)"
+    start = f"kappa in the limit of vanishing spacing is {limit}{whole} at p* = {pressure:.6g}; "
+    if np.isfinite(theory):
+        yield (
+            f"{start}Persson's theory gives {theory:.4g}: {100 * (1 - theory / limit.value):.0f} % of the simulated area is not "
+            "explained by the grid."
+        )
+        yield _verdict(resolved, limit.value, theory)
+    else:
+        yield f"{start}Persson's theory knows nothing of these effects."
+    if "bare" in dataset.attrs:
+        yield modes_sentence([theory * pressure], [float(dataset.ensemble)])
     yield _load_identity(resolved)
     yield from _by_area(resolved)
     yield from _criterion(resolved)
-    yield _protocol(dataset, limit.value, theory)
-    yield _published(dataset, limit)
+    if "kappa_grid_scale" in dataset:
+        yield _protocol(dataset, limit.value, theory)
+        yield _published(dataset, limit)
     for e in range(dataset.sizes.get("element", 0)):
         yield _element_sentence(dataset, e)
+    for m in range(dataset.sizes.get("other_method", 0)):
+        yield _other_sentence(dataset, m)
 
 
 def _by_area(resolved: xr.Dataset) -> Iterator[str]:
@@ -141,6 +149,28 @@ def _element_sentence(dataset: xr.Dataset, e: int) -> str:
         f"their own limit differs by {100 * apart.value:+.2f} +- {100 * apart.half_width:.2f} %, of which a block one period deep can explain "
         f"{100 * float(dataset.depth_error):.2f} %."
     )
+
+
+def _other_sentence(dataset: xr.Dataset, m: int) -> str:
+    """Say how another method counts, where its limit is, and whether its residuals are what it was asked for."""
+    name = str(dataset.other_method.values[m])
+    own = dataset.isel(case=np.flatnonzero(dataset.other.values == name))
+    counted = 100 * (own.other_pixel / dataset.limit - 1).mean("surface").values
+    rows = ", ".join(
+        f"{a:+.2g} % at {p:g}" for a, p in zip(counted, own.other_points_per_wave.values, strict=True)
+    )
+    apart = mean_over_surfaces((dataset.other_limit[m] / dataset.limit - 1).values)
+    text = f"{name}, points counted, differs from the limit of the boundary elements by {rows} points per shortest wave"
+    if np.isfinite(apart.value):
+        half = f" +- {100 * apart.half_width:.2g}" if apart.samples > 1 else ""
+        text += f"; its own limit differs by {100 * apart.value:+.2g}{half} %"
+    missed = int((own.other_converged < 1).sum())
+    if missed:
+        text += (
+            f"; {missed} of its {own.other_converged.size} answers do not have the residuals asked for, "
+            f"the worst {float(own.other_residual.max()):.2g}"
+        )
+    return text + "."
 
 
 def _protocol(dataset: xr.Dataset, limit: float, theory: float) -> str:
