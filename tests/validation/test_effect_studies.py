@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from validation.errors import UsageError
-from validation.scenes.scene import load_scene
 from validation.solves.bench import Bench
 from validation.studies import adhesion, find_study, hardness
 
@@ -92,12 +91,6 @@ def test_a_magnification_beyond_the_bandwidth_is_refused(name):
 def test_one_grid_has_no_limit(name, grids, words):
     with pytest.raises(UsageError, match=words):
         find_study(name).parse(["--grids", grids])
-
-
-@pytest.mark.parametrize("name", ["hardness", "adhesion", "graded"])
-def test_a_study_of_its_own_surfaces_takes_no_scene(name):
-    with pytest.raises(UsageError, match="takes no scene; leave 'quickstart' out"):
-        find_study(name).parse([], scene=load_scene("quickstart"))
 
 
 def test_adhesion_enlarges_the_contact_in_proportion_and_vanishes_with_the_work(sticking):

@@ -76,6 +76,8 @@ _DIALS = {
 class Options(StudyOptions):
     """Where the dials stand, and where each of them goes while the others stay."""
 
+    own = "it turns load, waves, work and hardness by itself"
+
     works: _Positives = Field(
         default=(0.01, 0.03, 0.1, 0.3, 1.0),
         description="works of adhesion w over the elastic energy U_full of full contact, per area, rising",
