@@ -115,7 +115,11 @@ def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatc
         (("study", "nothing"), "no such study; one of: "),
         (("study", "area", "--surfaces"), "--surfaces: needs a value"),
         (("study", "area", "--hurts", "1"), "unknown option '--hurts'; it has: "),
-        (("study", "area", "quickstart"), "takes no scene"),
+        (("study", "depth", "quickstart"), "takes no scene: its surface is the one"),
+        (
+            ("study", "area", "--set", "seed=3"),
+            "--set seed=3: sets a key of a scene; name one after the study",
+        ),
         (("validate", "nothing"), "no such case"),
         (("report", "nowhere"), "holds no run (run.json) and no study (study.json)"),
         (("surface", "inspect", "nowhere.npy"), "cannot be read"),

@@ -11,7 +11,6 @@ import xarray as xr
 from validation.errors import UsageError
 from validation.measures.common import persson_area
 from validation.measures.theory import VARIANTS
-from validation.scenes.scene import load_scene
 from validation.solves.bench import Bench
 from validation.studies import find_study, hurst, magnification, pressure, theory_verdict
 from validation.studies._outputs import report_study, write_data
@@ -208,9 +207,3 @@ def test_options_are_refused_by_name_before_anything_runs(name, options, words):
     with pytest.raises(UsageError) as caught:
         find_study(name).parse(options.split())
     assert words in str(caught.value)
-
-
-@pytest.mark.parametrize("name", ["hurst", "pressure", "magnification", "theory-verdict"])
-def test_a_study_of_its_own_surfaces_takes_no_scene(name):
-    with pytest.raises(UsageError, match="takes no scene; leave 'quickstart' out"):
-        find_study(name).parse([], scene=load_scene("quickstart"))

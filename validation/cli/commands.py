@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -198,13 +199,16 @@ def _folders(
     context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
     add_help_option=False,
     epilog="Examples: fem-contact study --list  |  fem-contact study area --seed 3 --surfaces 3 "
-    "--grids 128,192 --workers 2",
+    "--grids 128,192 --workers 2  |  fem-contact study pressure mine.toml --set poisson=0.4",
 )
 def study(
     context: typer.Context,
     name: Annotated[str | None, typer.Argument(metavar="NAME", help="A study; see --list.")] = None,
     list_all: Annotated[bool, typer.Option("--list", help="Name the studies and their options.")] = False,
-    scene: Annotated[str | None, typer.Option("--scene", help="Scene, for studies that take one.")] = None,
+    scene: Annotated[
+        str | None, typer.Option("--scene", help="Scene that a study is asked about; or after NAME.")
+    ] = None,
+    settings: SetOption = None,
     output: OutputOption = None,
     store: StoreOption = None,
     workers: WorkersOption = None,
@@ -220,13 +224,14 @@ def study(
 ) -> None:
     """Run a study: many independent solves, one dataset, figures and a report.
 
-    Whatever follows as --option VALUE is an option of the study, see fem-contact study NAME --help. All
-    studies keep their solves in results/solves, so that they share them, unless --store says otherwise.
+    Whatever follows as --option VALUE is an option of the study, see fem-contact study NAME --help. With a
+    SCENE after NAME the surface, solid, load, effects and grids are those of the scene. All studies keep
+    their solves in results/solves, so that they share them, unless --store says otherwise.
     """
     from validation.cli.progress import Bar
     from validation.cli.results import print_page
     from validation.files import prepare_folder
-    from validation.scenes.scene import RunOptions, load_scene
+    from validation.scenes.scene import RunOptions
     from validation.solves.bench import DEFAULT_STORE, Bench, PlannedOnly
     from validation.solves.store import Store
     from validation.studies import find_study, studies
@@ -242,12 +247,12 @@ def study(
     extra = list(context.args)
     if extra and not extra[0].startswith("-") and scene is None:
         scene = extra.pop(0)
-    loaded = None if scene is None else load_scene(scene)
+    loaded = _scene_of_study(scene, settings or ())
     options = found.parse(extra, scene=loaded)
     said = RunOptions() if loaded is None else loaded.run
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
     folder, store_folder = (
-        output or said.folder("output") or Path("results") / name,
+        output or Path("results") / (name if loaded is None else f"{name}-{loaded.name}"),
         store or said.folder("store") or DEFAULT_STORE,
     )
     if dry_run:
@@ -267,6 +272,20 @@ def study(
         typer.echo(json.dumps(outputs.data.to_dict(), indent=2, default=str))
         return
     print_page(outputs.page, outputs.files)
+
+
+def _scene_of_study(scene: str | None, settings: Sequence[str]) -> Scene | None:
+    """Read the one scene that a study is asked about."""
+    from validation.scenes.sweep import Sweep, load_asked
+
+    if scene is None:
+        if settings:
+            raise UsageError(f"--set {settings[0]}: sets a key of a scene; name one after the study")
+        return None
+    loaded = load_asked(scene, settings)
+    if isinstance(loaded, Sweep):
+        raise UsageError(f"{scene}: [sweep]: is many scenes; a study is asked about one")
+    return loaded
 
 
 @app.command(epilog="Example: fem-contact explain quickstart")

@@ -84,12 +84,15 @@ def pressure_at_zero_figure(data: xr.Dataset, *, logarithmic: bool = False) -> F
     figure, (axes,) = new_figure()
     curve = data["curve"].values
     labels = [label for label in dict.fromkeys(curve) if label != "Persson"]
-    shades = np.linspace(0.75, 0.0, max(len(labels), 2))[-len(labels) :]  # the finest is black
+    grey = [label for label in labels if not label.startswith("FEM")]
+    shades = dict(
+        zip(grey, np.linspace(0.75, 0.0, max(len(grey), 2))[-len(grey) :], strict=True)
+    )  # the finest is black
     styles = ["-", "--", "-.", ":"]
     for k, label in enumerate(labels):
         here = data.isel(bin=curve == label)
         edges = np.append(here["lower"].values, here["upper"].values[-1])
-        colour = "#b45f06" if label.startswith("FEM") else str(shades[k])
+        colour = str(shades[label]) if label in shades else "#b45f06"
         axes.stairs(here["density"].values, edges, color=colour, ls=styles[k % 4], label=label, baseline=None)
     theory = data.isel(bin=curve == "Persson")
     if theory.sizes["bin"]:

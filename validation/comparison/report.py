@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.comparison.compare import Row
-from validation.comparison.findings import percent, yielded_row
+from validation.comparison.findings import layered, percent, yielded_row
 from validation.comparison.pictures import render_stored
 from validation.files import atomic_path
 from validation.methods import find_method
@@ -137,9 +137,11 @@ def run_page(comparison: Comparison, results: Solves | None = None, *, pictures:
 def _lead(c: Comparison) -> str:
     kinds = [effect.kind.replace("-", " ") for effect in c.scene.effects]
     effects = "effects: " + ", ".join(kinds) if kinds else "elastic, no adhesion"
+    where = " of the layer at the surface" if layered(c) else ""
     return (
         f"Rigid rough surface on an elastic solid, frictionless, {effects}; p* = {c.reduced_pressure:.4g} "
-        f"(p0 = {c.pressure:.4g} Pa, E* = {c.contact_modulus:.4g} Pa, realised h'_rms = {c.rms_gradient:.4g})"
+        f"(p0 = {c.pressure:.4g} Pa, E* = {c.contact_modulus:.4g} Pa{where}, "
+        f"realised h'_rms = {c.rms_gradient:.4g})"
     )
 
 
@@ -215,6 +217,7 @@ def _tables(c: Comparison) -> Iterator[WordTable]:
         if c.adhesive
         else ("P(0+) is the share of area below a pressure that falls like dx^1/2, over that pressure; ")
     )
+    which = ", on E* of the layer at the surface" if layered(c) else ""
     yield WordTable(
         title="Every grid",
         columns=_COLUMNS,
@@ -224,7 +227,7 @@ def _tables(c: Comparison) -> Iterator[WordTable]:
         yielding=("P(0+) E*h'", "lambda_short/dx", "seconds", "residual", "A/A0 perimeter", "kappa"),
         note="A/A0 pixel counts the points of the contact set (mean +- standard error over sub-grid shifts); "
         "perimeter subtracts the method's edge constant times edge length times dx; "
-        f"kappa = (A/A0 perimeter)/p*; {density}residual is the largest of penetration/h_rms, "
+        f"kappa = (A/A0 perimeter)/p*{which}; {density}residual is the largest of penetration/h_rms, "
         "tension/(E* h'_rms), complementarity and load error.",
     )
     if c.cross:

@@ -16,6 +16,7 @@ from persson import errors as persson_errors
 from validation.comparison import theory_alone
 from validation.comparison.compare import Comparison, Row, compare
 from validation.comparison.explain import Explanation, explain
+from validation.comparison.findings import layered
 from validation.comparison.sweep_page import sweep_page
 from validation.errors import UsageError
 from validation.files import atomic_path, prepare_folder, write_json
@@ -231,6 +232,7 @@ class _Case:
     methods: dict[str, dict[str, float | None]]
     grids: dict[str, str]
     no_limit: str = ""
+    layered: bool = False
 
 
 def _case(scene: Scene, realised: Realised, results: Solves) -> _Case:
@@ -251,7 +253,13 @@ def _case(scene: Scene, realised: Realised, results: Solves) -> _Case:
     comparison = compare(scene, realised, {solve: results[solve] for solve in solves_of(scene, realised)})
     finest = {name: _finest(comparison.rows_of(name)) for name in scene.methods.solvers}
     return _Case(
-        numbers={**common, **_numbers(comparison)},
+        # On the modulus of the comparison: with a coating that is not the one of the solid below.
+        numbers={
+            **common,
+            "reduced_pressure": comparison.reduced_pressure,
+            "contact_modulus": comparison.contact_modulus,
+            **_numbers(comparison),
+        },
         methods={
             name: {variable: getattr(row, variable, None) for variable in _OF_METHODS}
             | {"pixel_error": row.pixel_scatter}
@@ -259,6 +267,7 @@ def _case(scene: Scene, realised: Realised, results: Solves) -> _Case:
         },
         grids={name: f"{row.grid[0]} x {row.grid[1]}" for name, row in finest.items()},
         no_limit=comparison.no_limit,
+        layered=layered(comparison),
     )
 
 
@@ -317,6 +326,7 @@ def _dataset(sweep: Sweep, cases: Sequence[_Case]) -> xr.Dataset:
         "methods": " ".join(first.methods.asked),
         "effects": " ".join(effect.kind for effect in first.effects),
         "no_limit": next((case.no_limit for case in cases if case.no_limit), ""),
+        "layered": int(any(case.layered for case in cases)),
     }
     return xr.Dataset(variables, coords=coordinates, attrs=attributes)
 

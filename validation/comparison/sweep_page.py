@@ -183,6 +183,11 @@ def sweep_findings(data: xr.Dataset, keys: Sequence[SweptKey]) -> tuple[str, ...
     sentences = [text for key in keys if len(key.values) > 1 for text in _along(data, key, keys)]
     sentences += _theory(data, keys)
     sentences += _missing(data, keys)
+    if data.attrs.get("layered") and "kappa" in data:
+        sentences.append(
+            "p* of the scene is of the solid below, kappa stands on E* of the layer at the surface: it is no "
+            "number of a homogeneous solid; a run of one case says what it is on the moduli below and felt."
+        )
     shared = int(data.attrs["asked"]) - int(data.attrs["solves"])
     if data.attrs["solves"]:
         sentences.append(

@@ -37,7 +37,7 @@ class StiffMeasurement(Measurement):
         """Those of every measurement, and the stiffness."""
         return QUANTITIES | {"stiffness": ("1", "K h_rms / p0, contact set held")}
 
-    def read_off(self, result: ContactResult) -> dict[str, float]:
+    def read_off(self, result: ContactResult, *, located: bool) -> dict[str, float]:
         """Return every one of `quantities` of one solve."""
         from fem_contact.response import HalfSpace
 
@@ -46,7 +46,7 @@ class StiffMeasurement(Measurement):
             height = self.realised.field.rms_height
             frozen = frozen_contact(result, HalfSpace(solid=self.realised.elastic), threads=1)
             stiffness = frozen.stiffness * height / result.mean_pressure
-        return super().read_off(result) | {"stiffness": stiffness}
+        return super().read_off(result, located=located) | {"stiffness": stiffness}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 from validation.paper.figures import PaperFigure
@@ -16,6 +17,24 @@ if TYPE_CHECKING:
     from validation.paper.figures import Panel
 
 __all__ = ["drawn"]
+
+
+#: How the paper's symbols are typed, longest first, and how they are drawn.
+_SYMBOLS = {
+    "sigma_0": r"$\sigma_0$",
+    "sigma_Y": r"$\sigma_Y$",
+    "sigma_a": r"$\sigma_a$",
+    "Delta gamma": r"$\Delta\gamma$",
+    "gamma_eff": r"$\gamma_{eff}$",
+    "zeta_1": r"$\zeta_1$",
+    "sigma": r"$\sigma$",
+    "zeta": r"$\zeta$",
+    "A_0": "$A_0$",
+    "A_el": "$A_{el}$",
+    "A_pl": "$A_{pl}$",
+    "h_0": "$h_0$",
+    "E*": "$E^*$",
+}
 
 
 def drawn(figure: PaperFigure) -> Drawing:
@@ -37,7 +56,7 @@ def drawn(figure: PaperFigure) -> Drawing:
 def _draw(axes: Axes, panel: Panel) -> None:
     for k, curve in enumerate(panel.curves):
         look: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "ls": STYLES[k % len(STYLES)]}
-        axes.plot(curve.x, curve.y, label=mathtext(curve.label), lw=1.6, **look)
+        axes.plot(curve.x, curve.y, label=_typeset(curve.label), lw=1.6, **look)
     axes.set(xlabel=_typeset(panel.x), ylabel=_typeset(panel.y), xscale=panel.x_scale, yscale=panel.y_scale)
     if len(panel.curves) > 1:
         axes.legend(fontsize=8)
@@ -50,14 +69,7 @@ def _words(label: str) -> str:
 
 def _typeset(label: str) -> str:
     """Return an axis with its symbols as in a book."""
-    for typed, symbol in (
-        ("sigma_0", r"$\sigma_0$"),
-        ("A_0", "$A_0$"),
-        ("E*", "$E^*$"),
-        ("zeta", r"$\zeta$"),
-    ):
-        label = label.replace(typed, symbol)
-    return mathtext(label)
+    return mathtext(re.sub("|".join(map(re.escape, _SYMBOLS)), lambda typed: _SYMBOLS[typed[0]], label))
 
 
 def _numbers(figure: PaperFigure) -> xr.Dataset:

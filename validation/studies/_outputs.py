@@ -59,7 +59,8 @@ def run_study(
     said = {
         "format": _FORMAT,
         "study": study.name,
-        "options": options.model_dump(mode="json", exclude_none=True),
+        "options": options.said(),
+        "words": list(options.words()),
         "store": os.path.relpath(bench.store.folder.resolve(), folder.resolve()),
     }
     for other in ("run.json", "accuracy.json", "sweep.json"):  # the folder is that of this study now
@@ -124,15 +125,22 @@ def report_study(folder: Path, *, numbers_only: bool = False) -> StudyOutputs:
         raise UsageError(f"{folder / _DATA}: damaged: {damage}; run the study again") from None
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{folder}: holds no finished study ({error})") from None
-    page = study_page(study, data, said["options"], figures=not numbers_only)
+    page = study_page(study, data, said["options"], words=said.get("words", ()), figures=not numbers_only)
     written = write_page(page, folder, numbers_only=numbers_only)
     return StudyOutputs(data=data, page=page, files=(*written, folder / _DATA))
 
 
-def study_page(study: Study, data: xr.Dataset, options: Mapping[str, Any], *, figures: bool = True) -> Page:
+def study_page(
+    study: Study,
+    data: xr.Dataset,
+    options: Mapping[str, Any],
+    *,
+    words: Sequence[str] = (),
+    figures: bool = True,
+) -> Page:
     """Return the page of a study, drawn or not: all of it from its dataset and from what was asked."""
     table = study.table(data)
-    findings = (*study.findings(data), *_undetermined(data))
+    findings = (*study.findings(data), *_undetermined(data), *words)
     return Page(
         title=f"Study: {study.name}",
         lead=study.question,

@@ -94,8 +94,8 @@ class _Rich(StiffMeasurement):
     def quantities(self) -> Mapping[str, tuple[str, str]]:
         return {**super().quantities, "slope": ("1", QUANTITIES["slope"])}
 
-    def read_off(self, result: ContactResult) -> dict[str, float]:
-        return super().read_off(result) | {"slope": initial_slope(result).reduced}
+    def read_off(self, result: ContactResult, *, located: bool) -> dict[str, float]:
+        return super().read_off(result, located=located) | {"slope": initial_slope(result).reduced}
 
 
 #: A case: Hurst exponent, bandwidth, number of the pair, inverted, on all grids.
