@@ -39,6 +39,19 @@ class Notes(Silent):
         self.notes.append(text)
 
 
+class Killing(Notes):
+    """Progress that does something once so many solves are done: kill a process, as a rule."""
+
+    def __init__(self, count, act):
+        super().__init__()
+        self.count, self.act = count, act
+
+    def done(self, solve):
+        super().done(solve)
+        if len(self.finished) == self.count:
+            self.act()
+
+
 class Numbers(NumbersSolve):
     """A solve of a study: some numbers made from a seed."""
 
@@ -90,6 +103,19 @@ class Slow(Numbers):
 
 class Endless(Slow):
     seconds = 600
+
+
+class Held(Numbers):
+    """Numbers that are done only once a file is there; the first three without waiting."""
+
+    def __init__(self, seed, gate):
+        super().__init__(seed)
+        self.gate = str(gate)
+
+    def measure(self):
+        while self.seed >= 3 and not Path(self.gate).exists():
+            time.sleep(0.02)
+        return super().measure()
 
 
 class Deadly(Numbers):
