@@ -159,13 +159,13 @@ class Team(list):
 
 
 @contextmanager
-def dask_cluster(folder, workers=2, paths=()):
+def dask_cluster(folder, workers=2, paths=(), options=()):
     """A scheduler and workers of one thread, each a process of its own."""
     address = folder / "scheduler.json"
     path = os.pathsep.join(entry for entry in (*sys.path, *paths) if entry)
     environment = {**os.environ, **pool.ONE_THREAD, "PYTHONPATH": path}
     quiet = {"env": environment, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
-    here = ("--host", "127.0.0.1", "--no-dashboard")
+    here = ("--host", "127.0.0.1", "--no-dashboard", *options)
     command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", "0", *here]
     scheduler = subprocess.Popen([*command, "--scheduler-file", str(address)], **quiet)
     worker = [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", str(address), *here]

@@ -59,7 +59,7 @@ def same(one, other):
 
 
 def silent_reads(store, solve, damaged):
-    """Read damaged bytes; return how many were taken for a result, and the longest processor time of a read."""
+    """Read damaged bytes; return how many were taken for a result, and the longest processor time."""
     path, silent, slowest = store.path(solve), 0, 0.0
     for data in damaged:
         path.write_bytes(data)

@@ -6,6 +6,7 @@ import contextlib
 import os
 import pickle
 import re
+import shutil
 import subprocess
 import sys
 import threading
@@ -18,7 +19,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 from solving import Deadly, DiesAtStart, Held, Killing, Notes, Numbers, Slow, dask_cluster
 
-from validation.errors import RunFailed
+from validation.errors import RunFailed, UsageError
 from validation.files import prepare_folder
 from validation.solves import pool
 from validation.solves.running import Execution, solve_all
@@ -182,6 +183,70 @@ def test_a_solve_that_loses_its_dask_workers_is_tried_once_more_alone(tmp_path, 
     assert done.solved == 9
     assert progress.finished[-1] == unlucky.key
     assert any("its workers died again and again" in note for note in progress.notes)
+
+
+def openssl(*arguments, folder):
+    subprocess.run(["openssl", *arguments], cwd=folder, check=True, capture_output=True)
+
+
+def certified(folder, name):
+    """An authority of that name, and a certificate and key that it signed; files in PEM."""
+    openssl(
+        *("req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2", "-subj", f"/CN={name}"),
+        *("-keyout", f"{name}-ca.key", "-out", f"{name}-ca.pem"),
+        folder=folder,
+    )
+    openssl(
+        *("req", "-newkey", "rsa:2048", "-nodes", "-subj", f"/CN={name}-node"),
+        *("-keyout", f"{name}.key", "-out", f"{name}.csr"),
+        folder=folder,
+    )
+    openssl(
+        *("x509", "-req", "-days", "2", "-in", f"{name}.csr", "-out", f"{name}.pem"),
+        *("-CA", f"{name}-ca.pem", "-CAkey", f"{name}-ca.key", "-CAcreateserial"),
+        folder=folder,
+    )
+    return tuple(str(folder / f"{name}{end}") for end in ("-ca.pem", ".pem", ".key"))
+
+
+def with_certificates(authority, certificate, key):
+    """Name a client's certificates to Dask, as its environment variables do."""
+    import dask
+
+    tls = "distributed.comm.tls"
+    return dask.config.set(
+        {f"{tls}.ca-file": authority, f"{tls}.client.cert": certificate, f"{tls}.client.key": key}
+    )
+
+
+@pytest.mark.filterwarnings("default")
+def test_a_cluster_with_tls_works_for_who_holds_a_certificate_of_its_authority(tmp_path, monkeypatch):
+    pytest.importorskip("distributed", reason="LOUD: no Dask installed, TLS is not tested")
+    if shutil.which("openssl") is None:
+        pytest.skip("LOUD: no openssl to make certificates with, TLS is not tested")
+    from validation.solves import cluster as module
+
+    connected = module._connected
+    monkeypatch.setattr(module, "_connected", lambda address: connected(address, timeout=2))
+    own, stranger = certified(tmp_path, "own"), certified(tmp_path, "stranger")
+    options = [*("--tls-ca-file", own[0], "--tls-cert", own[1], "--tls-key", own[2]), "--protocol", "tls"]
+    store, folder = Store(folder=tmp_path / "s"), prepare_folder(tmp_path / "cluster")
+    with dask_cluster(folder, 1, [str(Path(__file__).parent)], options) as (address, _, _):
+        assert address.startswith("tls://")
+        with pytest.raises(UsageError, match=r"TLS needs certificates: name them to Dask"):
+            solve_all([Numbers(1)], store, execution=Execution(scheduler=address))
+        with (
+            with_certificates(*stranger),
+            pytest.raises(UsageError, match=r"signed by the authority") as told,
+        ):
+            solve_all([Numbers(1)], store, execution=Execution(scheduler=address))
+        assert "\n" not in str(told.value)
+        assert not store.folder.exists() or not list(store.folder.iterdir())
+        monkeypatch.setattr(module, "_connected", connected)
+        with with_certificates(*own):
+            done = solve_all([Numbers(1), Numbers(2)], store, execution=Execution(scheduler=address))
+        assert done.solved == 2
+        assert all(store.holds(Numbers(seed)) for seed in (1, 2))
 
 
 class Evil:
