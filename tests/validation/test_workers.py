@@ -249,6 +249,17 @@ def test_a_cluster_with_tls_works_for_who_holds_a_certificate_of_its_authority(t
         assert all(store.holds(Numbers(seed)) for seed in (1, 2))
 
 
+def test_where_encryption_is_asked_for_an_address_without_it_is_refused(tmp_path):
+    dask = pytest.importorskip("dask")
+    with (
+        dask.config.set({"distributed.comm.require-encryption": True}),
+        pytest.raises(UsageError, match=r"asks for encryption; name it as tls://host:port"),
+    ):
+        solve_all(
+            [Numbers(1)], Store(folder=tmp_path / "s"), execution=Execution(scheduler="tcp://127.0.0.1:9")
+        )
+
+
 class Evil:
     """A pickle that leaves a file where it is opened."""
 

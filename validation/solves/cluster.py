@@ -218,13 +218,17 @@ def solve_on_cluster(
 @contextlib.contextmanager
 def _connected(address: str, *, timeout: float = 10) -> Iterator[Any]:
     try:
-        from distributed import Client
+        from distributed import Client, Security
 
         from validation.solves.plain_answers import plain_answers
     except ImportError:
         raise UsageError(
             f"--scheduler = {address!r}: needs Dask; install it with: pip install 'fem-contact[cluster]'"
         ) from None
+    if Security().require_encryption and not address.startswith("tls://"):
+        raise UsageError(
+            f"--scheduler = {address!r}: Dask's configuration asks for encryption; name it as tls://host:port"
+        )
     with plain_answers(), _quiet():
         try:
             client = Client(address, timeout=timeout, set_as_default=False)
