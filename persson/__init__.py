@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from persson.errors import InvalidInput, PerssonError
     from persson.graded import ExponentialLayers, GradedModulus, SurfaceLayer
     from persson.hardness import constant_hardness, nix_gao_hardness, size_dependent_hardness
+    from persson.leakage import effective_medium
     from persson.limits import critical_roughness, pull_off_stress
     from persson.scale import Scale
     from persson.separation import mean_separation
@@ -62,6 +63,7 @@ __all__ = [
     "corrected_contact_area",
     "critical_roughness",
     "diffusion",
+    "effective_medium",
     "elastic",
     "graded",
     "hardness",
@@ -113,6 +115,7 @@ _HOMES = {
     "contact_area": "persson.elastic",
     "corrected_contact_area": "persson.variants",
     "critical_roughness": "persson.limits",
+    "effective_medium": "persson.leakage",
     "hertz": "persson.spheres",
     "jkr_load": "persson.spheres",
     "jkr_pull_off": "persson.spheres",

@@ -1,6 +1,7 @@
 """Recomputing the paper: verdicts, the files written, and that a wrong number changes a verdict."""
 
 import csv
+import json
 import math
 from dataclasses import replace
 
@@ -10,13 +11,14 @@ from validation.paper import reproduce
 from validation.paper.claims import Reading, judge
 from validation.paper.figures import FIGURES
 from validation.paper.table import CLAIMS
+from validation.report.page import write_page
 
 
 @pytest.fixture(scope="module")
 def outcome(tmp_path_factory):
     folder = tmp_path_factory.mktemp("paper") / "new" / "folder"
     told = []
-    rows = reproduce.run(folder, figures=False, progress=told.append)
+    rows = reproduce.run(folder, figures=False, progress=told.append).rows
     return folder, rows, told
 
 
@@ -27,7 +29,10 @@ def test_every_claim_has_a_verdict_and_the_table_holds_them_all(outcome):
     with (folder / "claims.csv").open(encoding="utf-8") as file:
         written = list(csv.DictReader(file))
     assert [line["verdict"] for line in written] == [row.verdict for row in rows]
-    assert len((folder / "claims.md").read_text(encoding="utf-8").splitlines()) == len(rows) + 2
+    said = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    assert [claim["verdict"] for claim in said["claims"]] == [row.verdict for row in rows]
+    missed = [row for row in rows if row.verdict.startswith("not")]
+    assert all(any(row.claim in finding for finding in said["findings"]) for row in missed)
 
 
 def test_claims_that_hold_literally_and_claims_that_do_not_are_told_apart(outcome):
@@ -76,23 +81,28 @@ def test_tolerances_bracket_the_stated_number():
 
 
 @pytest.mark.parametrize("name", ["spectra", "coarse_grid", "elastoplastic"])
-def test_a_figure_is_written_with_its_numbers(name, tmp_path):
-    from validation.paper import plots as plots_paper
+def test_a_figure_is_drawn_from_numbers_that_are_written_with_it(name, tmp_path):
+    from validation.paper.page import paper_page
+    from validation.paper.plots import drawn
 
     figure = next(make for make in FIGURES if make.__name__ == name)()
-    png, svg = plots_paper.save(figure, tmp_path)
-    assert png.stat().st_size > 5000
-    assert figure.title in svg.read_text(encoding="utf-8")
-    again = plots_paper.save(figure, tmp_path)[1].read_bytes()
-    assert again == svg.read_bytes()
-    for panel in figure.panels:
-        for curve in panel.curves:
-            assert all(math.isfinite(v) for v in (*curve.x, *curve.y))
+    write_page(paper_page([judge(CLAIMS[0])], figures=(drawn(figure),)), tmp_path)
+    html = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert f'id="{figure.name.replace("_", "-")}"' in html
+    assert figure.title in html
+    (written,) = (tmp_path / "figures").glob("*.csv")
+    with written.open(encoding="utf-8") as file:
+        points = [(float(line["x"]), float(line["y"])) for line in csv.DictReader(file)]
+    curves = [curve for panel in figure.panels for curve in panel.curves]
+    assert points == [(x, y) for curve in curves for x, y in zip(curve.x, curve.y, strict=True)]
+    assert all(math.isfinite(value) for point in points for value in point)
 
 
 @pytest.mark.slow
 def test_everything_is_written(tmp_path):
-    reproduce.run(tmp_path)
+    done = reproduce.run(tmp_path)
+    assert done.files[0] == tmp_path / "report.html"
     for make in FIGURES:
-        for suffix in ("png", "svg", "csv"):
-            assert (tmp_path / f"{make.__name__}.{suffix}").stat().st_size > 500
+        for suffix in ("pdf", "svg", "csv", "nc"):
+            name = make.__name__.replace("_", "-")
+            assert (tmp_path / "figures" / f"{name}.{suffix}").stat().st_size > 500

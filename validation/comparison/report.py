@@ -352,13 +352,16 @@ def _shown(comparison: Comparison, results: Solves) -> dict[Press, ContactResult
 
 
 def _drawings(comparison: Comparison, shown: dict[Press, ContactResult]) -> tuple[Drawing, ...]:
-    """Draw the four figures of a comparison."""
+    """Draw the figures of a comparison."""
     from validation.comparison import figure_data, plots
 
     by_grid: dict[str, list[ContactResult]] = {}
     for solve, result in shown.items():
         by_grid.setdefault(solve.label, []).append(result)
     near_zero = figure_data.pressure_at_zero_data(comparison, by_grid)
+    finest = {label: by_grid[label] for label in {solve.method: solve.label for solve in shown}.values()}
+    top = figure_data.largest_pressure(comparison, finest)
+    to_its_end = figure_data.pressure_at_zero_data(comparison, finest, top=top)
     pair = _side_by_side(shown)
     return (
         Drawing(
@@ -376,6 +379,13 @@ def _drawings(comparison: Comparison, shown: dict[Press, ContactResult]) -> tupl
             caption=_DISTRIBUTION + (_WITH_TENSION if comparison.adhesive else _FROM_ZERO),
         ),
         Drawing(
+            name="pressure-distribution",
+            figure=plots.pressure_at_zero_figure(to_its_end, logarithmic=True),
+            data=to_its_end,
+            caption="The same to the largest pressure, on the finest grid of each method"
+            f"{_theory_caption(comparison)}.",
+        ),
+        Drawing(
             name="cost",
             figure=plots.cost_figure(comparison),
             data=figure_data.cost_data(comparison),
@@ -390,6 +400,16 @@ def _drawings(comparison: Comparison, shown: dict[Press, ContactResult]) -> tupl
             "is high; and where both have the same points, their difference.",
         ),
     )
+
+
+def _theory_caption(c: Comparison) -> str:
+    """Say which part of the theory is drawn."""
+    if c.theory is None or not c.theory.answers:
+        return ""
+    yielded = (
+        "; what has yielded is a delta at the hardness and left out" if c.theory.plastic is not None else ""
+    )
+    return f", beside the theory ({c.theory.note or 'elastic, without adhesion'}{yielded})"
 
 
 def _side_by_side(shown: dict[Press, ContactResult]) -> dict[str, ContactResult]:
