@@ -106,7 +106,8 @@ def crack_dissipation(
     function("loss_compliance", loss_compliance)
     low = positive("relaxed", relaxed, unit="Pa")
     radius = positive("tip_radius", tip_radius, unit="m")
-    size = math.inf if contact_size == math.inf else positive("contact_size", contact_size, unit="m")
+    endless = isinstance(contact_size, float) and contact_size == math.inf
+    size = math.inf if endless else positive("contact_size", contact_size, unit="m")
     if size <= radius:
         return 0.0
     # With z = ln(r/a), r = 2 pi v / omega, the weight sqrt(1 - (a/r)^2) starts like a root: z = y^2.
