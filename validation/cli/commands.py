@@ -389,7 +389,12 @@ def reproduce(
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Recompute Persson (2006): every calculated figure and every claim with a number, and say what holds."""
+    """Recompute Persson (2006), and say what holds.
+
+    Covers the calculated figures and the numbers stated in the text: spectra, area, hardness, adhesion, tire rim, PMMA,
+    Pyrex. Claims of one system are judged under one set of conventions. Measured figures, rubber friction and the cost
+    of solvers have no row; claims.md says why.
+    """
     from validation.cli.progress import steps_bar
     from validation.files import prepare_folder
     from validation.paper import reproduce as reproduction
@@ -507,6 +512,7 @@ def _help_study(context: typer.Context, name: str | None) -> None:
 
 def _claims_table(rows: Sequence[ClaimRow]) -> Any:
     from rich.table import Table
+    from rich.text import Text
 
     table = Table(title="Numbers of Persson (2006)")
     names = [field.name for field in dataclasses.fields(rows[0])]
@@ -514,7 +520,8 @@ def _claims_table(rows: Sequence[ClaimRow]) -> Any:
         table.add_column(name, overflow="fold")
     for row in rows:
         values = (getattr(row, name) for name in names)
-        table.add_row(*(v if isinstance(v, str) else f"{v:.4g}" for v in values))
+        # Units stand in brackets, which would be taken for markup.
+        table.add_row(*(Text(v if isinstance(v, str) else f"{v:.4g}") for v in values))
     return table
 
 

@@ -13,14 +13,14 @@ from pathlib import Path
 
 from validation.paper.claims import ClaimRow, judge
 from validation.paper.figures import FIGURES, PaperFigure
-from validation.paper.table import CLAIMS
+from validation.paper.table import APPLICATIONS, UNJUDGED
 
 __all__ = ["ClaimRow", "run", "steps"]
 
 
 def steps() -> int:
     """Count the times `run` reports progress."""
-    return len(FIGURES) + len(CLAIMS)
+    return len(FIGURES) + sum(len(application.claims) for application in APPLICATIONS)
 
 
 def run(
@@ -40,7 +40,8 @@ def run(
     Returns
     -------
     tuple of ClaimRow
-        One row per claim: the paper's number, ours, the convention, the verdict.
+        One row per claim: the paper's number, ours under the joint convention of its application and
+        under the literal one, and the verdict.
 
     Raises
     ------
@@ -58,10 +59,11 @@ def run(
             figure = make()
             _write_data(figure, output / f"{figure.name}.csv")
             plots_paper.save(figure, output)
-    rows = []
-    for claim in CLAIMS:
-        tell(f"claim: {claim.text}")
-        rows.append(judge(claim))
+    rows = [
+        row
+        for application in APPLICATIONS
+        for row in judge(application, tell=lambda text: tell(f"claim: {text}"))
+    ]
     _write_claims(rows, output)
     return tuple(rows)
 
@@ -84,6 +86,8 @@ def _write_claims(rows: Sequence[ClaimRow], output: Path) -> None:
         writer.writerows(astuple(row) for row in rows)
     lines = ["| " + " | ".join(names) + " |", "|" + " --- |" * len(names)]
     lines += ["| " + " | ".join(_cell(value) for value in astuple(row)) + " |" for row in rows]
+    lines += ["", "Without a verdict:", ""]
+    lines += [f"- {one.section}: {one.statement} ({one.reason})." for one in UNJUDGED]
     (output / "claims.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
 
 
