@@ -26,12 +26,12 @@ from fem_contact import contact as contact_module
 from fem_contact import surface as surfaces
 from persson import adhesion as theory_adhesion
 from persson import (
-    adhesion_load,
     archard,
     asperities,
     capillary,
     diffusion,
     elastic,
+    elastoplastic_asperities,
     flaw_tolerance,
     gaps,
     heights,
@@ -47,9 +47,9 @@ from persson import (
     spheres,
     squeezed_spheres,
     tabulated,
+    tensile,
     variants,
     viscoelastic,
-    yielding_asperities,
 )
 from persson import graded as theory_graded
 from persson import hardness as theory_hardness
@@ -327,7 +327,7 @@ def paper_doors(one: Any, rough: Any, bent: Any, summits: Any, sticky: Any) -> d
             {"spectrum": bent, "pressure": 1e6, "contact_modulus": 1e9, "q_reference": 1e5},
         ),
         "adhesion_load": (
-            adhesion_load.adhesion_load,
+            tensile.adhesion_load,
             {"pressure": 1e5, "stress_variance": 1e12, "tensile_limit": 1e6},
         ),
         "archard_hierarchy": (
@@ -336,7 +336,7 @@ def paper_doors(one: Any, rough: Any, bent: Any, summits: Any, sticky: Any) -> d
         ),
         "height_distribution": (heights.height_distribution, {"height": 1e-9, "rms_height": 1e-9}),
         "yielding_asperities": (
-            yielding_asperities.yielding_asperities,
+            elastoplastic_asperities.yielding_asperities,
             {"separation": 1e-7, "asperities": summits, "contact_modulus": 1e9, "hardness": 1e8},
         ),
         "percolation_magnification": (

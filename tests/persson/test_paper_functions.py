@@ -7,11 +7,11 @@ import pytest
 from scipy.integrate import quad
 from scipy.special import erfc
 
-from persson.adhesion_load import adhesion_load
 from persson.archard import archard_hierarchy
 from persson.asperities import Asperities, ring_asperities
 from persson.capillary import maximum_height
 from persson.diffusion import solve_diffusion
+from persson.elastoplastic_asperities import yielding_asperities
 from persson.errors import InvalidInput, OutsideTheory
 from persson.heights import height_distribution
 from persson.percolation import MEASURED_THRESHOLD, percolation_magnification
@@ -21,7 +21,7 @@ from persson.sliding import adhesional_pressure, local_shear_stress, nominal_she
 from persson.soft_structures import fibre_modulus, foam_modulus
 from persson.spectrum import SelfAffine
 from persson.spheres import hertz
-from persson.yielding_asperities import yielding_asperities
+from persson.tensile import adhesion_load
 
 
 def test_one_level_of_archard_is_hertz():

@@ -391,9 +391,9 @@ def reproduce(
 ) -> None:
     """Recompute Persson (2006), and say what holds.
 
-    Covers the calculated figures and the numbers stated in the text: spectra, area, hardness, adhesion, tire rim, PMMA,
-    Pyrex. Claims of one system are judged under one set of conventions. Measured figures, rubber friction and the cost
-    of solvers have no row; claims.md says why.
+    Covers the calculated figures and the numbers stated in the text: spectra, area, hardness, adhesion,
+    tire rim, PMMA, Pyrex. Claims of one system are judged under one set of conventions. Measured figures,
+    rubber friction and the cost of solvers have no row; claims.md says why.
     """
     from validation.cli.progress import steps_bar
     from validation.files import prepare_folder

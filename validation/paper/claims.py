@@ -114,7 +114,7 @@ class ClaimRow:
     literal : float
         Under the literal one.
     convention : str
-        The joint convention; "as stated" where the literal one serves best or none enters.
+        The joint convention; "as stated" where none enters.
     verdict, note : str
         Whether it holds, and what else there is to say.
     """
@@ -165,16 +165,19 @@ def judge(application: Application, *, tell: Callable[[str], None] | None = None
             application.name,
             computed=values[number, best],
             literal=values[number, 0],
-            convention="" if one.fixed or joint is first else joint.name,
+            convention="" if one.fixed else joint.name,
+            inferred=joint is not first and not one.fixed,
         )
         for number, one in enumerate(application.claims)
     )
 
 
-def _row(one: Claim, application: str, *, computed: float, literal: float, convention: str) -> ClaimRow:
+def _row(
+    one: Claim, application: str, *, computed: float, literal: float, convention: str, inferred: bool
+) -> ClaimRow:
     if not one.agrees(computed):
         verdict = f"not reproduced because {one.failure}"
-    elif convention:
+    elif inferred:
         verdict = "reproduced under the joint convention" + (
             f", with a choice: {one.choice}" if one.choice else ""
         )
@@ -183,7 +186,7 @@ def _row(one: Claim, application: str, *, computed: float, literal: float, conve
     else:
         verdict = "reproduced"
     agreement = ", which agrees, too" if one.agrees(literal) else ""
-    extra = f"literally {literal:.4g}{agreement}" if convention else ""
+    extra = f"literally {literal:.4g}{agreement}" if inferred else ""
     notes = [extra, one.note() if one.note else ""]
     return ClaimRow(
         claim=one.text,

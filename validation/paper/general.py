@@ -8,7 +8,6 @@ import numpy as np
 
 from persson import elastic
 from persson.adhesion import Interface, crossover_length
-from persson.adhesion_load import adhesion_load
 from persson.archard import archard_hierarchy
 from persson.asperities import ring_asperities
 from persson.capillary import maximum_height
@@ -18,6 +17,7 @@ from persson.limits import critical_roughness
 from persson.soft_structures import fibre_modulus
 from persson.spectrum import SelfAffine
 from persson.spheres import DoubleHertz, derjaguin_pull_off, jkr_pull_off
+from persson.tensile import adhesion_load
 from persson.viscoelastic import StandardSolid, crack_dissipation
 from validation.paper.claims import Application, claim, digit, factor, percent
 

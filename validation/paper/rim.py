@@ -158,7 +158,7 @@ RIM = Application(
             under=lambda rim: rim.pressed.real_area,
             note=lambda: (
                 f"computed thresholds of rough contacts are about {MEASURED_THRESHOLD:g}: that is exceeded, "
-                "too, but not with projected areas and Eq. 50"
+                "too, but by no reading with projected areas"
             ),
         ),
         claim(
