@@ -100,10 +100,10 @@ def contact_area(pressure: ArrayLike, *, stress_variance: ArrayLike) -> Array:
 
     Notes
     -----
-    Persson 2006, Eq. 20 with the upper limit of its integral corrected to 1/sqrt(G). Exact at full contact.
-    At A/A0 from .03 to .1 and H = .8 it lies below converged computations by 30 % where the waves span a factor
-    8 and by 20 % where they span 100; at A/A0 = .27 by 28 and 15 %, near full contact by nothing (docs/theory.md).
-    The digits of 1 - A/A0 are in `non_contact_area`.
+    Persson 2006, Eq. 20 with the upper limit of its integral corrected to 1/sqrt(G). Exact at full
+    contact. At A/A0 from .03 to .1 and H = .8 it lies below converged computations by 30 % where the
+    waves span a factor 8 and by 20 % where they span 100; at A/A0 = .27 by 28 and 15 %, near full contact
+    by nothing (docs/theory.md). The digits of 1 - A/A0 are in `non_contact_area`.
 
     Examples
     --------

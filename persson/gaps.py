@@ -22,9 +22,7 @@ _INTERVALS = 120
 _CLOSED = 20.0
 
 
-def gap_distribution(
-    gap: ArrayLike, *, pressure: float, scale: Scale, energy_ratio: float = 1.0
-) -> Array:
+def gap_distribution(gap: ArrayLike, *, pressure: float, scale: Scale, energy_ratio: float = 1.0) -> Array:
     r"""Distribution of the interfacial gap outside the contact, P(u).
 
     .. math:: P(u) = \int d\zeta\, \frac{-A'(\zeta)}{A_0} \frac{1}{\sqrt{2\pi}\,h(\zeta)}
@@ -45,18 +43,19 @@ def gap_distribution(
     Returns
     -------
     array
-        P [1/m] per nominal area: it integrates to 1 - A/A0. The delta function of the contact area at u = 0 is
-        left out.
+        P [1/m] per nominal area: it integrates to 1 - A/A0. The delta function of the contact area at u =
+        0 is left out.
 
     Notes
     -----
     Area that is in contact at magnification zeta and is seen to be out of it at zeta + dzeta lies a mean
-    distance u_1(zeta) from the other surface; roughness with q > zeta q_0, of rms height h(zeta), scatters the gap
-    about it, and what would overlap is folded back. ubar(zeta) is the mean separation in the contact seen at
-    zeta, under the pressure sigma_0 A_0 / A(zeta) and with the shorter waves alone. Almqvist, Campana, Prodanov
-    and Persson, J. Mech. Phys. Solids 59, 2355 (2011), arXiv:1102.5412; derived again here from that picture,
-    since only the abstract was at hand. The folding makes the mean of P exceed `mean_separation`: by 2, 17 and
-    48 % at p* = .01, .1 and .3. Quantiles agree with boundary elements within 10 % from p* = .05 to .3 with g = .45.
+    distance u_1(zeta) from the other surface; roughness with q > zeta q_0, of rms height h(zeta),
+    scatters the gap about it, and what would overlap is folded back. ubar(zeta) is the mean separation in
+    the contact seen at zeta, under the pressure sigma_0 A_0 / A(zeta) and with the shorter waves alone.
+    Almqvist, Campana, Prodanov and Persson, J. Mech. Phys. Solids 59, 2355 (2011), arXiv:1102.5412;
+    derived again here from that picture, since only the abstract was at hand. The folding makes the mean
+    of P exceed `mean_separation`: by 2, 17 and 48 % at p* = .01, .1 and .3. Quantiles agree with boundary
+    elements within 10 % from p* = .05 to .3 with g = .45.
     """
     u = real("gap", gap, unit="m")
     load = positive("pressure", pressure, unit="Pa")

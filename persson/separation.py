@@ -90,7 +90,7 @@ def contact_stiffness(pressure: ArrayLike, *, scale: Scale, energy_ratio: float 
     -------
     array
         K per nominal area [Pa/m]: of the roughness alone, without the solid behind it. At light load it is
-        proportional to the pressure.
+        proportional to the pressure; infinite where nothing is left to close.
 
     Notes
     -----
@@ -105,7 +105,8 @@ def contact_stiffness(pressure: ArrayLike, *, scale: Scale, energy_ratio: float 
     with np.errstate(under="ignore"):
         rate = (ratio + 3 * (1 - ratio) * erf(s) ** 2) * np.exp(-np.minimum(s * s, 700.0))
         softness = rate @ (length * (2 / math.sqrt(math.pi)) / root)
-    return np.asarray(load / softness)[()]
+    with np.errstate(divide="ignore", over="ignore"):
+        return np.asarray(load / softness)[()]
 
 
 def _loaded(pressure: ArrayLike) -> Array:

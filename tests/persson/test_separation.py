@@ -51,7 +51,7 @@ def test_energy_is_equation_43():
 
 
 def test_improved_energy_is_twice_the_old_one_at_light_load():
-    """P~ -> 2 P without adhesion (docs/errata.md); the correction is 1.8 sigma_0 / sqrt(2 V), of the long waves most."""
+    """P~ -> 2 P without adhesion (docs/errata.md); less by 1.8 sigma_0 / sqrt(2 V), for long waves most."""
     light = 1e-6 * UNIT
     improved = elastic_energy(light, scale=SCALE, energy="improved")
     assert improved == pytest.approx(2 * elastic_energy(light, scale=SCALE), rel=2e-4)
@@ -118,7 +118,7 @@ def test_there_is_no_gap_below_zero_nor_at_full_contact():
 
 
 def test_macroasperities_carry_a_pressure_that_hardly_depends_on_light_load():
-    """Persson 2006, Sec. 3.7: 346 MPa at 1 MPa, 348 at 10; 462 at 100, where the contact is no longer light."""
+    """Persson 2006, Sec. 3.7: 346 MPa at 1 MPa, 348 at 10; 462 at 100, which is not light any more."""
     steel = SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e10, rolloff="smooth", q_min=1e3)
     found = [
         macroasperity_pressure(steel, pressure=p, contact_modulus=1e11 / 0.91, q_reference=1e5)

@@ -118,7 +118,12 @@ def reproduce(
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Recompute Persson (2006): every calculated figure and every claim with a number, and say what holds."""
+    """Recompute Persson (2006), and say what holds.
+
+    Covers the calculated figures and the numbers stated in the text: spectra, area, hardness, adhesion,
+    tire rim, PMMA, Pyrex. Claims of one system are judged under one set of conventions. Measured figures,
+    rubber friction and the cost of solvers have no row; the report says why.
+    """
     from validation.cli.progress import steps_bar
     from validation.cli.results import print_page
     from validation.files import prepare_folder

@@ -38,7 +38,7 @@ class Graded(Effect):
     cost: ClassVar[float] = 6.1
     papers: ClassVar[tuple[str, ...]] = (
         "Graded half-space, solved: A. E. Giannakopoulos, S. Suresh, Int. J. Solids Struct. 34, 2357 (1997).",
-        "Modulus that varies with depth, in the theory: B. N. J. Persson, Surf. Sci. Rep. 61, 201 (2006), Sec. 5.",
+        "Modulus that varies with depth, theory: B. N. J. Persson, Surf. Sci. Rep. 61, 201 (2006), Sec. 5.",
     )
 
     def fill(self, slots: Slots) -> None:
