@@ -130,15 +130,8 @@ def _tables() -> list[Check]:
 _LENGTHS = (1.0, 0.625)
 
 
-def _drawn(shape: tuple[int, int], **changes: str) -> HeightField:
-    return random_surface(
-        _power,
-        q_short=80.0,
-        lengths=_LENGTHS,
-        shape=shape,
-        seed=7_919,
-        **changes,  # type: ignore[arg-type]
-    )
+def _drawn(shape: tuple[int, int]) -> HeightField:
+    return random_surface(_power, q_short=80.0, lengths=_LENGTHS, shape=shape, seed=7_919)
 
 
 def _power(q: Array) -> Array:
