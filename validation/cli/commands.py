@@ -176,7 +176,7 @@ def _folders(
     asked: Scene | Sweep, output: Path | None, store: Path | None, *, accurate: bool
 ) -> tuple[Path, Path]:
     """Return the folders of results and of solves: the command line goes before the scene."""
-    from validation.scenes.scene import not_led_out
+    from validation.scenes.run_options import not_led_out
 
     said, results = asked.run, Path("results")
     plain = (

@@ -235,20 +235,23 @@ class _Case:
 
 def _case(scene: Scene, realised: Realised, results: Solves) -> _Case:
     """Read the stored solves of one scene as its own run does."""
+    comparison = None
+    if scene.methods.solvers:
+        comparison = compare(scene, realised, {solve: results[solve] for solve in solves_of(scene, realised)})
+        realised = comparison.realised  # under the load that was found, where a distance is held
     common: dict[str, float | None] = {
         "pressure": realised.pressure,
         "reduced_pressure": realised.reduced_pressure,
         "contact_modulus": realised.contact_modulus,
         "rms_gradient": realised.field.rms_gradient,
     }
-    if not scene.methods.solvers:
+    if comparison is None:
         summary = theory_alone.answer_alone(scene, realised).summary()
         (said,) = summary["answers"]
         area = said["area"]
         kappa = None if area is None else area / realised.reduced_pressure if realised.pressure > 0 else None
         said = {"theory_ensemble": area, "theory_plastic": said["plastic"], "theory_kappa": kappa}
         return _Case(numbers={**common, **said}, methods={}, grids={})
-    comparison = compare(scene, realised, {solve: results[solve] for solve in solves_of(scene, realised)})
     finest = {name: _finest(comparison.rows_of(name)) for name in scene.methods.solvers}
     return _Case(
         numbers={**common, **_numbers(comparison)},
@@ -325,6 +328,9 @@ def _dataset(sweep: Sweep, cases: Sequence[_Case]) -> xr.Dataset:
 _AXES = {
     "load.pressure": "p0",
     "load.reduced_pressure": "p* = p0 / (E* h'_rms)",
+    "load.force": "force",
+    "load.mean_gap": "mean gap",
+    "load.offset": "offset",
     "solid.young": "Young's modulus E",
     "solid.poisson": "Poisson ratio",
     "surface.hurst": "Hurst exponent H",

@@ -160,6 +160,10 @@ class Solver(Method):
     half_space : bool
         Whether it solves the bare half-space, u-hat = 2 p-hat / (E* q) at the grid points, so that its
         residuals follow from its pressure alone.
+    holds : frozenset of str
+        Distances of the table of loads that it can hold in place of a load.
+    sinks : bool
+        Whether its body, clamped below, is pressed together as a whole under its load.
     score_points : int
         Points along a side of the coarsest grid of its scorecard.
     """
@@ -169,6 +173,8 @@ class Solver(Method):
     for_ensembles: ClassVar[bool] = False
     foreign: ClassVar[bool] = False
     half_space: ClassVar[bool] = False
+    holds: ClassVar[frozenset[str]] = frozenset()
+    sinks: ClassVar[bool] = False
     score_points: ClassVar[int] = 32
 
     def handles(self, effect: type[Effect]) -> bool:
@@ -207,6 +213,24 @@ class Solver(Method):
         threads: int | None = None,
     ) -> Solved:
         """Press a surface [m] with a nominal pressure [Pa]."""
+
+    def hold(
+        self,
+        field: HeightField,
+        *,
+        distance: Mapping[str, float],
+        slots: Slots,
+        settings: Mapping[str, Any],
+        threads: int | None = None,
+    ) -> Solved:
+        """Press a surface [m] to a mean gap or offset [m], ``{"mean_gap": 1e-8}``, and find the load.
+
+        Raises
+        ------
+        UsageError
+            For a method that presses with a load alone.
+        """
+        raise UsageError(f"method {self.name!r}: presses with a load, and holds no {' or '.join(distance)}")
 
     def claim(
         self, field: HeightField, *, mean_pressure: float, slots: Slots, settings: Mapping[str, Any]

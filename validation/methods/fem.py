@@ -58,6 +58,8 @@ class Fem(Solver):
     options: ClassVar[type[Table]] = FemOptions
     slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound"})
     independent = True
+    holds = frozenset({"offset"})
+    sinks = True
     score_points = 16
     papers = (
         "Finite elements: T. Gustafsson, G. D. McBain, scikit-fem, J. Open Source Softw. 5, 2369 (2020); "
@@ -78,6 +80,11 @@ class Fem(Solver):
                 "elements of displacement alone; leave [methods.fem] out or lower it"
             )
         for k, effect in enumerate(effects):
+            if effect.slot == "pressure bound" and realised.load.held:
+                raise UsageError(
+                    f"{effect_key(k, 'kind')} = {effect.kind!r}: method 'fem' yields under a load only; "
+                    "give one in place of load.offset, or leave [methods.fem] out"
+                )
             if effect.slot != "response":
                 continue
             body = Slots.filled(realised.elastic, [effect]).body
@@ -157,13 +164,25 @@ class Fem(Solver):
         """Press the block."""
         from fem_contact import block
 
-        said: dict[str, Any] = {"method": "full", **settings}
-        if slots.body is not None:
-            body = {"depth": slots.body.depth, "modulus": slots.body.modulus}
-            said |= {name: value for name, value in body.items() if value is not None}
+        said = _told(slots, settings)
         if slots.pressure_bound is not None:
             said["pressure_bound"] = slots.pressure_bound
         solution = block.solve(field, slots.solid, mean_pressure=mean_pressure, **said)
+        return Solved(contact=solution.contact, block=solution)
+
+    def hold(
+        self,
+        field: HeightField,
+        *,
+        distance: Mapping[str, float],
+        slots: Slots,
+        settings: Mapping[str, Any],
+        threads: int | None = None,
+    ) -> Solved:
+        """Press the block to an offset."""
+        from fem_contact import block
+
+        solution = block.solve_displacement(field, slots.solid, **distance, **_told(slots, settings))
         return Solved(contact=solution.contact, block=solution)
 
     def score_settings(self, points: int) -> dict[str, float | str]:
@@ -213,6 +232,15 @@ class Fem(Solver):
                 f"along the diagonal at {short.nodes:.3g} nodes per wave (the shortest), by "
                 f"{long.along_axis:+.2%} at {long.nodes:.3g} (the longest); + is too soft",
             )
+
+
+def _told(slots: Slots, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a block is told: the whole system unless said otherwise, and the body of an effect."""
+    said: dict[str, Any] = {"method": "full", **settings}
+    if slots.body is not None:
+        body = {"depth": slots.body.depth, "modulus": slots.body.modulus}
+        said |= {name: value for name, value in body.items() if value is not None}
+    return said
 
 
 def _check_layers(options: FemOptions, grid: Grid, lengths: tuple[float, float]) -> None:
