@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -166,7 +167,7 @@ def run_sweep(
     cases = cases or realised_cases(sweep)
     prepare_folder(folder)
     store = Store(folder=store_folder or folder / "solves")
-    _record(sweep, folder)
+    _record(sweep, folder, store)
     solves = solves_of_sweep(sweep, cases)
     results = solve_all(solves, store, progress=progress, execution=execution)
     data = _dataset(sweep, [_case(*pair, results) for pair in zip(sweep.scenes, cases, strict=True)])
@@ -207,7 +208,7 @@ def report_sweep(folder: Path, *, numbers_only: bool = False) -> SweepOutputs:
     return SweepOutputs(data=data, page=page, files=(*written, folder / _DATA))
 
 
-def _record(sweep: Sweep, folder: Path) -> None:
+def _record(sweep: Sweep, folder: Path, store: Store) -> None:
     """Write down what the folder is a sweep of; what another run left in it goes."""
     clear_page(folder)
     for other in ("run.json", "study.json", "accuracy.json", _DATA):
@@ -223,6 +224,7 @@ def _said(sweep: Sweep) -> dict[str, Any]:
         "mode": sweep.mode,
         "keys": [dataclasses.asdict(key) for key in sweep.keys],
         "scene": sweep.scenes[0].model_dump(mode="json", exclude_none=True),
+        "store": os.path.relpath(store.folder.resolve(), folder.resolve()),
     }
 
 
