@@ -127,7 +127,7 @@ def test_a_peer_that_fails_is_a_sentence(monkeypatch):
     solve = peers.PeerMeasurement(
         code="no-such-code",
         realised=base_case(base_surface(hurst=0.8, seed=4177, **SMALL), reduced_pressure=0.1),
-        points=16,
+        grid=(16, 16),
     )
     with pytest.raises(RunFailed, match="no-such-code 16x16, surface 1: KeyError"):
         solve.measure()
@@ -137,7 +137,7 @@ def test_a_peer_that_fails_is_a_sentence(monkeypatch):
 def test_an_installed_peer_counts_the_area_that_is_counted_here(code):
     pytest.importorskip(code)
     surface = base_surface(hurst=0.8, seed=4178, periods=2.0, bandwidth=4.0)
-    solve = peers.PeerMeasurement(code=code, realised=base_case(surface, reduced_pressure=0.1), points=64)
+    solve = peers.PeerMeasurement(code=code, realised=base_case(surface, reduced_pressure=0.1), grid=(64, 64))
     found = solve.measure()
     assert float(found.solver_error) < 0.1 * 0.103 * float(found.pixel) * 2
     assert float(found.seconds) > 0

@@ -16,7 +16,7 @@ from validation.audit.ledger import Ledger
 from validation.audit.recomputed import Row, Run, without_none
 from validation.audit.sentences import label_of, with_error
 
-__all__ = ["audit_figures", "audit_page", "audit_summary", "audit_table"]
+__all__ = ["audit_figures", "audit_page", "audit_summary", "audit_table", "page_tables"]
 
 #: Rounding differs between two ways to add up; a residual of 1e-17 is rounding itself.
 _LOOSE = {"residual": {"rtol": 1e-6, "atol": 1e-14}, "pixel_scatter": {"rtol": 1e-9, "atol": 1e-12}}
@@ -222,7 +222,8 @@ def _distribution(figures: Path, run: Run, ledger: Ledger) -> None:
 
 _MARKS = (
     ("κ", "kappa"),
-    ("λ", "lambda_"),
+    ("α", "alpha"),
+    ("λ", "lambda"),
     ("Δx", "dx"),
     ("±\u00a0", "+- "),
     ("\u00a0%", " %"),
@@ -232,20 +233,20 @@ _MARKS = (
 
 def _plain(cell: str) -> str:
     """Return a cell of a page as it was typed."""
-    text = html.unescape(re.sub(r"<[^>]+>", "", cell))
+    text = html.unescape(re.sub(r"<[^>]+>", "", re.sub(r"<sub>([^<\d]+)</sub>", r"_\1", cell)))
     for printed, typed in _MARKS:
         text = text.replace(printed, typed)
     return text.strip()
 
 
-def _tables(page: str) -> dict[str, list[dict[str, str]]]:
-    """Return the tables of a page by their titles."""
+def page_tables(page: str) -> dict[str, tuple[list[str], list[list[str]]]]:
+    """Return the tables of a page by their titles: names of the columns, and lines of cells."""
     found = {}
     for title, table in re.findall(r'aria-label="Table: ([^"]+)"><table>(.*?)</table>', page, flags=re.S):
         names = [_plain(cell) for cell in re.findall(r"<th[^>]*>(.*?)</th>", table, flags=re.S)]
         lines = re.findall(r"<tr[^>]*>((?:<td.*?)+)</tr>", table, flags=re.S)
         cells = [[_plain(c) for c in re.findall(r"<td[^>]*>(.*?)</td>", line, flags=re.S)] for line in lines]
-        found[html.unescape(title)] = [dict(zip(names, line, strict=False)) for line in cells]
+        found[html.unescape(title)] = names, cells
     return found
 
 
@@ -255,7 +256,10 @@ def audit_page(folder: Path, run: Run, ledger: Ledger) -> None:
     if not path.exists() or run.measured:
         return
     page = path.read_text(encoding="utf-8")
-    tables = _tables(page)
+    tables = {
+        title: [dict(zip(names, line, strict=False)) for line in lines]
+        for title, (names, lines) in page_tables(page).items()
+    }
     lines = tables.get("Every grid", [])
     for line, row in zip(lines, run.rows, strict=False):
         _line(line, row, ledger)

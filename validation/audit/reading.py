@@ -1,4 +1,4 @@
-"""One run, read from beginning to end."""
+"""One results folder, read from beginning to end."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from validation.audit.ledger import Ledger
 from validation.audit.recomputed import Run
 from validation.audit.sentences import audit_sentences
 from validation.audit.stored import Array, Stored, wavevectors
+from validation.audit.studies import audit_study, is_study
 
 __all__ = ["audit", "judge_fields", "judge_surfaces"]
 
@@ -23,7 +24,7 @@ def audit(folder: Path) -> Ledger:
     Parameters
     ----------
     folder : Path
-        Results of a run with at least one solver.
+        Results of a run with at least one solver, or of a study.
 
     Returns
     -------
@@ -35,6 +36,8 @@ def audit(folder: Path) -> Ledger:
     OSError, ValueError, LookupError
         For a folder that holds no finished run of this version.
     """
+    if is_study(folder):
+        return audit_study(folder)
     ledger = Ledger()
     run = Run(folder)
     if not run.methods:

@@ -5,19 +5,20 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field
 
 from validation.measures.block import BlockMeasurement
-from validation.measures.common import Ladder, RisingOrNone, base_case, base_surface, results_of
+from validation.measures.common import Ladder, RisingOrNone, results_of
 from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.measures.side_by_side import ByMethod
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.solves.bench import Bench
-from validation.studies._options import Bandwidth, Hurst, Periods, ReducedPressure, Seed, Surfaces
-from validation.studies._study import StudyOptions
+from validation.studies._options import Methods, ReducedPressure, Seed, Surfaces
+from validation.studies._scene import Asked, PressedOptions
 from validation.studies.accuracy_cost.peer_solve import SOLVERS
 from validation.studies.accuracy_cost.peers import PeerMeasurement, installed_peers
 
@@ -45,13 +46,14 @@ _ELEMENTS = ("Hex1", "Hex2")
 _TOLERANCE, _FINE_TOLERANCE = 1e-5, 1e-8
 
 
-class Options(StudyOptions):
+class Options(PressedOptions):
     """Surfaces and grids. Times are of the processor; use one worker all the same."""
 
+    off: ClassVar[Mapping[str, Any]] = {"fem_points_per_wave": (), "peer_points_per_wave": ()}
+    plain = "what a digit costs is asked of the located area, which the bare half-space has"
+
+    methods: Methods = ("bem", "fem")
     reduced_pressure: ReducedPressure = 0.05
-    hurst: Hurst = 0.8
-    periods: Periods = 4.0
-    bandwidth: Bandwidth = 8.0
     surfaces: Annotated[
         Surfaces,
         Field(
@@ -71,8 +73,19 @@ class Options(StudyOptions):
     )
     peer_points_per_wave: RisingOrNone = Field(
         default=(4.0, 8.0, 16.0),
-        description="grids of tamaas and ContactMechanics, where they are installed; none: they are left out",
+        description="grids of tamaas and ContactMechanics, where they are installed and no other methods are asked for, "
+        "at equal error; none: they are left out",
     )
+    method_points_per_wave: RisingOrNone = Field(
+        default=(4.0, 8.0, 16.0),
+        description="grids of any other of the methods, which are asked for the same tolerance of their residuals",
+    )
+
+    @property
+    def peers(self) -> tuple[str, ...]:
+        """Codes that are compared at equal error: those that are installed, where nobody names methods."""
+        asked = "methods" not in self.model_fields_set and self.peer_points_per_wave
+        return installed_peers() if asked else ()
 
 
 #: A part of the study, then what is told apart in it: element or code, grid, number of the surface.
@@ -92,38 +105,50 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     -----
     All run on one thread; seconds are of its processor, which other work on the machine disturbs least. Memory is that
     of the arrays of a solve; of a peer, by how much its process grew. A peer's solver is stopped as soon as the area it
-    counts is within a tenth of its grid error of the converged count: equal error, not equal residual.
+    counts is within a tenth of its grid error of the converged count: equal error, not equal residual. A method that is
+    asked for by name is told the tolerance that the boundary elements are told.
     """
-    codes = installed_peers() if options.peer_points_per_wave else ()
-    return _dataset(results_of(bench, _cases(options, codes)), options, codes)
+    own = ("bem",) if options.scene is not None else ("bem", "fem")
+    others = options.others(options.method_points_per_wave, without=own)
+    return _dataset(results_of(bench, _cases(options, others)), options, others)
 
 
-def _cases(options: Options, codes: Sequence[str]) -> dict[_Case, NumbersSolve]:
+def _blocks(options: Options) -> tuple[tuple[str, float], ...]:
+    """List element and grid of the study's own blocks."""
+    asked = options.fem_points_per_wave if "fem" in options.methods else ()
+    return tuple(itertools.product(_ELEMENTS, asked))
+
+
+def _cases(options: Options, others: Sequence[Asked]) -> dict[_Case, NumbersSolve]:
     """List the solves of each part."""
-    surface = base_surface(
-        hurst=options.hurst, periods=options.periods, bandwidth=options.bandwidth, seed=options.seed
-    )
-    first = base_case(surface, reduced_pressure=options.reduced_pressure)
-    pressed = {k: first.further(k) for k in range(options.surfaces)}
+    first, pressed = options.first, dict(enumerate(options.pressed))
     cases: dict[_Case, NumbersSolve] = {}
-    for part, per_wave, tolerance in (
-        ("coarse", options.points_per_wave, _TOLERANCE),
-        ("fine", options.held_out_points_per_wave, _FINE_TOLERANCE),
+    held_out = tuple(grid_for(first, n) for n in options.held_out_points_per_wave)
+    for part, grids, tolerance in (
+        ("coarse", options.grids_for(options.points_per_wave), options.tolerance(_TOLERANCE)),
+        ("fine", held_out, _FINE_TOLERANCE),
     ):
-        grids = tuple(grid_for(first, n) for n in per_wave)
         for k, own in pressed.items():
             cases[part, k] = Measurement(realised=own, grids=grids, tolerance=tolerance)
-    for element, n, k in itertools.product(_ELEMENTS, options.fem_points_per_wave, pressed):
-        points = grid_for(first, n)[0]
-        cases["FEM", element, n, k] = BlockMeasurement(realised=pressed[k], points=points, element=element)
-    for code, n, k in itertools.product(codes, options.peer_points_per_wave, pressed):
-        points = grid_for(first, n)[0]
-        cases["peers", code, n, k] = PeerMeasurement(realised=pressed[k], points=points, code=code)
+    for (element, n), k in itertools.product(_blocks(options), pressed):
+        cases["FEM", element, n, k] = BlockMeasurement(
+            realised=pressed[k], grid=grid_for(first, n), element=element
+        )
+    for code, n, k in itertools.product(options.peers, options.peer_points_per_wave, pressed):
+        cases["peers", code, n, k] = PeerMeasurement(realised=pressed[k], grid=grid_for(first, n), code=code)
+    for asked, k in itertools.product(others, pressed):
+        told = {"tolerance": _TOLERANCE, **dict(asked.settings)}
+        for g, grid in enumerate(asked.grids):
+            cases["others", asked.name, g, k] = ByMethod(
+                realised=pressed[k], grid=grid, method=asked.method, settings=tuple(told.items())
+            )
     return cases
 
 
-def _dataset(found: Mapping[_Case, xr.Dataset], options: Options, codes: Sequence[str]) -> xr.Dataset:
+def _dataset(found: Mapping[_Case, xr.Dataset], options: Options, others: Sequence[Asked]) -> xr.Dataset:
     import xarray as xr
+
+    codes = options.peers
 
     surfaces = range(options.surfaces)
     coarse = [found["coarse", k] for k in surfaces]
@@ -131,11 +156,20 @@ def _dataset(found: Mapping[_Case, xr.Dataset], options: Options, codes: Sequenc
     reference = np.array([value[0] for value, _ in limits])
     uncertainty = np.array([error[0] for _, error in limits]) / reference
     ways = _bem_ways(coarse)
-    for element, n in itertools.product(_ELEMENTS, options.fem_points_per_wave):
+    for element, n in _blocks(options):
         part = [found["FEM", element, n, k] for k in surfaces]
         ways += [_single_way(part, area, f"FEM {element}", n) for area in ("pixel", "perimeter")]
     for code, n in itertools.product(codes, options.peer_points_per_wave):
         ways.append(_single_way([found["peers", code, n, k] for k in surfaces], "pixel", code, n))
+    for asked in others:
+        for g, grid in enumerate(asked.grids):
+            part = [found["others", asked.name, g, k] for k in surfaces]
+            per_wave = options.first.points_per_wave(grid)
+            ways += [
+                _single_way(part, area, asked.name, per_wave)
+                for area in _AREAS
+                if np.isfinite([float(one[area]) for one in part]).all()
+            ]
     claimed, missed = _claims(coarse, reference)
     said = {
         "reference_error": (uncertainty, "standard error of the reference, relative"),
@@ -153,11 +187,23 @@ def _dataset(found: Mapping[_Case, xr.Dataset], options: Options, codes: Sequenc
         attrs={
             "study": "accuracy-cost",
             "reduced_pressure": options.reduced_pressure,
-            "peers": " ".join(codes),
-            "absent": " ".join(name for name in SOLVERS if name not in codes),
-            "methods": "bem fem perimeter",
+            "peers": " ".join([*codes, *(asked.name for asked in others)]),
+            "absent": " ".join(name for name in SOLVERS if name not in codes) if not others else "",
+            "unsettled": _unsettled(found),
+            "methods": " ".join(
+                ["bem", *(["fem"] if _blocks(options) else []), *(a.method for a in others), "perimeter"]
+            ),
         },
     )
+
+
+def _unsettled(found: Mapping[_Case, xr.Dataset]) -> str:
+    """Name the methods with answers whose residuals are not what was asked for, and count these."""
+    missed: dict[str, int] = {}
+    for case, data in found.items():
+        if case[0] == "others" and float(data.converged) < 1:
+            missed[str(case[1])] = missed.get(str(case[1]), 0) + 1
+    return ", ".join(f"{name} {count}" for name, count in missed.items())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -288,6 +334,10 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
         f"({100 * held / total:.0f} %); they are {100 * float(dataset.claimed.mean()):.2g} % wide to either side on average."
     )
     sentences.extend(_against_peer(dataset, code) for code in dataset.attrs["peers"].split())
+    if dataset.attrs["unsettled"]:
+        sentences.append(
+            f"Answers without the residuals that were asked for, counted all the same: {dataset.attrs['unsettled']}."
+        )
     absent = dataset.attrs["absent"].split()
     if absent:
         sentences.append(
@@ -299,7 +349,9 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
 def _against_peer(dataset: xr.Dataset, code: str) -> str:
     """Say what the most accurate solve of a peer costs, and what the same error costs here."""
     error, labels = root_mean_square(dataset), dataset.label.values.tolist()
-    theirs = min((k for k, label in enumerate(labels) if label.startswith(code)), key=lambda k: error[k])
+    theirs = min(
+        (k for k, label in enumerate(labels) if label.startswith(f"{code} ")), key=lambda k: error[k]
+    )
     ours = [k for k, label in enumerate(labels) if label.startswith("BEM") and error[k] <= error[theirs]]
     said = (
         f"{code}: {labels[theirs].removeprefix(code + ' ')} is off by {100 * error[theirs]:.2g} % after "

@@ -46,8 +46,7 @@ class PeerMeasurement(SingleSolve):
         Name of its package.
     realised : Realised
         Surface, solid and load.
-    points : int
-        Along each axis.
+    grid : tuple of int
     """
 
     code: str
@@ -60,7 +59,7 @@ class PeerMeasurement(SingleSolve):
     @property
     def prefix(self) -> str:
         """Readable start of the name on disk."""
-        return f"peer-{self.code}-{self.points}"
+        return f"peer-{self.code}-{self.size}"
 
     def describe(self) -> str:
         """Return a few words for a progress bar."""
@@ -68,7 +67,7 @@ class PeerMeasurement(SingleSolve):
 
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict the cost; its interpreter and the libraries it loads take most of the memory."""
-        n = self.points**2
+        n = self.points
         return Prediction(seconds=3.0 + 5e-5 * n, peak_bytes=300 * n + 200 * 2**20, unknowns=n)
 
     def measure(self) -> xr.Dataset:

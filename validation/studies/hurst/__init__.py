@@ -40,6 +40,8 @@ Array = NDArray[np.float64]
 class Options(StudyOptions):
     """Spectra, surfaces, loads, and the ladders that say what a larger sample and a wider spectrum would change."""
 
+    own = "it asks about spectra, and makes a surface for each"
+
     hursts: Annotated[tuple[Hurst, ...], Field(min_length=1)] = Field(
         default=(0.1, 0.3, 0.5, 0.8, 0.95), description="Hurst exponents H"
     )
@@ -203,7 +205,7 @@ def _kappas(
 
     gradients = over(lambda case: measured[case].attrs["rms_gradient"])
     ensemble = [
-        ensemble_area(spectrum.surface, pressure, rms_gradients=row)
+        ensemble_area(spectrum_of(spectrum.surface), pressure, rms_gradients=row)
         for spectrum, row in zip(spectra, gradients, strict=True)
     ]
     areas = {

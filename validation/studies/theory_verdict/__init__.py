@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,6 @@ from scipy.special import erf, erfinv
 from persson import elastic
 from persson.variants import corrected_contact_area
 from validation.measures.budget import Budget, budget_table, grid_share, solver_error
-from validation.measures.common import base_case
 from validation.measures.distributions import Distributions, distance_to_reference, largest_difference
 from validation.measures.ladders import spectral_share, usual_ladders
 from validation.measures.measurement import grid_for
@@ -21,6 +21,7 @@ from validation.measures.statistics import mean_over_surfaces
 from validation.measures.theory import VARIANTS
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
+from validation.scenes.scene import Load
 from validation.solves.bench import Bench
 from validation.studies import pressure, stress_near_zero
 from validation.studies.theory_verdict.others import with_theories
@@ -41,6 +42,8 @@ _CLOSED = 1e-6
 
 class Options(pressure.Options):
     """Those of the study `pressure`, and what else is scored."""
+
+    off: ClassVar[Mapping[str, Any]] = {"ladder_reduced_pressures": (), "edge": False}
 
     ladder_reduced_pressures: tuple[Positive, ...] = Field(
         default=(0.05, 0.4),
@@ -74,7 +77,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     found["solver_error"] = _solver_share(options, bench)
     if options.edge:
         small = stress_near_zero.Options(hurst=options.hurst, periods=options.periods, seed=options.seed)
-        edge = stress_near_zero.run(small, bench=bench)
+        edge = stress_near_zero.run(small, bench=bench).isel(method=0)
         found = found.merge(_edge_scores(edge), combine_attrs="override")
     if options.theory:
         pressed = [case.realised for case in pressure._cases(options)]
@@ -86,14 +89,13 @@ def _scores(options: Options, data: xr.Dataset) -> xr.Dataset:
     """Compare everything in the data of the study `pressure` with what is predicted."""
     import xarray as xr
 
-    said = {"hurst": options.hurst, "periods": options.periods, "bandwidth": options.bandwidth}
     found = xr.Dataset(
         coords={
             "quantity": list(QUANTITIES),
             "variant": list(VARIANTS),
             "reduced_pressure": data.reduced_pressure,
         },
-        attrs={"study": "theory-verdict", **said, "surfaces": options.surfaces},
+        attrs={"study": "theory-verdict", **options.spectrum_words, "surfaces": options.surfaces},
     )
     ratios, intervals = zip(*(_scored(data, name) for name in QUANTITIES), strict=True)
     dims = ("quantity", "variant", "load")
@@ -211,11 +213,10 @@ def _add_claims(found: xr.Dataset, data: xr.Dataset) -> None:
 
 def _solver_share(options: Options, bench: Bench) -> float:
     """Relative change of the area when the solves of one surface stop at a hundred times smaller residual."""
-    first = base_case(options.surface, reduced_pressure=0.01)
     usual = Distributions(
-        realised=first,
+        realised=replace(options.first, load=Load(reduced_pressure=0.01)),
         reduced_pressures=(0.01, 0.1, 1.0),
-        grids=tuple(grid_for(first, points) for points in (4.0, 6.0, 8.0)),
+        grids=tuple(grid_for(options.first, points) for points in (4.0, 6.0, 8.0)),
         shifts=options.shifts,
     )
     strict = replace(usual, tolerance=usual.tolerance / 100)
