@@ -174,7 +174,7 @@ def run_sweep(
     asked = (solves_of(*pair) for pair in zip(sweep.scenes, cases, strict=True))
     data.attrs.update(solves=len(solves), asked=sum(map(len, asked)))
     data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))
-    write_numbers(folder / _DATA, data, recipe=_said(sweep))
+    write_numbers(folder / _DATA, data, recipe=_said(sweep, folder, store))
     outputs = report_sweep(folder, numbers_only=not report)
     return dataclasses.replace(outputs, solved=results.solved, reused=len(results) - results.solved)
 
@@ -215,10 +215,11 @@ def _record(sweep: Sweep, folder: Path, store: Store) -> None:
         (folder / other).unlink(missing_ok=True)
     for block in (folder / "fields").glob("*.vtu"):
         block.unlink()
-    write_record(folder / _RECORD, _said(sweep))
+    write_record(folder / _RECORD, _said(sweep, folder, store))
 
 
-def _said(sweep: Sweep) -> dict[str, Any]:
+def _said(sweep: Sweep, folder: Path, store: Store) -> dict[str, Any]:
+    """Return what the folder is a sweep of, and where its solves are."""
     return {
         "format": _FORMAT,
         "mode": sweep.mode,

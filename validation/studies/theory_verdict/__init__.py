@@ -18,7 +18,7 @@ from validation.measures.distributions import Distributions, distance_to_referen
 from validation.measures.ladders import spectral_share, usual_ladders
 from validation.measures.measurement import grid_for
 from validation.measures.statistics import mean_over_surfaces
-from validation.measures.theory import VARIANTS
+from validation.measures.theory import RANKED, VARIANTS
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.scenes.scene import Load
@@ -95,7 +95,12 @@ def _scores(options: Options, data: xr.Dataset) -> xr.Dataset:
             "variant": list(VARIANTS),
             "reduced_pressure": data.reduced_pressure,
         },
-        attrs={"study": "theory-verdict", **options.spectrum_words, "surfaces": options.surfaces},
+        attrs={
+            "study": "theory-verdict",
+            "methods": RANKED,
+            **options.spectrum_words,
+            "surfaces": options.surfaces,
+        },
     )
     ratios, intervals = zip(*(_scored(data, name) for name in QUANTITIES), strict=True)
     dims = ("quantity", "variant", "load")
