@@ -50,8 +50,8 @@ class ReferenceValue:
 def table() -> xr.Dataset:
     """Return the table as `fem-contact study reference` made it; its attributes say how.
 
-    Over (hurst, bandwidth, reduced_pressure): each quantity, its `_half_width` (surfaces), `_grid`, and `_error`,
-    the root of their squares.
+    Over (hurst, bandwidth, reduced_pressure): each quantity, its `_half_width` (surfaces), its `_grid`, and
+    its `_error`, the root of their squares.
     """
     from validation.solves.netcdf import read_dataset
 
