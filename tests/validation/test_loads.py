@@ -162,7 +162,7 @@ def test_two_elastic_bodies_are_the_half_space_of_their_composite_modulus(scene)
     ],
 )
 def test_a_load_that_cannot_be_is_refused_by_name(scene, monkeypatch, load, more, words):
-    monkeypatch.setattr("validation.methods.tamaas.missing", lambda name: None)
+    monkeypatch.setattr("validation.methods.tamaas.Tamaas.available", lambda self: None)
 
     def asked():
         own = scene(load, more=more)

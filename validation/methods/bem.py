@@ -46,8 +46,8 @@ class Bem(Solver):
     slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound", "gap law"})
     locates_edges = True
     for_ensembles = True
-    half_space = True
     holds = frozenset({"mean_gap", "offset"})
+    controls = frozenset({"offset", "max_iterations"})
     papers = (
         "Boundary elements by FFT: H. M. Stanley, T. Kato, J. Tribol. 119, 481 (1997); conjugate gradients "
         "with bounds: I. A. Polonsky, L. M. Keer, Wear 231, 206 (1999).",
