@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from persson.graded import ExponentialLayers, GradedModulus, SurfaceLayer
     from persson.hardness import constant_hardness, nix_gao_hardness, size_dependent_hardness
     from persson.heights import height_distribution
+    from persson.leakage import effective_medium
     from persson.limits import critical_roughness, pull_off_stress
     from persson.percolation import percolation_magnification
     from persson.plate import ElasticPlate
@@ -88,6 +89,7 @@ __all__ = [
     "crack_stress",
     "critical_roughness",
     "diffusion",
+    "effective_medium",
     "elastic",
     "elastic_energy",
     "fibre_modulus",
@@ -165,6 +167,7 @@ _HOMES = {
     "crack_dissipation": "persson.viscoelastic",
     "crack_stress": "persson.flaw_tolerance",
     "critical_roughness": "persson.limits",
+    "effective_medium": "persson.leakage",
     "elastic_energy": "persson.separation",
     "fibre_modulus": "persson.soft_structures",
     "flaw_tolerant_gradient": "persson.flaw_tolerance",

@@ -1,6 +1,7 @@
 """Recomputing the paper: verdicts, the files written, and that a wrong number changes a verdict."""
 
 import csv
+import json
 import math
 from dataclasses import replace
 
@@ -9,11 +10,13 @@ import pytest
 from validation.paper import reproduce
 from validation.paper.claims import Application, Convention, claim, judge
 from validation.paper.figures import FIGURES
+from validation.paper.page import paper_page
 from validation.paper.pmma import PMMA
 from validation.paper.pyrex import PYREX
 from validation.paper.rim import RIM
 from validation.paper.steel import STEEL
 from validation.paper.table import APPLICATIONS, UNJUDGED
+from validation.report.page import write_page
 
 #: The conventions under which the claims of each system agree best: a slow test sees that they do.
 JOINT = {
@@ -130,38 +133,52 @@ def test_tolerances_bracket_the_stated_number():
 @pytest.mark.slow
 def test_every_claim_has_a_verdict_and_the_table_holds_them_all(tmp_path):
     folder, told = tmp_path / "new" / "folder", []
-    rows = reproduce.run(folder, figures=False, progress=told.append)
+    rows = reproduce.run(folder, figures=False, progress=told.append).rows
     assert len(rows) == sum(len(a.claims) for a in APPLICATIONS) == len(told)
     assert all(row.verdict.startswith(("reproduced", "not reproduced because")) for row in rows)
     with (folder / "claims.csv").open(encoding="utf-8") as file:
         written = list(csv.DictReader(file))
     assert [line["verdict"] for line in written] == [row.verdict for row in rows]
-    text = (folder / "claims.md").read_text(encoding="utf-8")
-    assert all(one.statement in text for one in UNJUDGED)
+    said = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    assert [one["verdict"] for one in said["claims"]] == [row.verdict for row in rows]
     for application in APPLICATIONS:
         joint = {row.convention for row in rows if row.application == application.name} - {"as stated"}
         best = JOINT.get(application.name, application.conventions[0].name)
         assert joint == ({best} - {""})
 
 
+def test_the_page_lists_what_fails_and_what_has_no_verdict():
+    page = paper_page(judge(TOY))
+    assert page.findings[0].startswith("1 of 5 numbers follow from the text as it stands, 2 under the set")
+    assert [line for line in page.findings if line.startswith("toy: e")] == [
+        "toy: e (Sec. 1): not reproduced because it is 8."
+    ]
+    (unjudged,) = (note for note in page.notes if note.title == "Without a verdict")
+    assert all(any(one.statement in line for line in unjudged.sentences) for one in UNJUDGED)
+
+
 @pytest.mark.parametrize("name", ["spectra", "coarse_grid", "elastoplastic"])
-def test_a_figure_is_written_with_its_numbers(name, tmp_path):
-    from validation.paper import plots as plots_paper
+def test_a_figure_is_drawn_from_numbers_that_are_written_with_it(name, tmp_path):
+    from validation.paper.plots import drawn
 
     figure = next(make for make in FIGURES if make.__name__ == name)()
-    png, svg = plots_paper.save(figure, tmp_path)
-    assert png.stat().st_size > 5000
-    assert figure.title in svg.read_text(encoding="utf-8")
-    again = plots_paper.save(figure, tmp_path)[1].read_bytes()
-    assert again == svg.read_bytes()
-    for panel in figure.panels:
-        for curve in panel.curves:
-            assert all(math.isfinite(v) for v in (*curve.x, *curve.y))
+    write_page(paper_page(judge(TOY), figures=(drawn(figure),)), tmp_path)
+    html = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert f'id="{figure.name.replace("_", "-")}"' in html
+    assert figure.title in html
+    (written,) = (tmp_path / "figures").glob("*.csv")
+    with written.open(encoding="utf-8") as file:
+        points = [(float(line["x"]), float(line["y"])) for line in csv.DictReader(file)]
+    curves = [curve for panel in figure.panels for curve in panel.curves]
+    assert points == [(x, y) for curve in curves for x, y in zip(curve.x, curve.y, strict=True)]
+    assert all(math.isfinite(value) for point in points for value in point)
 
 
 @pytest.mark.slow
 def test_everything_is_written(tmp_path):
-    reproduce.run(tmp_path)
+    done = reproduce.run(tmp_path)
+    assert done.files[0] == tmp_path / "report.html"
     for make in FIGURES:
-        for suffix in ("png", "svg", "csv"):
-            assert (tmp_path / f"{make.__name__}.{suffix}").stat().st_size > 500
+        for suffix in ("pdf", "svg", "csv", "nc"):
+            name = make.__name__.replace("_", "-")
+            assert (tmp_path / "figures" / f"{name}.{suffix}").stat().st_size > 500

@@ -355,8 +355,9 @@ def points(heights: np.ndarray, *, digits: int = 4, order: int = 3) -> str:
     return "".join(f"{x:.{digits}f} {y:.{digits}f} {z:.3f}\n" for x, y, z in rows if np.isfinite(z))
 
 
-def test_three_columns_are_points_of_a_map(tmp_path):
-    path = tmp_path / "points.txt"
+@pytest.mark.parametrize("suffix", ["txt", "xyz"])
+def test_three_columns_are_points_of_a_map(tmp_path, suffix):
+    path = tmp_path / f"points.{suffix}"
     path.write_text("# x [um]  y [um]  z [nm]\n" + points(NUMBERS))
     found = read_topography(path)
     np.testing.assert_allclose(found.heights, NUMBERS * 1e-9, rtol=1e-15)

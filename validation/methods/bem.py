@@ -14,7 +14,7 @@ from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.effects.base import Effect, SlotName, Slots
-from validation.methods.base import Cost, Grid, Gridded, Shift, Solved, Solver, example_field
+from validation.methods.base import Claim, Cost, Grid, Gridded, Shift, Solved, Solver, example_field
 from validation.units import Table
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class Bem(Solver):
     slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound", "gap law"})
     locates_edges = True
     for_ensembles = True
-    half_space = True
+    controls = frozenset({"offset", "max_iterations"})
     papers = (
         "Boundary elements by FFT: H. M. Stanley, T. Kato, J. Tribol. 119, 481 (1997); conjugate gradients "
         "with bounds: I. A. Polonsky, L. M. Keer, Wear 231, 206 (1999).",
@@ -116,6 +116,16 @@ class Bem(Solver):
         from fem_contact import bem
 
         return Solved(contact=bem.solve(field, slots.felt_response, **said))
+
+    def claim(
+        self, field: HeightField, *, mean_pressure: float | None, slots: Slots, settings: Mapping[str, Any]
+    ) -> Claim:
+        """Return what it says, under a load or at an offset."""
+        if mean_pressure is not None:
+            return super().claim(field, mean_pressure=mean_pressure, slots=slots, settings=settings)
+        from fem_contact import bem
+
+        return Claim.of(bem.solve_displacement(field, slots.felt_response, threads=1, **settings))
 
     def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Press a small surface: large enough for the passes between grids, and done in milliseconds."""

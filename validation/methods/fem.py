@@ -9,11 +9,22 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 from pydantic import Field
 
 from fem_contact.contact import ContactResult
+from fem_contact.response import Response
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
-from validation.effects.base import Effect, SlotName, Slots, effect_key
+from validation.effects.base import Effect, SlotName, Slots
 from validation.errors import UsageError
-from validation.methods.base import Cost, Grid, Gridded, Settings, Solved, Solver, example_field
+from validation.methods.base import (
+    Claim,
+    Cost,
+    Grid,
+    Gridded,
+    Settings,
+    Solved,
+    Solver,
+    check_bodies,
+    example_field,
+)
 from validation.methods.bem import BYTES_PER_POINT, FIXED_BYTES, FIXED_PAIRS
 from validation.units import Length, Number, Table
 
@@ -58,6 +69,8 @@ class Fem(Solver):
     options: ClassVar[type[Table]] = FemOptions
     slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound"})
     independent = True
+    controls = frozenset({"offset", "max_iterations"})
+    score_element = "Hex1"
     score_points = 16
     papers = (
         "Finite elements: T. Gustafsson, G. D. McBain, scikit-fem, J. Open Source Softw. 5, 2369 (2020); "
@@ -77,19 +90,7 @@ class Fem(Solver):
                 f"solid.poisson = {realised.solid.poisson!r}: method 'fem' locks above {_LOCKING} with "
                 "elements of displacement alone; leave [methods.fem] out or lower it"
             )
-        for k, effect in enumerate(effects):
-            if effect.slot != "response":
-                continue
-            body = Slots.filled(realised.elastic, [effect]).body
-            if body is None:
-                raise UsageError(
-                    f"{effect_key(k, 'kind')} = {effect.kind!r}: as it stands it is no body on a clamped "
-                    "base, which is what method 'fem' meshes; change it, or leave [methods.fem] out"
-                )
-            if body.depth is not None and options.depth is not None:
-                raise UsageError(
-                    f"methods.fem.depth: {effect_key(k, effect.kind)} says the depth; leave one of them out"
-                )
+        check_bodies(self.name, realised.elastic, effects, depth=options.depth, layered=True)
 
     def words(self, options: FemOptions) -> str:
         """Name it in a sentence."""
@@ -166,6 +167,21 @@ class Fem(Solver):
         solution = block.solve(field, slots.solid, mean_pressure=mean_pressure, **said)
         return Solved(contact=solution.contact, block=solution)
 
+    def felt(self, field: HeightField, *, slots: Slots, settings: Mapping[str, Any]) -> Response:
+        """Return the block of its mesh, reduced to the surface by the other of the two codes."""
+        return block_response(field, slots=slots, settings=settings)
+
+    def claim(
+        self, field: HeightField, *, mean_pressure: float | None, slots: Slots, settings: Mapping[str, Any]
+    ) -> Claim:
+        """Return what it says, under a load or at an offset."""
+        if mean_pressure is not None:
+            return super().claim(field, mean_pressure=mean_pressure, slots=slots, settings=settings)
+        from fem_contact import block
+
+        said: dict[str, Any] = {"method": "full", **settings}
+        return Claim.of(block.solve_displacement(field, slots.solid, **said).contact)
+
     def score_settings(self, points: int) -> dict[str, float | str]:
         """Refine the layers with the grid: at one growth, finer grids approach a block that is .2 % off."""
         growth = float(FemOptions.model_fields["growth"].default)
@@ -213,6 +229,17 @@ class Fem(Solver):
                 f"along the diagonal at {short.nodes:.3g} nodes per wave (the shortest), by "
                 f"{long.along_axis:+.2%} at {long.nodes:.3g} (the longest); + is too soft",
             )
+
+
+def block_response(field: HeightField, *, slots: Slots, settings: Mapping[str, Any]) -> Response:
+    """Return the response of the block of trilinear cells whose nodes are the points of a surface."""
+    from fem_contact.block import BlockResponse, plan_mesh
+
+    mesh = {name: settings[name] for name in ("depth", "growth") if name in settings}
+    if slots.body is not None and slots.body.depth is not None:
+        mesh["depth"] = slots.body.depth
+    planned = plan_mesh(field.shape, field.lengths, **mesh)
+    return BlockResponse(mesh=planned, solid=slots.solid, width=field.spacing[0])
 
 
 def _check_layers(options: FemOptions, grid: Grid, lengths: tuple[float, float]) -> None:
