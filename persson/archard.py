@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from persson._checks import Array, non_negative, positive, sequence
+from persson._checks import Array, in_proportion, non_negative, positive, sequence
 from persson.errors import InvalidInput
 
 __all__ = ["HierarchyContact", "archard_hierarchy"]
@@ -80,15 +80,14 @@ def archard_hierarchy(
         )
     if np.any(np.diff(sizes) >= 0):
         raise InvalidInput("radii: each level must be smaller than the one it sits on")
-    # ln S_k at ln f = 0, from the last level up.
+    # S_k = R_k^2 share (f / E* R_k^2)^exponent, from the last level up.
     exponent = 2 / 3
-    level = math.log(math.pi) + exponent * math.log(0.75 * sizes[-1] / modulus)
-    for size, count in zip(sizes[-2::-1], counts[::-1], strict=True):
-        circle = math.log(0.75 * size / modulus) / 3
-        peak = math.log(1.5 / math.pi) - 2 * circle
-        level += (1 - exponent) * math.log(count) + math.log(math.pi) + 2 * circle
-        level += exponent * peak + math.log(2 / (2 + exponent))
-        exponent = (2 + exponent) / 3
-    with np.errstate(divide="ignore"):
-        area = np.exp(level + exponent * np.log(load))
+    with in_proportion():
+        share = math.pi * 0.75**exponent
+        peak = 1.5 / (math.pi * 0.75 ** (2 / 3))
+        for size, count in zip(sizes[:0:-1], counts[::-1], strict=True):
+            crowd = count * size * size
+            share *= crowd ** (1 - exponent) * math.pi * 0.75 ** (2 / 3) * peak**exponent * 2 / (2 + exponent)
+            exponent = (2 + exponent) / 3
+        area = share * sizes[0] * sizes[0] * (load / modulus / sizes[0] / sizes[0]) ** exponent
     return HierarchyContact(area=np.asarray(area)[()], exponent=exponent)

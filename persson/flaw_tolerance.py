@@ -114,7 +114,8 @@ class FlawTolerance:
     @property
     def growth(self) -> Array:
         """-d ln E~*/d ln q: 1 where E grows in proportion to depth, more where it must grow faster."""
-        return -np.gradient(np.log(self.modulus), np.log(self.wavevectors))
+        modulus, q = self.modulus / self.modulus[0], self.wavevectors / self.wavevectors[0]
+        return np.asarray(-np.gradient(np.log(modulus), np.log(q)))
 
 
 def optimal_modulus(
@@ -169,7 +170,10 @@ def optimal_modulus(
         raise InvalidInput("interface.energy = 'as_printed': must be 'improved' or 'old' here")
     if not spectrum.q_min > 0:
         raise InvalidInput("q_min = 0: must be positive; give q_min = 2 pi / L")
-    q = np.geomspace(spectrum.q_min, spectrum.q_short, whole("nodes", nodes, least=8, most=20_000))
+    q = spectrum.q_min * np.geomspace(
+        1.0, spectrum.q_short / spectrum.q_min, whole("nodes", nodes, least=8, most=20_000)
+    )
+    q[-1] = spectrum.q_short
     added = np.diff(np.asarray(spectrum.m2(q))) / 4
     star = np.asarray(area_factor(spectrum.m2(q))) if interface.area == "star" else np.ones_like(q)
     bond = interface.work_of_adhesion

@@ -74,10 +74,10 @@ def _leaving(load: float, scale: Scale, ratio: float) -> tuple[Array, Array, Arr
     """Shares of the area that leave contact from node to node of V, their mean gaps u_1 and scatters h."""
     top = float(scale.variance(scale.q_short))
     # Before V = (p/9)^2 nothing has left; V is dense where it starts, and towards the end, where gaps vanish.
-    first = min(load / 9 * (load / 9), top / 4)
-    early = np.geomspace(first, top / 2, _INTERVALS + 1)
-    late = top * (1 - 0.5 * np.geomspace(1.0, 1e-7, _INTERVALS + 1)[1:])
-    variance = np.concatenate([early, late])
+    first = min(load / 9 * (load / 9) / top, 0.25)
+    early = np.geomspace(first, 0.5, _INTERVALS + 1)
+    late = 1 - 0.5 * np.geomspace(1.0, 1e-7, _INTERVALS + 1)[1:]
+    variance = top * np.concatenate([early, late])
     area, out = (f(load, stress_variance=variance) for f in (contact_area, non_contact_area))
     gap = _mean_gaps(load / area, variance, top, scale=scale, ratio=ratio)
     lost = np.diff(out)

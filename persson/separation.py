@@ -104,7 +104,7 @@ def contact_stiffness(pressure: ArrayLike, *, scale: Scale, energy_ratio: float 
     s = load[..., None] / root
     with np.errstate(under="ignore"):
         rate = (ratio + 3 * (1 - ratio) * erf(s) ** 2) * np.exp(-np.minimum(s * s, 700.0))
-        softness = rate @ (length * (2 / math.sqrt(math.pi)) / root)
+        softness = 2 / math.sqrt(math.pi) * (rate @ (length / root))
     with np.errstate(divide="ignore", over="ignore"):
         return np.asarray(load / softness)[()]
 

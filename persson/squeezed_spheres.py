@@ -168,7 +168,10 @@ def roughness_barrier(
     if not spectrum.q_min > 0:
         raise InvalidInput("q_min = 0: the size L of the sample matters without load; give q_min = 2 pi / L")
     scale = Scale(spectrum, contact_modulus=contact_modulus)
-    q = np.geomspace(spectrum.q_min, spectrum.q_short, whole("nodes", nodes, least=8, most=20_000))
+    q = spectrum.q_min * np.geomspace(
+        1.0, spectrum.q_short / spectrum.q_min, whole("nodes", nodes, least=8, most=20_000)
+    )
+    q[-1] = spectrum.q_short
     areas = constant_hardness(load, stress_variance=scale.variance(q), yield_stress=limit)
     yielded = np.minimum(areas.plastic * (limit / load), 1.0)
     smooth = smoothed(spectrum, wavevectors=q, yielded=yielded)

@@ -37,7 +37,7 @@ def chain(*, load: float, **changes: object) -> Chain:
 @pytest.fixture(scope="module")
 def full():
     """A chain whose contact stays full: what the theory says of it is exact."""
-    return chain(load=4.0).measure()
+    return chain(load=1.8).measure()
 
 
 def test_at_full_contact_every_term_is_that_of_the_theory_to_rounding(full):
@@ -45,6 +45,7 @@ def test_at_full_contact_every_term_is_that_of_the_theory_to_rounding(full):
     # D = 1: the mean of delta^2 is Delta V, for the points all together.
     np.testing.assert_allclose(full.spread, growth, rtol=1e-12)
     # No drift, for points of any pressure: that of a ring is minus that of its negative.
+    assert np.count_nonzero(full.touching.values[-1]) > 10
     rounding = 1e-12 * float(full.nominal)
     np.testing.assert_allclose(full.drifted, 0, atol=rounding)
     np.testing.assert_allclose(full.crossed, 0, atol=rounding)
@@ -56,7 +57,10 @@ def test_at_full_contact_every_term_is_that_of_the_theory_to_rounding(full):
 
 
 def test_at_full_contact_restarted_diffusion_keeps_all_area_and_nothing_is_remembered(full):
-    known = full.diffused.values[np.isfinite(full.diffused.values)]
+    # Eight deviations from zero: the normal distribution of the theory has nothing there, either.
+    heavy = chain(load=4.0, ends=(1.0, 2.0, 4.0), points=32).measure()
+    known = heavy.diffused.values[np.isfinite(heavy.diffused.values)]
+    assert known.size == 5
     np.testing.assert_allclose(known, 1.0, rtol=1e-12)
     assert float(full.out_points.sum()) == 0
     assert float(full.crossed_once) == 0

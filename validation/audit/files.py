@@ -24,7 +24,7 @@ _LOOSE = {"residual": {"rtol": 1e-6, "atol": 1e-14}, "pixel_scatter": {"rtol": 1
 
 def _unknown(run: Run, name: str, row: Row) -> bool:
     """Whether a column cannot be computed from the fields."""
-    if name == "residual" and run.adhesive:
+    if name == "residual" and math.isnan(row.residual):
         return True
     return run.measured and name in ("points_per_wave", "under_resolved", "kappa", "residual")
 
@@ -35,6 +35,7 @@ def _rows(place: str, found: list[dict[str, Any]], run: Run, ledger: Ledger) -> 
         where = f"{row.method} {row.grid[0]}x{row.grid[1]}"
         for name, value in asdict(row).items():
             if _unknown(run, name, row):
+                ledger.unread.append(f"{place}: {name}")
                 continue
             title, said = f"{where} {name}", stands[name]
             if name == "grid":
@@ -103,6 +104,8 @@ def _limit_theory(said: dict[str, Any], run: Run, ledger: Ledger) -> None:
     (_, m2, _) = run.moments() or (0.0, 0.0, 0.0)
     variance = run.modulus**2 * m2 / 4
     ledger.number(place, "theory, V [Pa^2]", said["theory"]["stress_variance"], variance)
+    if run.yielded_theory is not None:
+        ledger.number(place, "theory, A_pl/A0", said["theory"]["plastic"], run.yielded_theory)
     if run.ensemble_theory is not None:
         ledger.number(
             place,
@@ -145,6 +148,9 @@ def audit_figures(folder: Path, run: Run, ledger: Ledger) -> None:
     """Judge the numbers behind the figures, where there are figures."""
     figures = folder / "figures"
     if not figures.is_dir() or run.measured:
+        ledger.unread.append(
+            "data of figures" + (": of a measured surface" if run.measured else ": there are none")
+        )
         return
     _area_figure(figures, run, ledger)
     limit = run.own_limit
@@ -186,6 +192,7 @@ def _distribution(figures: Path, run: Run, ledger: Ledger) -> None:
     """Judge P(sigma): shares of area in bins, and the theory's at the same load."""
     place, found = "figures/pressure-at-zero.csv", _columns(figures / "pressure-at-zero.csv")
     if run.gradient is None or run.adhesive:
+        ledger.unread.append(f"{place}: P(sigma) under attraction")
         return
     unit = run.modulus * run.gradient
     curves: dict[str, list[dict[str, str]]] = {}
@@ -209,6 +216,9 @@ def _distribution(figures: Path, run: Run, ledger: Ledger) -> None:
             )
     pressure, (_, m2, _) = run.pressure(), run.moments() or (0.0, 0.0, 0.0)
     if run.theory() is None or pressure is None or not m2 > 0:
+        return
+    if not run.bare:
+        ledger.unread.append(f"{place}: the theory's P(sigma) with effects")
         return
     variance = run.modulus**2 * m2 / 4
     for point in curves.get("Persson", []):
@@ -254,6 +264,9 @@ def audit_page(folder: Path, run: Run, ledger: Ledger) -> None:
     """Judge the tables of report.html, where it was written."""
     path = folder / "report.html"
     if not path.exists() or run.measured:
+        ledger.unread.append(
+            "report.html" + (": of a measured surface" if run.measured else ": there is none")
+        )
         return
     page = path.read_text(encoding="utf-8")
     tables = {

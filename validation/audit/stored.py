@@ -155,6 +155,30 @@ class Stored:
         share = float(np.sum(self.weights[self.contact & (self.p < eps)])) / self.p.size
         return share / eps * stress
 
+    def adhesive_residuals(self, pressure: float) -> dict[str, float] | None:
+        """Return the four residuals under attraction at a load [Pa]; None where its law is not read here.
+
+        The wall alone must push, p + attraction(g) >= 0, and only where the gap is closed; what has yielded
+        carries H.
+        """
+        effects = {effect["kind"]: effect for effect in self.recipe["effects"]}
+        told = effects["adhesion"]
+        if told.get("law", "exponential") != "exponential":
+            return None
+        strength = told["work"] / told["reach"]
+        wall = self.p + strength * np.exp(-np.maximum(self.gap, 0.0) / told["reach"])
+        off, yielded = wall, self.gap < 0
+        if "hardness" in effects:
+            off = np.where(yielded, self.p - effects["hardness"]["hardness"], wall)
+        height = math.sqrt(self.moments[0]) or told["reach"]
+        stress = max(strength, math.sqrt(float(np.mean(self.p**2))))
+        return {
+            "penetration": max(0.0, -float(np.min(np.where(yielded, 0.0, self.gap)))) / height,
+            "tension": max(0.0, -float(wall.min())) / (self.modulus * math.sqrt(self.moments[1]) or strength),
+            "complementarity": float(np.mean(np.abs(off * self.gap))) / (stress * height),
+            "load": abs(self.mean_pressure - pressure) / stress,
+        }
+
     @cached_property
     def residuals(self) -> dict[str, float]:
         """The four residuals, dimensionless; the load is the one the recipe asks for."""

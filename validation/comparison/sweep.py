@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -166,14 +167,14 @@ def run_sweep(
     cases = cases or realised_cases(sweep)
     prepare_folder(folder)
     store = Store(folder=store_folder or folder / "solves")
-    _record(sweep, folder)
+    _record(sweep, folder, store)
     solves = solves_of_sweep(sweep, cases)
     results = solve_all(solves, store, progress=progress, execution=execution)
     data = _dataset(sweep, [_case(*pair, results) for pair in zip(sweep.scenes, cases, strict=True)])
     asked = (solves_of(*pair) for pair in zip(sweep.scenes, cases, strict=True))
     data.attrs.update(solves=len(solves), asked=sum(map(len, asked)))
     data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))
-    write_numbers(folder / _DATA, data, recipe=_said(sweep))
+    write_numbers(folder / _DATA, data, recipe=_said(sweep, folder, store))
     outputs = report_sweep(folder, numbers_only=not report)
     return dataclasses.replace(outputs, solved=results.solved, reused=len(results) - results.solved)
 
@@ -207,22 +208,24 @@ def report_sweep(folder: Path, *, numbers_only: bool = False) -> SweepOutputs:
     return SweepOutputs(data=data, page=page, files=(*written, folder / _DATA))
 
 
-def _record(sweep: Sweep, folder: Path) -> None:
+def _record(sweep: Sweep, folder: Path, store: Store) -> None:
     """Write down what the folder is a sweep of; what another run left in it goes."""
     clear_page(folder)
     for other in ("run.json", "study.json", "accuracy.json", _DATA):
         (folder / other).unlink(missing_ok=True)
     for block in (folder / "fields").glob("*.vtu"):
         block.unlink()
-    write_record(folder / _RECORD, _said(sweep))
+    write_record(folder / _RECORD, _said(sweep, folder, store))
 
 
-def _said(sweep: Sweep) -> dict[str, Any]:
+def _said(sweep: Sweep, folder: Path, store: Store) -> dict[str, Any]:
+    """Return what the folder is a sweep of, and where its solves are."""
     return {
         "format": _FORMAT,
         "mode": sweep.mode,
         "keys": [dataclasses.asdict(key) for key in sweep.keys],
         "scene": sweep.scenes[0].model_dump(mode="json", exclude_none=True),
+        "store": os.path.relpath(store.folder.resolve(), folder.resolve()),
     }
 
 
@@ -239,20 +242,23 @@ class _Case:
 
 def _case(scene: Scene, realised: Realised, results: Solves) -> _Case:
     """Read the stored solves of one scene as its own run does."""
+    comparison = None
+    if scene.methods.solvers:
+        comparison = compare(scene, realised, {solve: results[solve] for solve in solves_of(scene, realised)})
+        realised = comparison.realised  # under the load that was found, where a distance is held
     common: dict[str, float | None] = {
         "pressure": realised.pressure,
         "reduced_pressure": realised.reduced_pressure,
         "contact_modulus": realised.contact_modulus,
         "rms_gradient": realised.field.rms_gradient,
     }
-    if not scene.methods.solvers:
+    if comparison is None:
         summary = theory_alone.answer_alone(scene, realised).summary()
         (said,) = summary["answers"]
         area = said["area"]
         kappa = None if area is None else area / realised.reduced_pressure if realised.pressure > 0 else None
         said = {"theory_ensemble": area, "theory_plastic": said["plastic"], "theory_kappa": kappa}
         return _Case(numbers={**common, **said}, methods={}, grids={})
-    comparison = compare(scene, realised, {solve: results[solve] for solve in solves_of(scene, realised)})
     finest = {name: _finest(comparison.rows_of(name)) for name in scene.methods.solvers}
     return _Case(
         # On the modulus of the comparison: with a coating that is not the one of the solid below.
@@ -337,6 +343,9 @@ def _dataset(sweep: Sweep, cases: Sequence[_Case]) -> xr.Dataset:
 _AXES = {
     "load.pressure": "p0",
     "load.reduced_pressure": "p* = p0 / (E* h'_rms)",
+    "load.force": "force",
+    "load.mean_gap": "mean gap",
+    "load.offset": "offset",
     "solid.young": "Young's modulus E",
     "solid.poisson": "Poisson ratio",
     "surface.hurst": "Hurst exponent H",

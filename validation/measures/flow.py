@@ -57,8 +57,7 @@ class LeakMeasurement(SingleSolve):
     ----------
     realised : Realised
         Surface and solid; the load is sought.
-    points : int
-        Along a side.
+    grid : tuple of int
     areas : tuple of float
         A/A0, located inside the cells.
     """
@@ -73,7 +72,7 @@ class LeakMeasurement(SingleSolve):
     @property
     def prefix(self) -> str:
         """Readable start of the name on disk."""
-        return f"leak-{self.points}"
+        return f"leak-{self.size}"
 
     def describe(self) -> str:
         """Return a few words for a progress bar."""
@@ -81,7 +80,7 @@ class LeakMeasurement(SingleSolve):
 
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict the cost: some seven solves for each area and threshold, and direct solves of the flow."""
-        n = self.points**2
+        n = self.points
         return Prediction(
             seconds=7 * (len(self.areas) + 4) * (2e-3 + 2e-6 * n), peak_bytes=2000 * n, unknowns=n
         )

@@ -13,6 +13,7 @@ from persson.spectrum import Spectrum
 from persson.variants import Variant, corrected_contact_area, energy_factor
 
 __all__ = [
+    "RANKED",
     "VARIANTS",
     "WITH_ENERGY",
     "Waves",
@@ -30,6 +31,9 @@ VARIANTS: dict[Variant, str] = {
     "wang_mueser": "Wang, Mueser 2017",
     "xu": "Xu et al. 2024",
 }
+
+#: What a study names as its methods that ranks them: all are to be cited.
+RANKED = "theory bem yang_persson wang_mueser xu"
 
 #: Those that say what energy is stored; the others are about the area alone.
 WITH_ENERGY: tuple[Variant, ...] = ("persson", "yang_persson", "wang_mueser")

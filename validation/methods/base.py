@@ -163,6 +163,10 @@ class Solver(Method):
         Whether it is quick enough for the realisations of an ensemble.
     foreign : bool
         Whether it was written elsewhere; such ones stand after the others.
+    holds : frozenset of str
+        Distances of the table of loads that it can hold in place of a load.
+    sinks : bool
+        Whether its body, clamped below, is pressed together as a whole under its load.
     controls : frozenset of str
         What its scorecard may tell it beside the load: "offset" [m] in its place, "max_iterations".
     score_points : int
@@ -175,6 +179,8 @@ class Solver(Method):
     locates_edges: ClassVar[bool] = False
     for_ensembles: ClassVar[bool] = False
     foreign: ClassVar[bool] = False
+    holds: ClassVar[frozenset[str]] = frozenset()
+    sinks: ClassVar[bool] = False
     controls: ClassVar[frozenset[str]] = frozenset()
     score_points: ClassVar[int] = 32
     score_element: ClassVar[str] = "bem"
@@ -216,6 +222,24 @@ class Solver(Method):
     ) -> Solved:
         """Press a surface [m] with a nominal pressure [Pa]."""
 
+    def hold(
+        self,
+        field: HeightField,
+        *,
+        distance: Mapping[str, float],
+        slots: Slots,
+        settings: Mapping[str, Any],
+        threads: int | None = None,
+    ) -> Solved:
+        """Press a surface [m] to a mean gap or offset [m], ``{"mean_gap": 1e-8}``, and find the load.
+
+        Raises
+        ------
+        UsageError
+            For a method that presses with a load alone.
+        """
+        raise UsageError(f"method {self.name!r}: presses with a load, and holds no {' or '.join(distance)}")
+
     def felt(self, field: HeightField, *, slots: Slots, settings: Mapping[str, Any]) -> Response:
         """Return the response by which displacements follow from its pressures at the points of a surface."""
         return slots.felt_response
@@ -238,8 +262,12 @@ class Solver(Method):
         settings : mapping
             What a solve is told, and of `controls` what is wanted.
         """
-        assert mean_pressure is not None, "a method without offset control needs a load"
-        found = self.solve(field, mean_pressure=mean_pressure, slots=slots, settings=settings, threads=1)
+        told: dict[str, Any] = {"slots": slots, "threads": 1}
+        if mean_pressure is None:
+            others = {name: value for name, value in settings.items() if name != "offset"}
+            found = self.hold(field, distance={"offset": settings["offset"]}, settings=others, **told)
+        else:
+            found = self.solve(field, mean_pressure=mean_pressure, settings=settings, **told)
         return Claim.of(found.contact)
 
     def score_settings(self, points: int) -> dict[str, float | str]:

@@ -12,10 +12,9 @@ from fem_contact.contact import ContactResult
 from fem_contact.response import Response
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
-from validation.effects.base import Effect, SlotName, Slots
+from validation.effects.base import Effect, SlotName, Slots, effect_key
 from validation.errors import UsageError
 from validation.methods.base import (
-    Claim,
     Cost,
     Grid,
     Gridded,
@@ -69,6 +68,8 @@ class Fem(Solver):
     options: ClassVar[type[Table]] = FemOptions
     slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound"})
     independent = True
+    holds = frozenset({"offset"})
+    sinks = True
     controls = frozenset({"offset", "max_iterations"})
     score_element = "Hex1"
     score_points = 16
@@ -90,6 +91,12 @@ class Fem(Solver):
                 f"solid.poisson = {realised.solid.poisson!r}: method 'fem' locks above {_LOCKING} with "
                 "elements of displacement alone; leave [methods.fem] out or lower it"
             )
+        for k, effect in enumerate(effects):
+            if effect.slot == "pressure bound" and realised.load.held:
+                raise UsageError(
+                    f"{effect_key(k, 'kind')} = {effect.kind!r}: method 'fem' yields under a load only; "
+                    "give one in place of load.offset, or leave [methods.fem] out"
+                )
         check_bodies(self.name, realised.elastic, effects, depth=options.depth, layered=True)
 
     def words(self, options: FemOptions) -> str:
@@ -158,29 +165,30 @@ class Fem(Solver):
         """Press the block."""
         from fem_contact import block
 
-        said: dict[str, Any] = {"method": "full", **settings}
-        if slots.body is not None:
-            body = {"depth": slots.body.depth, "modulus": slots.body.modulus}
-            said |= {name: value for name, value in body.items() if value is not None}
+        said = _told(slots, settings)
         if slots.pressure_bound is not None:
             said["pressure_bound"] = slots.pressure_bound
         solution = block.solve(field, slots.solid, mean_pressure=mean_pressure, **said)
         return Solved(contact=solution.contact, block=solution)
 
+    def hold(
+        self,
+        field: HeightField,
+        *,
+        distance: Mapping[str, float],
+        slots: Slots,
+        settings: Mapping[str, Any],
+        threads: int | None = None,
+    ) -> Solved:
+        """Press the block to an offset."""
+        from fem_contact import block
+
+        solution = block.solve_displacement(field, slots.solid, **distance, **_told(slots, settings))
+        return Solved(contact=solution.contact, block=solution)
+
     def felt(self, field: HeightField, *, slots: Slots, settings: Mapping[str, Any]) -> Response:
         """Return the block of its mesh, reduced to the surface by the other of the two codes."""
         return block_response(field, slots=slots, settings=settings)
-
-    def claim(
-        self, field: HeightField, *, mean_pressure: float | None, slots: Slots, settings: Mapping[str, Any]
-    ) -> Claim:
-        """Return what it says, under a load or at an offset."""
-        if mean_pressure is not None:
-            return super().claim(field, mean_pressure=mean_pressure, slots=slots, settings=settings)
-        from fem_contact import block
-
-        said: dict[str, Any] = {"method": "full", **settings}
-        return Claim.of(block.solve_displacement(field, slots.solid, **said).contact)
 
     def score_settings(self, points: int) -> dict[str, float | str]:
         """Refine the layers with the grid: at one growth, finer grids approach a block that is .2 % off."""
@@ -229,6 +237,15 @@ class Fem(Solver):
                 f"along the diagonal at {short.nodes:.3g} nodes per wave (the shortest), by "
                 f"{long.along_axis:+.2%} at {long.nodes:.3g} (the longest); + is too soft",
             )
+
+
+def _told(slots: Slots, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a block is told: the whole system unless said otherwise, and the body of an effect."""
+    said: dict[str, Any] = {"method": "full", **settings}
+    if slots.body is not None:
+        body = {"depth": slots.body.depth, "modulus": slots.body.modulus}
+        said |= {name: value for name, value in body.items() if value is not None}
+    return said
 
 
 def block_response(field: HeightField, *, slots: Slots, settings: Mapping[str, Any]) -> Response:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -254,13 +254,14 @@ def rim_pressure() -> PaperFigure:
 def pmma_pressure() -> PaperFigure:
     """Real contact area of PMMA on a silanised wafer against pressure."""
     interface = Interface(work_of_adhesion=s.PMMA_WORK, energy="as_printed")
-    load = np.geomspace(1e6, 100e6, 20)
-    curves = []
+    load = np.linspace(1e6, 100e6, 23)
+    panels = []
     for words, rms in (("parameters as printed", None), ("C(q) scaled to 0.6 nm", 0.6)):
         pair = _against_pressure(rough_pmma(rms), s.PMMA_MODULUS, interface, load)
-        curves.extend(replace(curve, label=f"{curve.label}, {words}") for curve in pair)
-    panel = Panel(x="sigma_0 [MPa]", y="A(zeta_1) / A_0", curves=tuple(curves))
-    return PaperFigure(name="pmma_pressure", title="PMMA on silane, Sec. 10.1 (nu = 0.35)", panels=(panel,))
+        panels.append(Panel(x=f"sigma_0 [MPa], {words}", y="A(zeta_1) / A_0", curves=pair))
+    return PaperFigure(
+        name="pmma_pressure", title="PMMA on silane, Sec. 10.1 (nu = 0.35)", panels=tuple(panels)
+    )
 
 
 def pyrex_spectra() -> PaperFigure:

@@ -25,8 +25,8 @@ def paper_page(rows: Sequence[ClaimRow], *, figures: tuple[Drawing, ...] = ()) -
     chosen = [row for row in rows if row.verdict.startswith(_CHOSEN)]
     missed = [row for row in rows if row.verdict.startswith("not")]
     findings = (
-        f"{len(literal)} of {len(rows)} numbers follow from the text as it stands, {len(joint)} under the set "
-        "of conventions with which those of the same system agree best, "
+        f"{len(literal)} of {len(rows)} numbers follow from the text as it stands, {len(joint)} under the "
+        "set of conventions with which those of the same system agree best, "
         f"{len(chosen)} with a number that the paper does not state, {len(missed)} do not.",
         *(f"{_said(row)} (Sec. {_section(row)}): {row.verdict}." for row in missed),
     )

@@ -43,6 +43,8 @@ _QUANTITIES = {
 class Options(StudyOptions):
     """What is pressed, and how far."""
 
+    own = "it asks about spectra of rising bandwidth, and makes a surface for each"
+
     areas: Annotated[Rising, Field(max_length=20)] = Field(
         default=(0.1, 0.2, 0.3, 0.4),
         description="contact areas A/A0 at which the flow is computed, rising, below 0.9",
@@ -99,11 +101,9 @@ def _cases(options: Options) -> dict[tuple[float, int], LeakMeasurement]:
     found = {}
     for bandwidth in options.bandwidths:
         base = base_case(options.surface(bandwidth), reduced_pressure=0.1)
-        points = grid_for(base, options.points_per_wave)[0]
+        grid = grid_for(base, options.points_per_wave)
         for k in range(options.surfaces):
-            found[bandwidth, k] = LeakMeasurement(
-                realised=base.further(k), points=points, areas=options.areas
-            )
+            found[bandwidth, k] = LeakMeasurement(realised=base.further(k), grid=grid, areas=options.areas)
     return found
 
 

@@ -178,15 +178,28 @@ def score(subject: Subject, *, tell: Callable[[str], None] | None = None) -> Sco
     subject.warm_up()
     refused = {row[0]: _refused(subject, row[0]) for row in _ROWS}
     left_out = {name: why for name, why in refused.items() if why is not None}
-    found = list(run_cases(rows(subject), tell=tell))
-    for verdict in found:
-        for kind, words in ((Unanswered, ""), (NotTried, "not tried: ")):
-            if (verdict.error or "").startswith(f"{kind.__name__}: "):
-                left_out[verdict.case] = words + str(verdict.error).removeprefix(f"{kind.__name__}: ")
-    verdicts = sorted((one for one in found if one.case not in left_out), key=_worst_first)
+    found = []
+    for verdict in run_cases(rows(subject)):
+        why = _why_not(verdict)
+        if why is None:
+            found.append(verdict)
+        else:
+            left_out[verdict.case] = why
+        if tell is not None:
+            word = "passed" if verdict.passed else "FAILED" if why is None else why.partition(":")[0]
+            tell(f"{word}  {verdict.case}  ({verdict.seconds:.1f} s)")
+    verdicts = sorted(found, key=_worst_first)
     return Scorecard(
         subject=subject, verdicts=tuple(verdicts), cost=_cost(subject, verdicts), left_out=left_out
     )
+
+
+def _why_not(verdict: Verdict) -> str | None:
+    """Say why a row was not judged; None where it was."""
+    for kind, words in ((Unanswered, "not answered"), (NotTried, "not tried")):
+        if (verdict.error or "").startswith(f"{kind.__name__}: "):
+            return f"{words}: {str(verdict.error).removeprefix(f'{kind.__name__}: ')}"
+    return None
 
 
 def _cost(subject: Subject, verdicts: Sequence[Verdict]) -> tuple[CostRow, ...]:

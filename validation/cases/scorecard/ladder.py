@@ -158,7 +158,8 @@ def _reference(width: int) -> _Reference:
 
 def rough_surface(subject: Subject, width: int) -> Sequence[Check]:
     """Areas, gap, stiffness, energy and low pressures are those of the limit, within what the grids allow."""
-    coarse, fine = (_measured(subject, _surface(width, points)) for points in _POINTS)
+    # The finer grid first: what it is not tried on, the coarser one need not be solved for.
+    fine, coarse = (_measured(subject, _surface(width, points)) for points in reversed(_POINTS))
     limit = _reference(width)
     area, known = limit.values["area"], limit.errors["area"] / limit.values["area"]
     counted = [(one.areas.pixel - area) / area for one in (coarse, fine)]

@@ -19,8 +19,8 @@ from validation.report.table import ResultTable
 from validation.solves.bench import Bench
 from validation.studies._options import Methods, ReducedPressure, Seed, Surfaces
 from validation.studies._scene import Asked, PressedOptions
-from validation.studies.accuracy_cost.peer_solve import SOLVERS
-from validation.studies.accuracy_cost.peers import PeerMeasurement, installed_peers
+from validation.studies.accuracy_cost.peer_solve import OWN, SOLVERS
+from validation.studies.accuracy_cost.peers import PeerMeasurement, code_words, installed_peers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,6 +41,9 @@ __all__ = [
 _TARGETS = (0.1, 0.03, 0.01, 0.003, 0.001)
 _AREAS = ("pixel", "perimeter", "subcell")
 _ELEMENTS = ("Hex1", "Hex2")
+
+#: Methods of this project by the packages that they call: what is to be cited for them.
+_METHODS = {"tamaas": "tamaas", "ContactMechanics": "contact_mechanics"}
 
 #: Of the solver: its error of the area is a tenth to a half of that, far below all that is to be told apart.
 _TOLERANCE, _FINE_TOLERANCE = 1e-5, 1e-8
@@ -104,13 +107,19 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Notes
     -----
     All run on one thread; seconds are of its processor, which other work on the machine disturbs least. Memory is that
-    of the arrays of a solve; of a peer, by how much its process grew. A peer's solver is stopped as soon as the area it
+    of the arrays of a solve; of a peer, by how much its process grew, and ours are solved in such a process, too, to be
+    put beside it. The areas of all are read off their pressures by one code. A peer's solver is stopped as soon as the area it
     counts is within a tenth of its grid error of the converged count: equal error, not equal residual. A method that is
     asked for by name is told the tolerance that the boundary elements are told.
     """
     own = ("bem",) if options.scene is not None else ("bem", "fem")
     others = options.others(options.method_points_per_wave, without=own)
     return _dataset(results_of(bench, _cases(options, others)), options, others)
+
+
+def _codes(options: Options) -> tuple[str, ...]:
+    """Codes that are solved in a process of their own: the peers, and ours beside them."""
+    return (*options.peers, OWN) if options.peers else ()
 
 
 def _blocks(options: Options) -> tuple[tuple[str, float], ...]:
@@ -134,7 +143,7 @@ def _cases(options: Options, others: Sequence[Asked]) -> dict[_Case, NumbersSolv
         cases["FEM", element, n, k] = BlockMeasurement(
             realised=pressed[k], grid=grid_for(first, n), element=element
         )
-    for code, n, k in itertools.product(options.peers, options.peer_points_per_wave, pressed):
+    for code, n, k in itertools.product(_codes(options), options.peer_points_per_wave, pressed):
         cases["peers", code, n, k] = PeerMeasurement(realised=pressed[k], grid=grid_for(first, n), code=code)
     for asked, k in itertools.product(others, pressed):
         told = {"tolerance": _TOLERANCE, **dict(asked.settings)}
@@ -159,14 +168,15 @@ def _dataset(found: Mapping[_Case, xr.Dataset], options: Options, others: Sequen
     for element, n in _blocks(options):
         part = [found["FEM", element, n, k] for k in surfaces]
         ways += [_single_way(part, area, f"FEM {element}", n) for area in ("pixel", "perimeter")]
-    for code, n in itertools.product(codes, options.peer_points_per_wave):
-        ways.append(_single_way([found["peers", code, n, k] for k in surfaces], "pixel", code, n))
+    for code, n, area in itertools.product(_codes(options), options.peer_points_per_wave, _AREAS):
+        part = [found["peers", code, n, k] for k in surfaces]
+        ways.append(_single_way(part, area, code, n, process=True))
     for asked in others:
         for g, grid in enumerate(asked.grids):
             part = [found["others", asked.name, g, k] for k in surfaces]
             per_wave = options.first.points_per_wave(grid)
             ways += [
-                _single_way(part, area, asked.name, per_wave)
+                _single_way(part, area, asked.name, per_wave, process=asked.method not in ("bem", "fem"))
                 for area in _AREAS
                 if np.isfinite([float(one[area]) for one in part]).all()
             ]
@@ -183,15 +193,24 @@ def _dataset(found: Mapping[_Case, xr.Dataset], options: Options, others: Sequen
             "peak_bytes": ("way", np.array([way.peak_bytes for way in ways]), {"units": "byte"}),
             **{name: ("surface", values, {"long_name": words}) for name, (values, words) in said.items()},
         },
-        coords={"label": ("way", [way.label for way in ways])},
+        coords={
+            "label": ("way", [way.label for way in ways]),
+            "process": ("way", [way.process for way in ways], {"long_name": "memory of a process"}),
+        },
         attrs={
             "study": "accuracy-cost",
             "reduced_pressure": options.reduced_pressure,
             "peers": " ".join([*codes, *(asked.name for asked in others)]),
-            "absent": " ".join(name for name in SOLVERS if name not in codes) if not others else "",
+            "absent": " ".join(n for n in SOLVERS if n not in (*codes, OWN)) if not others else "",
+            "measured_by": code_words(_codes(options)) if codes else "",
             "unsettled": _unsettled(found),
             "methods": " ".join(
-                ["bem", *(["fem"] if _blocks(options) else []), *(a.method for a in others), "perimeter"]
+                [
+                    *("bem", *(["fem"] if _blocks(options) else [])),
+                    *(a.method for a in others),
+                    *(_METHODS[code] for code in codes),
+                    "perimeter",
+                ]
             ),
         },
     )
@@ -208,12 +227,16 @@ def _unsettled(found: Mapping[_Case, xr.Dataset]) -> str:
 
 @dataclass(frozen=True, kw_only=True)
 class _Way:
-    """A way to an area: the areas of all surfaces, and what one surface costs on average."""
+    """A way to an area: the areas of all surfaces, and what one surface costs on average.
+
+    Memory is that of arrays, or by how much a process grew: the two are not compared.
+    """
 
     label: str
     areas: np.ndarray
     seconds: float
     peak_bytes: float
+    process: bool = False
 
 
 def _bem_ways(measured: list[xr.Dataset]) -> list[_Way]:
@@ -244,13 +267,16 @@ def _bem_ways(measured: list[xr.Dataset]) -> list[_Way]:
     return ways
 
 
-def _single_way(measured: Sequence[xr.Dataset], area: str, name: str, per_wave: float) -> _Way:
+def _single_way(
+    measured: Sequence[xr.Dataset], area: str, name: str, per_wave: float, *, process: bool = False
+) -> _Way:
     """Return the area of another method on one grid of all surfaces."""
     return _Way(
         label=f"{name} {area}, {per_wave:g} per wave",
         areas=np.array([float(d[area]) for d in measured]),
         seconds=float(np.mean([float(d.seconds) for d in measured])),
         peak_bytes=float(np.max([float(d.peak_bytes) for d in measured])),
+        process=process,
     )
 
 
@@ -269,12 +295,19 @@ def root_mean_square(dataset: xr.Dataset) -> np.ndarray:
     return np.asarray(np.sqrt((dataset.error**2).mean("surface")).values)
 
 
+def alike(dataset: xr.Dataset) -> np.ndarray:
+    """Tell whose memory is measured alike: by process where other codes are there, else by arrays."""
+    process = np.asarray(dataset.process.values, dtype=bool)
+    return process if dataset.attrs["peers"] and process.any() else ~process
+
+
 def front(dataset: xr.Dataset, cost: str = "seconds") -> list[int]:
     """Return the ways no other beats in both error and cost ("seconds" or "peak_bytes"), cheapest first."""
     error, price = root_mean_square(dataset), dataset[cost].values
+    compared = alike(dataset) if cost == "peak_bytes" else np.ones(price.size, dtype=bool)
     best, kept = np.inf, []
     for k in np.lexsort((error, price)):
-        if error[k] < best:
+        if error[k] < best and compared[k]:
             best = error[k]
             kept.append(int(k))
     return kept
@@ -297,12 +330,14 @@ def table(dataset: xr.Dataset) -> ResultTable:
         if target < 2 * floor:
             words = f"not determinable: the reference is known to {100 * floor:.2g} %"
             rows.append((f"{100 * target:g} %", words, *[""] * 6))
-        elif not good.size:
+        elif np.all(dataset.process.values[good]):
             rows.append((f"{100 * target:g} %", "none of the ways tried", *[""] * 6))
         else:
+            # Arrays and processes are no one measure of memory: the leanest way is one of ours, by its arrays.
+            own = good[~np.asarray(dataset.process.values, dtype=bool)[good]]
             fast, lean = (
-                int(good[np.lexsort((other[good], price[good]))[0]])
-                for price, other in ((seconds, size), (size, seconds))
+                int(some[np.lexsort((other[some], price[some]))[0]])
+                for some, price, other in ((own, seconds, size), (own, size, seconds))
             )
             cells: list[float | str] = [f"{100 * target:g} %"]
             cells += [
@@ -334,7 +369,11 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
         f"({100 * held / total:.0f} %); they are {100 * float(dataset.claimed.mean()):.2g} % wide to either side on average."
     )
     sentences.extend(_against_peer(dataset, code) for code in dataset.attrs["peers"].split())
-    if dataset.attrs["unsettled"]:
+    if dataset.attrs["measured_by"]:
+        sentences.append(
+            f"Peers and ours are solved alike, each in a process of its own, areas by one code: {dataset.attrs['measured_by']}."
+        )
+    if dataset.attrs.get("unsettled"):
         sentences.append(
             f"Answers without the residuals that were asked for, counted all the same: {dataset.attrs['unsettled']}."
         )
@@ -353,28 +392,32 @@ def _against_peer(dataset: xr.Dataset, code: str) -> str:
         (k for k, label in enumerate(labels) if label.startswith(f"{code} ")), key=lambda k: error[k]
     )
     ours = [k for k, label in enumerate(labels) if label.startswith("BEM") and error[k] <= error[theirs]]
-    said = (
-        f"{code}: {labels[theirs].removeprefix(code + ' ')} is off by {100 * error[theirs]:.2g} % after "
-        f"{float(dataset.seconds[theirs]):.2g} s with {float(dataset.peak_bytes[theirs]) / 2**20:.2g} MiB"
-    )
+    way = labels[theirs].removeprefix(f"{code} ")
+    said = f"{code}: {way} is off by {100 * error[theirs]:.2g} % after {float(dataset.seconds[theirs]):.2g} s"
+    twin = f"{OWN} {way}"
+    if twin in labels:
+        k = labels.index(twin)
+        grown = [float(dataset.peak_bytes[j]) / 2**20 for j in (theirs, k)]
+        factor = _times(float(dataset.seconds[theirs] / dataset.seconds[k]))
+        said += (
+            f"; the same area on the same grid is off by {100 * error[k]:.2g} % here, in {factor} time; its process grew by "
+            f"{grown[0]:.2g} MiB, ours by {grown[1]:.2g} MiB"
+        )
     if not ours:
         return said + "; none of the ways here is as good."
     best = min(ours, key=lambda k: float(dataset.seconds[k]))
-    factor = float(dataset.seconds[theirs] / dataset.seconds[best])
-    counted = labels[theirs].replace(code, "BEM")
-    plain = ""
-    if counted in labels:
-        same = float(dataset.seconds[theirs] / dataset.seconds[labels.index(counted)])
-        plain = f"; counted on the same grid, {_times(same)}"
-    return (
-        f"{said}; here that error costs {float(dataset.seconds[best]):.2g} s with "
-        f"{float(dataset.peak_bytes[best]) / 2**20:.2g} MiB ({labels[best]}): {_times(factor)} time{plain}."
-    )
+    factor = _times(float(dataset.seconds[theirs] / dataset.seconds[best]))
+    return f"{said}; the cheapest way here to that error costs {float(dataset.seconds[best]):.2g} s ({labels[best]}): {factor} time."
 
 
 def _times(factor: float) -> str:
     size = float(f"{max(factor, 1 / factor):.2g}")
     return f"{size:g} times {'less' if factor >= 1 else 'more'}"
+
+
+def _memory_words(dataset: xr.Dataset) -> str:
+    by_process = bool(dataset.process.values[alike(dataset)].all())
+    return "by how much its process grew, for those measured so" if by_process else "that of its arrays"
 
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
@@ -385,11 +428,11 @@ def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     return (
         Drawing(
             name="accuracy-cost",
-            figure=error_against_cost(dataset, root_mean_square(dataset), fronts),
+            figure=error_against_cost(dataset, root_mean_square(dataset), fronts, alike=alike(dataset)),
             data=dataset[["error", "seconds", "peak_bytes"]],
             caption="Root mean square error of the contact area over the surfaces against the processor time of one surface "
-            "on one thread (left) and against the memory of the arrays of its largest solve (right; of other codes, by "
-            "how much their process grew), for every method, grid and definition of the area; the lines join the ways "
-            "that no other beats; grey, the error of the reference.",
+            f"on one thread (left) and against the memory of its largest solve ({_memory_words(dataset)}, right), for every "
+            "method, grid and definition of the area; the lines join the ways that no other beats; grey, the error of the "
+            "reference.",
         ),
     )

@@ -55,6 +55,8 @@ LEAST_PROBE = 2.0
 class Options(StudyOptions):
     """Spectra, loads, rings, and the grids over which every flow is extrapolated."""
 
+    own = "it builds its surfaces up ring by ring of waves"
+
     hursts: Annotated[tuple[Hurst, ...], Field(min_length=1)] = Field(
         default=(0.3, 0.8), description="Hurst exponents H"
     )
@@ -256,6 +258,7 @@ def _with_limits(data: xr.Dataset, grids: Sequence[Chain | Probe]) -> xr.Dataset
     }
     areas = xr.Dataset(flat).assign(
         points=("grid", [solve.points for solve in grids]),
+        cells=("grid", [solve.points**2 for solve in grids]),
         points_per_wave=("grid", [solve.points_per_wave for solve in grids]),
     )
     shape = [data.sizes[name] for name in others]

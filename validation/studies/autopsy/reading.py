@@ -231,12 +231,11 @@ def exponents(values: xr.DataArray, steps: Array) -> xr.DataArray:
 
     logarithm = _ln(values.where(values > 0))
     pairs = [*itertools.pairwise(range(steps.size)), (0, steps.size - 1)]
-    found = [
+    found: list[xr.DataArray] = [
         (logarithm.isel(variance_step=b) - logarithm.isel(variance_step=a)) / np.log(steps[b] / steps[a])
         for a, b in pairs
     ]
-    falls: xr.DataArray = _ln(after / area.isel(sign=0, probe_level=0)) / _ln(1 + dataset.relative_step)
-    return falls
+    return xr.concat(found, dim="pair")
 
 
 def net_flux(dataset: xr.Dataset) -> xr.DataArray:

@@ -20,7 +20,7 @@ from validation.measures.common import SHIFTS, Ladder, Rising, base_case, base_s
 from validation.measures.ladders import LADDERS, Ladders, rungs_of, spectral_share
 from validation.measures.measurement import Measurement, area_limits, grid_for
 from validation.measures.statistics import Estimate, mean_over_surfaces, pair_means
-from validation.measures.theory import VARIANTS, ensemble_area
+from validation.measures.theory import RANKED, VARIANTS, ensemble_area
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.scenes.scene import SelfAffineSurface
@@ -122,6 +122,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         data = data.merge(ladders.dataset(solved))
     return data.assign_attrs(
         study="hurst",
+        methods=RANKED,
         periods=options.periods,
         ladder_reduced_pressure=options.ladder_reduced_pressure,
         seconds=float(sum(result.seconds.sum() for result in solved.values())),

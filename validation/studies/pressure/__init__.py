@@ -23,7 +23,7 @@ from validation.measures.distributions import (
     largest_difference,
 )
 from validation.measures.measurement import area_limits
-from validation.measures.theory import VARIANTS, WITH_ENERGY, Waves, ensemble_stress_variance
+from validation.measures.theory import RANKED, VARIANTS, WITH_ENERGY, Waves, ensemble_stress_variance
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.scenes.realised import Realised
@@ -135,7 +135,7 @@ def _numbers(options: Options, measured: Sequence[xr.Dataset]) -> xr.Dataset:
     return xr.Dataset(
         {name: (("surface", "load"), values, {"long_name": _WORDS[name]}) for name, values in data.items()},
         coords={"reduced_pressure": ("load", _loads(options), {"long_name": "p0 / (E* h'_rms)"})},
-        attrs={"study": "pressure", **options.spectrum_words},
+        attrs={"study": "pressure", "methods": RANKED, **options.spectrum_words},
     )
 
 
