@@ -17,7 +17,7 @@ from validation.scenes.scene import load_scene
 from validation.solves.bench import Bench
 from validation.studies import studies
 
-COMMANDS = ("run", "study", "validate", "reproduce", "report", "explain", "surface", "scenes")
+COMMANDS = ("run", "study", "compare", "validate", "reproduce", "report", "explain", "surface", "scenes")
 
 
 def call(*arguments, monkeypatch, capsys, cwd):
@@ -115,7 +115,11 @@ def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatc
         (("study", "nothing"), "no such study; one of: "),
         (("study", "area", "--surfaces"), "--surfaces: needs a value"),
         (("study", "area", "--hurts", "1"), "unknown option '--hurts'; it has: "),
-        (("study", "area", "quickstart"), "takes no scene"),
+        (("study", "depth", "quickstart"), "takes no scene: its surface is the one"),
+        (
+            ("study", "area", "--set", "seed=3"),
+            "--set seed=3: sets a key of a scene; name one after the study",
+        ),
         (("validate", "nothing"), "no such case"),
         (("report", "nowhere"), "holds no run (run.json) and no study (study.json)"),
         (("surface", "inspect", "nowhere.npy"), "cannot be read"),
@@ -348,13 +352,16 @@ def test_studies_and_cases_and_scenes_are_listed_for_people_and_scripts(tool):
 def test_reproduce_prints_the_claims(tool, monkeypatch, tmp_path):
     from validation.paper import reproduce
     from validation.paper.claims import ClaimRow
+    from validation.paper.page import paper_page
 
     row = ClaimRow(
-        claim="area",
+        claim="area [nm]",
+        application="steel",
         section="4",
         stated=1.0,
         tolerance="5 %",
         computed=1.01,
+        literal=1.01,
         convention="",
         verdict="reproduced",
         note="",
@@ -362,12 +369,13 @@ def test_reproduce_prints_the_claims(tool, monkeypatch, tmp_path):
 
     def run(output, *, figures, progress):
         progress("claim: area")
-        return (row,)
+        return reproduce.Reproduced(rows=(row,), page=paper_page((row,)), files=())
 
     monkeypatch.setattr(reproduce, "run", run)
     code, out, err = tool("reproduce", "--no-figures", "-q")
     assert code == 0, err
-    assert "reproduced" in out
+    assert "reprod" in out
+    assert "[nm]" in out
     assert json.loads(tool("reproduce", "--json")[1])[0]["computed"] == 1.01
 
 

@@ -8,15 +8,17 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from fem_contact import bem
+from fem_contact import bem, contact_areas
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.errors import RunFailed, UsageError
 from validation.measures.common import base_case, base_surface
 from validation.measures.measurement import Measurement
+from validation.measures.theory import RANKED
 from validation.solves.bench import Bench
 from validation.studies import accuracy_cost, find_study, multilevel, scaling
+from validation.studies._outputs import study_page
 from validation.studies.accuracy_cost import peer_solve, peers
 from validation.studies.multilevel import Level, allocation, saving
 
@@ -77,19 +79,41 @@ def test_peers_that_are_not_installed_are_left_out_with_a_word(costs):
     assert "tamaas, ContactMechanics" in accuracy_cost.findings(costs)[-1]
 
 
-def test_a_peer_is_held_against_the_cheapest_way_to_its_own_error(costs):
+def _way(costs, of, label, **changed):
+    """A way of the study under another name, measured as a process."""
     labels = costs.label.values.tolist()
-    count = costs.isel(way=[labels.index("BEM pixel, 6 per wave")])
-    theirs = count.assign_coords(label=("way", ["tamaas pixel, 6 per wave"])).assign(
-        seconds=count.seconds * 0 + 9.0
-    )
-    both = xr.concat([costs, theirs], dim="way", data_vars="minimal").assign_attrs(peers="tamaas", absent="")
-    text = accuracy_cost.findings(both)[-1]
+    one = costs.isel(way=[labels.index(of)])
+    values = {name: one[name] * 0 + value for name, value in changed.items()}
+    return one.assign_coords(label=("way", [label]), process=("way", [True])).assign(values)
+
+
+def test_a_peer_is_held_against_the_same_area_and_the_same_measure_of_memory(costs):
+    count = "BEM pixel, 6 per wave"
+    theirs = _way(costs, count, "tamaas pixel, 6 per wave", seconds=9.0, peak_bytes=3 * 2**20)
+    twin = _way(costs, count, "fem_contact pixel, 6 per wave", seconds=3.0, peak_bytes=2 * 2**20)
+    both = xr.concat([costs, theirs, twin], dim="way", data_vars="minimal")
+    both = both.assign_attrs(peers="tamaas", absent="", measured_by="tamaas 2, fem_contact 1, on a processor")
+    *_, text, how = accuracy_cost.findings(both)
     assert text.startswith("tamaas: pixel, 6 per wave is off by ")
     assert "after 9 s" in text
-    same = 9.0 / float(costs.seconds[labels.index("BEM pixel, 6 per wave")])
-    assert f"counted on the same grid, {float(f'{same:.2g}'):g} times less" in text
-    assert accuracy_cost.figures(both)[0].name == "accuracy-cost"
+    assert "in 3 times less time; its process grew by 3 MiB, ours by 2 MiB" in text
+    assert "tamaas 2, fem_contact 1, on a processor" in how
+    # Arrays and processes are never ranked together.
+    labels = both.label.values
+    front = accuracy_cost.front(both, "peak_bytes")
+    assert {labels[k].split()[0] for k in front} <= {"tamaas", "fem_contact"}
+    assert all("BEM" in row[5] or "FEM" in row[5] for row in accuracy_cost.table(both).rows if row[5])
+    (drawing,) = accuracy_cost.figures(both)
+    assert "by how much its process grew" in drawing.caption
+
+
+def test_what_is_ranked_and_what_is_compared_is_cited(costs):
+    page = study_page(
+        find_study("accuracy-cost"), costs.assign_attrs(methods="bem tamaas xu"), {}, figures=False
+    )
+    assert any(paper.startswith("tamaas: ") for paper in page.papers)
+    assert any("Xu" in paper for paper in page.papers)
+    assert "xu" in RANKED.split()
 
 
 def ours(heights: np.ndarray, mean_pressure: float, tolerance: float) -> np.ndarray:
@@ -119,7 +143,8 @@ def test_a_peer_is_solved_no_further_than_its_grid_deserves(tmp_path, monkeypatc
     )
     assert loose["tolerance"] == 1e-2
     assert loose["tolerance"] > exact["tolerance"] == asked[-1]
-    assert (exact["pixel"], exact["solver_error"]) == (pixel, 0.0)
+    assert exact["solver_error"] == 0.0
+    assert np.mean(np.load(tmp_path / "pressure.npy") > 0) == pixel
     assert loose["seconds"] > 0
 
 
@@ -127,7 +152,7 @@ def test_a_peer_that_fails_is_a_sentence(monkeypatch):
     solve = peers.PeerMeasurement(
         code="no-such-code",
         realised=base_case(base_surface(hurst=0.8, seed=4177, **SMALL), reduced_pressure=0.1),
-        points=16,
+        grid=(16, 16),
     )
     with pytest.raises(RunFailed, match="no-such-code 16x16, surface 1: KeyError"):
         solve.measure()
@@ -137,9 +162,16 @@ def test_a_peer_that_fails_is_a_sentence(monkeypatch):
 def test_an_installed_peer_counts_the_area_that_is_counted_here(code):
     pytest.importorskip(code)
     surface = base_surface(hurst=0.8, seed=4178, periods=2.0, bandwidth=4.0)
-    solve = peers.PeerMeasurement(code=code, realised=base_case(surface, reduced_pressure=0.1), points=64)
+    solve = peers.PeerMeasurement(code=code, realised=base_case(surface, reduced_pressure=0.1), grid=(64, 64))
     found = solve.measure()
     assert float(found.solver_error) < 0.1 * 0.103 * float(found.pixel) * 2
+    # The same areas are read off its pressures as off ours.
+    field = solve.heights()
+    exact = contact_areas(
+        bem.solve(field, solve.half_space, mean_pressure=solve.realised.pressure).checked(), subcell=True
+    )
+    for name in ("perimeter", "subcell"):
+        assert float(found[name]) == pytest.approx(getattr(exact, name), rel=0.02)
     assert float(found.seconds) > 0
 
 

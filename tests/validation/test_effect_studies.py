@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from validation.errors import UsageError
-from validation.scenes.scene import load_scene
 from validation.solves.bench import Bench
 from validation.studies import adhesion, find_study, hardness
 
@@ -34,6 +33,7 @@ def sticking(tmp_path_factory):
         magnifications=(3.0,),
         hardnesses=(0.6,),
         seed=13,
+        surfaces=2,
         grids=(64, 96),
         bandwidth=3.0,
     )
@@ -93,12 +93,6 @@ def test_one_grid_has_no_limit(name, grids, words):
         find_study(name).parse(["--grids", grids])
 
 
-@pytest.mark.parametrize("name", ["hardness", "adhesion", "graded"])
-def test_a_study_of_its_own_surfaces_takes_no_scene(name):
-    with pytest.raises(UsageError, match="takes no scene; leave 'quickstart' out"):
-        find_study(name).parse([], scene=load_scene("quickstart"))
-
-
 def test_adhesion_enlarges_the_contact_in_proportion_and_vanishes_with_the_work(sticking):
     gain = sticking["area"].values / sticking["plain"].values
     assert 1 <= gain[0] < 1.1
@@ -124,9 +118,25 @@ def test_the_interface_gains_less_than_its_work_and_yielding_adds_contact(sticki
 
 
 def test_findings_of_adhesion_say_where_the_theory_gives_no_answer(sticking):
-    assert "multiplies the area by" in adhesion.findings(sticking)[0]
+    assert "multiplies the area by" in adhesion.findings(sticking)[1]
     silent = sticking.assign(old=np.nan * sticking["old"])
-    assert "the theory (old) gives no answer" in adhesion.findings(silent)[0]
+    assert "the theory (old) gives no answer" in adhesion.findings(silent)[1]
+
+
+def test_adhesion_is_averaged_over_surfaces_and_its_error_holds_their_scatter(sticking, tmp_path):
+    assert adhesion.findings(sticking)[0].startswith("Means over 2 surfaces")
+    assert "mean over 2 surfaces" in adhesion.figures(sticking)[0].caption
+    options = {"works": (0.1,), "reduced_pressures": (0.2,), "magnifications": (3.0,), "hardnesses": (0.6,)}
+    options |= {"grids": (64, 96), "bandwidth": 3.0, "surfaces": 1}
+    bench = Bench.at(tmp_path)
+    single = [adhesion.run(adhesion.Options(**options, seed=seed), bench=bench) for seed in (13, 14)]
+    areas = [float(one["area"][0]) for one in single]
+    assert float(sticking["area"][1]) == pytest.approx(np.mean(areas), rel=1e-12)
+    grids = np.mean([float(one["area_error"][0]) for one in single])
+    scatter = np.std(areas, ddof=1) / np.sqrt(2)
+    assert scatter > 0
+    assert float(sticking["area_error"][1]) == pytest.approx(np.hypot(grids, scatter), rel=1e-12)
+    assert "of one surface" in adhesion.findings(single[0])[0]
 
 
 def test_both_are_found_by_name_and_draw(yielding, sticking):

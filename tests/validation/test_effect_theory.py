@@ -16,9 +16,10 @@ from validation.comparison.report import run_page
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import Told
 from validation.effects.hardness import Hardness
-from validation.methods.theory import Prediction, with_effects
+from validation.methods.theory import Prediction, predict, stress_distribution, with_effects
 from validation.scenes.realised import realise
 from validation.scenes.scene import load_scene
+from validation.scenes.sweep import load_asked
 from validation.solves.press import solves_of
 from validation.solves.running import solve_all
 from validation.solves.store import Store
@@ -79,5 +80,28 @@ def test_a_scene_that_yields_is_set_beside_its_theory(write_scene, tmp_path):
     assert any(text.startswith("Yielded, A_pl/A0 = ") and "by the theory" in text for text in found.findings)
     names = [str(row[0]) for table in run_page(found).tables for row in (*table.rows, *table.sums)]
     assert {"BEM, yielded", "Persson, yielded"} <= set(names)
-    # The closed form of P(sigma) is that of elastic contact: it is not drawn beside a yielding one.
-    assert not np.any(pressure_at_zero_data(found, {})["curve"] == "Persson")
+    # P(sigma) is drawn between its walls: it holds the elastic area and ends at the hardness.
+    top = 1.5 * 40e3 / realised.pressure_scale
+    drawn = pressure_at_zero_data(found, {}, top=top)
+    stress, density = (drawn[name].values for name in ("lower", "density"))
+    elastic = found.theory.area - found.theory.plastic
+    assert np.trapezoid(density, stress) == pytest.approx(elastic, rel=2e-2)
+    assert not np.any(density[stress * realised.pressure_scale > 40e3])
+
+
+@pytest.mark.parametrize("name", ["quickstart", "hardness", "adhesion", "soft-layer"])
+def test_the_distribution_of_the_theory_holds_its_area(name):
+    scene = load_scene(name)
+    realised, options = realise(scene), scene.methods.options("theory")
+    found = predict(realised, scene.effects, options)
+    stress = np.linspace(-4, 8, 40_001) * realised.pressure_scale
+    density = stress_distribution(realised, scene.effects, options, stress)
+    elastic = found.area - (found.plastic or 0.0)
+    # The adhesive walls are told between nodes of the iteration.
+    assert np.trapezoid(density, stress) == pytest.approx(elastic, rel=2e-4, abs=2e-7)
+
+
+def test_without_an_answer_of_the_theory_there_is_no_distribution():
+    scene = load_asked("hardness", ["hardness=1 MPa"])
+    stress = np.linspace(0, 1, 5)
+    assert stress_distribution(realise(scene), scene.effects, None, stress) is None

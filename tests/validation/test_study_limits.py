@@ -97,9 +97,9 @@ def test_conditioning_hides_a_wrong_generator_and_the_ensemble_shows_it():
     conditional = contact_area(loads, stress_variance=stress_variance(1.0, contact_modulus=1.0))
     # Rounding apart, a generator that meets C(q) makes no difference.
     np.testing.assert_allclose(
-        ensemble_area(surface, loads, rms_gradients=[right] * 3)[1], conditional, rtol=1e-12
+        ensemble_area(spectrum_of(surface), loads, rms_gradients=[right] * 3)[1], conditional, rtol=1e-12
     )
-    wrong = ensemble_area(surface, loads, rms_gradients=[1.1 * right] * 3)[0]
+    wrong = ensemble_area(spectrum_of(surface), loads, rms_gradients=[1.1 * right] * 3)[0]
     assert wrong[0] / conditional[0] == pytest.approx(1.1, rel=1e-3)
     assert "+10.0" in modes_sentence(conditional[:1], wrong[:1])
 
@@ -108,7 +108,7 @@ def test_scatter_of_the_realised_gradient_is_averaged_over():
     surface = base_surface(hurst=0.6, seed=61, **SMALL)
     gradient = float(spectrum_of(surface).moments().rms_gradient)
     scattered = gradient * np.sqrt([0.5, 1.5])
-    found = ensemble_area(surface, [0.02], rms_gradients=scattered)
+    found = ensemble_area(spectrum_of(surface), [0.02], rms_gradients=scattered)
     # At light load the area goes with V^(-1/2): its mean exceeds that of the mean V.
     pressure = 0.02 * scattered
     by_hand = [
@@ -247,16 +247,16 @@ def test_the_bend_of_the_distribution_is_no_density_at_zero():
     assert stress_near_zero.intercepts(data, degree=1).mean() > 0.002
     assert stress_near_zero.limit_slope(data).value == pytest.approx(2.0, rel=1e-9)
     assert stress_near_zero.limit_contour_slope(data).value == pytest.approx(2.0, rel=1e-9)
-    assert "not told from zero" in stress_near_zero.findings(data)[0]
-    assert "the two agree" in stress_near_zero.findings(data)[1]
+    assert "not told from zero" in stress_near_zero.findings(data.expand_dims(method=["bem"]))[0]
+    assert "the two agree" in stress_near_zero.findings(data.expand_dims(method=["bem"]))[1]
     finite = synthetic_edge(value=0.05, slope=2.0, bend=6.0)
-    assert "different from zero" in stress_near_zero.findings(finite)[0]
+    assert "different from zero" in stress_near_zero.findings(finite.expand_dims(method=["bem"]))[0]
 
 
 def test_a_slope_that_scatters_too_much_is_called_not_determinable():
     data = synthetic_edge(value=0.0, slope=2.0, bend=6.0)
     wild = data.assign(slope=data.slope * np.array([0.2, 1.8, 0.3, 1.7])[:, None])
-    assert "not determinable" in stress_near_zero.findings(wild)[1]
+    assert "not determinable" in stress_near_zero.findings(wild.expand_dims(method=["bem"]))[1]
 
 
 @pytest.mark.slow

@@ -165,7 +165,15 @@ class Run:
     def modulus(self) -> float:
         """E* = E / (1 - nu^2) [Pa]."""
         solid = self.scene["solid"]
-        return float(solid["young"] / (1 - solid["poisson"] ** 2))
+        compliance = (1 - solid["poisson"] ** 2) / solid["young"]
+        if "second_young" in solid:
+            compliance += (1 - solid["second_poisson"] ** 2) / solid["second_young"]
+        return float(1 / compliance)
+
+    @property
+    def holds_distance(self) -> bool:
+        """Whether a mean gap or an offset was held in place of a load."""
+        return bool({"mean_gap", "offset"} & set(self.scene["load"]))
 
     @cached_property
     def gradient(self) -> float | None:
@@ -178,6 +186,12 @@ class Run:
         load = self.scene["load"]
         if "pressure" in load:
             return float(np.ravel(load["pressure"])[0])
+        if "force" in load:
+            lx, ly = self.surface["length"]
+            return float(load["force"] / (lx * ly))
+        if self.holds_distance:
+            own = [one for (name, _, _, m), one in self.solves.items() if name == self.methods[0] and m == 0]
+            return max(own, key=lambda one: one.p.size).mean_pressure
         found = self.moments(k)
         return (
             None
@@ -217,6 +231,8 @@ class Run:
         density = math.nan if self.adhesive else math.fsum(one.density_at_zero for one in own) / len(own)
         yields = any(effect["kind"] == "hardness" for effect in self.effects)
         load = self.reduced_pressure
+        if load is not None and self.holds_distance:
+            load *= math.fsum(one.mean_pressure for one in own) / len(own) / (self.pressure() or math.nan)
         return Row(
             method=method,
             grid=grid,
@@ -240,7 +256,9 @@ class Run:
         if self.adhesive:
             found = None if pressure is None else one.adhesive_residuals(pressure)
             return math.nan if found is None else max(found.values())
-        load = 0.0 if pressure is None else abs(one.mean_pressure - pressure) / pressure
+        load = (
+            0.0 if pressure is None or self.holds_distance else abs(one.mean_pressure - pressure) / pressure
+        )
         return max(*one.residuals.values(), load)
 
     def limit(self, method: str, k: int = 0, grids: set[Grid] | None = None) -> Limit | None:

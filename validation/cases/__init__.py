@@ -13,15 +13,14 @@ import pkgutil
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import numpy as np
 
 from validation.errors import UsageError
 from validation.solves.attempt import one_blas_thread
 
-if TYPE_CHECKING:
-    from rich.table import Table
-
-__all__ = ["Case", "Check", "Verdict", "all_cases", "chosen_cases", "run_cases", "verdict_table"]
+__all__ = ["Case", "Check", "Verdict", "all_cases", "chosen_cases", "run_cases"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,12 +34,15 @@ class Check:
     computed, reference : float
     tolerance : float
         Largest difference that counts as agreement, in the unit of the quantity.
+    ladder : tuple of (float, float)
+        Resolution and error, where the number is the order read off them.
     """
 
     quantity: str
     computed: float
     reference: float
     tolerance: float
+    ladder: tuple[tuple[float, float], ...] = ()
 
     @classmethod
     def relative(cls, quantity: str, computed: float, reference: float, tolerance: float) -> Check:
@@ -62,6 +64,43 @@ class Check:
         """Return a check that a number lies between two."""
         middle = (low + high) / 2
         return cls(quantity=quantity, computed=float(computed), reference=middle, tolerance=(high - low) / 2)
+
+    @classmethod
+    def order(
+        cls,
+        quantity: str,
+        resolutions: Sequence[float],
+        errors: Sequence[float],
+        *,
+        expected: float,
+        tolerance: float,
+    ) -> Check:
+        """Return a check of the order at which errors fall as points along a side (or steps) grow.
+
+        Parameters
+        ----------
+        quantity : str
+        resolutions, errors : sequences of float
+            Of one another, coarse to fine; errors positive.
+        expected, tolerance : float
+            The order that is known beforehand, and how far these resolutions may be from its limit.
+        """
+        found = -float(np.polyfit(np.log(resolutions), np.log(errors), 1)[0])
+        ladder = tuple((float(n), float(error)) for n, error in zip(resolutions, errors, strict=True))
+        return cls(quantity=quantity, computed=found, reference=expected, tolerance=tolerance, ladder=ladder)
+
+    @property
+    def allowed(self) -> str:
+        """What passes, in words: a bound, a value with its tolerance, or a range.
+
+        >>> Check.below("error", 0.1, 0.5).allowed, Check.within("factor", 1.2, 0.8, 2.5).allowed
+        ('at most 0.5', '0.8 to 2.5')
+        """
+        if self.reference == 0:
+            return f"at most {self.tolerance:.2g}"
+        if self.tolerance <= 0.2 * abs(self.reference):
+            return f"{self.reference:.6g} +- {self.tolerance:.2g}"
+        return f"{self.reference - self.tolerance:.4g} to {self.reference + self.tolerance:.4g}"
 
     @property
     def passed(self) -> bool:
@@ -177,26 +216,3 @@ def run_cases(cases: Iterable[Case], *, tell: Callable[[str], None] | None = Non
         if tell is not None:
             tell(f"{'passed' if verdict.passed else 'FAILED'}  {case.name}  ({verdict.seconds:.1f} s)")
         yield verdict
-
-
-def verdict_table(verdicts: Sequence[Verdict]) -> Table:
-    """Return the table of verdicts: a line for each check."""
-    from rich.table import Table
-
-    table = Table(title="Cases with a known answer")
-    for column in ("case", "quantity", "computed", "reference", "tolerance", "verdict", "seconds"):
-        right = column in ("computed", "reference", "tolerance", "seconds")
-        table.add_column(column, justify="right" if right else "left", overflow="fold")
-    for verdict in verdicts:
-        table.add_section()
-        table.add_row(
-            verdict.case,
-            verdict.claim if verdict.error is None else f"{verdict.claim} - {verdict.error}",
-            *("", "", ""),
-            "passed" if verdict.passed else "FAILED",
-            f"{verdict.seconds:.2g}",
-        )
-        for check in verdict.checks:
-            numbers = (f"{check.computed:.6g}", f"{check.reference:.6g}", f"{check.tolerance:.2g}")
-            table.add_row("", f"  {check.quantity}", *numbers, "" if check.passed else "FAILED", "")
-    return table

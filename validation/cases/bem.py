@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,11 +24,6 @@ _JOHNSON = "K. L. Johnson, J. A. Greenwood, J. G. Higginson, Int. J. Mech. Sci. 
 Array = NDArray[np.float64]
 
 
-def _order(sizes: Sequence[int], errors: Sequence[float]) -> float:
-    """Order at which errors fall with the spacing."""
-    return -float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])
-
-
 def _rough(n: int, *, seed: int = 2718) -> HeightField:
     surface = random_surface(
         lambda q: np.where(q > 12.0, q**-3.6, 0.0),
@@ -43,19 +37,22 @@ def _rough(n: int, *, seed: int = 2718) -> HeightField:
 
 def _punch() -> list[Check]:
     """Press a periodic flat punch, half width b: p = p0 cos(pi x) / (sin^2(pi b) - sin^2(pi x))^(1/2)."""
-    sizes, errors, half_width = (65, 129, 257, 513), [], 0.2
+    # The discrete edge lies half a cell outside the outermost point: at 1/6 of the period on each of these.
+    sizes, errors, half_width = (45, 135, 405), [], 1 / 6
     for n in sizes:
-        x = np.arange(n) / n - (n // 2) / n
-        # The discrete edge lies half a cell outside the outermost point of the punch.
-        inside = np.abs(x) < half_width
-        edge = (np.count_nonzero(inside) / 2) / n
+        inside = np.abs(np.arange(n) - n // 2) <= n // 6
         surface = HeightField(heights=np.where(inside, 0.0, -1.0)[:, None] * np.ones(3), lengths=(1.0, 3 / n))
         result = solve(surface, _SOFT, mean_pressure=1e-3).checked()
-        exact = 1e-3 / math.sin(math.pi * edge)
-        errors.append(abs(result.pressure[n // 2, 0] / exact - 1))
+        # The edge leaves an error of alternating sign from point to point, which these weights take out.
+        near, weights = np.arange(-1, 2) / n, (0.25, 0.5, 0.25)
+        root = np.sqrt(math.sin(math.pi * half_width) ** 2 - np.sin(math.pi * near) ** 2)
+        exact = np.dot(weights, 1e-3 * np.cos(math.pi * near) / root)
+        found = np.dot(weights, result.pressure[n // 2 - 1 : n // 2 + 2, 0])
+        errors.append(abs(float(found / exact) - 1))
     return [
-        Check.below("relative error of the pressure at the middle, finest grid", errors[-1], 2e-3),
-        Check.within("its observed order", _order(sizes, errors), 0.8, 2.5),
+        Check.below("relative error of the pressure at the middle, finest grid", errors[-1], 3e-3),
+        # The singular edge is misplaced by a share of a cell; the next term is of second order, 2/45 of it.
+        Check.order("its observed order", sizes, errors, expected=1, tolerance=0.05),
     ]
 
 
@@ -137,7 +134,8 @@ def _grids() -> list[Check]:
         pressures.append(float(np.linalg.norm(result.pressure - other) / np.linalg.norm(other)))
         gaps.append(abs(float(np.mean(result.gap) / np.mean(finest.gap)) - 1))
     return [
-        Check.within("order of the pressure in L2", _order(sizes, pressures), 0.8, 2.0),
+        # At an edge p grows like the square root of the distance: the cells there leave an error of order 1.
+        Check.order("order of the pressure in L2", sizes, pressures, expected=1, tolerance=0.3),
         Check.below("relative L2 difference of pressure at 32 points per wave", pressures[-1], 0.02),
         Check.below("relative difference of the mean gap there", gaps[-1], 2e-3),
     ]
@@ -152,7 +150,7 @@ def _energy() -> list[Check]:
         misses.append(abs(loading_work(path)[-1] / stored - 1))
     return [
         Check.below("relative difference in 32 steps", misses[-1], 1e-3),
-        Check.within("its observed order in the step", _order((8, 16, 32), misses), 1.7, 2.3),
+        Check.order("its observed order in the step", (8, 16, 32), misses, expected=2, tolerance=0.3),
     ]
 
 
@@ -188,8 +186,9 @@ def _disc_area() -> list[Check]:
     return [
         Check.below("located: error at 6 cells of radius", located[0], 5e-3),
         Check.below("located: error at 26 cells of radius", located[-1], 1e-3),
-        Check.within("located: observed order", _order(sizes, located), 1.3, 3.0),
-        Check.within("counted: observed order", _order(sizes, counted), 0.7, 1.4),
+        # Between 1.5, where the places in the grid were random, and 2, where edges are smooth.
+        Check.order("located: observed order", sizes, located, expected=1.75, tolerance=0.45),
+        Check.order("counted: observed order", sizes, counted, expected=1, tolerance=0.35),
     ]
 
 
@@ -216,6 +215,23 @@ def _symmetries() -> list[Check]:
         other = pressure(np.ascontiguousarray(change(surface.heights)))
         miss = float(np.linalg.norm(other - change(plain)) / np.linalg.norm(plain))
         checks.append(Check.below(f"relative L2 difference, {name}", miss, 1e-8))
+    return checks
+
+
+def _steps() -> list[Check]:
+    """Count conjugate-gradient steps on finer and finer grids, elastic and yielding."""
+    checks = []
+    for name, bound in (("elastic", None), ("a bound on the pressure", 0.3)):
+        steps = [
+            solve(_rough(n), _SOFT, mean_pressure=0.05, pressure_bound=bound, tolerance=1e-9)
+            .checked()
+            .cost.iterations
+            for n in (48, 96, 192)
+        ]
+        checks.append(Check.within(f"most steps, {name}", max(steps), 4, 20))
+        checks.append(
+            Check.below(f"more steps at n = 192 than at n = 48, {name}", max(steps[2] - steps[0], 0), 4)
+        )
     return checks
 
 
@@ -249,6 +265,12 @@ CASES = (
         claim="Pressure and mean gap of one rough surface converge with the grid.",
         run=_grids,
         source="self-consistency over nested grids",
+    ),
+    Case(
+        name="bem-steps",
+        claim="Boundary elements take as many steps on a fine grid as on a coarse one.",
+        run=_steps,
+        source="docs/bem.md: nested grids, a preconditioner that follows the contact",
     ),
     Case(
         name="bem-energy",

@@ -32,9 +32,10 @@ def _shrinking() -> list[Check]:
     sizes = (16, 32, 48)
     found = [_differences(n) for n in sizes]
     pressures, areas = ([pair[k] for pair in found] for k in (0, 1))
-    order = -np.polyfit(np.log(sizes), np.log(pressures), 1)[0]
+    name = "order at which the difference in pressure vanishes"
     return [
-        Check.within("order at which the difference in pressure vanishes", order, 0.6, 2.5),
+        # Both err in first order at the edges of contact, with constants that partly cancel on coarse grids.
+        Check.order(name, sizes, pressures, expected=1, tolerance=0.5),
         Check.below(f"relative L2 difference of pressure at n = {sizes[-1]}", pressures[-1], 0.06),
         Check.below(f"relative difference in pixel area at n = {sizes[-1]}", areas[-1], 0.06),
         Check.below("difference in area, finest over coarsest grid", abs(areas[-1] / areas[0]), 1.0),

@@ -55,9 +55,8 @@ def _radius(method: str, sizes: tuple[int, ...], radius: float) -> list[Check]:
         perimeter = np.average([area.perimeter for area in areas], weights=_WEIGHTS)
         excess.append(float(np.sqrt(pixel / np.pi)) / radius - 1)
         corrected.append(float(np.sqrt(perimeter / np.pi)) / radius - 1)
-    order = -np.polyfit(np.log(sizes), np.log(excess), 1)[0]
     return [
-        Check.within("observed order of the counted radius", order, 0.6, 1.5),
+        Check.order("observed order of the counted radius", sizes, excess, expected=1, tolerance=0.4),
         Check.below(
             f"excess of the counted radius at n = {sizes[-1]}", excess[-1], 0.5 / (radius * sizes[-1])
         ),

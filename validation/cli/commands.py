@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import re
 import sys
@@ -14,6 +13,7 @@ import typer
 
 from validation.cli.audit import audit
 from validation.cli.challenge import challenge_app
+from validation.cli.compare import compare
 from validation.cli.options import (
     AccuracyOption,
     DryRunOption,
@@ -37,16 +37,17 @@ from validation.cli.options import (
     show,
     stopping_cleanly,
 )
+from validation.cli.reference import reference
 from validation.cli.refusals import refusals_in_words
 from validation.cli.store import store_app
 from validation.cli.surface import surface_app
 from validation.cli.sweep import run_swept
+from validation.cli.validate import reproduce, validate
 from validation.errors import RunFailed, UsageError
 
 if TYPE_CHECKING:
     from validation.comparison.accuracy import Reached
     from validation.comparison.run import Outputs
-    from validation.paper.claims import ClaimRow
     from validation.scenes.scene import Scene
     from validation.scenes.sweep import Sweep
     from validation.studies import Study
@@ -68,6 +69,13 @@ app.add_typer(scenes_app, name="scenes")
 app.add_typer(surface_app, name="surface")
 app.add_typer(store_app, name="store")
 app.command(epilog="Examples: fem-contact audit results/quickstart  |  fem-contact audit mine --list")(audit)
+app.command(epilog="Example: fem-contact reference --hurst 0.8 --bandwidth 16 --pressure 0.05")(reference)
+app.command(epilog="Example: fem-contact compare results/quickstart results/mine")(compare)
+app.command(
+    epilog="Examples: fem-contact validate --quick  |  fem-contact validate hertz westergaard  |  "
+    "fem-contact validate --method my_module:solve --method bem"
+)(validate)
+app.command(epilog="Examples: fem-contact reproduce  |  fem-contact reproduce --no-figures --json")(reproduce)
 app.add_typer(challenge_app, name="challenge")
 
 
@@ -176,7 +184,7 @@ def _folders(
     asked: Scene | Sweep, output: Path | None, store: Path | None, *, accurate: bool
 ) -> tuple[Path, Path]:
     """Return the folders of results and of solves: the command line goes before the scene."""
-    from validation.scenes.scene import not_led_out
+    from validation.scenes.run_options import not_led_out
 
     said, results = asked.run, Path("results")
     plain = (
@@ -193,13 +201,16 @@ def _folders(
     context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
     add_help_option=False,
     epilog="Examples: fem-contact study --list  |  fem-contact study area --seed 3 --surfaces 3 "
-    "--grids 128,192 --workers 2",
+    "--grids 128,192 --workers 2  |  fem-contact study pressure mine.toml --set poisson=0.4",
 )
 def study(
     context: typer.Context,
     name: Annotated[str | None, typer.Argument(metavar="NAME", help="A study; see --list.")] = None,
     list_all: Annotated[bool, typer.Option("--list", help="Name the studies and their options.")] = False,
-    scene: Annotated[str | None, typer.Option("--scene", help="Scene, for studies that take one.")] = None,
+    scene: Annotated[
+        str | None, typer.Option("--scene", help="Scene that a study is asked about; or after NAME.")
+    ] = None,
+    settings: SetOption = None,
     output: OutputOption = None,
     store: StoreOption = None,
     workers: WorkersOption = None,
@@ -215,13 +226,14 @@ def study(
 ) -> None:
     """Run a study: many independent solves, one dataset, figures and a report.
 
-    Whatever follows as --option VALUE is an option of the study, see fem-contact study NAME --help. All
-    studies keep their solves in results/solves, so that they share them, unless --store says otherwise.
+    Whatever follows as --option VALUE is an option of the study, see fem-contact study NAME --help. With a
+    SCENE after NAME the surface, solid, load, effects and grids are those of the scene. All studies keep
+    their solves in results/solves, so that they share them, unless --store says otherwise.
     """
     from validation.cli.progress import Bar
     from validation.cli.results import print_page
     from validation.files import prepare_folder
-    from validation.scenes.scene import RunOptions, load_scene
+    from validation.scenes.scene import RunOptions
     from validation.solves.bench import DEFAULT_STORE, Bench, PlannedOnly
     from validation.solves.store import Store
     from validation.studies import find_study, studies
@@ -237,12 +249,12 @@ def study(
     extra = list(context.args)
     if extra and not extra[0].startswith("-") and scene is None:
         scene = extra.pop(0)
-    loaded = None if scene is None else load_scene(scene)
+    loaded = _scene_of_study(scene, settings or ())
     options = found.parse(extra, scene=loaded)
     said = RunOptions() if loaded is None else loaded.run
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
     folder, store_folder = (
-        output or said.folder("output") or Path("results") / name,
+        output or Path("results") / (name if loaded is None else f"{name}-{loaded.name}"),
         store or said.folder("store") or DEFAULT_STORE,
     )
     if dry_run:
@@ -262,6 +274,20 @@ def study(
         typer.echo(json.dumps(outputs.data.to_dict(), indent=2, default=str))
         return
     print_page(outputs.page, outputs.files)
+
+
+def _scene_of_study(scene: str | None, settings: Sequence[str]) -> Scene | None:
+    """Read the one scene that a study is asked about."""
+    from validation.scenes.sweep import Sweep, load_asked
+
+    if scene is None:
+        if settings:
+            raise UsageError(f"--set {settings[0]}: sets a key of a scene; name one after the study")
+        return None
+    loaded = load_asked(scene, settings)
+    if isinstance(loaded, Sweep):
+        raise UsageError(f"{scene}: [sweep]: is many scenes; a study is asked about one")
+    return loaded
 
 
 @app.command(epilog="Example: fem-contact explain quickstart")
@@ -298,113 +324,6 @@ def calibrate(
         typer.echo(json.dumps({"factors": dict(found.factors), "source": found.source}, indent=2))
     else:
         typer.echo(f"Kept in {cache_file()}")
-
-
-@app.command(
-    epilog="Examples: fem-contact validate --quick  |  fem-contact validate hertz westergaard  |  "
-    "fem-contact validate --method my_module:solve --method bem"
-)
-def validate(
-    names: Annotated[
-        list[str] | None, typer.Argument(metavar="CASE", help="Cases to run; all if not given.")
-    ] = None,
-    quick: Annotated[
-        bool, typer.Option("--quick", help="Only what takes seconds; under three minutes.")
-    ] = False,
-    list_all: Annotated[bool, typer.Option("--list", help="Name the cases and their claims.")] = False,
-    method: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--method", metavar="NAME", help="Score this solver: a method, or module:function of your own."
-        ),
-    ] = None,
-    tolerance: Annotated[
-        float, typer.Option("--tolerance", min=1e-12, max=1e-2, help="Of the residuals, with --method.")
-    ] = 1e-6,
-    output: OutputOption = None,
-    as_json: JsonOption = False,
-) -> None:
-    """Check every case with a known answer; exit with 1 if any fails.
-
-    With --method, a scorecard of that solver is written instead; further ones stand beside the first.
-    """
-    from validation.cases import chosen_cases, run_cases, verdict_table
-
-    if method:
-        _score(method, quick=quick, tolerance=tolerance, output=output, as_json=as_json)
-        return
-    cases = chosen_cases(names or [], quick=quick)
-    if list_all:
-        for case in cases:
-            typer.echo(f"{case.name:28s} {'quick' if case.quick else 'long '}  {case.claim}")
-        return
-    with stopping_cleanly():
-        verdicts = tuple(run_cases(cases, tell=None if as_json else lambda line: say(line, prefix="")))
-    if as_json:
-        typer.echo(json.dumps([verdict.summary() for verdict in verdicts], indent=2))
-    else:
-        show(verdict_table(verdicts))
-    failed = [verdict.case for verdict in verdicts if not verdict.passed]
-    if failed:
-        raise RunFailed(f"{len(failed)} of {len(verdicts)} cases failed: {', '.join(failed)}")
-    if not as_json:
-        typer.echo(f"all {len(verdicts)} cases passed")
-
-
-def _score(names: list[str], *, quick: bool, tolerance: float, output: Path | None, as_json: bool) -> None:
-    """Write the scorecards of solvers; fail where the first of them does."""
-    from validation.cases.scorecard import Subject, score
-    from validation.cases.scorecard.sheet import write_scorecards
-    from validation.files import prepare_folder
-    from validation.methods import chosen_solver
-
-    chosen = {name: chosen_solver(name) for name in names}
-    plain = re.sub(r"[^A-Za-z0-9._-]", "-", names[0])
-    folder = prepare_folder(output or Path("results") / f"scorecard-{plain}")
-    cards = []
-    with stopping_cleanly():
-        for name, (solver, settings) in chosen.items():
-            subject = Subject(name=name, solver=solver, settings=settings, tolerance=tolerance, quick=quick)
-            if not as_json:
-                typer.echo(f"{name}:")
-            cards.append(score(subject, tell=None if as_json else lambda line: say(line, prefix="")))
-    files = write_scorecards(cards, folder)
-    if as_json:
-        typer.echo(files[1].read_text(encoding="utf-8"), nl=False)
-    else:
-        _list(files)
-    first = cards[0]
-    if first.failed:
-        raise RunFailed(first.sentence)
-    if not as_json:
-        typer.echo(first.sentence)
-
-
-@app.command(epilog="Examples: fem-contact reproduce  |  fem-contact reproduce --no-figures --json")
-def reproduce(
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Folder for figures and claims.")
-    ] = None,
-    figures: Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the figures, too.")] = True,
-    quiet: QuietOption = False,
-    as_json: JsonOption = False,
-) -> None:
-    """Recompute Persson (2006): every calculated figure and every claim with a number, and say what holds."""
-    from validation.cli.progress import steps_bar
-    from validation.files import prepare_folder
-    from validation.paper import reproduce as reproduction
-
-    folder = prepare_folder(output or Path("results") / "persson-2006")
-    with (
-        stopping_cleanly(),
-        steps_bar(reproduction.steps() if figures else None, quiet=quiet or as_json) as tell,
-    ):
-        rows = reproduction.run(folder, figures=figures, progress=tell)
-    if as_json:
-        typer.echo(json.dumps([dataclasses.asdict(row) for row in rows], indent=2))
-        return
-    show(_claims_table(rows))
-    typer.echo(f"Written: {folder}")
 
 
 @app.command(epilog="Example: fem-contact report results/quickstart")
@@ -503,19 +422,6 @@ def _help_study(context: typer.Context, name: str | None) -> None:
         return
     typer.echo("\n".join(find_study(name).help_lines()))
     typer.echo("\nOptions of all studies, where and how they run: fem-contact study --help")
-
-
-def _claims_table(rows: Sequence[ClaimRow]) -> Any:
-    from rich.table import Table
-
-    table = Table(title="Numbers of Persson (2006)")
-    names = [field.name for field in dataclasses.fields(rows[0])]
-    for name in names:
-        table.add_column(name, overflow="fold")
-    for row in rows:
-        values = (getattr(row, name) for name in names)
-        table.add_row(*(v if isinstance(v, str) else f"{v:.4g}" for v in values))
-    return table
 
 
 def main() -> None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem_contact.stress import pressure_distribution
-from persson import elastic
+from validation.methods.theory import stress_distribution
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -16,7 +18,9 @@ if TYPE_CHECKING:
     from fem_contact.contact import ContactResult
     from validation.comparison.compare import Comparison
 
-__all__ = ["area_data", "cost_data", "pressure_at_zero_data", "pressure_maps_data"]
+__all__ = ["area_data", "cost_data", "largest_pressure", "pressure_at_zero_data", "pressure_maps_data"]
+
+Array = NDArray[np.float64]
 
 #: Range of the figure of P(sigma), in E* h'_rms.
 NEAR_ZERO = 0.6
@@ -74,7 +78,7 @@ def cost_data(c: Comparison) -> xr.Dataset:
 def pressure_at_zero_data(
     c: Comparison, results: dict[str, list[ContactResult]], *, top: float = NEAR_ZERO
 ) -> xr.Dataset:
-    """P(sigma) near zero on each grid, in bins whose number follows the points in contact, and Persson's.
+    """P(sigma) from zero to `top` on each grid, in bins whose number follows the points, and Persson's.
 
     With adhesion it begins at the most negative pressure of a contact point, since some are pulled.
 
@@ -88,22 +92,19 @@ def pressure_at_zero_data(
     """
     unit = c.contact_modulus * c.rms_gradient
     labels, lower, upper, density = [], [], [], []
+    lowest = {label: _lowest(solves) / unit if c.adhesive else 0.0 for label, solves in results.items()}
     for label, solves in results.items():
         points = sum(np.count_nonzero(result.in_contact) for result in solves)
         bins = min(48, max(8, int(np.sqrt(points) / 2)))
-        lowest = _lowest(solves) / unit if c.adhesive else 0.0
-        edges = np.linspace(lowest, top, bins + 1)
+        edges = np.linspace(lowest[label], top, bins + 1)
         found = np.mean([pressure_distribution(result, edges * unit).density for result in solves], axis=0)
         labels += [label] * bins
         lower += list(edges[:-1])
         upper += list(edges[1:])
         density += list(found * unit)
-    # The closed form is that of elastic contact without adhesion.
-    if c.theory is not None and not c.theory.note:
-        stress = np.linspace(0, top, 201)
-        exact = elastic.pressure_distribution(
-            stress * unit, pressure=c.pressure, stress_variance=c.theory.stress_variance
-        )
+    stress = np.linspace(min(lowest.values(), default=0.0), top, 401)
+    exact = _theory(c, stress * unit)
+    if exact is not None:
         labels += ["Persson"] * stress.size
         lower += list(stress)
         upper += list(stress)
@@ -118,6 +119,21 @@ def pressure_at_zero_data(
         },
         stress_unit_Pa=unit,
     )
+
+
+def _theory(c: Comparison, stress: Array) -> Array | None:
+    """P(sigma) by the theory with the effects of the scene; None where it is not asked or has no answer."""
+    if c.theory is None or not c.theory.answers:
+        return None
+    return stress_distribution(c.realised, c.scene.effects, c.scene.methods.options("theory"), stress)
+
+
+def largest_pressure(c: Comparison, results: dict[str, list[ContactResult]]) -> float:
+    """Where P(sigma) ends, in E* h'_rms: the largest pressure, or three deviations of the theory above p0."""
+    ends = [1.02 * float(result.pressure.max()) for solves in results.values() for result in solves]
+    if c.theory is not None and c.theory.answers and all(e.slot != "pressure bound" for e in c.scene.effects):
+        ends.append(c.pressure + 3 * math.sqrt(c.theory.stress_variance))
+    return max(ends) / (c.contact_modulus * c.rms_gradient)
 
 
 def _lowest(solves: Sequence[ContactResult]) -> float:

@@ -14,13 +14,14 @@ if TYPE_CHECKING:
     from fem_contact.area import Limit
     from validation.comparison.compare import Comparison, CrossCheck, Row
 
-__all__ = ["findings", "percent", "yielded_row"]
+__all__ = ["findings", "layered", "percent", "yielded_row"]
 
 
 def findings(comparison: Comparison) -> tuple[str, ...]:
     """Return the findings of a comparison, the most asked-for first; those that cannot be decided say so."""
     sentences = [
         *_limit(comparison),
+        *_modulus(comparison),
         *_theory(comparison),
         *_yielded(comparison),
         *_scatter(comparison),
@@ -75,6 +76,36 @@ def _limit(c: Comparison) -> list[str]:
         f"In the limit of vanishing grid spacing A/A0 = {with_error(c.limit.value, c.limit.uncertainty)} "
         f"for this surface ({_how(c.limit)}, {c.limit.grids} solves; one standard error, grid only), "
         f"that is kappa = {_kappa(c, c.limit)} at p* = {c.reduced_pressure:.4g}."
+    ]
+
+
+def layered(c: Comparison) -> bool:
+    """Whether the solid has another modulus at its surface than below, so that E* can mean either."""
+    return not np.isclose(c.contact_modulus, c.realised.contact_modulus, rtol=1e-9)
+
+
+def _modulus(c: Comparison) -> list[str]:
+    """Say on which modulus p* and kappa stand where there is more than one, and what they are on the others."""
+    if not layered(c):
+        return []
+    below = c.realised.contact_modulus
+
+    def on(modulus: float) -> str:
+        load = c.pressure / (modulus * c.rms_gradient)
+        kappa = "" if c.limit is None else f" and kappa = {significant(c.limit.value / load)}"
+        return f"p* = {significant(load)}{kappa}"
+
+    text = (
+        f"p* and kappa stand on E* = {c.contact_modulus:.4g} Pa of the layer at the surface, and are no numbers of a homogeneous "
+        f"solid; on E* = {below:.4g} Pa of the solid below {on(below)}"
+    )
+    if c.theory is None or not c.theory.stress_variance > 0:
+        return [text + "."]
+    felt = 2 * float(np.sqrt(c.theory.stress_variance)) / c.rms_gradient
+    return [
+        text
+        + f". What the roughness feels lies between: on {felt:.4g} Pa, which gives the stress variance V of full contact, "
+        f"{on(felt)}, to be put beside those of homogeneous solids."
     ]
 
 

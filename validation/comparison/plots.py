@@ -17,7 +17,13 @@ if TYPE_CHECKING:
     from fem_contact.contact import ContactResult
     from validation.comparison.compare import Comparison
 
-__all__ = ["area_figure", "cost_figure", "pressure_at_zero_figure", "pressure_maps_figure"]
+__all__ = [
+    "area_figure",
+    "cost_figure",
+    "pressure_at_zero_figure",
+    "pressure_maps_figure",
+    "spacings_as_fractions",
+]
 
 
 def _looks(comparison: Comparison) -> dict[tuple[str, str], dict[str, Any]]:
@@ -59,37 +65,45 @@ def area_figure(comparison: Comparison) -> Figure:
                 label=f"Persson, from C(q): {significant(theory.ensemble_area)}",
             )
     axes.set_xscale("log", base=2)
-    _powers_of_two(axes, [1 / row.points_per_wave for row in comparison.rows])
+    spacings_as_fractions(axes, [1 / row.points_per_wave for row in comparison.rows])
     axes.set_xlabel(r"grid spacing over shortest wavelength, $\Delta x/\lambda_{short}$")
     axes.set_ylabel(r"relative contact area $A/A_0$")
     axes.legend(fontsize=7)
     return figure
 
 
-def _powers_of_two(axes: Axes, spacings: list[float]) -> None:
+def spacings_as_fractions(axes: Axes, spacings: list[float]) -> None:
     """Label a spacing as 1/n, which is how people name a grid."""
     ticks = sorted({2.0 ** round(np.log2(s)) for s in spacings})
     axes.set_xticks(ticks, [f"1/{round(1 / t)}" if t < 1 else f"{t:g}" for t in ticks])
     axes.minorticks_off()
 
 
-def pressure_at_zero_figure(data: xr.Dataset) -> Figure:
-    """P(sigma) near zero on each grid against Persson's closed form, from `pressure_at_zero_data`."""
+def pressure_at_zero_figure(data: xr.Dataset, *, logarithmic: bool = False) -> Figure:
+    """P(sigma) on each grid beside Persson's theory, from `pressure_at_zero_data`."""
     figure, (axes,) = new_figure()
     curve = data["curve"].values
     labels = [label for label in dict.fromkeys(curve) if label != "Persson"]
-    shades = np.linspace(0.75, 0.0, max(len(labels), 2))[-len(labels) :]  # the finest is black
+    grey = [label for label in labels if not label.startswith("FEM")]
+    shades = dict(
+        zip(grey, np.linspace(0.75, 0.0, max(len(grey), 2))[-len(grey) :], strict=True)
+    )  # the finest is black
     styles = ["-", "--", "-.", ":"]
     for k, label in enumerate(labels):
         here = data.isel(bin=curve == label)
         edges = np.append(here["lower"].values, here["upper"].values[-1])
-        colour = "#b45f06" if label.startswith("FEM") else str(shades[k])
+        colour = str(shades[label]) if label in shades else "#b45f06"
         axes.stairs(here["density"].values, edges, color=colour, ls=styles[k % 4], label=label, baseline=None)
     theory = data.isel(bin=curve == "Persson")
     if theory.sizes["bin"]:
         axes.plot(theory["lower"], theory["density"], color="#38761d", lw=2, label="Persson")
     axes.set_xlim(min(0.0, float(data["lower"].min())), float(data["upper"].max()))
-    axes.set_ylim(bottom=0)
+    if logarithmic:
+        density = data["density"].values[curve != "Persson"]
+        axes.set_yscale("log")
+        axes.set_ylim(bottom=0.5 * float(np.min(density[density > 0], initial=1.0)))
+    else:
+        axes.set_ylim(bottom=0)
     axes.set_xlabel(r"pressure $\sigma / (E^* h'_{rms})$")
     axes.set_ylabel(r"$P(\sigma)\, E^* h'_{rms}$ per nominal area")
     axes.legend(fontsize=7)

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.comparison.compare import Row
-from validation.comparison.findings import percent, yielded_row
+from validation.comparison.findings import layered, percent, yielded_row
 from validation.comparison.pictures import render_stored
 from validation.files import atomic_path
 from validation.methods import find_method
@@ -137,9 +137,15 @@ def run_page(comparison: Comparison, results: Solves | None = None, *, pictures:
 def _lead(c: Comparison) -> str:
     kinds = [effect.kind.replace("-", " ") for effect in c.scene.effects]
     effects = "effects: " + ", ".join(kinds) if kinds else "elastic, no adhesion"
+    bodies = "Rigid rough" if c.scene.solid.second_young is None else "Elastic rough"
+    held = "".join(
+        f"{key.replace('_', ' ')} {value:.4g} m held, " for key, value in c.scene.load.held.items()
+    )
+    where = " of the layer at the surface" if layered(c) else ""
     return (
-        f"Rigid rough surface on an elastic solid, frictionless, {effects}; p* = {c.reduced_pressure:.4g} "
-        f"(p0 = {c.pressure:.4g} Pa, E* = {c.contact_modulus:.4g} Pa, realised h'_rms = {c.rms_gradient:.4g})"
+        f"{bodies} surface on an elastic solid, frictionless, {effects}; {held}p* = {c.reduced_pressure:.4g} "
+        f"(p0 = {c.pressure:.4g} Pa, E* = {c.contact_modulus:.4g} Pa{where}, "
+        f"realised h'_rms = {c.rms_gradient:.4g})"
     )
 
 
@@ -215,6 +221,7 @@ def _tables(c: Comparison) -> Iterator[WordTable]:
         if c.adhesive
         else ("P(0+) is the share of area below a pressure that falls like dx^1/2, over that pressure; ")
     )
+    which = ", on E* of the layer at the surface" if layered(c) else ""
     yield WordTable(
         title="Every grid",
         columns=_COLUMNS,
@@ -224,7 +231,7 @@ def _tables(c: Comparison) -> Iterator[WordTable]:
         yielding=("P(0+) E*h'", "lambda_short/dx", "seconds", "residual", "A/A0 perimeter", "kappa"),
         note="A/A0 pixel counts the points of the contact set (mean +- standard error over sub-grid shifts); "
         "perimeter subtracts the method's edge constant times edge length times dx; "
-        f"kappa = (A/A0 perimeter)/p*; {density}residual is the largest of penetration/h_rms, "
+        f"kappa = (A/A0 perimeter)/p*{which}; {density}residual is the largest of penetration/h_rms, "
         "tension/(E* h'_rms), complementarity and load error.",
     )
     if c.cross:
@@ -352,13 +359,16 @@ def _shown(comparison: Comparison, results: Solves) -> dict[Press, ContactResult
 
 
 def _drawings(comparison: Comparison, shown: dict[Press, ContactResult]) -> tuple[Drawing, ...]:
-    """Draw the four figures of a comparison."""
+    """Draw the figures of a comparison."""
     from validation.comparison import figure_data, plots
 
     by_grid: dict[str, list[ContactResult]] = {}
     for solve, result in shown.items():
         by_grid.setdefault(solve.label, []).append(result)
     near_zero = figure_data.pressure_at_zero_data(comparison, by_grid)
+    finest = {label: by_grid[label] for label in {solve.method: solve.label for solve in shown}.values()}
+    top = figure_data.largest_pressure(comparison, finest)
+    to_its_end = figure_data.pressure_at_zero_data(comparison, finest, top=top)
     pair = _side_by_side(shown)
     return (
         Drawing(
@@ -376,6 +386,13 @@ def _drawings(comparison: Comparison, shown: dict[Press, ContactResult]) -> tupl
             caption=_DISTRIBUTION + (_WITH_TENSION if comparison.adhesive else _FROM_ZERO),
         ),
         Drawing(
+            name="pressure-distribution",
+            figure=plots.pressure_at_zero_figure(to_its_end, logarithmic=True),
+            data=to_its_end,
+            caption="The same to the largest pressure, on the finest grid of each method"
+            f"{_theory_caption(comparison)}.",
+        ),
+        Drawing(
             name="cost",
             figure=plots.cost_figure(comparison),
             data=figure_data.cost_data(comparison),
@@ -390,6 +407,16 @@ def _drawings(comparison: Comparison, shown: dict[Press, ContactResult]) -> tupl
             "is high; and where both have the same points, their difference.",
         ),
     )
+
+
+def _theory_caption(c: Comparison) -> str:
+    """Say which part of the theory is drawn."""
+    if c.theory is None or not c.theory.answers:
+        return ""
+    yielded = (
+        "; what has yielded is a delta at the hardness and left out" if c.theory.plastic is not None else ""
+    )
+    return f", beside the theory ({c.theory.note or 'elastic, without adhesion'}{yielded})"
 
 
 def _side_by_side(shown: dict[Press, ContactResult]) -> dict[str, ContactResult]:

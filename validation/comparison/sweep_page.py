@@ -16,6 +16,7 @@ from validation.report.page import Answer, Page
 from validation.report.table import ResultTable, WordTable, shown
 from validation.report.words import json_ready, significant, with_error
 from validation.scenes.sweep import SweptKey, value_words
+from validation.solves.provenance import SOLVES_MADE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -70,6 +71,7 @@ def sweep_page(data: xr.Dataset, keys: Sequence[SweptKey], scene: Scene, *, figu
         findings=findings,
         tables=(_in_words(table, swept=len(keys)),),
         figures=tuple(_figures(data, keys)) if figures else (),
+        facts=tuple(str(data.attrs.get(SOLVES_MADE, "")).splitlines()),
         settings={
             "sweep": {"mode": data.attrs["mode"], **swept},
             "first case": scene.model_dump(mode="json", exclude_none=True),
@@ -183,6 +185,11 @@ def sweep_findings(data: xr.Dataset, keys: Sequence[SweptKey]) -> tuple[str, ...
     sentences = [text for key in keys if len(key.values) > 1 for text in _along(data, key, keys)]
     sentences += _theory(data, keys)
     sentences += _missing(data, keys)
+    if data.attrs.get("layered") and "kappa" in data:
+        sentences.append(
+            "p* of the scene is of the solid below, kappa stands on E* of the layer at the surface: it is no "
+            "number of a homogeneous solid; a run of one case says what it is on the moduli below and felt."
+        )
     shared = int(data.attrs["asked"]) - int(data.attrs["solves"])
     if data.attrs["solves"]:
         sentences.append(

@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
-import scipy.ndimage
-
 from fem_contact.area import contact_areas
 from fem_contact.contact import ContactResult
+from validation.measures.side_by_side import compared, difference
 from validation.measures.single_solve import SingleSolve
 from validation.solves.solve import Prediction
 
@@ -17,9 +15,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["BlockMeasurement"]
-
-#: Points closer than this to the edge of either contact, in cells, are left out of the second pressure difference.
-_EDGE_CELLS = 1.5
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,8 +25,8 @@ class BlockMeasurement(SingleSolve):
     ----------
     realised : Realised
         Surface, solid and load.
-    points : int
-        Surface nodes along each axis.
+    grid : tuple of int
+        Surface nodes.
     method : {"full", "reduced"}
         The whole system, which shares no contact algorithm with the boundary elements, or its exact reduction.
     element : str
@@ -68,7 +63,7 @@ class BlockMeasurement(SingleSolve):
     @property
     def prefix(self) -> str:
         """Readable start of the name on disk."""
-        return f"block-{self.method}-{self.points}"
+        return f"block-{self.method}-{self.size}"
 
     def describe(self) -> str:
         """Return a few words for a progress bar."""
@@ -78,14 +73,19 @@ class BlockMeasurement(SingleSolve):
         """Predict the cost."""
         from fem_contact.block import estimate
 
-        shape = (self.points, self.points)
         mesh: Any = {"depth": self.depth, "growth": self.growth, "element": self.element}
         poisson = self.realised.solid.poisson
-        size = estimate(shape, (1.0, 1.0), method=self.method, poisson=poisson, **mesh)
-        n = self.points**2
+        size = estimate(self.grid, self._sides, method=self.method, poisson=poisson, **mesh)
+        n = self.points
         if self.method == "full":
             return Prediction(seconds=3e-6 * size.unknowns, peak_bytes=size.bytes, unknowns=size.unknowns)
         return Prediction(seconds=0.3 + 8e-6 * n, peak_bytes=400 * n, unknowns=size.unknowns)
+
+    @property
+    def _sides(self) -> tuple[float, float]:
+        """Periods over the longer of them."""
+        lx, ly = self.realised.lengths
+        return lx / max(lx, ly), ly / max(lx, ly)
 
     def measure(self) -> xr.Dataset:
         """Return areas, gaps and pressure differences of the three solves."""
@@ -95,23 +95,14 @@ class BlockMeasurement(SingleSolve):
 
         fem, half, layer = self._solved()
         data = {
-            "pixel": contact_areas(fem).pixel,
-            "perimeter": contact_areas(
-                fem, edge_constant=block.ELEMENTS[self.element].edge_constant
-            ).perimeter,
-            "pixel_bem": contact_areas(half).pixel,
-            "perimeter_bem": contact_areas(half).perimeter,
+            **compared(
+                fem,
+                half,
+                edge_constant=block.ELEMENTS[self.element].edge_constant,
+                rms_height=self.realised.field.rms_height,
+            ),
             "pixel_layer": contact_areas(layer).pixel,
-            "pressure_half_space": _difference(fem, half),
-            "pressure_layer": _difference(fem, layer),
-            "pressure_inside": _difference(fem, half, inside=True),
-            # The mean gap is the offset less C(0) p0 and the mean height: it compares bodies of different depth.
-            "gap": float((fem.gap.mean() - half.gap.mean()) / self.realised.field.rms_height),
-            "residual": fem.residuals.worst,
-            "seconds": fem.cost.cpu_seconds,
-            "peak_bytes": fem.cost.peak_bytes,
-            "seconds_bem": half.cost.cpu_seconds,
-            "unknowns": fem.cost.unknowns,
+            "pressure_layer": difference(fem, layer),
         }
         return xr.Dataset({name: ((), float(value)) for name, value in data.items()})
 
@@ -138,24 +129,3 @@ class BlockMeasurement(SingleSolve):
             for response in (self.half_space, BondedLayer(solid=solid, thickness=depth))
         )
         return fem.checked(), half.checked(), layer.checked()
-
-
-def _difference(first: ContactResult, second: ContactResult, *, inside: bool = False) -> float:
-    """||p1 - p2|| / ||p2||, over all points or away from the edges of both contacts."""
-    keep = np.ones(first.shape, dtype=bool)
-    if inside:
-        keep = _away_from_edge(np.asarray(first.in_contact)) & _away_from_edge(np.asarray(second.in_contact))
-    scale = float(np.linalg.norm(second.pressure[keep]))
-    return (
-        float(np.linalg.norm((first.pressure - second.pressure)[keep]) / scale) if scale > 0 else float("nan")
-    )
-
-
-def _away_from_edge(contact: np.ndarray) -> np.ndarray:
-    """Return the points further than 1.5 cells from any change of the contact map."""
-    margin = 3
-    padded = np.pad(contact, margin, mode="wrap")
-    to_edge = np.where(
-        padded, scipy.ndimage.distance_transform_edt(padded), scipy.ndimage.distance_transform_edt(~padded)
-    )
-    return np.asarray(to_edge[margin:-margin, margin:-margin] > _EDGE_CELLS)

@@ -118,5 +118,5 @@ def solver_error(usual: xr.Dataset, strict: xr.Dataset) -> float:
     Less than one contact point on the finest grid cannot be seen, and counts as one.
     """
     first, second = area_limits(usual)[0], area_limits(strict)[0]
-    one = 1 / float(usual.points[-1]) ** 2 / usual.sizes["shift"]
+    one = 1 / float(usual.cells[-1]) / usual.sizes["shift"]
     return float(np.max(np.maximum(np.abs(first - second), one) / second))

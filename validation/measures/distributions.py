@@ -100,6 +100,7 @@ class Distance:
     noise : (loads,) array
         Distance that two sets of as many surfaces have from each other, 95th percentile, root mean square of that load and
         the reference: less is not told from zero. The two loads are of the same surfaces, so that this is on the safe side.
+        NaN for a single surface.
     """
 
     value: Array
@@ -129,7 +130,8 @@ def distance_to_reference(histograms: Array, reference: int, *, seed: int = 2006
     spread = largest_difference(sampled, sampled[:, reference : reference + 1])
     # Two samples of the surfaces at one load; the bootstrap scatter of n surfaces is too small by (n - 1)/n.
     apart = largest_difference(sampled, sampled[rng.permutation(_RESAMPLES)])
-    twin = np.percentile(apart, 95, axis=0) * np.sqrt(surfaces / (surfaces - 1))
+    factor = np.sqrt(surfaces / (surfaces - 1)) if surfaces > 1 else np.nan
+    twin = np.percentile(apart, 95, axis=0) * factor
     noise = np.sqrt((twin**2 + twin[reference] ** 2) / 2)
     low, high = np.percentile(spread, [2.5, 97.5], axis=0)
     return Distance(value=value, low=low, high=high, noise=noise)

@@ -12,8 +12,11 @@ from fem_contact.area import contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
 from fem_contact.stress import pressure_distribution
+from validation.effects.base import Slots
 from validation.measures.common import reduced_load
 from validation.measures.single_solve import SingleSolve
+from validation.methods import find_solver
+from validation.methods.base import Settings
 from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
@@ -31,41 +34,67 @@ _TOP = 0.6
 
 @dataclass(frozen=True, kw_only=True)
 class EdgeMeasurement(SingleSolve):
-    """P(sigma) of one realisation on one grid at small pressure, and the edge coefficient behind it."""
+    """P(sigma) of one realisation on one grid at small pressure, and the edge coefficient behind it.
+
+    Attributes
+    ----------
+    method : str
+        Name of a solver.
+    settings : tuple of (str, value)
+        What it is told.
+    """
+
+    method: str = "bem"
+    settings: Settings = ()
 
     @property
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
-        return {**super().recipe, "top": _TOP}
+        plain = self.method == "bem" and not self.settings
+        said = {} if plain else {"method": self.method, "settings": dict(self.settings)}
+        return {**super().recipe, **said, "top": _TOP}
 
     @property
     def prefix(self) -> str:
         """Readable start of the name on disk."""
-        return f"edge-{self.points}"
+        return f"edge-{self.size}"
 
     def describe(self) -> str:
         """Return a few words for a progress bar."""
-        return f"edge of contact, {self.where}"
+        return f"edge of contact, {find_solver(self.method).label}, {self.where}"
 
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict the cost."""
-        n = self.points**2
+        n = self.points
         return Prediction(seconds=5e-3 + 1.2e-6 * n, peak_bytes=160 * n, unknowns=n)
+
+    @property
+    def code_path(self) -> tuple[str, ...]:
+        """The method and its variant."""
+        return (self.method, find_solver(self.method).variant(dict(self.settings)))
+
+    def warm_up(self) -> None:
+        """Let the method run through its compiled passes."""
+        find_solver(self.method).rehearse((), dict(self.settings))
 
     def measure(self) -> xr.Dataset:
         """Return the density of small pressures and the edge coefficient, in units of E* h'_rms and lambda_short."""
         import xarray as xr
 
-        from fem_contact import bem
-
-        unit = self.realised.pressure_scale
-        pressure = reduced_load(self.realised) * unit
-        result = bem.solve(self.heights(), self.half_space, mean_pressure=pressure, threads=1).checked()
+        unit, solver = self.realised.pressure_scale, find_solver(self.method)
+        solved = solver.solve(
+            self.heights(),
+            mean_pressure=reduced_load(self.realised) * unit,
+            slots=Slots(solid=self.realised.elastic),
+            settings=dict(self.settings),
+            threads=1,
+        )
+        result = solved.contact.checked()
         edges = np.linspace(0, _TOP, _BINS + 1)
         density = pressure_distribution(result, edges * unit).density * unit
         wave = self.realised.shortest
         # The counted edge is 4/pi times the true contour on average.
-        areas = contact_areas(result)
+        areas = contact_areas(result, edge_constant=solver.edge_constant(result))
         contour = np.pi / 4 * areas.edge_length * wave
         return xr.Dataset(
             {

@@ -3,30 +3,45 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_contact.area import EDGE_CONSTANTS, ContactAreas, contact_areas, subgrid_shifts
+from fem_contact.area import EDGE_CONSTANTS, ContactAreas, Limit, contact_areas, subgrid_shifts
 from fem_contact.contact import ContactResult
-from fem_contact.extrapolation import located_limit
+from fem_contact.extrapolation import counted_limit, located_limit
 from fem_contact.patches import find_patches
 from fem_contact.stress import density_at_zero, elastic_energy
 from fem_contact.surface import HeightField
+from validation.effects.base import Slots
 from validation.measures.common import LEAST_POINTS_PER_WAVE, SHIFTS, reduced_load
+from validation.methods import find_solver
 from validation.scenes.realised import Realised
-from validation.scenes.scene import SelfAffineSurface
+from validation.scenes.scene import EffectSpec, FileSurface, SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
+from validation.solves.cost import dearer_by
 from validation.solves.solve import NumbersSolve, Prediction
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Measurement", "area_limits", "areas_of", "grid_for"]
+__all__ = [
+    "Grid",
+    "Measurement",
+    "area_limits",
+    "areas_of",
+    "grid_for",
+    "has_square_cells",
+    "limit_over",
+    "without_waves_beyond",
+]
 
 Grid = tuple[int, int]
+
+#: How far the sides of a cell may differ for edges to be located inside it.
+_SQUARE = 0.05
 
 #: What is read off every solve: name, unit, meaning.
 QUANTITIES = {
@@ -55,6 +70,12 @@ def grid_for(realised: Realised, points_per_wave: float) -> Grid:
     return nx, ny
 
 
+def has_square_cells(realised: Realised, grid: Grid) -> bool:
+    """Whether the cells of a grid are square within 5 %, so that edges can be located inside them."""
+    dx, dy = (length / n for length, n in zip(realised.lengths, grid, strict=True))
+    return abs(dx / dy - 1) <= _SQUARE
+
+
 @dataclass(frozen=True, kw_only=True)
 class Measurement(NumbersSolve):
     """One surface, at ascending loads, on nested grids, each on `shifts`^2 sub-grid shifts.
@@ -66,6 +87,8 @@ class Measurement(NumbersSolve):
     reduced_pressures : tuple of float
         A path of ascending loads instead of the one of `realised`: p* = p0 / (E* h'_rms), with the realised gradient
         of the whole, untruncated surface.
+    effects : tuple
+        Of a scene; then each load is pressed by itself.
     truncation : float or None
         Drop waves beyond this wavevector [1/m]: roughness up to a magnification.
     grids : tuple of (int, int)
@@ -76,6 +99,7 @@ class Measurement(NumbersSolve):
 
     realised: Realised
     reduced_pressures: tuple[float, ...] = ()
+    effects: tuple[EffectSpec, ...] = ()
     truncation: float | None = None
     grids: tuple[Grid, ...]
     shifts: int = SHIFTS
@@ -90,6 +114,8 @@ class Measurement(NumbersSolve):
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers, as JSON-ready data."""
         made = {name: value for name, value in self.realised.recipe.items() if name != "load"}
+        if self.effects:
+            made["effects"] = [effect.model_dump(mode="json", exclude_none=True) for effect in self.effects]
         return made | {
             "truncation": self.truncation,
             "reduced_pressures": list(self.loads),
@@ -97,8 +123,13 @@ class Measurement(NumbersSolve):
             "shifts": self.shifts,
             "tolerance": self.tolerance,
             # What is read off belongs to the result: a stored one that lacks a number is another one.
-            "quantities": sorted(QUANTITIES),
+            "quantities": sorted([*self.quantities, "cells"]),
         }
+
+    @property
+    def quantities(self) -> Mapping[str, tuple[str, str]]:
+        """What is read off every solve: name, unit, meaning."""
+        return QUANTITIES
 
     @property
     def prefix(self) -> str:
@@ -117,7 +148,7 @@ class Measurement(NumbersSolve):
         points = [nx * ny for nx, ny in self.grids]
         solves = len(self.loads) * self.shifts**2
         return Prediction(
-            seconds=solves * sum(2e-3 + 8e-7 * n for n in points),
+            seconds=dearer_by(self.effects) * solves * sum(2e-3 + 8e-7 * n for n in points),
             peak_bytes=120 * max(points),
             unknowns=max(points),
         )
@@ -126,20 +157,21 @@ class Measurement(NumbersSolve):
         """Return the heights that are pressed on one grid."""
         if self.truncation is None:
             return self.realised.heights(grid, shift)
-        field = self._truncated(grid).shifted(shift)
-        heights = -field.heights if self.realised.inverted else field.heights
-        return HeightField(heights=heights, lengths=field.lengths)
+        if isinstance(self.realised.surface, FileSurface):
+            whole = without_waves_beyond(self.realised.field, self.truncation)
+            return whole.resampled(grid).shifted(shift)
+        field = self._truncated(grid, self.truncation).shifted(shift)
+        return HeightField(heights=-field.heights, lengths=field.lengths) if self.realised.inverted else field
 
-    def _truncated(self, grid: Grid) -> HeightField:
+    def _truncated(self, grid: Grid, last: float) -> HeightField:
         from fem_contact.surface import random_surface
 
         surface = self.realised.surface
-        assert self.truncation is not None
-        assert isinstance(surface, SelfAffineSurface)
+        assert not isinstance(surface, FileSurface)
         spectrum = spectrum_of(surface)
         return random_surface(
             spectrum,
-            q_short=min(self.truncation, spectrum.q_short),
+            q_short=min(last, spectrum.q_short),
             lengths=surface.length,
             shape=grid,
             seed=surface.seed_of(self.realised.realisation),
@@ -150,11 +182,11 @@ class Measurement(NumbersSolve):
         """Solve everything and keep the numbers; dimensions (grid, shift, load)."""
         offsets = subgrid_shifts(self.shifts)
         shape = (len(self.grids), len(offsets), len(self.loads))
-        values = {name: np.empty(shape) for name in QUANTITIES}
+        values = {name: np.empty(shape) for name in self.quantities}
         profiles: dict[str, np.ndarray] = {}
         for (i, grid), (j, shift) in itertools.product(enumerate(self.grids), enumerate(offsets)):
             for k, result in enumerate(self._path(grid, shift)):
-                for name, value in _read_off(result).items():
+                for name, value in self.read_off(result, located=self._located(grid)).items():
                     values[name][i, j, k] = value
                 for name, profile in self.profiles(result).items():
                     profiles.setdefault(name, np.zeros((shape[0], shape[2], profile.size)))[i, k] += profile
@@ -165,7 +197,7 @@ class Measurement(NumbersSolve):
 
         data: dict[str, Any] = {
             name: (("grid", "shift", "load"), values[name], {"units": unit, "long_name": words})
-            for name, (unit, words) in QUANTITIES.items()
+            for name, (unit, words) in self.quantities.items()
         }
         for name, profile in profiles.items():
             data[f"{name}_profile"] = (("grid", "load", f"{name}_bin"), profile)
@@ -175,6 +207,7 @@ class Measurement(NumbersSolve):
             data,
             coords={
                 "points": ("grid", [nx for nx, _ in self.grids]),
+                "cells": ("grid", [nx * ny for nx, ny in self.grids]),
                 "points_per_wave": ("grid", per_wave, {"long_name": "lambda_short / dx"}),
                 "reduced_pressure": ("load", list(self.loads), {"long_name": "p0 / (E* h'_rms)"}),
             },
@@ -187,9 +220,17 @@ class Measurement(NumbersSolve):
             },
         )
 
+    def read_off(self, result: ContactResult, *, located: bool) -> dict[str, float]:
+        """Return every one of `quantities` of one solve; the area inside the cells if it can be `located`."""
+        return _read_off(result, located=located)
+
     def profiles(self, result: ContactResult) -> dict[str, np.ndarray]:
         """Return distributions to keep of one solve, by name; they are averaged over the shifts. None here."""
         return {}
+
+    def _located(self, grid: Grid) -> bool:
+        """Whether edges can be located inside the cells: on the bare half-space, on square ones."""
+        return not self.effects and has_square_cells(self.realised, grid)
 
     def _path(self, grid: Grid, shift: tuple[float, float]) -> Iterator[ContactResult]:
         """Solve the loads of one grid in order, each from the one before; only one result is held at a time."""
@@ -199,6 +240,9 @@ class Measurement(NumbersSolve):
         response, field = HalfSpace(solid=self.realised.elastic), self.heights(grid, shift)
         start = None
         for reduced in self.loads:
+            if self.effects:
+                yield self._with_effects(field, reduced * self.realised.pressure_scale)
+                continue
             solved = bem.solve(
                 field,
                 response,
@@ -210,9 +254,29 @@ class Measurement(NumbersSolve):
             yield solved.checked()
             start = solved.pressure
 
+    def _with_effects(self, field: HeightField, pressure: float) -> ContactResult:
+        """Press as a scene with these effects does."""
+        solved = find_solver("bem").solve(
+            field,
+            mean_pressure=pressure,
+            slots=Slots.filled(self.realised.elastic, self.effects),
+            settings={"tolerance": self.tolerance},
+            threads=1,
+        )
+        return solved.contact.checked()
 
-def _read_off(result: ContactResult) -> dict[str, float]:
-    areas = contact_areas(result, edge_constant=EDGE_CONSTANTS["bem"], subcell=True)
+
+def without_waves_beyond(field: HeightField, last: float) -> HeightField:
+    """Return a surface without its waves shorter than 2 pi / `last`, on the same points."""
+    nx, ny = field.shape
+    dx, dy = field.spacing
+    q = np.hypot(2 * np.pi * np.fft.fftfreq(nx, dx)[:, None], 2 * np.pi * np.fft.rfftfreq(ny, dy)[None, :])
+    waves = np.where(q <= last * (1 + 1e-9), np.fft.rfft2(field.heights), 0)
+    return HeightField(heights=np.fft.irfft2(waves, s=field.shape), lengths=field.lengths)
+
+
+def _read_off(result: ContactResult, *, located: bool) -> dict[str, float]:
+    areas = contact_areas(result, edge_constant=EDGE_CONSTANTS["bem"], subcell=located)
     patches = find_patches(result.in_contact, result.spacing)
     sizes = np.sort(patches.areas)[::-1]
     cell = result.spacing[0] * result.spacing[1]
@@ -232,6 +296,12 @@ def _read_off(result: ContactResult) -> dict[str, float]:
         "seconds": result.cost.cpu_seconds,
         "peak_bytes": result.cost.peak_bytes,
     }
+
+
+def limit_over(areas: Sequence[ContactAreas]) -> Limit:
+    """Return the limit of the located area where there is one, else of the counted."""
+    located = all(area.subcell is not None for area in areas)
+    return located_limit(areas) if located else counted_limit(areas)
 
 
 def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0.0) -> list[ContactAreas]:
@@ -254,9 +324,9 @@ def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0
             edge_length=np.nan,
             edge_fraction=float(dataset.edge_fraction[i, j, load]),
             edge_constant=EDGE_CONSTANTS["bem"],
-            spacing=(1 / int(dataset.points[i]), 1 / int(dataset.points[i])),
-            subcell=float(dataset.subcell[i, j, load]),
-            cells=int(dataset.points[i]) ** 2,
+            spacing=(1 / int(dataset.points[i]), int(dataset.points[i]) / int(dataset.cells[i])),
+            subcell=None if np.isnan(dataset.subcell[i, j, load]) else float(dataset.subcell[i, j, load]),
+            cells=int(dataset.cells[i]),
         )
         for i, j in itertools.product(np.flatnonzero(keep), range(dataset.sizes["shift"]))
     ]
@@ -265,12 +335,13 @@ def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0
 def area_limits(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Return the limit of A/A0 over the grids of one measurement and its standard error, for each load.
 
-    It is that of the areas located inside the cells (`fem_contact.extrapolation`); grids of less than
+    It is that of the areas located inside the cells (`fem_contact.extrapolation`), or where they cannot be located of
+    the counted ones; grids of less than
     `LEAST_POINTS_PER_WAVE` are left out. Both are NaN where the contact is too small to carry the law; the report
     of a study says so.
     """
     limits = [
-        located_limit(areas_of(dataset, k, least_points_per_wave=LEAST_POINTS_PER_WAVE))
+        limit_over(areas_of(dataset, k, least_points_per_wave=LEAST_POINTS_PER_WAVE))
         for k in range(dataset.sizes["load"])
     ]
     return np.array([limit.value for limit in limits]), np.array([limit.uncertainty for limit in limits])

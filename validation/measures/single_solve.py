@@ -1,4 +1,4 @@
-"""What solves have in common that press one surface once, on one square grid, and keep numbers."""
+"""What solves have in common that press one surface once, on one grid, and keep numbers."""
 
 from __future__ import annotations
 
@@ -14,26 +14,28 @@ if TYPE_CHECKING:
 
 __all__ = ["SingleSolve"]
 
+Grid = tuple[int, int]
+
 
 @dataclass(frozen=True, kw_only=True)
 class SingleSolve(NumbersSolve):
-    """One surface at one load on one square grid; what is kept of it, its heirs say.
+    """One surface at one load on one grid; what is kept of it, its heirs say.
 
     Attributes
     ----------
     realised : Realised
         Surface, solid and load.
-    points : int
-        Grid points along each axis.
+    grid : tuple of int
     """
 
     realised: Realised
-    points: int
+    grid: Grid
 
     @property
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
-        return {**self.realised.recipe, "points": self.points}
+        nx, ny = self.grid
+        return {**self.realised.recipe, "points": nx if nx == ny else [nx, ny]}
 
     @property
     def half_space(self) -> HalfSpace:
@@ -41,14 +43,20 @@ class SingleSolve(NumbersSolve):
         return HalfSpace(solid=self.realised.elastic)
 
     @property
-    def grid(self) -> tuple[int, int]:
-        """Grid points along both axes."""
-        return (self.points, self.points)
+    def size(self) -> str:
+        """Points along the sides, as names on disk have them."""
+        nx, ny = self.grid
+        return str(nx) if nx == ny else f"{nx}x{ny}"
+
+    @property
+    def points(self) -> int:
+        """Number of grid points."""
+        return self.grid[0] * self.grid[1]
 
     @property
     def where(self) -> str:
         """Grid and number of the surface, for progress bars."""
-        return f"{self.points}x{self.points}, surface {self.realised.realisation + 1}"
+        return f"{self.grid[0]}x{self.grid[1]}, surface {self.realised.realisation + 1}"
 
     def heights(self) -> HeightField:
         """Return the heights that are pressed."""

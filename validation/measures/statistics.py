@@ -21,7 +21,8 @@ class Estimate:
     standard_error : float
         Of the mean, from the scatter of the samples.
     half_width : float
-        Half of the 95 % interval: standard error times Student's factor for the number of samples.
+        Half of the 95 % interval: standard error times Student's factor for the number of samples; NaN, as the
+        standard error, for a single surface, whose scatter nothing tells.
     samples : int
         Independent samples behind it: surfaces, or pairs of surfaces where they come in pairs.
     """
@@ -34,6 +35,8 @@ class Estimate:
     def __str__(self) -> str:
         if not np.isfinite(self.value):
             return "not determinable"
+        if self.samples == 1:
+            return f"{self.value:.4g} (one surface)"
         return f"{self.value:.4g} +- {self.half_width:.2g}"
 
 
@@ -64,12 +67,12 @@ def mean_over_surfaces(values: ArrayLike) -> Estimate:
     Parameters
     ----------
     values : (n,) array
-        One number for each surface, or for each pair; at least two.
+        One number for each surface, or for each pair.
 
     Raises
     ------
     ValueError
-        For fewer than two samples: one surface has no scatter.
+        For no sample.
 
     Examples
     --------
@@ -80,8 +83,11 @@ def mean_over_surfaces(values: ArrayLike) -> Estimate:
     2 +- 1.3
     """
     array = np.asarray(values, dtype=float)
-    if array.ndim != 1 or array.size < 2:
-        raise ValueError(f"samples of shape {array.shape}: the scatter needs at least two surfaces")
+    if array.ndim != 1 or not array.size:
+        raise ValueError(f"samples of shape {array.shape}: a mean needs at least one surface")
+    if array.size == 1:
+        nan = float("nan")
+        return Estimate(value=float(array[0]), standard_error=nan, half_width=nan, samples=1)
     error = float(scipy.stats.sem(array))
     return Estimate(
         value=float(array.mean()),

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,12 +11,9 @@ from fem_contact.surface import HeightField
 from persson import elastic
 from persson.spectrum import Spectrum
 from persson.variants import Variant, corrected_contact_area, energy_factor
-from validation.scenes.surfaces import spectrum_of
-
-if TYPE_CHECKING:
-    from validation.scenes.scene import SelfAffineSurface
 
 __all__ = [
+    "RANKED",
     "VARIANTS",
     "WITH_ENERGY",
     "Waves",
@@ -35,6 +31,9 @@ VARIANTS: dict[Variant, str] = {
     "wang_mueser": "Wang, Mueser 2017",
     "xu": "Xu et al. 2024",
 }
+
+#: What a study names as its methods that ranks them: all are to be cited.
+RANKED = "theory bem yang_persson wang_mueser xu"
 
 #: Those that say what energy is stored; the others are about the area alone.
 WITH_ENERGY: tuple[Variant, ...] = ("persson", "yang_persson", "wang_mueser")
@@ -133,27 +132,30 @@ class Waves:
         return np.asarray(gap[np.searchsorted(dense, load)])
 
 
-def ensemble_stress_variance(surface: SelfAffineSurface, rms_gradients: ArrayLike) -> NDArray[np.float64]:
+def ensemble_stress_variance(spectrum: Spectrum | None, rms_gradients: ArrayLike) -> NDArray[np.float64]:
     r"""Variances of the full-contact stress that C(q) alone lets one expect, over E*^2, one for each surface.
 
-    Their mean is that of C(q); their scatter is that of the realised gradients, which C(q) does not know.
+    Their mean is that of C(q); their scatter is that of the realised gradients, which C(q) does not know. NaN where
+    there is no C(q): a measured period has none but its own.
 
     .. math:: V_k = \frac{m_2[C]}{4} \frac{h'^2_k}{\langle h'^2 \rangle}
 
     Parameters
     ----------
-    surface : SelfAffineSurface
-        Gives C(q).
+    spectrum : Spectrum or None
+        C(q).
     rms_gradients : (n,) array
         Realised h'_rms of the surfaces.
     """
     squares = np.square(np.asarray(rms_gradients, dtype=float))
-    variance = elastic.stress_variance(spectrum_of(surface).m2(), contact_modulus=1.0)
+    if spectrum is None:
+        return np.full(squares.shape, np.nan)
+    variance = elastic.stress_variance(spectrum.m2(), contact_modulus=1.0)
     return np.asarray(variance * squares / squares.mean())
 
 
 def ensemble_area(
-    surface: SelfAffineSurface, reduced_pressures: ArrayLike, *, rms_gradients: ArrayLike
+    spectrum: Spectrum | None, reduced_pressures: ArrayLike, *, rms_gradients: ArrayLike
 ) -> NDArray[np.float64]:
     r"""A/A0 of the theory from C(q) alone, for each surface and load, of shape (n, loads).
 
@@ -165,8 +167,8 @@ def ensemble_area(
 
     Parameters
     ----------
-    surface : SelfAffineSurface
-        Gives C(q).
+    spectrum : Spectrum or None
+        C(q).
     reduced_pressures : (loads,) array
         p* with the realised gradient of each surface.
     rms_gradients : (n,) array
@@ -174,7 +176,9 @@ def ensemble_area(
     """
     gradients = np.asarray(rms_gradients, dtype=float)
     pressure = np.multiply.outer(gradients, np.asarray(reduced_pressures, dtype=float))
-    variance = ensemble_stress_variance(surface, gradients)
+    variance = ensemble_stress_variance(spectrum, gradients)
+    if spectrum is None:
+        return np.full(pressure.shape, np.nan)
     return np.asarray(
         elastic.contact_area(pressure[..., None], stress_variance=variance).mean(axis=-1), dtype=float
     )
@@ -182,6 +186,10 @@ def ensemble_area(
 
 def modes_sentence(conditional: ArrayLike, ensemble: ArrayLike) -> str:
     """Say how far the two modes of the theory are apart, over everything that was computed."""
+    if not np.isfinite(np.asarray(ensemble, dtype=float)).any():
+        return (
+            "There is no C(q) but that of the measured period itself, which the theory is told (conditional)."
+        )
     change = 100 * (np.asarray(ensemble, dtype=float) / np.asarray(conditional, dtype=float) - 1)
     spread = f"{change.min():+.2f} to {change.max():+.2f} % (mean {change.mean():+.2f} %)"
     return (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
@@ -32,6 +33,7 @@ __all__ = [
     "TheoryOptions",
     "against_magnification",
     "predict",
+    "stress_distribution",
     "theory_words",
     "with_effects",
 ]
@@ -259,6 +261,43 @@ def _adhesive(told: Told, pressure: float, options: TheoryOptions, *, scale: Sca
         ),
         yield_stress=told.hardness,
     ).checked()
+
+
+def stress_distribution(
+    realised: Realised, effects: Sequence[Effect], options: TheoryOptions | None, stress: Array
+) -> Array | None:
+    """P(sigma) [1/Pa] per nominal area of one surface, at stresses [Pa]; None where there is no answer.
+
+    Elastic contact in closed form; with a hardness or adhesion the diffusion between walls at these, up to
+    the realised variance. What has yielded, a delta at the hardness, is left out.
+    """
+    from persson.diffusion import solve_diffusion
+
+    told = Told.by(realised.elastic, effects)
+    variance, pressure = _realised_variance(realised, told), realised.pressure
+    if told.hardness is None and told.work is None:
+        return elastic.pressure_distribution(stress, pressure=pressure, stress_variance=variance)
+    try:
+        if told.work is None:
+            found = solve_diffusion([variance], pressure=pressure, yield_stress=told.hardness)
+            return found.checked().distribution(0, stress)
+        from persson.scale import Scale
+
+        scale = Scale(realised.own_spectrum, contact_modulus=told.felt_modulus)
+        contact = _adhesive(told, pressure, options or TheoryOptions(), scale=scale)
+        onset = contact.variance[np.flatnonzero(contact.tensile_limit > 0)[:1]]
+        wall = partial(np.interp, xp=contact.variance, fp=contact.tensile_limit)
+        found = solve_diffusion(
+            contact.variance[-1:],
+            pressure=pressure,
+            tensile_limit=wall,
+            yield_stress=told.hardness,
+            breaks=tuple(onset),
+            tolerance=1e-3,
+        )
+        return found.checked().distribution(0, stress)
+    except PerssonError:
+        return None
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -154,12 +154,8 @@ class Contact:
                 name=what, figure=figure, data=data, caption="Contact pressure; white: no contact."
             )
         if what == "distribution":
-            ends = [1.02 * float(self.result.pressure.max())]
-            if self.theory is not None and self.theory.answers:
-                # Three standard deviations of the stress at full contact above its mean.
-                ends.append(self.realised.pressure + 3 * math.sqrt(self.theory.stress_variance))
-            top = max(ends) / self.realised.pressure_scale
             curves = {self.solve.label: [self.result]}
+            top = figure_data.largest_pressure(self.comparison, curves)
             data = figure_data.pressure_at_zero_data(self.comparison, curves, top=top)
             words = (
                 "Distribution of contact pressure per nominal area; no contact, a delta at zero, is left out."

@@ -1,57 +1,96 @@
-"""Draw the figures of the paper. They read numbers and never solve."""
+"""The figures of the paper as drawings of a report. They read numbers and never solve."""
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import Any
-
-import matplotlib
-from matplotlib.figure import Figure
+import re
+from typing import TYPE_CHECKING, Any
 
 from validation.paper.figures import PaperFigure
+from validation.report.drawing import Drawing
+from validation.report.figure import COLOURS, STYLES, new_figure
+from validation.report.words import mathtext
 
-__all__ = ["draw", "save"]
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
 
-#: Line styles differ besides colours, so that figures read in black and white.
-_LINES: tuple[dict[str, Any], ...] = (
-    {"color": "#0b5394", "ls": "-"},
-    {"color": "#b45f06", "ls": "--"},
-    {"color": "#38761d", "ls": "-."},
-    {"color": "#741b47", "ls": ":"},
-)
-STYLE: dict[Any, Any] = {
-    "font.size": 10,
-    "axes.grid": True,
-    "grid.alpha": 0.25,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "legend.frameon": False,
-    "svg.fonttype": "none",
-    "svg.hashsalt": "fem-contact",
+    from validation.paper.figures import Panel
+
+__all__ = ["drawn"]
+
+
+#: How the paper's symbols are typed, longest first, and how they are drawn.
+_SYMBOLS = {
+    "sigma_0": r"$\sigma_0$",
+    "sigma_Y": r"$\sigma_Y$",
+    "sigma_a": r"$\sigma_a$",
+    "Delta gamma": r"$\Delta\gamma$",
+    "gamma_eff": r"$\gamma_{eff}$",
+    "zeta_1": r"$\zeta_1$",
+    "sigma": r"$\sigma$",
+    "zeta": r"$\zeta$",
+    "A_0": "$A_0$",
+    "A_el": "$A_{el}$",
+    "A_pl": "$A_{pl}$",
+    "h_0": "$h_0$",
+    "E*": "$E^*$",
 }
 
 
-def draw(figure: PaperFigure) -> Figure:
-    """Draw the panels of a figure side by side."""
+def drawn(figure: PaperFigure) -> Drawing:
+    """Draw the panels of a figure side by side, with their numbers."""
     columns = len(figure.panels)
-    with matplotlib.rc_context(STYLE):
-        drawing = Figure(figsize=(5.2 * columns, 4.0), layout="constrained")
-        drawing.suptitle(figure.title, fontsize=11)
-        for index, panel in enumerate(figure.panels):
-            axes = drawing.add_subplot(1, columns, index + 1)
-            for curve, line in zip(panel.curves, _LINES * 2, strict=False):
-                axes.plot(curve.x, curve.y, label=curve.label, lw=1.6, **line)
-            axes.set(xlabel=panel.x, ylabel=panel.y, xscale=panel.x_scale, yscale=panel.y_scale)
-            if len(panel.curves) > 1:
-                axes.legend(fontsize=8)
-    return drawing
+    drawing, axes = new_figure(width=5.2 * columns, height=4.0, columns=columns)
+    for panel, place in zip(figure.panels, axes, strict=True):
+        _draw(place, panel)
+    curves = ", ".join(dict.fromkeys(curve.label for panel in figure.panels for curve in panel.curves))
+    against = "; ".join(f"{_words(panel.y)} against {_words(panel.x)}" for panel in figure.panels)
+    return Drawing(
+        name=figure.name.replace("_", "-"),
+        figure=drawing,
+        data=_numbers(figure),
+        caption=f"{figure.title}. {against}. Curves: {curves}.",
+    )
 
 
-def save(figure: PaperFigure, folder: Path) -> tuple[Path, Path]:
-    """Write a figure as PNG and SVG; the same numbers give the same bytes."""
-    drawing = draw(figure)
-    paths = folder / f"{figure.name}.png", folder / f"{figure.name}.svg"
-    with matplotlib.rc_context(STYLE):
-        drawing.savefig(paths[0], dpi=140)
-        drawing.savefig(paths[1], metadata={"Date": None})
-    return paths
+def _draw(axes: Axes, panel: Panel) -> None:
+    for k, curve in enumerate(panel.curves):
+        look: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "ls": STYLES[k % len(STYLES)]}
+        axes.plot(curve.x, curve.y, label=_typeset(curve.label), lw=1.6, **look)
+    axes.set(xlabel=_typeset(panel.x), ylabel=_typeset(panel.y), xscale=panel.x_scale, yscale=panel.y_scale)
+    if len(panel.curves) > 1:
+        axes.legend(fontsize=8)
+
+
+def _words(label: str) -> str:
+    """Return an axis as the text names it."""
+    return label.replace("sigma_0", "p0").replace("A / A_0", "A/A0")
+
+
+def _typeset(label: str) -> str:
+    """Return an axis with its symbols as in a book."""
+    return mathtext(re.sub("|".join(map(re.escape, _SYMBOLS)), lambda typed: _SYMBOLS[typed[0]], label))
+
+
+def _numbers(figure: PaperFigure) -> xr.Dataset:
+    """Return every point of every curve, one after the other."""
+    import xarray as xr
+
+    rows = [
+        (number, curve.label, float(x), float(y), panel.x, panel.y)
+        for number, panel in enumerate(figure.panels, start=1)
+        for curve in panel.curves
+        for x, y in zip(curve.x, curve.y, strict=True)
+    ]
+    words = {
+        "panel": "panel, from the left",
+        "curve": "curve",
+        "x": "along the axis that x_axis names",
+        "y": "along the axis that y_axis names",
+        "x_axis": "horizontal axis, with its unit",
+        "y_axis": "vertical axis, with its unit",
+    }
+    columns = zip(words.items(), zip(*rows, strict=True), strict=True)
+    return xr.Dataset(
+        {name: ("point", list(values), {"units": "1", "long_name": said}) for (name, said), values in columns}
+    )

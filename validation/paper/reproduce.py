@@ -1,31 +1,49 @@
 """Recompute Persson (2006): every calculated figure, and every claim that carries a number.
 
-Figures are written as PNG and SVG with their data as CSV, claims as one table in CSV and Markdown. A claim
-that does not hold as it stands is reported so.
+A page shows figures and claims; every number goes to CSV, netCDF and JSON beside it. A claim that does not
+hold as it stands is reported so.
 """
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Callable, Sequence
-from dataclasses import astuple, fields
+from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 
 from validation.paper.claims import ClaimRow, judge
-from validation.paper.figures import FIGURES, PaperFigure
-from validation.paper.table import CLAIMS
+from validation.paper.figures import FIGURES
+from validation.paper.page import paper_page
+from validation.paper.table import APPLICATIONS
+from validation.report.drawing import Drawing
+from validation.report.page import Page, write_page
 
-__all__ = ["ClaimRow", "run", "steps"]
+__all__ = ["ClaimRow", "Reproduced", "run", "steps"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reproduced:
+    """What recomputing the paper left behind.
+
+    Attributes
+    ----------
+    rows : tuple of ClaimRow
+        One for each claim: the paper's number, ours, the convention, the verdict.
+    page : Page
+    files : tuple of Path
+        The report first, where figures were asked for.
+    """
+
+    rows: tuple[ClaimRow, ...]
+    page: Page
+    files: tuple[Path, ...]
 
 
 def steps() -> int:
     """Count the times `run` reports progress."""
-    return len(FIGURES) + len(CLAIMS)
+    return len(FIGURES) + sum(len(application.claims) for application in APPLICATIONS)
 
 
-def run(
-    output: Path, *, figures: bool = True, progress: Callable[[str], None] | None = None
-) -> tuple[ClaimRow, ...]:
+def run(output: Path, *, figures: bool = True, progress: Callable[[str], None] | None = None) -> Reproduced:
     """Recompute the paper into a folder.
 
     Parameters
@@ -33,14 +51,9 @@ def run(
     output : Path
         Folder, made if it does not exist; files in it of the same names are replaced.
     figures : bool
-        Whether to draw and write the figures, too.
+        Whether to draw the figures and write the report, or claims and JSON alone.
     progress : callable, optional
         Called with the name of each figure or claim before it is computed.
-
-    Returns
-    -------
-    tuple of ClaimRow
-        One row per claim: the paper's number, ours, the convention, the verdict.
 
     Raises
     ------
@@ -49,43 +62,19 @@ def run(
     """
     tell = progress or (lambda name: None)
     output.mkdir(parents=True, exist_ok=True)
+    drawings: list[Drawing] = []
     if figures:
         # matplotlib takes a second to load: only when something is drawn.
-        from validation.paper import plots as plots_paper
+        from validation.paper.plots import drawn
 
         for make in FIGURES:
             tell(f"figure {make.__name__.replace('_', ' ')}")
-            figure = make()
-            _write_data(figure, output / f"{figure.name}.csv")
-            plots_paper.save(figure, output)
-    rows = []
-    for claim in CLAIMS:
-        tell(f"claim: {claim.text}")
-        rows.append(judge(claim))
-    _write_claims(rows, output)
-    return tuple(rows)
-
-
-def _write_data(figure: PaperFigure, path: Path) -> None:
-    with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(["panel", "curve", "x", "y", "x axis", "y axis"])
-        for number, panel in enumerate(figure.panels, start=1):
-            for curve in panel.curves:
-                for x, y in zip(curve.x, curve.y, strict=True):
-                    writer.writerow([number, curve.label, f"{x:.9g}", f"{y:.9g}", panel.x, panel.y])
-
-
-def _write_claims(rows: Sequence[ClaimRow], output: Path) -> None:
-    names = [field.name for field in fields(ClaimRow)]
-    with (output / "claims.csv").open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(names)
-        writer.writerows(astuple(row) for row in rows)
-    lines = ["| " + " | ".join(names) + " |", "|" + " --- |" * len(names)]
-    lines += ["| " + " | ".join(_cell(value) for value in astuple(row)) + " |" for row in rows]
-    (output / "claims.md").write_text("\n".join(lines) + "\n", encoding="utf-8")
-
-
-def _cell(value: str | float) -> str:
-    return value.replace("|", "\\|") if isinstance(value, str) else f"{value:.5g}"
+            drawings.append(drawn(make()))
+    rows = [
+        row
+        for application in APPLICATIONS
+        for row in judge(application, tell=lambda text: tell(f"claim: {text}"))
+    ]
+    page = paper_page(rows, figures=tuple(drawings))
+    files = write_page(page, output, numbers_only=not figures)
+    return Reproduced(rows=tuple(rows), page=page, files=files)

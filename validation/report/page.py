@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import hashlib
 import json
 import platform
 from collections.abc import Collection, Mapping
@@ -98,7 +99,7 @@ class Page:
     data : xarray.Dataset, optional
         To be written as data.csv, with one more file for each further set of dimensions.
     summary : mapping, optional
-        To be written as summary.json.
+        To be written as summary.json, with the papers to cite.
     """
 
     title: str
@@ -149,7 +150,7 @@ def write_page(page: Page, folder: Path, *, numbers_only: bool = False) -> tuple
     records = page.records if page.budget is None else {**page.records, "budget": page.budget}
     written += [write_table(table, folder / f"{name}.csv") for name, table in records.items()]
     if page.summary is not None:
-        written.append(write_json(folder / "summary.json", page.summary))
+        written.append(write_json(folder / "summary.json", {**page.summary, "papers": list(page.papers)}))
     if numbers_only:
         clear_page(folder, keep=written)
         return tuple(written)
@@ -177,7 +178,15 @@ def clear_page(folder: Path, *, keep: Collection[Path] = ()) -> None:
     images and numbers in the folder of figures.
     """
     figures = folder / "figures"
-    tables = ("table.csv", "areas.csv", "magnification.csv", "budget.csv", "data.csv", "data-*.csv")
+    tables = (
+        "table.csv",
+        "claims.csv",
+        "areas.csv",
+        "magnification.csv",
+        "budget.csv",
+        "data.csv",
+        "data-*.csv",
+    )
     names = ("report.html", "summary.json", *tables)
     earlier = [path for name in names for path in folder.glob(name)]
     if figures.is_dir() and not figures.is_symlink():
@@ -233,6 +242,7 @@ def _format(path: Path, name: str) -> str:
 def _html(page: Page, figures: list[_Embedded]) -> str:
     """Fill in the template; a name it needs and does not get is an error."""
     import jinja2
+    from markupsafe import Markup
 
     environment = jinja2.Environment(
         loader=jinja2.PackageLoader("validation.report"),
@@ -251,4 +261,15 @@ def _html(page: Page, figures: list[_Embedded]) -> str:
     )
     settings = json.dumps(page.settings, indent=2)
     template = environment.get_template("report.html.j2")
-    return template.render(page=page, figures=figures, budget=budget, settings=settings)
+    # The one script that may run: the policy of the page names it by its hash.
+    assert environment.loader is not None
+    script = environment.loader.get_source(environment, "zoom.js")[0]
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    return template.render(
+        page=page,
+        figures=figures,
+        budget=budget,
+        settings=settings,
+        script=Markup(script),
+        script_hash=f"sha256-{digest}",
+    )

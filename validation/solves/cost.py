@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import time
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from validation.solves.solve import Solve
 
-__all__ = ["available_memory", "memory_words", "too_large", "transform_seconds"]
+if TYPE_CHECKING:
+    from validation.effects.base import Effect
+
+__all__ = ["available_memory", "dearer_by", "memory_words", "too_large", "transform_seconds"]
 
 
 def transform_seconds(n: int = 256) -> float:
@@ -48,3 +54,13 @@ def too_large(solve: Solve, limit: int, *, where: str = "here") -> str:
         "for it; "
         "leave the grid out, run it on a larger machine, or raise the limit with --memory"
     )
+
+
+def dearer_by(effects: Sequence[Effect]) -> float:
+    """Time of a boundary-element solve with effects over that of a plain one, on this machine."""
+    if not effects:
+        return 1.0
+    from validation.solves.calibration import effect_costs
+
+    factors = effect_costs().factors
+    return math.prod(factors[effect.kind] for effect in effects)

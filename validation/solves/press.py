@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +15,7 @@ from validation.methods import find_solver
 from validation.methods.base import Grid, Settings, Shift, Solved, Solver
 from validation.scenes.realised import Realised, realise
 from validation.scenes.scene import EffectSpec, Scene
+from validation.solves.cost import dearer_by
 from validation.solves.solve import Prediction, Solve
 
 if TYPE_CHECKING:
@@ -108,18 +108,12 @@ class Press(Solve):
 
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict from the sizes of grid and mesh, and what the effects cost on this machine."""
-        dearer = 1.0
-        if self.effects:
-            from validation.solves.calibration import effect_costs
-
-            factors = effect_costs().factors
-            dearer = prod(factors[effect.kind] for effect in self.effects)
         cost = self.solver.cost(
             self.grid,
             self.realised.lengths,
             settings=dict(self.settings),
             effects=self.effects,
-            dearer=dearer,
+            dearer=dearer_by(self.effects),
         )
         return Prediction(
             seconds=cost.pairs * pair_seconds, peak_bytes=cost.peak_bytes, unknowns=cost.unknowns
@@ -133,13 +127,16 @@ class Press(Solve):
         FemContactError
             When the solve failed.
         """
-        solved = self.solver.solve(
-            self.height_field(),
-            mean_pressure=self.realised.pressure,
-            slots=Slots.filled(self.realised.elastic, self.effects),
-            settings=dict(self.settings),
-            threads=threads,
-        )
+        own, field = self.realised, self.height_field()
+        told: dict[str, Any] = {
+            "slots": Slots.filled(own.elastic, self.effects),
+            "settings": dict(self.settings),
+            "threads": threads,
+        }
+        if own.load.held:
+            solved = self.solver.hold(field, distance=own.load.held, **told)
+        else:
+            solved = self.solver.solve(field, mean_pressure=own.pressure, **told)
         solved.contact.checked()
         return solved
 

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field, ValidationInfo
+
+from validation.methods import chosen_solver
+from validation.units import wrong
 
 __all__ = [
+    "AnyMethods",
     "Bandwidth",
     "Element",
     "Hurst",
+    "Methods",
     "Pairs",
     "Periods",
     "ReducedPressure",
@@ -27,13 +32,41 @@ ReducedPressure = Annotated[
 ]
 #: Surfaces that a study is given at most: what they scatter by is long known.
 _MOST = 10_000
+
+
+def _with_scatter(count: int, others: ValidationInfo) -> int:
+    """Refuse a single surface of a spectrum; that of a scene may be asked about itself."""
+    if count < 2 and others.data.get("scene") is None:
+        raise wrong("must be greater than or equal to 2")
+    return count
+
+
 Surfaces = Annotated[
-    int, Field(ge=2, le=_MOST, description="how many; scatter between them is the uncertainty")
+    int,
+    Field(ge=1, le=_MOST, description="how many; scatter between them is the uncertainty"),
+    AfterValidator(_with_scatter),
 ]
 Pairs = Annotated[
     int,
     Field(ge=2, le=_MOST, description="pairs of surfaces +h, -h; scatter between pairs is the uncertainty"),
 ]
 Shifts = Annotated[int, Field(ge=1, le=_MOST, description="sub-grid shifts along each axis")]
+
+
+def _that_solve(names: tuple[str, ...]) -> tuple[str, ...]:
+    """Refuse what presses no surface, and what is not installed."""
+    for name in names:
+        chosen_solver(name)
+    return tuple(dict.fromkeys(names))
+
+
+AnyMethods = Annotated[tuple[str, ...], AfterValidator(_that_solve)]
+Methods = Annotated[
+    AnyMethods,
+    Field(
+        min_length=1,
+        description="solvers with commas: bem, fem, tamaas, ..., of another package, or module:function of your own",
+    ),
+]
 #: Finite elements of the block, by the names of `fem_contact.block`.
 Element = Literal["Hex1", "Hex1/P0", "Hex2", "Hex2/P1disc"]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,15 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.effects import effect_kinds
-from validation.errors import UsageError
-from validation.files import read_whole, write_json, write_whole
+from validation.errors import RunFailed, UsageError
+from validation.files import read_record, write_record
 from validation.methods import methods
 from validation.report.page import Page, write_page
-from validation.report.papers import MEASURED, PERIMETER
+from validation.report.papers import MEASURED, PERIMETER, VARIANTS
 from validation.report.table import shown, shown_dataset
-from validation.solves.netcdf import dataset_bytes, read_dataset
-from validation.solves.provenance import Made
-from validation.solves.seal import Damaged, seal, unseal
+from validation.solves.provenance import SOLVES_MADE, made_words
+from validation.solves.store import read_numbers, write_numbers
 from validation.studies import Study, StudyOptions, find_study
 
 if TYPE_CHECKING:
@@ -34,7 +32,6 @@ __all__ = [
     "report_study",
     "run_study",
     "study_page",
-    "write_data",
 ]
 
 _RECORD = "study.json"
@@ -59,21 +56,16 @@ def run_study(
     said = {
         "format": _FORMAT,
         "study": study.name,
-        "options": options.model_dump(mode="json", exclude_none=True),
+        "options": options.said(),
+        "words": list(options.words()),
         "store": os.path.relpath(bench.store.folder.resolve(), folder.resolve()),
     }
+    data.attrs[SOLVES_MADE] = "\n".join(made_words(bench.made()))
     for other in ("run.json", "accuracy.json", "sweep.json"):  # the folder is that of this study now
         (folder / other).unlink(missing_ok=True)
-    write_json(folder / _RECORD, said)
-    write_data(data, said, folder)
+    write_record(folder / _RECORD, said)
+    write_numbers(folder / _DATA, data, recipe=said)
     return report_study(folder, numbers_only=not report)
-
-
-def write_data(data: xr.Dataset, said: Mapping[str, Any], folder: Path) -> None:
-    """Write the numbers of a study, sealed: netCDF that shows every change since."""
-    content = dataset_bytes(data)
-    made = Made.now(threads=1, seconds=0.0).as_json()
-    write_whole(folder / _DATA, (content, seal(content, recipe=json.dumps(said), made=made)))
 
 
 def is_study(folder: Path) -> bool:
@@ -116,23 +108,29 @@ def report_study(folder: Path, *, numbers_only: bool = False) -> StudyOutputs:
         For a folder that holds no finished study of this version.
     """
     try:
-        said = json.loads((folder / _RECORD).read_text(encoding="utf-8"))
+        said = read_record(folder / _RECORD)
         study = find_study(said["study"])
-        # Verified before it is parsed: a flipped bit would be another number.
-        data = read_dataset(unseal(read_whole(folder / _DATA)).content)
-    except Damaged as damage:
-        raise UsageError(f"{folder / _DATA}: damaged: {damage}; run the study again") from None
+        data = read_numbers(folder / _DATA)
+    except RunFailed as error:
+        raise UsageError(str(error)) from None
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{folder}: holds no finished study ({error})") from None
-    page = study_page(study, data, said["options"], figures=not numbers_only)
+    page = study_page(study, data, said["options"], words=said.get("words", ()), figures=not numbers_only)
     written = write_page(page, folder, numbers_only=numbers_only)
     return StudyOutputs(data=data, page=page, files=(*written, folder / _DATA))
 
 
-def study_page(study: Study, data: xr.Dataset, options: Mapping[str, Any], *, figures: bool = True) -> Page:
+def study_page(
+    study: Study,
+    data: xr.Dataset,
+    options: Mapping[str, Any],
+    *,
+    words: Sequence[str] = (),
+    figures: bool = True,
+) -> Page:
     """Return the page of a study, drawn or not: all of it from its dataset and from what was asked."""
     table = study.table(data)
-    findings = (*study.findings(data), *_undetermined(data))
+    findings = (*study.findings(data), *_undetermined(data), *words)
     return Page(
         title=f"Study: {study.name}",
         lead=study.question,
@@ -140,6 +138,7 @@ def study_page(study: Study, data: xr.Dataset, options: Mapping[str, Any], *, fi
         tables=shown_dataset(data, title="Numbers") if table is None else (shown(table, title="Numbers"),),
         budget=study.budget(data),
         figures=study.figures(data) if figures else (),
+        facts=tuple(str(data.attrs.get(SOLVES_MADE, "")).splitlines()),
         settings=options,
         seeds=_seeds(options),
         papers=_papers(str(data.attrs.get("methods", "theory bem")).split()),
@@ -165,6 +164,7 @@ def _papers(used: Sequence[str]) -> tuple[str, ...]:
     """Papers of the methods and effects that a study names."""
     known: dict[str, Any] = {**methods(), **effect_kinds()}
     cited = [paper for name, what in known.items() if name in used for paper in what.papers]
+    cited += [paper for name, paper in VARIANTS.items() if name in used]
     return (*cited, PERIMETER, *([MEASURED] if "measured" in used else []))
 
 

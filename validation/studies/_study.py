@@ -33,7 +33,15 @@ _MOST = 10_000
 
 
 class StudyOptions(Table):
-    """Options of a study: a table like those of a scene, with units, ranges and meanings; all have defaults."""
+    """Options of a study: a table like those of a scene, with units, ranges and meanings; all have defaults.
+
+    Attributes
+    ----------
+    own : str
+        Why it takes no scene, where it has no option of that name.
+    """
+
+    own: typing.ClassVar[str] = ""
 
     @field_validator("*", mode="after")
     @classmethod
@@ -75,9 +83,20 @@ class StudyOptions(Table):
         try:
             # Strings are numbers here, and quantities may carry units as in a scene.
             parsed = cls.model_validate_strings(values)
+            if scene is None:
+                return parsed
+            said = {name: getattr(parsed, name) for name in parsed.model_fields_set}
+            return cls.model_validate({**said, "scene": scene})
         except ValidationError as error:
             raise UsageError("\n".join(_problems(error))) from None
-        return parsed if scene is None else parsed.model_copy(update={"scene": scene})
+
+    def said(self) -> dict[str, Any]:
+        """Return what was asked, as JSON-ready data."""
+        return self.model_dump(mode="json", exclude_none=True)
+
+    def words(self) -> Iterator[str]:
+        """Yield what a reader should know of what was asked."""
+        yield from ()
 
     @classmethod
     def help_lines(cls) -> Iterator[str]:
@@ -137,7 +156,8 @@ class Study:
             For what it does not allow, and for a scene that it does not take.
         """
         if scene is not None and not self.options.takes_scene():
-            raise UsageError(f"study {self.name}: takes no scene; leave {scene.name!r} out")
+            why = f": {self.options.own}" if self.options.own else ""
+            raise UsageError(f"study {self.name}: takes no scene{why}; leave {scene.name!r} out")
         try:
             return self.options.parse(arguments, scene=scene)
         except UsageError as error:

@@ -1,6 +1,6 @@
 """How much does adhesion enlarge the contact, by boundary elements and by Persson's theory?
 
-One surface of rubber on four dials: the work of adhesion, the load, the waves that are there, and a hardness
+Surfaces of rubber on four dials: the work of adhesion, the load, the waves that are there, and a hardness
 beside the adhesion. Areas are limits over two grids, beside the theory with both readings of its elastic
 energy; the energy of the whole interface is beside the theory's gamma_eff. The range of the attraction, of
 which the theory knows nothing, is as short as the coarser grid resolves.
@@ -54,7 +54,7 @@ _LENGTH, _GRADIENT = 1e-5, 0.1
 #: What is measured or computed along every dial, in words.
 _WORDS = {
     "area": "A/A0 with adhesion, limit over grids",
-    "area_error": "distance of that limit to the finer grid",
+    "area_error": "its standard error, surfaces and grids",
     "plain": "A/A0 without adhesion, limit over grids",
     "improved": "A/A0, Persson, energy of Eqs. 44-49",
     "old": "A/A0, Persson, energy of Eq. 43",
@@ -76,6 +76,8 @@ _DIALS = {
 class Options(StudyOptions):
     """Where the dials stand, and where each of them goes while the others stay."""
 
+    own = "it turns load, waves, work and hardness by itself"
+
     works: _Positives = Field(
         default=(0.01, 0.03, 0.1, 0.3, 1.0),
         description="works of adhesion w over the elastic energy U_full of full contact, per area, rising",
@@ -89,7 +91,8 @@ class Options(StudyOptions):
         default=(1.5, 2.0, 4.0, 8.0), description="q/q_long of the last wave, above 1, at most the bandwidth"
     )
     hardnesses: _Positives = Field(default=(0.3, 0.6, 1.2), description="H / (E* h'_rms)")
-    seed: int = Field(default=11, ge=0, description="whole number that names the surface")
+    seed: int = Field(default=11, ge=0, description="whole number that names the first surface")
+    surfaces: int = Field(default=3, ge=1, le=10_000, description="how many")
     grids: tuple[int, int] = Field(
         default=(256, 384),
         description="points along a side, two, rising; the range of the attraction is the shortest that the first resolves",
@@ -109,11 +112,11 @@ class Options(StudyOptions):
             raise wrong(f"grids = {self.grids[0]}, {self.grids[1]}: must rise, for a limit")
         return self
 
-    def surface(self, magnification: float | None = None) -> SelfAffineSurface:
-        """Return the surface with its waves up to a magnification; all of them if not given."""
+    def surface(self, magnification: float | None = None, *, number: int = 0) -> SelfAffineSurface:
+        """Return a surface with its waves up to a magnification; all of them if not given."""
         until = self.bandwidth if magnification is None else magnification
         shape = {"hurst": self.hurst, "periods": self.periods, "bandwidth": self.bandwidth}
-        return truncated_surface(self.seed, until, length=_LENGTH, gradient=_GRADIENT, **shape)
+        return truncated_surface(self.seed + number, until, length=_LENGTH, gradient=_GRADIENT, **shape)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -188,7 +191,8 @@ class _Case:
             return None
 
 
-_Dials = Mapping[str, list[tuple[float, _Case]]]
+#: By dial: the number that is turned, and the case of every surface.
+_Dials = Mapping[str, list[tuple[float, tuple[_Case, ...]]]]
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -202,37 +206,62 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         interface, and the theory's gamma_eff, over w; yielded area.
     """
     dials = _dials(options)
-    cases = [case for turns in dials.values() for _, case in turns]
+    cases = [case for turns in dials.values() for _, several in turns for case in several]
     solved = bench.solve(
         [case.solve(n, sticky=sticky) for case in cases for n in options.grids for sticky in (True, False)]
     )
     measured = {
-        dial: [case.measured(solved, options.grids) | case.theory() for _, case in turns]
+        dial: [
+            _mean([case.measured(solved, options.grids) | case.theory() for case in several])
+            for _, several in turns
+        ]
         for dial, turns in dials.items()
     }
     return _dataset(options, dials, measured)
 
 
+def _mean(rows: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Average over surfaces what all of them have; the area gets the error of surfaces and grids."""
+    common = set.intersection(*(set(row) for row in rows))
+    found = {name: float(np.mean([row[name] for row in rows])) for name in common}
+    areas = np.array([row["area"] for row in rows])
+    # The miss of a grid has one sign on every surface: it is not averaged away.
+    scatter = float(np.std(areas, ddof=1) / math.sqrt(areas.size)) if areas.size > 1 else 0.0
+    return found | {"area_error": math.hypot(found["area_error"], scatter)}
+
+
 def _dials(options: Options) -> _Dials:
     """List the cases of every dial with the number that is turned."""
-    whole = Realised(
-        surface=options.surface(), solid=_SOLID, load=Load(reduced_pressure=options.reduced_pressure)
-    )
-    unit, modulus = whole.pressure_scale, whole.contact_modulus
-    energy = full_contact_energy(whole.field, modulus=modulus)
+    wholes = [
+        Realised(
+            surface=options.surface(number=k),
+            solid=_SOLID,
+            load=Load(reduced_pressure=options.reduced_pressure),
+        )
+        for k in range(options.surfaces)
+    ]
 
-    def case(w: float, p: float, *, until: float | None = None, hardness: float | None = None) -> _Case:
+    def cases(
+        w: float, p: float, *, until: float | None = None, hardness: float | None = None
+    ) -> tuple[_Case, ...]:
+        return tuple(one(k, w, p, until, hardness) for k in range(options.surfaces))
+
+    def one(k: int, w: float, p: float, until: float | None, hardness: float | None) -> _Case:
+        unit, modulus = wholes[k].pressure_scale, wholes[k].contact_modulus
+        energy = full_contact_energy(wholes[k].field, modulus=modulus)
         # The shortest range whose process zone spans the cells that are needed, and a little more.
         reach = math.sqrt(1.1 * CELLS_NEEDED * _LENGTH / options.grids[0] * w * energy / modulus)
-        realised = Realised(surface=options.surface(until), solid=_SOLID, load=Load(pressure=p * unit))
-        return _Case(realised=realised, work=w * energy, reach=reach, hardness=hardness)
+        surface, load = options.surface(until, number=k), Load(pressure=p * unit)
+        realised = Realised(surface=surface, solid=_SOLID, load=load)
+        limit = None if hardness is None else hardness * unit
+        return _Case(realised=realised, work=w * energy, reach=reach, hardness=limit)
 
     work, load = options.work, options.reduced_pressure
     return {
-        "work": [(w, case(w, load)) for w in options.works],
-        "reduced_pressure": [(p, case(work, p)) for p in options.reduced_pressures],
-        "magnification": [(zeta, case(work, load, until=zeta)) for zeta in options.magnifications],
-        "hardness": [(h, case(work, load, hardness=h * unit)) for h in options.hardnesses],
+        "work": [(w, cases(w, load)) for w in options.works],
+        "reduced_pressure": [(p, cases(work, p)) for p in options.reduced_pressures],
+        "magnification": [(zeta, cases(work, load, until=zeta)) for zeta in options.magnifications],
+        "hardness": [(h, cases(work, load, hardness=h)) for h in options.hardnesses],
     }
 
 
@@ -248,13 +277,16 @@ def _dataset(
             if dial == "hardness" or not name.startswith("yielded"):
                 values = np.array([row.get(name, math.nan) for row in rows])
                 columns[_name(name, dial)] = (dial, values, {"units": "1", "long_name": words})
-    reaches = np.array([case.reach / case.realised.field.rms_height for _, case in dials["work"]])
+    reaches = np.array(
+        [np.mean([c.reach / c.realised.field.rms_height for c in several]) for _, several in dials["work"]]
+    )
     columns["reach"] = ("work", reaches, {"units": "1", "long_name": "range of the attraction over h_rms"})
     coords = {
         dial: (dial, np.array([value for value, _ in turns]), {"units": "1", "long_name": _DIALS[dial]})
         for dial, turns in dials.items()
     }
     said = {"work": options.work, "reduced_pressure": options.reduced_pressure, "grids": list(options.grids)}
+    said["surfaces"] = options.surfaces
     return xr.Dataset(columns, coords=coords, attrs={"methods": "theory bem", **said})
 
 
@@ -282,7 +314,14 @@ def _gained(contact: ContactResult, effect: Adhesion) -> float:
 
 def findings(data: xr.Dataset) -> tuple[str, ...]:
     """Say by how much adhesion enlarges the contact along every dial, in both."""
-    return tuple(
+    surfaces = int(data.attrs["surfaces"])
+    rests = (
+        "Means over "
+        f"{surfaces} surfaces; +- is one standard error, that of the surfaces and the step to the limit together."
+        if surfaces > 1
+        else "These are numbers of one surface: how much another of the same spectrum would differ is unknown."
+    )
+    return rests, *(
         f"{_DIALS[dial].partition(' =')[0]} = {float(data[dial][k]):.3g}: {_sentence(data, dial, k)}."
         for dial in _DIALS
         for k in range(data.sizes[dial])
@@ -310,6 +349,11 @@ def _sentence(data: xr.Dataset, dial: str, k: int) -> str:
     return text
 
 
+def _over(data: xr.Dataset) -> str:
+    surfaces = int(data.attrs["surfaces"])
+    return f"mean over {surfaces} surfaces" if surfaces > 1 else "one surface"
+
+
 def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
     """Draw areas along every dial, and the energy of the interface against the work of adhesion."""
     from validation.report.drawing import Drawing
@@ -324,8 +368,8 @@ def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
                 name="adhesive-area" if dial == "work" else f"adhesive-area-{dial.replace('_', '-')}",
                 figure=lines_figure(data, x=dial, lines=lines, logarithmic="x"),
                 data=data[[*lines, _name("area_error", dial)]],
-                caption=f"Contact area against {words}: boundary elements with the shortest range that the "
-                "grid resolves, and Persson's theory with two readings of the elastic energy.",
+                caption=f"Contact area against {words}, {_over(data)}: boundary elements with the shortest range "
+                "that the grid resolves, and Persson's theory with two readings of the elastic energy.",
             )
         )
     lines = tuple(_name(name, "hardness") for name in ("yielded", "yielded_persson"))
@@ -334,8 +378,8 @@ def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
             name="adhesive-area-yielded",
             figure=lines_figure(data, x="hardness", lines=lines, logarithmic="x"),
             data=data[list(lines)],
-            caption="Yielded share of the nominal area under adhesion against the hardness: boundary "
-            "elements, and Persson's theory (2006, Sec. 9).",
+            caption=f"Yielded share of the nominal area under adhesion against the hardness, {_over(data)}: "
+            "boundary elements, and Persson's theory (2006, Sec. 9).",
         )
     )
     lines = ("interface", "macroscopic", "macroscopic_old")
@@ -344,8 +388,8 @@ def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
             name="interface-energy",
             figure=lines_figure(data, x="work", lines=lines, logarithmic="x"),
             data=data[[*lines, "reach"]],
-            caption="Energy gained by the whole interface over the work of adhesion: law less elastic energy "
-            "by boundary elements, gamma_eff(1) by the theory. Where it is negative nothing holds the bodies.",
+            caption=f"Energy gained by the whole interface over the work of adhesion, {_over(data)}: law less "
+            "elastic energy by boundary elements, gamma_eff(1) by the theory. Where it is negative nothing holds the bodies.",
         )
     )
     return tuple(drawings)

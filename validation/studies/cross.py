@@ -1,44 +1,53 @@
-"""Do finite elements and boundary elements agree on the same surface and grid, and ever better with refinement?"""
+"""Do finite elements, or other solvers, and boundary elements agree on the same surface and grid, and ever better with refinement?"""
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Literal
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
+from validation.effects.base import SlotName
 from validation.measures.block import BlockMeasurement
-from validation.measures.common import BASE_SOLID, Rising, base_case, base_surface, results_of
+from validation.measures.common import BASE_SOLID, Rising, RisingOrNone, results_of
 from validation.measures.measurement import grid_for
+from validation.measures.side_by_side import ByMethod
 from validation.measures.statistics import order_of_convergence
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
-from validation.scenes.scene import SolidSpec
+from validation.scenes.realised import Realised
+from validation.scenes.scene import Scene, SolidSpec
 from validation.solves.bench import Bench
-from validation.studies._options import Bandwidth, Element, Hurst, Periods, ReducedPressure, Seed
-from validation.studies._study import StudyOptions
+from validation.studies._options import Bandwidth, Element, Methods, Periods, ReducedPressure
+from validation.studies._scene import PressedOptions
+from validation.units import wrong
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from validation.solves.solve import NumbersSolve
+
 __all__ = ["Options", "figures", "findings", "run", "table"]
 
 
-class Options(StudyOptions):
+class Options(PressedOptions):
     """What is pressed by both methods, and on which grids."""
 
+    grids_of: ClassVar[Mapping[str, str]] = {}
+    off: ClassVar[Mapping[str, Any]] = {"full_points_per_wave": (), "elements": ()}
+    slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound", "gap law"})
+
+    methods: Methods = ("bem", "fem")
     reduced_pressure: ReducedPressure = 0.05
-    hurst: Hurst = 0.8
     periods: Periods = 2.0
     bandwidth: Bandwidth = 4.0
     poisson: Annotated[float, Field(gt=-1, le=0.49, description="Poisson ratio of the solid")] = 0.3
     surfaces: Annotated[int, Field(ge=1, description="how many realisations")] = 2
-    seed: Seed = 2006
-    full_points_per_wave: Rising = Field(
+    full_points_per_wave: RisingOrNone = Field(
         default=(3.0, 4.0, 6.0),
         description="grids of the full Hex1 system, as lambda_short/dx: the independent leg, which shares no contact "
         "algorithm with the boundary elements",
@@ -50,31 +59,55 @@ class Options(StudyOptions):
     elements: tuple[Element, ...] = Field(
         default=("Hex1", "Hex2"), description="elements of the reduction; none to leave it out"
     )
+    method_points_per_wave: Rising = Field(
+        default=(3.0, 4.0, 6.0, 8.0), description="grids of any other of the methods, as lambda_short/dx"
+    )
+
+    @model_validator(mode="after")
+    def _two_methods(self) -> Self:
+        if set(self.methods) <= {"bem"}:
+            raise wrong("methods = bem: must name another solver beside bem, such as fem or tamaas")
+        return self
+
+    @property
+    def _solid(self) -> dict[str, SolidSpec]:
+        return {"solid": SolidSpec(young=BASE_SOLID.young, poisson=self.poisson)}
+
+    @classmethod
+    def taken(cls, scene: Scene, first: Realised) -> dict[str, Any]:
+        """Return the options that a scene says, its Poisson ratio among them."""
+        return {**super().taken(scene, first), "poisson": scene.solid.poisson}
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Leg:
-    """One way through the finite elements on one grid."""
+    """One way beside the boundary elements on one grid.
 
-    method: Literal["full", "reduced"]
-    element: str
+    Attributes
+    ----------
+    name : str
+        What it is called.
+    per_wave : float
+        lambda_short / dx.
+    solve : callable
+        From `realised` to its solve.
+    """
+
+    name: str
     per_wave: float
-
-    @property
-    def name(self) -> str:
-        """Method and element."""
-        return f"{self.method} {self.element}"
+    solve: Callable[..., NumbersSolve]
 
 
 _NAMES = {
-    "pressure_half_space": "||p_fem - p_bem|| / ||p_bem||",
+    "pressure_half_space": "||p - p_bem|| / ||p_bem||",
     "pressure_inside": "the same, 1.5 cells and more from the edges",
-    "area": "A_fem/A_bem - 1, points counted",
-    "area_corrected": "A_fem/A_bem - 1, each with its perimeter correction",
-    "gap": "(mean gap_fem - mean gap_bem) / h_rms: the offsets less C(0) p0",
-    "residual": "largest contact residual of the finite elements",
-    "seconds": "wall time of the finite elements [s]",
-    "seconds_bem": "wall time of the boundary elements [s]",
+    "area": "A/A_bem - 1, points counted",
+    "area_corrected": "A/A_bem - 1, each with its perimeter correction",
+    "gap": "(mean gap - mean gap_bem) / h_rms: the offsets less C(0) p0",
+    "residual": "largest contact residual of the method",
+    "converged": "1 where its residuals are what it was asked for",
+    "seconds": "processor time of the method [s]",
+    "seconds_bem": "processor time of the boundary elements [s]",
 }
 
 
@@ -86,41 +119,45 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     xarray.Dataset
         Differences with dimensions (case, surface); cases are labelled by leg.
     """
-    legs = tuple(_legs_of(options))
-    found = results_of(bench, _cases(options, legs))
+    legs = (*_block_legs(options), *_other_legs(options))
+    found = results_of(
+        bench, {(leg, k): leg.solve(realised=own) for leg in legs for k, own in enumerate(options.pressed)}
+    )
     differences = {case: _differences(data) for case, data in found.items()}
     return _dataset(differences, legs, options)
 
 
-def _legs_of(options: Options) -> Iterator[_Leg]:
-    for n in options.full_points_per_wave:
-        yield _Leg(method="full", element="Hex1", per_wave=n)
-    for element, n in itertools.product(options.elements, options.reduced_points_per_wave):
-        yield _Leg(method="reduced", element=element, per_wave=n)
+def _block_legs(options: Options) -> Iterator[_Leg]:
+    """Yield the ways through the finite elements: the full system, and its exact reduction."""
+    if options.scene is not None or "fem" not in options.methods:
+        return
+    ways: list[tuple[Literal["full", "reduced"], Element, float]] = [
+        *(("full", "Hex1", n) for n in options.full_points_per_wave),
+        *(("reduced", e, n) for e in options.elements for n in options.reduced_points_per_wave),
+    ]
+    for method, element, n in ways:
+        solve = partial(BlockMeasurement, grid=grid_for(options.first, n), method=method, element=element)
+        yield _Leg(name=f"{method} {element}", per_wave=n, solve=solve)
 
 
-def _cases(options: Options, legs: tuple[_Leg, ...]) -> dict[tuple[_Leg, int], BlockMeasurement]:
-    """List the solves: every leg on every surface."""
-    surface = base_surface(
-        hurst=options.hurst, periods=options.periods, bandwidth=options.bandwidth, seed=options.seed
-    )
-    solid = SolidSpec(young=BASE_SOLID.young, poisson=options.poisson)
-    first = base_case(surface, reduced_pressure=options.reduced_pressure, solid=solid)
-    pressed = [first.further(k) for k in range(options.surfaces)]
-    return {
-        (leg, k): BlockMeasurement(
-            realised=pressed[k],
-            points=grid_for(first, leg.per_wave)[0],
-            method=leg.method,
-            element=leg.element,
-        )
-        for leg, k in itertools.product(legs, range(options.surfaces))
-    }
+def _other_legs(options: Options) -> Iterator[_Leg]:
+    """Yield all other solvers that are asked for; on a scene the finite elements as its table has them."""
+    own = ("bem",) if options.scene is not None else ("bem", "fem")
+    for asked in options.others(options.method_points_per_wave, without=own):
+        for grid in asked.grids:
+            solve = partial(
+                ByMethod,
+                grid=grid,
+                method=asked.method,
+                settings=asked.settings,
+                effects=options.effects,
+            )
+            yield _Leg(name=asked.name, per_wave=options.first.points_per_wave(grid), solve=solve)
 
 
 def _differences(data: xr.Dataset) -> dict[str, float]:
     """Return what is compared of one solve, by the names of the dataset."""
-    numbers = {name: float(data[name]) for name in _NAMES if name in data}
+    numbers = {"converged": 1.0} | {name: float(data[name]) for name in _NAMES if name in data}
     area, corrected = data.pixel / data.pixel_bem, data.perimeter / data.perimeter_bem
     return numbers | {"area": float(area) - 1, "area_corrected": float(corrected) - 1}
 
@@ -145,9 +182,15 @@ def _dataset(
         attrs={
             "study": "cross",
             "reduced_pressure": options.reduced_pressure,
-            "methods": "bem fem perimeter",
+            "methods": " ".join(["bem", *_listed(options), "perimeter"]),
         },
     )
+
+
+def _listed(options: Options) -> list[str]:
+    """Name the methods and effects whose papers are to be cited."""
+    asked = [one.method for one in options.others((), without=("bem",))]
+    return [*asked, *(effect.kind for effect in options.effects)]
 
 
 def _legs(dataset: xr.Dataset) -> list[str]:
@@ -191,11 +234,15 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
         )
         if spacing.size > 1:
             text += f" (fitted order of the pressure difference in dx: {order_of_convergence(spacing, pressure):.2f})"
+        missed = int((part.converged < 1).sum())
+        if missed:
+            text += f"; {missed} of its {part.converged.size} answers do not have the residuals asked for, the worst {float(part.residual.max()):.2g}"
         sentences.append(text + ".")
-    sentences.append(
-        "The full system shares no contact algorithm with the boundary elements: its agreement verifies both codes. The reduced one shares "
-        "it: its agreement verifies the discretisation. What remains in the finest reduced rows includes the finite depth of the block."
-    )
+    if any(leg.startswith(("full ", "reduced ")) for leg in _legs(dataset)):
+        sentences.append(
+            "The full system shares no contact algorithm with the boundary elements: its agreement verifies both codes. The reduced one shares "
+            "it: its agreement verifies the discretisation. What remains in the finest reduced rows includes the finite depth of the block."
+        )
     return tuple(sentences)
 
 
@@ -206,21 +253,21 @@ def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
             name="fem-against-bem",
             figure=_fem_against_bem(dataset),
             data=dataset[["pressure_half_space", "area", "area_corrected"]],
-            caption="Difference of pressure (left) and of counted area (right) between finite and boundary elements on the "
-            "same surface and points, by leg; dots, surfaces.",
+            caption="Difference of pressure (left) and of counted area (right) between other methods and boundary elements on "
+            "the same surface and points, by leg; dots, surfaces.",
         ),
     )
 
 
 def _fem_against_bem(dataset: xr.Dataset) -> Figure:
-    """Pressure and area differences between finite and boundary elements against the grid, by leg."""
+    """Pressure and area differences from boundary elements against the grid, by leg."""
     from validation.report.figure import COLOURS, new_figure, plain_look
 
     figure, panels = new_figure(width=9.0, columns=2)
     for axes, name, label in zip(
         panels,
         ("pressure_half_space", "area"),
-        (r"$\|p_{FEM}-p_{BEM}\|/\|p_{BEM}\|$ [%]", r"$|A_{FEM}/A_{BEM}-1|$, counted [%]"),
+        (r"$\|p-p_{BEM}\|/\|p_{BEM}\|$ [%]", r"$|A/A_{BEM}-1|$, counted [%]"),
         strict=True,
     ):
         for k, leg in enumerate(_legs(dataset)):

@@ -42,6 +42,8 @@ class Options(StudyOptions):
     The surface has H = 0.8, L/lambda_long = 1, lambda_long/lambda_short = 4: its longest wave feels the bottom most.
     """
 
+    own = "its surface is the one whose longest wave feels the bottom most"
+
     reduced_pressure: ReducedPressure = 0.05
     points_per_wave: float = Field(default=16.0, gt=0, description="grid, as lambda_short/dx")
     depths: Rising = Field(
@@ -99,7 +101,7 @@ def _solve(block: _Block, options: Options) -> BlockMeasurement:
     )
     return BlockMeasurement(
         realised=pressed,
-        points=grid_for(pressed, options.points_per_wave)[0],
+        grid=grid_for(pressed, options.points_per_wave),
         element=block.element,
         depth=block.depth,
         growth=block.growth,

@@ -34,6 +34,8 @@ Array = NDArray[np.float64]
 class Options(StudyOptions):
     """Which solids, and which waves."""
 
+    own = "it asks about single waves, and presses nothing"
+
     ratios: Annotated[tuple[Positive, ...], Field(min_length=1)] = Field(
         default=(0.1, 0.25, 0.5, 2.0, 4.0, 10.0),
         description="modulus far below over that of the surface, and of the solid over that of the coating; not 1",

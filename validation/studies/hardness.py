@@ -52,6 +52,8 @@ _PARTS = ("plastic", "elastic")
 class Options(StudyOptions):
     """What is pressed, how hard it is, and how often."""
 
+    own = "it turns load and waves by itself; `area` takes a scene that yields"
+
     reduced_pressures: _Positives = Field(
         default=(0.01, 0.02, 0.05, 0.1, 0.2),
         description="p* = p0 / (E* h'_rms) with the realised gradient of all waves",

@@ -15,21 +15,17 @@ from validation.measures.common import (
     SHIFTS,
     Ladder,
     Rising,
-    base_case,
-    base_surface,
     over_surfaces,
     persson_area,
     results_of,
 )
-from validation.measures.measurement import Measurement, area_limits, grid_for
-from validation.measures.theory import modes_sentence
+from validation.measures.measurement import Measurement, area_limits
+from validation.measures.theory import RANKED, modes_sentence
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
-from validation.scenes.scene import SelfAffineSurface
-from validation.scenes.surfaces import spectrum_of
 from validation.solves.bench import Bench
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Shifts, Surfaces
-from validation.studies._study import StudyOptions
+from validation.studies._options import Bandwidth, Shifts, Surfaces
+from validation.studies._scene import PressedOptions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -40,8 +36,10 @@ __all__ = ["Options", "figures", "findings", "run", "table"]
 Array = NDArray[np.float64]
 
 
-class Options(StudyOptions):
+class Options(PressedOptions):
     """What is pressed, and which of its waves are there."""
+
+    plain = "it follows the area of the elastic half-space wave by wave (Eq. 20)"
 
     reduced_pressures: Rising = Field(
         default=(0.05, 0.2), description="p* = p0 / (E* h'_rms) with the gradient of all waves, rising"
@@ -50,20 +48,12 @@ class Options(StudyOptions):
         default=(1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0),
         description="zeta = q/q_long of the last wave there is, rising",
     )
-    hurst: Hurst = 0.8
-    periods: Periods = 4.0
     bandwidth: Bandwidth = 16.0
     surfaces: Surfaces = 4
     shifts: Shifts = SHIFTS
     points_per_wave: Ladder = Field(
         default=(3.0, 6.0), description="grids, as the shortest wave of all over dx, rising"
     )
-    seed: Seed = 2006
-
-    @property
-    def surface(self) -> SelfAffineSurface:
-        """The first surface."""
-        return base_surface(hurst=self.hurst, periods=self.periods, bandwidth=self.bandwidth, seed=self.seed)
 
 
 #: What a case is called: number of the surface, magnification.
@@ -84,7 +74,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     cases = _cases(options)
     measured = results_of(bench, cases)
     limits = {case: area_limits(data) for case, data in measured.items()}
-    loads, spectrum = np.array(options.reduced_pressures), spectrum_of(options.surface)
+    loads, spectrum = np.array(options.reduced_pressures), options.first.spectrum
+    q_long = 2 * np.pi / options.first.longest
 
     def own_pressures(case: _Case) -> Array:
         # p* of a truncated surface grows as its gradient shrinks, at the same nominal pressure.
@@ -93,7 +84,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         return np.asarray(loads * (measured[case].attrs["rms_gradient"] / partial))
 
     def ensemble(case: _Case) -> Array:
-        q = min(case[1] * spectrum.q_long, spectrum.q_short)
+        if spectrum is None:
+            return np.full(loads.shape, np.nan)
+        q = min(case[1] * q_long, spectrum.q_short)
         variance = elastic.stress_variance(spectrum.m2(q), contact_modulus=1.0)
         pressure = loads * measured[case].attrs["rms_gradient"]
         return np.asarray(elastic.contact_area(pressure, stress_variance=variance))
@@ -113,29 +106,23 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
             "magnification": ("magnification", list(options.magnifications), {"long_name": "q / q_long"}),
             "reduced_pressure": ("load", list(options.reduced_pressures)),
         },
-        attrs={
-            "study": "magnification",
-            "hurst": options.hurst,
-            "periods": options.periods,
-            "bandwidth": options.bandwidth,
-        },
+        attrs={"study": "magnification", "methods": RANKED, **options.spectrum_words},
     )
 
 
 def _cases(options: Options) -> dict[_Case, Measurement]:
     """List one case for each surface and magnification."""
-    base = base_case(options.surface, reduced_pressure=options.reduced_pressures[0])
-    grids = tuple(grid_for(base, points) for points in options.points_per_wave)
-    q_long = 2 * np.pi / options.surface.lambda_long
+    q_long = 2 * np.pi / options.first.longest
     return {
         (k, zeta): Measurement(
-            realised=base.further(k),
+            realised=own,
             truncation=zeta * q_long,
             reduced_pressures=options.reduced_pressures,
-            grids=grids,
+            grids=options.grids_for(options.points_per_wave),
             shifts=options.shifts,
+            tolerance=options.tolerance(Measurement.tolerance),
         )
-        for k, zeta in itertools.product(range(options.surfaces), options.magnifications)
+        for (k, own), zeta in itertools.product(enumerate(options.pressed), options.magnifications)
     }
 
 
@@ -191,7 +178,8 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
     # Up to zeta = 1 the integral over C(q) holds no wave, where the period holds its longest.
     rough = dataset.isel(magnification=np.flatnonzero(dataset.magnification.values >= _ROUGH))
     if rough.sizes["magnification"]:
-        sentences.append(f"From zeta = {_ROUGH:g} on: {modes_sentence(rough.theory, rough.theory_ensemble)}")
+        where = f"From zeta = {_ROUGH:g} on: " if rough.theory_ensemble.notnull().any() else ""
+        sentences.append(where + modes_sentence(rough.theory, rough.theory_ensemble))
     return tuple(sentences)
 
 

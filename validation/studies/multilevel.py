@@ -49,6 +49,8 @@ _APART = 100_000
 class Options(StudyOptions):
     """Levels, and the error that is asked for. Costs are times: use one worker and a quiet machine."""
 
+    own = "it asks about means over many surfaces of one spectrum"
+
     points_per_wave: Annotated[
         Rising, Field(min_length=2, description="grids, as lambda_short/dx, rising")
     ] = (

@@ -40,6 +40,8 @@ _WORDS = {"seconds": "time", "fft_pairs": "pairs of transforms", "peak_bytes": "
 class Options(StudyOptions):
     """Surfaces whose bandwidth grows with the grid. Times mean something only if nothing else runs: one worker."""
 
+    own = "its surfaces grow with the grid"
+
     grids: Annotated[RisingGrids, Field(min_length=3, description="points along a side, rising")] = (
         128,
         256,
@@ -76,7 +78,7 @@ class SolveCost(SingleSolve):
     @property
     def prefix(self) -> str:
         """Readable start of the name on disk."""
-        return f"cost-{self.points}"
+        return f"cost-{self.size}"
 
     def describe(self) -> str:
         """Return a few words for a progress bar."""
@@ -84,7 +86,7 @@ class SolveCost(SingleSolve):
 
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict the cost."""
-        n = self.points**2
+        n = self.points
         return Prediction(seconds=2e-3 + 1.2e-6 * n, peak_bytes=120 * n, unknowns=n)
 
     def measure(self) -> xr.Dataset:
@@ -125,7 +127,7 @@ def _cases(options: Options) -> dict[tuple[int, int], SolveCost]:
             hurst=options.hurst, periods=options.periods, bandwidth=n / options.coarsest, seed=options.seed
         )
         pressed = base_case(surface, reduced_pressure=options.reduced_pressure).further(k)
-        cases[n, k] = SolveCost(realised=pressed, points=n)
+        cases[n, k] = SolveCost(realised=pressed, grid=(n, n))
     return cases
 
 

@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import Field
 
 from persson import elastic
-from validation.measures.common import Rising, base_case, base_surface, over_surfaces, results_of
+from validation.errors import UsageError
+from validation.measures.common import Rising, over_surfaces, results_of
 from validation.measures.edge import EdgeMeasurement, window_slope
-from validation.measures.measurement import grid_for
 from validation.measures.statistics import Estimate, combined, mean_over_surfaces
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.solves.bench import Bench
-from validation.studies._options import Bandwidth, Hurst, Periods, ReducedPressure, Seed, Surfaces
-from validation.studies._study import StudyOptions
+from validation.studies._options import Bandwidth, Methods, ReducedPressure, Surfaces
+from validation.studies._scene import PressedOptions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Options",
+    "by_method",
     "exponent",
     "figures",
     "findings",
@@ -39,15 +42,15 @@ __all__ = [
 ]
 
 
-class Options(StudyOptions):
+class Options(PressedOptions):
     """Surfaces, and grids fine enough to see the edge."""
 
+    plain = "at the edge of a plastic, adhesive or layered contact P(sigma) starts by another law"
+
+    methods: Methods = ("bem",)
     reduced_pressure: ReducedPressure = 0.05
-    hurst: Hurst = 0.8
-    periods: Periods = 4.0
     bandwidth: Bandwidth = 4.0
     surfaces: Surfaces = 6
-    seed: Seed = 2006
     points_per_wave: Rising = Field(
         default=(16.0, 24.0, 32.0, 48.0, 64.0, 96.0, 128.0), description="grids, as lambda_short/dx, rising"
     )
@@ -75,32 +78,39 @@ class _Start:
     patches: float
 
 
+#: A solve: number of the method, of the surface, of the grid.
+_Case = tuple[int, int, int]
+
+
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Measure the density of small pressures on grids fine enough to see the edge.
 
     Returns
     -------
     xarray.Dataset
-        density_at_zero (surface, grid), the mean slope of P inside the window after the counted area in excess is taken out,
-        the slope that follows from the contour and the edge coefficient, and the number of patches.
+        density_at_zero (method, surface, grid), the mean slope of P inside the window after the counted area in excess is
+        taken out, the slope that follows from the contour and the edge coefficient, and the number of patches.
+
+    Raises
+    ------
+    UsageError
+        For methods on different numbers of grids.
     """
-    cases = _cases(options)
-    # The grid is even, and so a little finer than asked for.
-    spacing = [1 / cases[0, n].realised.points_per_wave(cases[0, n].grid) for n in options.points_per_wave]
-    return _dataset(results_of(bench, cases), options, np.array(spacing))
-
-
-def _cases(options: Options) -> dict[tuple[int, float], EdgeMeasurement]:
-    """List the solves by number of the surface and points per wave."""
-    surface = base_surface(
-        hurst=options.hurst, periods=options.periods, bandwidth=options.bandwidth, seed=options.seed
-    )
-    first = base_case(surface, reduced_pressure=options.reduced_pressure)
-    pressed = [first.further(k) for k in range(options.surfaces)]
-    return {
-        (k, n): EdgeMeasurement(realised=own, points=grid_for(first, n)[0])
-        for (k, own), n in itertools.product(enumerate(pressed), options.points_per_wave)
+    asked = options.others(options.points_per_wave, without=())
+    if len({len(one.grids) for one in asked}) > 1:
+        listed = ", ".join(f"{one.name} {len(one.grids)}" for one in asked)
+        raise UsageError(f"grids of the methods: must be as many for each; found {listed}")
+    cases = {
+        (m, k, g): EdgeMeasurement(realised=own, grid=grid, method=one.method, settings=one.settings)
+        for m, one in enumerate(asked)
+        for (k, own), (g, grid) in itertools.product(enumerate(options.pressed), enumerate(one.grids))
     }
+    # A grid is even, and so a little finer than asked for.
+    spacing = [[1 / options.first.points_per_wave(grid) for grid in one.grids] for one in asked]
+    data = _dataset(results_of(bench, cases), options, np.array(spacing))
+    return data.assign_coords(method=[one.name for one in asked]).assign_attrs(
+        methods=" ".join(["theory", *(one.method for one in asked)])
+    )
 
 
 def _start(data: xr.Dataset, options: Options, spacing: float) -> _Start:
@@ -117,26 +127,27 @@ def _start(data: xr.Dataset, options: Options, spacing: float) -> _Start:
     )
 
 
-def _dataset(
-    found: Mapping[tuple[int, float], xr.Dataset], options: Options, spacing: np.ndarray
-) -> xr.Dataset:
+def _dataset(found: Mapping[_Case, xr.Dataset], options: Options, spacing: np.ndarray) -> xr.Dataset:
     import xarray as xr
 
-    surfaces, grids = range(options.surfaces), options.points_per_wave
-    starts = [
-        [_start(found[k, n], options, dx) for n, dx in zip(grids, spacing, strict=True)] for k in surfaces
-    ]
-    density = [[found[k, n].density.values for n in grids] for k in surfaces]
-    data: dict[str, Any] = {
-        name: (("surface", "grid"), np.array([[getattr(start, name) for start in row] for row in starts]))
-        for name in ("density_at_zero", "slope", "contour_slope", "patches")
-    }
-    data["density"] = (("grid", "bin"), np.mean(np.array(density), axis=0))
-    stress = found[0, grids[0]].stress.values
+    (count, grids), surfaces = spacing.shape, options.surfaces
+
+    def over(read: Callable[[_Case], Any]) -> np.ndarray:
+        places = range(count), range(surfaces), range(grids)
+        return np.array([[[read((m, k, g)) for g in places[2]] for k in places[1]] for m in places[0]])
+
+    starts = {case: _start(data, options, spacing[case[0], case[2]]) for case, data in found.items()}
+    data: dict[str, Any] = {}
+    for name in ("density_at_zero", "slope", "contour_slope", "patches"):
+        read = attrgetter(name)
+        data[name] = (("method", "surface", "grid"), over(lambda case, read=read: read(starts[case])))
+    density = over(lambda case: found[case].density.values)
+    data["density"] = (("method", "grid", "bin"), density.mean(axis=1))
+    stress = found[0, 0, 0].stress.values
     return xr.Dataset(
         data,
         coords={
-            "spacing": ("grid", spacing, {"long_name": "dx / lambda_short"}),
+            "spacing": (("method", "grid"), spacing, {"long_name": "dx / lambda_short"}),
             "stress": ("bin", stress, {"long_name": "sigma / (E* h'_rms)"}),
         },
         attrs={
@@ -205,7 +216,29 @@ def exponent(dataset: xr.Dataset) -> float:
 
 
 def table(dataset: xr.Dataset) -> ResultTable:
-    """Return one row for each grid."""
+    """Return one row for each method and grid."""
+    columns = (
+        "method",
+        "lambda_short/dx",
+        "P(0+) E*h'",
+        "+- (95 %)",
+        "mean slope in the window",
+        "+- (95 %)",
+        "slope from the contour",
+        "+- (95 %)",
+        "patches",
+    )
+    rows = [(name, *row) for name, own in by_method(dataset).items() for row in _rows(own)]
+    return ResultTable.of(columns, rows)
+
+
+def by_method(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
+    """Return what each method found."""
+    return {str(name): dataset.isel(method=m) for m, name in enumerate(dataset.method.values)}
+
+
+def _rows(dataset: xr.Dataset) -> list[tuple[float, ...]]:
+    """Return the numbers of one method on each grid."""
     rows = []
     for i, spacing in enumerate(dataset.spacing.values):
         density, slope = over_surfaces(dataset.density_at_zero[:, i]), over_surfaces(dataset.slope[:, i])
@@ -222,21 +255,20 @@ def table(dataset: xr.Dataset) -> ResultTable:
                 float(dataset.patches[:, i].mean()),
             )
         )
-    columns = (
-        "lambda_short/dx",
-        "P(0+) E*h'",
-        "+- (95 %)",
-        "mean slope in the window",
-        "+- (95 %)",
-        "slope from the contour",
-        "+- (95 %)",
-        "patches",
-    )
-    return ResultTable.of(columns, rows)
+    return rows
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:
-    """Return whether the density vanishes, and how the slopes compare."""
+    """Return whether the density vanishes, and how the slopes compare, for each method."""
+    each = by_method(dataset)
+    return tuple(
+        sentence if len(each) == 1 else f"{name}: {sentence}"
+        for name, own in each.items()
+        for sentence in _sentences(own)
+    )
+
+
+def _sentences(dataset: xr.Dataset) -> tuple[str, ...]:
     limit = limit_at_zero(dataset)
     straight = float(intercepts(dataset, degree=1).mean())
     finest = float(dataset.density_at_zero[:, -1].mean())
@@ -284,7 +316,23 @@ def _drift(dataset: xr.Dataset) -> str:
 
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
-    """Draw P(sigma) near zero and its value at zero against the grid."""
+    """Draw P(sigma) near zero and its value at zero against the grid, for each method."""
+    first, *others = by_method(dataset).items()
+    drawings = list(_drawings(first[1], ""))
+    for name, own in others:
+        drawings += _drawings(own, name)
+    return tuple(drawings)
+
+
+def _drawings(dataset: xr.Dataset, method: str) -> Iterator[Drawing]:
+    """Yield the figures of one method; those of the first go without its name."""
+    ending = f"-{re.sub('[^A-Za-z0-9]+', '-', method)}" if method else ""
+    words = f" By {method}." if method else ""
+    for drawing in _plain_drawings(dataset):
+        yield replace(drawing, name=drawing.name + ending, caption=drawing.caption + words)
+
+
+def _plain_drawings(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     window, contour = limit_slope(dataset), limit_contour_slope(dataset)
     return (
         Drawing(
@@ -381,7 +429,7 @@ def _density_at_zero(dataset: xr.Dataset) -> Figure:
     axes.errorbar(
         [0],
         [at_zero.mean()],
-        yerr=[at_zero.std(ddof=1)],
+        yerr=[at_zero.std(ddof=1) if at_zero.size > 1 else 0.0],
         color="#b45f06",
         marker="s",
         capsize=3,

@@ -25,6 +25,7 @@ READERS: dict[str, Callable[[bytes], Raw]] = {
     ".csv": read_text,
     ".dat": read_text,
     ".asc": read_text,
+    ".xyz": read_text,
     ".nc": read_netcdf,
     ".x3p": read_x3p,
 }

@@ -5,21 +5,22 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from pydantic import Field
 
 from validation.measures.block import BlockMeasurement
-from validation.measures.common import Ladder, RisingOrNone, base_case, base_surface, results_of
+from validation.measures.common import Ladder, RisingOrNone, results_of
 from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.measures.side_by_side import ByMethod
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.solves.bench import Bench
-from validation.studies._options import Bandwidth, Hurst, Periods, ReducedPressure, Seed, Surfaces
-from validation.studies._study import StudyOptions
-from validation.studies.accuracy_cost.peer_solve import SOLVERS
-from validation.studies.accuracy_cost.peers import PeerMeasurement, installed_peers
+from validation.studies._options import Methods, ReducedPressure, Seed, Surfaces
+from validation.studies._scene import Asked, PressedOptions
+from validation.studies.accuracy_cost.peer_solve import OWN, SOLVERS
+from validation.studies.accuracy_cost.peers import PeerMeasurement, code_words, installed_peers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -41,17 +42,21 @@ _TARGETS = (0.1, 0.03, 0.01, 0.003, 0.001)
 _AREAS = ("pixel", "perimeter", "subcell")
 _ELEMENTS = ("Hex1", "Hex2")
 
+#: Methods of this project by the packages that they call: what is to be cited for them.
+_METHODS = {"tamaas": "tamaas", "ContactMechanics": "contact_mechanics"}
+
 #: Of the solver: its error of the area is a tenth to a half of that, far below all that is to be told apart.
 _TOLERANCE, _FINE_TOLERANCE = 1e-5, 1e-8
 
 
-class Options(StudyOptions):
+class Options(PressedOptions):
     """Surfaces and grids. Times are of the processor; use one worker all the same."""
 
+    off: ClassVar[Mapping[str, Any]] = {"fem_points_per_wave": (), "peer_points_per_wave": ()}
+    plain = "what a digit costs is asked of the located area, which the bare half-space has"
+
+    methods: Methods = ("bem", "fem")
     reduced_pressure: ReducedPressure = 0.05
-    hurst: Hurst = 0.8
-    periods: Periods = 4.0
-    bandwidth: Bandwidth = 8.0
     surfaces: Annotated[
         Surfaces,
         Field(
@@ -71,8 +76,19 @@ class Options(StudyOptions):
     )
     peer_points_per_wave: RisingOrNone = Field(
         default=(4.0, 8.0, 16.0),
-        description="grids of tamaas and ContactMechanics, where they are installed; none: they are left out",
+        description="grids of tamaas and ContactMechanics, where they are installed and no other methods are asked for, "
+        "at equal error; none: they are left out",
     )
+    method_points_per_wave: RisingOrNone = Field(
+        default=(4.0, 8.0, 16.0),
+        description="grids of any other of the methods, which are asked for the same tolerance of their residuals",
+    )
+
+    @property
+    def peers(self) -> tuple[str, ...]:
+        """Codes that are compared at equal error: those that are installed, where nobody names methods."""
+        asked = "methods" not in self.model_fields_set and self.peer_points_per_wave
+        return installed_peers() if asked else ()
 
 
 #: A part of the study, then what is told apart in it: element or code, grid, number of the surface.
@@ -91,39 +107,57 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Notes
     -----
     All run on one thread; seconds are of its processor, which other work on the machine disturbs least. Memory is that
-    of the arrays of a solve; of a peer, by how much its process grew. A peer's solver is stopped as soon as the area it
-    counts is within a tenth of its grid error of the converged count: equal error, not equal residual.
+    of the arrays of a solve; of a peer, by how much its process grew, and ours are solved in such a process, too, to be
+    put beside it. The areas of all are read off their pressures by one code. A peer's solver is stopped as soon as the area it
+    counts is within a tenth of its grid error of the converged count: equal error, not equal residual. A method that is
+    asked for by name is told the tolerance that the boundary elements are told.
     """
-    codes = installed_peers() if options.peer_points_per_wave else ()
-    return _dataset(results_of(bench, _cases(options, codes)), options, codes)
+    own = ("bem",) if options.scene is not None else ("bem", "fem")
+    others = options.others(options.method_points_per_wave, without=own)
+    return _dataset(results_of(bench, _cases(options, others)), options, others)
 
 
-def _cases(options: Options, codes: Sequence[str]) -> dict[_Case, NumbersSolve]:
+def _codes(options: Options) -> tuple[str, ...]:
+    """Codes that are solved in a process of their own: the peers, and ours beside them."""
+    return (*options.peers, OWN) if options.peers else ()
+
+
+def _blocks(options: Options) -> tuple[tuple[str, float], ...]:
+    """List element and grid of the study's own blocks."""
+    asked = options.fem_points_per_wave if "fem" in options.methods else ()
+    return tuple(itertools.product(_ELEMENTS, asked))
+
+
+def _cases(options: Options, others: Sequence[Asked]) -> dict[_Case, NumbersSolve]:
     """List the solves of each part."""
-    surface = base_surface(
-        hurst=options.hurst, periods=options.periods, bandwidth=options.bandwidth, seed=options.seed
-    )
-    first = base_case(surface, reduced_pressure=options.reduced_pressure)
-    pressed = {k: first.further(k) for k in range(options.surfaces)}
+    first, pressed = options.first, dict(enumerate(options.pressed))
     cases: dict[_Case, NumbersSolve] = {}
-    for part, per_wave, tolerance in (
-        ("coarse", options.points_per_wave, _TOLERANCE),
-        ("fine", options.held_out_points_per_wave, _FINE_TOLERANCE),
+    held_out = tuple(grid_for(first, n) for n in options.held_out_points_per_wave)
+    for part, grids, tolerance in (
+        ("coarse", options.grids_for(options.points_per_wave), options.tolerance(_TOLERANCE)),
+        ("fine", held_out, _FINE_TOLERANCE),
     ):
-        grids = tuple(grid_for(first, n) for n in per_wave)
         for k, own in pressed.items():
             cases[part, k] = Measurement(realised=own, grids=grids, tolerance=tolerance)
-    for element, n, k in itertools.product(_ELEMENTS, options.fem_points_per_wave, pressed):
-        points = grid_for(first, n)[0]
-        cases["FEM", element, n, k] = BlockMeasurement(realised=pressed[k], points=points, element=element)
-    for code, n, k in itertools.product(codes, options.peer_points_per_wave, pressed):
-        points = grid_for(first, n)[0]
-        cases["peers", code, n, k] = PeerMeasurement(realised=pressed[k], points=points, code=code)
+    for (element, n), k in itertools.product(_blocks(options), pressed):
+        cases["FEM", element, n, k] = BlockMeasurement(
+            realised=pressed[k], grid=grid_for(first, n), element=element
+        )
+    for code, n, k in itertools.product(_codes(options), options.peer_points_per_wave, pressed):
+        cases["peers", code, n, k] = PeerMeasurement(realised=pressed[k], grid=grid_for(first, n), code=code)
+    for asked, k in itertools.product(others, pressed):
+        told = {"tolerance": _TOLERANCE, **dict(asked.settings)}
+        for g, grid in enumerate(asked.grids):
+            cases["others", asked.name, g, k] = ByMethod(
+                realised=pressed[k], grid=grid, method=asked.method, settings=tuple(told.items())
+            )
     return cases
 
 
-def _dataset(found: Mapping[_Case, xr.Dataset], options: Options, codes: Sequence[str]) -> xr.Dataset:
+def _dataset(found: Mapping[_Case, xr.Dataset], options: Options, others: Sequence[Asked]) -> xr.Dataset:
     import xarray as xr
+
+    codes = options.peers
 
     surfaces = range(options.surfaces)
     coarse = [found["coarse", k] for k in surfaces]
@@ -131,11 +165,21 @@ def _dataset(found: Mapping[_Case, xr.Dataset], options: Options, codes: Sequenc
     reference = np.array([value[0] for value, _ in limits])
     uncertainty = np.array([error[0] for _, error in limits]) / reference
     ways = _bem_ways(coarse)
-    for element, n in itertools.product(_ELEMENTS, options.fem_points_per_wave):
+    for element, n in _blocks(options):
         part = [found["FEM", element, n, k] for k in surfaces]
         ways += [_single_way(part, area, f"FEM {element}", n) for area in ("pixel", "perimeter")]
-    for code, n in itertools.product(codes, options.peer_points_per_wave):
-        ways.append(_single_way([found["peers", code, n, k] for k in surfaces], "pixel", code, n))
+    for code, n, area in itertools.product(_codes(options), options.peer_points_per_wave, _AREAS):
+        part = [found["peers", code, n, k] for k in surfaces]
+        ways.append(_single_way(part, area, code, n, process=True))
+    for asked in others:
+        for g, grid in enumerate(asked.grids):
+            part = [found["others", asked.name, g, k] for k in surfaces]
+            per_wave = options.first.points_per_wave(grid)
+            ways += [
+                _single_way(part, area, asked.name, per_wave, process=asked.method not in ("bem", "fem"))
+                for area in _AREAS
+                if np.isfinite([float(one[area]) for one in part]).all()
+            ]
     claimed, missed = _claims(coarse, reference)
     said = {
         "reference_error": (uncertainty, "standard error of the reference, relative"),
@@ -149,25 +193,50 @@ def _dataset(found: Mapping[_Case, xr.Dataset], options: Options, codes: Sequenc
             "peak_bytes": ("way", np.array([way.peak_bytes for way in ways]), {"units": "byte"}),
             **{name: ("surface", values, {"long_name": words}) for name, (values, words) in said.items()},
         },
-        coords={"label": ("way", [way.label for way in ways])},
+        coords={
+            "label": ("way", [way.label for way in ways]),
+            "process": ("way", [way.process for way in ways], {"long_name": "memory of a process"}),
+        },
         attrs={
             "study": "accuracy-cost",
             "reduced_pressure": options.reduced_pressure,
-            "peers": " ".join(codes),
-            "absent": " ".join(name for name in SOLVERS if name not in codes),
-            "methods": "bem fem perimeter",
+            "peers": " ".join([*codes, *(asked.name for asked in others)]),
+            "absent": " ".join(n for n in SOLVERS if n not in (*codes, OWN)) if not others else "",
+            "measured_by": code_words(_codes(options)) if codes else "",
+            "unsettled": _unsettled(found),
+            "methods": " ".join(
+                [
+                    *("bem", *(["fem"] if _blocks(options) else [])),
+                    *(a.method for a in others),
+                    *(_METHODS[code] for code in codes),
+                    "perimeter",
+                ]
+            ),
         },
     )
 
 
+def _unsettled(found: Mapping[_Case, xr.Dataset]) -> str:
+    """Name the methods with answers whose residuals are not what was asked for, and count these."""
+    missed: dict[str, int] = {}
+    for case, data in found.items():
+        if case[0] == "others" and float(data.converged) < 1:
+            missed[str(case[1])] = missed.get(str(case[1]), 0) + 1
+    return ", ".join(f"{name} {count}" for name, count in missed.items())
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Way:
-    """A way to an area: the areas of all surfaces, and what one surface costs on average."""
+    """A way to an area: the areas of all surfaces, and what one surface costs on average.
+
+    Memory is that of arrays, or by how much a process grew: the two are not compared.
+    """
 
     label: str
     areas: np.ndarray
     seconds: float
     peak_bytes: float
+    process: bool = False
 
 
 def _bem_ways(measured: list[xr.Dataset]) -> list[_Way]:
@@ -198,13 +267,16 @@ def _bem_ways(measured: list[xr.Dataset]) -> list[_Way]:
     return ways
 
 
-def _single_way(measured: Sequence[xr.Dataset], area: str, name: str, per_wave: float) -> _Way:
+def _single_way(
+    measured: Sequence[xr.Dataset], area: str, name: str, per_wave: float, *, process: bool = False
+) -> _Way:
     """Return the area of another method on one grid of all surfaces."""
     return _Way(
         label=f"{name} {area}, {per_wave:g} per wave",
         areas=np.array([float(d[area]) for d in measured]),
         seconds=float(np.mean([float(d.seconds) for d in measured])),
         peak_bytes=float(np.max([float(d.peak_bytes) for d in measured])),
+        process=process,
     )
 
 
@@ -223,12 +295,19 @@ def root_mean_square(dataset: xr.Dataset) -> np.ndarray:
     return np.asarray(np.sqrt((dataset.error**2).mean("surface")).values)
 
 
+def alike(dataset: xr.Dataset) -> np.ndarray:
+    """Tell whose memory is measured alike: by process where other codes are there, else by arrays."""
+    process = np.asarray(dataset.process.values, dtype=bool)
+    return process if dataset.attrs["peers"] and process.any() else ~process
+
+
 def front(dataset: xr.Dataset, cost: str = "seconds") -> list[int]:
     """Return the ways no other beats in both error and cost ("seconds" or "peak_bytes"), cheapest first."""
     error, price = root_mean_square(dataset), dataset[cost].values
+    compared = alike(dataset) if cost == "peak_bytes" else np.ones(price.size, dtype=bool)
     best, kept = np.inf, []
     for k in np.lexsort((error, price)):
-        if error[k] < best:
+        if error[k] < best and compared[k]:
             best = error[k]
             kept.append(int(k))
     return kept
@@ -251,12 +330,14 @@ def table(dataset: xr.Dataset) -> ResultTable:
         if target < 2 * floor:
             words = f"not determinable: the reference is known to {100 * floor:.2g} %"
             rows.append((f"{100 * target:g} %", words, *[""] * 6))
-        elif not good.size:
+        elif np.all(dataset.process.values[good]):
             rows.append((f"{100 * target:g} %", "none of the ways tried", *[""] * 6))
         else:
+            # Arrays and processes are no one measure of memory: the leanest way is one of ours, by its arrays.
+            own = good[~np.asarray(dataset.process.values, dtype=bool)[good]]
             fast, lean = (
-                int(good[np.lexsort((other[good], price[good]))[0]])
-                for price, other in ((seconds, size), (size, seconds))
+                int(some[np.lexsort((other[some], price[some]))[0]])
+                for some, price, other in ((own, seconds, size), (own, size, seconds))
             )
             cells: list[float | str] = [f"{100 * target:g} %"]
             cells += [
@@ -288,6 +369,14 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
         f"({100 * held / total:.0f} %); they are {100 * float(dataset.claimed.mean()):.2g} % wide to either side on average."
     )
     sentences.extend(_against_peer(dataset, code) for code in dataset.attrs["peers"].split())
+    if dataset.attrs["measured_by"]:
+        sentences.append(
+            f"Peers and ours are solved alike, each in a process of its own, areas by one code: {dataset.attrs['measured_by']}."
+        )
+    if dataset.attrs.get("unsettled"):
+        sentences.append(
+            f"Answers without the residuals that were asked for, counted all the same: {dataset.attrs['unsettled']}."
+        )
     absent = dataset.attrs["absent"].split()
     if absent:
         sentences.append(
@@ -299,30 +388,36 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
 def _against_peer(dataset: xr.Dataset, code: str) -> str:
     """Say what the most accurate solve of a peer costs, and what the same error costs here."""
     error, labels = root_mean_square(dataset), dataset.label.values.tolist()
-    theirs = min((k for k, label in enumerate(labels) if label.startswith(code)), key=lambda k: error[k])
-    ours = [k for k, label in enumerate(labels) if label.startswith("BEM") and error[k] <= error[theirs]]
-    said = (
-        f"{code}: {labels[theirs].removeprefix(code + ' ')} is off by {100 * error[theirs]:.2g} % after "
-        f"{float(dataset.seconds[theirs]):.2g} s with {float(dataset.peak_bytes[theirs]) / 2**20:.2g} MiB"
+    theirs = min(
+        (k for k, label in enumerate(labels) if label.startswith(f"{code} ")), key=lambda k: error[k]
     )
+    ours = [k for k, label in enumerate(labels) if label.startswith("BEM") and error[k] <= error[theirs]]
+    way = labels[theirs].removeprefix(f"{code} ")
+    said = f"{code}: {way} is off by {100 * error[theirs]:.2g} % after {float(dataset.seconds[theirs]):.2g} s"
+    twin = f"{OWN} {way}"
+    if twin in labels:
+        k = labels.index(twin)
+        grown = [float(dataset.peak_bytes[j]) / 2**20 for j in (theirs, k)]
+        factor = _times(float(dataset.seconds[theirs] / dataset.seconds[k]))
+        said += (
+            f"; the same area on the same grid is off by {100 * error[k]:.2g} % here, in {factor} time; its process grew by "
+            f"{grown[0]:.2g} MiB, ours by {grown[1]:.2g} MiB"
+        )
     if not ours:
         return said + "; none of the ways here is as good."
     best = min(ours, key=lambda k: float(dataset.seconds[k]))
-    factor = float(dataset.seconds[theirs] / dataset.seconds[best])
-    counted = labels[theirs].replace(code, "BEM")
-    plain = ""
-    if counted in labels:
-        same = float(dataset.seconds[theirs] / dataset.seconds[labels.index(counted)])
-        plain = f"; counted on the same grid, {_times(same)}"
-    return (
-        f"{said}; here that error costs {float(dataset.seconds[best]):.2g} s with "
-        f"{float(dataset.peak_bytes[best]) / 2**20:.2g} MiB ({labels[best]}): {_times(factor)} time{plain}."
-    )
+    factor = _times(float(dataset.seconds[theirs] / dataset.seconds[best]))
+    return f"{said}; the cheapest way here to that error costs {float(dataset.seconds[best]):.2g} s ({labels[best]}): {factor} time."
 
 
 def _times(factor: float) -> str:
     size = float(f"{max(factor, 1 / factor):.2g}")
     return f"{size:g} times {'less' if factor >= 1 else 'more'}"
+
+
+def _memory_words(dataset: xr.Dataset) -> str:
+    by_process = bool(dataset.process.values[alike(dataset)].all())
+    return "by how much its process grew, for those measured so" if by_process else "that of its arrays"
 
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
@@ -333,11 +428,11 @@ def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     return (
         Drawing(
             name="accuracy-cost",
-            figure=error_against_cost(dataset, root_mean_square(dataset), fronts),
+            figure=error_against_cost(dataset, root_mean_square(dataset), fronts, alike=alike(dataset)),
             data=dataset[["error", "seconds", "peak_bytes"]],
             caption="Root mean square error of the contact area over the surfaces against the processor time of one surface "
-            "on one thread (left) and against the memory of the arrays of its largest solve (right; of other codes, by "
-            "how much their process grew), for every method, grid and definition of the area; the lines join the ways "
-            "that no other beats; grey, the error of the reference.",
+            f"on one thread (left) and against the memory of its largest solve ({_memory_words(dataset)}, right), for every "
+            "method, grid and definition of the area; the lines join the ways that no other beats; grey, the error of the "
+            "reference.",
         ),
     )

@@ -18,9 +18,13 @@ __all__ = ["error_against_cost"]
 
 
 def error_against_cost(
-    dataset: xr.Dataset, error: NDArray[np.float64], fronts: Mapping[str, Sequence[int]]
+    dataset: xr.Dataset,
+    error: NDArray[np.float64],
+    fronts: Mapping[str, Sequence[int]],
+    *,
+    alike: NDArray[np.bool_],
 ) -> Figure:
-    """Error against seconds and against memory for every way, each with its Pareto front."""
+    """Error against seconds for every way, and against memory for those measured alike, with Pareto fronts."""
     figure, panels = new_figure(width=9.5, columns=2, height=5.6)
     groups: dict[str, list[int]] = {}
     for k, label in enumerate(dataset.label.values.tolist()):
@@ -29,7 +33,8 @@ def error_against_cost(
     floor = 100 * float(np.sqrt((dataset.reference_error**2).mean()))
     for axes, (cost, unit) in zip(panels, (("seconds", 1.0), ("peak_bytes", 2.0**20)), strict=True):
         price = dataset[cost].values / unit
-        for g, (name, ways) in enumerate(groups.items()):
+        for g, (name, group) in enumerate(groups.items()):
+            ways = group if cost == "seconds" else [k for k in group if alike[k]]
             style = {**plain_look(g), "mfc": "white" if g >= 8 else COLOURS[g % 8]}
             axes.plot(price[ways], 100 * error[ways], ls="", label=name, **style)
         best = list(fronts[cost])

@@ -20,7 +20,7 @@ from validation.measures.common import SHIFTS, Ladder, Rising, base_case, base_s
 from validation.measures.ladders import LADDERS, Ladders, rungs_of, spectral_share
 from validation.measures.measurement import Measurement, area_limits, grid_for
 from validation.measures.statistics import Estimate, mean_over_surfaces, pair_means
-from validation.measures.theory import VARIANTS, ensemble_area
+from validation.measures.theory import RANKED, VARIANTS, ensemble_area
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.scenes.scene import SelfAffineSurface
@@ -39,6 +39,8 @@ Array = NDArray[np.float64]
 
 class Options(StudyOptions):
     """Spectra, surfaces, loads, and the ladders that say what a larger sample and a wider spectrum would change."""
+
+    own = "it asks about spectra, and makes a surface for each"
 
     hursts: Annotated[tuple[Hurst, ...], Field(min_length=1)] = Field(
         default=(0.1, 0.3, 0.5, 0.8, 0.95), description="Hurst exponents H"
@@ -120,6 +122,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         data = data.merge(ladders.dataset(solved))
     return data.assign_attrs(
         study="hurst",
+        methods=RANKED,
         periods=options.periods,
         ladder_reduced_pressure=options.ladder_reduced_pressure,
         seconds=float(sum(result.seconds.sum() for result in solved.values())),
@@ -203,7 +206,7 @@ def _kappas(
 
     gradients = over(lambda case: measured[case].attrs["rms_gradient"])
     ensemble = [
-        ensemble_area(spectrum.surface, pressure, rms_gradients=row)
+        ensemble_area(spectrum_of(spectrum.surface), pressure, rms_gradients=row)
         for spectrum, row in zip(spectra, gradients, strict=True)
     ]
     areas = {

@@ -13,7 +13,7 @@ from scipy.special import erf
 from persson import elastic
 from persson.variants import Variant, corrected_contact_area
 from validation.measures.budget import grid_drift
-from validation.measures.common import SHIFTS, Ladder, Rising, base_case, base_surface, over_surfaces
+from validation.measures.common import SHIFTS, Ladder, Rising, over_surfaces
 from validation.measures.distributions import (
     PATCH_EDGES,
     STRESS_EDGES,
@@ -22,16 +22,14 @@ from validation.measures.distributions import (
     distance_to_reference,
     largest_difference,
 )
-from validation.measures.measurement import area_limits, grid_for
-from validation.measures.theory import VARIANTS, WITH_ENERGY, Waves, ensemble_stress_variance
+from validation.measures.measurement import area_limits
+from validation.measures.theory import RANKED, VARIANTS, WITH_ENERGY, Waves, ensemble_stress_variance
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.scenes.realised import Realised
-from validation.scenes.scene import SelfAffineSurface
-from validation.scenes.surfaces import spectrum_of
 from validation.solves.bench import Bench
-from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Shifts, Surfaces
-from validation.studies._study import StudyOptions
+from validation.studies._options import Shifts
+from validation.studies._scene import PressedOptions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,25 +45,17 @@ LOADS = (0.001, 0.003, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2)
 _REFERENCE_AREA = 0.015
 
 
-class Options(StudyOptions):
+class Options(PressedOptions):
     """What is pressed, along which path of loads, on which grids."""
+
+    plain = "gap, stiffness and energy are compared with the theory of the elastic half-space; `area` takes all effects"
 
     reduced_pressures: Rising = Field(
         default=LOADS,
         description="p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising: one warm path of loads",
     )
-    hurst: Hurst = 0.8
-    periods: Periods = 4.0
-    bandwidth: Bandwidth = 8.0
-    surfaces: Surfaces = 8
     shifts: Shifts = SHIFTS
     points_per_wave: Ladder = Field(default=(4.0, 8.0, 16.0), description="grids, as lambda_short/dx, rising")
-    seed: Seed = 2006
-
-    @property
-    def surface(self) -> SelfAffineSurface:
-        """The first surface."""
-        return base_surface(hurst=self.hurst, periods=self.periods, bandwidth=self.bandwidth, seed=self.seed)
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -83,7 +73,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     solved = bench.solve(cases)
     measured = [solved[case] for case in cases]
     gradients = [data.attrs["rms_gradient"] for data in measured]
-    theory = _theory(options.surface, [case.realised for case in cases], gradients, _loads(options))
+    theory = _theory([case.realised for case in cases], gradients, _loads(options))
     return (
         _numbers(options, measured)
         .merge(_shares(measured))
@@ -107,16 +97,15 @@ def _loads(options: Options) -> Array:
 
 def _cases(options: Options) -> list[Distributions]:
     """List one case for each surface."""
-    base = base_case(options.surface, reduced_pressure=options.reduced_pressures[0])
-    grids = tuple(grid_for(base, points) for points in options.points_per_wave)
     return [
         Distributions(
-            realised=base.further(k),
+            realised=own,
             reduced_pressures=options.reduced_pressures,
-            grids=grids,
+            grids=options.grids_for(options.points_per_wave),
             shifts=options.shifts,
+            tolerance=options.tolerance(Distributions.tolerance),
         )
-        for k in range(options.surfaces)
+        for own in options.pressed
     ]
 
 
@@ -129,7 +118,7 @@ def _numbers(options: Options, measured: Sequence[xr.Dataset]) -> xr.Dataset:
     heights = [data.attrs["rms_height"] for data in measured]
     gap = np.array([d.mean_gap.values / height for d, height in zip(finest, heights, strict=True)])
     full = np.array([[data.attrs["full_contact_energy"]] for data in measured])
-    wave = options.surface.lambda_short
+    wave = options.first.shortest
     data = {
         "area": np.array([value for value, _ in limits]),
         "area_error": np.array([error for _, error in limits]),
@@ -143,11 +132,10 @@ def _numbers(options: Options, measured: Sequence[xr.Dataset]) -> xr.Dataset:
         "gap_error": _grid_change(measured, "mean_gap", heights),
         "energy_error": _grid_change(measured, "energy", full[:, 0].tolist()),
     }
-    said = {"hurst": options.hurst, "periods": options.periods, "bandwidth": options.bandwidth}
     return xr.Dataset(
         {name: (("surface", "load"), values, {"long_name": _WORDS[name]}) for name, values in data.items()},
         coords={"reduced_pressure": ("load", _loads(options), {"long_name": "p0 / (E* h'_rms)"})},
-        attrs={"study": "pressure", **said},
+        attrs={"study": "pressure", "methods": RANKED, **options.spectrum_words},
     )
 
 
@@ -178,31 +166,31 @@ def _grid_change(measured: Sequence[xr.Dataset], name: str, scales: Sequence[flo
     return np.asarray(np.array(change) / np.asarray(scales)[:, None])
 
 
-def _theory(
-    surface: SelfAffineSurface, cases: Sequence[Realised], gradients: Sequence[float], loads: Array
-) -> xr.Dataset:
+def _theory(cases: Sequence[Realised], gradients: Sequence[float], loads: Array) -> xr.Dataset:
     """Area, energy, gap and stiffness of every variant in both modes, means over the surfaces."""
     import xarray as xr
 
     # Without scatter of the amplitudes every surface has the same waves, and the theory knows nothing of phases.
-    told = cases[:1] if surface.amplitudes == "exact" else cases
+    told = cases if getattr(cases[0].surface, "amplitudes", "") == "gaussian" else cases[:1]
+    spectrum = cases[0].spectrum
     values = {
         name: np.full((2, len(VARIANTS), loads.size), np.nan) for name in ("area", "energy", "gap", "gamma")
     }
     of_field = [Waves.of_field(case.field) for case in told]
-    of_spectrum = [Waves.of_spectrum(spectrum_of(surface))] * len(told)
-    variances = ensemble_stress_variance(surface, gradients)
+    of_spectrum = [] if spectrum is None else [Waves.of_spectrum(spectrum)] * len(told)
+    variances = ensemble_stress_variance(spectrum, gradients)
     pressures = np.multiply.outer(np.asarray(gradients), loads)
     for v, variant in enumerate(VARIANTS):
         unit = elastic.stress_variance(1.0, contact_modulus=1.0)
         values["area"][0, v] = corrected_contact_area(loads, stress_variance=unit, variant=variant)
-        values["area"][1, v] = np.mean(
-            [corrected_contact_area(pressures, stress_variance=x, variant=variant) for x in variances],
-            axis=(0, 1),
-        )
+        if spectrum is not None:
+            values["area"][1, v] = np.mean(
+                [corrected_contact_area(pressures, stress_variance=x, variant=variant) for x in variances],
+                axis=(0, 1),
+            )
         if variant not in WITH_ENERGY:
             continue
-        for m, waves in enumerate((of_field, of_spectrum)):
+        for m, waves in enumerate((of_field, of_spectrum) if of_spectrum else (of_field,)):
             gap, energy = _gap_and_energy(told, waves, of_field, variant=variant, loads=loads)
             values["gap"][m, v], values["energy"][m, v] = gap, energy
             values["gamma"][m, v] = _logarithmic_slope(gap, loads)

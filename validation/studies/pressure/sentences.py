@@ -117,6 +117,8 @@ def _independence(dataset: xr.Dataset, name: str, distance: Distance, *, own: Ar
         if seen
         else (f"no change is told from the scatter between surfaces ({distance.noise[heavier].max():.3f})")
     )
+    if dataset.sizes["surface"] == 1:
+        told = "one surface has no scatter to tell a change from"
     theirs = (
         f" Persson's own distribution moves by {', '.join(f'{own[j]:.3f}' for j in heavier[:4])}."
         if name == "pressure"

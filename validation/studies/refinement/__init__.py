@@ -5,26 +5,35 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
+from validation.effects.base import SlotName
 from validation.measures.block import BlockMeasurement
 from validation.measures.budget import Budget, budget_table, grid_share, solver_error
-from validation.measures.common import SHIFTS, Ladder, RisingOrNone, base_case, base_surface, persson_area
+from validation.measures.common import SHIFTS, Ladder, RisingOrNone, persson_area
 from validation.measures.distributions import Distributions
 from validation.measures.ladders import spectral_share, usual_ladders
-from validation.measures.measurement import grid_for
+from validation.measures.measurement import Grid, grid_for
+from validation.measures.side_by_side import ByMethod
 from validation.measures.statistics import combined, mean_over_surfaces
 from validation.measures.theory import ensemble_area
+from validation.methods.theory import predict
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.scenes.realised import Realised
 from validation.solves.bench import Bench
-from validation.studies._options import Bandwidth, Element, Hurst, Periods, ReducedPressure, Seed, Surfaces
-from validation.studies._study import StudyOptions
-from validation.studies.refinement.data import AREAS, finite_elements, on_grids, overestimate
+from validation.studies._options import Element, Methods, ReducedPressure, Surfaces
+from validation.studies._scene import Asked, PressedOptions
+from validation.studies.refinement.data import (
+    AREAS,
+    finite_elements,
+    on_grids,
+    other_methods,
+    overestimate,
+)
 from validation.studies.refinement.grid_roughness import GridRoughness
 from validation.units import wrong
 
@@ -41,19 +50,23 @@ _STRICT = 1e-10
 #: Finest grid of the check of the solver, as lambda_short/dx.
 _SOLVER_POINTS = 8.0
 
+#: Areas of other methods, which figures draw where they are.
+_BESIDE = ("fem_pixel", "fem_perimeter", "other_pixel", "other_perimeter")
+
 #: A part of the study, then what is told apart in it.
 _Case = tuple[str | float | int, ...]
 
 
-class Options(StudyOptions):
+class Options(PressedOptions):
     """Surfaces, grids, and what is measured beside them."""
 
+    off: ClassVar[Mapping[str, Any]] = {"grid_scale_grids": (), "elements": (), "ladders": False}
+    slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound"})
+    plain = "an adhesive contact jumps from grid to grid, and has no law of refinement"
+
+    methods: Methods = ("bem", "fem")
     reduced_pressure: ReducedPressure = 0.05
-    hurst: Hurst = 0.8
-    periods: Periods = 4.0
-    bandwidth: Bandwidth = 8.0
     surfaces: Surfaces = 4
-    seed: Seed = 2006
     shifts: int = Field(default=SHIFTS, ge=1, description="sub-grid shifts along each axis")
     points_per_wave: Ladder = Field(
         default=(2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0, 24.0, 32.0),
@@ -61,7 +74,6 @@ class Options(StudyOptions):
     )
     grid_scale_grids: tuple[Annotated[int, Field(ge=8)], ...] = Field(
         default=(64, 128, 256),
-        min_length=1,
         description="points along a side of the same surfaces with roughness down to the grid scale",
     )
     elements: tuple[Element, ...] = Field(
@@ -72,18 +84,27 @@ class Options(StudyOptions):
         default=(4.0, 8.0, 16.0),
         description="grids of the finite elements, as lambda_short/dx, rising, at least three",
     )
+    method_points_per_wave: RisingOrNone = Field(
+        default=(4.0, 8.0, 16.0),
+        description="grids of any other of the methods, as lambda_short/dx, rising",
+    )
     ladders: bool = Field(
         default=True, description="also measure how kappa moves with bandwidth and sample, for the budget"
     )
 
     @model_validator(mode="after")
     def _limit_of_elements(self) -> Self:
-        if self.elements and len(self.fem_points_per_wave) < 3:
+        if self.blocks and len(self.fem_points_per_wave) < 3:
             raise wrong(
                 f"fem_points_per_wave = {', '.join(f'{n:g}' for n in self.fem_points_per_wave)}: the limit of the finite "
                 "elements needs at least three grids"
             )
         return self
+
+    @property
+    def blocks(self) -> tuple[Element, ...]:
+        """Finite elements of the study's own blocks."""
+        return self.elements if "fem" in self.methods else ()
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -94,14 +115,16 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     xarray.Dataset
         Areas with dimensions (surface, grid), means over the shifts; `limit` per surface; moments of P(sigma) and sizes of
         patches; areas of finite elements with dimensions (element, surface, fem_grid); kappa of the grid-scale protocol
-        with dimensions (surface, protocol_grid, slope).
+        with dimensions (surface, protocol_grid, slope); areas of other methods with dimensions (case, surface).
     """
-    surface = base_surface(
-        hurst=options.hurst, periods=options.periods, bandwidth=options.bandwidth, seed=options.seed
-    )
-    first = base_case(surface, reduced_pressure=options.reduced_pressure)
-    pressed = [first.further(k) for k in range(options.surfaces)]
+    first, pressed = options.first, options.pressed
+    others = _others(options)
     cases = {**_boundary_elements(options, pressed), **_finite_elements(options, pressed)}
+    cases |= {
+        ("other", asked.name, k, g): _beside(asked, grid, own, options)
+        for asked in others
+        for (k, own), (g, grid) in itertools.product(enumerate(pressed), enumerate(asked.grids))
+    }
     climbed = usual_ladders(
         hurst=options.hurst,
         periods=options.periods,
@@ -112,33 +135,65 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     found = {case: solved[solve] for case, solve in cases.items()}
     data = _of_boundary_elements(found, options)
     gradients = [field.attrs["rms_gradient"] for case, field in found.items() if case[0] == "grids"]
-    data["ensemble"] = ensemble_area(surface, [options.reduced_pressure], rms_gradients=gradients).mean()
-    if options.elements:
+    data["ensemble"] = ensemble_area(
+        first.spectrum, [options.reduced_pressure], rms_gradients=gradients
+    ).mean()
+    data["theory"] = _theory(options)
+    if options.blocks:
         node = 1 / grid_for(first, options.fem_points_per_wave[0])[0] ** 2
         data = data.merge(_of_finite_elements(found, options, node=node))
     if options.ladders:
         data = data.merge(climbed.dataset(solved))
+    if others:
+        answers: Any = {case[1:]: answer for case, answer in found.items() if case[0] == "other"}
+        data = data.merge(other_methods(answers, others, first=first, surfaces=options.surfaces))
+    used = ["fem"] if options.blocks else []
+    used += [*(asked.method for asked in others), *(effect.kind for effect in options.effects)]
     return data.assign_attrs(
         study="refinement",
         reduced_pressure=options.reduced_pressure,
-        hurst=options.hurst,
-        periods=options.periods,
-        bandwidth=options.bandwidth,
+        **options.spectrum_words,
         shifts=options.shifts,
-        methods="theory bem fem perimeter" if options.elements else "theory bem perimeter",
+        **({} if options.effects else {"bare": 1}),
+        methods=" ".join(["theory", "bem", *used, "perimeter"]),
     )
+
+
+def _others(options: Options) -> tuple[Asked, ...]:
+    """List the methods beside boundary elements; on a scene the finite elements as its table has them."""
+    own = ("bem",) if options.scene is not None else ("bem", "fem")
+    return options.others(options.method_points_per_wave, without=own)
+
+
+def _beside(asked: Asked, grid: Grid, own: Realised, options: Options) -> ByMethod:
+    return ByMethod(
+        realised=own, grid=grid, method=asked.method, settings=asked.settings, effects=options.effects
+    )
+
+
+def _theory(options: Options) -> float:
+    """A/A0 of Persson's theory with the effects of a scene; NaN where it does not know them."""
+    if not options.effects:
+        return float(persson_area(options.reduced_pressure))
+    known = all(type(effect).has_theory() for effect in options.effects)
+    return predict(options.first, options.effects).area if known else float("nan")
 
 
 def _boundary_elements(options: Options, pressed: Sequence[Realised]) -> dict[_Case, NumbersSolve]:
     """List the solves on resolved grids, one with a smaller residual, and those with roughness to the grid scale."""
-    grids = tuple(grid_for(pressed[0], n) for n in options.points_per_wave)
+    usual = Distributions(
+        realised=pressed[0],
+        grids=options.grids_for(options.points_per_wave),
+        shifts=options.shifts,
+        effects=options.effects,
+        tolerance=options.tolerance(Distributions.tolerance),
+    )
     cases: dict[_Case, NumbersSolve] = {}
     for k, own in enumerate(pressed):
-        cases["grids", k] = Distributions(realised=own, grids=grids, shifts=options.shifts)
-    usual = Distributions(realised=pressed[0], grids=grids[: _few(options)], shifts=options.shifts)
-    cases["strict",] = replace(usual, tolerance=usual.tolerance / 100)
+        cases["grids", k] = replace(usual, realised=own)
+    cases["strict",] = replace(usual, grids=usual.grids[: _few(options)], tolerance=usual.tolerance / 100)
     for (k, own), n in itertools.product(enumerate(pressed), options.grid_scale_grids):
-        cases["grid scale", k, n] = GridRoughness(realised=own, points=n)
+        cases["grid scale", k, n] = GridRoughness(realised=own, grid=(n, n))
     return cases
 
 
@@ -149,14 +204,14 @@ def _few(options: Options) -> int:
 
 def _finite_elements(options: Options, pressed: Sequence[Realised]) -> dict[_Case, NumbersSolve]:
     """List the blocks, and one of each element with a smaller residual."""
-    points = {n: grid_for(pressed[0], n)[0] for n in options.fem_points_per_wave}
+    grids = {n: grid_for(pressed[0], n) for n in options.fem_points_per_wave}
     cases: dict[_Case, NumbersSolve] = {}
-    for element, (k, own), n in itertools.product(options.elements, enumerate(pressed), points):
-        cases["fem", element, k, n] = BlockMeasurement(realised=own, points=points[n], element=element)
-    for element in options.elements:
+    for element, (k, own), n in itertools.product(options.blocks, enumerate(pressed), grids):
+        cases["fem", element, k, n] = BlockMeasurement(realised=own, grid=grids[n], element=element)
+    for element in options.blocks:
         cases["strict fem", element] = BlockMeasurement(
             realised=pressed[0],
-            points=points[options.fem_points_per_wave[0]],
+            grid=grids[options.fem_points_per_wave[0]],
             element=element,
             tolerance=_STRICT,
         )
@@ -167,12 +222,14 @@ def _of_boundary_elements(found: Mapping[_Case, xr.Dataset], options: Options) -
     """Return what the boundary elements give."""
     surfaces = range(options.surfaces)
     measured = [found["grids", k] for k in surfaces]
-    data = on_grids(measured).assign_coords(
-        slope=["spectral", "forward", "central"],
-        protocol_points=("protocol_grid", list(options.grid_scale_grids)),
-    )
-    kappa = [[found["grid scale", k, n].kappa.values for n in options.grid_scale_grids] for k in surfaces]
-    data["kappa_grid_scale"] = (("surface", "protocol_grid", "slope"), np.array(kappa))
+    data = on_grids(measured)
+    if options.grid_scale_grids:
+        kappa = [[found["grid scale", k, n].kappa.values for n in options.grid_scale_grids] for k in surfaces]
+        data["kappa_grid_scale"] = (("surface", "protocol_grid", "slope"), np.array(kappa))
+        data = data.assign_coords(
+            slope=["spectral", "forward", "central"],
+            protocol_points=("protocol_grid", list(options.grid_scale_grids)),
+        )
     usual = measured[0].isel(grid=slice(0, _few(options)))
     data["solver_error"] = solver_error(usual, found["strict",])
     return data
@@ -183,7 +240,7 @@ def _of_finite_elements(found: Mapping[_Case, xr.Dataset], options: Options, *, 
 
     Less than the share `node` of one node on the coarsest grid cannot be seen, and counts as one.
     """
-    elements, per_wave = options.elements, options.fem_points_per_wave
+    elements, per_wave = options.blocks, options.fem_points_per_wave
     blocks: Any = {case[1:]: data for case, data in found.items() if case[0] == "fem"}
     data = finite_elements(blocks, elements, per_wave, surfaces=options.surfaces)
     counted = np.array([float(blocks[element, 0, per_wave[0]].pixel) for element in elements])
@@ -218,6 +275,8 @@ def table(dataset: xr.Dataset) -> ResultTable:
         )
     if "element" in dataset.dims:
         rows += _fem_rows(dataset)
+    if "case" in dataset.dims:
+        rows += _other_rows(dataset)
     columns = (
         "grid",
         "lambda_short/dx",
@@ -251,6 +310,30 @@ def _fem_rows(dataset: xr.Dataset) -> list[tuple[float | str, ...]]:
                 float(dataset.fem_pixel[e, :, g].mean()) / pressure,
                 *errors,
                 *([nan] * (6 + dataset.sizes["part"])),
+            )
+        )
+    return rows
+
+
+def _other_rows(dataset: xr.Dataset) -> list[tuple[float | str, ...]]:
+    """Rows of the other methods, against the limit of the boundary elements."""
+    pressure, nan = float(dataset.attrs["reduced_pressure"]), float("nan")
+    rows: list[tuple[float | str, ...]] = []
+    for c, name in enumerate(dataset.other.values):
+        at = dataset.isel(case=c)
+        errors = []
+        for area in AREAS:
+            values = (at[f"other_{area}"] / dataset.limit - 1).values
+            errors += [100 * float(values.mean()), 100 * mean_over_surfaces(values).half_width]
+        rows.append(
+            (
+                f"{name}, {at.other_grid.item()}",
+                float(at.other_points_per_wave),
+                nan,
+                float(at.other_pixel.mean()) / pressure,
+                *errors,
+                *([nan] * (3 + dataset.sizes["part"])),
+                float(at.other_seconds.mean()),
             )
         )
     return rows
@@ -311,13 +394,13 @@ def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
     from validation.studies.refinement import plots
 
     errors = {name: overestimate(dataset, name) for name in AREAS}
-    theory = float(persson_area(dataset.attrs["reduced_pressure"])) / float(dataset.attrs["reduced_pressure"])
-    return (
+    theory = float(dataset.theory) / float(dataset.attrs["reduced_pressure"])
+    drawings = (
         Drawing(
             name="error-against-resolution",
             figure=plots.error_against_resolution(dataset, errors),
-            data=dataset[[*AREAS, "limit", *(n for n in ("fem_pixel", "fem_perimeter") if n in dataset)]],
-            caption="Distance of each definition of the area from the limit of its own surface: lines, mean over surfaces; dots, single surfaces; dashed, first order in dx; open, finite elements by element, counted and with the edge constant of the element.",
+            data=dataset[[*AREAS, "limit", *(n for n in _BESIDE if n in dataset)]],
+            caption="Distance of each definition of the area from the limit of its own surface: lines, mean over surfaces; dots, single surfaces; dashed, first order in dx; open, finite elements by element and other methods, counted and with the edge constant of each.",
         ),
         Drawing(
             name="error-against-cells",
@@ -337,10 +420,13 @@ def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
             data=dataset[["patches", "cells"]],
             caption="Number of contact patches against the grid (left), and the cells of the patches that hold 10, 50 and 90 % of the area (right); grey, what Persson 2006, Sec. 12, asks for.",
         ),
-        Drawing(
-            name="grid-scale-protocol",
-            figure=plots.grid_scale_protocol(dataset, theory),
-            data=dataset[["kappa_grid_scale"]],
-            caption="kappa when the roughness goes down to the grid scale and nodes are counted, by the way the slope is measured; bars, scatter between surfaces.",
-        ),
     )
+    if "kappa_grid_scale" not in dataset:
+        return drawings
+    protocol = Drawing(
+        name="grid-scale-protocol",
+        figure=plots.grid_scale_protocol(dataset, theory),
+        data=dataset[["kappa_grid_scale"]],
+        caption="kappa when the roughness goes down to the grid scale and nodes are counted, by the way the slope is measured; bars, scatter between surfaces.",
+    )
+    return (*drawings, protocol)

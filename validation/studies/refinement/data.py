@@ -11,12 +11,16 @@ import numpy as np
 from fem_contact.area import ContactAreas, limit_area
 from validation.measures.budget import grid_drift
 from validation.measures.distributions import PATCH_EDGES, STRESS_EDGES, weighted_percentile
-from validation.measures.measurement import area_limits
+from validation.measures.measurement import area_limits, limit_over
+from validation.measures.side_by_side import areas_by_method
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["AREAS", "finite_elements", "on_grids", "overestimate"]
+    from validation.scenes.realised import Realised
+    from validation.studies._scene import Asked
+
+__all__ = ["AREAS", "finite_elements", "on_grids", "other_methods", "overestimate"]
 
 AREAS = ("pixel", "perimeter", "subcell")
 
@@ -151,3 +155,70 @@ def finite_elements(
         },
         coords={"element": list(elements), "fem_points_per_wave": ("fem_grid", list(per_wave))},
     )
+
+
+#: What is kept of the other methods, and what it is.
+_OTHER = {
+    "pixel": "A/A0, contact points counted, by another method",
+    "perimeter": "A/A0, with its edge constant, by another method",
+    "subcell": "A/A0, edge located inside the cells, by another method",
+    "residual": "largest contact residual of another method",
+    "converged": "1 where its residuals are what it was asked for",
+    "seconds": "processor time of another method [s]",
+}
+
+
+def other_methods(
+    answers: Mapping[tuple[str, int, int], xr.Dataset],
+    others: Sequence[Asked],
+    *,
+    first: Realised,
+    surfaces: int,
+) -> xr.Dataset:
+    """Areas of other methods on every grid, and their limits where their grids allow one.
+
+    Parameters
+    ----------
+    answers : mapping
+        By name of the method, number of the surface, and number of the grid.
+    others : sequence of Asked
+    first : Realised
+        The first surface.
+    surfaces : int
+    """
+    import xarray as xr
+
+    cases = [(asked, g) for asked in others for g in range(len(asked.grids))]
+    rows = {
+        name: [[float(answers[asked.name, k, g][name]) for k in range(surfaces)] for asked, g in cases]
+        for name in _OTHER
+    }
+    limits = [[_limit(answers, asked, k) for k in range(surfaces)] for asked in others]
+    grids = [asked.grids[g] for asked, g in cases]
+    data: dict[str, Any] = {
+        f"other_{name}": (("case", "surface"), np.array(values), {"long_name": _OTHER[name]})
+        for name, values in rows.items()
+    }
+    found = np.array(limits).reshape(len(others), surfaces, 2)
+    data["other_limit"] = (("other_method", "surface"), found[..., 0], {"long_name": "its limit over grids"})
+    data["other_limit_error"] = (("other_method", "surface"), found[..., 1], {"long_name": "standard error"})
+    return xr.Dataset(
+        data,
+        coords={
+            "other": ("case", [asked.name for asked, _ in cases]),
+            "other_grid": ("case", [f"{nx} x {ny}" for nx, ny in grids]),
+            "other_points_per_wave": ("case", [first.points_per_wave(grid) for grid in grids]),
+            "other_method": [asked.name for asked in others],
+        },
+    )
+
+
+def _limit(answers: Mapping[tuple[str, int, int], xr.Dataset], asked: Asked, k: int) -> tuple[float, float]:
+    """Limit of the area over the grids of a method and its standard error; NaN where they are too few."""
+    areas = [areas_by_method(answers[asked.name, k, g], grid) for g, grid in enumerate(asked.grids)]
+    spacings = {area.spacing for area in areas}
+    located = all(area.subcell is not None for area in areas)
+    if len(spacings) < 2 or (not located and len(areas) < 3):
+        return float("nan"), float("nan")
+    found = limit_over(areas)
+    return found.value, found.uncertainty

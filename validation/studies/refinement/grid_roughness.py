@@ -39,7 +39,7 @@ class GridRoughness(SingleSolve):
     @property
     def prefix(self) -> str:
         """Readable start of the name on disk."""
-        return f"grid-roughness-{self.points}"
+        return f"grid-roughness-{self.size}"
 
     def describe(self) -> str:
         """Return a few words for a progress bar."""
@@ -47,7 +47,7 @@ class GridRoughness(SingleSolve):
 
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict the cost; roughness at the grid scale converges slowly."""
-        n = self.points**2
+        n = self.points
         return Prediction(seconds=2e-3 + 4e-6 * n, peak_bytes=120 * n, unknowns=n)
 
     def measure(self) -> xr.Dataset:
@@ -71,7 +71,7 @@ class GridRoughness(SingleSolve):
         surface = self.realised.surface
         assert isinstance(surface, SelfAffineSurface)
         # The Nyquist wave itself has no phase on the grid: stop one wave short of it.
-        q_short = 2 * np.pi / surface.length[0] * (self.points // 2 - 1)
+        q_short = 2 * np.pi / surface.length[0] * (self.grid[0] // 2 - 1)
         wide = surface.model_copy(update={"lambda_short": 2 * np.pi / q_short})
         return random_surface(
             spectrum_of(wide),

@@ -48,6 +48,13 @@ def error_against_resolution(dataset: xr.Dataset, errors: Mapping[str, xr.DataAr
             axes.plot(
                 dataset.fem_points_per_wave, error, label=f"FEM {dataset.element.values[e]}, {words}", **style
             )
+    for m, name in enumerate(dataset.other_method.values if "case" in dataset.dims else ()):
+        own = dataset.isel(case=np.flatnonzero(dataset.other.values == name))
+        for k, (area, words) in enumerate((("other_pixel", "counted"), ("other_perimeter", "corrected"))):
+            error = 100 * np.abs((own[area] / dataset.limit - 1).mean("surface"))
+            style = {**plain_look(4 + dataset.sizes.get("element", 0) + m), "mfc": "white"}
+            style |= {"ls": ("-", ":")[k], "lw": 0.9}
+            axes.plot(own.other_points_per_wave, error, label=f"{name}, {words}", **style)
     per_wave = dataset.points_per_wave.values
     start = 100 * float(np.abs(errors["pixel"].mean("surface"))[0])
     axes.plot(
@@ -106,10 +113,13 @@ def stress_on_grids(dataset: xr.Dataset) -> Figure:
         label = rf"$\lambda_{{short}}/\Delta x$ = {per_wave:g}"
         left.plot(dataset.stress, dataset.density[g], color=str(shades[g]), ls=style, lw=1, label=label)
     pressure = float(dataset.attrs["reduced_pressure"])
-    theory = pressure_distribution(
-        dataset.stress.values, pressure=pressure, stress_variance=stress_variance(1.0, contact_modulus=1.0)
-    )
-    left.plot(dataset.stress, theory, label="Persson", **THEORY)
+    if "bare" in dataset.attrs:
+        theory = pressure_distribution(
+            dataset.stress.values,
+            pressure=pressure,
+            stress_variance=stress_variance(1.0, contact_modulus=1.0),
+        )
+        left.plot(dataset.stress, theory, label="Persson", **THEORY)
     left.set_xlim(0, 2)
     left.set_ylim(bottom=0)
     left.set_xlabel(r"$\sigma / (E^* h'_{rms})$")

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.measures.common import persson_area
+from validation.measures.budget import grid_share
 from validation.measures.references import KAPPA_LITERATURE
-from validation.measures.statistics import Estimate, mean_over_surfaces, order_of_convergence
+from validation.measures.statistics import Estimate, combined, mean_over_surfaces, order_of_convergence
 from validation.measures.theory import modes_sentence
 from validation.studies.refinement.data import AREAS, overestimate
 
@@ -26,21 +26,30 @@ def all_of(dataset: xr.Dataset) -> Iterator[str]:
     """Yield what refinement shows, in words."""
     pressure = float(dataset.attrs["reduced_pressure"])
     limit = mean_over_surfaces(dataset.limit.values / pressure)
-    theory = float(persson_area(pressure)) / pressure
+    theory = float(dataset.theory) / pressure
     resolved = dataset.isel(grid=np.flatnonzero(dataset.points_per_wave.values > 2 * (1 + 1e-9)))
-    yield (
-        f"kappa in the limit of vanishing spacing is {limit} (95 %, {limit.samples} surfaces) at p* = {pressure:g}; Persson's theory "
-        f"gives {theory:.4g}: {100 * (1 - theory / limit.value):.0f} % of the simulated area is not explained by the grid."
-    )
-    yield _verdict(resolved, limit.value, theory)
-    yield modes_sentence([theory * pressure], [float(dataset.ensemble)])
+    whole = "" if limit.samples == 1 else f" (95 %, {limit.samples} surfaces)"
+    start = f"kappa in the limit of vanishing spacing is {limit}{whole} at p* = {pressure:.6g}; "
+    if np.isfinite(theory):
+        yield (
+            f"{start}Persson's theory gives {theory:.4g}: {100 * (1 - theory / limit.value):.0f} % of the simulated area is not "
+            "explained by the grid."
+        )
+        yield _verdict(resolved, limit.value, theory)
+    else:
+        yield f"{start}Persson's theory knows nothing of these effects."
+    if "bare" in dataset.attrs:
+        yield modes_sentence([theory * pressure], [float(dataset.ensemble)])
     yield _load_identity(resolved)
     yield from _by_area(resolved)
     yield from _criterion(resolved)
-    yield _protocol(dataset, limit.value, theory)
-    yield _published(dataset, limit)
+    if "kappa_grid_scale" in dataset:
+        yield _protocol(dataset, limit.value, theory)
+        yield _published(dataset, limit)
     for e in range(dataset.sizes.get("element", 0)):
         yield _element_sentence(dataset, e)
+    for m in range(dataset.sizes.get("other_method", 0)):
+        yield _other_sentence(dataset, m)
 
 
 def _by_area(resolved: xr.Dataset) -> Iterator[str]:
@@ -80,11 +89,19 @@ def _verdict(resolved: xr.Dataset, limit: float, theory: float) -> str:
             f"{100 * (counted - limit) / (counted - theory):.0f} % at {float(resolved.points_per_wave[g]):g}"
         )
     coarse = float(resolved.pixel[:, 0].mean()) / pressure
+    half = mean_over_surfaces(resolved.limit.values / pressure).half_width
+    told = ", which these surfaces do not tell from zero" if abs(limit - theory) <= half else ""
     return (
         f"Verdict: counted on {float(resolved.points_per_wave[0]):g} points per shortest wave kappa is {coarse:.2f}, of which {coarse - limit:+.2f} is "
-        f"the grid; without it {limit:.2f} remains, {limit - theory:+.2f} ({100 * (limit / theory - 1):+.0f} %) from the theory. The grid's part "
-        f"of the distance between counted value and theory is {', '.join(words)} points per wave."
+        f"the grid; without it {limit:.2f}{_give(half)} remains, {limit - theory:+.2f} ({100 * (limit / theory - 1):+.0f}"
+        f"{_give(100 * half / theory)} %) from the theory{told}. The grid's part of the distance between counted value and theory is "
+        f"{', '.join(words)} points per wave."
     )
+
+
+def _give(half_width: float) -> str:
+    """Return +- and an uncertainty, nothing where one surface tells none."""
+    return f" +- {half_width:.2g}" if np.isfinite(half_width) else ""
 
 
 def _load_identity(resolved: xr.Dataset) -> str:
@@ -114,16 +131,25 @@ def _published(dataset: xr.Dataset, limit: Estimate) -> str:
         low, high = published.kappa
         if low == high:
             inside = last.min() <= low <= last.max()
+            share, half = 100 * (low / limit.value - 1), 100 * limit.half_width / limit.value
+            told = ", not told from it," if abs(share) <= half else ""
             words.append(
-                f"{low:g} ({published.source}) lies {100 * (low / limit.value - 1):+.0f} % from it, and {'inside' if inside else 'outside'} the "
+                f"{low:g} ({published.source}) lies {share:+.0f}{_give(half)} % from it{told} and {'inside' if inside else 'outside'} the "
                 f"{last.min():.2f} to {last.max():.2f} that roughness at the grid scale gives by the definition of the slope"
             )
         else:
-            inside = limit.value + limit.half_width >= low and limit.value - limit.half_width <= high
-            words.append(
-                f"{low:g} to {high:g} ({published.note}) {'agree' if inside else 'do not agree'} with the converged {limit}"
-            )
+            words.append(f"{low:g} to {high:g} ({published.note}) {_against(limit, low, high)}")
     return f"Published kappa: {'; '.join(words)}."
+
+
+def _against(limit: Estimate, low: float, high: float) -> str:
+    """Say whether a converged value agrees with a published range, or is too uncertain to tell."""
+    if limit.value + limit.half_width < low or limit.value - limit.half_width > high:
+        return f"do not agree with the converged {limit}"
+    # An interval that is wider than the range would meet it almost anywhere.
+    if not limit.half_width <= (high - low) / 2:
+        return f"can be neither confirmed nor ruled out by the converged {limit}: its interval is wider than that range"
+    return f"agree with the converged {limit}"
 
 
 def _element_sentence(dataset: xr.Dataset, e: int) -> str:
@@ -132,15 +158,50 @@ def _element_sentence(dataset: xr.Dataset, e: int) -> str:
     corrected = (dataset.fem_perimeter[e] / dataset.limit - 1).mean("surface").values
     apart = mean_over_surfaces((dataset.fem_limit[e] / dataset.limit - 1).values)
     points = dataset.fem_points_per_wave.values
+    grids = [
+        100 * grid_share(dataset.fem_limit[e].values, errors=dataset.fem_limit_error[e].values, drifts=[0.0]),
+        100
+        * grid_share(
+            dataset.limit.values, errors=dataset.limit_error.values, drifts=dataset.limit_drift.values
+        ),
+    ]
+    depth = 100 * float(dataset.depth_error)
+    distance, half = 100 * apart.value, 100 * apart.half_width
+    whole = combined(half, *grids, depth)
+    told = "they are told apart" if abs(distance) > whole else "the two are not told apart"
+    if apart.samples == 1:
+        told = "one surface does not tell whether they differ"
     rows = ", ".join(
         f"{100 * a:+.2g} ({100 * b:+.2g}) % at {p:g}"
         for a, b, p in zip(counted, corrected, points, strict=True)
     )
     return (
         f"Finite elements {dataset.element.values[e]}, nodes counted (with the element's edge constant), differ from the limit of the boundary elements by {rows}; "
-        f"their own limit differs by {100 * apart.value:+.2f} +- {100 * apart.half_width:.2f} %, of which a block one period deep can explain "
-        f"{100 * float(dataset.depth_error):.2f} %."
+        f"their own limit differs by {distance:+.2f}{_give(whole)} % ({half:.2f} % the surfaces, {grids[0]:.2f} % their grids, {grids[1]:.2f} % those "
+        f"of the boundary elements, {depth:.2f} % the depth of the block; 95 %): {told}."
     )
+
+
+def _other_sentence(dataset: xr.Dataset, m: int) -> str:
+    """Say how another method counts, where its limit is, and whether its residuals are what it was asked for."""
+    name = str(dataset.other_method.values[m])
+    own = dataset.isel(case=np.flatnonzero(dataset.other.values == name))
+    counted = 100 * (own.other_pixel / dataset.limit - 1).mean("surface").values
+    rows = ", ".join(
+        f"{a:+.2g} % at {p:g}" for a, p in zip(counted, own.other_points_per_wave.values, strict=True)
+    )
+    apart = mean_over_surfaces((dataset.other_limit[m] / dataset.limit - 1).values)
+    text = f"{name}, points counted, differs from the limit of the boundary elements by {rows} points per shortest wave"
+    if np.isfinite(apart.value):
+        half = f" +- {100 * apart.half_width:.2g}" if apart.samples > 1 else ""
+        text += f"; its own limit differs by {100 * apart.value:+.2g}{half} %"
+    missed = int((own.other_converged < 1).sum())
+    if missed:
+        text += (
+            f"; {missed} of its {own.other_converged.size} answers do not have the residuals asked for, "
+            f"the worst {float(own.other_residual.max()):.2g}"
+        )
+    return text + "."
 
 
 def _protocol(dataset: xr.Dataset, limit: float, theory: float) -> str:

@@ -9,19 +9,22 @@ from __future__ import annotations
 
 import math
 import time
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from pydantic import Field, field_validator
+from pydantic import Field, ValidationInfo, field_validator
 
 from fem_contact.contact import Status
 from fem_contact.errors import FemContactError
 from persson.errors import PerssonError
+from validation.methods import chosen_solver
+from validation.studies._options import AnyMethods
 from validation.studies._study import StudyOptions
 from validation.studies.stability.blocks import BLOCKS, LARGE_BLOCK, YIELDING_BLOCK
 from validation.studies.stability.cases import HardCase
 from validation.studies.stability.effects import DIFFUSION, EFFECTS, YIELDING_UNDER_ADHESION
-from validation.studies.stability.elastic import ELASTIC, SINGLE_PRECISION
+from validation.studies.stability.elastic import ELASTIC, SINGLE_PRECISION, by_method
 from validation.units import wrong
 
 if TYPE_CHECKING:
@@ -66,6 +69,13 @@ _NUMBERS = {
 class Options(StudyOptions):
     """Which dials are turned."""
 
+    own = "it asks about hard cases with known answers"
+
+    methods: AnyMethods = Field(
+        default=(),
+        description="solvers with commas; those of other packages and module:function of your own go through the "
+        "elastic cases; bem, fem and theory on all if empty",
+    )
     cases: tuple[str, ...] = Field(default=(), description="names of cases; all if empty")
     slowest: float = Field(
         default=60.0, ge=0, description="seconds that one value may take; beyond it counts as a hang"
@@ -73,8 +83,8 @@ class Options(StudyOptions):
 
     @field_validator("cases")
     @classmethod
-    def _known(cls, names: tuple[str, ...]) -> tuple[str, ...]:
-        known = [case.name for case in CASES]
+    def _known(cls, names: tuple[str, ...], others: ValidationInfo) -> tuple[str, ...]:
+        known = [case.name for case in _cases_of(others.data.get("methods", ()))]
         for name in names:
             if name not in known:
                 raise wrong(f"{name!r}: no such case; one of: {', '.join(known)}")
@@ -83,8 +93,18 @@ class Options(StudyOptions):
     @property
     def chosen(self) -> tuple[HardCase, ...]:
         """Cases by name, or all."""
-        known = {case.name: case for case in CASES}
-        return tuple(known[name] for name in self.cases) or CASES
+        cases = _cases_of(self.methods)
+        known = {case.name: case for case in cases}
+        return tuple(known[name] for name in self.cases) or cases
+
+
+def _cases_of(names: Sequence[str]) -> tuple[HardCase, ...]:
+    """Return the cases of some methods; those of this package where none is named."""
+    own = {case.method for case in CASES}
+    if not names:
+        return CASES
+    found = tuple(case for case in CASES if case.method in names)
+    return (*found, *(case for name in names if name not in own for case in by_method(name)))
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -106,7 +126,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     }
     for name, (words, unit) in _NUMBERS.items():
         columns[name] = ("row", [row[name] for row in rows], {"units": unit, "long_name": words})
-    return xr.Dataset(columns, attrs={"methods": "bem fem theory"})
+    used = [chosen_solver(name)[0].name for name in options.methods] or ["bem", "fem", "theory"]
+    return xr.Dataset(columns, attrs={"methods": " ".join(used)})
 
 
 def _turned(case: HardCase, value: float, slowest: float) -> dict[str, str | float]:

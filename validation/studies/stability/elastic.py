@@ -3,41 +3,54 @@
 from __future__ import annotations
 
 import math
+import re
+from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
 from fem_contact import bem
-from fem_contact.contact import Status
+from fem_contact.contact import ContactResult, Status
 from fem_contact.surface import HeightField
+from validation.effects.base import Slots
+from validation.methods import chosen_solver
 from validation.studies.stability.cases import HALF_SPACE, HardCase, Measured, judged, rough, wave
 
-__all__ = ["ELASTIC", "SINGLE_PRECISION"]
+__all__ = ["ELASTIC", "SINGLE_PRECISION", "by_method"]
 
 #: Mean pressure over E* h'_rms where the gradient is turned.
 _LIGHT = 0.05
 
 
-def _westergaard(load: float) -> Measured:
+#: How a solver is asked: a surface and a mean pressure on `HALF_SPACE`.
+Pressing = Callable[[HeightField, float], ContactResult]
+
+
+def _boundary_elements(surface: HeightField, load: float) -> ContactResult:
+    return bem.solve(surface, HALF_SPACE, mean_pressure=load, threads=1)
+
+
+def _westergaard(press: Pressing, load: float) -> Measured:
     """Contact width of a wave under p0/p*, in cells off the exact (2/pi) asin(sqrt(p0/p*))."""
     points = 512
     surface = wave(points)
-    result = bem.solve(surface, HALF_SPACE, mean_pressure=load * math.pi * 0.01, threads=1)
+    result = press(surface, load * math.pi * 0.01)
     exact = 1.0 if load >= 1 else 2 / math.pi * math.asin(math.sqrt(load))
     return judged(result, abs(float(np.mean(result.in_contact)) - exact) * points)
 
 
-def _steepness(gradient: float) -> Measured:
+def _steepness(press: Pressing, gradient: float) -> Measured:
     """Relative change of the pressure, over its scale, against the surface of gradient 0.1."""
     pressures = []
     for value in (0.1, gradient):
-        result = bem.solve(rough(gradient=value), HALF_SPACE, mean_pressure=_LIGHT * value, threads=1)
+        result = press(rough(gradient=value), _LIGHT * value)
         pressures.append(result.pressure / value)
     return judged(result, float(np.linalg.norm(pressures[1] - pressures[0]) / np.linalg.norm(pressures[0])))
 
 
-def _against_plain(surface: HeightField, load: float) -> Measured:
+def _against_plain(press: Pressing, surface: HeightField, load: float) -> Measured:
     """Against Polonsky and Keer's method, whose convergence theory is simple."""
-    result = bem.solve(surface, HALF_SPACE, mean_pressure=load, threads=1)
+    result = press(surface, load)
     plain = bem.solve(
         surface, HALF_SPACE, mean_pressure=load, max_iterations=20_000, method="polonsky-keer", threads=1
     )
@@ -46,32 +59,29 @@ def _against_plain(surface: HeightField, load: float) -> Measured:
     )
 
 
-def _hurst(hurst: float) -> Measured:
-    return _against_plain(rough(hurst=hurst, waves=16), 0.005)
+def _hurst(press: Pressing, hurst: float) -> Measured:
+    return _against_plain(press, rough(hurst=hurst, waves=16), 0.005)
 
 
-def _scales(points: float) -> Measured:
+def _scales(press: Pressing, points: float) -> Measured:
     n = int(points)
-    return _against_plain(rough(n, waves=n // 4), 0.005)
+    return _against_plain(press, rough(n, waves=n // 4), 0.005)
 
 
-def _quantised(levels: float) -> Measured:
+def _quantised(press: Pressing, levels: float) -> Measured:
     """Heights rounded to so many levels: the load must balance and nothing may penetrate."""
     smooth = rough()
     step = np.ptp(smooth.heights) / levels
     surface = HeightField(heights=np.round(smooth.heights / step) * step, lengths=(1.0, 1.0))
-    return _against_plain(surface, 0.005)
+    return _against_plain(press, surface, 0.005)
 
 
-def _few_bits(bits: float) -> Measured:
+def _few_bits(press: Pressing, bits: float) -> Measured:
     """Heights rounded to a mantissa of so many bits, against those in double precision."""
     exact = rough()
     mantissa, exponent = np.frexp(exact.heights)
     rounded = np.ldexp(np.round(mantissa * 2.0**bits) / 2.0**bits, exponent)
-    results = [
-        bem.solve(HeightField(heights=h, lengths=(1.0, 1.0)), HALF_SPACE, mean_pressure=0.005, threads=1)
-        for h in (exact.heights, rounded)
-    ]
+    results = [press(HeightField(heights=h, lengths=(1.0, 1.0)), 0.005) for h in (exact.heights, rounded)]
     # Contact is monotone: no offset moves by more than the heights did, nor by more than the solver leaves.
     allowed = float(np.max(np.abs(rounded - exact.heights))) + 1e-7 * exact.rms_height
     return judged(results[1], abs(results[1].offset - results[0].offset) / allowed)
@@ -107,63 +117,82 @@ def _single_precision(height: float) -> Measured:
     return judged(single, abs(single.offset - mean - double.offset) / allowed)
 
 
+def elastic_cases(method: str, press: Pressing) -> tuple[HardCase, ...]:
+    """Return the hard cases of the half-space that any solver can be put through, by one of them."""
+    ending = "" if method == "bem" else f"-{re.sub('[^A-Za-z0-9]+', '-', method)}"
+    return (
+        HardCase(
+            name=f"load{ending}",
+            method=method,
+            dial="p0 / p* of a wave, 1 is full contact",
+            values=(2.0, 1.0, 0.9999, 0.999, 0.99, 0.9, 0.5, 0.1, 0.01, 1e-3, 1e-4, 1e-6, 1e-9),
+            reference="Westergaard's contact width; error in cells of 512",
+            bound=2.5,
+            measure=partial(_westergaard, press),
+        ),
+        HardCase(
+            name=f"gradient{ending}",
+            method=method,
+            dial="h'_rms",
+            values=(0.1, 1.0, 10.0, 1e4, 1e-3, 1e-6, 1e-12, 1e-100),
+            reference="the same pressure over E* h'_rms as at 0.1; relative L2",
+            bound=1e-5,
+            limit="pressures below 1e-30 Pa are refused; here E* is 1 Pa",
+            refusable=lambda value: _LIGHT * value < 1e-30,
+            measure=partial(_steepness, press),
+        ),
+        HardCase(
+            name=f"hurst{ending}",
+            method=method,
+            dial="H",
+            values=(0.0, 0.1, 0.3, 0.5, 0.8, 0.95, 1.0),
+            reference="Polonsky-Keer on the same grid; relative L2 of the pressure",
+            bound=1e-4,
+            measure=partial(_hurst, press),
+        ),
+        HardCase(
+            name=f"scales{ending}",
+            method=method,
+            dial="points along a side, lambda_short = 4 dx",
+            values=(16.0, 32.0, 64.0, 128.0, 256.0, 512.0),
+            reference="Polonsky-Keer on the same grid; relative L2 of the pressure",
+            bound=1e-4,
+            measure=partial(_scales, press),
+        ),
+        HardCase(
+            name=f"ties{ending}",
+            method=method,
+            dial="levels of quantised heights, from many to few",
+            values=(1e6, 1e3, 100.0, 20.0, 5.0, 2.0),
+            reference="Polonsky-Keer on the same heights; relative L2 of the pressure",
+            bound=1e-4,
+            measure=partial(_quantised, press),
+        ),
+        HardCase(
+            name=f"precision{ending}",
+            method=method,
+            dial="bits of the heights' mantissa, from double to a few",
+            values=(52.0, 23.0, 16.0, 11.0, 8.0, 6.0),
+            reference="offset of the heights in double; change over that of the heights",
+            bound=1.0,
+            measure=partial(_few_bits, press),
+        ),
+    )
+
+
+def by_method(name: str) -> tuple[HardCase, ...]:
+    """Return the same for a solver by name, or a function of the user's."""
+    solver, told = chosen_solver(name)
+
+    def press(surface: HeightField, load: float) -> ContactResult:
+        slots = Slots(solid=HALF_SPACE.solid)
+        return solver.solve(surface, mean_pressure=load, slots=slots, settings=told, threads=1).contact
+
+    return elastic_cases(name, press)
+
+
 ELASTIC = (
-    HardCase(
-        name="load",
-        method="bem",
-        dial="p0 / p* of a wave, 1 is full contact",
-        values=(2.0, 1.0, 0.9999, 0.999, 0.99, 0.9, 0.5, 0.1, 0.01, 1e-3, 1e-4, 1e-6, 1e-9),
-        reference="Westergaard's contact width; error in cells of 512",
-        bound=2.5,
-        measure=_westergaard,
-    ),
-    HardCase(
-        name="gradient",
-        method="bem",
-        dial="h'_rms",
-        values=(0.1, 1.0, 10.0, 1e4, 1e-3, 1e-6, 1e-12, 1e-100),
-        reference="the same pressure over E* h'_rms as at 0.1; relative L2",
-        bound=1e-5,
-        limit="pressures below 1e-30 Pa are refused; here E* is 1 Pa",
-        refusable=lambda value: _LIGHT * value < 1e-30,
-        measure=_steepness,
-    ),
-    HardCase(
-        name="hurst",
-        method="bem",
-        dial="H",
-        values=(0.0, 0.1, 0.3, 0.5, 0.8, 0.95, 1.0),
-        reference="Polonsky-Keer on the same grid; relative L2 of the pressure",
-        bound=1e-4,
-        measure=_hurst,
-    ),
-    HardCase(
-        name="scales",
-        method="bem",
-        dial="points along a side, lambda_short = 4 dx",
-        values=(16.0, 32.0, 64.0, 128.0, 256.0, 512.0),
-        reference="Polonsky-Keer on the same grid; relative L2 of the pressure",
-        bound=1e-4,
-        measure=_scales,
-    ),
-    HardCase(
-        name="ties",
-        method="bem",
-        dial="levels of quantised heights, from many to few",
-        values=(1e6, 1e3, 100.0, 20.0, 5.0, 2.0),
-        reference="Polonsky-Keer on the same heights; relative L2 of the pressure",
-        bound=1e-4,
-        measure=_quantised,
-    ),
-    HardCase(
-        name="precision",
-        method="bem",
-        dial="bits of the heights' mantissa, from double to a few",
-        values=(52.0, 23.0, 16.0, 11.0, 8.0, 6.0),
-        reference="offset of the heights in double; change over that of the heights",
-        bound=1.0,
-        measure=_few_bits,
-    ),
+    *elastic_cases("bem", _boundary_elements),
     HardCase(
         name="path",
         method="bem",

@@ -35,7 +35,7 @@ def stability_figure(data: xr.Dataset) -> Figure:
         axes.axhline(1.0, color="black", lw=1, label="allowed")
         axes.set_yscale("log")
         axes.set_ylim(_LEAST / 3, 4 * _REFUSED)
-        axes.set_title(str(method).upper() if method != "theory" else "theory", fontsize=10)
+        axes.set_title(str(method).upper() if method in ("bem", "fem") else str(method), fontsize=10)
         axes.set_xlabel("turn of the dial, from easy to hard")
         axes.legend(fontsize=6, ncol=2, loc="upper center", bbox_to_anchor=(0.5, -0.14))
     panels[0].set_ylabel("error over what is allowed (x: refused by name)")

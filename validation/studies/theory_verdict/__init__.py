@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,17 +14,19 @@ from scipy.special import erf, erfinv
 from persson import elastic
 from persson.variants import corrected_contact_area
 from validation.measures.budget import Budget, budget_table, grid_share, solver_error
-from validation.measures.common import base_case
 from validation.measures.distributions import Distributions, distance_to_reference, largest_difference
 from validation.measures.ladders import spectral_share, usual_ladders
 from validation.measures.measurement import grid_for
 from validation.measures.statistics import mean_over_surfaces
-from validation.measures.theory import VARIANTS
+from validation.measures.theory import RANKED, VARIANTS
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
+from validation.scenes.scene import Load
 from validation.solves.bench import Bench
 from validation.studies import pressure, stress_near_zero
+from validation.studies.theory_verdict.others import with_theories
 from validation.studies.theory_verdict.words import QUANTITIES, findings, table, verdict
+from validation.theories import find_theory
 from validation.units import Positive
 
 if TYPE_CHECKING:
@@ -40,9 +43,15 @@ _CLOSED = 1e-6
 class Options(pressure.Options):
     """Those of the study `pressure`, and what else is scored."""
 
+    off: ClassVar[Mapping[str, Any]] = {"ladder_reduced_pressures": (), "edge": False}
+
     ladder_reduced_pressures: tuple[Positive, ...] = Field(
         default=(0.05, 0.4),
         description="p* at which it is measured how the area moves with bandwidth and sample, for the budget; none to leave it out",
+    )
+    theory: tuple[str, ...] = Field(
+        default=(),
+        description="further theories: bush-gibson-thomas, carbone-bottiglione, greenwood-williamson, or your own, my_module:area",
     )
     edge: bool = Field(
         default=True,
@@ -61,13 +70,18 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         ratio (quantity, variant, load): simulated over predicted, told the realised surface; interval: its 95 % half width;
         distance (variant, load): of the distribution of pressure from the predicted one.
     """
+    for name in options.theory:
+        find_theory(name)  # what is unknown is refused before anything is solved
     data = pressure.run(options, bench=bench)
     found = _scores(options, data)
     found["solver_error"] = _solver_share(options, bench)
     if options.edge:
         small = stress_near_zero.Options(hurst=options.hurst, periods=options.periods, seed=options.seed)
-        edge = stress_near_zero.run(small, bench=bench)
+        edge = stress_near_zero.run(small, bench=bench).isel(method=0)
         found = found.merge(_edge_scores(edge), combine_attrs="override")
+    if options.theory:
+        pressed = [case.realised for case in pressure._cases(options)]
+        found = with_theories(found, options.theory, data=data, pressed=pressed)
     return found.assign(_spectral_shares(options, bench)) if options.ladder_reduced_pressures else found
 
 
@@ -75,14 +89,18 @@ def _scores(options: Options, data: xr.Dataset) -> xr.Dataset:
     """Compare everything in the data of the study `pressure` with what is predicted."""
     import xarray as xr
 
-    said = {"hurst": options.hurst, "periods": options.periods, "bandwidth": options.bandwidth}
     found = xr.Dataset(
         coords={
             "quantity": list(QUANTITIES),
             "variant": list(VARIANTS),
             "reduced_pressure": data.reduced_pressure,
         },
-        attrs={"study": "theory-verdict", **said, "surfaces": options.surfaces},
+        attrs={
+            "study": "theory-verdict",
+            "methods": RANKED,
+            **options.spectrum_words,
+            "surfaces": options.surfaces,
+        },
     )
     ratios, intervals = zip(*(_scored(data, name) for name in QUANTITIES), strict=True)
     dims = ("quantity", "variant", "load")
@@ -200,11 +218,10 @@ def _add_claims(found: xr.Dataset, data: xr.Dataset) -> None:
 
 def _solver_share(options: Options, bench: Bench) -> float:
     """Relative change of the area when the solves of one surface stop at a hundred times smaller residual."""
-    first = base_case(options.surface, reduced_pressure=0.01)
     usual = Distributions(
-        realised=first,
+        realised=replace(options.first, load=Load(reduced_pressure=0.01)),
         reduced_pressures=(0.01, 0.1, 1.0),
-        grids=tuple(grid_for(first, points) for points in (4.0, 6.0, 8.0)),
+        grids=tuple(grid_for(options.first, points) for points in (4.0, 6.0, 8.0)),
         shifts=options.shifts,
     )
     strict = replace(usual, tolerance=usual.tolerance / 100)
@@ -227,7 +244,8 @@ def _edge_scores(edge: xr.Dataset) -> xr.Dataset:
             "edge_slope_ratio": ("variant", slope.value / predicted),
             "edge_slope_half": ("variant", slope.half_width / predicted),
             "edge_pressure": load,
-        }
+        },
+        coords={"variant": list(VARIANTS)},
     )
 
 

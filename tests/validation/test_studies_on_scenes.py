@@ -1,0 +1,261 @@
+"""Studies on a scene: what it says is what is pressed, or it is refused by name."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from fem_contact import bem
+from fem_contact.area import contact_areas
+from fem_contact.extrapolation import counted_limit, located_limit
+from fem_contact.hardness import Hardness, press
+from fem_contact.response import HalfSpace
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField, random_surface
+from validation.errors import UsageError
+from validation.methods.theory import predict
+from validation.scenes.realised import realise
+from validation.scenes.scene import load_scene
+from validation.solves.bench import Bench
+from validation.solves.press import solves_of
+from validation.studies import area, cross, find_study, magnification, pressure, refinement, theory_verdict
+from validation.studies._outputs import report_study, run_study
+
+LENGTHS = (12e-6, 9e-6)
+GRIDS = ((96, 72), (120, 90), (144, 108))
+SOLID = Solid(young=2e9, poisson=0.4)
+MAP = """
+[surface]
+kind = "file"
+path = "map.npy"
+length = ["12 um", "9 um"]
+unit = "1 m"
+[solid]
+young = "2 GPa"
+poisson = 0.4
+[load]
+pressure = "8 MPa"
+[methods.bem]
+grids = [[96, 72], [120, 90], [144, 108]]
+"""
+YIELDING = """
+[surface]
+kind = "self-affine"
+length = "10 um"
+hurst = 0.7
+lambda_long = "5 um"
+lambda_short = "2.5 um"
+rms_gradient = 0.05
+seed = 77
+[solid]
+young = "2 MPa"
+poisson = 0.3
+[load]
+reduced_pressure = 0.1
+[methods.bem]
+grids = [24, 36, 48]
+tolerance = 1e-9
+[[effects]]
+kind = "hardness"
+hardness = "30 kPa"
+"""
+
+
+@pytest.fixture
+def bench(tmp_path):
+    return Bench.at(tmp_path / "solves")
+
+
+@pytest.fixture
+def scene(tmp_path):
+    """Return a scene from its text; a measured map of 48 x 36 points lies beside it."""
+    rough = random_surface(
+        lambda q: q**-3.6, q_short=2 * np.pi / 1e-6, lengths=LENGTHS, shape=(48, 36), seed=5
+    )
+    np.save(tmp_path / "map.npy", rough.heights * (0.08 / rough.rms_gradient))
+
+    def read(text, name="mine"):
+        (tmp_path / f"{name}.toml").write_text(text)
+        return load_scene(str(tmp_path / f"{name}.toml"))
+
+    return read
+
+
+def measured(tmp_path):
+    return HeightField(heights=np.load(tmp_path / "map.npy"), lengths=LENGTHS)
+
+
+def test_a_measured_map_is_what_the_study_of_the_load_presses(scene, bench, tmp_path):
+    options = pressure.Options(scene=scene(MAP), reduced_pressures=(0.02,), shifts=1)
+    data = pressure.run(options, bench=bench)
+    surface = measured(tmp_path)
+    reduced = 8e6 / (SOLID.contact_modulus * surface.rms_gradient)
+    # The load of the scene joins the path.
+    assert data.reduced_pressure.values == pytest.approx([0.02, reduced], rel=1e-12)
+    pressed = [
+        bem.solve(surface.resampled(grid), HalfSpace(solid=SOLID), mean_pressure=8e6).checked()
+        for grid in GRIDS
+    ]
+    limit = located_limit([contact_areas(one, subcell=True) for one in pressed])
+    # The solver leaves 1e-8 of p |g|, and the study starts from the lighter load.
+    assert float(data.area[0, 1]) == pytest.approx(limit.value, rel=1e-6)
+    assert float(data.gap[0, 1]) == pytest.approx(pressed[-1].gap.mean() / surface.rms_height, rel=1e-6)
+    assert data.sizes["surface"] == 1
+    # A measured period has no C(q) but its own: told it alone, the theory says nothing.
+    assert np.isnan(data.theory_area.sel(mode="ensemble")).all()
+    assert np.isfinite(data.theory_area.sel(mode="conditional")).all()
+
+
+def test_another_map_is_another_recipe(scene, tmp_path):
+    first = pressure._cases(pressure.Options(scene=scene(MAP)))
+    np.save(tmp_path / "map.npy", 1.01 * np.load(tmp_path / "map.npy"))
+    other = pressure._cases(pressure.Options(scene=scene(MAP)))
+    assert first[0].recipe["surface"]["path"] != other[0].recipe["surface"]["path"]
+    assert first[0].key != other[0].key
+    assert first[0].recipe["solid"] == {"young": 2e9, "poisson": 0.4}
+    assert [tuple(grid) for grid in first[0].recipe["grids"]] == list(GRIDS)
+
+
+def test_a_scene_that_yields_is_pressed_with_its_hardness_and_shares_solves_with_its_run(scene, bench):
+    mine = scene(YIELDING)
+    options = area.Options(scene=mine, reduced_pressures=(0.05,), surfaces=1)
+    data = area.run(options, bench=bench)
+    field = realise(mine).heights((48, 48))
+    load = 0.1 * realise(mine).pressure_scale
+    response = HalfSpace(solid=Solid(young=2e6, poisson=0.3))
+    yielded = [
+        press(realise(mine).heights((n, n)), response, hardness=Hardness(pressure=3e4), mean_pressure=load)
+        for n in (24, 36, 48)
+    ]
+    limit = counted_limit([contact_areas(one) for one in yielded])
+    assert float(data.area.sel(reduced_pressure=0.1)) == pytest.approx(limit.value, rel=1e-6)
+    elastic = contact_areas(bem.solve(field, response, mean_pressure=load)).pixel
+    assert contact_areas(yielded[-1]).pixel > 1.05 * elastic  # or this test would show nothing
+    own = {solve.key for solve in solves_of(mine)}
+    asked = {
+        area.solve_of(options, surface=0, reduced_pressure=0.1, points=grid).key for grid in options.ladder
+    }
+    assert own == asked
+    # The theory is told the hardness, too.
+    told = predict(realise(mine), mine.effects).area
+    assert float(data.persson.sel(reduced_pressure=0.1)) == pytest.approx(told, rel=1e-12)
+
+
+def test_the_study_of_the_grid_takes_effects_grids_and_tolerance_from_a_scene(scene):
+    options = refinement.Options(scene=scene(YIELDING), surfaces=2)
+    cases = refinement._boundary_elements(options, options.pressed)
+    recipe = cases["grids", 1].recipe
+    assert recipe["grids"] == [[24, 24], [36, 36], [48, 48]]
+    assert recipe["effects"] == [{"kind": "hardness", "hardness": 3e4}]
+    assert recipe["tolerance"] == 1e-9
+    assert recipe["surface"]["seed"] == 78
+    assert not options.ladders
+    assert not options.blocks
+
+
+def test_a_measured_map_without_its_short_waves_is_a_lower_magnification(scene, tmp_path):
+    (case,) = magnification._cases(
+        magnification.Options(scene=scene(MAP), magnifications=(3.0,), shifts=1)
+    ).values()
+    partial = case.heights(GRIDS[0])
+    waves = np.abs(np.fft.fft2(partial.heights))
+    nx, ny = GRIDS[0]
+    qx, qy = np.fft.fftfreq(nx, 12e-6 / nx), np.fft.fftfreq(ny, 9e-6 / ny)
+    q = 2 * np.pi * np.hypot(qx[:, None], qy[None, :])
+    last = 3 * 2 * np.pi / 12e-6
+    assert waves[q > last * (1 + 1e-6)].max() < 1e-9 * waves.max()
+    whole = np.abs(np.fft.fft2(measured(tmp_path).resampled(GRIDS[0]).heights))
+    kept = (q > 0) & (q < last)
+    np.testing.assert_allclose(waves[kept], whole[kept], atol=1e-9 * whole.max())
+
+
+@pytest.mark.parametrize(
+    ("study", "option", "words"),
+    [
+        ("pressure", {"hurst": 0.4}, "--hurst: the scene 'mine' says it; leave --hurst out, or the scene"),
+        ("pressure", {"points_per_wave": (4.0, 8.0)}, "--points-per-wave: the scene 'mine' says it"),
+        ("stress-near-zero", {"reduced_pressure": 0.1}, "--reduced-pressure: the scene 'mine' says it"),
+        ("cross", {"methods": ("bem", "fem")}, "--methods: the scene 'mine' says it"),
+        ("theory-verdict", {"surfaces": 3}, "--surfaces: the scene 'mine' says it"),
+    ],
+)
+def test_what_a_scene_and_an_option_both_say_is_refused(scene, study, option, words):
+    found = find_study(study)
+    arguments = [
+        part
+        for name, value in option.items()
+        for part in (
+            "--" + name.replace("_", "-"),
+            ",".join(map(str, value)) if isinstance(value, tuple) else str(value),
+        )
+    ]
+    with pytest.raises(UsageError) as caught:
+        found.parse(arguments, scene=scene(MAP))
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("study", "text", "words"),
+    [
+        (
+            "pressure",
+            YIELDING,
+            "scene 'mine': [[effects]] 1 kind = 'hardness': not in this study: gap, stiffness",
+        ),
+        ("accuracy-cost", YIELDING, "kind = 'hardness': not in this study: what a digit costs"),
+        ("magnification", MAP.replace("[methods.bem]", "[methods.fem]"), "methods.bem: missing"),
+        ("cross", MAP, "must name another solver beside bem"),
+        ("area", MAP.replace("[[96, 72], [120, 90], [144, 108]]", "[[96, 72]]"), "a limit needs two grids"),
+        ("pressure", MAP.replace("[[96, 72], [120, 90], [144, 108]]", "[[96, 72]]"), "two grids of at least"),
+        (
+            "area",
+            YIELDING.replace("reduced_pressure = 0.1", "pressure = 4e4"),
+            "hardness = 30000 Pa: must not be below the nominal pressure",
+        ),
+    ],
+)
+def test_a_scene_that_a_study_cannot_honour_is_refused_by_name(scene, bench, study, text, words):
+    found = find_study(study)
+    with pytest.raises(UsageError) as caught:
+        found.compute(found.parse([], scene=scene(text)), bench=dataclasses.replace(bench, plan_only=True))
+    assert words in str(caught.value)
+    assert "Traceback" not in str(caught.value)
+
+
+def test_the_report_says_what_was_taken_from_the_scene_and_what_was_not(scene, bench, tmp_path):
+    text = MAP.replace("[methods.bem]", "[methods.bem]\nshifts = 1\n") + "[methods.fem]\ngrids = [[16, 12]]\n"
+    options = area.Options(scene=scene(text), reduced_pressures=(0.05,))
+    outputs = run_study(find_study("area"), options, tmp_path, bench=bench, report=False)
+    said = outputs.page.findings
+    assert any("map.npy" in one and "grids 96, 120, 144" in one for one in said)
+    assert "Not used of the scene, for this study presses by boundary elements: [methods.fem]." in said
+    assert "Keys of the scene that this study has no use for: methods.bem.shifts." in said
+    assert outputs.page.settings["scene"]["load"] == {"pressure": 8e6}
+    assert "hurst" not in outputs.page.settings
+    # Written again from the stored dataset, it says the same.
+    assert report_study(tmp_path, numbers_only=True).page.findings == said
+
+
+def test_finite_elements_of_a_scene_stand_beside_boundary_elements_with_its_effects(scene, bench):
+    mine = scene(YIELDING + "[methods.fem]\ngrids = [12]\ngrowth = 1.5\n")
+    data = cross.run(cross.Options(scene=mine, surfaces=1), bench=bench)
+    assert data.leg.values.tolist() == ["fem"]
+    own = {solve.method: solve for solve in solves_of(mine) if solve.grid == (12, 12)}
+    found = own["fem"].do().contact
+    ours = press(
+        own["fem"].height_field(),
+        HalfSpace(solid=Solid(young=2e6, poisson=0.3)),
+        hardness=Hardness(pressure=3e4),
+        mean_pressure=own["fem"].realised.pressure,
+    )
+    apart = np.linalg.norm(found.pressure - ours.pressure) / np.linalg.norm(ours.pressure)
+    assert float(data.pressure_half_space[0, 0]) == pytest.approx(apart, rel=1e-6)
+
+
+def test_the_verdict_on_the_theory_over_one_measured_map_claims_no_scatter(scene, bench):
+    options = theory_verdict.Options(scene=scene(MAP), reduced_pressures=(0.3,), shifts=1)
+    data = theory_verdict.run(options, bench=bench)
+    assert np.isfinite(data.ratio.sel(quantity="area", variant="persson")).all()
+    assert np.isnan(data.interval.sel(quantity="area")).all()
+    assert "edge_value" not in data
+    assert theory_verdict.findings(data)

@@ -1,0 +1,42 @@
+"""The command `fem-contact compare`."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from validation.cli.options import JsonOption, ReportOption
+
+__all__ = ["compare"]
+
+
+def compare(
+    folders: Annotated[
+        list[Path], typer.Argument(metavar="DIR DIR...", help="Results folders of one kind; the first leads.")
+    ],
+    output: Annotated[
+        Path | None,
+        typer.Option("--output", "-o", help="Folder of the comparison. Default: results/compare-A-B."),
+    ] = None,
+    with_report: ReportOption = True,
+    as_json: JsonOption = False,
+) -> None:
+    """Put several runs, sweeps or studies on one page: what differs, and by how many uncertainties.
+
+    Read from results folders; solves nothing. The first folder is what the others are compared with. Runs
+    are compared with runs, sweeps with sweeps, and a study with the same study of other options.
+    """
+    from validation.cli.results import print_page
+    from validation.comparison.beside_page import compare_folders
+
+    names = "-".join(re.sub(r"[^A-Za-z0-9._-]", "-", folder.resolve().name) for folder in folders)
+    target = output or Path("results") / f"compare-{names[:80]}"
+    page, files = compare_folders(folders, target, report=with_report)
+    if as_json:
+        typer.echo(json.dumps(page.summary, indent=2))
+        return
+    print_page(page, files)

@@ -1,0 +1,141 @@
+"""The commands that hold the code and the paper against known numbers: `validate` and `reproduce`."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from validation.cli.options import JsonOption, OutputOption, QuietOption, ReportOption, say, stopping_cleanly
+from validation.errors import RunFailed
+
+__all__ = ["reproduce", "validate"]
+
+
+def validate(
+    names: Annotated[
+        list[str] | None, typer.Argument(metavar="CASE", help="Cases to run; all if not given.")
+    ] = None,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Only what takes seconds; under three minutes.")
+    ] = False,
+    list_all: Annotated[bool, typer.Option("--list", help="Name the cases and their claims.")] = False,
+    method: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--method", metavar="NAME", help="Score this solver: a method, or module:function of your own."
+        ),
+    ] = None,
+    seconds: Annotated[
+        float,
+        typer.Option(
+            "--seconds", min=1.0, help="Processor time all solves of a solver may take, with --method."
+        ),
+    ] = 300.0,
+    tolerance: Annotated[
+        float, typer.Option("--tolerance", min=1e-12, max=1e-2, help="Of the residuals, with --method.")
+    ] = 1e-6,
+    output: OutputOption = None,
+    with_report: ReportOption = True,
+    as_json: JsonOption = False,
+) -> None:
+    """Check every case with a known answer; exit with 1 if any fails.
+
+    The verdicts go to results/validation. With --method, a scorecard of that solver is written instead;
+    further ones stand beside the first.
+    """
+    from validation.cases import chosen_cases, run_cases
+    from validation.cases._page import validation_page
+    from validation.cli.results import print_page
+    from validation.files import prepare_folder
+    from validation.report.page import write_page
+
+    if method:
+        _score(method, quick=quick, tolerance=tolerance, seconds=seconds, output=output, as_json=as_json)
+        return
+    cases = chosen_cases(names or [], quick=quick)
+    if list_all:
+        for case in cases:
+            typer.echo(f"{case.name:28s} {'quick' if case.quick else 'long '}  {case.claim}")
+        return
+    folder = prepare_folder(output or Path("results") / "validation")
+    with stopping_cleanly():
+        verdicts = tuple(run_cases(cases, tell=None if as_json else lambda line: say(line, prefix="")))
+    page = validation_page(verdicts, asked={"cases": list(names or []), "quick": quick}, figures=with_report)
+    files = write_page(page, folder, numbers_only=not with_report)
+    if as_json:
+        typer.echo(json.dumps([verdict.summary() for verdict in verdicts], indent=2))
+    else:
+        print_page(page, files)
+    failed = [verdict.case for verdict in verdicts if not verdict.passed]
+    if failed:
+        raise RunFailed(f"{len(failed)} of {len(verdicts)} cases failed: {', '.join(failed)}")
+
+
+def _score(
+    names: list[str], *, quick: bool, tolerance: float, seconds: float, output: Path | None, as_json: bool
+) -> None:
+    """Write the scorecards of solvers; fail where the first of them does."""
+    from validation.cases.scorecard import Subject, score
+    from validation.cases.scorecard.sheet import write_scorecards
+    from validation.files import prepare_folder
+    from validation.methods import chosen_solver
+
+    chosen = {name: chosen_solver(name) for name in names}
+    plain = re.sub(r"[^A-Za-z0-9._-]", "-", names[0])
+    folder = prepare_folder(output or Path("results") / f"scorecard-{plain}")
+    cards = []
+    with stopping_cleanly():
+        for name, (solver, settings) in chosen.items():
+            subject = Subject(
+                name=name, solver=solver, settings=settings, tolerance=tolerance, quick=quick, seconds=seconds
+            )
+            if not as_json:
+                typer.echo(f"{name}:")
+            cards.append(score(subject, tell=None if as_json else lambda line: say(line, prefix="")))
+    files = write_scorecards(cards, folder)
+    if as_json:
+        typer.echo(files[1].read_text(encoding="utf-8"), nl=False)
+    else:
+        for path in files:
+            typer.echo(f"  {path}")
+    first = cards[0]
+    if first.failed:
+        raise RunFailed(first.sentence)
+    if not as_json:
+        typer.echo(first.sentence)
+
+
+def reproduce(
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Folder for figures and claims.")
+    ] = None,
+    figures: Annotated[bool, typer.Option("--figures/--no-figures", help="Draw the figures, too.")] = True,
+    quiet: QuietOption = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Recompute Persson (2006), and say what holds.
+
+    Covers the calculated figures and the numbers stated in the text: spectra, area, hardness, adhesion,
+    tire rim, PMMA, Pyrex. Claims of one system are judged under one set of conventions. Measured figures,
+    rubber friction and the cost of solvers have no row; the report says why.
+    """
+    from validation.cli.progress import steps_bar
+    from validation.cli.results import print_page
+    from validation.files import prepare_folder
+    from validation.paper import reproduce as reproduction
+
+    folder = prepare_folder(output or Path("results") / "persson-2006")
+    with (
+        stopping_cleanly(),
+        steps_bar(reproduction.steps() if figures else None, quiet=quiet or as_json) as tell,
+    ):
+        done = reproduction.run(folder, figures=figures, progress=tell)
+    if as_json:
+        typer.echo(json.dumps([dataclasses.asdict(row) for row in done.rows], indent=2))
+        return
+    print_page(done.page, done.files)

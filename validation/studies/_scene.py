@@ -1,0 +1,297 @@
+"""Studies on a scene: whatever it says counts in place of the options that say the same, or is refused by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, ClassVar
+
+from pydantic import Field, model_validator
+
+from validation.effects.base import SlotName, effect_key
+from validation.measures.common import base_case, base_surface
+from validation.measures.measurement import Grid, grid_for
+from validation.methods import chosen_solver
+from validation.methods.base import Settings
+from validation.scenes.checks import check_scene
+from validation.scenes.realised import Realised, realise
+from validation.scenes.scene import EffectSpec, Scene, load_scene
+from validation.scenes.tables import FileSurface, SolidSpec
+from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
+from validation.studies._study import StudyOptions
+from validation.units import wrong
+
+__all__ = ["Asked", "PressedOptions"]
+
+#: Loads closer than this, relative, are one.
+_SAME = 1e-9
+
+
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """A solver as it was asked for.
+
+    Attributes
+    ----------
+    name : str
+        As it was named: a method, or a function of the user's.
+    method : str
+        Name of the method.
+    settings : tuple of (str, value)
+    grids : tuple of (int, int)
+    """
+
+    name: str
+    method: str
+    settings: Settings
+    grids: tuple[Grid, ...]
+
+
+class PressedOptions(StudyOptions):
+    """Options of a study that presses the surfaces of one spectrum: its own, or those of a scene.
+
+    Attributes
+    ----------
+    grids_of : mapping
+        Which option says, as lambda_short/dx, the grids of which method.
+    off : mapping
+        Options of parts that make surfaces of their own, and their values on a scene, where there are none such.
+    slots : frozenset of str
+        Of the effects that its question allows.
+    plain : str
+        Why no others.
+    """
+
+    grids_of: ClassVar[Mapping[str, str]] = {"points_per_wave": "bem"}
+    off: ClassVar[Mapping[str, Any]] = {}
+    slots: ClassVar[frozenset[SlotName]] = frozenset()
+    plain: ClassVar[str] = "it compares with the elastic half-space"
+
+    scene: Scene | None = Field(default=None, description="surface, solid, load, effects and grids")
+    hurst: Hurst = 0.8
+    periods: Periods = 4.0
+    bandwidth: Bandwidth = 8.0
+    surfaces: Surfaces = 8
+    seed: Seed = 2006
+
+    @model_validator(mode="before")
+    @classmethod
+    def _as_the_scene_says(cls, data: Any) -> Any:
+        """Take from a scene what it says, and refuse what contradicts it."""
+        scene = data.get("scene") if isinstance(data, dict) else None
+        if scene is None:
+            return data
+        if isinstance(scene, str):
+            scene = load_scene(scene)
+        cls._check(scene)
+        first = replace(realise(scene), drawn=True)
+        check_scene(scene, first)
+        taken = cls.taken(scene, first)
+        for name in data:
+            if name in taken or name in _SPECTRUM:
+                flag = "--" + name.replace("_", "-")
+                raise wrong(f"{flag}: the scene {scene.name!r} says it; leave {flag} out, or the scene")
+        path = {}
+        if "reduced_pressures" in cls.model_fields:
+            given = data.get("reduced_pressures", cls.model_fields["reduced_pressures"].default)
+            path = {"reduced_pressures": _merged(given, _reduced(first))}
+        return {**data, **taken, **path, "scene": scene}
+
+    @classmethod
+    def _check(cls, scene: Scene) -> None:
+        """Refuse a scene whose methods, effects or loads the question does not allow."""
+        where = f"scene {scene.name!r}"
+        if scene.methods.options("bem") is None:
+            raise wrong(f"{where}: methods.bem: missing; this study presses by boundary elements")
+        for k, effect in enumerate(scene.effects):
+            if effect.slot not in cls.slots:
+                raise wrong(
+                    f"{where}: {effect_key(k, 'kind')} = {effect.kind!r}: not in this study: {cls.plain}"
+                )
+
+    @classmethod
+    def taken(cls, scene: Scene, first: Realised) -> dict[str, Any]:
+        """Return the options that a scene says, with their values."""
+        found: dict[str, Any] = dict(cls.off)
+        if "reduced_pressure" in cls.model_fields:
+            found["reduced_pressure"] = first.reduced_pressure
+        for option, method in cls.grids_of.items():
+            table = scene.methods.options(method)
+            if table is not None:
+                found[option] = tuple(sorted(first.points_per_wave(grid) for grid in table.grids))
+        if "methods" in cls.model_fields:
+            tables = {name: scene.methods.options(name) for name in scene.methods.solvers}
+            found["methods"] = tuple(getattr(table, "solver", name) for name, table in tables.items())
+        table = scene.methods.options("bem")
+        if "shifts" in cls.model_fields and "shifts" in table.model_fields_set:
+            found["shifts"] = table.shifts
+        if isinstance(scene.surface, FileSurface):
+            found["surfaces"] = 1
+        elif scene.ensemble is not None:
+            found["surfaces"] = scene.ensemble.realisations
+        return found
+
+    @cached_property
+    def first(self) -> Realised:
+        """The first surface with its solid and load."""
+        if self.scene is not None:
+            return replace(realise(self.scene), drawn=True)
+        surface = base_surface(
+            hurst=self.hurst, periods=self.periods, bandwidth=self.bandwidth, seed=self.seed
+        )
+        return base_case(surface, reduced_pressure=self._load, **self._solid)
+
+    @property
+    def _load(self) -> float:
+        loads = getattr(self, "reduced_pressures", None)
+        return float(loads[0]) if loads else float(getattr(self, "reduced_pressure"))  # noqa: B009
+
+    @property
+    def _solid(self) -> dict[str, SolidSpec]:
+        """The solid where it is not the usual one."""
+        return {}
+
+    @cached_property
+    def pressed(self) -> tuple[Realised, ...]:
+        """All surfaces."""
+        return tuple(self.first.further(k) for k in range(self.surfaces))
+
+    @property
+    def effects(self) -> tuple[EffectSpec, ...]:
+        """Effects of the scene."""
+        return () if self.scene is None else self.scene.effects
+
+    def grids_for(self, per_wave: Sequence[float], *, of: str = "bem") -> tuple[Grid, ...]:
+        """Return the grids of a method, coarse first: those of the scene, or with so many points per wave."""
+        table = None if self.scene is None else self.scene.methods.options(of)
+        if table is None:
+            return tuple(grid_for(self.first, n) for n in per_wave)
+        return tuple(sorted(table.grids, key=self.first.points_per_wave))
+
+    def others(self, per_wave: Sequence[float], *, without: Sequence[str] = ("bem",)) -> tuple[Asked, ...]:
+        """Return the solvers that are asked for but some, each with what it is told and its grids.
+
+        Parameters
+        ----------
+        per_wave : sequence of float
+            Their grids without a scene.
+        without : sequence of str
+            Those that the study asks in a way of its own.
+        """
+        if self.scene is None:
+            chosen = {
+                name: chosen_solver(name) for name in getattr(self, "methods", ()) if name not in without
+            }
+            return tuple(
+                Asked(
+                    name=name,
+                    method=solver.name,
+                    settings=tuple(told.items()),
+                    grids=self.grids_for(per_wave),
+                )
+                for name, (solver, told) in chosen.items()
+            )
+        methods = self.scene.methods
+        tables = {name: methods.options(name) for name in methods.solvers if name not in without}
+        return tuple(
+            Asked(
+                name=getattr(table, "solver", name),
+                method=name,
+                settings=methods.solvers[name].settings(table),
+                grids=self.grids_for((), of=name),
+            )
+            for name, table in tables.items()
+        )
+
+    def tolerance(self, usual: float) -> float:
+        """Return the tolerance of boundary elements: that of the scene where it says one."""
+        table = None if self.scene is None else self.scene.methods.options("bem")
+        said = table is not None and "tolerance" in table.model_fields_set
+        return float(table.tolerance) if said else usual
+
+    @property
+    def spectrum_words(self) -> dict[str, float]:
+        """H, L/lambda_long and lambda_long/lambda_short, for a dataset; H of a self-affine surface alone."""
+        own = self.first
+        said = {"periods": min(own.lengths) / own.longest, "bandwidth": own.longest / own.shortest}
+        if self.scene is None:
+            said = {"periods": self.periods, "bandwidth": self.bandwidth}
+        hurst = getattr(own.surface, "hurst", None)
+        return said if hurst is None else {"hurst": hurst, **said}
+
+    def said(self) -> dict[str, Any]:
+        """Return what was asked, as JSON-ready data: a scene in full, and no option that it stands in for."""
+        if self.scene is None:
+            return super().said()
+        left = {"scene", *_SPECTRUM}
+        made = self.model_dump(mode="json", exclude_none=True, exclude=left)
+        seed = getattr(self.scene.surface, "seed", None)
+        told = {} if seed is None else {"seed": seed}
+        return {**made, **told, "scene": self.scene.model_dump(mode="json", exclude_none=True)}
+
+    def words(self) -> Iterator[str]:
+        """Say what a scene was asked for, and what of it is not used."""
+        if self.scene is None:
+            return
+        own, taken = self.first, self.taken(self.scene, self.first)
+        surface = self.scene.surface
+        what = str(surface.path) if isinstance(surface, FileSurface) else surface.kind
+        listed = "".join(f", {effect.kind}" for effect in self.effects)
+        shown = {name: value for name, value in taken.items() if name not in self.off}
+        said = "; ".join(f"{name.replace('_', ' ')} {_shown(value)}" for name, value in shown.items())
+        yield (
+            f"Surface ({what}), solid and load (p* = {own.reduced_pressure:.4g}{listed}) are those of the scene "
+            f"{self.scene.name!r}, and so are: {said}."
+        )
+        unused = [f"[methods.{name}]" for name in self.scene.methods.solvers if name not in self.used]
+        if unused:
+            yield f"Not used of the scene, for this study presses by boundary elements: {', '.join(unused)}."
+        keys = _unheard(self.scene, type(self))
+        if keys:
+            yield f"Keys of the scene that this study has no use for: {', '.join(keys)}."
+        if self.off:
+            names = ", ".join(name.replace("_", " ") for name in self.off)
+            yield f"Parts of the study that a scene turns off: {names}."
+
+    @property
+    def used(self) -> frozenset[str]:
+        """Methods of a scene that this study presses by."""
+        solvers = () if self.scene is None or not hasattr(self, "methods") else self.scene.methods.solvers
+        return frozenset({"bem", *self.grids_of.values(), *solvers})
+
+
+#: Options that make a surface.
+_SPECTRUM = frozenset({"hurst", "periods", "bandwidth", "seed"})
+
+
+def _unheard(scene: Scene, options: type[StudyOptions]) -> list[str]:
+    """Name the keys that a scene says and a study has no use for."""
+    table = scene.methods.options("bem")
+    keys = []
+    if "shifts" in table.model_fields_set and "shifts" not in options.model_fields:
+        keys.append("methods.bem.shifts")
+    if scene.ensemble is not None:
+        keys.append("ensemble.grids")
+    return keys
+
+
+def _reduced(realised: Realised) -> tuple[float, ...]:
+    """p* of each load, as given where it is given so."""
+    if realised.load.reduced_pressure is not None:
+        return realised.load.values
+    return tuple(pressure / realised.pressure_scale for pressure in realised.pressures)
+
+
+def _merged(path: Any, own: Sequence[float]) -> tuple[float, ...]:
+    """Put the loads of a scene into a path of loads; a scene with several brings its own path."""
+    if len(own) > 1:
+        return tuple(sorted(set(own)))
+    (load,) = own
+    others = [float(p) for p in path if abs(float(p) / load - 1) > _SAME]
+    return tuple(sorted([*others, load]))
+
+
+def _shown(value: Any) -> str:
+    values = value if isinstance(value, tuple) else (value,)
+    return ", ".join(f"{v:.6g}" if isinstance(v, float) else str(v) for v in values)
