@@ -182,7 +182,7 @@ def test_waves_left_out_raise_the_reduced_pressure_of_the_rest():
         data = magnification.run(options, bench=SimpleNamespace())
     exact = [math.erf(math.sqrt(2) * 0.1 * whole / slope) for slope in (part, whole)]
     np.testing.assert_allclose(data.theory[0, :, 0], exact, rtol=1e-9)
-    spectrum = spectrum_of(options.surface)
+    spectrum = options.first.spectrum
     slopes = [math.sqrt(float(spectrum.m2(zeta * spectrum.q_long))) for zeta in (2.0, 4.0)]
     exact = [math.erf(math.sqrt(2) * 0.1 * whole / slope) for slope in slopes]
     np.testing.assert_allclose(data.theory_ensemble[0, :, 0], exact, rtol=1e-9)
@@ -311,7 +311,7 @@ def test_energy_and_variance_of_the_waves_of_a_field_are_those_of_its_spectrum()
 
 def test_variances_expected_of_a_spectrum_scatter_with_the_squared_gradients_about_its_own():
     surface = base_surface(hurst=0.8, periods=2.0, bandwidth=4.0, seed=97)
-    found = ensemble_stress_variance(surface, [0.1, 0.2])
+    found = ensemble_stress_variance(spectrum_of(surface), [0.1, 0.2])
     np.testing.assert_allclose(found, 0.1**2 / 4 * np.array([0.4, 1.6]), rtol=1e-9)
 
 
