@@ -8,6 +8,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
+from fem_contact._environment import settle
+
 if TYPE_CHECKING:
     from fem_contact import adhesion, bem, block
     from fem_contact.area import ContactAreas, Limit, contact_areas, mean_areas, subcell_area, subgrid_shifts
@@ -112,6 +114,8 @@ __all__ = [
     "yielded",
 ]
 
+settle()
+
 #: Where each name lives: it is imported when first asked for, so that `import fem_contact` costs nothing.
 _HOMES = {
     "BondedLayer": "fem_contact.response",
@@ -192,4 +196,6 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__, "__version__"} - {"TYPE_CHECKING", "annotations", "importlib"})
+    return sorted(
+        {*globals(), *__all__, "__version__"} - {"TYPE_CHECKING", "annotations", "importlib", "settle"}
+    )

@@ -115,7 +115,7 @@ class FlawTolerance:
     def growth(self) -> Array:
         """-d ln E~*/d ln q: 1 where E grows in proportion to depth, more where it must grow faster."""
         modulus, q = self.modulus / self.modulus[0], self.wavevectors / self.wavevectors[0]
-        return -np.gradient(np.log(modulus), np.log(q))
+        return np.asarray(-np.gradient(np.log(modulus), np.log(q)))
 
 
 def optimal_modulus(

@@ -96,10 +96,10 @@ def _depth() -> list[Check]:
     for count in counts:
         graded = ExponentialSolid(surface=surface, bulk_young=5.0, depth=1.0, sublayers=count)
         errors.append(max(abs(_felt(graded, q) / _felt(layered, q) - 1) for q in (0.5, 2.0)))
-    order = -float(np.polyfit(np.log(counts[:3]), np.log(errors[:3]), 1)[0])
     checks += [
         Check.below("error of the usual sublayers at q d = .5 and 2", errors[-1], 3e-4),
-        Check.within("its observed order", order, 1.7, 2.3),
+        # The last is off by the thin layers that it is held against, too.
+        Check.order("its observed order", counts[:3], errors[:3], expected=2.0, tolerance=0.3),
     ]
     for q, young in ((1e4, 1.0), (1e-5, 5.0)):
         exact = 2 * 0.91 / (young * q)

@@ -77,13 +77,21 @@ def _share(rim: Rim) -> float:
     return float(state.energy_share[-1] / state.area[-1])
 
 
+#: The literal reading first.
+_READINGS: tuple[Convention, ...] = tuple(
+    Convention(name=f"{words}, {formula}", value=Rim(energy=energy, area=area))
+    for area, words in _AREAS.items()
+    for energy, formula in _ENERGIES.items()
+)
+
+
+def _each_reading() -> str:
+    return "each reading: " + ", ".join(f"{c.name} {c.value.pressed.real_area:.4f}" for c in _READINGS)
+
+
 RIM = Application(
     name="tire rim",
-    conventions=tuple(
-        Convention(name=f"{words}, {formula}", value=Rim(energy=energy, area=area))
-        for area, words in _AREAS.items()
-        for energy, formula in _ENERGIES.items()
-    ),
+    conventions=_READINGS,
     claims=(
         claim(
             "surface area above the projected one [%]",
@@ -99,10 +107,7 @@ RIM = Application(
             0.44,
             within=digit(0.44, 0.01),
             under=lambda rim: rim.pressed.real_area,
-            note=lambda: (
-                "each reading: "
-                + ", ".join(f"{c.name} {c.value.pressed.real_area:.4f}" for c in RIM.conventions)
-            ),
+            note=_each_reading,
         ),
         claim(
             "adhesion becomes important near magnification",
