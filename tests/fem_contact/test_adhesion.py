@@ -281,6 +281,16 @@ def test_bad_arguments_are_refused(arguments, message):
         adhesion.solve(rough(32, waves=4), ELASTIC, law=law_for(32), **arguments)
 
 
+def test_an_offset_of_zero_is_taken_though_the_mean_height_is_zero_but_for_rounding():
+    heights = np.full((32, 32), 2.0**-7)
+    heights[::2] *= -1
+    heights[1, 0] *= 1 + 2.0**-51
+    assert 0 < heights.mean() < 1e-20
+    surface = HeightField(heights=heights, lengths=(1.0, 1.0))
+    with pytest.raises(InvalidInput, match="start"):  # the next thing to be looked at
+        adhesion.solve(surface, ELASTIC, law=law_for(32), offset=0.0, start=np.zeros((3, 3)))
+
+
 def test_an_offset_below_full_contact_is_refused():
     surface, law = sticky_tips()
     with pytest.raises(InvalidInput, match="below the mean height"):

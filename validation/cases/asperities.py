@@ -50,7 +50,7 @@ def _hertz() -> list[Check]:
 
 
 def _jkr() -> list[Check]:
-    def load(a: Array) -> Array:
+    def load(a: float | Array) -> Array:
         return spheres.jkr_load(a, radius=_RADIUS, contact_modulus=_MODULUS, work_of_adhesion=_WORK)
 
     # Without load a^3 = 9 pi w R^2 / (2 E*); at pull-off it is a quarter of that.

@@ -61,9 +61,11 @@ def _layers() -> list[Check]:
     solid, thickness = Solid(young=2.0, poisson=0.3), 0.1
     confined = 2.0 * 0.7 / (1.3 * 0.4)
     checks = []
-    kinds = {"bonded": BondedLayer, "frictionless": FrictionlessLayer}
-    for name, kind in kinds.items():
-        layer = kind(solid=solid, thickness=thickness)
+    layers: dict[str, Response] = {
+        "bonded": BondedLayer(solid=solid, thickness=thickness),
+        "frictionless": FrictionlessLayer(solid=solid, thickness=thickness),
+    }
+    for name, layer in layers.items():
         pressed = bem.solve(
             HeightField(heights=np.zeros((4, 4)), lengths=(1.0, 1.0)), layer, mean_pressure=0.02
         ).checked()
@@ -138,7 +140,7 @@ def _effects() -> list[Check]:
     at_depth = 8e9 - 6e9 / math.e
     mesh = float(slots.body.modulus(np.zeros(1), np.zeros(1), np.array([-3e-6]))[0]) * 2e9  # type: ignore[misc]
     layers = {
-        base: Slots.filled(solid, [Thickness(thickness=1e-6, base=base)]).felt_response  # type: ignore[arg-type]
+        base: Slots.filled(solid, [Thickness(thickness=1e-6, base=base)]).felt_response
         for base in ("bonded", "frictionless")
     }
 
@@ -221,8 +223,7 @@ def _told() -> list[Check]:
     sticky = Adhesion(work=0.1 * full_contact_energy(realised.field, modulus=modulus), reach=1e-8)
     scale = Scale(realised.own_spectrum, contact_modulus=modulus)
     found = {
-        energy: predict(realised, [sticky], TheoryOptions(energy=energy))  # type: ignore[arg-type]
-        for energy in ("improved", "old")
+        energy: predict(realised, [sticky], TheoryOptions(energy=energy)) for energy in ("improved", "old")
     }
     flat = predict(realised, [sticky], TheoryOptions(area="projected"))
     checks = [

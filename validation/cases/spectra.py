@@ -114,7 +114,7 @@ def _tables() -> list[Check]:
     q = np.geomspace(2.0, 300.0, 9)
 
     def power(wave: float) -> float:
-        return 1e-3 * wave**-3.4
+        return float(1e-3 * wave**-3.4)
 
     table = Tabulated(wavevectors=q, power=np.array([power(wave) for wave in q]))
     areal = Tabulated.from_areal_psd(q, (2 * math.pi) ** 2 * table.power)
@@ -130,15 +130,8 @@ def _tables() -> list[Check]:
 _LENGTHS = (1.0, 0.625)
 
 
-def _drawn(shape: tuple[int, int], **changes: str) -> HeightField:
-    return random_surface(
-        _power,
-        q_short=80.0,
-        lengths=_LENGTHS,
-        shape=shape,
-        seed=7_919,
-        **changes,  # type: ignore[arg-type]
-    )
+def _drawn(shape: tuple[int, int]) -> HeightField:
+    return random_surface(_power, q_short=80.0, lengths=_LENGTHS, shape=shape, seed=7_919)
 
 
 def _power(q: Array) -> Array:

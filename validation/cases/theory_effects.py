@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -118,7 +119,7 @@ def _diffusion() -> list[Check]:
 def _variants() -> list[Check]:
     """Invert dV = S(P) dV_full by a quadrature over V."""
     ratio = 0.45
-    factors = {
+    factors: dict[str, Callable[[float], float]] = {
         "yang_persson": lambda p: ratio + (1 - ratio) * p**2,
         "wang_mueser": lambda p: 5 / 9 - 2 / 9 * p**2 + 6 / 9 * p**4,
     }
