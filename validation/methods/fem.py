@@ -183,7 +183,8 @@ class Fem(Solver):
         """Press the block to an offset."""
         from fem_contact import block
 
-        solution = block.solve_displacement(field, slots.solid, **distance, **_told(slots, settings))
+        said = {**_told(slots, settings), **distance}
+        solution = block.solve_displacement(field, slots.solid, **said)
         return Solved(contact=solution.contact, block=solution)
 
     def felt(self, field: HeightField, *, slots: Slots, settings: Mapping[str, Any]) -> Response:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -127,16 +127,18 @@ class Press(Solve):
         FemContactError
             When the solve failed.
         """
-        own, field = self.realised, self.height_field()
-        told: dict[str, Any] = {
-            "slots": Slots.filled(own.elastic, self.effects),
-            "settings": dict(self.settings),
-            "threads": threads,
-        }
-        if own.load.held:
-            solved = self.solver.hold(field, distance=own.load.held, **told)
-        else:
-            solved = self.solver.solve(field, mean_pressure=own.pressure, **told)
+        solver, load = self.solver, self.realised.load
+        press = (
+            partial(solver.hold, distance=load.held)
+            if load.held
+            else partial(solver.solve, mean_pressure=self.realised.pressure)
+        )
+        solved = press(
+            self.height_field(),
+            slots=Slots.filled(self.realised.elastic, self.effects),
+            settings=dict(self.settings),
+            threads=threads,
+        )
         solved.contact.checked()
         return solved
 

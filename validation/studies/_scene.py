@@ -207,8 +207,9 @@ class PressedOptions(StudyOptions):
     def tolerance(self, usual: float) -> float:
         """Return the tolerance of boundary elements: that of the scene where it says one."""
         table = None if self.scene is None else self.scene.methods.options("bem")
-        said = table is not None and "tolerance" in table.model_fields_set
-        return float(table.tolerance) if said else usual
+        if table is None or "tolerance" not in table.model_fields_set:
+            return usual
+        return float(table.tolerance)
 
     @property
     def spectrum_words(self) -> dict[str, float]:

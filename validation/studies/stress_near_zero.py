@@ -137,10 +137,10 @@ def _dataset(found: Mapping[_Case, xr.Dataset], options: Options, spacing: np.nd
         return np.array([[[read((m, k, g)) for g in places[2]] for k in places[1]] for m in places[0]])
 
     starts = {case: _start(data, options, spacing[case[0], case[2]]) for case, data in found.items()}
-    data: dict[str, Any] = {}
-    for name in ("density_at_zero", "slope", "contour_slope", "patches"):
-        read = attrgetter(name)
-        data[name] = (("method", "surface", "grid"), over(lambda case, read=read: read(starts[case])))
+    names = ("density_at_zero", "slope", "contour_slope", "patches")
+    read = over(lambda case: attrgetter(*names)(starts[case]))
+    dims = ("method", "surface", "grid")
+    data: dict[str, Any] = {name: (dims, read[..., k]) for k, name in enumerate(names)}
     density = over(lambda case: found[case].density.values)
     data["density"] = (("method", "grid", "bin"), density.mean(axis=1))
     stress = found[0, 0, 0].stress.values
@@ -228,7 +228,9 @@ def table(dataset: xr.Dataset) -> ResultTable:
         "+- (95 %)",
         "patches",
     )
-    rows = [(name, *row) for name, own in by_method(dataset).items() for row in _rows(own)]
+    rows: list[tuple[float | str, ...]] = [
+        (name, *row) for name, own in by_method(dataset).items() for row in _rows(own)
+    ]
     return ResultTable.of(columns, rows)
 
 
@@ -239,7 +241,7 @@ def by_method(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
 
 def _rows(dataset: xr.Dataset) -> list[tuple[float, ...]]:
     """Return the numbers of one method on each grid."""
-    rows = []
+    rows: list[tuple[float, ...]] = []
     for i, spacing in enumerate(dataset.spacing.values):
         density, slope = over_surfaces(dataset.density_at_zero[:, i]), over_surfaces(dataset.slope[:, i])
         contour = over_surfaces(dataset.contour_slope[:, i])

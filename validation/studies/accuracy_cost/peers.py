@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
+from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.errors import RunFailed
@@ -124,7 +125,7 @@ class PeerMeasurement(SingleSolve):
                 peak_bytes=int(took["peak_bytes"]) if math.isfinite(took["peak_bytes"]) else 0,
             ),
             HeightField(heights=heights, lengths=(1.0, 1.0)),
-            solid=Solid(young=1.0, poisson=0.0),
+            response=HalfSpace(solid=Solid(young=1.0, poisson=0.0)),
             mean_pressure=reduced_load(own),
             tolerance=took["tolerance"],
             method=self.code,
