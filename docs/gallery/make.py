@@ -2,6 +2,7 @@
 
     python docs/gallery/make.py                    # all of them: a quarter of an hour on one core
     python docs/gallery/make.py cross refinement   # those of some studies
+    python docs/gallery/make.py scorecard          # our solvers beside tamaas, ContactMechanics, CalculiX
     python docs/gallery/make.py --redraw           # from the datasets in results/, solving nothing
 
 Every study leaves all its figures (SVG, PDF, and their numbers) in results/NAME; the gallery shows a few of
@@ -36,6 +37,9 @@ SHOWN = {
     "hurst": ("kappa-against-hurst",),
 }
 
+#: The solvers of the scorecard, where they are installed.
+SCORED = ("bem", "fem", "tamaas", "contact_mechanics", "calculix")
+
 #: Options that are not the defaults: these take a tenth of the time and show the same.
 OPTIONS: dict[str, dict[str, Any]] = {
     "hurst": {
@@ -51,14 +55,18 @@ OPTIONS: dict[str, dict[str, Any]] = {
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run or redraw the studies that are asked for, and save their pictures."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("studies", nargs="*", metavar="STUDY", help=f"Of {', '.join(SHOWN)}; default: all.")
+    known = [*SHOWN, "scorecard"]
+    parser.add_argument("studies", nargs="*", metavar="STUDY", help=f"Of {', '.join(known)}; default: all.")
     parser.add_argument("--redraw", action="store_true", help="From results/NAME, without solving.")
     parser.add_argument("--workers", type=int, default=1, help="Local processes that solve.")
     parser.add_argument("--output", type=Path, default=Path(__file__).parent, help="Default: beside this.")
     said = parser.parse_args(arguments)
-    if unknown := set(said.studies) - set(SHOWN):
-        parser.error(f"{', '.join(sorted(unknown))}: not in the gallery; one of: {', '.join(SHOWN)}")
-    for name in said.studies or SHOWN:
+    if unknown := set(said.studies) - set(known):
+        parser.error(f"{', '.join(sorted(unknown))}: not in the gallery; one of: {', '.join(known)}")
+    for name in said.studies or known:
+        if name == "scorecard":
+            _scorecard(said.output)
+            continue
         outputs = _outputs(name, redraw=said.redraw, workers=said.workers)
         figures = {drawing.name: drawing.figure for drawing in outputs.page.figures}
         for shown in SHOWN[name]:
@@ -67,6 +75,25 @@ def main(arguments: Sequence[str] | None = None) -> None:
             # 64 colours draw lines and letters as well as millions do, in a third of the bytes.
             Image.open(target).convert("RGB").quantize(64).save(target, optimize=True)
             print(f"{target}: {target.stat().st_size / 1024:.0f} KB")
+
+
+def _scorecard(folder: Path) -> None:
+    """Score our solvers beside those of others that are installed, and write their page."""
+    from validation.cases.scorecard import Subject, score
+    from validation.cases.scorecard.sheet import write_scorecards
+    from validation.methods import find_solver
+
+    solvers = {name: find_solver(name) for name in SCORED}
+    subjects = [
+        Subject(name=name, solver=solver, settings={}, quick=False)
+        for name, solver in solvers.items()
+        if solver.available() is None
+    ]
+    page, data = write_scorecards(
+        [score(subject, tell=print) for subject in subjects], prepare_folder(folder)
+    )
+    data.unlink()
+    print(f"{page}: {page.stat().st_size / 1024:.0f} KB")
 
 
 def _outputs(name: str, *, redraw: bool, workers: int) -> StudyOutputs:

@@ -30,15 +30,15 @@ class Rough:
         E* [Pa].
     moments : persson.spectrum.Moments
         m0 [m^2], m2 [-] and m4 [1/m^2] of the realised surface.
-    spectrum : persson.spectrum.Spectrum
-        C(q) [m^4] that it was drawn from.
+    spectrum : persson.spectrum.Spectrum or None
+        C(q) [m^4] that it was drawn from; None where nobody knows it.
     waves : Waves
         Of the realised surface, in units of E*.
     """
 
     contact_modulus: float
     moments: Moments
-    spectrum: Spectrum
+    spectrum: Spectrum | None
     waves: Waves
 
     @classmethod

@@ -112,7 +112,7 @@ class Subject:
     def asked_seconds(self) -> list[float]:
         """Processor time of each of its solves so far; 0 where it is not known."""
         solved = [found.claim.cpu_seconds for found in self._asked.values() if isinstance(found, Pressed)]
-        return np.nan_to_num(solved).tolist()
+        return [float(seconds) for seconds in np.nan_to_num(solved)]
 
     @property
     def pressure_error(self) -> float:

@@ -98,7 +98,7 @@ def _said(theory: Theory, told: Sequence[Rough], loads: Array) -> dict[str, Arra
             if value is None:
                 return None
             rows.append(value / unit(rough))
-        return np.mean(rows, axis=0)
+        return np.asarray(np.mean(rows, axis=0))
 
     gap = mean(theory.mean_gap, lambda rough: rough.moments.rms_height)
     found = {

@@ -81,8 +81,8 @@ def table(dataset: xr.Dataset) -> ResultTable:
             rows.append((words, area, *cells))
     for area, loads in ranges:
         distances = dataset.distance.values[:, loads].max(axis=1)
-        words = (f"differs by up to {d:.3f}" if np.isfinite(d) else "says nothing" for d in distances)
-        rows.append(("P(sigma) A0/A", area, *words))
+        cells = [f"differs by up to {d:.3f}" if np.isfinite(d) else "says nothing" for d in distances]
+        rows.append(("P(sigma) A0/A", area, *cells))
     if "edge_value" in dataset:
         rows += _edge_rows(dataset)
     for name, words in _CLAIMS.items():
@@ -97,7 +97,7 @@ def table(dataset: xr.Dataset) -> ResultTable:
 
 def labels(dataset: xr.Dataset) -> list[str]:
     """How the theory, its variants and the further theories of a dataset are called."""
-    known: dict[str, str] = {**VARIANTS}
+    known = {str(name): label for name, label in VARIANTS.items()}
     return [known.get(name, name) for name in dataset.variant.values.tolist()]
 
 
