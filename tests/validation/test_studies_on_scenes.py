@@ -1,4 +1,4 @@
-"""Studies on a scene: its surface, solid, load, effects and grids are what is pressed, or it is refused by name."""
+"""Studies on a scene: surface, solid, load, effects, grids are what is pressed, or refused by name."""
 
 import dataclasses
 
