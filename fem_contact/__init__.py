@@ -8,9 +8,12 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING
 
+from fem_contact._environment import settle
+
 if TYPE_CHECKING:
     from fem_contact import adhesion, bem, block
     from fem_contact.area import ContactAreas, Limit, contact_areas, mean_areas, subcell_area, subgrid_shifts
+    from fem_contact.conductance import FrozenContact, contact_conductance, frozen_contact
     from fem_contact.contact import ContactResult, Cost, Residuals, Status, measure_residuals
     from fem_contact.errors import (
         FemContactError,
@@ -23,6 +26,7 @@ if TYPE_CHECKING:
     from fem_contact.extrapolation import counted_limit, located_limit
     from fem_contact.graded import ExponentialSolid, LayeredSolid
     from fem_contact.hardness import Hardness, YieldedContact, press, unload, yielded
+    from fem_contact.leak import GapFlow, critical_gap, flow_conductance, open_gap, percolates
     from fem_contact.patches import Patches, find_patches
     from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace, Response
     from fem_contact.solid import Solid, composite_modulus
@@ -53,6 +57,8 @@ __all__ = [
     "ExponentialSolid",
     "FemContactError",
     "FrictionlessLayer",
+    "FrozenContact",
+    "GapFlow",
     "GivenResponse",
     "HalfSpace",
     "Hardness",
@@ -75,12 +81,16 @@ __all__ = [
     "block",
     "composite_modulus",
     "contact_areas",
+    "contact_conductance",
     "contact_stiffness",
     "counted_limit",
+    "critical_gap",
     "density_at_zero",
     "elastic_energy",
     "estimate_spectrum",
     "find_patches",
+    "flow_conductance",
+    "frozen_contact",
     "gap_distribution",
     "initial_slope",
     "limit_density",
@@ -88,6 +98,8 @@ __all__ = [
     "located_limit",
     "mean_areas",
     "measure_residuals",
+    "open_gap",
+    "percolates",
     "press",
     "pressure_distribution",
     "radial_spectrum",
@@ -102,6 +114,8 @@ __all__ = [
     "yielded",
 ]
 
+settle()
+
 #: Where each name lives: it is imported when first asked for, so that `import fem_contact` costs nothing.
 _HOMES = {
     "BondedLayer": "fem_contact.response",
@@ -111,6 +125,8 @@ _HOMES = {
     "ExponentialSolid": "fem_contact.graded",
     "FemContactError": "fem_contact.errors",
     "FrictionlessLayer": "fem_contact.response",
+    "FrozenContact": "fem_contact.conductance",
+    "GapFlow": "fem_contact.leak",
     "GivenResponse": "fem_contact.response",
     "HalfSpace": "fem_contact.response",
     "Hardness": "fem_contact.hardness",
@@ -130,12 +146,16 @@ _HOMES = {
     "YieldedContact": "fem_contact.hardness",
     "composite_modulus": "fem_contact.solid",
     "contact_areas": "fem_contact.area",
+    "contact_conductance": "fem_contact.conductance",
     "contact_stiffness": "fem_contact.stress",
     "counted_limit": "fem_contact.extrapolation",
+    "critical_gap": "fem_contact.leak",
     "density_at_zero": "fem_contact.stress",
     "elastic_energy": "fem_contact.stress",
     "estimate_spectrum": "fem_contact.surface",
     "find_patches": "fem_contact.patches",
+    "flow_conductance": "fem_contact.leak",
+    "frozen_contact": "fem_contact.conductance",
     "gap_distribution": "fem_contact.stress",
     "initial_slope": "fem_contact.stress",
     "limit_density": "fem_contact.stress",
@@ -143,6 +163,8 @@ _HOMES = {
     "located_limit": "fem_contact.extrapolation",
     "mean_areas": "fem_contact.area",
     "measure_residuals": "fem_contact.contact",
+    "open_gap": "fem_contact.leak",
+    "percolates": "fem_contact.leak",
     "press": "fem_contact.hardness",
     "pressure_distribution": "fem_contact.stress",
     "radial_spectrum": "fem_contact.surface",
@@ -174,4 +196,6 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__, "__version__"} - {"TYPE_CHECKING", "annotations", "importlib"})
+    return sorted(
+        {*globals(), *__all__, "__version__"} - {"TYPE_CHECKING", "annotations", "importlib", "settle"}
+    )

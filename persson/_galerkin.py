@@ -8,6 +8,9 @@ accurate (Hairer and Wanner, Solving Ordinary Differential Equations II, Table 6
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numba
 import numpy as np
 
@@ -54,7 +57,15 @@ def matrices(modes: int) -> tuple[Array, Array, Array, Array]:
     return mass, shift, stretch, dj
 
 
-@numba.njit(cache=True)
+def _compiled(function: Callable[..., Any]) -> Any:
+    """Compile, and keep what is compiled where numba finds a folder that can be written to."""
+    try:
+        return numba.njit(cache=True)(function)
+    except RuntimeError:  # no locator: home and package are read-only
+        return numba.njit(function)
+
+
+@_compiled
 def _factor(rows):  # type: ignore[no-untyped-def]
     """LU factors of a five-diagonal matrix in place, without pivoting."""
     n = rows.shape[1]
@@ -70,7 +81,7 @@ def _factor(rows):  # type: ignore[no-untyped-def]
             rows[2, j + 2] -= p * rows[4, j]
 
 
-@numba.njit(cache=True)
+@_compiled
 def _solve(rows, x):  # type: ignore[no-untyped-def]
     """Solve in place with the factors of `_factor`."""
     n = rows.shape[1]
@@ -86,7 +97,7 @@ def _solve(rows, x):  # type: ignore[no-untyped-def]
         x[j] /= rows[2, j]
 
 
-@numba.njit(cache=True)
+@_compiled
 def _moments(mass, d, x, height, out):  # type: ignore[no-untyped-def]
     """Integrals of the density against the basis.
 
@@ -104,7 +115,7 @@ def _moments(mass, d, x, height, out):  # type: ignore[no-untyped-def]
     out[1] += d[1] / 3 * height
 
 
-@numba.njit(cache=True)
+@_compiled
 def _assemble(tables, advection, kappa, rows):  # type: ignore[no-untyped-def]
     """LU factors of (1 - 2 b1) mass - b0 shift - b1 stretch + kappa; all already multiplied by the step."""
     mass, shift, stretch, _ = tables
@@ -117,7 +128,7 @@ def _assemble(tables, advection, kappa, rows):  # type: ignore[no-untyped-def]
     _factor(rows)
 
 
-@numba.njit(cache=True)
+@_compiled
 def _slopes(d, x, height):  # type: ignore[no-untyped-def]
     """Return the derivatives of the density at x = -1 and x = 1."""
     low, high = height / 2, height / 2
@@ -128,7 +139,7 @@ def _slopes(d, x, height):  # type: ignore[no-untyped-def]
     return low, high
 
 
-@numba.njit(cache=True)
+@_compiled
 def _yield(stage, d, rows, x, known):  # type: ignore[no-untyped-def]
     """Plastic area of a stage at the upper wall (Persson 2006, Eqs. 33 and 34); takes its part off x.
 
@@ -152,7 +163,7 @@ def _yield(stage, d, rows, x, known):  # type: ignore[no-untyped-def]
     return top / bottom
 
 
-@numba.njit(cache=True)
+@_compiled
 def advance(steps, edges, diffusion, upper_wall, start, tables, history):  # type: ignore[no-untyped-def]
     """Integrate over all steps; rates are per unit of the running variable s.
 

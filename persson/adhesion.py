@@ -23,6 +23,7 @@ from persson._checks import (
     instance,
     non_negative,
     positive,
+    real,
     scalar,
     whole,
     within,
@@ -79,6 +80,13 @@ class AdhesiveContact:
         gamma_eff(q) [J/m^2], raw: negative where the surfaces do not adhere.
     tensile_limit : (n,) array
         sigma_a(q) [Pa].
+    contact_force : (n,) array
+        F(q)/A0 [Pa], the force in the area of contact: it exceeds the load by what pulls outside of it, and
+        grows by -sigma_a dA (Persson 2006, Eq. 40).
+    elastic_energy : (n,) array
+        U_el(q)/A0 [J/m^2], stored by the waves shorter than those at q.
+    energy_share : (n,) array
+        P~(q), the energy stored over that of full contact: Eq. 44, or P, or Eq. 50, as the interface says.
     macroscopic_work : float
         gamma_eff(1) [J/m^2], with the energy of all roughness.
     real_area : float
@@ -96,11 +104,15 @@ class AdhesiveContact:
     area_plastic: Array
     work: Array
     tensile_limit: Array
+    contact_force: Array
+    elastic_energy: Array
+    energy_share: Array
     macroscopic_work: float
     real_area: float
     error_estimate: float
     rounds: int
     status: AdhesionStatus
+    _state: Diffusion | None = None
 
     def checked(self) -> AdhesiveContact:
         """Return this result, or raise `NotConverged`; to have no contact is a result."""
@@ -115,6 +127,16 @@ class AdhesiveContact:
     def work_at(self, wavevector: ArrayLike) -> Array:
         """gamma_eff(q) [J/m^2] between the nodes."""
         return self._between(wavevector, self.work)
+
+    def distribution(self, index: int, stress: ArrayLike) -> Array:
+        """P(sigma, zeta) [1/Pa] per nominal area at ``wavevectors[index]``, for stresses [Pa].
+
+        The elastic contact: from -sigma_a, tension, to the hardness. It integrates to area - area_plastic.
+        """
+        whole("index", index, least=-self.wavevectors.size, most=self.wavevectors.size - 1)
+        if self._state is None:
+            return np.zeros_like(real("stress", stress, unit="Pa"))[()]
+        return self._state.distribution(index, stress)
 
     def _between(self, wavevector: ArrayLike, values: Array) -> Array:
         first = self.wavevectors[0]
@@ -308,7 +330,8 @@ def _iterate(
             if case.pressure > 0:
                 raise
             return _empty(case, nodes, count)
-        new_work, macroscopic = _work(case, nodes, state)
+        balance = _balance(case, nodes, state)
+        new_work = balance.work
         if state.area[-1] < _LOST:
             return _empty(case, nodes, count)
         if case.pressure <= 0 and new_work[0] <= 0:
@@ -317,7 +340,7 @@ def _iterate(
                 return _empty(case, nodes, count)
             new_work = 0.5 * (new_work + np.maximum(work, 0.0))
         change = max(float(np.max(np.abs(new_work - work))) / gamma, float(np.max(np.abs(state.area - area))))
-        result = _result(case, nodes, state, new_work, macroscopic, change, count)
+        result = _result(case, nodes, state, replace(balance, work=new_work), change=change, count=count)
         if change < tolerance:
             return result
         damping = 1.0 if count < 40 else 0.5
@@ -372,7 +395,17 @@ def _diffuse(case: _Case, nodes: _Nodes, work: Array, onset: float | None) -> Di
     )
 
 
-def _work(case: _Case, nodes: _Nodes, state: Diffusion) -> tuple[Array, float]:
+@dataclass(frozen=True, kw_only=True)
+class _Balance:
+    """Eq. 37 at the nodes: P~, U_el [J/m^2] and gamma_eff [J/m^2], and gamma_eff at zeta = 1."""
+
+    share: Array
+    energy: Array
+    work: Array
+    macroscopic: float
+
+
+def _balance(case: _Case, nodes: _Nodes, state: Diffusion) -> _Balance:
     """gamma_eff at the nodes and at zeta = 1 (Persson 2006, Eq. 37)."""
     variance, load = state.variance, case.pressure
     if case.interface.energy == "old":
@@ -387,29 +420,39 @@ def _work(case: _Case, nodes: _Nodes, state: Diffusion) -> tuple[Array, float]:
     total = CubicSpline(nodes.t, density).antiderivative()
     energy = total(nodes.t[-1]) - total(nodes.t)
     # Before the first node V ~ q - q_min: the integrand is 1 / (E* q) over V.
-    whole = energy[0] + density[0]
-    real = state.area[-1] * nodes.factor[-1] * case.interface.work_of_adhesion
+    total_energy = energy[0] + density[0]
+    gained = state.area[-1] * nodes.factor[-1] * case.interface.work_of_adhesion
     area = np.maximum(state.area, 1e-300)
-    return np.asarray((real - energy) / (area * nodes.factor)), float(real - whole)
+    return _Balance(
+        share=share,
+        energy=energy,
+        work=np.asarray((gained - energy) / (area * nodes.factor)),
+        macroscopic=float(gained - total_energy),
+    )
 
 
 def _result(
-    case: _Case, nodes: _Nodes, state: Diffusion, work: Array, macroscopic: float, change: float, count: int
+    case: _Case, nodes: _Nodes, state: Diffusion, balance: _Balance, *, change: float, count: int
 ) -> AdhesiveContact:
+    carried = state.area_plastic * np.where(state.area_plastic != 0, state.yield_stress, 0.0)
     return AdhesiveContact(
         wavevectors=nodes.q,
         variance=state.variance,
         area=state.area,
         area_plastic=state.area_plastic,
-        work=work,
+        work=balance.work,
         tensile_limit=detachment_stress(
-            work, contact_modulus=nodes.modulus, wavevector=nodes.q, interface=case.interface
+            balance.work, contact_modulus=nodes.modulus, wavevector=nodes.q, interface=case.interface
         ),
-        macroscopic_work=macroscopic,
+        contact_force=state.load_elastic + carried,
+        elastic_energy=balance.energy,
+        energy_share=balance.share,
+        macroscopic_work=balance.macroscopic,
         real_area=float(state.area[-1]),
         error_estimate=change,
         rounds=count,
         status=AdhesionStatus.CONVERGED,
+        _state=state,
     )
 
 
@@ -422,6 +465,9 @@ def _empty(case: _Case, nodes: _Nodes, count: int) -> AdhesiveContact:
         area_plastic=zero,
         work=zero,
         tensile_limit=zero,
+        contact_force=zero,
+        elastic_energy=zero,
+        energy_share=zero,
         macroscopic_work=0.0,
         real_area=0.0,
         error_estimate=0.0,

@@ -32,7 +32,7 @@ __all__ = [
 ]
 
 
-def _tail_moment(order: float, height: ArrayLike) -> Array:
+def tail_moment(order: float, height: ArrayLike) -> Array:
     """Int_t^inf (x - t)^n phi(x) dx for the normal density phi, in parabolic cylinder functions."""
     t = np.asarray(height, dtype=float)
     safe = np.clip(t, -_FAR, 3 * _FAR)
@@ -98,16 +98,16 @@ class Asperities:
         """
         modulus = positive("contact_modulus", contact_modulus, unit="Pa")
         t = real("separation", separation, unit="m") / self.rms_height
-        one = _tail_moment(1, t)
+        one = tail_moment(1, t)
         scale = self.density * self.radius * self.rms_height
         # Where nothing touches there is no patch.
-        patch = math.pi * self.radius * self.rms_height * _tail_moment(2, t) / np.where(one > 0, one, 1.0)
+        patch = math.pi * self.radius * self.rms_height * tail_moment(2, t) / np.where(one > 0, one, 1.0)
         # R^(1/2) h^(3/2) = R h sqrt(h / R): the ratio is dimensionless.
         slope = math.sqrt(self.rms_height / self.radius)
         return AsperityContact(
             area=math.pi * scale * one,
-            pressure=4 / 3 * modulus * scale * slope * _tail_moment(1.5, t),
-            density=self.density * _tail_moment(0, t),
+            pressure=4 / 3 * modulus * scale * slope * tail_moment(1.5, t),
+            density=self.density * tail_moment(0, t),
             patch_area=np.where(one > 0, patch, np.nan)[()],
         )
 
@@ -215,14 +215,14 @@ def bush_gibson_thomas(separation: ArrayLike, *, moments: Moments, contact_modul
     # With mean curvature k = T * curvature: area = pi shape delta / k, load = 4/3 E* shape delta^(3/2) /
     # sqrt(k).
     k = t[:, None]
-    one, three = _tail_moment(1, threshold), _tail_moment(1.5, threshold)
+    one, three = tail_moment(1, threshold), tail_moment(1.5, threshold)
     count = moments.m4 / moments.m2 / (8 * math.pi * math.sqrt(3))
     scale = count * height / curvature
     area = math.pi * scale * np.sum(weights * shape_area * one / k, axis=(-2, -1))
     slope = math.sqrt(height * curvature)
     carried = np.sum(weights * shape_load * three / np.sqrt(k), axis=(-2, -1))
     pressure = 4 / 3 * modulus * scale * slope * carried
-    density = count * np.sum(weights * _tail_moment(0, threshold), axis=(-2, -1))
+    density = count * np.sum(weights * tail_moment(0, threshold), axis=(-2, -1))
     return AsperityContact(
         area=area, pressure=pressure, density=density, patch_area=np.full(np.shape(area), np.nan)
     )

@@ -32,7 +32,8 @@ __all__ = [
     "stress_variance",
 ]
 
-#: Slope of A/A0 against p* = p0/(E* h'_rms) at light load, Persson 2006, Eq. 21: sqrt(8/pi) = 1.596.
+#: Slope of A/A0 against p* = p0/(E* h'_rms) at light load, Persson 2006, Eqs. 13 and 22:
+#: sqrt(8/pi) = 1.596.
 KAPPA_PERSSON = math.sqrt(8 / math.pi)
 
 #: The same slope in the asperity theory of Bush, Gibson and Thomas (1975): sqrt(2 pi) = 2.507.
@@ -53,7 +54,7 @@ def stress_variance(m2: ArrayLike, *, contact_modulus: float) -> Array:
 
     Notes
     -----
-    Persson 2006, Eqs. 15 and 17.
+    Persson 2006, Eqs. 17 and 18.
 
     Examples
     --------
@@ -65,7 +66,7 @@ def stress_variance(m2: ArrayLike, *, contact_modulus: float) -> Array:
 
 
 def diffusion_parameter(pressure: float, *, stress_variance: ArrayLike) -> Array:
-    """G = V / (2 sigma0^2) [-] of Persson 2006, Eq. 20, for pressure sigma0 > 0 [Pa] and V [Pa^2]."""
+    """G = V / (2 sigma0^2) [-] of Persson 2006, Eq. 21, for pressure sigma0 > 0 [Pa] and V [Pa^2]."""
     load = positive("pressure", pressure, unit="Pa")
     return non_negative("stress_variance", stress_variance, unit="Pa^2", power=2) / (2 * load * load)
 
@@ -99,9 +100,10 @@ def contact_area(pressure: ArrayLike, *, stress_variance: ArrayLike) -> Array:
 
     Notes
     -----
-    Persson 2006, Eq. 20 with the upper limit of its integral corrected to 1/sqrt(G). Exact at full contact;
-    at light load about a fifth below converged numerical results. The digits of 1 - A/A0 are in
-    `non_contact_area`.
+    Persson 2006, Eq. 20 with the upper limit of its integral corrected to 1/sqrt(G). Exact at full
+    contact. At A/A0 from .03 to .1 and H = .8 it lies below converged computations by 30 % where the
+    waves span a factor 8 and by 20 % where they span 100; at A/A0 = .27 by 28 and 15 %, near full contact
+    by nothing (docs/theory.md). The digits of 1 - A/A0 are in `non_contact_area`.
 
     Examples
     --------
@@ -163,7 +165,7 @@ def area_against_magnification(
 
     Notes
     -----
-    Persson 2006, Eqs. 15 and 20.
+    Persson 2006, Eqs. 18, 20 and 21.
     """
     instance("spectrum", spectrum, Spectrum, what="a power spectrum, such as `SelfAffine`")
     q_upper = non_negative("magnification", magnification) * positive("q_reference", q_reference, unit="1/m")
@@ -225,8 +227,8 @@ def initial_slope(pressure: ArrayLike, *, stress_variance: ArrayLike) -> Array:
 
     Notes
     -----
-    dA/dV = -P'(0)/2: the area lost per added roughness. At light load several times below computed
-    distributions.
+    dA/dV = -P'(0)/2: the area lost per added roughness. Below computed distributions by 2.35 at p* = .05 and
+    1.7 at .3 (H = .8, waves that span a factor 32).
     """
     width = np.sqrt(_positive_variance(stress_variance))
     load = non_negative("pressure", pressure, unit="Pa")

@@ -83,7 +83,8 @@ def detachment_stress(
 def crossover_length(work_of_adhesion: float, *, contact_modulus: float, atomic_distance: float) -> float:
     """Length l_c = a^2 E* / Delta gamma [m] below which the ideal strength bounds the stress.
 
-    Persson 2006, Sec. 8.4.
+    Persson 2006, Sec. 8.4, which writes E where Eq. 36 has E/(1 - nu^2): here it is E* as in Eq. 36, a factor
+    1.1 for nu = .3. The number of order 1 in Eq. 36 is left out, as in the paper.
 
     Examples
     --------

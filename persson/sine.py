@@ -24,24 +24,30 @@ from persson._checks import (
     whole,
     within,
 )
-from persson.errors import InvalidInput, NotConverged
+from persson.errors import InvalidInput, NotConverged, OutsideTheory
 
 __all__ = ["SineExpansion", "sine_expansion"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class SineExpansion:
-    """P(sigma) = sum A_n sin(n pi s), s = (sigma_Y - sigma) / (sigma_Y + sigma_a), at one V.
+    """P(sigma) = P_Y (1 - s) + sum A_n sin(n pi s), s = (sigma_Y - sigma) / (sigma_Y + sigma_a), at one V.
 
     Attributes
     ----------
     amplitudes : (n,) array
         A_1 ... A_n [1/Pa].
+    density_at_yield : float
+        P_Y = P(sigma_Y) [1/Pa]: 0 for a constant hardness, Persson 2006, Eq. 34 for one that rises.
+    area_plastic : float
+        Yielded area over the nominal area (Eq. 33).
     tensile_limit, yield_stress : float
         sigma_a and sigma_Y [Pa] at this V.
     """
 
     amplitudes: Array
+    density_at_yield: float
+    area_plastic: float
     tensile_limit: float
     yield_stress: float
 
@@ -50,7 +56,8 @@ class SineExpansion:
         """Integral of P between the walls."""
         n = np.arange(1, self.amplitudes.size + 1)
         weights = np.where(n % 2 == 1, 2 / (np.pi * n), 0.0)
-        return float((self.tensile_limit + self.yield_stress) * (weights @ self.amplitudes))
+        mean = float(weights @ self.amplitudes) + self.density_at_yield / 2
+        return (self.tensile_limit + self.yield_stress) * mean
 
     def distribution(self, stress: Array) -> Array:
         """P(sigma) [1/Pa] for stresses [Pa]."""
@@ -58,7 +65,8 @@ class SineExpansion:
         s = (self.yield_stress - real("stress", stress, unit="Pa")) / width
         n = np.arange(1, self.amplitudes.size + 1)
         inside = (s > 0) & (s < 1)
-        return np.where(inside, np.sin(np.pi * s[..., None] * n) @ self.amplitudes, 0.0)
+        series = np.sin(np.pi * s[..., None] * n) @ self.amplitudes
+        return np.where(inside, series + self.density_at_yield * (1 - s), 0.0)
 
 
 def sine_expansion(
@@ -84,15 +92,24 @@ def sine_expansion(
     pressure : float
         sigma_0 [Pa], between the walls.
     tensile_limit, yield_stress : float or callable
-        sigma_a and sigma_Y [Pa], constant or functions of V.
+        sigma_a and sigma_Y [Pa], constant or functions of V; the hardness must not fall.
     modes : int
         Terms of the expansion.
     tolerance : float
         Relative tolerance of the integration in V.
 
+    Raises
+    ------
+    InvalidInput
+        For a nominal pressure that does not lie between the walls.
+    OutsideTheory
+        For a hardness that falls with V.
+
     Notes
     -----
-    Persson 2006, Eq. 52, with the term for a moving sigma_Y that the paper leaves out.
+    Persson 2006, Eq. 52, with the term for a moving sigma_Y that the paper leaves out. Where sigma_Y rises
+    the density at the wall is not zero but P(sigma_Y) = 2 A_pl dsigma_Y/dV, which is Eq. 34; the yielded area
+    of Eq. 33 is then one more unknown.
     """
     below, above = _wall("tensile_limit", tensile_limit), _wall("yield_stress", yield_stress)
     end = positive("variance", variance, unit="Pa^2", power=2)
@@ -103,52 +120,125 @@ def sine_expansion(
     s0 = (above(0.0) - pressure) / start_width if start_width > 0 else math.nan
     if not 0 < s0 < 1:
         raise InvalidInput(f"pressure = {pressure!r}: must lie between the walls")
-    n = np.arange(1, modes + 1)
-    with in_proportion():
-        amplitudes = 2 / start_width * np.sin(np.pi * n * s0)
     if not (callable(tensile_limit) or callable(yield_stress)):
-        amplitudes = amplitudes * np.exp(-0.5 * end * (np.pi * n / start_width) ** 2)
-        return SineExpansion(amplitudes=amplitudes, tensile_limit=below(end), yield_stress=above(end))
+        with in_proportion():
+            return _still(s0, modes=modes, variance=end, walls=(below(end), above(end)))
+    _refuse_falling(above, end)
     with in_proportion():
-        return _moving(below, above, amplitudes, end=end, tolerance=tolerance)
+        return _moving(below, above, _free(below, above, pressure, end), modes=modes, tolerance=tolerance)
+
+
+def _still(s0: float, *, modes: int, variance: float, walls: tuple[float, float]) -> SineExpansion:
+    """Let the amplitudes decay between walls that stand; of 1 - s_0, what has not yielded yet is missing."""
+    n, width = np.arange(1, modes + 1), walls[0] + walls[1]
+    now = 2 / width * np.sin(np.pi * n * s0) * np.exp(-0.5 * variance * (np.pi * n / width) ** 2)
+    return SineExpansion(
+        amplitudes=now,
+        density_at_yield=0.0,
+        area_plastic=float(1 - s0 - width * np.sum(now / (np.pi * n))),
+        tensile_limit=walls[0],
+        yield_stress=walls[1],
+    )
+
+
+def _refuse_falling(above: Callable[[float], float], end: float) -> None:
+    values = np.array([above(float(v)) for v in np.linspace(0.0, end, 65)])
+    if np.any(np.diff(values) < -1e-12 * np.abs(values[1:])):
+        raise OutsideTheory(
+            "yield_stress(V) falls: with Persson 2006, Eq. 34 the density at the wall would be negative; "
+            "the theory holds for a hardness that is constant or rises with magnification"
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Span:
+    """From the free Gaussian, which no wall has met yet, to the V that is asked for."""
+
+    pressure: float
+    start: float
+    end: float
+
+
+def _free(
+    below: Callable[[float], float], above: Callable[[float], float], pressure: float, end: float
+) -> _Span:
+    """Find how long the distribution is a Gaussian whose tails beyond 8 deviations no wall has cut."""
+    start = end
+    for _ in range(200):
+        gap = min(pressure + below(start), above(start) - pressure)
+        if start <= (max(gap, 0.0) / 8) ** 2:
+            break
+        start /= 2
+    return _Span(pressure=pressure, start=start, end=end)
 
 
 def _moving(
     below: Callable[[float], float],
     above: Callable[[float], float],
-    amplitudes: Array,
+    span: _Span,
     *,
-    end: float,
+    modes: int,
     tolerance: float,
 ) -> SineExpansion:
-    """Integrate the amplitudes between moving walls up to V = end."""
-    modes = amplitudes.size
-    n, start_width = np.arange(1, modes + 1), below(0.0) + above(0.0)
+    """Integrate the sine coefficients of P, and the yielded area, between moving walls up to V = end.
+
+    P does not vanish at s = 0, so its series may not be differentiated term by term there: what this leaves
+    of the second derivative is n pi P_Y / sigma_b^2, and the flux is taken from P less its ramp.
+    """
+    n, end = np.arange(1, modes + 1), span.end
+    width = below(span.start) + above(span.start)
+    middle = np.sin(np.pi * n * (above(span.start) - span.pressure) / width)
+    gaussian = 2 / width * middle * np.exp(-0.5 * span.start * (np.pi * n / width) ** 2)
     stretch, shift = _coupling(modes)
+    # Of a ramp the truncated matrices are poor: s d/ds and d/ds of 1 - s, less what they make of it.
+    ramp, alternate = 2 / (np.pi * n), (-1.0) ** n
+    ramp_moved = (alternate * ramp - stretch @ ramp, (alternate - 1) * ramp - shift @ ramp)
     h = 1e-6 * end
 
-    def matrix(v: float) -> Array:
-        width = below(v) + above(v)
+    def rise(v: float) -> float:
         low, high = max(v - h, 0.0), v + h
-        upper = (above(high) - above(low)) / (high - low)
-        both = upper + (below(high) - below(low)) / (high - low)
-        result = both / width * stretch - upper / width * shift
-        result[np.diag_indices(modes)] -= 0.5 * (np.pi * n / width) ** 2
-        return np.asarray(result)
+        return max((above(high) - above(low)) / (high - low), 0.0)
 
-    solution = solve_ivp(
-        lambda v, a: matrix(v) @ a,
-        (0.0, end),
-        amplitudes,
-        method="Radau",
-        jac=lambda v, a: matrix(v),
-        t_eval=[end],
-        rtol=tolerance,
-        atol=tolerance * 2 / start_width * 1e-3,
+    def matrix(v: float) -> Array:
+        width, upper = below(v) + above(v), rise(v)
+        low, high = max(v - h, 0.0), v + h
+        both = upper + (below(high) - below(low)) / (high - low)
+        result = np.zeros((modes + 1, modes + 1))
+        result[:modes, :modes] = both / width * stretch - upper / width * shift
+        diagonal = np.arange(modes)
+        result[diagonal, diagonal] -= 0.5 * (np.pi * n / width) ** 2
+        # P_Y = 2 sigma_Y' A_pl, and dA_pl/dV = -sigma_Y' P_Y + P_s(0) / (2 sigma_b).
+        moved = ramp_moved[0] * both / width - ramp_moved[1] * upper / width
+        result[:modes, modes] = 2 * upper * (moved + np.pi * n / width / width)
+        result[modes, :modes] = np.pi * n / (2 * width)
+        result[modes, modes] = -2 * upper * (upper + (2 * modes + 1) / (2 * width))
+        return result
+
+    scale = np.append(np.full(modes, 2 / width), 1.0)
+    state = np.append(gaussian, 0.0)
+    if span.start < end:
+        solution = solve_ivp(
+            lambda v, a: matrix(v) @ a,
+            (span.start, end),
+            state,
+            method="Radau",
+            jac=lambda v, a: matrix(v),
+            t_eval=[end],
+            rtol=tolerance,
+            atol=tolerance * 1e-3 * scale,
+        )
+        if not solution.success:
+            raise NotConverged(f"sine expansion: {solution.message}")
+        state = solution.y[:, -1]
+    plastic = float(state[-1])
+    density = 2 * rise(end) * plastic
+    return SineExpansion(
+        amplitudes=state[:-1] - density * ramp,
+        density_at_yield=density,
+        area_plastic=plastic,
+        tensile_limit=below(end),
+        yield_stress=above(end),
     )
-    if not solution.success:
-        raise NotConverged(f"sine expansion: {solution.message}")
-    return SineExpansion(amplitudes=solution.y[:, -1], tensile_limit=below(end), yield_stress=above(end))
 
 
 def _wall(name: str, wall: float | Callable[[float], float]) -> Callable[[float], float]:

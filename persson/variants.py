@@ -25,6 +25,9 @@ Variant = Literal["persson", "yang_persson", "wang_mueser", "xu"]
 #: Share of the full energy that is stored at vanishing contact, gamma of Yang and Persson (2008).
 ENERGY_RATIO = 0.45
 
+#: The same of Xu et al. (2024), as in the code they published.
+XU_RATIO = 0.42
+
 _NODES = np.geomspace(1e-3, 1e26, 1400)
 
 
@@ -37,9 +40,14 @@ def energy_factor(area: ArrayLike, *, variant: Variant, energy_ratio: float = EN
         P = A/A0 in [0, 1].
     variant : {"persson", "yang_persson", "wang_mueser"}
         1; g + (1 - g) P^2 (Yang and Persson, J. Phys. Condens. Matter 20, 215214, 2008); 5/9 - 2/9 P^2 + 6/9
-        P^4 (Wang and Mueser, Lubricants 5, 35, 2017).
+        P^4 (Wang and Mueser, Tribol. Lett. 65, 2017, "Gauging Persson theory on adhesion").
     energy_ratio : float
         g of Yang and Persson.
+
+    Notes
+    -----
+    The polynomial of Wang and Mueser was taken from the code that Xu et al. (2024) published
+    (github.com/xylcsi/PerssonModelFudgeFactor), which names that paper; the paper itself was not at hand.
     """
     choice("variant", variant, get_args(Variant)[:-1])
     within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
@@ -53,7 +61,13 @@ def energy_factor(area: ArrayLike, *, variant: Variant, energy_ratio: float = EN
     return np.asarray((5 - 2 * p2 + 6 * p2 * p2) / 9)
 
 
-def light_load_kappa(variant: Variant, *, energy_ratio: float = ENERGY_RATIO) -> float:
+def _ratio(variant: Variant, energy_ratio: float | None) -> float:
+    if energy_ratio is None:
+        return XU_RATIO if variant == "xu" else ENERGY_RATIO
+    return within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
+
+
+def light_load_kappa(variant: Variant, *, energy_ratio: float | None = None) -> float:
     """Limit of (A/A0)/p* at vanishing load: sqrt(8/pi) / sqrt(S(0)).
 
     Examples
@@ -62,11 +76,8 @@ def light_load_kappa(variant: Variant, *, energy_ratio: float = ENERGY_RATIO) ->
     (2.141, 2.379)
     """
     choice("variant", variant, get_args(Variant))
-    zero = (
-        within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
-        if variant == "xu"
-        else float(energy_factor(0.0, variant=variant, energy_ratio=energy_ratio))
-    )
+    ratio = _ratio(variant, energy_ratio)
+    zero = ratio if variant == "xu" else float(energy_factor(0.0, variant=variant, energy_ratio=ratio))
     return KAPPA_PERSSON / math.sqrt(zero)
 
 
@@ -75,7 +86,7 @@ def corrected_contact_area(
     *,
     stress_variance: ArrayLike,
     variant: Variant,
-    energy_ratio: float = ENERGY_RATIO,
+    energy_ratio: float | None = None,
 ) -> Array:
     r"""Relative contact area of an elastic solid in a variant of the theory.
 
@@ -88,10 +99,11 @@ def corrected_contact_area(
     stress_variance : float or array
         V_full [Pa^2], the variance at full contact.
     variant : {"persson", "yang_persson", "wang_mueser", "xu"}
-        As for `energy_factor`; "xu" is V = [g + (1 - g) P] V_full (Xu, Xu and Chen, 2024), which needs no
-        integration.
-    energy_ratio : float
-        g of Yang and Persson, and of Xu.
+        As for `energy_factor`; "xu" is V = [g + (1 - g) P] V_full, which needs no integration (Xu, Zhu,
+        Xiao and Zhou, Tribol. Lett. 72, 2024, doi 10.1007/s11249-024-01838-4).
+    energy_ratio : float, optional
+        g: .45 of Yang and Persson, .42 of Xu et al. as in the code they published. That code takes .42
+        for the variant of Yang and Persson, too.
 
     Notes
     -----
@@ -105,8 +117,8 @@ def corrected_contact_area(
     """
     load = non_negative("pressure", pressure, unit="Pa")
     full = non_negative("stress_variance", stress_variance, unit="Pa^2", power=2)
-    within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
     choice("variant", variant, get_args(Variant))
+    ratio = _ratio(variant, energy_ratio)
     if variant == "persson":
         return contact_area(load, stress_variance=full)
     together(pressure=load, stress_variance=full)
@@ -116,7 +128,7 @@ def corrected_contact_area(
     x = np.where(loaded, np.where(loaded, root, 1.0) / np.where(loaded, load, 1.0), 1.0)
     # Beyond it the area is below 1e-100, and its square could not be represented.
     x = np.minimum(x, 1e100)
-    y = _xu(x * x, energy_ratio) if variant == "xu" else _grown(x * x, variant, energy_ratio)
+    y = _xu(x * x, ratio) if variant == "xu" else _grown(x * x, variant, ratio)
     area = np.asarray(erf(1 / np.sqrt(2 * y)))
     return np.where(loaded, area, np.where(load > 0, 1.0, 0.0))[()]
 

@@ -26,18 +26,30 @@ from fem_contact import contact as contact_module
 from fem_contact import surface as surfaces
 from persson import adhesion as theory_adhesion
 from persson import (
+    archard,
     asperities,
     capillary,
     diffusion,
     elastic,
+    elastoplastic_asperities,
+    flaw_tolerance,
+    gaps,
+    heights,
     limits,
+    percolation,
+    plate,
     scale,
     separation,
     sine,
+    sliding,
+    soft_structures,
     spectrum,
     spheres,
+    squeezed_spheres,
     tabulated,
+    tensile,
     variants,
+    viscoelastic,
 )
 from persson import graded as theory_graded
 from persson import hardness as theory_hardness
@@ -298,6 +310,110 @@ def block_doors() -> dict[str, Door]:
     }
 
 
+def paper_doors(one: Any, rough: Any, bent: Any, summits: Any, sticky: Any) -> dict[str, Door]:
+    """Doors to what the paper says in passing."""
+    rubber = {"relaxed": 1e6, "unrelaxed": 1e9, "time": 1e-3}
+    sphere = {"force": 1e-4, "radius": 1e-3, "contact_modulus": 1e10}
+    told = {"pressure": 1e6, "scale": one, "energy_ratio": 0.5}
+    hard = viscoelastic.StandardSolid(**rubber)
+    thin = {"young": 1e9, "poisson": 0.3, "thickness": 1e-6}
+    smooth = rough.scaled(1e-4)
+    return {
+        "elastic_energy": (separation.elastic_energy, told | {"energy": "old"}),
+        "contact_stiffness": (separation.contact_stiffness, told),
+        "gap_distribution": (gaps.gap_distribution, told | {"gap": 1e-8}),
+        "macroasperity_pressure": (
+            separation.macroasperity_pressure,
+            {"spectrum": bent, "pressure": 1e6, "contact_modulus": 1e9, "q_reference": 1e5},
+        ),
+        "adhesion_load": (
+            tensile.adhesion_load,
+            {"pressure": 1e5, "stress_variance": 1e12, "tensile_limit": 1e6},
+        ),
+        "archard_hierarchy": (
+            archard.archard_hierarchy,
+            {"force": 1.0, "radii": [1e-2, 1e-4], "densities": [1e8], "contact_modulus": 1e9},
+        ),
+        "height_distribution": (heights.height_distribution, {"height": 1e-9, "rms_height": 1e-9}),
+        "yielding_asperities": (
+            elastoplastic_asperities.yielding_asperities,
+            {"separation": 1e-7, "asperities": summits, "contact_modulus": 1e9, "hardness": 1e8},
+        ),
+        "percolation_magnification": (
+            percolation.percolation_magnification,
+            {"scale": one, "pressure": 1e6, "q_reference": 1e5, "threshold": 0.3},
+        ),
+        "ElasticPlate": (plate.ElasticPlate, thin),
+        "ElasticPlate()": (plate.ElasticPlate(**thin), {"wavevector": 1e6}),
+        "crack_stress": (
+            flaw_tolerance.crack_stress,
+            {"work": 0.05, "contact_modulus": 1e9, "length": 1e-9},
+        ),
+        "flaw_tolerant_gradient": (
+            flaw_tolerance.flaw_tolerant_gradient,
+            {"work_of_adhesion": 0.05, "ideal_strength": 1e8, "poisson": 0.3, "alpha": 1.0},
+        ),
+        "optimal_modulus": (
+            flaw_tolerance.optimal_modulus,
+            {
+                "spectrum": smooth,
+                "pressure": 0.0,
+                "tensile_limit": 1e5,
+                "interface": sticky,
+                "nodes": 40,
+                "tolerance": 1e-3,
+            },
+        ),
+        "StandardSolid": (viscoelastic.StandardSolid, rubber),
+        "StandardSolid.loss_compliance": (hard.loss_compliance, {"frequency": 10.0}),
+        "crack_dissipation": (
+            viscoelastic.crack_dissipation,
+            {
+                "velocity": 1e-3,
+                "loss_compliance": hard.loss_compliance,
+                "relaxed": 1e6,
+                "tip_radius": 1e-9,
+                "contact_size": 1e-5,
+            },
+        ),
+        "foam_modulus": (
+            soft_structures.foam_modulus,
+            {"young": 1e9, "wall": 1e-7, "cell": 1e-6, "factor": 1.0},
+        ),
+        "fibre_modulus": (
+            soft_structures.fibre_modulus,
+            {"young": 1e9, "radius": 1e-6, "length": 1e-4, "density": 1e10, "angle": 0.7},
+        ),
+        "nominal_shear_stress": (
+            sliding.nominal_shear_stress,
+            {"area": 0.1, "local_shear_stress": 1e7},
+        ),
+        "local_shear_stress": (
+            sliding.local_shear_stress,
+            {"nominal": 1e6, "pressure": 1e7, "hardness": 1e8},
+        ),
+        "slip_energy": (sliding.slip_energy, {"shear_stress": 1e7, "slip": 3e-10}),
+        "adhesional_pressure": (sliding.adhesional_pressure, {"barrier": 0.016, "lift": 1e-12}),
+        "hertz_pressure": (squeezed_spheres.hertz_pressure, sphere),
+        "yielded_share": (squeezed_spheres.yielded_share, sphere | {"hardness": 1e9}),
+        "yielded_pull_off": (
+            squeezed_spheres.yielded_pull_off,
+            sphere | {"hardness": 1e9, "work_of_adhesion": 0.05},
+        ),
+        "roughness_barrier": (
+            squeezed_spheres.roughness_barrier,
+            {
+                "spectrum": smooth,
+                "contact_modulus": 1e9,
+                "pressure": 1e6,
+                "yield_stress": 1e8,
+                "interface": sticky,
+                "nodes": 40,
+            },
+        ),
+    }
+
+
 def theory_doors() -> dict[str, Door]:
     """The doors of `persson`."""
     rough = spectrum.SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=1e6)
@@ -382,6 +498,7 @@ def theory_doors() -> dict[str, Door]:
         "Scale.variance": (one.variance, {"q": 2e5}),
         "Scale.wavevector": (one.wavevector, {"variance": 1e14}),
         "mean_separation": (separation.mean_separation, {"pressure": 1e6, "scale": one, "energy_ratio": 0.5}),
+        **paper_doors(one, rough, bent, summits, sticky),
         "macroasperity_magnification": (
             separation.macroasperity_magnification,
             {"spectrum": bent, "pressure": 1e6, "contact_modulus": 1e9, "q_reference": 1e5},
@@ -483,6 +600,7 @@ def theory_doors() -> dict[str, Door]:
                 "rounds": 20,
             },
         ),
+        "AdhesiveContact.distribution": (pressed.distribution, {"index": 3, "stress": 1.0}),
         "AdhesiveContact.area_at": (pressed.area_at, {"wavevector": 2e5}),
         "AdhesiveContact.work_at": (pressed.work_at, {"wavevector": 2e5}),
         "pull_off_stress": (limits.pull_off_stress, {"scale": one, "interface": sticky, "tolerance": 0.1}),

@@ -51,7 +51,10 @@ def test_the_citation_is_of_this_version():
 
 def test_the_workflow_calls_what_everybody_calls():
     workflow = (ROOT / ".github" / "workflows" / "ci.yml").read_text(encoding="utf-8")
-    assert re.findall(r"run: (.*)", workflow) == [".ci/run"]
+    assert re.findall(r"run: (.*)", workflow) == [
+        ".ci/run",
+        ".ci/versions ${{ matrix.versions }} ${{ matrix.python }}",
+    ]
 
 
 def test_the_readme_fits_on_a_screen_and_a_half():

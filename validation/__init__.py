@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from validation.environment import settle
+from fem_contact._environment import settle
 
 if TYPE_CHECKING:
     from validation.notebook import Contact, Surface, measured, press, self_affine, study, table, theory

@@ -26,12 +26,15 @@ __all__ = [
     "atomic_path",
     "json_text",
     "prepare_folder",
+    "read_record",
     "read_whole",
+    "record_of",
     "refusal",
     "remove_drafts",
     "sync_folder",
     "system_words",
     "write_json",
+    "write_record",
     "write_whole",
 ]
 
@@ -39,6 +42,8 @@ __all__ = [
 _NOTHING_LEFT = 64 * 1024
 #: A draft that nobody has written to for so long is nobody's, whichever machine began it [s].
 _ABANDONED = 24 * 3600.0
+#: Largest record of what a folder is a run of; a scene takes kilobytes.
+_MOST_RECORD = 2**24
 #: Subfolders of a results folder in which drafts may be left.
 _INNER = ("figures",)
 _DRAFT = re.compile(r"\.([0-9a-f]{8})-(\d+)-[0-9a-f]{12}-")
@@ -142,13 +147,16 @@ def write_whole(path: Path, parts: tuple[bytes | memoryview, ...]) -> None:
         raise NotWritten(refusal(path, error), error) from None
 
 
-def read_whole(path: Path) -> bytes:
-    """Return the bytes of a regular file; a link or a pipe that has taken its place is an OSError."""
+def read_whole(path: Path, *, most: int | None = None) -> bytes:
+    """Return the bytes of a regular file; a link, a pipe, or more than `most` bytes are an OSError."""
     flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
     handle = os.open(path, flags | getattr(os, "O_CLOEXEC", 0))
     try:
-        if not stat.S_ISREG(os.fstat(handle).st_mode):
+        found = os.fstat(handle)
+        if not stat.S_ISREG(found.st_mode):
             raise OSError(errno.EINVAL, "not a regular file")
+        if most is not None and found.st_size > most:
+            raise OSError(errno.EFBIG, f"{found.st_size} bytes long; at most {most} are read")
         with open(handle, "rb", closefd=False) as file:
             return file.read()
     finally:
@@ -170,6 +178,43 @@ def write_json(path: Path, values: Mapping[str, Any]) -> Path:
     with atomic_path(path) as draft:
         draft.write_text(json_text(values), encoding="utf-8")
     return path
+
+
+def write_record(path: Path, values: Mapping[str, Any]) -> Path:
+    """Write values as `write_json` does, with a SHA-256 of them as last key, for `read_record`."""
+    return write_json(path, record_of(values))
+
+
+def record_of(values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return values with their digest, as `write_record` writes them."""
+    return {**values, _DIGEST: _digest(values)}
+
+
+def read_record(path: Path) -> dict[str, Any]:
+    """Return the values that `write_record` wrote.
+
+    Raises
+    ------
+    OSError
+        When it cannot be read, is no file, or is larger than any record.
+    ValueError
+        When it is not what was written, by damage or by hand.
+    """
+    try:
+        said = json.loads(read_whole(path, most=_MOST_RECORD))
+    except RecursionError:
+        raise ValueError(f"{path.name} is nested too deep") from None
+    digest = said.pop(_DIGEST, None) if isinstance(said, dict) else None
+    if digest is None or digest != _digest(said):
+        raise ValueError(f"{path.name} is not what was written (SHA-256)")
+    return dict(said)
+
+
+_DIGEST = "sha256"
+
+
+def _digest(values: Mapping[str, Any]) -> str:
+    return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
 
 
 def json_text(values: Mapping[str, Any]) -> str:

@@ -20,6 +20,7 @@ __all__ = [
     "LARGEST",
     "SMALLEST",
     "Duration",
+    "Force",
     "Grid",
     "Grids",
     "Length",
@@ -172,6 +173,7 @@ def metres(symbol: str | None) -> float | None:
 
 Length = Annotated[float, quantity("m", "length", "0.5 um"), Field(gt=0)]
 Pressure = Annotated[float, quantity("Pa", "pressure", "10 MPa"), Field(gt=0)]
+Force = Annotated[float, quantity("N", "force", "10 mN"), Field(gt=0)]
 Work = Annotated[float, quantity("J/m^2", "work of adhesion", "50 mJ/m^2"), Field(gt=0)]
 Tension = Annotated[float, quantity("J/m^2", "surface tension", "0.04 J/m^2"), Field(gt=0)]
 Temperature = Annotated[float, quantity("K", "temperature", "370 K"), Field(gt=0)]
@@ -251,10 +253,12 @@ class Table(BaseModel):
         return data
 
 
-def exactly_one(table: BaseModel, names: tuple[str, str]) -> None:
-    """Refuse a table with none or both of two keys."""
+def exactly_one(table: BaseModel, names: tuple[str, ...]) -> None:
+    """Refuse a table with none or several of some keys."""
     given = [name for name in names if getattr(table, name) is not None]
     if len(given) != 1:
+        *others, last = map(repr, names)
+        none = "neither" if len(names) == 2 else "none"
         raise wrong(
-            f"give exactly one of {names[0]!r} and {names[1]!r}; found {' and '.join(given) or 'neither'}"
+            f"give exactly one of {', '.join(others)} and {last}; found {' and '.join(given) or none}"
         )

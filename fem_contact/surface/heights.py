@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -82,12 +83,26 @@ class HeightField:
         """Discrete spectral moments (m0 [m^2], m2 [1], m4 [m^-2]): sums over the wavevectors of the period.
 
         They are the moments of this one realisation, to be told from the integrals over C(q).
+
+        Raises
+        ------
+        InvalidInput
+            For heights so large over periods so short that m4 leaves the range of the arithmetic.
         """
         power, qx, qy = self._power()
-        qx2, qy2 = qx**2, qy**2
+        # q^4 alone leaves the range of the arithmetic below 1e-77 m. A power of two changes no digit.
+        exponent = int(np.frexp(max(np.abs(qx).max(), np.abs(qy).max()))[1])
+        qx2, qy2 = np.ldexp(qx, -exponent) ** 2, np.ldexp(qy, -exponent) ** 2
         rows, columns = power.sum(axis=1), power.sum(axis=0)
+        m2 = rows @ qx2 + columns @ qy2
         m4 = rows @ qx2**2 + 2 * (qx2 @ power @ qy2) + columns @ qy2**2
-        return float(rows.sum()), float(rows @ qx2 + columns @ qy2), float(m4)
+        try:
+            return float(rows.sum()), math.ldexp(m2, 2 * exponent), math.ldexp(m4, 4 * exponent)
+        except OverflowError:
+            raise InvalidInput(
+                f"heights up to {np.abs(self.heights).max():.3g} m over periods of {shown(self.lengths)} m: "
+                "their curvatures leave the range of the arithmetic: choose another unit, or check the file's"
+            ) from None
 
     def spectral_sum(self, weight: Callable[[Array], ArrayLike]) -> float:
         r"""Sum over the wavevectors of the period of |h(q)|^2 f(|q|), the mean height left out.

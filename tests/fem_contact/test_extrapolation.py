@@ -123,6 +123,49 @@ def test_no_accuracy_is_predicted_for_grids_too_coarse_for_the_contact():
     assert predicted_uncertainty(coarse, plan) < np.inf
 
 
+def straight_wave(n: int, area: float, *, shift: float, along: tuple[int, int] = (1, 0)) -> ContactAreas:
+    """Westergaard's wave, pressed until it touches over `area` of all; `along` are its periods."""
+    count = n if along[1] else 4
+    x, y = (np.arange(n) + shift) / n, np.arange(count) / n
+    heights = 0.02 / np.hypot(*along) * np.cos(2 * np.pi * (along[0] * x[:, None] + along[1] * y))
+    field = HeightField(heights=heights, lengths=(1.0, count / n))
+    load = np.pi * 0.02 * np.sin(np.pi * area / 2) ** 2
+    return contact_areas(solve(field, SOFT, mean_pressure=load, threads=1).checked(), subcell=True)
+
+
+@pytest.mark.parametrize(("along", "grids"), [((1, 0), (64, 128, 256)), ((1, 1), (48, 64, 96))])
+def test_the_limit_of_a_straight_wave_holds_its_closed_form(along, grids):
+    """Its edges all lie alike between the grid points, and do not average: it had been off by 6 errors."""
+    generator = np.random.default_rng(61)
+    misses = []
+    for _ in range(20 if along == (1, 0) else 5):
+        area, shift = generator.uniform(0.1, 0.9), generator.random()
+        limit = located_limit([straight_wave(n, area, shift=shift, along=along) for n in grids])
+        misses.append((limit.value - area) / limit.uncertainty)
+        # It says something, still: the two edges are placed to some hundredths of a cell.
+        assert limit.uncertainty < 2 * 0.05 / grids[-1] * np.hypot(*along)
+    assert np.max(np.abs(misses)) < 2
+    assert np.sqrt(np.mean(np.square(misses))) > 0.2
+
+
+def test_a_contour_of_all_directions_is_even_and_a_line_is_not():
+    assert straight_wave(32, 0.4, shift=0.3).alignment == 1
+    assert straight_wave(32, 0.4, shift=0.3, along=(1, 1)).alignment == 1
+    x = (np.arange(64) + 0.3) / 64 - 0.5
+    cap = HeightField(heights=-(x[:, None] ** 2 + x**2) / 2, lengths=(1.0, 1.0))
+    disc = solve(cap, SOFT, mean_pressure=0.01, threads=1).checked()
+    assert contact_areas(disc, subcell=True).alignment == 0
+    assert contact_areas(disc).alignment == 0
+
+
+def test_what_is_predicted_knows_of_edges_that_run_alike():
+    areas = [straight_wave(n, 0.4, shift=0.3) for n in (32, 48)]
+    plan = [PlannedGrid(spacing=area.spacing, cells=area.cells) for area in areas]
+    predicted = predicted_uncertainty(areas[0], plan)
+    assert predicted == pytest.approx(located_limit(areas).uncertainty, rel=0.05)
+    assert predicted > 2 * predicted_uncertainty(dataclasses.replace(areas[0], alignment=0.0), plan)
+
+
 def test_units_do_not_change_the_limit():
     areas = [areas_on(n, terms={1.0: 0.02}) for n in GRIDS]
     scaled = [dataclasses.replace(a, spacing=(2.0**20 * a.spacing[0],) * 2) for a in areas]

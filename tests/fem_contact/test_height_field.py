@@ -109,3 +109,17 @@ def test_a_mean_height_is_no_roughness_to_the_spectral_sum():
 def test_a_weight_that_is_no_number_for_every_wave_is_refused(weight):
     with pytest.raises(InvalidInput, match=r"weight\(q\)"):
         rough().spectral_sum(weight)
+
+
+@pytest.mark.parametrize("factor", [2.0**-396, 2.0**-300, 2.0**60])
+def test_moments_hold_in_any_unit_of_length(factor):
+    heights = np.random.default_rng(3).standard_normal((9, 8))
+    m0, m2, m4 = HeightField(heights=heights, lengths=(3.0, 2.0)).moments
+    small = HeightField(heights=factor * heights, lengths=(3.0 * factor, 2.0 * factor)).moments
+    assert small == (m0 * factor**2, m2, m4 / factor**2)
+
+
+def test_moments_beyond_all_numbers_are_refused():
+    steep = HeightField(heights=1e29 * np.random.default_rng(3).random((8, 8)), lengths=(1e-115, 1e-115))
+    with pytest.raises(InvalidInput, match="curvatures leave the range of the arithmetic"):
+        _ = steep.moments

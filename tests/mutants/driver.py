@@ -1,14 +1,18 @@
 """Faults of physics and numerics, put into a copy of the code one at a time: which tests notice?
 
-``python tests/mutants/driver.py`` runs all of them, ``--only WORDS`` those whose name or file contains the
-words, ``--tests PATH ...`` against other tests than the catalogue names, to find what notices. A fault is
+``python tests/mutants/driver.py`` runs all of them, ``--only WORDS`` those whose name or file contains one of
+the words, ``--tests PATH ...`` against other tests than the catalogue names, to find what notices. A fault is
 *killed* where a test that it names fails, *survived* where all pass, *broken* where pytest could not run
-them.
+them. ``--by validate`` and ``--by quick`` ask instead whether the cases of ``fem-contact validate`` notice by
+themselves: those that call the faulty function, or all where the fault stands outside of functions or in
+compiled code.
 """
 
 from __future__ import annotations
 
 import argparse
+import ast
+import json
 import os
 import queue
 import re
@@ -25,8 +29,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-CATALOGUES = ("persson", "fem_contact", "validation")
-_COPIED = (*CATALOGUES, "tests", "docs", "pyproject.toml", "README.md", "ARCHITECTURE.md", "CHANGELOG.md")
+PACKAGES = ("persson", "fem_contact", "validation")
+_CASES = Path(__file__).with_name("validate_cases.py")
+_COPIED = (*PACKAGES, "tests", "docs", "pyproject.toml", "README.md", "ARCHITECTURE.md", "CHANGELOG.md")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,11 +72,11 @@ class Mutant:
 
 def catalogue() -> tuple[Mutant, ...]:
     """Return all faults."""
-    return tuple(mutant for package in CATALOGUES for mutant in _read(package))
+    return tuple(mutant for file in sorted(Path(__file__).parent.glob("*.toml")) for mutant in _read(file))
 
 
-def _read(package: str) -> Iterator[Mutant]:
-    said = tomllib.loads(Path(__file__).with_name(f"{package}.toml").read_text(encoding="utf-8"))
+def _read(file: Path) -> Iterator[Mutant]:
+    said = tomllib.loads(file.read_text(encoding="utf-8"))
     groups = said.get("tests", {})
     for entry in said["mutant"]:
         tests = tuple(path for name in entry.pop("tests") for path in groups.get(name, (name,)))
@@ -107,8 +112,6 @@ def copied_tree() -> Iterator[Path]:
 
 def run_tests(tree: Path, tests: Sequence[str], *, cache: Path, limit: float = 600) -> tuple[int, str]:
     """Run tests in a tree, and return pytest's exit code with its output."""
-    environment = os.environ | {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(cache)}
-    environment.pop("PYTEST_ADDOPTS", None)
     # The results of one fault must not be mistaken for those of another.
     options = [
         "-q",
@@ -122,7 +125,13 @@ def run_tests(tree: Path, tests: Sequence[str], *, cache: Path, limit: float = 6
         "--tb=no",
         "--maxfail=12",
     ]
-    command = [sys.executable, "-B", "-m", "pytest", *options, *tests]
+    return _run(tree, ["-m", "pytest", *options, *tests], cache=cache, limit=limit)
+
+
+def _run(tree: Path, arguments: Sequence[str], *, cache: Path, limit: float) -> tuple[int, str]:
+    environment = os.environ | {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(cache)}
+    environment.pop("PYTEST_ADDOPTS", None)
+    command = [sys.executable, "-B", *arguments]
     try:
         done = subprocess.run(
             command, check=False, cwd=tree, env=environment, capture_output=True, text=True, timeout=limit
@@ -132,26 +141,75 @@ def run_tests(tree: Path, tests: Sequence[str], *, cache: Path, limit: float = 6
     return done.returncode, done.stdout + done.stderr
 
 
-def judge(mutant: Mutant, tree: Path, *, tests: Sequence[str] = ()) -> Outcome:
-    """Put a fault into a copy of the tree, run its tests, and take it out again."""
+@dataclass(frozen=True, kw_only=True)
+class Cases:
+    """What `fem-contact validate` runs: the functions that each case calls, and its seconds."""
+
+    reached: dict[str, frozenset[tuple[str, int]]]
+    seconds: dict[str, float]
+
+    @classmethod
+    def recorded(cls, tree: Path, *, quick: bool) -> Cases:
+        """Run the cases in a sound tree and note what they call."""
+        file = tree.parent / "reached.json"
+        code, output = _run(tree, [str(_CASES), "record", str(file)], cache=tree.parent / "cache", limit=1800)
+        if code:
+            raise RuntimeError(f"the cases cannot be recorded: {output[-2000:]}")
+        found = {n: f for n, f in json.loads(file.read_text()).items() if f["quick"] or not quick}
+        return cls(
+            reached={name: frozenset(map(tuple, one["functions"])) for name, one in found.items()},
+            seconds={name: one["seconds"] for name, one in found.items()},
+        )
+
+    def that_call(self, mutant: Mutant, text: str) -> list[str]:
+        """Return the cases that the fault can change, the fastest first."""
+        line = None if mutant.kernel else _function_of(mutant, text)
+        names = [n for n, found in self.reached.items() if line is None or (mutant.file, line) in found]
+        return sorted(names, key=self.seconds.__getitem__)
+
+
+def _function_of(mutant: Mutant, text: str) -> int | None:
+    """Return where the innermost function around a fault begins; None outside of functions."""
+    pairs = zip(mutant.old, mutant.new, strict=False)
+    same = next((k for k, (old, new) in enumerate(pairs) if old != new), 0)
+    line = text.count("\n", 0, text.index(mutant.old) + same) + 1
+    around = [
+        min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.FunctionDef) and node.body[0].lineno <= line <= (node.end_lineno or 0)
+    ]
+    return max(around, default=None)
+
+
+def judge(mutant: Mutant, tree: Path, *, tests: Sequence[str] = (), cases: Cases | None = None) -> Outcome:
+    """Put a fault into a copy of the tree, run its tests or cases, and take it out again."""
     path, began = tree / mutant.file, time.perf_counter()
     sound = path.read_text(encoding="utf-8")
     fresh = tree.parent / "fresh-cache"
     path.write_text(mutant.applied(sound), encoding="utf-8")
     try:
         cache = fresh if mutant.kernel else tree.parent / "cache"
-        code, output = run_tests(tree, tests or mutant.tests, cache=cache)
+        if cases is None:
+            code, output = run_tests(tree, tests or mutant.tests, cache=cache)
+        else:
+            chosen = cases.that_call(mutant, sound)
+            code, output = _run(tree, [str(_CASES), "run", *chosen], cache=cache, limit=600)
     finally:
         path.write_text(sound, encoding="utf-8")
         shutil.rmtree(fresh, ignore_errors=True)
-    failed = tuple(re.findall(r"^FAILED (\S+(?: \S+\])?)", output, flags=re.M))
-    verdict = {0: "survived", 1: "killed"}.get(code, "broken")
+    failed = tuple(
+        re.findall(r"^FAILED (\S+(?: \S+\])?)" if cases is None else r"^FAILED (.*)", output, flags=re.M)
+    )
+    # A case that crashes ends `validate` with another code, and is noticed, too.
+    verdict = {0: "survived", 1: "killed"}.get(code, "broken" if cases is None else "killed")
     return Outcome(
         mutant=mutant, verdict=verdict, failed=failed, seconds=time.perf_counter() - began, output=output
     )
 
 
-def run_all(mutants: Sequence[Mutant], *, workers: int, tests: Sequence[str] = ()) -> Iterator[Outcome]:
+def run_all(
+    mutants: Sequence[Mutant], *, workers: int, tests: Sequence[str] = (), by: str = "tests"
+) -> Iterator[Outcome]:
     """Judge faults, several at a time, each worker in its own copy of the tree."""
     with ThreadPoolExecutor(workers) as pool:
         trees: queue.SimpleQueue[Path] = queue.SimpleQueue()
@@ -159,14 +217,16 @@ def run_all(mutants: Sequence[Mutant], *, workers: int, tests: Sequence[str] = (
         def one(mutant: Mutant) -> Outcome:
             tree = trees.get()
             try:
-                return judge(mutant, tree, tests=tests)
+                return judge(mutant, tree, tests=tests, cases=cases)
             finally:
                 trees.put(tree)
 
         contexts = [copied_tree() for _ in range(workers)]
         try:
-            for context in contexts:
-                trees.put(context.__enter__())
+            made = [context.__enter__() for context in contexts]
+            cases = None if by == "tests" else Cases.recorded(made[0], quick=by == "quick")
+            for tree in made:
+                trees.put(tree)
             yield from pool.map(one, mutants)
         finally:
             for context in contexts:
@@ -176,14 +236,15 @@ def run_all(mutants: Sequence[Mutant], *, workers: int, tests: Sequence[str] = (
 def main() -> int:
     """Run the catalogue, or a part of it; 1 where a fault survived that a test should notice."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--only", default="", help="words of the name or file")
+    parser.add_argument("--only", nargs="+", default=[""], help="words of the name or file, any of them")
     parser.add_argument("--tests", nargs="+", default=[], help="run these instead of the named ones")
+    parser.add_argument("--by", choices=("tests", "validate", "quick"), default="tests")
     parser.add_argument("--workers", type=int, default=2)
     asked = parser.parse_args()
-    chosen = [m for m in catalogue() if asked.only in m.name or asked.only in m.file]
+    chosen = [m for m in catalogue() if any(word in m.name or word in m.file for word in asked.only)]
     counts: dict[str, int] = {}
     unexpected = 0
-    for outcome in run_all(chosen, workers=asked.workers, tests=asked.tests):
+    for outcome in run_all(chosen, workers=asked.workers, tests=asked.tests, by=asked.by):
         mutant, verdict = outcome.mutant, outcome.verdict
         counts[verdict] = counts.get(verdict, 0) + 1
         unexpected += verdict == "broken" or (verdict == "survived") != bool(mutant.survives)

@@ -9,6 +9,9 @@ from pathlib import Path
 
 import pytest
 
+from validation import cases
+from validation.cases import Case, Check
+
 _SPEC = importlib.util.spec_from_file_location("mutants_driver", Path(__file__).with_name("driver.py"))
 driver = importlib.util.module_from_spec(_SPEC)
 sys.modules["mutants_driver"] = driver
@@ -35,7 +38,7 @@ def test_the_tests_that_faults_name_exist():
 
 def test_names_tell_faults_apart_and_every_package_has_some():
     assert len({mutant.name for mutant in MUTANTS}) == len(MUTANTS)
-    assert {mutant.file.split("/")[0] for mutant in MUTANTS} == set(driver.CATALOGUES)
+    assert {mutant.file.split("/")[0] for mutant in MUTANTS} == set(driver.PACKAGES)
     excused = [mutant.name for mutant in MUTANTS if mutant.survives]
     assert len(excused) <= 0.05 * len(MUTANTS), excused
 
@@ -44,6 +47,41 @@ def test_a_fault_whose_text_is_gone_is_refused_by_name():
     mutant = driver.Mutant(name="lost", file="x.py", old="a", new="b", tests=())
     with pytest.raises(ValueError, match=r"lost: 'a' stands 2 times in x\.py, must stand once"):
         mutant.applied("a a")
+
+
+def test_validate_is_asked_about_a_fault_by_the_cases_that_call_its_function_and_else_by_all():
+    text = "LIMIT = 1\n\n\ndef outer(x):\n    def inner(y):\n        return y\n\n    return inner(x) + 2\n"
+    known = driver.Cases(
+        reached={"one": {("a.py", 4), ("a.py", 5)}, "two": {("a.py", 4)}, "three": set()},
+        seconds={"one": 3.0, "two": 2.0, "three": 1.0},
+    )  # fmt: skip
+
+    def chosen(old, new, **changes):
+        mutant = driver.Mutant(name="m", file="a.py", old=old, new=new, tests=(), **changes)
+        return known.that_call(mutant, text)
+
+    assert chosen("return y", "return -y") == ["one"]
+    assert chosen("inner(x) + 2", "inner(x) + 3") == ["two", "one"]
+    assert chosen("return y\n\n    return inner(x) + 2", "return y\n\n    return inner(x) + 3") == [
+        "two",
+        "one",
+    ]
+    assert chosen("LIMIT = 1", "LIMIT = 2") == ["three", "two", "one"]
+    assert chosen("return y", "return -y", kernel=True) == ["three", "two", "one"]
+
+
+def test_a_case_that_fails_is_named_with_its_check(monkeypatch, capsys):
+    spec = importlib.util.spec_from_file_location(
+        "validate_cases", Path(__file__).with_name("validate_cases.py")
+    )
+    validate_cases = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(validate_cases)
+    wrong = Case(name="wrong", claim="Two is three.", run=lambda: [Check.relative("two", 2.0, 3.0, 0.01)])
+    right = Case(name="right", claim="Two is two.", run=lambda: [Check.relative("two", 2.0, 2.0, 0.01)])
+    monkeypatch.setattr(cases, "all_cases", lambda: (right, wrong))
+    assert validate_cases.run(["right"]) == 0
+    assert validate_cases.run(["right", "wrong"]) == 1
+    assert capsys.readouterr().out == "FAILED wrong - two: 2 for 3 +- 0.03\n"
 
 
 @pytest.fixture(scope="module")

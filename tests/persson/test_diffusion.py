@@ -92,6 +92,36 @@ def test_sine_expansion_and_galerkin_agree_between_moving_walls():
     assert errors[1] < errors[0] / 2
 
 
+def test_sine_expansion_obeys_equation_34_where_the_hardness_rises():
+    """P(sigma_Y) = 2 A_pl dsigma_Y/dV, not 0: what is left of the flux at the wall falls like 1/modes."""
+    walls = {"tensile_limit": 0.3, "yield_stress": lambda v: 1 + 0.2 * v}
+    found = solve_diffusion([1.0], pressure=0.5, tolerance=1e-7, **walls).checked()
+    reference = np.array([found.area_elastic[0], found.area_plastic[0]])
+    coarse, fine = (sine_expansion(1.0, pressure=0.5, modes=n, tolerance=1e-8, **walls) for n in (32, 64))
+    areas = np.array([[s.area_elastic, s.area_plastic] for s in (coarse, fine)])
+    errors = areas - reference
+    assert errors[0] / errors[1] == pytest.approx(2.0, abs=0.15)
+    assert 2 * areas[1] - areas[0] == pytest.approx(reference, abs=3e-5)
+    assert fine.density_at_yield == pytest.approx(2 * 0.2 * fine.area_plastic, rel=1e-6)
+    assert fine.distribution(np.array([1.2 * (1 - 1e-9)]))[0] == pytest.approx(
+        found.distribution(0, 1.2 * (1 - 1e-9)), rel=4e-3
+    )
+
+
+def test_sine_expansion_refuses_a_hardness_that_falls():
+    with pytest.raises(OutsideTheory, match="falls"):
+        sine_expansion(1.0, pressure=0.5, tensile_limit=0.3, yield_stress=lambda v: 2 - 0.1 * v)
+
+
+@pytest.mark.slow
+def test_sine_expansion_gives_the_reference_areas_of_a_hardness_that_rises():
+    """The case of the test above: .02, (1 + V/.05)^.1, V = 50; P(sigma_Y) = 0 gave A_el = -1e-17."""
+    hardness = {"tensile_limit": 0.0, "yield_stress": lambda v: (1 + v / 0.05) ** 0.1}
+    found = sine_expansion(50.0, pressure=0.02, modes=256, tolerance=1e-6, **hardness)
+    assert found.area_elastic == pytest.approx(8.05e-5, rel=0.02)
+    assert found.area_plastic == pytest.approx(9.969e-3, rel=0.02)
+
+
 def test_sine_expansion_is_exact_between_walls_that_stand():
     stress = np.linspace(-0.5, 2.0, 30)
     sine = sine_expansion(0.8, pressure=0.6, tensile_limit=0.5, yield_stress=2.0, modes=60)
@@ -99,6 +129,7 @@ def test_sine_expansion_is_exact_between_walls_that_stand():
         [0.8], pressure=0.6, tensile_limit=0.5, yield_stress=2.0, tolerance=1e-9
     ).checked()
     assert result.area_elastic[0] == pytest.approx(sine.area_elastic, rel=1e-8)
+    assert result.area_plastic[0] == pytest.approx(sine.area_plastic, rel=1e-8)
     assert result.distribution(0, stress) == pytest.approx(sine.distribution(stress), abs=1e-8)
 
 

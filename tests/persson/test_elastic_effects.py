@@ -154,6 +154,11 @@ def test_wrong_arguments_are_refused_by_name(call, named):
 
 
 def test_energy_factor_of_wang_and_mueser_is_five_ninths_without_contact_and_one_at_full_contact():
-    """S(P) = (5 - 2 P^2 + 6 P^4) / 9 (Wang and Mueser, Lubricants 5, 35, 2017); its least is at P^2 = 1/6."""
+    """S(P) = (5 - 2 P^2 + 6 P^4) / 9 (Wang and Mueser, Tribol. Lett. 65, 2017); its least is at P^2 = 1/6."""
     factor = energy_factor(np.array([0.0, math.sqrt(1 / 6), 1.0]), variant="wang_mueser")
     np.testing.assert_allclose(factor, [5 / 9, 29 / 54, 1.0], rtol=1e-14)
+
+
+def test_the_variant_of_xu_stores_the_share_its_authors_published():
+    assert light_load_kappa("xu") == pytest.approx(KAPPA_PERSSON / math.sqrt(0.42), rel=1e-14)
+    assert light_load_kappa("xu", energy_ratio=0.45) == light_load_kappa("yang_persson")

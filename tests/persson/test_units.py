@@ -5,17 +5,31 @@ import math
 import numpy as np
 import pytest
 
+from persson.archard import archard_hierarchy
 from persson.asperities import FullerTabor, bush_gibson_thomas, nayak_asperities
 from persson.capillary import CapillaryWaves
+from persson.elastoplastic_asperities import yielding_asperities
+from persson.flaw_tolerance import optimal_modulus
+from persson.gaps import gap_distribution
 from persson.graded import ExponentialLayers
 from persson.hardness import size_dependent_hardness
+from persson.interface import Interface
 from persson.limits import critical_roughness
+from persson.percolation import percolation_magnification
+from persson.plate import ElasticPlate
 from persson.scale import Scale
-from persson.separation import macroasperity_magnification, mean_separation
+from persson.separation import (
+    contact_stiffness,
+    elastic_energy,
+    macroasperity_magnification,
+    mean_separation,
+)
+from persson.soft_structures import fibre_modulus
 from persson.spectrum import SelfAffine
 from persson.spheres import hertz, maugis_pull_off, tabor_parameter
 from persson.tabulated import Tabulated
 from persson.variants import corrected_contact_area
+from persson.viscoelastic import StandardSolid, crack_dissipation
 
 SI = (1.0, 1.0)
 OTHER = (2.0**20, 2.0**-30)
@@ -104,8 +118,78 @@ def spheres(units):
     return np.array([contact.radius / length, contact.peak_pressure / stress, mu, maugis_pull_off(mu)])
 
 
+def interface(units):
+    length, stress = units
+    scale = Scale(rough(units), contact_modulus=2e9 * stress)
+    load = np.array([1e6, 1e8]) * stress
+    gaps = gap_distribution(np.array([1e-9, 1e-7]) * length, pressure=1e7 * stress, scale=scale)
+    zeta = percolation_magnification(scale, pressure=1e7 * stress, q_reference=1e5 / length)
+    return np.concatenate(
+        [
+            elastic_energy(load, scale=scale) / (stress * length),
+            contact_stiffness(load, scale=scale, energy_ratio=0.45) / stress * length,
+            gaps * length,
+            [zeta],
+        ]
+    )
+
+
+def structures(units):
+    length, stress = units
+    levels = archard_hierarchy(
+        np.array([0.1, 2.0]) * stress * length**2,
+        radii=[1e-2 * length, 1e-4 * length],
+        densities=[1e9 / length**2],
+        contact_modulus=3e9 * stress,
+    )
+    yielded = yielding_asperities(
+        2e-8 * length,
+        asperities=nayak_asperities(rough(units).moments()),
+        contact_modulus=2e9 * stress,
+        hardness=3e8 * stress,
+    )
+    rubber = StandardSolid(relaxed=1e6 * stress, unrelaxed=1e9 * stress, time=1e-3)
+    f = crack_dissipation(
+        1e-4 * length,
+        loss_compliance=rubber.loss_compliance,
+        relaxed=1e6 * stress,
+        tip_radius=1e-9 * length,
+    )
+    plate = ElasticPlate(young=1e9 * stress, poisson=0.3, thickness=1e-6 * length)
+    fibres = fibre_modulus(
+        1e9 * stress, radius=1e-6 * length, length=1e-4 * length, density=1e10 / length**2, angle=0.7
+    )
+    found = [yielded.area, yielded.pressure / stress, f, plate(1e6 / length) / stress, fibres / stress]
+    return np.concatenate([levels.area / length**2, found])
+
+
+def tolerance(units):
+    length, stress = units
+    found = optimal_modulus(
+        rough(units, "sharp").scaled(1e-6),
+        pressure=0.0,
+        tensile_limit=1e6 * stress,
+        interface=Interface(work_of_adhesion=0.05 * stress * length),
+        nodes=50,
+    )
+    return np.concatenate([found.modulus / stress, found.area, found.growth])
+
+
 @pytest.mark.parametrize(
-    "quantity", [separation, macroasperities, variants, yielding, asperities, graded, tables, spheres]
+    "quantity",
+    [
+        separation,
+        macroasperities,
+        variants,
+        yielding,
+        asperities,
+        graded,
+        tables,
+        spheres,
+        interface,
+        structures,
+        tolerance,
+    ],
 )
 def test_another_unit_system_changes_no_bit(quantity):
     one, two = np.asarray(quantity(SI)), np.asarray(quantity(OTHER))

@@ -39,6 +39,19 @@ class Notes(Silent):
         self.notes.append(text)
 
 
+class Killing(Notes):
+    """Progress that does something once so many solves are done: kill a process, as a rule."""
+
+    def __init__(self, count, act):
+        super().__init__()
+        self.count, self.act = count, act
+
+    def done(self, solve):
+        super().done(solve)
+        if len(self.finished) == self.count:
+            self.act()
+
+
 class Numbers(NumbersSolve):
     """A solve of a study: some numbers made from a seed."""
 
@@ -92,6 +105,19 @@ class Endless(Slow):
     seconds = 600
 
 
+class Held(Numbers):
+    """Numbers that are done only once a file is there; the first three without waiting."""
+
+    def __init__(self, seed, gate):
+        super().__init__(seed)
+        self.gate = str(gate)
+
+    def measure(self):
+        while self.seed >= 3 and not Path(self.gate).exists():
+            time.sleep(0.02)
+        return super().measure()
+
+
 class Deadly(Numbers):
     """A solve that kills its worker as often as a file says."""
 
@@ -133,13 +159,13 @@ class Team(list):
 
 
 @contextmanager
-def dask_cluster(folder, workers=2, paths=()):
+def dask_cluster(folder, workers=2, paths=(), options=()):
     """A scheduler and workers of one thread, each a process of its own."""
     address = folder / "scheduler.json"
     path = os.pathsep.join(entry for entry in (*sys.path, *paths) if entry)
     environment = {**os.environ, **pool.ONE_THREAD, "PYTHONPATH": path}
     quiet = {"env": environment, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
-    here = ("--host", "127.0.0.1", "--no-dashboard")
+    here = ("--host", "127.0.0.1", "--no-dashboard", *options)
     command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", "0", *here]
     scheduler = subprocess.Popen([*command, "--scheduler-file", str(address)], **quiet)
     worker = [sys.executable, "-m", "distributed.cli.dask_worker", "--scheduler-file", str(address), *here]

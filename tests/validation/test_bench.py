@@ -12,7 +12,6 @@ import signal
 import subprocess
 import sys
 import tempfile
-import threading
 import time
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,7 +21,7 @@ import psutil
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
-from solving import Notes, dask_cluster
+from solving import Killing, Notes, dask_cluster
 
 from validation.errors import RunFailed, UsageError
 from validation.files import prepare_folder
@@ -76,33 +75,13 @@ def serial(tmp_path_factory):
     return folder, run_area(bench=bench_at(folder), **CASES)
 
 
-def kill_when(stored, folder, find):
-    """Kill the process that `find` returns once so many results are in the folder; return what happened."""
-    happened = {}
-
-    def watch():
-        deadline = time.monotonic() + 100
-        while time.monotonic() < deadline:
-            count = len(list(folder.glob("bem-*.nc")))
-            if count >= stored:
-                happened.update(stored=count, pid=find())
-                os.kill(happened["pid"], signal.SIGKILL)
-                return
-            time.sleep(0.002)
-
-    thread = threading.Thread(target=watch, daemon=True)
-    thread.start()
-    return thread, happened
+def workers_of(parent):
+    return [one for one in psutil.Process(parent).children() if "validation.solves.worker" in one.cmdline()]
 
 
 def test_two_workers_give_the_same_bits_although_one_is_killed(serial, tmp_path):
-    progress, me = Notes(), psutil.Process()
-    thread, killed = kill_when(
-        40, tmp_path, lambda: max(c.pid for c in me.children() if "validation.solves.worker" in c.cmdline())
-    )
+    progress = Killing(40, lambda: max(workers_of(os.getpid()), key=lambda worker: worker.pid).kill())
     data = run_area(bench=bench_at(tmp_path, progress, workers=2), **CASES)
-    thread.join()
-    assert 40 <= killed["stored"] < 200
     assert data.identical(serial[1])
     assert len(progress.finished) == len(set(progress.finished)) == 200
     # Whoever was killed was at one solve at most; only that one was begun twice.
@@ -115,12 +94,9 @@ def test_a_dask_cluster_gives_the_same_bits_although_a_worker_is_killed(serial, 
     pytest.importorskip("distributed", reason="LOUD: no Dask installed, the cluster is not tested")
     store = tmp_path / "store"
     with dask_cluster(prepare_folder(tmp_path / "cluster")) as (address, team, _):
-        progress = Notes()
+        progress = Killing(40, team[0].kill)
         bench = bench_at(store, progress, scheduler=address)
-        thread, killed = kill_when(40, store, lambda: team[0].pid)
         data = run_area(bench=bench, **CASES)
-        thread.join()
-        assert 40 <= killed["stored"] < 200
         assert team[0].wait() == -signal.SIGKILL
         assert team[1].poll() is None
         too_large = solves_of(**{**FEW, "grids": (8192,), "surfaces": 1, "reduced_pressures": (0.1,)})
@@ -153,14 +129,14 @@ def test_a_study_killed_half_way_repeats_no_finished_case(serial, tmp_path):
         ]
     store = tmp_path / "store"
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    thread, killed = kill_when(60, store, lambda: process.pid)
-    thread.join()
+    while len(list(store.glob("bem-*.nc"))) < 60:
+        assert process.poll() is None
+        time.sleep(0.002)
+    orphans = workers_of(process.pid)
+    process.kill()
     assert process.wait() == -signal.SIGKILL
-    # The orphans notice within two seconds.
-    deadline = time.monotonic() + 2
-    while [p for p in psutil.process_iter(["cmdline", "ppid"]) if _orphan_of(p, store)]:
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
+    assert len(orphans) == 2
+    assert not psutil.wait_procs(orphans, timeout=2)[1]
     finished = {path.name: path.stat().st_mtime_ns for path in store.glob("bem-*.nc")}
     assert 60 <= len(finished) < 200
     progress = Notes()
@@ -169,14 +145,6 @@ def test_a_study_killed_half_way_repeats_no_finished_case(serial, tmp_path):
     assert not {f"{key}.nc" for key in progress.begun} & set(finished)
     assert finished == {name: (store / name).stat().st_mtime_ns for name in finished}
     assert data.identical(serial[1])
-    assert killed["stored"] <= len(finished)
-
-
-def _orphan_of(process, store):
-    try:
-        return "validation.solves.worker" in process.info["cmdline"] and process.ppid() == 1
-    except (psutil.Error, TypeError):
-        return False
 
 
 def test_two_studies_share_their_cases(tmp_path):
@@ -336,10 +304,8 @@ def test_ctrl_c_ends_the_workers_and_keeps_what_is_finished(tmp_path):
     command = [sys.executable, "-m", "validation.cli", "study", "area", "-q", "--workers", "2"]
     command += ["--store", str(store), "--output", str(tmp_path / "out"), "--grids", "128,160,192"]
     process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True)
-    deadline = time.monotonic() + 100
     while len(list(store.glob("bem-*.nc"))) < 5:
         assert process.poll() is None
-        assert time.monotonic() < deadline
         time.sleep(0.01)
     # As a terminal does it: the whole group gets the signal.
     os.killpg(process.pid, signal.SIGINT)

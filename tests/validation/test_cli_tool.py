@@ -355,11 +355,13 @@ def test_reproduce_prints_the_claims(tool, monkeypatch, tmp_path):
     from validation.paper.page import paper_page
 
     row = ClaimRow(
-        claim="area",
+        claim="area [nm]",
+        application="steel",
         section="4",
         stated=1.0,
         tolerance="5 %",
         computed=1.01,
+        literal=1.01,
         convention="",
         verdict="reproduced",
         note="",
@@ -372,7 +374,8 @@ def test_reproduce_prints_the_claims(tool, monkeypatch, tmp_path):
     monkeypatch.setattr(reproduce, "run", run)
     code, out, err = tool("reproduce", "--no-figures", "-q")
     assert code == 0, err
-    assert "reproduced" in out
+    assert "reprod" in out
+    assert "[nm]" in out
     assert json.loads(tool("reproduce", "--json")[1])[0]["computed"] == 1.01
 
 

@@ -12,7 +12,10 @@ from fem_contact.contact import Status
 from fem_contact.errors import NotConverged
 from fem_contact.solid import Solid
 from validation.cli import app
+from validation.effects import Effect, effect_kinds
 from validation.effects.base import Slots
+from validation.effects.hardness import Hardness
+from validation.effects.thickness import Thickness
 from validation.errors import UsageError
 from validation.methods import find_method, find_solver, methods
 from validation.methods.base import Solver, example_field
@@ -142,7 +145,7 @@ def test_what_goes_wrong_in_a_foreign_solver_is_said(
 ) -> None:
     solver = written(name, body)
     with pytest.raises(NotConverged, match=says):
-        pressed(solver, seconds=1.0).checked()
+        pressed(solver, seconds=1.0 if name == "sleeps" else 60.0).checked()
 
 
 def test_a_point_with_a_pressure_of_rounding_size_is_not_in_contact(own_module: Path) -> None:
@@ -170,11 +173,35 @@ def test_the_edge_of_a_foreign_contact_is_located_as_that_of_boundary_elements(o
     assert found.subcell == pytest.approx(contact_areas(reference.contact, subcell=True).subcell, rel=1e-4)
 
 
-def test_foreign_solvers_stand_after_the_others_and_are_given_no_effects() -> None:
+def test_foreign_solvers_stand_after_the_others() -> None:
     solvers = [method for method in methods().values() if isinstance(method, Solver)]
     flags = [solver.foreign for solver in solvers]
     assert flags == sorted(flags)
-    assert all(not solver.slots for solver in solvers if solver.foreign)
+
+
+@pytest.mark.parametrize(
+    ("name", "handled"),
+    [
+        ("own", set()),
+        ("tamaas", {"hardness"}),
+        ("contact_mechanics", {"hardness", "thickness"}),
+        ("calculix", {"thickness"}),
+    ],
+)
+def test_foreign_solvers_are_given_what_they_can_be_given(name: str, handled: set[str]) -> None:
+    assert {
+        kind.kind_name() for kind in effect_kinds().values() if find_method(name).handles(kind)
+    } == handled
+
+
+def test_a_layer_that_slides_on_its_base_is_refused_by_name(own_module: Path) -> None:
+    tables = "[methods.contact_mechanics]\ngrids = [16]\n"
+    effect = '[[effects]]\nkind = "thickness"\nthickness = 0.2\nbase = "frictionless"\n'
+    Path("layer.toml").write_text(SCENE.split("[methods")[0] + effect + tables, encoding="utf-8")
+    scene = load_scene("layer.toml")
+    options = scene.methods.options("contact_mechanics")
+    with pytest.raises(UsageError, match=r"\[\[effects\]\] 1 kind = 'thickness'.*'contact_mechanics'"):
+        find_method("contact_mechanics").check(options, realise(scene), scene.effects)
 
 
 @pytest.mark.parametrize("name", ["tamaas", "contact_mechanics"])
@@ -201,3 +228,27 @@ def test_a_peer_agrees_with_boundary_elements(name: str, load: float) -> None:
     )
     assert np.linalg.norm(found.pressure - ours.pressure) < 1e-4 * np.linalg.norm(ours.pressure)
     assert np.array_equal(found.in_contact, ours.in_contact)
+
+
+@pytest.mark.parametrize(
+    ("name", "effect"),
+    [
+        ("tamaas", Hardness(hardness=0.06)),
+        ("contact_mechanics", Hardness(hardness=0.06)),
+        ("contact_mechanics", Thickness(thickness=0.1)),
+    ],
+)
+def test_a_peer_with_an_effect_agrees_with_boundary_elements(name: str, effect: Effect) -> None:
+    peer = find_solver(name)
+    if peer.available() is not None:
+        pytest.skip(str(peer.available()))
+    slots = Slots.filled(Solid(young=1.0, poisson=0.3), [effect])
+    found, ours = (
+        solver.solve(example_field(64), mean_pressure=0.02, slots=slots, settings={"tolerance": 1e-9})
+        for solver in (peer, find_solver("bem"))
+    )
+    theirs = found.contact.checked()
+    # An energy error of the tolerance leaves its square root in the pressure.
+    apart = np.linalg.norm(theirs.pressure - ours.contact.pressure)
+    assert apart < 1e-4 * np.linalg.norm(ours.contact.pressure)
+    assert np.array_equal(theirs.at_bound, ours.contact.at_bound)

@@ -323,5 +323,5 @@ def test_a_flipped_bit_in_the_numbers_of_a_study_is_noticed(tmp_path):
         flipped = bytearray(content)
         flipped[position] ^= 4
         path.write_bytes(flipped)
-        with pytest.raises(UsageError, match=r"data\.nc: damaged: .*; run the study again"):
+        with pytest.raises(UsageError, match=r"data\.nc: damaged: .*; run it again"):
             report_study(tmp_path, numbers_only=True)

@@ -1,5 +1,6 @@
 """A toy effect, a toy method and a toy study, each one file of another package, found by entry points."""
 
+import importlib.util
 import json
 import os
 import subprocess
@@ -7,6 +8,9 @@ import sys
 from pathlib import Path
 
 import pytest
+
+from validation.errors import UsageError
+from validation.studies import find_study
 
 ROOT = Path(__file__).parents[2]
 
@@ -195,12 +199,10 @@ def toys(tmp_path_factory):
 def command(toys, tmp_path):
     """Run the command with the toys installed."""
 
-    def run(*arguments, scene=None):
-        if scene is not None:
-            (tmp_path / "toy.toml").write_text(scene)
+    def python(*arguments):
         path = os.pathsep.join([str(toys), str(ROOT), *filter(None, sys.path)])
         return subprocess.run(
-            [sys.executable, "-m", "validation.cli", *arguments],
+            [sys.executable, *arguments],
             env=os.environ | {"PYTHONPATH": path},
             cwd=tmp_path,
             capture_output=True,
@@ -209,6 +211,12 @@ def command(toys, tmp_path):
             timeout=300,
         )
 
+    def run(*arguments, scene=None):
+        if scene is not None:
+            (tmp_path / "toy.toml").write_text(scene)
+        return python("-m", "validation.cli", *arguments)
+
+    run.python = python
     return run
 
 
@@ -271,3 +279,78 @@ def test_an_entry_point_that_cannot_be_loaded_is_named(command, toys, tmp_path):
     done = command("study", "--list")
     assert done.returncode == 2
     assert "entry point lost = no_such_module of fem_contact.studies: cannot be loaded" in done.stderr
+
+
+STUDIES = """
+import json
+from validation.solves.bench import Bench
+from validation.studies import run, stability
+
+bench = Bench.at("solves")
+asked = {"methods": ("bem", "descent"), "periods": 1.0, "bandwidth": 2.0, "surfaces": 2}
+beside = {**asked, "method_points_per_wave": (4.0, 6.0), "bench": bench}
+cross = run("cross", **beside)
+refined = run(
+    "refinement", points_per_wave=(3.0, 4.0), grid_scale_grids=(), ladders=False, **beside
+)
+cost = run(
+    "accuracy-cost", points_per_wave=(3.0, 4.0), held_out_points_per_wave=(6.0, 8.0), **beside
+)
+near = run("stress-near-zero", points_per_wave=(6.0, 8.0, 12.0), bench=bench, **asked)
+hard = {case.name: case for case in stability.Options(methods=("descent",)).chosen}
+print(json.dumps({
+    "cross": {"legs": cross.leg.values.tolist(), "apart": cross.pressure_half_space.values.tolist(),
+              "used": cross.attrs["methods"]},
+    "refined": {"others": refined.other.values.tolist(), "fem": "fem_pixel" in refined},
+    "cost": cost.label.values.tolist(),
+    "near": near.density_at_zero.values.tolist(),
+    "hard": [sorted(hard), hard["load-descent"].measure(0.5).error],
+}))
+"""
+
+
+def test_studies_about_a_solver_take_one_of_another_package(command, tmp_path):
+    (tmp_path / "studies.py").write_text(STUDIES)
+    done = command.python("studies.py")
+    assert done.returncode == 0, done.stderr
+    said = json.loads(done.stdout)
+    assert said["cross"]["legs"] == ["descent", "descent"]
+    assert said["cross"]["used"] == "bem descent perimeter"
+    # Both solve the same discrete problem; 4000 steps of descent bring so few points to 1e-4.
+    assert max(map(max, said["cross"]["apart"])) < 1e-4
+    assert said["refined"]["others"] == ["descent", "descent"]
+    assert not said["refined"]["fem"]
+    assert {label for label in said["cost"] if not label.startswith("BEM")} == {
+        f"descent {area}, {n} per wave" for area in ("pixel", "perimeter") for n in (4, 6)
+    }
+    ours, theirs = said["near"]
+    assert theirs[0] == pytest.approx(ours[0], rel=0.05)
+    # The hard cases that any solver can be put through; at half of p* it finds the width within cells.
+    names, error = said["hard"]
+    assert names == [
+        f"{name}-descent" for name in ("gradient", "hurst", "load", "precision", "scales", "ties")
+    ]
+    assert error < 2.5
+
+
+@pytest.mark.parametrize(
+    ("asked", "words"),
+    [
+        ("bem,decent", "study cross: method 'decent': no such method; one of: bem, fem"),
+        ("bem,theory", "method 'theory': presses no surface"),
+        (
+            "bem,tamaas",
+            "study cross: method 'tamaas': tamaas is not installed; install it with: "
+            "pip install 'fem-contact[peers]'",
+        ),
+        ("bem,nowhere:solve", "no module 'nowhere' is installed"),
+    ],
+)
+def test_a_method_that_is_none_or_not_installed_is_refused_with_what_to_do(monkeypatch, asked, words):
+    found = importlib.util.find_spec
+    monkeypatch.setattr(
+        importlib.util, "find_spec", lambda name, *more: None if name == "tamaas" else found(name, *more)
+    )
+    with pytest.raises(UsageError) as caught:
+        find_study("cross").parse(["--methods", asked])
+    assert words in str(caught.value)

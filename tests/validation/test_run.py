@@ -176,10 +176,8 @@ def test_a_killed_run_continues_after_its_finished_solves(write_scene, tmp_path)
     command = [sys.executable, "-m", "validation.cli", "run", str(path), "-o", str(folder), "--quiet"]
     process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     solves = folder / "solves"
-    deadline = time.monotonic() + 120
     while not (solves.is_dir() and len(list(solves.glob("bem-*.nc"))) >= 3):
         assert process.poll() is None, "the run ended before it could be killed"
-        assert time.monotonic() < deadline
         time.sleep(0.01)
     os.kill(process.pid, signal.SIGKILL)
     process.wait()

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
 import xarray as xr
 
 from validation.errors import UsageError
+from validation.files import write_record
 from validation.measures.common import persson_area
 from validation.measures.theory import VARIANTS
 from validation.solves.bench import Bench
+from validation.solves.store import write_numbers
 from validation.studies import find_study, hurst, magnification, pressure, theory_verdict
-from validation.studies._outputs import report_study, write_data
+from validation.studies._outputs import report_study
 from validation.studies.theory_verdict import words as words_of
 
 SMALL = {"periods": 2.0, "bandwidth": 2.0}
@@ -128,8 +128,8 @@ def test_every_quantity_of_the_theory_is_scored_and_full_contact_is_exact(scored
 
 def test_a_report_lists_what_is_uncertain_and_writes_it_as_csv(scored, tmp_path):
     said = {"format": "fem-contact study 1", "study": "theory-verdict", "options": {"seed": 2006}}
-    (tmp_path / "study.json").write_text(json.dumps(said))
-    write_data(scored, said, tmp_path)
+    write_record(tmp_path / "study.json", said)
+    write_numbers(tmp_path / "data.nc", scored, recipe=said)
     report_study(tmp_path)
     page = (tmp_path / "report.html").read_text()
     assert "What is uncertain" in page

@@ -525,3 +525,15 @@ def test_a_file_that_no_scene_can_press_is_refused_before_anything_is_solved(
             command(load_scene(str(tmp_path / "scene.toml")))
         assert str(caught.value).count("\n") == 0
     assert not list((tmp_path / "results").rglob("*.nc"))
+
+
+def test_heights_that_belong_to_no_surface_are_told(tmp_path):
+    heights = np.random.default_rng(12).normal(size=(20, 20))
+    np.save(tmp_path / "good.npy", heights)
+    told = read_topography(tmp_path / "good.npy", lengths=(1.0, 1.0), unit=1.0).history
+    assert not [words for words in told if "spikes" in words]
+    raw = heights.copy()
+    raw[3, 4] *= 2.0**32  # one bit of the exponent
+    np.save(tmp_path / "bad.npy", raw)
+    told = read_topography(tmp_path / "bad.npy", lengths=(1.0, 1.0), unit=1.0).history
+    assert "1 of 400 heights lie more than 100 times the height of the middle half away" in told[-1]

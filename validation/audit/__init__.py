@@ -1,7 +1,7 @@
 """The independent reader: every number of a run, computed again from its stored fields alone.
 
 It shares no code with what it judges. It reads the netCDF files of the solves with netCDF4, and computes with
-NumPy, the error function and closed forms; constants stand here a second time. Nothing of `persson`,
+NumPy, special functions of SciPy and closed forms; constants stand here a second time. Nothing of `persson`,
 `fem_contact` or any other room of `validation` is imported, and the linter holds that.
 """
 

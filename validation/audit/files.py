@@ -16,7 +16,7 @@ from validation.audit.ledger import Ledger
 from validation.audit.recomputed import Row, Run, without_none
 from validation.audit.sentences import label_of, with_error
 
-__all__ = ["audit_figures", "audit_page", "audit_summary", "audit_table"]
+__all__ = ["audit_figures", "audit_page", "audit_summary", "audit_table", "page_tables"]
 
 #: Rounding differs between two ways to add up; a residual of 1e-17 is rounding itself.
 _LOOSE = {"residual": {"rtol": 1e-6, "atol": 1e-14}, "pixel_scatter": {"rtol": 1e-9, "atol": 1e-12}}
@@ -24,7 +24,7 @@ _LOOSE = {"residual": {"rtol": 1e-6, "atol": 1e-14}, "pixel_scatter": {"rtol": 1
 
 def _unknown(run: Run, name: str, row: Row) -> bool:
     """Whether a column cannot be computed from the fields."""
-    if name == "residual" and run.adhesive:
+    if name == "residual" and math.isnan(row.residual):
         return True
     return run.measured and name in ("points_per_wave", "under_resolved", "kappa", "residual")
 
@@ -35,6 +35,7 @@ def _rows(place: str, found: list[dict[str, Any]], run: Run, ledger: Ledger) -> 
         where = f"{row.method} {row.grid[0]}x{row.grid[1]}"
         for name, value in asdict(row).items():
             if _unknown(run, name, row):
+                ledger.unread.append(f"{place}: {name}")
                 continue
             title, said = f"{where} {name}", stands[name]
             if name == "grid":
@@ -103,6 +104,8 @@ def _limit_theory(said: dict[str, Any], run: Run, ledger: Ledger) -> None:
     (_, m2, _) = run.moments() or (0.0, 0.0, 0.0)
     variance = run.modulus**2 * m2 / 4
     ledger.number(place, "theory, V [Pa^2]", said["theory"]["stress_variance"], variance)
+    if run.yielded_theory is not None:
+        ledger.number(place, "theory, A_pl/A0", said["theory"]["plastic"], run.yielded_theory)
     if run.ensemble_theory is not None:
         ledger.number(
             place,
@@ -145,6 +148,9 @@ def audit_figures(folder: Path, run: Run, ledger: Ledger) -> None:
     """Judge the numbers behind the figures, where there are figures."""
     figures = folder / "figures"
     if not figures.is_dir() or run.measured:
+        ledger.unread.append(
+            "data of figures" + (": of a measured surface" if run.measured else ": there are none")
+        )
         return
     _area_figure(figures, run, ledger)
     limit = run.own_limit
@@ -186,6 +192,7 @@ def _distribution(figures: Path, run: Run, ledger: Ledger) -> None:
     """Judge P(sigma): shares of area in bins, and the theory's at the same load."""
     place, found = "figures/pressure-at-zero.csv", _columns(figures / "pressure-at-zero.csv")
     if run.gradient is None or run.adhesive:
+        ledger.unread.append(f"{place}: P(sigma) under attraction")
         return
     unit = run.modulus * run.gradient
     curves: dict[str, list[dict[str, str]]] = {}
@@ -210,6 +217,9 @@ def _distribution(figures: Path, run: Run, ledger: Ledger) -> None:
     pressure, (_, m2, _) = run.pressure(), run.moments() or (0.0, 0.0, 0.0)
     if run.theory() is None or pressure is None or not m2 > 0:
         return
+    if not run.bare:
+        ledger.unread.append(f"{place}: the theory's P(sigma) with effects")
+        return
     variance = run.modulus**2 * m2 / 4
     for point in curves.get("Persson", []):
         s = float(point["lower"]) * unit
@@ -222,7 +232,8 @@ def _distribution(figures: Path, run: Run, ledger: Ledger) -> None:
 
 _MARKS = (
     ("κ", "kappa"),
-    ("λ", "lambda_"),
+    ("α", "alpha"),
+    ("λ", "lambda"),
     ("Δx", "dx"),
     ("±\u00a0", "+- "),
     ("\u00a0%", " %"),
@@ -232,20 +243,20 @@ _MARKS = (
 
 def _plain(cell: str) -> str:
     """Return a cell of a page as it was typed."""
-    text = html.unescape(re.sub(r"<[^>]+>", "", cell))
+    text = html.unescape(re.sub(r"<[^>]+>", "", re.sub(r"<sub>([^<\d]+)</sub>", r"_\1", cell)))
     for printed, typed in _MARKS:
         text = text.replace(printed, typed)
     return text.strip()
 
 
-def _tables(page: str) -> dict[str, list[dict[str, str]]]:
-    """Return the tables of a page by their titles."""
+def page_tables(page: str) -> dict[str, tuple[list[str], list[list[str]]]]:
+    """Return the tables of a page by their titles: names of the columns, and lines of cells."""
     found = {}
     for title, table in re.findall(r'aria-label="Table: ([^"]+)"><table>(.*?)</table>', page, flags=re.S):
         names = [_plain(cell) for cell in re.findall(r"<th[^>]*>(.*?)</th>", table, flags=re.S)]
         lines = re.findall(r"<tr[^>]*>((?:<td.*?)+)</tr>", table, flags=re.S)
         cells = [[_plain(c) for c in re.findall(r"<td[^>]*>(.*?)</td>", line, flags=re.S)] for line in lines]
-        found[html.unescape(title)] = [dict(zip(names, line, strict=False)) for line in cells]
+        found[html.unescape(title)] = names, cells
     return found
 
 
@@ -253,9 +264,15 @@ def audit_page(folder: Path, run: Run, ledger: Ledger) -> None:
     """Judge the tables of report.html, where it was written."""
     path = folder / "report.html"
     if not path.exists() or run.measured:
+        ledger.unread.append(
+            "report.html" + (": of a measured surface" if run.measured else ": there is none")
+        )
         return
     page = path.read_text(encoding="utf-8")
-    tables = _tables(page)
+    tables = {
+        title: [dict(zip(names, line, strict=False)) for line in lines]
+        for title, (names, lines) in page_tables(page).items()
+    }
     lines = tables.get("Every grid", [])
     for line, row in zip(lines, run.rows, strict=False):
         _line(line, row, ledger)

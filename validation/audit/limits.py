@@ -5,16 +5,46 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-from validation.audit.stored import Stored
-
 __all__ = ["Limit", "limit_over"]
+
+
+class Areas(Protocol):
+    """The areas of one surface on one grid and shift, by definition."""
+
+    @property
+    def spacing(self) -> tuple[float, float]:
+        """(dx, dy)."""
+
+    @property
+    def cells(self) -> int:
+        """Number of cells."""
+
+    @property
+    def pixel(self) -> float:
+        """Counted."""
+
+    @property
+    def edges(self) -> float:
+        """Edges over cells."""
+
+    @property
+    def subcell(self) -> float:
+        """With its edge located."""
+
+    @property
+    def alignment(self) -> float:
+        """How far the contour runs in one direction."""
+
 
 #: Powers of the width in the error law, with the deviations of their coefficients; noise; least contact.
 _LAW = {1.0: 0.02, 1.5: 0.008, 2.0: 0.003, 3.0: 0.001}
 _GAP_POWER, _NOISE, _LEAST_POINTS = 1.25, (0.005, 0.036), 16
+#: What edges that lie alike between the grid points are off by: on every grid, and anew on each, in cells.
+_ALIKE = (0.008, 0.012)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,15 +57,15 @@ class Limit:
     definition: str
 
 
-def limit_over(solves: Sequence[Stored], *, located: bool) -> Limit | None:
+def limit_over(solves: Sequence[Areas], *, located: bool) -> Limit | None:
     """Return the limit, or None where these grids do not give one."""
-    groups: dict[tuple[float, float], list[Stored]] = {}
+    groups: dict[tuple[float, float], list[Areas]] = {}
     for one in solves:
         groups.setdefault(one.spacing, []).append(one)
     if len(groups) < 2:
         return None
     grids = [groups[key] for key in sorted(groups, key=lambda s: s[0] * s[1])]
-    if np.mean([one.pixel * one.p.size for one in grids[0]]) < _LEAST_POINTS * (1 - 1e-9):
+    if np.mean([one.pixel * one.cells for one in grids[0]]) < _LEAST_POINTS * (1 - 1e-9):
         return None
     if not located and len(solves) < 3:
         return None
@@ -46,7 +76,7 @@ def limit_over(solves: Sequence[Stored], *, located: bool) -> Limit | None:
     return limit if 0 < limit.value <= 1 + 1e-12 else None
 
 
-def _located(grids: Sequence[Sequence[Stored]]) -> tuple[float, float]:
+def _located(grids: Sequence[Sequence[Areas]]) -> tuple[float, float]:
     """Best estimate of A from areas whose errors are correlated as the error law says."""
     means = [float(np.mean([one.subcell for one in group])) for group in grids]
     used = [k for k, mean in enumerate(means) if mean > 0 or k == 0]
@@ -56,11 +86,16 @@ def _located(grids: Sequence[Sequence[Stored]]) -> tuple[float, float]:
     if fraction[0] == 0 or not 0 < area[0] < 1:
         return float(area[0]), 0.0
     z = fraction / (area[0] * (1 - area[0]) ** _GAP_POWER)
-    count = np.array([len(grids[k]) * grids[k][0].p.size for k in used])
+    count = np.array([len(grids[k]) * grids[k][0].cells for k in used])
     spread = np.diag(fraction * (_NOISE[0] ** 2 + (_NOISE[1] * z) ** 2) / count)
     for power, deviation in _LAW.items():
         term = deviation * fraction * z**power
         spread = spread + np.outer(term, term)
+    aligned = fraction * float(np.mean([one.alignment for one in grids[0]]))
+    shifts = np.array([len(grids[k]) for k in used])
+    spread = (
+        spread + np.outer(aligned, aligned) * _ALIKE[0] ** 2 + np.diag((_ALIKE[1] * aligned) ** 2 / shifts)
+    )
     ones = np.ones(area.size)
     weight = np.linalg.solve(spread, ones)
     value = float(area[0] + weight @ (area - area[0]) / weight.sum())
@@ -69,7 +104,7 @@ def _located(grids: Sequence[Sequence[Stored]]) -> tuple[float, float]:
     return value, math.sqrt(max(1.0, misfit) / float(weight.sum()))
 
 
-def _counted(solves: Sequence[Stored]) -> tuple[float, float]:
+def _counted(solves: Sequence[Areas]) -> tuple[float, float]:
     """Straight line of the counted area against its edges, weighted by their scatter."""
     area, edges = np.array([one.pixel for one in solves]), np.array([one.edges for one in solves])
     if not np.any(edges):

@@ -1,4 +1,4 @@
-"""One run, read from beginning to end."""
+"""One results folder, read from beginning to end."""
 
 from __future__ import annotations
 
@@ -12,7 +12,9 @@ from validation.audit.files import audit_figures, audit_page, audit_summary, aud
 from validation.audit.ledger import Ledger
 from validation.audit.recomputed import Run
 from validation.audit.sentences import audit_sentences
+from validation.audit.several import audit_accuracy, audit_sweep
 from validation.audit.stored import Array, Stored, wavevectors
+from validation.audit.studies import audit_study, is_study
 
 __all__ = ["audit", "judge_fields", "judge_surfaces"]
 
@@ -23,7 +25,7 @@ def audit(folder: Path) -> Ledger:
     Parameters
     ----------
     folder : Path
-        Results of a run with at least one solver.
+        Results of a run with at least one solver, of a sweep of such a scene, or of a study.
 
     Returns
     -------
@@ -35,8 +37,12 @@ def audit(folder: Path) -> Ledger:
     OSError, ValueError, LookupError
         For a folder that holds no finished run of this version.
     """
+    if is_study(folder):
+        return audit_study(folder)
+    if (folder / "sweep.json").exists():
+        return audit_sweep(folder)
     ledger = Ledger()
-    run = Run(folder)
+    run = Run.of(folder)
     if not run.methods:
         raise LookupError("a scene of the theory alone stores no field")
     for key, one in run.solves.items():
@@ -48,6 +54,7 @@ def audit(folder: Path) -> Ledger:
     audit_sentences(summary["findings"], run, ledger)
     audit_figures(folder, run, ledger)
     audit_page(folder, run, ledger)
+    audit_accuracy(folder, run, ledger)
     return ledger
 
 
@@ -57,24 +64,36 @@ def judge_fields(k: int, one: Stored, run: Run, ledger: Ledger) -> None:
     height = float(np.ptp(one.h)) or float(np.ptp(one.u)) or 1.0
     ledger.number(place, "E* [Pa]", one.modulus, run.modulus)
     pressure = run.pressure(k)
-    if pressure is not None:
+    if pressure is not None and not run.holds_distance:
         ledger.number(place, "mean pressure [Pa]", one.mean_pressure, pressure, rtol=1e-6)
     misfit = float(np.max(np.abs(one.gap - (one.u - one.h + float(one.said["offset"])))))
     ledger.number(place, "gap less u - h + offset, over the height", misfit / height, 0.0, atol=1e-9)
     ledger.same(place, "status", one.said["status"], "CONVERGED")
-    if not run.adhesive:
-        for name, value in one.residuals.items():
-            stands = one.stored_residuals[name]
-            ledger.number(place, f"residual, {name}", abs(stands), value, rtol=1e-6, atol=1e-14)
-    if one.method == "bem" and run.bare:
-        ledger.number(place, "u against 2 p / (E* q)", _elastic_misfit(one), 0.0, atol=1e-6)
+    residuals: dict[str, float] | None = one.residuals
+    if run.adhesive:
+        residuals = None if pressure is None else one.adhesive_residuals(pressure)
+    if residuals is None:
+        ledger.unread.append("residuals under an attraction of another law than the exponential")
+    for name, value in (residuals or {}).items():
+        stands = one.stored_residuals[name]
+        ledger.number(place, f"residual, {name}", abs(stands), value, rtol=1e-6, atol=1e-13)
+    if one.method == "bem" and run.depth is None:
+        ledger.unread.append("displacement against pressure of a solid in layers")
+    elif one.method == "bem" and run.depth is not None:
+        misfit = _elastic_misfit(one, run.depth, poisson=float(run.scene["solid"]["poisson"]))
+        ledger.number(place, "u against 2 p / (E* q)", misfit, 0.0, atol=1e-6)
 
 
-def _elastic_misfit(one: Stored) -> float:
-    """Largest difference between u and the half-space's answer to p, over the largest u."""
+def _elastic_misfit(one: Stored, depth: float, *, poisson: float) -> float:
+    """Largest difference between u and the answer of the solid to p, over the largest u, without means."""
     q = wavevectors(one.p.shape, one.lengths)
     q[0, 0] = np.inf
-    exact = np.fft.ifft2(2 * np.fft.fft2(one.p) / (one.modulus * q)).real
+    share = np.ones_like(q)
+    if math.isfinite(depth):
+        # A layer bonded to a rigid base; beyond q d = 300 it is a half-space to the last bit.
+        d, k = np.minimum(q * depth, 300.0), 3 - 4 * poisson
+        share = (2 * k * np.sinh(2 * d) - 4 * d) / (2 * k * np.cosh(2 * d) + 4 * d**2 + 1 + k**2)
+    exact = np.fft.ifft2(2 * share * np.fft.fft2(one.p) / (one.modulus * q)).real
     size = float(np.max(np.abs(exact)))
     u = one.u - one.u.mean()
     return float(np.max(np.abs(u - exact))) / size if size else float(np.max(np.abs(u)))
@@ -83,6 +102,7 @@ def _elastic_misfit(one: Stored) -> float:
 def judge_surfaces(run: Run, ledger: Ledger) -> None:
     """Judge that all solves of a realisation press one surface, moved as said, and others another."""
     if run.measured:
+        ledger.unread.append("heights of a measured surface against its file")
         return
     for (method, grid, shift, k), one in run.solves.items():
         found = run.moments(k)

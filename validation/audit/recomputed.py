@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from validation.audit.closed_forms import yielded_areas
 from validation.audit.limits import Limit, limit_over
 from validation.audit.stored import Stored
 
@@ -52,13 +53,14 @@ class Run:
 
     Parameters
     ----------
-    folder : Path
-        Results of a run with a solver.
+    scene : mapping
+        What was asked for, as run.json has it.
+    store : Path
+        Folder of its solves.
     """
 
-    def __init__(self, folder: Path) -> None:
-        record = json.loads((folder / "run.json").read_text(encoding="utf-8"))
-        self.scene: dict[str, Any] = record["scene"]
+    def __init__(self, scene: dict[str, Any], store: Path) -> None:
+        self.scene = scene
         self.surface: dict[str, Any] = self.scene["surface"]
         self.measured = self.surface["kind"] == "file"
         self.effects: list[dict[str, Any]] = self.scene.get("effects", [])
@@ -68,7 +70,13 @@ class Run:
         self.options: dict[str, dict[str, Any]] = asked
         #: Stored solves by method, grid, shift and realisation.
         self.solves: dict[tuple[str, Grid, tuple[float, float], int], Stored] = {}
-        self._find((folder / record["store"]).resolve())
+        self._find(store)
+
+    @classmethod
+    def of(cls, folder: Path) -> Run:
+        """Return the run of a results folder."""
+        record = json.loads((folder / "run.json").read_text(encoding="utf-8"))
+        return cls(record["scene"], (folder / record["store"]).resolve())
 
     def _find(self, store: Path) -> None:
         """Take from a store, which others may share, what this scene asked for."""
@@ -111,6 +119,23 @@ class Run:
         return not self.effects
 
     @cached_property
+    def depth(self) -> float | None:
+        """Depth [m] at which the solid is bonded to a rigid base: inf of a half-space, None of others."""
+        layers = {effect["kind"]: effect for effect in self.effects}
+        for kind in ("hardness", "adhesion", "smoothing"):
+            layers.pop(kind, None)
+        if list(layers) == ["thickness"] and layers["thickness"].get("base", "bonded") == "bonded":
+            return float(layers["thickness"]["thickness"])
+        return None if layers else math.inf
+
+    @cached_property
+    def hardness(self) -> float | None:
+        """One hardness [Pa] and no other effect; None where it is otherwise."""
+        if [effect["kind"] for effect in self.effects] != ["hardness"]:
+            return None
+        return float(self.effects[0]["hardness"])
+
+    @cached_property
     def adhesive(self) -> bool:
         """Whether the surfaces attract each other."""
         return any(effect["kind"] == "adhesion" for effect in self.effects)
@@ -140,7 +165,15 @@ class Run:
     def modulus(self) -> float:
         """E* = E / (1 - nu^2) [Pa]."""
         solid = self.scene["solid"]
-        return float(solid["young"] / (1 - solid["poisson"] ** 2))
+        compliance = (1 - solid["poisson"] ** 2) / solid["young"]
+        if "second_young" in solid:
+            compliance += (1 - solid["second_poisson"] ** 2) / solid["second_young"]
+        return float(1 / compliance)
+
+    @property
+    def holds_distance(self) -> bool:
+        """Whether a mean gap or an offset was held in place of a load."""
+        return bool({"mean_gap", "offset"} & set(self.scene["load"]))
 
     @cached_property
     def gradient(self) -> float | None:
@@ -153,6 +186,12 @@ class Run:
         load = self.scene["load"]
         if "pressure" in load:
             return float(np.ravel(load["pressure"])[0])
+        if "force" in load:
+            lx, ly = self.surface["length"]
+            return float(load["force"] / (lx * ly))
+        if self.holds_distance:
+            own = [one for (name, _, _, m), one in self.solves.items() if name == self.methods[0] and m == 0]
+            return max(own, key=lambda one: one.p.size).mean_pressure
         found = self.moments(k)
         return (
             None
@@ -192,6 +231,8 @@ class Run:
         density = math.nan if self.adhesive else math.fsum(one.density_at_zero for one in own) / len(own)
         yields = any(effect["kind"] == "hardness" for effect in self.effects)
         load = self.reduced_pressure
+        if load is not None and self.holds_distance:
+            load *= math.fsum(one.mean_pressure for one in own) / len(own) / (self.pressure() or math.nan)
         return Row(
             method=method,
             grid=grid,
@@ -210,9 +251,14 @@ class Run:
         )
 
     def residual(self, one: Stored) -> float:
-        """Return the largest of the four residuals."""
+        """Return the largest of the four residuals; NaN under an attraction whose law is not read here."""
         pressure = self.pressure()
-        load = 0.0 if pressure is None else abs(one.mean_pressure - pressure) / pressure
+        if self.adhesive:
+            found = None if pressure is None else one.adhesive_residuals(pressure)
+            return math.nan if found is None else max(found.values())
+        load = (
+            0.0 if pressure is None or self.holds_distance else abs(one.mean_pressure - pressure) / pressure
+        )
         return max(*one.residuals.values(), load)
 
     def limit(self, method: str, k: int = 0, grids: set[Grid] | None = None) -> Limit | None:
@@ -236,14 +282,26 @@ class Run:
         return next((found for name in self.methods if (found := self.limit(name)) is not None), None)
 
     def theory(self, k: int = 0) -> float | None:
-        """erf(p0 / sqrt(2 V)), V = E*^2 m2 / 4 of that realisation; None with effects."""
+        """A/A0 of that realisation with V = E*^2 m2 / 4, elastic or with one hardness; None with others."""
         found, pressure = self.moments(k), self.pressure(k)
-        if not self.bare or "theory" not in self.options or found is None or pressure is None:
+        known = self.bare or self.hardness is not None
+        if not known or "theory" not in self.options or found is None or pressure is None:
             return None
         return self._persson(pressure, found[1])
 
     def _persson(self, pressure: float, m2: float) -> float:
-        return math.erf(pressure / math.sqrt(2 * 0.25 * self.modulus**2 * m2)) if m2 > 0 else 1.0
+        variance = 0.25 * self.modulus**2 * m2
+        if self.hardness is not None and m2 > 0:
+            return sum(yielded_areas(pressure, variance=variance, hardness=self.hardness))
+        return math.erf(pressure / math.sqrt(2 * variance)) if m2 > 0 else 1.0
+
+    @cached_property
+    def yielded_theory(self) -> float | None:
+        """A_pl/A0 with one hardness."""
+        found, pressure = self.moments(), self.pressure()
+        if self.hardness is None or self.theory() is None or found is None or pressure is None:
+            return None
+        return yielded_areas(pressure, variance=0.25 * self.modulus**2 * found[1], hardness=self.hardness)[0]
 
     @cached_property
     def ensemble_theory(self) -> float | None:

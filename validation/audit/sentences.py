@@ -104,7 +104,7 @@ def _theory(found: re.Match[str], run: Run, ledger: Ledger) -> None:
     ledger.text(_PLACE, "theory, h'_rms", found["gradient"], run.gradient, 4)
     if found["alone"] is not None and run.ensemble_theory is not None:
         ledger.text(_PLACE, "theory, A/A0 from C(q) alone", found["alone"], run.ensemble_theory, 4)
-    _distance(found["rest"], (theory, limit), ledger)
+    _distance(re.sub(r"^ \(Persson 2006[^()]*\)", "", found["rest"]), (theory, limit), ledger)
 
 
 def _distance(rest: str, both: tuple[float, Limit | None], ledger: Ledger) -> None:
@@ -301,8 +301,20 @@ def _no_number(found: re.Match[str], run: Run, ledger: Ledger) -> None:
 def _yielded(found: re.Match[str], run: Run, ledger: Ledger) -> None:
     row = _row(run, found["label"], found["grid"])
     ledger.text(_PLACE, "A_pl/A0", found["area"], None if row is None else row.plastic, 4)
-    if found["rest"] != ".":
-        ledger.unread.append("A_pl/A0 by the theory, with a hardness")
+    theory = run.yielded_theory
+    if found["rest"] == ".":
+        ledger.same(_PLACE, "there is no theory of what yields", theory is None, True)
+        return
+    said = re.fullmatch(
+        rf"; (?P<area>{_N}) by the theory(?:, (?P<off>{_P}) (?P<side>above|below) it)?\.", found["rest"]
+    )
+    if theory is None or said is None:
+        ledger.unread.append("A_pl/A0 by the theory, with several effects")
+        return
+    ledger.text(_PLACE, "A_pl/A0 by the theory", said["area"], theory, 4)
+    if row is not None and row.plastic and said["off"] is not None:
+        ledger.text(_PLACE, "theory of what yields against it", said["off"], abs(theory / row.plastic - 1))
+        ledger.same(_PLACE, "side of the theory of what yields", said["side"], _side(theory - row.plastic))
 
 
 _FORMS: tuple[tuple[str, Reader], ...] = (

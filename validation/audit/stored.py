@@ -93,6 +93,11 @@ class Stored:
         return nx, ny
 
     @property
+    def cells(self) -> int:
+        """Number of cells."""
+        return int(self.p.size)
+
+    @property
     def shift(self) -> tuple[float, float]:
         """Sub-grid shift in parts of a cell."""
         x, y = self.recipe["shift"]
@@ -150,6 +155,30 @@ class Stored:
         share = float(np.sum(self.weights[self.contact & (self.p < eps)])) / self.p.size
         return share / eps * stress
 
+    def adhesive_residuals(self, pressure: float) -> dict[str, float] | None:
+        """Return the four residuals under attraction at a load [Pa]; None where its law is not read here.
+
+        The wall alone must push, p + attraction(g) >= 0, and only where the gap is closed; what has yielded
+        carries H.
+        """
+        effects = {effect["kind"]: effect for effect in self.recipe["effects"]}
+        told = effects["adhesion"]
+        if told.get("law", "exponential") != "exponential":
+            return None
+        strength = told["work"] / told["reach"]
+        wall = self.p + strength * np.exp(-np.maximum(self.gap, 0.0) / told["reach"])
+        off, yielded = wall, self.gap < 0
+        if "hardness" in effects:
+            off = np.where(yielded, self.p - effects["hardness"]["hardness"], wall)
+        height = math.sqrt(self.moments[0]) or told["reach"]
+        stress = max(strength, math.sqrt(float(np.mean(self.p**2))))
+        return {
+            "penetration": max(0.0, -float(np.min(np.where(yielded, 0.0, self.gap)))) / height,
+            "tension": max(0.0, -float(wall.min())) / (self.modulus * math.sqrt(self.moments[1]) or strength),
+            "complementarity": float(np.mean(np.abs(off * self.gap))) / (stress * height),
+            "load": abs(self.mean_pressure - pressure) / stress,
+        }
+
     @cached_property
     def residuals(self) -> dict[str, float]:
         """The four residuals, dimensionless; the load is the one the recipe asks for."""
@@ -170,26 +199,43 @@ class Stored:
         return float(np.sum(self.weights * self.p) / self.p.size)
 
     @cached_property
-    def subcell(self) -> float:
-        """A/A0 with the edge located inside the cells by the law of the edge and the map of the grid."""
+    def _edge_directions(self) -> list[tuple[int, int, Array, Array]]:
+        """(axis, sign, contact cells, cosine) of the edges on each side, by the smoothed map."""
         inside, d = self.contact, self.spacing
         smooth = _smoothed(inside.astype(float))
         slope = [(np.roll(smooth, 1, k) - np.roll(smooth, -1, k)) / d[k] for k in (0, 1)]
-        moved = 0.0
+        found = []
         for axis, sign in ((0, 1), (0, -1), (1, 1), (1, -1)):
             edge = inside & ~np.roll(inside, -sign, axis)
             normal = [(s + np.roll(s, -sign, axis))[edge] for s in slope]
             length = np.sqrt(normal[0] ** 2 + normal[1] ** 2)
             length[length == 0] = 1.0
-            cosine = np.clip(sign * normal[axis] / length, 0.05, 1.0)
+            found.append((axis, sign, edge, np.clip(sign * normal[axis] / length, 0.05, 1.0)))
+        return found
+
+    @cached_property
+    def subcell(self) -> float:
+        """A/A0 with the edge located inside the cells by the law of the edge and the map of the grid."""
+        moved = 0.0
+        for axis, sign, edge, cosine in self._edge_directions:
             gap = np.maximum(np.roll(self.gap, -sign, axis)[edge], 0.0)
             with np.errstate(divide="ignore", invalid="ignore"):
-                rho = self.modulus * gap / (self.p[edge] * d[axis] * cosine)
+                rho = self.modulus * gap / (self.p[edge] * self.spacing[axis] * cosine)
             rho = np.where(self.p[edge] > 0, rho, np.inf)
             v = 1 / (1 + np.cbrt(rho) ** 2)
             place = np.polynomial.polynomial.polyval2d(v, cosine**2, EDGE_MAP)
             moved += float(np.sum((np.clip(place, -0.6, 1.2) - 0.5) * cosine**2))
-        return float((np.sum(inside) + moved) / inside.size)
+        return float((np.sum(self.contact) + moved) / self.contact.size)
+
+    @cached_property
+    def alignment(self) -> float:
+        """0 for a contour of all directions, 1 for a line: from the means of cos 4 theta and cos 8 theta."""
+        angle = np.arccos(np.concatenate([cosine for *_, cosine in self._edge_directions]))
+        if not angle.size:
+            return 0.0
+        weight = np.cos(angle) ** 2
+        uneven = max(abs(float(np.sum(weight * np.cos(k * angle)))) for k in (4, 8)) / float(weight.sum())
+        return min(max((uneven - 0.5) / 0.25, 0.0), 1.0)
 
 
 def _smoothed(values: Array) -> Array:

@@ -218,6 +218,23 @@ def _symmetries() -> list[Check]:
     return checks
 
 
+def _steps() -> list[Check]:
+    """Count conjugate-gradient steps on finer and finer grids, elastic and yielding."""
+    checks = []
+    for name, bound in (("elastic", None), ("a bound on the pressure", 0.3)):
+        steps = [
+            solve(_rough(n), _SOFT, mean_pressure=0.05, pressure_bound=bound, tolerance=1e-9)
+            .checked()
+            .cost.iterations
+            for n in (48, 96, 192)
+        ]
+        checks.append(Check.within(f"most steps, {name}", max(steps), 4, 20))
+        checks.append(
+            Check.below(f"more steps at n = 192 than at n = 48, {name}", max(steps[2] - steps[0], 0), 4)
+        )
+    return checks
+
+
 CASES = (
     Case(
         name="bem-punch",
@@ -248,6 +265,12 @@ CASES = (
         claim="Pressure and mean gap of one rough surface converge with the grid.",
         run=_grids,
         source="self-consistency over nested grids",
+    ),
+    Case(
+        name="bem-steps",
+        claim="Boundary elements take as many steps on a fine grid as on a coarse one.",
+        run=_steps,
+        source="docs/bem.md: nested grids, a preconditioner that follows the contact",
     ),
     Case(
         name="bem-energy",

@@ -19,7 +19,8 @@ from validation.cases._closed_forms import westergaard_mean_pressure, westergaar
 from validation.comparison.compare import Scatter
 from validation.comparison.run import run_scene
 from validation.measures.budget import Budget, budget_table, grid_share
-from validation.measures.statistics import mean_over_surfaces
+from validation.measures.ladders import rungs_limit
+from validation.measures.statistics import combined, mean_over_surfaces, order_of_convergence
 from validation.scenes.scene import Scene
 
 __all__ = ["CASES"]
@@ -263,6 +264,13 @@ def _intervals() -> list[Check]:
             tolerance=0.02,
         )
     )
+    checks.append(Check.relative("independent errors of 3, 4 and 12", combined(3.0, 4.0, 12.0), 13.0, 1e-12))
+    spacing = np.array([0.4, 0.2, 0.1])
+    order = order_of_convergence(spacing, -0.3 * spacing**1.5)
+    checks.append(Check.relative("order of errors like dx^1.5", order, 1.5, 1e-9))
+    rungs = [[2.0 + 0.5 * step**1.4] * 3 for step in spacing]
+    ladder = rungs_limit(rungs, tuple(spacing.tolist()), order=1.4, common=True)
+    checks.append(Check.relative("limit of a ladder of order 1.4", ladder.limit, 2.0, 1e-9))
     shares = grid_share([2.0] * 4, errors=[0.06] * 4, drifts=[0.08] * 4)
     # Twice .06 / sqrt 4 at random, .08 that does not average, over 2.
     checks.append(Check.relative("share of the grid in a budget", shares, 0.05, 1e-12))

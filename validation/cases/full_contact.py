@@ -68,12 +68,12 @@ CASES = (
         claim="Where everything touches, p-hat = (E* q / 2) h-hat wave by wave, and its variance is "
         "Persson's.",
         run=_boundary_elements,
-        source="Persson 2006, Sec. 3.1; exact",
+        source="Persson 2006, Sec. 3.4; exact",
     ),
     Case(
         name="full-contact-fem",
         claim="Where everything touches, the pressure of finite elements has Persson's variance.",
         run=_finite_elements,
-        source="Persson 2006, Sec. 3.1; exact but for the grid",
+        source="Persson 2006, Sec. 3.4; exact but for the grid",
     ),
 )

@@ -60,7 +60,7 @@ def _distribution() -> list[Check]:
 def _variance() -> list[Check]:
     spectrum = SelfAffine.from_rms_height(1e-6, hurst=0.8, q_long=1e5, q_short=1e8)
     modulus, pressure = 2e6, 1e4
-    # Eq. 19: G(q) = (pi/4) (E* / p0)^2 int q^3 C dq, and V = 2 G p0^2, by a quadrature that knows no panel.
+    # Eq. 21: G(q) = (pi/4) (E* / p0)^2 int q^3 C dq, and V = 2 G p0^2, by a quadrature that knows no panel.
     integral = quad(
         lambda x: math.exp(4 * x) * float(spectrum(math.exp(x))),
         math.log(1e5),
@@ -115,12 +115,12 @@ CASES = (
         name="theory-variance",
         claim="V is twice G p0^2, with G by quadrature over C(q).",
         run=_variance,
-        source="Persson 2006, Eq. 19",
+        source="Persson 2006, Eq. 21",
     ),
     Case(
         name="theory-area-factor",
         claim="A surface of <|grad h|^2> = 0.99 has 38 % more area than its projection.",
         run=_area_factor,
-        source="Persson 2006, Sec. 8.1",
+        source="Persson 2006, Sec. 8.3",
     ),
 )

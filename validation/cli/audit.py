@@ -20,14 +20,16 @@ __all__ = ["audit"]
 
 
 def audit(
-    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Results folder of a run.")],
+    folder: Annotated[
+        Path, typer.Argument(metavar="DIR", help="Results folder of a run, a sweep or a study.")
+    ],
     list_all: Annotated[bool, typer.Option("--list", help="Name the numbers that agree, too.")] = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Compute every number of a run again from its stored fields, by other code. Solves nothing.
+    """Compute every number of a run or study again from its stored fields, by other code. Solves nothing.
 
     Tables, JSON, sentences, the page and the data of its figures are compared with what the fields say by
-    definition. Exits with 1 where a number disagrees.
+    definition; what is not computed again is listed. Exits with 1 where a number disagrees.
     """
     from validation.audit import audit as read
 
@@ -55,9 +57,8 @@ def _show(ledger: Ledger, *, list_all: bool) -> None:
     for line in dict.fromkeys(ledger.unread):
         show(f"not judged: {line}")
     agreeing = Counter(entry.place for entry in ledger.entries if entry.agrees)
-    files = {
-        place: n for place, n in agreeing.items() if place.startswith(("table", "summary", "fig", "rep"))
-    }
+    names = ("table", "summary", "fig", "rep", "data", "budget", "accuracy", "areas")
+    files = {place: n for place, n in agreeing.items() if place.startswith(names)}
     for place, count in {**files, "sentences": agreeing["sentence"]}.items():
         show(f"{place}: {count} agree")
     show(f"fields of the solves: {sum(agreeing.values()) - sum(files.values()) - agreeing['sentence']} agree")

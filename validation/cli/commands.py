@@ -37,6 +37,7 @@ from validation.cli.options import (
     show,
     stopping_cleanly,
 )
+from validation.cli.reference import reference
 from validation.cli.refusals import refusals_in_words
 from validation.cli.store import store_app
 from validation.cli.surface import surface_app
@@ -68,6 +69,7 @@ app.add_typer(scenes_app, name="scenes")
 app.add_typer(surface_app, name="surface")
 app.add_typer(store_app, name="store")
 app.command(epilog="Examples: fem-contact audit results/quickstart  |  fem-contact audit mine --list")(audit)
+app.command(epilog="Example: fem-contact reference --hurst 0.8 --bandwidth 16 --pressure 0.05")(reference)
 app.command(epilog="Example: fem-contact compare results/quickstart results/mine")(compare)
 app.command(
     epilog="Examples: fem-contact validate --quick  |  fem-contact validate hertz westergaard  |  "
@@ -182,7 +184,7 @@ def _folders(
     asked: Scene | Sweep, output: Path | None, store: Path | None, *, accurate: bool
 ) -> tuple[Path, Path]:
     """Return the folders of results and of solves: the command line goes before the scene."""
-    from validation.scenes.scene import not_led_out
+    from validation.scenes.run_options import not_led_out
 
     said, results = asked.run, Path("results")
     plain = (

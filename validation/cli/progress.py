@@ -51,7 +51,7 @@ class Bar:
         return self
 
     def __exit__(self, *exc: object) -> None:
-        if self._progress.tasks:
+        if self._progress.tasks and not self._progress.disable:  # rich ends a bar nobody saw with a line
             self._progress.stop()
 
     def start(self, missing: tuple[Solve, ...], stored: int) -> None:
@@ -97,7 +97,10 @@ def steps_bar(count: int | None, *, quiet: bool) -> Iterator[Callable[[str], Non
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
     columns = (TextColumn("{task.description:.60}", markup=False), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=Console(stderr=True), disable=quiet) as progress:
+    if quiet:
+        yield lambda name: None
+        return
+    with Progress(*columns, console=Console(stderr=True)) as progress:
         task = progress.add_task("", total=count, completed=-1)
 
         def tell(name: str) -> None:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from validation.report.page import Page
     from validation.report.table import WordTable
 
-__all__ = ["page_table", "print_page", "sentence_lines"]
+__all__ = ["page_table", "print_page", "print_table", "sentence_lines"]
 
 #: Rows from which on a table is left to the files.
 _MANY_ROWS = 40
@@ -44,17 +44,23 @@ def print_page(
         show(line)
     for table in page.tables[:1]:
         if len(table.rows) <= _MANY_ROWS:
-            shown, left_out = page_table(table, width=width or _WIDE)
-            show(shown)
-            where = f"In the files, not here: {', '.join(left_out)}. " if left_out else ""
-            for line in sentence_lines(where + table.note, width):
-                show(line)
+            print_table(table, elsewhere="In the files, not here")
     for finding in (*page.findings, *more):
         for line in sentence_lines(f"- {finding}", width):
             show(line)
     show(f"\n{done}")
     for path in files:
         show(f"  {path}")
+
+
+def print_table(table: WordTable, *, elsewhere: str = "Not shown") -> None:
+    """Print a table and its note; say which of its columns found no place."""
+    width = terminal_width()
+    shown, left_out = page_table(table, width=width or _WIDE)
+    show(shown)
+    where = f"{elsewhere}: {', '.join(left_out)}. " if left_out else ""
+    for line in sentence_lines(where + table.note, width):
+        show(line)
 
 
 def sentence_lines(text: str, width: int | None) -> list[str]:

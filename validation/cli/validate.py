@@ -30,6 +30,12 @@ def validate(
             "--method", metavar="NAME", help="Score this solver: a method, or module:function of your own."
         ),
     ] = None,
+    seconds: Annotated[
+        float,
+        typer.Option(
+            "--seconds", min=1.0, help="Processor time all solves of a solver may take, with --method."
+        ),
+    ] = 300.0,
     tolerance: Annotated[
         float, typer.Option("--tolerance", min=1e-12, max=1e-2, help="Of the residuals, with --method.")
     ] = 1e-6,
@@ -49,7 +55,7 @@ def validate(
     from validation.report.page import write_page
 
     if method:
-        _score(method, quick=quick, tolerance=tolerance, output=output, as_json=as_json)
+        _score(method, quick=quick, tolerance=tolerance, seconds=seconds, output=output, as_json=as_json)
         return
     cases = chosen_cases(names or [], quick=quick)
     if list_all:
@@ -70,7 +76,9 @@ def validate(
         raise RunFailed(f"{len(failed)} of {len(verdicts)} cases failed: {', '.join(failed)}")
 
 
-def _score(names: list[str], *, quick: bool, tolerance: float, output: Path | None, as_json: bool) -> None:
+def _score(
+    names: list[str], *, quick: bool, tolerance: float, seconds: float, output: Path | None, as_json: bool
+) -> None:
     """Write the scorecards of solvers; fail where the first of them does."""
     from validation.cases.scorecard import Subject, score
     from validation.cases.scorecard.sheet import write_scorecards
@@ -83,7 +91,9 @@ def _score(names: list[str], *, quick: bool, tolerance: float, output: Path | No
     cards = []
     with stopping_cleanly():
         for name, (solver, settings) in chosen.items():
-            subject = Subject(name=name, solver=solver, settings=settings, tolerance=tolerance, quick=quick)
+            subject = Subject(
+                name=name, solver=solver, settings=settings, tolerance=tolerance, quick=quick, seconds=seconds
+            )
             if not as_json:
                 typer.echo(f"{name}:")
             cards.append(score(subject, tell=None if as_json else lambda line: say(line, prefix="")))
@@ -108,7 +118,12 @@ def reproduce(
     quiet: QuietOption = False,
     as_json: JsonOption = False,
 ) -> None:
-    """Recompute Persson (2006): every calculated figure and every claim with a number, and say what holds."""
+    """Recompute Persson (2006), and say what holds.
+
+    Covers the calculated figures and the numbers stated in the text: spectra, area, hardness, adhesion,
+    tire rim, PMMA, Pyrex. Claims of one system are judged under one set of conventions. Measured figures,
+    rubber friction and the cost of solvers have no row; the report says why.
+    """
     from validation.cli.progress import steps_bar
     from validation.cli.results import print_page
     from validation.files import prepare_folder

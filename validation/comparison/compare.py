@@ -17,10 +17,11 @@ from fem_contact.errors import InvalidInput
 from fem_contact.extrapolation import counted_limit, located_limit
 from fem_contact.stress import density_at_zero
 from validation.effects.base import Effect
+from validation.errors import RunFailed
 from validation.methods.theory import Prediction, predict
 from validation.report.words import json_ready
 from validation.scenes.realised import Realised
-from validation.scenes.scene import Scene
+from validation.scenes.scene import Load, Scene
 from validation.solves.press import Press
 
 if TYPE_CHECKING:
@@ -272,8 +273,9 @@ def compare(
         one for one in readings if one.solve.realisation == 0 and one.solve.grid in asked[one.solve.method]
     ]
     groups = itertools.groupby(shown, key=lambda one: (one.solve.method, one.solve.grid))
-    reduced = realised.pressure / (modulus * realised.field.rms_gradient)
-    rows = tuple(_row(list(group), scene, realised, reduced) for _, group in groups)
+    if realised.load.held:
+        realised = realised.under(Load(pressure=_carried(shown)))
+    rows = tuple(_row(list(group), scene, realised, modulus) for _, group in groups)
     continuum = None
     if realised.spectrum is not None:
         moments = realised.spectrum.moments()
@@ -298,6 +300,18 @@ def compare(
         theory=_theory(scene, realised),
         scatter=_scatter(readings, scene, realised),
     )
+
+
+def _carried(shown: Sequence[_Reading]) -> float:
+    """Load [Pa] at the distance that is held, on the finest grid of the first method."""
+    own = [one for one in shown if one.solve.method == shown[0].solve.method]
+    found = max(own, key=lambda one: one.solve.realised.points_per_wave(one.solve.grid))
+    load = found.solve.realised.load
+    if not found.mean_pressure > 0:
+        raise RunFailed(
+            f"load.{load.key} = {load.values[0]:.6g} m: nothing touches so far apart; come closer"
+        )
+    return found.mean_pressure
 
 
 def _theory(scene: Scene, realised: Realised) -> Prediction | None:
@@ -325,6 +339,7 @@ class _Reading:
     seconds: float
     unknowns: int
     contact_modulus: float
+    mean_pressure: float
     pressure: Array | None
 
     @classmethod
@@ -343,6 +358,7 @@ class _Reading:
             seconds=result.cost.wall_seconds,
             unknowns=result.cost.unknowns,
             contact_modulus=result.contact_modulus,
+            mean_pressure=result.mean_pressure,
             pressure=result.pressure if shown and solve.is_own else None,
         )
 
@@ -351,7 +367,11 @@ def _adhesive(effects: Sequence[Effect]) -> bool:
     return any(effect.slot == "gap law" for effect in effects)
 
 
-def _row(solves: Sequence[_Reading], scene: Scene, realised: Realised, reduced_pressure: float) -> Row:
+def _row(solves: Sequence[_Reading], scene: Scene, realised: Realised, modulus: float) -> Row:
+    scale = modulus * realised.field.rms_gradient
+    # Where a distance is held, each grid takes a load of its own.
+    held = float(np.mean([one.mean_pressure for one in solves]))
+    reduced_pressure = (held if scene.load.held else realised.pressure) / scale
     solve = solves[0].solve
     pixel = np.array([one.areas.pixel for one in solves])
     perimeter = float(np.mean([one.areas.perimeter for one in solves]))

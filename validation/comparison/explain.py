@@ -225,7 +225,9 @@ def _facts(scene: Scene, realised: Realised) -> tuple[tuple[str, str], ...]:
 
 
 def _load_words(realised: Realised) -> str:
-    """Write p0 and p* of all loads."""
+    """Write p0 and p* of all loads, or the distance that is held."""
+    for key, value in realised.load.held.items():
+        return f"{key.replace('_', ' ')} = {value:.6g} m is held; the load that takes follows from the solve"
     each = ", ".join(f"{pressure:.6g}" for pressure in realised.pressures)
     reduced = ", ".join(f"{pressure / realised.pressure_scale:.4g}" for pressure in realised.pressures)
     return f"p0 = {each} Pa, p* = {reduced}"

@@ -137,9 +137,13 @@ def run_page(comparison: Comparison, results: Solves | None = None, *, pictures:
 def _lead(c: Comparison) -> str:
     kinds = [effect.kind.replace("-", " ") for effect in c.scene.effects]
     effects = "effects: " + ", ".join(kinds) if kinds else "elastic, no adhesion"
+    bodies = "Rigid rough" if c.scene.solid.second_young is None else "Elastic rough"
+    held = "".join(
+        f"{key.replace('_', ' ')} {value:.4g} m held, " for key, value in c.scene.load.held.items()
+    )
     where = " of the layer at the surface" if layered(c) else ""
     return (
-        f"Rigid rough surface on an elastic solid, frictionless, {effects}; p* = {c.reduced_pressure:.4g} "
+        f"{bodies} surface on an elastic solid, frictionless, {effects}; {held}p* = {c.reduced_pressure:.4g} "
         f"(p0 = {c.pressure:.4g} Pa, E* = {c.contact_modulus:.4g} Pa{where}, "
         f"realised h'_rms = {c.rms_gradient:.4g})"
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +11,7 @@ from validation.comparison.compare import Comparison, compare
 from validation.comparison.report import write_outputs
 from validation.comparison.theory_alone import TheoryAlone
 from validation.errors import UsageError
-from validation.files import json_text, prepare_folder, write_json
+from validation.files import json_text, prepare_folder, read_record, record_of, write_record
 from validation.report.page import Page, clear_page
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import Realised, realise
@@ -167,13 +166,13 @@ def _record(scene: Scene, folder: Path, store: Store) -> None:
         "store": os.path.relpath(store.folder.resolve(), folder.resolve()),
     }
     path = folder / _RUN_FILE
-    if not (path.exists() and path.read_bytes() == json_text(said).encode()):
+    if not (path.exists() and path.read_bytes() == json_text(record_of(said)).encode()):
         clear_page(folder)
     for other in ("study.json", "sweep.json"):
         if (folder / other).exists():  # of which the dataset was, too
             (folder / "data.nc").unlink(missing_ok=True)
             (folder / other).unlink()
-    write_json(path, said)
+    write_record(path, said)
 
 
 def load_run(folder: Path) -> tuple[Scene, Store]:
@@ -186,7 +185,7 @@ def load_run(folder: Path) -> tuple[Scene, Store]:
     """
     path = folder / _RUN_FILE
     try:
-        said = json.loads(path.read_text(encoding="utf-8"))
+        said = read_record(path)
         if said["format"] != _RUN_FORMAT:
             raise ValueError
         scene = Scene.model_validate(said["scene"])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-import json
+import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,8 +18,8 @@ from validation.comparison.compare import Comparison, Row, compare
 from validation.comparison.explain import Explanation, explain
 from validation.comparison.findings import layered
 from validation.comparison.sweep_page import sweep_page
-from validation.errors import UsageError
-from validation.files import atomic_path, prepare_folder, write_json
+from validation.errors import RunFailed, UsageError
+from validation.files import prepare_folder, read_record, write_record
 from validation.report.page import Page, clear_page, write_page
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import Realised, Surveyed, realise
@@ -28,8 +28,9 @@ from validation.scenes.sweep import Sweep, SweptKey
 from validation.solves.attempt import Progress
 from validation.solves.cost import transform_seconds
 from validation.solves.press import Press, solves_of
+from validation.solves.provenance import SOLVES_MADE, made_words
 from validation.solves.running import Execution, Solves, solve_all
-from validation.solves.store import Store
+from validation.solves.store import Store, read_numbers, write_numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -166,14 +167,14 @@ def run_sweep(
     cases = cases or realised_cases(sweep)
     prepare_folder(folder)
     store = Store(folder=store_folder or folder / "solves")
-    _record(sweep, folder)
+    _record(sweep, folder, store)
     solves = solves_of_sweep(sweep, cases)
     results = solve_all(solves, store, progress=progress, execution=execution)
     data = _dataset(sweep, [_case(*pair, results) for pair in zip(sweep.scenes, cases, strict=True)])
     asked = (solves_of(*pair) for pair in zip(sweep.scenes, cases, strict=True))
     data.attrs.update(solves=len(solves), asked=sum(map(len, asked)))
-    with atomic_path(folder / _DATA) as draft:
-        data.to_netcdf(draft, engine="netcdf4")
+    data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))
+    write_numbers(folder / _DATA, data, recipe=_said(sweep, folder, store))
     outputs = report_sweep(folder, numbers_only=not report)
     return dataclasses.replace(outputs, solved=results.solved, reused=len(results) - results.solved)
 
@@ -191,16 +192,15 @@ def report_sweep(folder: Path, *, numbers_only: bool = False) -> SweepOutputs:
     UsageError
         For a folder that holds no finished sweep of this version.
     """
-    import xarray as xr
-
     try:
-        said = json.loads((folder / _RECORD).read_text(encoding="utf-8"))
+        said = read_record(folder / _RECORD)
         if said["format"] != _FORMAT:
             raise ValueError(f"{_RECORD} is not of this version")
         scene = Scene.model_validate(said["scene"])
         keys = tuple(SweptKey(**{**key, "values": tuple(key["values"])}) for key in said["keys"])
-        with xr.open_dataset(folder / _DATA, engine="netcdf4") as stored:
-            data = stored.load()
+        data = read_numbers(folder / _DATA)
+    except RunFailed as error:
+        raise UsageError(str(error)) from None
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{folder}: holds no finished sweep ({error}); run it again") from None
     page = sweep_page(data, keys, scene, figures=not numbers_only)
@@ -208,20 +208,25 @@ def report_sweep(folder: Path, *, numbers_only: bool = False) -> SweepOutputs:
     return SweepOutputs(data=data, page=page, files=(*written, folder / _DATA))
 
 
-def _record(sweep: Sweep, folder: Path) -> None:
+def _record(sweep: Sweep, folder: Path, store: Store) -> None:
     """Write down what the folder is a sweep of; what another run left in it goes."""
     clear_page(folder)
     for other in ("run.json", "study.json", "accuracy.json", _DATA):
         (folder / other).unlink(missing_ok=True)
     for block in (folder / "fields").glob("*.vtu"):
         block.unlink()
-    said = {
+    write_record(folder / _RECORD, _said(sweep, folder, store))
+
+
+def _said(sweep: Sweep, folder: Path, store: Store) -> dict[str, Any]:
+    """Return what the folder is a sweep of, and where its solves are."""
+    return {
         "format": _FORMAT,
         "mode": sweep.mode,
         "keys": [dataclasses.asdict(key) for key in sweep.keys],
         "scene": sweep.scenes[0].model_dump(mode="json", exclude_none=True),
+        "store": os.path.relpath(store.folder.resolve(), folder.resolve()),
     }
-    write_json(folder / _RECORD, said)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -237,20 +242,23 @@ class _Case:
 
 def _case(scene: Scene, realised: Realised, results: Solves) -> _Case:
     """Read the stored solves of one scene as its own run does."""
+    comparison = None
+    if scene.methods.solvers:
+        comparison = compare(scene, realised, {solve: results[solve] for solve in solves_of(scene, realised)})
+        realised = comparison.realised  # under the load that was found, where a distance is held
     common: dict[str, float | None] = {
         "pressure": realised.pressure,
         "reduced_pressure": realised.reduced_pressure,
         "contact_modulus": realised.contact_modulus,
         "rms_gradient": realised.field.rms_gradient,
     }
-    if not scene.methods.solvers:
+    if comparison is None:
         summary = theory_alone.answer_alone(scene, realised).summary()
         (said,) = summary["answers"]
         area = said["area"]
         kappa = None if area is None else area / realised.reduced_pressure if realised.pressure > 0 else None
         said = {"theory_ensemble": area, "theory_plastic": said["plastic"], "theory_kappa": kappa}
         return _Case(numbers={**common, **said}, methods={}, grids={})
-    comparison = compare(scene, realised, {solve: results[solve] for solve in solves_of(scene, realised)})
     finest = {name: _finest(comparison.rows_of(name)) for name in scene.methods.solvers}
     return _Case(
         # On the modulus of the comparison: with a coating that is not the one of the solid below.
@@ -335,6 +343,9 @@ def _dataset(sweep: Sweep, cases: Sequence[_Case]) -> xr.Dataset:
 _AXES = {
     "load.pressure": "p0",
     "load.reduced_pressure": "p* = p0 / (E* h'_rms)",
+    "load.force": "force",
+    "load.mean_gap": "mean gap",
+    "load.offset": "offset",
     "solid.young": "Young's modulus E",
     "solid.poisson": "Poisson ratio",
     "surface.hurst": "Hurst exponent H",

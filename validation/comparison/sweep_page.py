@@ -16,6 +16,7 @@ from validation.report.page import Answer, Page
 from validation.report.table import ResultTable, WordTable, shown
 from validation.report.words import json_ready, significant, with_error
 from validation.scenes.sweep import SweptKey, value_words
+from validation.solves.provenance import SOLVES_MADE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -70,6 +71,7 @@ def sweep_page(data: xr.Dataset, keys: Sequence[SweptKey], scene: Scene, *, figu
         findings=findings,
         tables=(_in_words(table, swept=len(keys)),),
         figures=tuple(_figures(data, keys)) if figures else (),
+        facts=tuple(str(data.attrs.get(SOLVES_MADE, "")).splitlines()),
         settings={
             "sweep": {"mode": data.attrs["mode"], **swept},
             "first case": scene.model_dump(mode="json", exclude_none=True),

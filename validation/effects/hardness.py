@@ -73,7 +73,7 @@ class Hardness(Effect):
 
     def check(self, realised: Realised, grids: Sequence[Grid], *, slots: Slots, key: str) -> None:
         """Refuse a hardness below the nominal pressure."""
-        if self.hardness < realised.pressure:
+        if not realised.load.held and self.hardness < realised.pressure:
             raise UsageError(
                 f"{key} hardness = {self.hardness:.6g} Pa: must not be below the nominal pressure "
                 f"{realised.pressure:.6g} Pa, or nothing carries the load"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -123,8 +123,13 @@ class Measurement(NumbersSolve):
             "shifts": self.shifts,
             "tolerance": self.tolerance,
             # What is read off belongs to the result: a stored one that lacks a number is another one.
-            "quantities": sorted([*QUANTITIES, "cells"]),
+            "quantities": sorted([*self.quantities, "cells"]),
         }
+
+    @property
+    def quantities(self) -> Mapping[str, tuple[str, str]]:
+        """What is read off every solve: name, unit, meaning."""
+        return QUANTITIES
 
     @property
     def prefix(self) -> str:
@@ -177,11 +182,11 @@ class Measurement(NumbersSolve):
         """Solve everything and keep the numbers; dimensions (grid, shift, load)."""
         offsets = subgrid_shifts(self.shifts)
         shape = (len(self.grids), len(offsets), len(self.loads))
-        values = {name: np.empty(shape) for name in QUANTITIES}
+        values = {name: np.empty(shape) for name in self.quantities}
         profiles: dict[str, np.ndarray] = {}
         for (i, grid), (j, shift) in itertools.product(enumerate(self.grids), enumerate(offsets)):
             for k, result in enumerate(self._path(grid, shift)):
-                for name, value in _read_off(result, located=self._located(grid)).items():
+                for name, value in self.read_off(result, located=self._located(grid)).items():
                     values[name][i, j, k] = value
                 for name, profile in self.profiles(result).items():
                     profiles.setdefault(name, np.zeros((shape[0], shape[2], profile.size)))[i, k] += profile
@@ -192,7 +197,7 @@ class Measurement(NumbersSolve):
 
         data: dict[str, Any] = {
             name: (("grid", "shift", "load"), values[name], {"units": unit, "long_name": words})
-            for name, (unit, words) in QUANTITIES.items()
+            for name, (unit, words) in self.quantities.items()
         }
         for name, profile in profiles.items():
             data[f"{name}_profile"] = (("grid", "load", f"{name}_bin"), profile)
@@ -214,6 +219,10 @@ class Measurement(NumbersSolve):
                 "full_contact_energy": own.field.spectral_sum(lambda q: own.contact_modulus / 4 * q),
             },
         )
+
+    def read_off(self, result: ContactResult, *, located: bool) -> dict[str, float]:
+        """Return every one of `quantities` of one solve; the area inside the cells if it can be `located`."""
+        return _read_off(result, located=located)
 
     def profiles(self, result: ContactResult) -> dict[str, np.ndarray]:
         """Return distributions to keep of one solve, by name; they are averaged over the shifts. None here."""

@@ -162,11 +162,12 @@ def compared(
     rms_height : float
         h_rms [m], the unit of the gap.
     """
+    areas, ours = contact_areas(found, edge_constant=edge_constant), contact_areas(half)
     return {
-        "pixel": contact_areas(found).pixel,
-        "perimeter": contact_areas(found, edge_constant=edge_constant).perimeter,
-        "pixel_bem": contact_areas(half).pixel,
-        "perimeter_bem": contact_areas(half).perimeter,
+        "pixel": areas.pixel,
+        "perimeter": areas.perimeter,
+        "pixel_bem": ours.pixel,
+        "perimeter_bem": ours.perimeter,
         "pressure_half_space": difference(found, half),
         "pressure_inside": difference(found, half, inside=True),
         # The mean gap is the offset less C(0) p0 and the mean height: it compares bodies of different depth.

@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, StrictBool
 
-from fem_contact.contact import ContactResult
+from fem_contact.contact import ContactResult, Status
+from fem_contact.response import Response
+from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.effects.base import Effect, SlotName, Slots, effect_key
 from validation.errors import UsageError
@@ -76,6 +78,8 @@ class Claim:
         0 where it does not say.
     wall_seconds, cpu_seconds : float
     peak_bytes : int
+    converged : bool or None
+        Whether it says that it met its tolerance; None where it says nothing.
     """
 
     pressure: NDArray[np.float64]
@@ -84,6 +88,7 @@ class Claim:
     wall_seconds: float
     cpu_seconds: float
     peak_bytes: int
+    converged: bool | None = None
 
     @classmethod
     def of(cls, contact: ContactResult) -> Claim:
@@ -95,6 +100,7 @@ class Claim:
             wall_seconds=contact.cost.wall_seconds,
             cpu_seconds=contact.cost.cpu_seconds,
             peak_bytes=contact.cost.peak_bytes,
+            converged=contact.status is Status.CONVERGED,
         )
 
 
@@ -157,19 +163,27 @@ class Solver(Method):
         Whether it is quick enough for the realisations of an ensemble.
     foreign : bool
         Whether it was written elsewhere; such ones stand after the others.
-    half_space : bool
-        Whether it solves the bare half-space, u-hat = 2 p-hat / (E* q) at the grid points, so that its
-        residuals follow from its pressure alone.
+    holds : frozenset of str
+        Distances of the table of loads that it can hold in place of a load.
+    sinks : bool
+        Whether its body, clamped below, is pressed together as a whole under its load.
+    controls : frozenset of str
+        What its scorecard may tell it beside the load: "offset" [m] in its place, "max_iterations".
     score_points : int
         Points along a side of the coarsest grid of its scorecard.
+    score_element : str
+        What the edges of its contacts are those of there: "bem", or a finite element.
     """
 
     slots: ClassVar[frozenset[SlotName]] = frozenset()
     locates_edges: ClassVar[bool] = False
     for_ensembles: ClassVar[bool] = False
     foreign: ClassVar[bool] = False
-    half_space: ClassVar[bool] = False
+    holds: ClassVar[frozenset[str]] = frozenset()
+    sinks: ClassVar[bool] = False
+    controls: ClassVar[frozenset[str]] = frozenset()
     score_points: ClassVar[int] = 32
+    score_element: ClassVar[str] = "bem"
 
     def handles(self, effect: type[Effect]) -> bool:
         """Whether the slot of the effect is one of its own."""
@@ -208,11 +222,52 @@ class Solver(Method):
     ) -> Solved:
         """Press a surface [m] with a nominal pressure [Pa]."""
 
+    def hold(
+        self,
+        field: HeightField,
+        *,
+        distance: Mapping[str, float],
+        slots: Slots,
+        settings: Mapping[str, Any],
+        threads: int | None = None,
+    ) -> Solved:
+        """Press a surface [m] to a mean gap or offset [m], ``{"mean_gap": 1e-8}``, and find the load.
+
+        Raises
+        ------
+        UsageError
+            For a method that presses with a load alone.
+        """
+        raise UsageError(f"method {self.name!r}: presses with a load, and holds no {' or '.join(distance)}")
+
+    def felt(self, field: HeightField, *, slots: Slots, settings: Mapping[str, Any]) -> Response:
+        """Return the response by which displacements follow from its pressures at the points of a surface."""
+        return slots.felt_response
+
+    def controlled(self, settings: Mapping[str, Any]) -> frozenset[str]:
+        """Return which of `controls` it takes as it is set."""
+        return self.controls
+
     def claim(
-        self, field: HeightField, *, mean_pressure: float, slots: Slots, settings: Mapping[str, Any]
+        self, field: HeightField, *, mean_pressure: float | None, slots: Slots, settings: Mapping[str, Any]
     ) -> Claim:
-        """Return what it says, unjudged."""
-        found = self.solve(field, mean_pressure=mean_pressure, slots=slots, settings=settings, threads=1)
+        """Return what it says, unjudged.
+
+        Parameters
+        ----------
+        field : HeightField
+        mean_pressure : float or None
+            [Pa]; None where the settings hold an "offset".
+        slots : Slots
+        settings : mapping
+            What a solve is told, and of `controls` what is wanted.
+        """
+        told: dict[str, Any] = {"slots": slots, "threads": 1}
+        if mean_pressure is None:
+            others = {name: value for name, value in settings.items() if name != "offset"}
+            found = self.hold(field, distance={"offset": settings["offset"]}, settings=others, **told)
+        else:
+            found = self.solve(field, mean_pressure=mean_pressure, settings=settings, **told)
         return Claim.of(found.contact)
 
     def score_settings(self, points: int) -> dict[str, float | str]:
@@ -257,6 +312,41 @@ def check_effects_handled(
                     f"{effect_key(k, 'kind')} = {effect.kind!r}: method {name!r} does not handle it; "
                     f"handled by: {', '.join(able) or 'none'}"
                 )
+
+
+def check_bodies(
+    name: str, solid: Solid, effects: Sequence[Effect], *, depth: float | None = None, layered: bool = False
+) -> None:
+    """Refuse an effect that makes the solid something else than a body on a clamped base.
+
+    Parameters
+    ----------
+    name : str
+        Of the method.
+    solid : Solid
+    effects : sequence of Effect
+    depth : float, optional
+        What the options of the method say of it [m].
+    layered : bool
+        Whether the modulus may vary.
+
+    Raises
+    ------
+    UsageError
+    """
+    for k, effect in enumerate(effects):
+        if effect.slot != "response":
+            continue
+        body = Slots.filled(solid, [effect]).body
+        if body is None or (body.modulus is not None and not layered):
+            raise UsageError(
+                f"{effect_key(k, 'kind')} = {effect.kind!r}: as it stands it is no body on a clamped base, "
+                f"which is what method {name!r} solves; change it, or leave [methods.{name}] out"
+            )
+        if body.depth is not None and depth is not None:
+            raise UsageError(
+                f"methods.{name}.depth: {effect_key(k, effect.kind)} says the depth; leave one of them out"
+            )
 
 
 def example_field(points: int) -> HeightField:

@@ -13,7 +13,8 @@ from fem_contact.area import EDGE_CONSTANTS
 from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
-from validation.effects.base import Effect, SlotName, Slots
+from validation.effects.base import Effect, SlotName, Slots, effect_key
+from validation.errors import UsageError
 from validation.methods.base import Cost, Grid, Gridded, Shift, Solved, Solver, example_field
 from validation.units import Table
 
@@ -45,7 +46,8 @@ class Bem(Solver):
     slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound", "gap law"})
     locates_edges = True
     for_ensembles = True
-    half_space = True
+    holds = frozenset({"mean_gap", "offset"})
+    controls = frozenset({"offset", "max_iterations"})
     papers = (
         "Boundary elements by FFT: H. M. Stanley, T. Kato, J. Tribol. 119, 481 (1997); conjugate gradients "
         "with bounds: I. A. Polonsky, L. M. Keer, Wear 231, 206 (1999).",
@@ -116,6 +118,41 @@ class Bem(Solver):
         from fem_contact import bem
 
         return Solved(contact=bem.solve(field, slots.felt_response, **said))
+
+    def check(self, options: BemOptions, realised: Realised, effects: Sequence[Effect]) -> None:
+        """Refuse a mean gap with attraction, for which several states may have the same."""
+        sticky = next((k for k, effect in enumerate(effects) if effect.slot == "gap law"), None)
+        if sticky is not None and "mean_gap" in realised.load.held:
+            raise UsageError(
+                f"load.mean_gap: with {effect_key(sticky, 'kind')} = {effects[sticky].kind!r} several states "
+                "have the same; give load.offset"
+            )
+
+    def hold(
+        self,
+        field: HeightField,
+        *,
+        distance: Mapping[str, float],
+        slots: Slots,
+        settings: Mapping[str, Any],
+        threads: int | None = None,
+    ) -> Solved:
+        """Seek the load at which the mean gap or the offset is the one asked for."""
+        said: dict[str, Any] = {"threads": threads, **distance, **settings}
+        if slots.gap_law is not None:
+            from fem_contact import adhesion
+
+            state = adhesion.solve(
+                field, slots.felt_response, law=slots.gap_law, hardness=slots.pressure_bound, **said
+            )
+            return Solved(contact=state.contact)
+        from fem_contact import bem
+
+        return Solved(
+            contact=bem.solve_displacement(
+                field, slots.felt_response, pressure_bound=slots.pressure_bound, **said
+            )
+        )
 
     def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Press a small surface: large enough for the passes between grids, and done in milliseconds."""

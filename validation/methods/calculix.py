@@ -14,7 +14,7 @@ import time
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,13 +23,18 @@ from pydantic import Field
 from fem_contact.area import EDGE_CONSTANTS
 from fem_contact.contact import ContactResult
 from fem_contact.errors import NotConverged
+from fem_contact.response import Response
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
-from validation.effects.base import Effect, Slots
-from validation.methods.base import Claim, Cost, Grid, Gridded, Settings, Solved, Solver
+from validation.effects.base import Effect, SlotName, Slots
+from validation.methods.base import Claim, Cost, Grid, Gridded, Settings, Solved, Solver, check_bodies
 from validation.methods.bem import FIXED_BYTES, FIXED_PAIRS
+from validation.methods.fem import block_response
 from validation.methods.foreign import judged
 from validation.units import Duration, Length, Number, Table
+
+if TYPE_CHECKING:
+    from validation.scenes.realised import Realised
 
 __all__ = ["Calculix", "CalculixOptions"]
 
@@ -70,6 +75,8 @@ class Calculix(Solver):
     options: ClassVar[type[Table]] = CalculixOptions
     independent = True
     foreign = True
+    slots: ClassVar[frozenset[SlotName]] = frozenset({"response"})
+    score_element = "Hex1"
     score_points = 8
     papers = (
         "CalculiX: G. Dhondt, The Finite Element Method for Three-Dimensional Thermomechanical "
@@ -81,6 +88,18 @@ class Calculix(Solver):
         if shutil.which("ccx") is not None:
             return None
         return "CalculiX is not installed; put its program ccx on the path, by: apt install calculix-ccx"
+
+    def handles(self, effect: type[Effect]) -> bool:
+        """Whether it is the layer: a block of that depth."""
+        return effect.kind_name() == "thickness"
+
+    def check(self, options: CalculixOptions, realised: Realised, effects: Sequence[Effect]) -> None:
+        """Refuse a layer that is not bonded to its base, and two depths."""
+        check_bodies(self.name, realised.elastic, effects, depth=options.depth)
+
+    def felt(self, field: HeightField, *, slots: Slots, settings: Mapping[str, Any]) -> Response:
+        """Return the block of its mesh by our reduction to the surface."""
+        return block_response(field, slots=slots, settings=settings)
 
     def words(self, options: Any) -> str:
         """Name it in a sentence."""
@@ -136,7 +155,8 @@ class Calculix(Solver):
         NotConverged
             When it fails, takes too long, or prints no answer.
         """
-        deck = _Deck.of(field, slots.solid, mean_pressure=mean_pressure, settings=settings)
+        deep = {} if slots.body is None or slots.body.depth is None else {"depth": slots.body.depth}
+        deck = _Deck.of(field, slots.solid, mean_pressure=mean_pressure, settings={**settings, **deep})
         clock, began = os.times(), time.perf_counter()
         forces, rises = deck.run(float(settings.get("seconds", _SECONDS)))
         spent = os.times()
@@ -151,10 +171,11 @@ class Calculix(Solver):
         contact = judged(
             claim,
             field,
-            solid=slots.solid,
+            response=slots.felt_response,
             mean_pressure=mean_pressure,
             tolerance=float(settings.get("tolerance", _ACCEPTED)),
             method=self.label,
+            element="Hex1",
             displacement=np.asarray(-rises * deck.length),
         )
         unknowns = 3 * field.heights.size * (deck.planes.size - 1)

@@ -9,11 +9,21 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 from pydantic import Field
 
 from fem_contact.contact import ContactResult
+from fem_contact.response import Response
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.effects.base import Effect, SlotName, Slots, effect_key
 from validation.errors import UsageError
-from validation.methods.base import Cost, Grid, Gridded, Settings, Solved, Solver, example_field
+from validation.methods.base import (
+    Cost,
+    Grid,
+    Gridded,
+    Settings,
+    Solved,
+    Solver,
+    check_bodies,
+    example_field,
+)
 from validation.methods.bem import BYTES_PER_POINT, FIXED_BYTES, FIXED_PAIRS
 from validation.units import Length, Number, Table
 
@@ -58,6 +68,10 @@ class Fem(Solver):
     options: ClassVar[type[Table]] = FemOptions
     slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound"})
     independent = True
+    holds = frozenset({"offset"})
+    sinks = True
+    controls = frozenset({"offset", "max_iterations"})
+    score_element = "Hex1"
     score_points = 16
     papers = (
         "Finite elements: T. Gustafsson, G. D. McBain, scikit-fem, J. Open Source Softw. 5, 2369 (2020); "
@@ -78,18 +92,12 @@ class Fem(Solver):
                 "elements of displacement alone; leave [methods.fem] out or lower it"
             )
         for k, effect in enumerate(effects):
-            if effect.slot != "response":
-                continue
-            body = Slots.filled(realised.elastic, [effect]).body
-            if body is None:
+            if effect.slot == "pressure bound" and realised.load.held:
                 raise UsageError(
-                    f"{effect_key(k, 'kind')} = {effect.kind!r}: as it stands it is no body on a clamped "
-                    "base, which is what method 'fem' meshes; change it, or leave [methods.fem] out"
+                    f"{effect_key(k, 'kind')} = {effect.kind!r}: method 'fem' yields under a load only; "
+                    "give one in place of load.offset, or leave [methods.fem] out"
                 )
-            if body.depth is not None and options.depth is not None:
-                raise UsageError(
-                    f"methods.fem.depth: {effect_key(k, effect.kind)} says the depth; leave one of them out"
-                )
+        check_bodies(self.name, realised.elastic, effects, depth=options.depth, layered=True)
 
     def words(self, options: FemOptions) -> str:
         """Name it in a sentence."""
@@ -157,14 +165,30 @@ class Fem(Solver):
         """Press the block."""
         from fem_contact import block
 
-        said: dict[str, Any] = {"method": "full", **settings}
-        if slots.body is not None:
-            body = {"depth": slots.body.depth, "modulus": slots.body.modulus}
-            said |= {name: value for name, value in body.items() if value is not None}
+        said = _told(slots, settings)
         if slots.pressure_bound is not None:
             said["pressure_bound"] = slots.pressure_bound
         solution = block.solve(field, slots.solid, mean_pressure=mean_pressure, **said)
         return Solved(contact=solution.contact, block=solution)
+
+    def hold(
+        self,
+        field: HeightField,
+        *,
+        distance: Mapping[str, float],
+        slots: Slots,
+        settings: Mapping[str, Any],
+        threads: int | None = None,
+    ) -> Solved:
+        """Press the block to an offset."""
+        from fem_contact import block
+
+        solution = block.solve_displacement(field, slots.solid, **distance, **_told(slots, settings))
+        return Solved(contact=solution.contact, block=solution)
+
+    def felt(self, field: HeightField, *, slots: Slots, settings: Mapping[str, Any]) -> Response:
+        """Return the block of its mesh, reduced to the surface by the other of the two codes."""
+        return block_response(field, slots=slots, settings=settings)
 
     def score_settings(self, points: int) -> dict[str, float | str]:
         """Refine the layers with the grid: at one growth, finer grids approach a block that is .2 % off."""
@@ -213,6 +237,26 @@ class Fem(Solver):
                 f"along the diagonal at {short.nodes:.3g} nodes per wave (the shortest), by "
                 f"{long.along_axis:+.2%} at {long.nodes:.3g} (the longest); + is too soft",
             )
+
+
+def _told(slots: Slots, settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a block is told: the whole system unless said otherwise, and the body of an effect."""
+    said: dict[str, Any] = {"method": "full", **settings}
+    if slots.body is not None:
+        body = {"depth": slots.body.depth, "modulus": slots.body.modulus}
+        said |= {name: value for name, value in body.items() if value is not None}
+    return said
+
+
+def block_response(field: HeightField, *, slots: Slots, settings: Mapping[str, Any]) -> Response:
+    """Return the response of the block of trilinear cells whose nodes are the points of a surface."""
+    from fem_contact.block import BlockResponse, plan_mesh
+
+    mesh = {name: settings[name] for name in ("depth", "growth") if name in settings}
+    if slots.body is not None and slots.body.depth is not None:
+        mesh["depth"] = slots.body.depth
+    planned = plan_mesh(field.shape, field.lengths, **mesh)
+    return BlockResponse(mesh=planned, solid=slots.solid, width=field.spacing[0])
 
 
 def _check_layers(options: FemOptions, grid: Grid, lengths: tuple[float, float]) -> None:

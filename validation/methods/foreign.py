@@ -1,13 +1,14 @@
 """Solvers that nobody here wrote: run in a process of their own, and held to the pressures they return.
 
 What counts is the pressure. Displacement, gap, contact set and residuals are computed from it by the response
-of the elastic half-space; a solver's own word on any of them decides nothing.
+of the elastic solid; a solver's own word on any of them decides nothing.
 """
 
 from __future__ import annotations
 
 import contextlib
 import importlib
+import importlib.util
 import inspect
 import math
 import sys
@@ -15,8 +16,9 @@ import tempfile
 import time
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from importlib import metadata
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,14 +28,27 @@ from fem_contact import contact
 from fem_contact.area import EDGE_CONSTANTS
 from fem_contact.contact import ContactResult, Status, measure_residuals
 from fem_contact.errors import NotConverged
-from fem_contact.response import HalfSpace
+from fem_contact.response import BondedLayer, Response
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation import bounded
 from validation.effects.base import Effect, Slots
-from validation.methods.base import Claim, Cost, Grid, Gridded, Settings, Solved, Solver, example_field
+from validation.methods.base import (
+    Claim,
+    Cost,
+    Grid,
+    Gridded,
+    Settings,
+    Solved,
+    Solver,
+    check_bodies,
+    example_field,
+)
 from validation.methods.bem import FIXED_BYTES, FIXED_PAIRS
 from validation.units import Duration, Memory, Table
+
+if TYPE_CHECKING:
+    from validation.scenes.realised import Realised
 
 __all__ = ["Foreign", "ForeignOptions", "claimed_in_own_process", "judged"]
 
@@ -56,19 +71,31 @@ class ForeignOptions(Gridded):
 
 
 class Foreign(Solver):
-    """A solver of the elastic half-space without effects, in a process of its own.
+    """A solver of the elastic half-space, in a process of its own.
+
+    Its function is given what it takes by name, of: ``tolerance``; ``offset`` [m] (then ``mean_pressure`` is
+    None), ``max_iterations``; ``hardness`` [Pa], ``thickness`` [m] and ``poisson`` where `slots` says so.
 
     Attributes
     ----------
     accepted : float
         Tolerance that holds where none is said.
+    package : str or None
+        What must be installed, of the extra `peers`; its version is part of the recipe.
     """
 
     options: ClassVar[type[Table]] = ForeignOptions
     independent = True
     foreign = True
-    half_space = True
     accepted: ClassVar[float] = 1e-6
+    package: ClassVar[str | None] = None
+    controls: ClassVar[frozenset[str]] = frozenset({"offset", "max_iterations"})
+
+    def available(self) -> str | None:
+        """Say what to install."""
+        if self.package is None or importlib.util.find_spec(self.package) is not None:
+            return None
+        return f"{self.package} is not installed; install it with: pip install 'fem-contact[peers]'"
 
     @abstractmethod
     def call(self, settings: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
@@ -76,7 +103,26 @@ class Foreign(Solver):
 
     def source(self, settings: Mapping[str, Any]) -> Settings:
         """Return what tells one version of the solver from another."""
-        return ()
+        try:
+            return () if self.package is None else (("version", metadata.version(self.package)),)
+        except metadata.PackageNotFoundError:
+            return ()
+
+    def handles(self, effect: type[Effect]) -> bool:
+        """Whether the slot is one of its own; of the solids with a slot, it knows the layer."""
+        return super().handles(effect) and (effect.slot != "response" or effect.kind_name() == "thickness")
+
+    def check(self, options: Any, realised: Realised, effects: Sequence[Effect]) -> None:
+        """Refuse a layer that is not bonded to its base."""
+        check_bodies(self.name, realised.elastic, effects)
+
+    def controlled(self, settings: Mapping[str, Any]) -> frozenset[str]:
+        """Return which controls its function takes; none where it cannot be imported."""
+        try:
+            taken = bounded.call(keywords, self.call(settings)[0], str(Path.cwd()), seconds=_SECONDS)
+        except Exception:  # what is wrong with it, a solve says
+            return frozenset()
+        return self.controls & frozenset(taken)
 
     def settings(self, options: Any) -> Settings:
         """Return what was said, and which version of the solver is told so."""
@@ -85,7 +131,7 @@ class Foreign(Solver):
         return said + self.source(dict(said))
 
     def claim(
-        self, field: HeightField, *, mean_pressure: float, slots: Slots, settings: Mapping[str, Any]
+        self, field: HeightField, *, mean_pressure: float | None, slots: Slots, settings: Mapping[str, Any]
     ) -> Claim:
         """Return what the solver says, unjudged.
 
@@ -95,12 +141,13 @@ class Foreign(Solver):
             When it raised, crashed, took too much time or memory, or returned no pressures.
         """
         function, more = self.call(settings)
+        wanted = {name: settings[name] for name in self.controls if name in settings}
         return claimed_in_own_process(
             function,
             field,
             contact_modulus=slots.solid.contact_modulus,
             mean_pressure=mean_pressure,
-            told={"tolerance": settings.get("tolerance", self.accepted), **more},
+            told={"tolerance": settings.get("tolerance", self.accepted), **wanted, **_effects(slots), **more},
             seconds=float(settings.get("seconds", _SECONDS)),
             memory=int(settings.get("memory", _MEMORY)),
         )
@@ -120,10 +167,11 @@ class Foreign(Solver):
             contact=judged(
                 claim,
                 field,
-                solid=slots.solid,
+                response=slots.felt_response,
                 mean_pressure=mean_pressure,
                 tolerance=float(settings.get("tolerance", self.accepted)),
                 method=self.label,
+                bound=slots.pressure_bound,
             )
         )
 
@@ -160,19 +208,31 @@ class Foreign(Solver):
         return EDGE_CONSTANTS["bem"]
 
 
+def _effects(slots: Slots) -> dict[str, float]:
+    """Return what effects filled in, in numbers."""
+    told = {}
+    if slots.pressure_bound is not None:
+        told["hardness"] = slots.pressure_bound
+    if isinstance(slots.response, BondedLayer):
+        told |= {"thickness": slots.response.thickness, "poisson": slots.solid.poisson}
+    return told
+
+
 def judged(
     claim: Claim,
     field: HeightField,
     *,
-    solid: Solid,
-    mean_pressure: float,
+    response: Response,
+    mean_pressure: float | None,
     tolerance: float,
     method: str,
+    bound: float | None = None,
+    element: str = "bem",
     displacement: Array | None = None,
 ) -> ContactResult:
-    r"""Return the result that a pressure amounts to on the elastic half-space.
+    r"""Return the result that a pressure amounts to on an elastic solid.
 
-    .. math:: \hat u = \frac{2}{E^* q} \hat p, \qquad g = u - h + z, \qquad \sum p^+ g = 0
+    .. math:: \hat u = C(q)\, \hat p, \qquad g = u - h + z, \qquad \sum_{0 < p < H} p g = 0
 
     A point is in contact where p exceeds g in units of E* h'_rms and h_rms: the rule of an active set, in
     which no pressure is small by itself.
@@ -182,24 +242,29 @@ def judged(
     claim : Claim
         Of which the pressure and the cost are used.
     field : HeightField
-    solid : Solid
-    mean_pressure : float
-        The load that was asked for [Pa].
+    response : Response
+        C(q) of the solid at the grid points.
+    mean_pressure : float or None
+        The load that was asked for [Pa]; None where an offset was.
     tolerance : float
         Of the residuals; one above it makes the status say so.
     method : str
         Named in the provenance.
+    bound : float, optional
+        Hardness [Pa]: where the pressure reaches it the gap may be negative.
+    element : str
+        What the edges are those of: "bem" by its residuals, or a finite element.
     displacement : (nx, ny) array, optional
-        u [m] of a body that is no half-space, as a code of finite elements gives it: then this is believed.
+        u [m] as a code of finite elements gives it: then this is believed, and not recomputed.
     """
-    pressure = claim.pressure
-    modulus = solid.contact_modulus
-    provenance = {"method": f"{method}, pressure and displacement; the rest recomputed", "element": "Hex1"}
+    pressure, modulus = claim.pressure, response.contact_modulus
+    told = "pressure and displacement" if displacement is not None else "pressure alone"
     if displacement is None:
-        displacement = half_space_displacement(pressure, field, solid=solid)
-        # By its residuals it solves the discrete problem of our boundary elements, edges included.
-        provenance = {"method": f"{method}, pressure alone; the rest recomputed", "element": "bem"}
-    bearing = np.maximum(pressure, 0)
+        displacement = felt_displacement(pressure, field, response=response)
+    at_bound = np.zeros(pressure.shape, dtype=bool)
+    if bound is not None:
+        at_bound = pressure >= bound * (1 - tolerance)
+    bearing = np.where(at_bound, 0.0, np.maximum(pressure, 0))
     total = float(bearing.sum())
     below = field.heights - displacement
     offset = float((bearing * below).sum() / total) if total > 0 else float(below.max())
@@ -212,16 +277,18 @@ def judged(
         contact_modulus=modulus,
         rms_gradient=field.rms_gradient,
         target_pressure=mean_pressure,
+        at_bound=at_bound,
     )
     height, gradient = field.rms_height, field.rms_gradient
     stiffness = modulus * gradient / height if height > 0 and gradient > 0 else modulus / max(field.lengths)
     good = np.isfinite(pressure).all() and residuals.within(tolerance)
+    good = good and (bound is None or bool(pressure.max() <= bound * (1 + 10 * tolerance)))
     return ContactResult(
         pressure=pressure,
         gap=gap,
         displacement=displacement,
         in_contact=(pressure > 0) & (pressure > stiffness * gap),
-        at_bound=np.zeros(pressure.shape, dtype=bool),
+        at_bound=at_bound,
         heights=field.heights,
         lengths=field.lengths,
         contact_modulus=modulus,
@@ -237,16 +304,20 @@ def judged(
             unknowns=pressure.size,
             peak_bytes=claim.peak_bytes,
         ),
-        provenance={**provenance, "tolerance": repr(tolerance)},
+        provenance={
+            "method": f"{method}, {told}; the rest recomputed",
+            "element": element,
+            "tolerance": repr(tolerance),
+        },
     )
 
 
-def half_space_displacement(pressure: Array, field: HeightField, *, solid: Solid) -> Array:
-    """Return the displacement [m] of the half-space under pressures [Pa] at the points of a surface."""
+def felt_displacement(pressure: Array, field: HeightField, *, response: Response) -> Array:
+    """Return the displacement [m] of a solid under pressures [Pa] at the points of a surface."""
     nx, ny = field.shape
     qx: Array = np.asarray(2 * np.pi * np.fft.fftfreq(nx, field.lengths[0] / nx), dtype=np.float64)
     qy: Array = np.asarray(2 * np.pi * np.fft.rfftfreq(ny, field.lengths[1] / ny), dtype=np.float64)
-    compliance = HalfSpace(solid=solid).compliance(qx[:, None], qy[None, :])
+    compliance = response.compliance(qx[:, None], qy[None, :])
     return np.asarray(np.fft.irfft2(compliance * np.fft.rfft2(pressure), s=field.shape))
 
 
@@ -255,7 +326,7 @@ def claimed_in_own_process(
     field: HeightField,
     *,
     contact_modulus: float,
-    mean_pressure: float,
+    mean_pressure: float | None,
     told: Mapping[str, Any],
     seconds: float,
     memory: int,
@@ -268,7 +339,7 @@ def claimed_in_own_process(
         ``module:name``; the module may also lie in the folder the command was started in.
     field : HeightField
     contact_modulus, mean_pressure : float
-        E* and p0 [Pa].
+        E* and p0 [Pa]; None for p0 where `told` has an offset.
     told : mapping
         Keywords that it is given if it takes them.
     seconds, memory : float, int
@@ -311,17 +382,31 @@ def claimed_in_own_process(
         wall_seconds=float(said["wall_seconds"]),
         cpu_seconds=float(said["cpu_seconds"]),
         peak_bytes=int(said["peak_bytes"]),
+        converged=said["converged"],
     )
+
+
+def _imported(function: str) -> Any:
+    """Return a function by ``module:name``."""
+    home, _, name = function.partition(":")
+    found: Any = importlib.import_module(home)
+    for part in name.split("."):
+        found = getattr(found, part)
+    return found
+
+
+def keywords(function: str, folder: str) -> list[str]:
+    """Return the names of what a function takes; called in the child process."""
+    if folder not in sys.path:
+        sys.path.append(folder)
+    return list(inspect.signature(_imported(function)).parameters)
 
 
 def serve(function: str, file: str, request: Mapping[str, Any]) -> dict[str, Any]:
     """Call a solver, in the child process; return its fields and what it took."""
     if request["folder"] not in sys.path:  # last: it must not stand in for an installed module
         sys.path.append(request["folder"])
-    home, _, name = function.partition(":")
-    solve: Any = importlib.import_module(home)
-    for part in name.split("."):
-        solve = getattr(solve, part)
+    solve = _imported(function)
     heights = np.load(file)
     told = {key: value for key, value in request["told"].items() if _takes(solve, key)}
     before = _peak_bytes(reset=True)
@@ -334,11 +419,12 @@ def serve(function: str, file: str, request: Mapping[str, Any]) -> dict[str, Any
         **told,
     )
     spent, passed = time.process_time() - clock, time.perf_counter() - began
-    mask, iterations = _field(answer, "in_contact"), _field(answer, "iterations")
+    mask, iterations, converged = (_field(answer, name) for name in ("in_contact", "iterations", "converged"))
     return {
         "pressure": np.array(_pressure(answer), dtype=float),
         "in_contact": None if mask is None else np.array(mask, dtype=bool),
         "iterations": 0 if iterations is None else int(iterations),
+        "converged": None if converged is None else bool(converged),
         "cpu_seconds": spent,
         "wall_seconds": passed,
         "peak_bytes": max(_peak_bytes() - before, 0),

@@ -58,6 +58,7 @@ class Own(Foreign):
 
     def check(self, options: OwnOptions, realised: Realised, effects: Sequence[Effect]) -> None:
         """Refuse a module that is not found."""
+        super().check(options, realised, effects)
         _ = _digest(options.solver)
 
 

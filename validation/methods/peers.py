@@ -1,25 +1,73 @@
-"""Whether other contact codes are installed, and in which version."""
+"""Other ways to call the peers than their methods here do, in which their known failures show.
+
+They are scored as any own solver is, by ``fem-contact validate --method
+validation.methods.peers:tamaas_by_gaps``.
+"""
 
 from __future__ import annotations
 
-import importlib.util
-from importlib import metadata
+import warnings
+from typing import Any
 
-from validation.methods.base import Settings
+import numpy as np
+from numpy.typing import NDArray
 
-__all__ = ["installed", "missing"]
+__all__ = ["contact_mechanics_by_default", "tamaas_by_gaps"]
 
-
-def missing(package: str) -> str | None:
-    """Return what to install if a package of the extra `peers` is not there; None if it is."""
-    if importlib.util.find_spec(package) is not None:
-        return None
-    return f"{package} is not installed; install it with: pip install 'fem-contact[peers]'"
+Array = NDArray[np.float64]
 
 
-def installed(package: str) -> Settings:
-    """Return the version of a package as a setting, so that another version is solved with anew."""
-    try:
-        return (("version", metadata.version(package)),)
-    except metadata.PackageNotFoundError:
-        return ()
+def tamaas_by_gaps(
+    heights: Array,
+    lengths: tuple[float, float],
+    *,
+    contact_modulus: float,
+    mean_pressure: float,
+    tolerance: float,
+    max_iterations: int = 10_000,
+) -> Array:
+    """Return pressures [Pa] of tamaas with the gap as its unknown, which it offers beside the pressure."""
+    import tamaas
+
+    tamaas.set_log_level(tamaas.LogLevel.error)
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, list(lengths), list(heights.shape))
+    model.E, model.nu = contact_modulus, 0.0
+    kind = tamaas.PolonskyKeerRey
+    solver = kind(model, np.ascontiguousarray(heights), tolerance, kind.gap, kind.pressure)
+    solver.max_iter = max_iterations
+    solver.solve(mean_pressure)
+    return np.array(model.traction)
+
+
+def contact_mechanics_by_default(
+    heights: Array,
+    lengths: tuple[float, float],
+    *,
+    contact_modulus: float,
+    mean_pressure: float | None,
+    offset: float | None = None,
+    tolerance: float,
+    max_iterations: int = 10_000,
+) -> dict[str, Any]:
+    """Return pressures [Pa] of ContactMechanics in the units of the user, with its own tolerances of forces.
+
+    At an offset its half-space has a mean displacement as stiff as its longest waves.
+    """
+    import ContactMechanics
+    import SurfaceTopography
+
+    warnings.simplefilter("ignore")
+    substrate = ContactMechanics.PeriodicFFTElasticHalfSpace(
+        heights.shape, contact_modulus, lengths, fft="numpy"
+    )
+    surface = SurfaceTopography.Topography(np.array(heights), lengths, periodic=True)
+    system = ContactMechanics.make_system(substrate=substrate, surface=surface)
+    told: dict[str, float] = {"pentol": tolerance * float(np.std(heights))}
+    if mean_pressure is None:
+        assert offset is not None
+        told["offset"] = -offset
+    else:
+        told["external_force"] = mean_pressure * lengths[0] * lengths[1]
+    outcome = system.minimize_proxy(maxiter=max_iterations, **told)
+    cell = lengths[0] * lengths[1] / heights.size
+    return {"pressure": np.array(outcome.jac) / cell, "converged": bool(outcome.success)}

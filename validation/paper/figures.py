@@ -17,7 +17,9 @@ from persson.hardness import constant_hardness
 from persson.spectrum import Moments, Spectrum
 from persson.spheres import DoubleHertz, hertz_pressure_distribution
 from validation.paper import systems as s
-from validation.paper.table import EnergyName, smoothed_pyrex
+from validation.paper.pmma import rough_pmma
+from validation.paper.pyrex import smoothed_pyrex
+from validation.paper.rim import EnergyName
 
 __all__ = ["FIGURES", "Curve", "Panel", "PaperFigure"]
 
@@ -252,14 +254,19 @@ def rim_pressure() -> PaperFigure:
 def pmma_pressure() -> PaperFigure:
     """Real contact area of PMMA on a silanised wafer against pressure."""
     interface = Interface(work_of_adhesion=s.PMMA_WORK, energy="as_printed")
-    curves = _against_pressure(s.pmma(), s.PMMA_MODULUS, interface, np.geomspace(1e6, 100e6, 20))
-    panel = Panel(x="sigma_0 [MPa]", y="A(zeta_1) / A_0", curves=curves)
-    return PaperFigure(name="pmma_pressure", title="PMMA on silane, Sec. 10.1 (nu = 0.35)", panels=(panel,))
+    load = np.linspace(1e6, 100e6, 23)
+    panels = []
+    for words, rms in (("parameters as printed", None), ("C(q) scaled to 0.6 nm", 0.6)):
+        pair = _against_pressure(rough_pmma(rms), s.PMMA_MODULUS, interface, load)
+        panels.append(Panel(x=f"sigma_0 [MPa], {words}", y="A(zeta_1) / A_0", curves=pair))
+    return PaperFigure(
+        name="pmma_pressure", title="PMMA on silane, Sec. 10.1 (nu = 0.35)", panels=tuple(panels)
+    )
 
 
 def pyrex_spectra() -> PaperFigure:
     """Power spectrum of Pyrex before and after plastic smoothing."""
-    before, after = s.pyrex(surfaces=2), smoothed_pyrex(2)
+    before, after = s.pyrex(surfaces=2), smoothed_pyrex(4.0)
     q = np.geomspace(before.q_min, before.q_short, 200)
     rough = np.asarray(after.wavevectors)
     curves = (
@@ -273,7 +280,7 @@ def pyrex_spectra() -> PaperFigure:
 def pyrex_roughness() -> PaperFigure:
     """Area and macroscopic energy of Pyrex without load against roughness, before and after smoothing."""
     interface = Interface(work_of_adhesion=s.PYREX_WORK, energy="old")
-    after = smoothed_pyrex(2)
+    after = smoothed_pyrex(4.0)
     before_ratios = np.concatenate([np.linspace(0.2, 0.8, 5), np.linspace(0.86, 1.0, 8), [1.2]])
     pairs = (
         _sweep(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from validation.paper.claims import ClaimRow
+from validation.paper.table import UNJUDGED
 from validation.report.drawing import Drawing
 from validation.report.page import Answer, Note, Page
 from validation.report.table import ResultTable, WordTable
@@ -13,20 +14,24 @@ from validation.report.words import json_ready
 __all__ = ["paper_page"]
 
 _PAPER = "B. N. J. Persson, Contact mechanics for randomly rough surfaces, Surf. Sci. Rep. 61, 201 (2006)."
-_INFERRED = "reproduced with the inferred convention"
+_JOINT = "reproduced under the joint convention"
+_CHOSEN = "reproduced with a choice"
 
 
 def paper_page(rows: Sequence[ClaimRow], *, figures: tuple[Drawing, ...] = ()) -> Page:
     """Return the page of claims and figures."""
     literal = [row for row in rows if row.verdict == "reproduced"]
-    inferred = [row for row in rows if row.verdict.startswith(_INFERRED)]
-    missed = [row for row in rows if row not in literal and row not in inferred]
+    joint = [row for row in rows if row.verdict.startswith(_JOINT)]
+    chosen = [row for row in rows if row.verdict.startswith(_CHOSEN)]
+    missed = [row for row in rows if row.verdict.startswith("not")]
     findings = (
-        f"{len(literal)} of {len(rows)} numbers follow from the text as it stands, {len(inferred)} with a "
-        f"convention that had to be inferred, {len(missed)} do not.",
-        *(f"{row.claim} (Sec. {_section(row)}): {row.verdict}." for row in missed),
+        f"{len(literal)} of {len(rows)} numbers follow from the text as it stands, {len(joint)} under the "
+        "set of conventions with which those of the same system agree best, "
+        f"{len(chosen)} with a number that the paper does not state, {len(missed)} do not.",
+        *(f"{_said(row)} (Sec. {_section(row)}): {row.verdict}." for row in missed),
     )
-    notes = tuple(f"{row.claim}: {row.note}" for row in rows if row.note)
+    notes = tuple(f"{_said(row)}: {row.note}" for row in rows if row.note)
+    unjudged = tuple(f"Sec. {one.section}: {one.statement} ({one.reason})." for one in UNJUDGED)
     columns = tuple(ClaimRow.__dataclass_fields__)
     record = ResultTable.of(columns, [tuple(getattr(row, name) for name in columns) for row in rows])
     return Page(
@@ -34,11 +39,16 @@ def paper_page(rows: Sequence[ClaimRow], *, figures: tuple[Drawing, ...] = ()) -
         lead="Does every calculated figure, and every claim with a number, follow from the equations?",
         answers=(
             Answer(question="As it stands", answer=f"{len(literal)} of {len(rows)}"),
-            Answer(question="With an inferred convention", answer=str(len(inferred))),
+            Answer(
+                question="Under a joint convention, or with a choice", answer=str(len(joint) + len(chosen))
+            ),
             Answer(question="Not reproduced", answer=str(len(missed))),
         ),
         findings=findings,
-        notes=(Note(title="Remarks", sentences=notes),) if notes else (),
+        notes=(
+            *((Note(title="Remarks", sentences=notes),) if notes else ()),
+            Note(title="Without a verdict", sentences=unjudged),
+        ),
         tables=(_verdicts(rows),),
         figures=figures,
         settings={"figures": bool(figures)},
@@ -52,6 +62,10 @@ def paper_page(rows: Sequence[ClaimRow], *, figures: tuple[Drawing, ...] = ()) -
     )
 
 
+def _said(row: ClaimRow) -> str:
+    return f"{row.application}: {row.claim}"
+
+
 def _section(row: ClaimRow) -> str:
     return row.section.removeprefix("Sec. ")
 
@@ -59,13 +73,14 @@ def _section(row: ClaimRow) -> str:
 def _verdicts(rows: Sequence[ClaimRow]) -> WordTable:
     return WordTable(
         title="Every claim with a number",
-        columns=("claim", "paper", "computed", "verdict", "allowed", "section", "convention"),
+        columns=("claim", "paper", "computed", "literal", "verdict", "allowed", "section", "convention"),
         rows=tuple(
             (
-                row.claim,
+                _said(row),
                 f"{row.stated:.4g}",
                 f"{row.computed:.4g}",
-                "inferred" if row.verdict.startswith(_INFERRED) else row.verdict.partition(" because ")[0],
+                f"{row.literal:.4g}",
+                row.verdict.partition(" because ")[0].partition(":")[0],
                 row.tolerance,
                 row.section,
                 row.convention,
@@ -73,7 +88,8 @@ def _verdicts(rows: Sequence[ClaimRow]) -> WordTable:
             for row in rows
         ),
         left=frozenset({"claim", "verdict", "allowed", "section", "convention"}),
-        yielding=("convention", "allowed", "section"),
-        note="The range allowed was written down before anything was computed. Inferred: the literal "
-        "reading does not give the number, the convention named does. Reasons are among the findings.",
+        yielding=("convention", "allowed", "section", "literal"),
+        note="The range allowed was written down before anything was computed. All claims of a system are "
+        "judged under one set of conventions: that with which most of them agree (computed), or the literal "
+        "one. Reasons are among the findings.",
     )

@@ -13,7 +13,7 @@ from pathlib import Path
 from validation.paper.claims import ClaimRow, judge
 from validation.paper.figures import FIGURES
 from validation.paper.page import paper_page
-from validation.paper.table import CLAIMS
+from validation.paper.table import APPLICATIONS
 from validation.report.drawing import Drawing
 from validation.report.page import Page, write_page
 
@@ -40,7 +40,7 @@ class Reproduced:
 
 def steps() -> int:
     """Count the times `run` reports progress."""
-    return len(FIGURES) + len(CLAIMS)
+    return len(FIGURES) + sum(len(application.claims) for application in APPLICATIONS)
 
 
 def run(output: Path, *, figures: bool = True, progress: Callable[[str], None] | None = None) -> Reproduced:
@@ -70,10 +70,11 @@ def run(output: Path, *, figures: bool = True, progress: Callable[[str], None] |
         for make in FIGURES:
             tell(f"figure {make.__name__.replace('_', ' ')}")
             drawings.append(drawn(make()))
-    rows = []
-    for claim in CLAIMS:
-        tell(f"claim: {claim.text}")
-        rows.append(judge(claim))
+    rows = [
+        row
+        for application in APPLICATIONS
+        for row in judge(application, tell=lambda text: tell(f"claim: {text}"))
+    ]
     page = paper_page(rows, figures=tuple(drawings))
     files = write_page(page, output, numbers_only=not figures)
     return Reproduced(rows=tuple(rows), page=page, files=files)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from validation.effects.base import Slots, effect_key
 from validation.errors import UsageError
 from validation.methods import methods
@@ -30,6 +28,7 @@ def check_scene(scene: Scene, realised: Realised) -> None:
         missing = method.available()
         if missing is not None:
             raise UsageError(f"methods.{name}: {missing}")
+    _check_control(scene)
     for k, effect in enumerate(scene.effects):
         for name in scene.methods.solvers:
             effect.check_solver(name, key=effect_key(k, ""))
@@ -45,8 +44,33 @@ def check_scene(scene: Scene, realised: Realised) -> None:
         method.check(scene.methods.options(name), realised, scene.effects)
 
 
+def _check_control(scene: Scene) -> None:
+    """Refuse methods that cannot hold a distance, bodies that sink differently, a second body on a layer."""
+    solvers, key = scene.methods.solvers, scene.load.key
+    layered = next((effect.kind for effect in scene.effects if effect.slot == "response"), None)
+    if scene.solid.second_young is not None and layered is not None:
+        raise UsageError(
+            f"solid.second_young: effect {layered!r} changes one body alone, and two bodies are solved as "
+            "one half-space; leave one of them out"
+        )
+    if not scene.load.held:
+        return
+    able = [name for name, method in methods().items() if key in getattr(method, "holds", ())]
+    for name in solvers:
+        if name not in able:
+            raise UsageError(
+                f"load.{key}: method {name!r} presses with a load; held by: {', '.join(able) or 'none'}"
+            )
+    sinking = [name for name, solver in solvers.items() if solver.sinks]
+    if key == "offset" and layered is None and 0 < len(sinking) < len(solvers):
+        raise UsageError(
+            f"load.offset: the body of method {sinking[0]!r} sinks as a whole under its load, a half-space "
+            "does not; ask them one by one"
+        )
+
+
 def _each_load(realised: Realised) -> tuple[Realised, ...]:
     """Return the same case once for each load."""
-    if len(realised.pressures) == 1:
+    if realised.load.held or len(realised.pressures) == 1:
         return (realised,)
-    return tuple(replace(realised, load=Load(pressure=pressure)) for pressure in realised.pressures)
+    return tuple(realised.under(Load(pressure=pressure)) for pressure in realised.pressures)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, RandomWaves, resolves
+from validation.errors import UsageError
 from validation.scenes import surfaces
 from validation.scenes.scene import Scene
 from validation.scenes.tables import FileSurface, Load, SolidSpec, Surface
@@ -139,8 +140,14 @@ class Realised:
 
     @cached_property
     def elastic(self) -> Solid:
-        """The solid."""
-        return Solid(young=self.solid.young, poisson=self.solid.poisson)
+        """The solid; one that stands for both where there are two."""
+        return self.solid.elastic
+
+    def under(self, load: Load) -> Realised:
+        """Return the same surface and solid under another load; what is made of the surface is shared."""
+        made = replace(self, load=load)
+        made.__dict__.update({name: self.__dict__[name] for name in _OF_THE_SURFACE if name in self.__dict__})
+        return made
 
     @cached_property
     def contact_modulus(self) -> float:
@@ -154,9 +161,23 @@ class Realised:
 
     @cached_property
     def pressures(self) -> tuple[float, ...]:
-        """p0 [Pa] of each load: as given, or p* E* h'_rms."""
+        """p0 [Pa] of each load: as given, p* E* h'_rms, or force over nominal area.
+
+        Raises
+        ------
+        UsageError
+            Where a distance is held: what load that takes, a solve says.
+        """
+        if self.load.held:
+            (value,) = self.load.values
+            raise UsageError(
+                f"load.{self.load.key} = {value:.6g} m: what load that takes is known after a solve; give "
+                "pressure, reduced_pressure or force here"
+            )
         if self.load.pressure is not None:
             return self.load.values
+        if self.load.force is not None:
+            return (self.load.force / (self.lengths[0] * self.lengths[1]),)
         return tuple(value * self.contact_modulus * self.field.rms_gradient for value in self.load.values)
 
     @property
@@ -206,8 +227,8 @@ class Realised:
             surface["seed"] = self.surface.seed_of(self.realisation)
         said = {
             "surface": surface,
-            "solid": self.solid.model_dump(mode="json"),
-            "load": self.load.model_dump(mode="json"),
+            "solid": self.solid.model_dump(mode="json", exclude_none=True),
+            "load": self.load.recipe,
         }
         return said | {"inverted": True} if self.inverted else said
 

@@ -11,13 +11,12 @@ from functools import reduce
 from importlib import resources
 from operator import or_
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, Self, TypeAlias
 
 from pydantic import (
     AfterValidator,
     BaseModel,
     Field,
-    StrictBool,
     StrictInt,
     ValidationError,
     create_model,
@@ -28,6 +27,7 @@ from validation.effects import effect_kinds
 from validation.effects.base import Effect, clash, effect_key
 from validation.errors import SceneError, UsageError, harmless
 from validation.methods import Method, Solver, methods
+from validation.scenes.run_options import RunOptions
 from validation.scenes.tables import (
     CapillarySurface,
     FileSurface,
@@ -37,7 +37,7 @@ from validation.scenes.tables import (
     SolidSpec,
     Surface,
 )
-from validation.units import Grids, Memory, unit_registry
+from validation.units import Grids, unit_registry
 from validation.units import Table as _Table
 from validation.units import wrong as _wrong
 
@@ -57,7 +57,6 @@ __all__ = [
     "builtin_scenes",
     "checked_scene",
     "load_scene",
-    "not_led_out",
     "parsed_toml",
     "scene_problems",
     "scene_text",
@@ -126,69 +125,6 @@ class Ensemble(_Table):
     grids: Annotated[Grids, Field(min_length=2)]
 
 
-def _inside(path: Path) -> Path:
-    """Refuse a folder outside the one a scene runs in: a scene may not choose what is written over."""
-    if path.is_absolute() or path.drive or ".." in path.parts:
-        raise _wrong(
-            "must lie below the folder the scene runs in, such as 'results/mine'; any other is named on the "
-            "command line"
-        )
-    return path
-
-
-Inside = Annotated[Path, AfterValidator(_inside)]
-
-
-class RunOptions(_Table):
-    """How a scene is run; nothing here changes a result. An option of the command line goes before these.
-
-    Where it runs beyond this machine and this folder is no matter of a scene, which may come from elsewhere:
-    a scheduler, and folders outside, are named on the command line alone.
-    """
-
-    workers: Annotated[StrictInt, Field(ge=1, le=4096)] = Field(
-        default=1, description="local processes; 1 runs everything in the process itself"
-    )
-    memory: Memory | None = Field(default=None, description='memory for all solves, e.g. "4 GiB"')
-    store: Inside | None = Field(default=None, description="folder of finished solves, shared between runs")
-    output: Inside | None = Field(default=None, description="results folder; default: results/<name>")
-    quiet: StrictBool = Field(default=False, description="no progress bar")
-    pictures: StrictBool = Field(default=False, description="3-D pictures in the report")
-
-    @model_validator(mode="before")
-    @classmethod
-    def _no_scheduler(cls, data: object) -> object:
-        if isinstance(data, dict) and "scheduler" in data:
-            raise _wrong("scheduler: is chosen on the command line alone: --scheduler tcp://host:8786")
-        return data
-
-    def folder(self, key: Literal["output", "store"]) -> Path | None:
-        """Return a folder that the scene names, None if it does not; links may not lead outside, either.
-
-        Raises
-        ------
-        UsageError
-        """
-        path: Path | None = getattr(self, key)
-        return None if path is None else not_led_out(path, of=Path(), option=f"--{key}")
-
-
-def not_led_out(path: Path, *, of: Path, option: str) -> Path:
-    """Refuse a folder that a link leads out of another; what came with a scene may hold such links.
-
-    Raises
-    ------
-    UsageError
-    """
-    led = path.resolve()
-    if not led.is_relative_to(of.resolve()):
-        raise UsageError(
-            f"{str(path)!r} is a link that leads to {str(led)!r}; remove it, or say {option} {str(path)!r} "
-            "to follow it"
-        )
-    return path
-
-
 def _one_line(text: str) -> str:
     """Refuse what would change a terminal, or how a line reads."""
     bad = next((c for c in text if c == "\n" or harmless(c) != c), None)
@@ -232,6 +168,8 @@ class Scene(_Table):
     @model_validator(mode="after")
     def _loads_make_a_case(self) -> Self:
         key, solvers = self.load.key, list(self.methods.solvers)
+        if self.load.held:
+            return self._a_distance_makes_a_case()
         if solvers and (len(self.load.values) > 1 or self.load.values[0] == 0):
             given = getattr(self.load, key)
             listed = list(given) if isinstance(given, tuple) else given
@@ -241,6 +179,16 @@ class Scene(_Table):
             )
         if min(self.load.values) == 0 and not any(effect.slot == "gap law" for effect in self.effects):
             raise _wrong(f"load.{key}: 0 needs the effect 'adhesion'; without it nothing touches")
+        return self
+
+    def _a_distance_makes_a_case(self) -> Self:
+        """Refuse a distance without a method, and where each surface would have a load of its own."""
+        if not self.methods.solvers:
+            raise _wrong(
+                f"load.{self.load.key}: the theory is told a load; add a method that presses, which finds it"
+            )
+        if self.ensemble is not None:
+            raise _wrong(f"ensemble: is pressed with one load; remove the table, or load.{self.load.key}")
         return self
 
     @model_validator(mode="after")

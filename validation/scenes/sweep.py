@@ -26,7 +26,14 @@ from validation.scenes.scene import (
     scene_text,
     sized,
 )
-from validation.scenes.tables import CapillarySurface, FileSurface, Load, SelfAffineSurface, SolidSpec
+from validation.scenes.tables import (
+    LOADS,
+    CapillarySurface,
+    FileSurface,
+    Load,
+    SelfAffineSurface,
+    SolidSpec,
+)
 from validation.units import MOST_ITEMS, unit_of
 
 __all__ = ["MODES", "Sweep", "SweptKey", "load_asked", "scene_keys"]
@@ -39,7 +46,7 @@ MODES: tuple[Mode, ...] = ("product", "zip")
 _MOST_CASES = 4096
 #: Keys of which a scene gives one: setting the one takes the other out.
 _EITHER = (
-    frozenset({"load.pressure", "load.reduced_pressure"}),
+    frozenset(f"load.{key}" for key in LOADS),
     frozenset({"surface.rms_gradient", "surface.rms_height"}),
 )
 _SURFACES = {"self-affine": SelfAffineSurface, "capillary-waves": CapillarySurface, "file": FileSurface}
@@ -296,9 +303,8 @@ def _put(data: dict[str, Any], key: str, value: Any) -> None:
             if not isinstance(inner, dict):
                 raise UsageError(f"{key}: {part} = {_short(inner)} of the scene is no table")
             table = inner
-    for pair in _EITHER:
-        if key in pair:
-            (other,) = pair - {key}
+    for rivals in _EITHER:
+        for other in rivals - {key} if key in rivals else ():
             table.pop(other.rpartition(".")[2], None)
     table[parts[-1]] = value
 

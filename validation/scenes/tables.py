@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Discriminator, Field, StrictInt, Tag, model_validator
 
+from fem_contact.solid import Solid, composite_modulus
 from validation.errors import UsageError
 from validation.units import (
     MOST_ITEMS,
+    Force,
     Length,
     Lengths,
     Number,
@@ -24,6 +26,7 @@ from validation.units import (
 )
 
 __all__ = [
+    "LOADS",
     "CapillarySurface",
     "FileSurface",
     "Load",
@@ -132,10 +135,36 @@ Surface = Annotated[SelfAffineSurface | CapillarySurface | FileSurface, Field(di
 
 
 class SolidSpec(Table):
-    """The elastic half-space or block; the rough body is rigid."""
+    """The elastic half-space or block; the rough body is rigid, or elastic where a second solid is given.
+
+    Two elastic half-spaces amount to one of 1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2 under a rigid body
+    with both roughnesses (Persson 2006, Eq. 5).
+    """
 
     young: Pressure = Field(description='Young\'s modulus, e.g. "1 GPa"')
     poisson: Number = Field(gt=-1, le=0.5, description="Poisson ratio, in (-1, 0.5]")
+    second_young: Pressure | None = Field(
+        default=None, description='Young\'s modulus of the rough body, e.g. "200 GPa"; rigid if not given'
+    )
+    second_poisson: Number | None = Field(
+        default=None, gt=-1, le=0.5, description="Poisson ratio of the rough body, in (-1, 0.5]"
+    )
+
+    @model_validator(mode="after")
+    def _whole_second(self) -> Self:
+        if (self.second_young is None) != (self.second_poisson is None):
+            missing = "second_young" if self.second_young is None else "second_poisson"
+            raise wrong(f"{missing}: missing; a second elastic body has both, a rigid one neither")
+        return self
+
+    @property
+    def elastic(self) -> Solid:
+        """The solid; of two bodies the one with the Poisson ratio of the first that has their E*."""
+        first = Solid(young=self.young, poisson=self.poisson)
+        if self.second_young is None or self.second_poisson is None:
+            return first
+        second = Solid(young=self.second_young, poisson=self.second_poisson)
+        return Solid(young=composite_modulus(first, second) * (1 - self.poisson**2), poisson=self.poisson)
 
 
 def _zero_or_ratio(value: float) -> float:
@@ -162,29 +191,52 @@ _Ratios = Annotated[
 ]
 
 
-class Load(Table):
-    """The nominal pressure p0, or p* = p0 / (E* h'_rms) with the realised gradient.
+#: Keys of a load, of which one is given.
+LOADS = ("pressure", "reduced_pressure", "force", "mean_gap", "offset")
 
-    Where the theory stands alone, h'_rms is that of C(q), a list of loads may be given, and with adhesion a
-    load may be 0.
+
+class Load(Table):
+    """What presses: a load, as p0, p* = p0 / (E* h'_rms) or force; or a distance that is held.
+
+    p* is that of the realised gradient. Where the theory stands alone, h'_rms is that of C(q), a list of
+    loads may be given, and with adhesion a load may be 0.
     """
 
-    pressure: _Pressures | None = None
-    reduced_pressure: _Ratios | None = None
+    pressure: _Pressures | None = Field(default=None, description='nominal pressure p0, e.g. "10 MPa"')
+    reduced_pressure: _Ratios | None = Field(default=None, description="p* = p0 / (E* h'_rms)")
+    force: Force | None = Field(default=None, description='p0 times the nominal area, e.g. "10 mN"')
+    mean_gap: Annotated[float, quantity("m", "length", "50 nm"), Field(ge=0)] | None = Field(
+        default=None, description='mean gap that is held, e.g. "50 nm"'
+    )
+    offset: Annotated[float, quantity("m", "length", "-50 nm")] | None = Field(
+        default=None,
+        description='distance of the mean planes before deformation that is held, e.g. "-50 nm"; -approach',
+    )
 
     @model_validator(mode="after")
     def _one(self) -> Self:
-        exactly_one(self, ("pressure", "reduced_pressure"))
+        exactly_one(self, LOADS)
         return self
 
     @property
     def key(self) -> str:
-        """Which of the two is given."""
-        return "pressure" if self.pressure is not None else "reduced_pressure"
+        """Which of them is given."""
+        return next(name for name in LOADS if getattr(self, name) is not None)
 
     @property
     def values(self) -> tuple[float, ...]:
-        """All loads that are given, as they are given."""
-        given = self.pressure if self.pressure is not None else self.reduced_pressure
-        assert given is not None
+        """All loads that are given, as they are given; or the distance."""
+        given = getattr(self, self.key)
         return given if isinstance(given, tuple) else (given,)
+
+    @property
+    def held(self) -> dict[str, float]:
+        """The distance that is held [m], by its key; empty under a load."""
+        return {self.key: self.values[0]} if self.key in ("mean_gap", "offset") else {}
+
+    @property
+    def recipe(self) -> dict[str, Any]:
+        """What was given, as JSON-ready data."""
+        kept = ("pressure", "reduced_pressure")
+        said = self.model_dump(mode="json")
+        return {name: value for name, value in said.items() if name in kept or value is not None}

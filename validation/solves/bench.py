@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from validation.solves.attempt import Progress, Silent
+from validation.solves.provenance import Made
 from validation.solves.running import Execution, Solves, solve_all
 from validation.solves.solve import Solve
 from validation.solves.store import Store
@@ -53,6 +54,7 @@ class Bench:
     execution: Execution = field(default_factory=Execution)
     progress: Progress = field(default_factory=Silent)
     plan_only: bool = False
+    _read: list[dict[str, Made]] = field(default_factory=list, init=False, repr=False, compare=False)
 
     @classmethod
     def at(
@@ -78,4 +80,10 @@ class Bench:
         """
         if self.plan_only:
             raise PlannedOnly(tuple({solve.key: solve for solve in solves}.values()), self.store)
-        return solve_all(solves, self.store, progress=self.progress, execution=self.execution)
+        results = solve_all(solves, self.store, progress=self.progress, execution=self.execution)
+        self._read.append(results.kept.made)
+        return results
+
+    def made(self) -> tuple[Made, ...]:
+        """Return how each result was made that has been read from this bench, for `made_words`."""
+        return tuple({key: made for read in self._read for key, made in read.items()}.values())

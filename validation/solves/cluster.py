@@ -218,27 +218,43 @@ def solve_on_cluster(
 @contextlib.contextmanager
 def _connected(address: str, *, timeout: float = 10) -> Iterator[Any]:
     try:
-        from distributed import Client
+        from distributed import Client, Security
 
         from validation.solves.plain_answers import plain_answers
     except ImportError:
         raise UsageError(
             f"--scheduler = {address!r}: needs Dask; install it with: pip install 'fem-contact[cluster]'"
         ) from None
+    if Security().require_encryption and not address.startswith("tls://"):
+        raise UsageError(
+            f"--scheduler = {address!r}: Dask's configuration asks for encryption; name it as tls://host:port"
+        )
     with plain_answers(), _quiet():
         try:
             client = Client(address, timeout=timeout, set_as_default=False)
         except (OSError, ValueError, TypeError, TimeoutError) as error:
-            reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-            raise UsageError(
-                f"--scheduler = {address!r}: no scheduler answers there ({reason}); "
-                "start one with: dask scheduler"
-            ) from None
+            raise UsageError(f"--scheduler = {address!r}: {_unanswered(address, error)}") from None
         try:
             yield client
         finally:
             with contextlib.suppress(Exception):  # of a scheduler that is gone
                 client.close(timeout=2)
+
+
+def _unanswered(address: str, error: Exception) -> str:
+    """Say in one line why no scheduler could be reached, and what to do."""
+    reason = str(error).splitlines()[0] if str(error) else type(error).__name__
+    if not address.startswith("tls://"):
+        return f"no scheduler answers there ({reason}); start one with: dask scheduler"
+    if isinstance(error, TypeError):  # Dask found no certificates
+        return (
+            "TLS needs certificates: name them to Dask, DASK_DISTRIBUTED__COMM__TLS__CA_FILE, "
+            "..__CLIENT__CERT and ..__CLIENT__KEY"
+        )
+    return (
+        f"no scheduler answers there ({reason}); it must be started with TLS, and both certificates signed "
+        "by the authority that the other one trusts"
+    )
 
 
 @contextlib.contextmanager

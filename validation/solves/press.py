@@ -127,13 +127,16 @@ class Press(Solve):
         FemContactError
             When the solve failed.
         """
-        solved = self.solver.solve(
-            self.height_field(),
-            mean_pressure=self.realised.pressure,
-            slots=Slots.filled(self.realised.elastic, self.effects),
-            settings=dict(self.settings),
-            threads=threads,
-        )
+        own, field = self.realised, self.height_field()
+        told: dict[str, Any] = {
+            "slots": Slots.filled(own.elastic, self.effects),
+            "settings": dict(self.settings),
+            "threads": threads,
+        }
+        if own.load.held:
+            solved = self.solver.hold(field, distance=own.load.held, **told)
+        else:
+            solved = self.solver.solve(field, mean_pressure=own.pressure, **told)
         solved.contact.checked()
         return solved
 

@@ -12,7 +12,10 @@ from datetime import UTC, datetime
 from importlib import metadata
 from typing import Any
 
-__all__ = ["Made", "made_words"]
+__all__ = ["SOLVES_MADE", "Made", "made_words"]
+
+#: Attribute of a dataset of many solves: how they were made, the lines of `made_words`.
+SOLVES_MADE = "solves_made"
 
 #: Packages whose version may change a result.
 _SHAPING = ("fem-contact", "numpy", "scipy", "numba", "ducc0", "scikit-fem", "pyamg")

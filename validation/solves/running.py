@@ -73,7 +73,8 @@ class Solves(Mapping[Any, Any]):
 
     def made(self) -> tuple[Made, ...]:
         """Return how each was made, for `made_words`."""
-        return tuple(self._stored(solve).made for solve in self.solves)
+        known = self.kept.made
+        return tuple(known.get(solve.key) or self._stored(solve).made for solve in self.solves)
 
     def _stored(self, solve: Solve) -> Stored:
         stored = self.kept.get(solve)
@@ -100,9 +101,10 @@ _SYNCED_EVERY = 1.0
 
 
 class _Kept:
-    """Results that were read already, up to a size in all."""
+    """Results that were read already, up to a size in all; how each was made, of all of them."""
 
     def __init__(self, limit: int) -> None:
+        self.made: dict[str, Made] = {}
         self._results: dict[str, Stored] = {}
         self._free = limit
 
@@ -112,6 +114,7 @@ class _Kept:
 
     def put(self, solve: Solve, stored: Stored) -> None:
         """Keep a result if there is room; files of mostly zeros take more in memory than on disk."""
+        self.made[solve.key] = stored.made
         size = 3 * stored.size
         if size <= self._free and solve.key not in self._results:
             self._results[solve.key] = stored

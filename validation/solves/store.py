@@ -5,20 +5,26 @@ from __future__ import annotations
 import contextlib
 import errno
 import hashlib
+import json
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fem_contact.contact import ContactResult
 from validation.errors import RunFailed, UsageError
 from validation.files import read_whole, write_whole
+from validation.solves.cost import available_memory
+from validation.solves.netcdf import dataset_bytes, read_dataset
 from validation.solves.provenance import Made
 from validation.solves.seal import Damaged, Sealed, seal, unseal
 from validation.solves.solve import Solve
 
-__all__ = ["Checked", "Store", "Stored", "check_store", "read_result"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Checked", "Store", "Stored", "check_store", "read_numbers", "read_result", "write_numbers"]
 
 _SUFFIX = ".nc"
 _ASIDE = ".nc.corrupt"
@@ -134,6 +140,30 @@ def read_result(path: Path) -> ContactResult:
         raise RunFailed(f"{path}: damaged: {damage}; run it again") from None
 
 
+def write_numbers(path: Path, data: xr.Dataset, *, recipe: Mapping[str, Any]) -> None:
+    """Write the numbers of a study or a sweep, sealed: netCDF that shows every change since."""
+    content = dataset_bytes(data)
+    made = Made.now(threads=1, seconds=0.0).as_json()
+    write_whole(path, (content, seal(content, recipe=json.dumps(recipe), made=made)))
+
+
+def read_numbers(path: Path) -> xr.Dataset:
+    """Return what `write_numbers` wrote, verified before it is parsed.
+
+    Raises
+    ------
+    RunFailed
+        When there is none, or it is damaged.
+    """
+    try:
+        data = _bytes_of(path)
+        if data is None:
+            raise RunFailed(f"{path}: is not there; run it again")
+        return read_dataset(unseal(data).content)
+    except Damaged as damage:
+        raise RunFailed(f"{path}: damaged: {damage}; run it again") from None
+
+
 @dataclass(frozen=True, kw_only=True)
 class Checked:
     """What was found of one file of a store.
@@ -204,12 +234,16 @@ def check_store(folder: Path, *, set_aside: bool = False) -> Iterator[Checked]:
             yield Checked(path=path, size=len(data), problem=str(swapped), damaged=True, made=made)
 
 
+#: Bytes of a file that is read without asking how much memory is free.
+_SURELY_FITS = 2**28
+
 #: Why a file that is there cannot be read, and what to do.
 _UNREADABLE = {
     errno.EACCES: "permission denied; ask its owner to make it readable, or name another store with --store",
     errno.EPERM: "not permitted; ask its owner to make it readable, or name another store with --store",
     errno.ELOOP: "is a link, which is not followed in a store; put the file itself there",
     errno.EINVAL: "is not a file; move it away",
+    errno.EFBIG: "larger than the memory that is free",
     errno.EMFILE: "too many open files (ulimit -n)",
     errno.ENFILE: "too many open files on this machine",
     errno.ENOMEM: "memory does not suffice",
@@ -220,7 +254,7 @@ _UNREADABLE = {
 def _bytes_of(path: Path) -> bytes | None:
     """Return the bytes of a file; None if there is none."""
     try:
-        return read_whole(path)
+        return read_whole(path, most=max(_SURELY_FITS, available_memory()))
     except (FileNotFoundError, NotADirectoryError):
         return None
     except OSError as error:

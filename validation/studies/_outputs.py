@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,15 +10,14 @@ from typing import TYPE_CHECKING, Any
 
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.effects import effect_kinds
-from validation.errors import UsageError
-from validation.files import read_whole, write_json, write_whole
+from validation.errors import RunFailed, UsageError
+from validation.files import read_record, write_record
 from validation.methods import methods
 from validation.report.page import Page, write_page
 from validation.report.papers import MEASURED, PERIMETER, VARIANTS
 from validation.report.table import shown, shown_dataset
-from validation.solves.netcdf import dataset_bytes, read_dataset
-from validation.solves.provenance import Made
-from validation.solves.seal import Damaged, seal, unseal
+from validation.solves.provenance import SOLVES_MADE, made_words
+from validation.solves.store import read_numbers, write_numbers
 from validation.studies import Study, StudyOptions, find_study
 
 if TYPE_CHECKING:
@@ -33,7 +32,6 @@ __all__ = [
     "report_study",
     "run_study",
     "study_page",
-    "write_data",
 ]
 
 _RECORD = "study.json"
@@ -60,19 +58,14 @@ def run_study(
         "study": study.name,
         "options": options.said(),
         "words": list(options.words()),
+        "store": os.path.relpath(bench.store.folder.resolve(), folder.resolve()),
     }
+    data.attrs[SOLVES_MADE] = "\n".join(made_words(bench.made()))
     for other in ("run.json", "accuracy.json", "sweep.json"):  # the folder is that of this study now
         (folder / other).unlink(missing_ok=True)
-    write_json(folder / _RECORD, said)
-    write_data(data, said, folder)
+    write_record(folder / _RECORD, said)
+    write_numbers(folder / _DATA, data, recipe=said)
     return report_study(folder, numbers_only=not report)
-
-
-def write_data(data: xr.Dataset, said: Mapping[str, Any], folder: Path) -> None:
-    """Write the numbers of a study, sealed: netCDF that shows every change since."""
-    content = dataset_bytes(data)
-    made = Made.now(threads=1, seconds=0.0).as_json()
-    write_whole(folder / _DATA, (content, seal(content, recipe=json.dumps(said), made=made)))
 
 
 def is_study(folder: Path) -> bool:
@@ -115,12 +108,11 @@ def report_study(folder: Path, *, numbers_only: bool = False) -> StudyOutputs:
         For a folder that holds no finished study of this version.
     """
     try:
-        said = json.loads((folder / _RECORD).read_text(encoding="utf-8"))
+        said = read_record(folder / _RECORD)
         study = find_study(said["study"])
-        # Verified before it is parsed: a flipped bit would be another number.
-        data = read_dataset(unseal(read_whole(folder / _DATA)).content)
-    except Damaged as damage:
-        raise UsageError(f"{folder / _DATA}: damaged: {damage}; run the study again") from None
+        data = read_numbers(folder / _DATA)
+    except RunFailed as error:
+        raise UsageError(str(error)) from None
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise UsageError(f"{folder}: holds no finished study ({error})") from None
     page = study_page(study, data, said["options"], words=said.get("words", ()), figures=not numbers_only)
@@ -146,6 +138,7 @@ def study_page(
         tables=shown_dataset(data, title="Numbers") if table is None else (shown(table, title="Numbers"),),
         budget=study.budget(data),
         figures=study.figures(data) if figures else (),
+        facts=tuple(str(data.attrs.get(SOLVES_MADE, "")).splitlines()),
         settings=options,
         seeds=_seeds(options),
         papers=_papers(str(data.attrs.get("methods", "theory bem")).split()),

@@ -39,3 +39,19 @@ def test_smaller_growth_lowers_the_floor_of_long_waves() -> None:
 def test_waves_shorter_than_two_nodes_are_refused() -> None:
     with pytest.raises(InvalidInput, match="wavelength"):
         wave_errors((16, 16), (1.0, 1.0), [0.1], poisson=0.3)
+
+
+def test_announced_error_of_quadratic_elements_falls_with_the_fourth_power_of_the_spacing() -> None:
+    nodes = (16, 32, 64)
+    errors = [
+        # The layers are refined with the cells.
+        abs(
+            wave_errors((n, n), (1.0, 1.0), [1.0], poisson=0.3, element="Hex2", growth=1 + 3.2 / n)[
+                0
+            ].along_diagonal
+        )
+        for n in nodes
+    ]
+    order = -np.polyfit(np.log(nodes), np.log(errors), 1)[0]
+    assert order == pytest.approx(4, abs=0.4)
+    assert errors[-1] < 1e-4

@@ -4,7 +4,8 @@ import scipy.sparse.linalg as sla
 import skfem
 from skfem.helpers import ddot, div, sym_grad
 
-from fem_contact.block import BlockMesh, plan_mesh
+from fem_contact.block import ELEMENTS, BlockMesh, plan_mesh
+from fem_contact.block.elements import LocalForms, scalar_basis
 from fem_contact.block.full.assembly import assemble, lame
 from fem_contact.errors import InvalidInput
 
@@ -96,3 +97,13 @@ def test_compliance_of_waves_converges_with_second_order() -> None:
 def test_incompressible_solid_is_refused_by_displacement_elements() -> None:
     with pytest.raises(InvalidInput, match=r"poisson = 0\.5"):
         lame(0.5)
+
+
+@pytest.mark.parametrize("element", ["Hex1", "Hex2"])
+def test_only_a_constant_costs_a_cell_nothing(element: str) -> None:
+    """Too few points of the quadrature leave waves that no stiffness resists."""
+    forms = LocalForms.integrate(scalar_basis(skfem.MeshHex(), ELEMENTS[element]), ELEMENTS[element])
+    laplacian = sum(forms.products[a, a] for a in range(3))[:, :, 0]
+    values = np.linalg.eigvalsh(laplacian)
+    np.testing.assert_allclose(laplacian.sum(axis=1), 0, atol=1e-12)
+    assert np.count_nonzero(values < 1e-10 * values[-1]) == 1

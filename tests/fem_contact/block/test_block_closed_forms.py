@@ -1,3 +1,5 @@
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -109,3 +111,18 @@ def test_edge_constant_makes_the_counted_area_right_on_average(name: str, poisso
     constant = np.mean(excess) / np.mean(fraction)
     assert constant == pytest.approx(ELEMENTS[name].edge_constant, abs=3.5 * scatter)
     assert scatter < 0.015
+
+
+@pytest.mark.parametrize("element", ["Hex1", "Hex2"])
+def test_even_pressure_strains_the_block_like_confined_compression(element: str) -> None:
+    """Stress p vertically and p nu / (1 - nu) sideways, E (1 - nu) / ((1 + nu) (1 - 2 nu)) against strain."""
+    solid, load = Solid(young=2.0, poisson=0.3), 0.01
+    flat = HeightField(heights=np.zeros((4, 6)), lengths=(1.0, 1.5))
+    even = solve(flat, solid, mean_pressure=load, element=element, growth=1.5, depth=0.5)
+    sideways, strain = -load * 0.3 / 0.7, load / (2.0 * 0.7 / (1.3 * 0.4))
+    stress = even.stress()
+    np.testing.assert_allclose(stress.tensor - [sideways, sideways, -load, 0, 0, 0], 0, atol=1e-9 * load)
+    np.testing.assert_allclose(even.strain()[..., 2], -strain, rtol=1e-8)
+    assert even.energy == pytest.approx(0.5 * load * strain * even.depth, rel=1e-9)
+    sheared = dataclasses.replace(stress, tensor=np.array([0.0, 0.0, 0.0, 0.0, 0.2, 0.0]))
+    assert float(sheared.von_mises) == pytest.approx(0.2 * np.sqrt(3), rel=1e-12)

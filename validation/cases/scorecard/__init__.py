@@ -3,42 +3,44 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
 
 from validation.cases import Case, Check, Verdict, run_cases
-from validation.cases.scorecard import elementary, hard, known, ladder
+from validation.cases.scorecard import control, effects, elementary, hard, known, ladder
 from validation.cases.scorecard.ladder import CostRow
-from validation.cases.scorecard.subject import Inconclusive, Subject, Unanswered
+from validation.cases.scorecard.subject import Inconclusive, NotTried, Subject, Unanswered
 
 __all__ = ["FAULTS", "Scorecard", "Subject", "rows", "score"]
 
-_Row = tuple[str, str, Callable[[Subject], Sequence[Check]], bool]
-
-#: Row, claim, function, and whether it needs what is recomputed on the half-space from the pressure.
-_ROWS: tuple[_Row, ...] = (
-    ("tension", "No pressure is below zero.", elementary.tension, False),
-    ("place", "The pressure lies where the heights are.", elementary.place, False),
-    ("factor", "The stiffness is that of E*.", elementary.factor, False),
-    ("full-contact", "Each wave is pressed flat by E* q h / 2.", elementary.full_contact, False),
-    ("load", "The mean pressure is the one asked for.", elementary.load, False),
-    ("contact-set", "What is called contact carries load on a closed gap.", elementary.contact_set, True),
-    ("honesty", "Recomputed residuals are within the tolerance asked for.", elementary.honesty, True),
-    ("hertz", "A paraboloid carries Hertz's pressure.", known.hertz, False),
-    ("hertz-radius", "The counted radius converges to Hertz's in first order.", known.hertz_radius, False),
-    ("westergaard", "A wave carries Westergaard's pressure.", known.westergaard, False),
-    ("symmetry", "A mirrored surface has the mirrored pressure.", known.symmetry, False),
-    ("units", "Units of length and pressure change nothing.", known.units, False),
-    ("nested-grids", "Finer and finer grids approach one answer.", known.nested, False),
-    ("near-full", "Full contact just above and below the flattening load.", hard.near_full, False),
-    ("one-cell", "A load that one point carries is carried by one point.", hard.one_cell, False),
-    ("elongated", "Long periods and long cells change nothing.", hard.elongated, False),
-    ("odd-axes", "Odd numbers of points are solved as well.", hard.odd_axes, True),
+#: Row, claim and function.
+_ROWS: tuple[tuple[str, str, Callable[[Subject], Sequence[Check]]], ...] = (
+    ("tension", "No pressure is below zero.", elementary.tension),
+    ("place", "The pressure lies where the heights are.", elementary.place),
+    ("factor", "The stiffness is that of E*.", elementary.factor),
+    ("full-contact", "Each wave is pressed flat by E* q h / 2.", elementary.full_contact),
+    ("load", "The mean pressure is the one asked for.", elementary.load),
+    ("contact-set", "What is called contact carries load on a closed gap.", elementary.contact_set),
+    ("honesty", "Recomputed residuals are within the tolerance asked for.", elementary.honesty),
+    ("cut-short", "A solve that ends early says so.", control.cut_short),
+    ("hertz", "A paraboloid carries Hertz's pressure.", known.hertz),
+    ("hertz-radius", "The counted radius converges to Hertz's in first order.", known.hertz_radius),
+    ("stress-near-zero", "P(sigma) starts from zero, but for the grid.", known.stress_near_zero),
+    ("westergaard", "A wave carries Westergaard's pressure.", known.westergaard),
+    ("layer", "On a bonded layer each wave is pressed flat by h / C(q).", effects.layer),
+    ("yielding-wave", "Crests yield over the width that Westergaard's solution says.", effects.yielding),
+    ("symmetry", "A mirrored surface has the mirrored pressure.", known.symmetry),
+    ("units", "Units of length and pressure change nothing.", known.units),
+    ("nested-grids", "Finer and finer grids approach one answer.", known.nested),
+    ("offset", "An offset leads to the pressures of the load that it belongs to.", control.offset),
+    ("offset-near-full", "So it does near full contact.", control.offset_near_full),
+    ("near-full", "Full contact just above and below the flattening load.", hard.near_full),
+    ("one-cell", "A load that one point carries is carried by one point.", hard.one_cell),
+    ("elongated", "Long periods and long cells change nothing.", hard.elongated),
+    ("odd-axes", "Odd numbers of points are solved as well.", hard.odd_axes),
 )
-
-_OTHER_BODY = "recomputes residuals on the half-space, and this solver solves another body"
 
 #: Rows that name a fault, in the order in which they are believed: each is read as if those before held.
 FAULTS: tuple[tuple[str, str], ...] = (
@@ -63,7 +65,8 @@ class Scorecard:
     cost : tuple of CostRow
         Of one rough surface; empty where rough surfaces were not solved.
     left_out : mapping of str to str
-        Rows that were not judged, and why.
+        Rows that were not judged, and why: not answered, not tried, or asking for what the solver is not
+        given.
     """
 
     subject: Subject
@@ -101,6 +104,10 @@ class Scorecard:
         near = [row.seconds for row in self.cost if row.error <= error and not math.isnan(row.seconds)]
         return min(near, default=math.nan)
 
+    def bytes_to(self, error: float) -> float:
+        """Return the memory of the smallest grid whose area is that near; NaN where none is."""
+        return min((row.peak_bytes for row in self.cost if row.error <= error), default=math.nan)
+
     def summary(self) -> dict[str, Any]:
         """Everything as JSON-ready data."""
         fault = self.fault
@@ -131,17 +138,27 @@ def _excess(check: Check) -> float:
     return difference / check.tolerance
 
 
+def _refused(subject: Subject, name: str) -> str | None:
+    """Say what a row asks for that a solver cannot be given; None where it can."""
+    effect, told = effects.NEEDED.get(name), control.NEEDED.get(name)
+    if effect is not None and not subject.solver.handles(effect):
+        return f"{subject.solver.label} cannot be given the effect {effect.kind_name()!r}"
+    if told is not None and told not in subject.controlled:
+        return f"{subject.solver.label} cannot be told {told!r}"
+    return None
+
+
 def rows(subject: Subject) -> tuple[Case, ...]:
     """Return the rows that apply to a solver."""
     found = [
         Case(name=name, claim=claim, run=partial(function, subject))
-        for name, claim, function, recomputed in _ROWS
-        if subject.solver.half_space or not recomputed
+        for name, claim, function in _ROWS
+        if _refused(subject, name) is None
     ]
     found += [
         Case(
             name=f"rough-{width}",
-            claim=f"Area, gap and energy at lambda_long/lambda_short = {width} are those of the limit.",
+            claim=f"Areas, gap, stiffness, energy, low pressures: the limit's (lambda_l/lambda_s = {width}).",
             run=partial(ladder.rough_surface, subject, width),
         )
         for width in ladder.bandwidths(subject)
@@ -159,21 +176,37 @@ def score(subject: Subject, *, tell: Callable[[str], None] | None = None) -> Sco
         Given a line for every row.
     """
     subject.warm_up()
-    left_out = {row[0]: _OTHER_BODY for row in _ROWS if row[3] and not subject.solver.half_space}
-    found = list(run_cases(rows(subject), tell=tell))
-    unanswered = f"{Unanswered.__name__}: "
-    for verdict in found:
-        if (verdict.error or "").startswith(unanswered):
-            left_out[verdict.case] = str(verdict.error).removeprefix(unanswered)
-    verdicts = sorted((one for one in found if one.case not in left_out), key=_worst_first)
-    cost = () if left_out and subject.solver.half_space else tuple(_cost(subject, verdicts))
-    return Scorecard(subject=subject, verdicts=tuple(verdicts), cost=cost, left_out=left_out)
+    refused = {row[0]: _refused(subject, row[0]) for row in _ROWS}
+    left_out = {name: why for name, why in refused.items() if why is not None}
+    found = []
+    for verdict in run_cases(rows(subject)):
+        why = _why_not(verdict)
+        if why is None:
+            found.append(verdict)
+        else:
+            left_out[verdict.case] = why
+        if tell is not None:
+            word = "passed" if verdict.passed else "FAILED" if why is None else why.partition(":")[0]
+            tell(f"{word}  {verdict.case}  ({verdict.seconds:.1f} s)")
+    verdicts = sorted(found, key=_worst_first)
+    return Scorecard(
+        subject=subject, verdicts=tuple(verdicts), cost=_cost(subject, verdicts), left_out=left_out
+    )
 
 
-def _cost(subject: Subject, verdicts: Sequence[Verdict]) -> Iterator[CostRow]:
-    rough = [verdict for verdict in verdicts if verdict.case.startswith("rough")]
-    if rough and all(verdict.error is None for verdict in rough):
-        yield from ladder.cost(subject)
+def _why_not(verdict: Verdict) -> str | None:
+    """Say why a row was not judged; None where it was."""
+    for kind, words in ((Unanswered, "not answered"), (NotTried, "not tried")):
+        if (verdict.error or "").startswith(f"{kind.__name__}: "):
+            return f"{words}: {str(verdict.error).removeprefix(f'{kind.__name__}: ')}"
+    return None
+
+
+def _cost(subject: Subject, verdicts: Sequence[Verdict]) -> tuple[CostRow, ...]:
+    """Price a digit where the surface that it is priced on was solved."""
+    if any(verdict.case == f"rough-{ladder.PRICED}" and verdict.error is None for verdict in verdicts):
+        return ladder.cost(subject)
+    return ()
 
 
 def _worst_first(verdict: Verdict) -> tuple[bool, bool, float]:

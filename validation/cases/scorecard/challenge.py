@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -50,7 +51,14 @@ def _key(field: HeightField, modulus: float, load: float) -> tuple[object, ...]:
     return field.heights.tobytes(), field.shape, field.lengths, modulus, load
 
 
-class _Recorder(Bem):
+class _Posed(Bem):
+    """What problems in files can ask: a load on the half-space."""
+
+    slots = frozenset()
+    controls = frozenset()
+
+
+class _Recorder(_Posed):
     """Boundary elements that remember what they were asked."""
 
     def __init__(self, points: int) -> None:
@@ -58,16 +66,17 @@ class _Recorder(Bem):
         self.asked: dict[tuple[object, ...], _Problem] = {}
 
     def claim(
-        self, field: HeightField, *, mean_pressure: float, slots: Slots, settings: Mapping[str, Any]
+        self, field: HeightField, *, mean_pressure: float | None, slots: Slots, settings: Mapping[str, Any]
     ) -> Claim:
         """Remember the problem and solve it, since rows read the answers."""
+        assert mean_pressure is not None
         modulus = slots.solid.contact_modulus
         problem = _Problem(field=field, modulus=modulus, load=mean_pressure)
         self.asked.setdefault(_key(field, modulus, mean_pressure), problem)
         return super().claim(field, mean_pressure=mean_pressure, slots=slots, settings=settings)
 
 
-class _Answers(Bem):
+class _Answers(_Posed):
     """A solver whose answers lie in a folder."""
 
     label = "Answers"
@@ -81,7 +90,7 @@ class _Answers(Bem):
         """Nothing is compiled."""
 
     def claim(
-        self, field: HeightField, *, mean_pressure: float, slots: Slots, settings: Mapping[str, Any]
+        self, field: HeightField, *, mean_pressure: float | None, slots: Slots, settings: Mapping[str, Any]
     ) -> Claim:
         """Read the answer of a problem.
 
@@ -90,6 +99,7 @@ class _Answers(Bem):
         Unanswered
             Where there is none.
         """
+        assert mean_pressure is not None
         number = self.numbers[_key(field, slots.solid.contact_modulus, mean_pressure)]
         folder = _problem_folder(self.folder, number)
         said = _said(folder / "answer.json")
@@ -156,6 +166,7 @@ def score_folder(folder: Path, *, tell: Callable[[str], None] | None = None) -> 
         solver=_Answers(folder, numbers, points),
         settings={},
         tolerance=tolerance,
+        seconds=math.inf,
     )
     return score(subject, tell=tell)
 
@@ -163,7 +174,7 @@ def score_folder(folder: Path, *, tell: Callable[[str], None] | None = None) -> 
 def _problems(points: int, tolerance: float) -> list[_Problem]:
     """Return what the rows of a scorecard ask for, each once, in an order that tells nothing."""
     recorder = _Recorder(points)
-    subject = Subject(name="recorder", solver=recorder, settings={}, tolerance=tolerance)
+    subject = Subject(name="recorder", solver=recorder, settings={}, tolerance=tolerance, seconds=math.inf)
     for row in rows(subject):
         row.run()
     ladder.cost(subject)

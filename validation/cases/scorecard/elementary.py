@@ -10,14 +10,25 @@ from numpy.typing import NDArray
 
 from fem_contact.surface import HeightField
 from validation.cases import Check
-from validation.cases.scorecard.subject import Inconclusive, Pressed, Subject, rough
+from validation.cases.scorecard.subject import SOFT, Inconclusive, Pressed, Subject, rough
+from validation.effects.base import Slots
 
-__all__ = ["contact_set", "factor", "full_contact", "honesty", "load", "place", "tension"]
+__all__ = [
+    "WAVES",
+    "contact_set",
+    "factor",
+    "full_contact",
+    "full_contact_transfer",
+    "honesty",
+    "load",
+    "place",
+    "tension",
+]
 
 Array = NDArray[np.float64]
 
 #: Waves of the full contact, and their amplitudes and phases: no symmetry is left.
-_WAVES = ((1, 0, 1.0, 0.3), (0, 1, 0.8, 1.1), (1, 1, 0.5, 2.0), (2, 1, 0.3, 0.7))
+WAVES = ((1, 0, 1.0, 0.3), (0, 1, 0.8, 1.1), (1, 1, 0.5, 2.0), (2, 1, 0.3, 0.7))
 #: Largest difference, in cells, of a wave's place from where the two longest put it.
 _SAME_PLACE = 0.05
 #: Very light, light and middling loads p*, for a surface of unit gradient and E* = 1.
@@ -26,7 +37,7 @@ _LOADS = (1e-5, 0.005, 0.05)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Transfer:
-    """p-hat(q) over E* q h-hat(q) / 2 at full contact: 1, if the compliance is that of the half-space.
+    """p-hat(q) over h-hat(q) / C(q) at full contact: 1, if the compliance is that of the solid.
 
     Attributes
     ----------
@@ -45,25 +56,28 @@ class _Transfer:
         """Cells by which the pressure lies beside the heights, along x and y."""
         angles = np.angle(self.ratio) / (2 * np.pi / self.points)
         shift = (-float(angles[0]), -float(angles[1]))
-        for (kx, ky, *_), angle in zip(_WAVES, angles, strict=True):
+        for (kx, ky, *_), angle in zip(WAVES, angles, strict=True):
             if not abs(angle + kx * shift[0] + ky * shift[1]) < 2 * _SAME_PLACE:
                 raise Inconclusive("waves of the full contact lie in different places: it is not solved")
         return shift
 
 
-def _transfer(subject: Subject) -> _Transfer:
+def full_contact_transfer(subject: Subject, *, slots: Slots | None = None) -> _Transfer:
+    """Press all of `WAVES` flat on the half-space, or on the solid of the slots."""
     n = 2 * subject.points
     x = np.arange(n) / n
+    response = (slots or Slots(solid=SOFT)).felt_response
     heights, linear, sizes = np.zeros((n, n)), np.zeros((n, n)), []
-    for kx, ky, amplitude, phase in _WAVES:
+    for kx, ky, amplitude, phase in WAVES:
         wave = amplitude * np.cos(2 * np.pi * (kx * x[:, None] + ky * x[None, :]) + phase)
         size = 2 * np.pi * float(np.hypot(kx, ky))
-        heights, linear = heights + 1e-3 * wave, linear + 0.5e-3 * size * wave
+        soft = float(response.compliance(*(np.array([2.0 * np.pi * k]) for k in (kx, ky)))[0])
+        heights, linear = heights + 1e-3 * wave, linear + 1e-3 / soft * wave
         sizes.append(size)
     surface = HeightField(heights=heights, lengths=(1.0, 1.0))
-    found = subject.press(surface, -1.2 * float(linear.min())).claim.pressure
+    found = subject.press(surface, -1.2 * float(linear.min()), slots=slots).claim.pressure
     over = np.fft.fft2(found), np.fft.fft2(linear)
-    ratio = np.array([over[0][kx, ky] / over[1][kx, ky] for kx, ky, *_ in _WAVES])
+    ratio = np.array([over[0][kx, ky] / over[1][kx, ky] for kx, ky, *_ in WAVES])
     return _Transfer(ratio=ratio, allowed=(np.array(sizes) / n) ** 2 / 4, points=n)
 
 
@@ -80,7 +94,7 @@ def tension(subject: Subject) -> Sequence[Check]:
 
 def place(subject: Subject) -> Sequence[Check]:
     """Check that the pressure lies where the heights are."""
-    shift = _transfer(subject).shift
+    shift = full_contact_transfer(subject).shift
     return [
         Check.below(f"pressure beside the heights along {axis} [cells]", value, _SAME_PLACE)
         for axis, value in zip("xy", shift, strict=True)
@@ -89,7 +103,7 @@ def place(subject: Subject) -> Sequence[Check]:
 
 def factor(subject: Subject) -> Sequence[Check]:
     """Check that the stiffness of the longest waves is that of E*."""
-    found = _transfer(subject)
+    found = full_contact_transfer(subject)
     sizes = np.abs(found.ratio)
     mean = float(sizes[:2].mean())
     spread = np.abs(sizes / mean - 1)
@@ -100,10 +114,10 @@ def factor(subject: Subject) -> Sequence[Check]:
 
 def full_contact(subject: Subject) -> Sequence[Check]:
     """Check that every wave is pressed flat by E* q h / 2."""
-    found = _transfer(subject)
+    found = full_contact_transfer(subject)
     return [
         Check.below(f"error of the pressure of the wave ({kx}, {ky})", abs(ratio - 1), float(allowed))
-        for (kx, ky, *_), ratio, allowed in zip(_WAVES, found.ratio, found.allowed, strict=True)
+        for (kx, ky, *_), ratio, allowed in zip(WAVES, found.ratio, found.allowed, strict=True)
     ]
 
 

@@ -49,7 +49,7 @@ def scorecard_page(cards: Sequence[Scorecard]) -> Page:
         answers=_answers(first),
         findings=_findings(first),
         tables=(_verdicts(cards), _costs(cards), _checks(cards)),
-        notes=_notes(first),
+        notes=_notes(cards),
     )
 
 
@@ -106,7 +106,7 @@ def _reason(verdict: Verdict) -> str:
 def _word(card: Scorecard, row: str) -> str:
     verdict = card.verdict(row)
     if verdict is None:
-        return "not judged"
+        return "not tried" if card.left_out.get(row, "").startswith("not tried") else "not judged"
     return "holds" if verdict.passed else "FAILS"
 
 
@@ -139,7 +139,8 @@ def _costs(cards: Sequence[Scorecard]) -> WordTable:
     lines = []
     for card in cards:
         times = tuple(card.seconds_to(error) for error in _ERRORS)
-        words = tuple("not reached" if math.isnan(time) else f"{time:.2g}" for time in times)
+        sizes = tuple(card.bytes_to(error) / 2**20 for error in _ERRORS)
+        words = tuple("not reached" if math.isnan(value) else f"{value:.2g}" for value in times + sizes)
         finest = card.cost[-1] if card.cost else None
         lines.append(
             (
@@ -147,20 +148,19 @@ def _costs(cards: Sequence[Scorecard]) -> WordTable:
                 *words,
                 "" if finest is None else f"{finest.grid}",
                 "" if finest is None else f"{finest.error:.2%}",
-                "" if finest is None else f"{finest.peak_bytes / 2**20:.1f}",
             )
         )
     return WordTable(
         columns=(
             "solver",
             *(f"seconds to {error:.3g}" for error in _ERRORS),
+            *(f"MiB to {error:.3g}" for error in _ERRORS),
             "finest grid",
             "its error",
-            "its memory [MiB]",
         ),
         rows=tuple(lines),
         title="What a digit costs",
-        note="Processor seconds of the cheapest grid whose area is that near to the limit.",
+        note="Processor seconds and memory of the cheapest grid whose area is that near to the limit.",
         left=frozenset({"solver"}),
     )
 
@@ -188,14 +188,14 @@ def _checks(cards: Sequence[Scorecard]) -> WordTable:
     )
 
 
-def _notes(card: Scorecard) -> tuple[Note, ...]:
-    if not card.left_out:
-        return ()
-    return (
+def _notes(cards: Sequence[Scorecard]) -> tuple[Note, ...]:
+    return tuple(
         Note(
-            title="Rows that were not judged",
+            title=f"Rows that were not judged for {card.subject.name}",
             sentences=tuple(f"{row}: {why}." for row, why in card.left_out.items()),
-        ),
+        )
+        for card in cards
+        if card.left_out
     )
 
 

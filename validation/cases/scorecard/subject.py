@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from fem_contact.contact import ContactResult
+from fem_contact.errors import NotConverged
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 from validation.effects.base import Slots
@@ -16,10 +19,14 @@ from validation.methods import Solver
 from validation.methods.base import Claim
 from validation.methods.foreign import judged
 
-__all__ = ["SOFT", "Inconclusive", "Pressed", "Subject", "Unanswered", "rough"]
+__all__ = ["SOFT", "Inconclusive", "NotTried", "Pressed", "Subject", "Unanswered", "rough"]
 
 #: E* = 1.
 SOFT = Solid(young=1.0, poisson=0.0)
+
+
+#: Solves on the finest grid of a ladder, about.
+_FINEST = 12
 
 
 class Inconclusive(Exception):
@@ -30,6 +37,10 @@ class Unanswered(Exception):
     """A problem that the solver was not asked, or left out."""
 
 
+class NotTried(Exception):
+    """A problem that would take longer than what is left of the time."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Pressed:
     """What a solver said of one problem, and what that amounts to.
@@ -38,14 +49,17 @@ class Pressed:
     ----------
     claim : Claim
     result : ContactResult
-        Recomputed from the pressure alone, where the solver is one of the half-space; its own otherwise.
+        Recomputed from the pressure alone by the response of the solid, or of the mesh of finite elements.
+    pairs : float
+        What the method predicted that it costs.
     """
 
     claim: Claim
     result: ContactResult
+    pairs: float
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Subject:
     """A solver to be scored.
 
@@ -60,6 +74,8 @@ class Subject:
         Of the residuals it is asked for.
     quick : bool
         Whether small grids do.
+    seconds : float
+        Processor time that all its solves together may take.
     """
 
     name: str
@@ -67,46 +83,135 @@ class Subject:
     settings: Mapping[str, Any]
     tolerance: float = 1e-6
     quick: bool = True
+    seconds: float = 300.0
+    _asked: dict[object, Pressed | NotConverged] = field(default_factory=dict, init=False, repr=False)
 
     @property
     def points(self) -> int:
         """Points along a side of the coarsest grid of a ladder."""
         return self.solver.score_points
 
-    @property
+    @cached_property
     def ladder(self) -> tuple[int, int, int]:
-        """Three grids, each twice as fine as the one before."""
-        return self.points, 2 * self.points, 4 * self.points
+        """Three grids: each twice as fine as the one before, or less where that takes too long."""
+        n = self.points
+        side = self._predicted((4 * n, 4 * n), (1.0, 1.0), self._told(None, (4 * n, 4 * n)))
+        return (n, 2 * n, 4 * n) if _FINEST * side <= self.seconds else (n, 3 * n // 2, 2 * n)
+
+    @property
+    def doubles(self) -> bool:
+        """Whether the grids of the ladder are far enough apart to observe an order."""
+        return self.ladder[-1] == 4 * self.ladder[0]
+
+    @cached_property
+    def controlled(self) -> frozenset[str]:
+        """What it may be told beside the load."""
+        return self.solver.controlled(self.settings)
+
+    @property
+    def asked_seconds(self) -> list[float]:
+        """Processor time of each of its solves so far; 0 where it is not known."""
+        solved = [found.claim.cpu_seconds for found in self._asked.values() if isinstance(found, Pressed)]
+        return np.nan_to_num(solved).tolist()
 
     @property
     def pressure_error(self) -> float:
         """Relative error of pressures that the tolerance allows: the tolerance is one of an energy."""
         return float(np.sqrt(10 * self.tolerance))
 
-    def press(self, field: HeightField, load: float, *, solid: Solid = SOFT) -> Pressed:
-        """Press a surface [m] with a mean pressure [Pa]."""
-        refined = self.solver.score_settings(max(field.shape))
-        settings = {**refined, **self.settings, "tolerance": self.tolerance}
-        slots = Slots(solid=solid)
-        if self.solver.half_space:
-            claim = self.solver.claim(field, mean_pressure=load, slots=slots, settings=settings)
-            result = judged(
-                claim,
-                field,
-                solid=solid,
-                mean_pressure=load,
-                tolerance=self.tolerance,
-                method=self.solver.label,
+    def press(
+        self,
+        field: HeightField,
+        load: float | None,
+        *,
+        slots: Slots | None = None,
+        more: Mapping[str, float] | None = None,
+    ) -> Pressed:
+        """Press a surface [m] with a mean pressure [Pa], once; what was asked before is known.
+
+        Parameters
+        ----------
+        field : HeightField
+        load : float or None
+            None where `more` has an offset.
+        slots : Slots, optional
+            The solid and its effects; that of E* = 1 if not given.
+        more : mapping, optional
+            Of the solver's controls.
+
+        Raises
+        ------
+        NotConverged
+            Where nothing comes of it.
+        NotTried
+            Where the time that is left does not allow it.
+        """
+        slots = slots or Slots(solid=SOFT)
+        told = tuple(sorted((more or {}).items()))
+        where = (field.heights.tobytes(), field.shape, field.lengths)
+        key = (where, load, slots.solid, slots.response, slots.pressure_bound, told)
+        if key not in self._asked:
+            try:
+                self._asked[key] = self._pressed(field, load, slots=slots, told=self._told(more, field.shape))
+            except NotConverged as failure:
+                self._asked[key] = failure
+        found = self._asked[key]
+        if isinstance(found, NotConverged):
+            raise found
+        return found
+
+    def _pressed(
+        self, field: HeightField, load: float | None, *, slots: Slots, told: Mapping[str, Any]
+    ) -> Pressed:
+        seconds, left = (
+            self._predicted(field.shape, field.lengths, told),
+            self.seconds - sum(self.asked_seconds),
+        )
+        if seconds > left:
+            nx, ny = field.shape
+            raise NotTried(
+                f"{nx} x {ny} points would take some {seconds:.2g} s, and of {self.seconds:.3g} s there are "
+                f"{max(left, 0.0):.2g} left (--seconds)"
             )
-            return Pressed(claim=claim, result=result)
-        found = self.solver.solve(
-            field, mean_pressure=load, slots=slots, settings=settings, threads=1
-        ).contact
-        return Pressed(claim=Claim.of(found), result=found)
+        claim = self.solver.claim(field, mean_pressure=load, slots=slots, settings=told)
+        response = self.solver.felt(field, slots=slots, settings=told)
+        result = judged(
+            claim,
+            field,
+            response=response,
+            mean_pressure=load,
+            tolerance=self.tolerance,
+            method=self.solver.label,
+            bound=slots.pressure_bound,
+            element=self.solver.score_element,
+        )
+        return Pressed(claim=claim, result=result, pairs=self._pairs(field.shape, field.lengths, told))
+
+    def _told(self, more: Mapping[str, float] | None, shape: tuple[int, int]) -> dict[str, Any]:
+        refined = self.solver.score_settings(max(shape))
+        return {**refined, **self.settings, "tolerance": self.tolerance, **(more or {})}
+
+    def _pairs(
+        self, shape: tuple[int, int], lengths: tuple[float, float], settings: Mapping[str, Any]
+    ) -> float:
+        return self.solver.cost(shape, lengths, settings=settings, effects=(), dearer=1.0).pairs
+
+    def _predicted(
+        self, shape: tuple[int, int], lengths: tuple[float, float], settings: Mapping[str, Any]
+    ) -> float:
+        """Seconds of a solve by what its largest took so far; 0 before the first."""
+        solved = [found for found in self._asked.values() if isinstance(found, Pressed)]
+        if not solved:
+            return 0.0
+        largest = max(solved, key=lambda found: found.pairs)
+        rate = float(np.nan_to_num(largest.claim.cpu_seconds)) / largest.pairs
+        return rate * self._pairs(shape, lengths, settings)
 
     def warm_up(self) -> None:
-        """Let it import and compile what it needs."""
+        """Let it import and compile what it needs, and see what a solve takes."""
         self.solver.rehearse((), {**self.settings, "tolerance": self.tolerance})
+        with contextlib.suppress(NotConverged, Unanswered):
+            self.press(rough(2 * self.points), 0.05)
 
 
 def rough(points: int, *, bandwidth: int = 4, waves: int = 2, seed: int = 271) -> HeightField:

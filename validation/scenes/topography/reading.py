@@ -29,6 +29,10 @@ _SECONDS, _BYTES_PER_SECOND = 60.0, 2e6
 _MEMORY, _COPIES = 2**31 + 2**30, 4
 #: Cells are called oblong, and lengths at odds with a file, when ratios are off by more than this.
 _RATIO = 0.02
+#: Heights farther from the median than this many times the distance of the quartiles are called spikes.
+_FAR = 100.0
+#: Heights that the quartiles are taken from, at least.
+_SAMPLED = 2**16
 #: A file that was changed less than this before it was read is read again: a later change may have the same
 #: time [s].
 _SETTLED = 1.0
@@ -140,7 +144,23 @@ def _in_metres(found: dict[str, Any]) -> FileSays:
         ratio=ratio,
         unit=unit,
         digest=found["digest"],
-        notes=tuple(found["notes"]),
+        notes=(*found["notes"], *_spikes(found["heights"])),
+    )
+
+
+def _spikes(heights: Array) -> tuple[str, ...]:
+    """Say that some heights belong to no surface; a format without checksums shows no other damage."""
+    known = heights[np.isfinite(heights)]
+    if not known.size:
+        return ()
+    with np.errstate(over="ignore"):
+        low, middle, high = np.percentile(known[:: max(1, known.size // _SAMPLED)], (25, 50, 75))
+        far = int(np.count_nonzero(np.abs(known - middle) > _FAR * (high - low)))
+    if not far or high == low:
+        return ()
+    return (
+        f"{far} of {known.size} heights lie more than {_FAR:.0f} times the height of the middle half away "
+        "from it: spikes, or a damaged file",
     )
 
 

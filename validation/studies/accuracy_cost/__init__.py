@@ -373,7 +373,7 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
         sentences.append(
             f"Peers and ours are solved alike, each in a process of its own, areas by one code: {dataset.attrs['measured_by']}."
         )
-    if dataset.attrs["unsettled"]:
+    if dataset.attrs.get("unsettled"):
         sentences.append(
             f"Answers without the residuals that were asked for, counted all the same: {dataset.attrs['unsettled']}."
         )

@@ -24,7 +24,9 @@ from validation.report.table import ResultTable
 from validation.scenes.scene import Load
 from validation.solves.bench import Bench
 from validation.studies import pressure, stress_near_zero
+from validation.studies.theory_verdict.others import with_theories
 from validation.studies.theory_verdict.words import QUANTITIES, findings, table, verdict
+from validation.theories import find_theory
 from validation.units import Positive
 
 if TYPE_CHECKING:
@@ -47,6 +49,10 @@ class Options(pressure.Options):
         default=(0.05, 0.4),
         description="p* at which it is measured how the area moves with bandwidth and sample, for the budget; none to leave it out",
     )
+    theory: tuple[str, ...] = Field(
+        default=(),
+        description="further theories: bush-gibson-thomas, carbone-bottiglione, greenwood-williamson, or your own, my_module:area",
+    )
     edge: bool = Field(
         default=True,
         description="also score P(sigma) at vanishing pressure, on the cases of `stress-near-zero`",
@@ -64,6 +70,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         ratio (quantity, variant, load): simulated over predicted, told the realised surface; interval: its 95 % half width;
         distance (variant, load): of the distribution of pressure from the predicted one.
     """
+    for name in options.theory:
+        find_theory(name)  # what is unknown is refused before anything is solved
     data = pressure.run(options, bench=bench)
     found = _scores(options, data)
     found["solver_error"] = _solver_share(options, bench)
@@ -71,6 +79,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         small = stress_near_zero.Options(hurst=options.hurst, periods=options.periods, seed=options.seed)
         edge = stress_near_zero.run(small, bench=bench).isel(method=0)
         found = found.merge(_edge_scores(edge), combine_attrs="override")
+    if options.theory:
+        pressed = [case.realised for case in pressure._cases(options)]
+        found = with_theories(found, options.theory, data=data, pressed=pressed)
     return found.assign(_spectral_shares(options, bench)) if options.ladder_reduced_pressures else found
 
 
@@ -233,7 +244,8 @@ def _edge_scores(edge: xr.Dataset) -> xr.Dataset:
             "edge_slope_ratio": ("variant", slope.value / predicted),
             "edge_slope_half": ("variant", slope.half_width / predicted),
             "edge_pressure": load,
-        }
+        },
+        coords={"variant": list(VARIANTS)},
     )
 
 

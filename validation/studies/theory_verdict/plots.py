@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.measures.theory import VARIANTS
 from validation.report.figure import COLOURS, look, new_figure
 from validation.report.words import mathtext
+from validation.studies.theory_verdict.words import labels
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,7 +22,7 @@ def theory_verdict(dataset: xr.Dataset, words: Sequence[str]) -> Figure:
     """Draw simulated over predicted values against the simulated area, one panel for each quantity."""
     figure, panels = new_figure(width=3.2 * len(words), height=4.0, columns=len(words))
     for q, (axes, title) in enumerate(zip(panels, words, strict=True)):
-        for v, variant in enumerate(dataset.variant.values):
+        for v, name in enumerate(labels(dataset)):
             ratio, half = dataset.ratio[q, v], dataset.interval[q, v]
             # A ratio of two vanishing gaps is drawn by nobody's eye: leave out what is not known to a factor of two.
             known = np.isfinite(ratio.values) & (half.values < 0.5)
@@ -31,7 +31,7 @@ def theory_verdict(dataset: xr.Dataset, words: Sequence[str]) -> Figure:
                     dataset.area[known],
                     ratio[known],
                     yerr=half[known],
-                    label=VARIANTS[variant],
+                    label=name,
                     lw=1,
                     **look(v),
                 )

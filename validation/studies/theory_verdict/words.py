@@ -13,7 +13,7 @@ from validation.report.table import ResultTable
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["QUANTITIES", "findings", "range_verdict", "table", "verdict"]
+__all__ = ["QUANTITIES", "findings", "labels", "range_verdict", "table", "verdict"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
@@ -81,7 +81,8 @@ def table(dataset: xr.Dataset) -> ResultTable:
             rows.append((words, area, *cells))
     for area, loads in ranges:
         distances = dataset.distance.values[:, loads].max(axis=1)
-        rows.append(("P(sigma) A0/A", area, *(f"differs by up to {d:.3f}" for d in distances)))
+        words = (f"differs by up to {d:.3f}" if np.isfinite(d) else "says nothing" for d in distances)
+        rows.append(("P(sigma) A0/A", area, *words))
     if "edge_value" in dataset:
         rows += _edge_rows(dataset)
     for name, words in _CLAIMS.items():
@@ -89,8 +90,15 @@ def table(dataset: xr.Dataset) -> ResultTable:
             # The claim is about light contact.
             if dataset.area.values[loads].min() > _LIGHT:
                 continue
-            rows.append((words, area, _claim(dataset, name, loads), *["says nothing"] * (len(VARIANTS) - 1)))
-    return ResultTable.of(("quantity", "A/A0", *VARIANTS.values()), rows)
+            nothing = ["says nothing"] * (dataset.sizes["variant"] - 1)
+            rows.append((words, area, _claim(dataset, name, loads), *nothing))
+    return ResultTable.of(("quantity", "A/A0", *labels(dataset)), rows)
+
+
+def labels(dataset: xr.Dataset) -> list[str]:
+    """How the theory, its variants and the further theories of a dataset are called."""
+    known: dict[str, str] = {**VARIANTS}
+    return [known.get(name, name) for name in dataset.variant.values.tolist()]
 
 
 _CLAIMS = {
@@ -125,7 +133,8 @@ def _edge_rows(dataset: xr.Dataset) -> list[tuple[float | str, ...]]:
         verdict(float(ratio), float(interval))
         for ratio, interval in zip(dataset.edge_slope_ratio, dataset.edge_slope_half, strict=True)
     ]
-    return [("P(0+) E*h' = 0", where, *[zero] * len(VARIANTS)), ("slope of P(sigma) at 0", where, *slopes)]
+    says = [zero if name in VARIANTS else "says nothing" for name in dataset.variant.values]
+    return [("P(0+) E*h' = 0", where, *says), ("slope of P(sigma) at 0", where, *slopes)]
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -133,9 +142,12 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
     sentences = []
     area = dataset.ratio.sel(quantity="area")
     half = dataset.interval.sel(quantity="area")
-    for i, name in enumerate(VARIANTS.values()):
+    for i, name in enumerate(labels(dataset)):
         ratio = area[i].values
         told = np.abs(ratio - 1) > half[i].values
+        if not np.isfinite(ratio).all():
+            sentences.append(_partial(dataset, name, ratio, half[i].values))
+            continue
         worst = int(np.argmax(np.where(told, np.abs(ratio - 1), 0.0)))
         sentences.append(
             f"{name}: simulated over predicted area is {ratio[0]:.3f} at the lightest load (p* = {dataset.reduced_pressure.values[0]:g}) and "
@@ -158,12 +170,26 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
     return tuple(sentences)
 
 
+def _partial(dataset: xr.Dataset, name: str, ratio: Array, half: Array) -> str:
+    """Say of a theory that does not reach all loads how far it is off where it says something."""
+    said = np.flatnonzero(np.isfinite(ratio))
+    if not said.size:
+        return f"{name}: says nothing of the area at these loads."
+    first, last = said[0], said[-1]
+    loads = dataset.reduced_pressure.values
+    return (
+        f"{name}: simulated over predicted area is {ratio[first]:.3f} +- {half[first]:.2g} at p* = {loads[first]:g} and "
+        f"{ratio[last]:.3f} +- {half[last]:.2g} at p* = {loads[last]:g}; it says nothing of {loads.size - said.size} of "
+        f"{loads.size} loads."
+    )
+
+
 def _closest(dataset: xr.Dataset, quantity: str, words: str) -> str:
     """Say which variant is closest on average over the loads below full contact, and how far the original is."""
     open_contact = dataset.area.values < _RANGES[-1][0]
     off = np.abs(dataset.ratio.sel(quantity=quantity).values[:, open_contact] - 1).mean(axis=1)
     best = int(np.nanargmin(off))
-    name = list(VARIANTS.values())[best]
+    name = labels(dataset)[best]
     return (
         f"{words[0].upper()}{words[1:]}, mean distance over these loads below full contact: '{name}' is closest, {100 * off[best]:.2g} % off; "
         f"the original theory is {100 * off[0]:.2g} % off."

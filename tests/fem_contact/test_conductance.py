@@ -1,0 +1,123 @@
+"""Stiffness and conductance of a contact whose set stays."""
+
+import numpy as np
+import pytest
+
+from fem_contact import HalfSpace, HeightField, Solid, bem
+from fem_contact.conductance import contact_conductance, frozen_contact
+from fem_contact.errors import InvalidInput, NotConverged
+from fem_contact.response import BondedLayer
+from fem_contact.surface import random_surface
+
+SOLID = Solid(young=1.0, poisson=0.2)
+HALF_SPACE = HalfSpace(solid=SOLID)
+#: Of the square lattice of period 1: the sum of 1/R without its neutralising background, and of 1/R^3.
+MADELUNG, CUBES = 3.900264920001956, 9.033621683100950
+
+
+def rough(n, seed=7):
+    q = 2 * np.pi
+    return random_surface(
+        lambda k: np.where((k >= 2 * q) & (k <= 8 * q), 1e-6 * k**-3.6, 0.0),
+        q_short=8 * q,
+        lengths=(1.0, 1.0),
+        shape=(n, n),
+        seed=seed,
+    )
+
+
+def spot(n, radius, modulus):
+    """Stiffness of a circular spot of contact on `n` points along a side, over that of the continuum."""
+    x = (np.arange(n) + 0.37) / n - 0.5
+    r = np.hypot(x[:, None], x[None, :] - 0.24 / n)
+    punch = HeightField(heights=np.where(r < radius, 0.0, -1.0), lengths=(1.0, 1.0))
+    result = bem.solve(punch, HALF_SPACE, mean_pressure=1e-3)
+    found = frozen_contact(result, HALF_SPACE)
+    width = np.sqrt(result.in_contact.mean() / np.pi)
+    # The other spots and the background lift this one: their field near it is -M + r^2/4 sum 1/R^3, and the
+    # mean of |r - r'|^2 over two points of a flat punch is 4 a^2 / 3.
+    lifted = -MADELUNG + CUBES / 3 * width**2
+    return found.stiffness * (1 / (2 * width * modulus) + lifted / (np.pi * modulus))
+
+
+def test_a_circular_spot_has_the_stiffness_of_a_flat_punch_in_a_lattice():
+    coarse, fine = (spot(n, 0.1, SOLID.contact_modulus) for n in (96, 192))
+    # The edge of the set is off by a part of the spacing: first order.
+    assert abs(2 * fine - coarse - 1) < 0.005
+    assert abs(fine - 1) < 0.7 * abs(coarse - 1)
+
+
+def test_the_frozen_stiffness_is_the_slope_of_the_load_over_the_approach():
+    surface = rough(64)
+    load = 0.05 * SOLID.contact_modulus * surface.rms_gradient
+    states = [
+        bem.solve(surface, HALF_SPACE, mean_pressure=load * (1 + step), tolerance=1e-12)
+        for step in (-1e-6, 0.0, 1e-6)
+    ]
+    assert all(np.array_equal(state.in_contact, states[1].in_contact) for state in states)
+    secant = (states[2].mean_pressure - states[0].mean_pressure) / (states[0].offset - states[2].offset)
+    assert frozen_contact(states[1], HALF_SPACE).stiffness == pytest.approx(secant, rel=1e-6)
+
+
+def test_a_layer_in_full_contact_is_as_stiff_as_its_compression():
+    layer = BondedLayer(solid=SOLID, thickness=0.3)
+    flat = HeightField(heights=np.zeros((8, 6)), lengths=(1.0, 1.0))
+    found = frozen_contact(bem.solve(flat, layer, mean_pressure=1e-3), layer)
+    one = layer.compliance(np.zeros(1), np.zeros(1))[0]
+    assert found.stiffness == pytest.approx(1 / one, rel=1e-12)
+    assert found.pressure == pytest.approx(np.full((8, 6), 1 / one), rel=1e-9)
+
+
+def test_the_displacement_of_the_contact_set_is_the_approach_and_no_pressure_lies_outside():
+    surface = rough(48)
+    result = bem.solve(surface, HALF_SPACE, mean_pressure=0.1 * surface.rms_gradient)
+    found = frozen_contact(result, HALF_SPACE, tolerance=1e-8)
+    spectrum = np.fft.rfft2(found.pressure)
+    q = (
+        np.hypot(*np.meshgrid(np.fft.fftfreq(48, 1 / 48), np.fft.rfftfreq(48, 1 / 48), indexing="ij"))
+        * 2
+        * np.pi
+    )
+    with np.errstate(divide="ignore"):
+        compliance = np.where(q > 0, 2 / (SOLID.contact_modulus * q), 0.0)
+    moved = np.fft.irfft2(spectrum * compliance, s=(48, 48))
+    assert np.max(np.abs(moved[result.in_contact] - 1)) < 2e-8
+    assert not found.pressure[~result.in_contact].any()
+
+
+def test_yielded_points_carry_nothing_more():
+    surface = rough(48)
+    load = 0.1 * surface.rms_gradient
+    hard = bem.solve(surface, HALF_SPACE, mean_pressure=load, pressure_bound=4 * load)
+    assert hard.at_bound.any()
+    found = frozen_contact(hard, HALF_SPACE)
+    assert not found.pressure[hard.at_bound].any()
+    assert found.pressure.mean() == pytest.approx(found.stiffness)
+
+
+def test_conductance_does_not_depend_on_the_elastic_solid():
+    values = []
+    for young in (1.0, 3e9):
+        solid = HalfSpace(solid=Solid(young=young, poisson=0.2))
+        surface = rough(48)
+        load = 0.1 * solid.contact_modulus * surface.rms_gradient
+        found = frozen_contact(bem.solve(surface, solid, mean_pressure=load), solid)
+        values.append(
+            contact_conductance(
+                found.stiffness, contact_modulus=solid.contact_modulus, resistivities=(1.7e-8, 9e-8)
+            )
+        )
+    assert values[0] == pytest.approx(values[1], rel=1e-7)
+
+
+def test_full_contact_of_a_half_space_is_refused():
+    flat = HeightField(heights=np.zeros((8, 8)), lengths=(1.0, 1.0))
+    with pytest.raises(InvalidInput, match="full contact"):
+        frozen_contact(bem.solve(flat, HALF_SPACE, mean_pressure=1.0), HALF_SPACE)
+
+
+def test_too_few_steps_are_said():
+    surface = rough(48)
+    result = bem.solve(surface, HALF_SPACE, mean_pressure=0.1 * surface.rms_gradient)
+    with pytest.raises(NotConverged, match="2 steps"):
+        frozen_contact(result, HALF_SPACE, max_steps=2)

@@ -1,0 +1,134 @@
+"""Energy, stiffness and gaps of an elastic contact: limits, derivatives, integrals."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.special import erf
+
+from persson.elastic import contact_area
+from persson.errors import InvalidInput
+from persson.gaps import gap_distribution
+from persson.scale import Scale
+from persson.separation import (
+    contact_stiffness,
+    elastic_energy,
+    macroasperity_pressure,
+    mean_separation,
+)
+from persson.spectrum import SelfAffine
+
+ROUGH = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=2e5, q_short=2e7)
+SCALE = Scale(ROUGH, contact_modulus=3e9)
+UNIT = 3e8  # E* h'_rms
+TOP = float(SCALE.variance(ROUGH.q_short))
+
+
+def full_energy():
+    """E*/4 int d^2q q C, by a quadrature in ln q."""
+    value, _ = quad(
+        lambda x: math.exp(3 * x) * float(ROUGH(math.exp(x))), math.log(2e5), math.log(2e7), epsrel=1e-10
+    )
+    return 3e9 / 4 * 2 * math.pi * value
+
+
+@pytest.mark.parametrize("options", [{}, {"energy": "improved"}, {"energy_ratio": 0.45}])
+def test_every_reading_stores_the_energy_of_full_contact_there(options):
+    assert elastic_energy(20 * UNIT, scale=SCALE, **options) == pytest.approx(full_energy(), rel=1e-6)
+
+
+def test_energy_is_equation_43():
+    """By a quadrature over C(q) that knows no V: 2 pi q^2 C P E*/4."""
+    load = 0.1 * UNIT
+
+    def added(x):
+        q = math.exp(x)
+        return math.exp(3 * x) * float(ROUGH(q)) * erf(load / math.sqrt(2 * float(SCALE.variance(q))))
+
+    value, _ = quad(added, math.log(2e5 * (1 + 1e-12)), math.log(2e7), epsrel=1e-9)
+    assert elastic_energy(load, scale=SCALE) == pytest.approx(3e9 / 4 * 2 * math.pi * value, rel=1e-5)
+
+
+def test_improved_energy_is_twice_the_old_one_at_light_load():
+    """P~ -> 2 P without adhesion (docs/errata.md); less by 1.8 sigma_0 / sqrt(2 V), for long waves most."""
+    light = 1e-6 * UNIT
+    improved = elastic_energy(light, scale=SCALE, energy="improved")
+    assert improved == pytest.approx(2 * elastic_energy(light, scale=SCALE), rel=2e-4)
+
+
+def test_improved_energy_is_equation_48():
+    """P~ = [sigma_0^2 (P - 1) + int P dV] / V with the integral by quadrature, at three loads."""
+    variance = TOP
+    for reduced in (0.02, 0.3, 1.0):
+        load = reduced * UNIT
+        integral, _ = quad(lambda v, p=load: erf(p / math.sqrt(2 * v)), 0, variance, epsrel=1e-11)
+        area = float(contact_area(load, stress_variance=variance))
+        share = (load**2 * (area - 1) + integral) / variance
+        x = load / math.sqrt(2 * variance)
+        closed = area + 2 / math.sqrt(math.pi) * x * math.exp(-x * x) - 4 * x * x * math.erfc(x)
+        assert closed == pytest.approx(share, rel=1e-9)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 0.45])
+def test_stiffness_is_minus_the_slope_of_the_mean_separation(ratio):
+    """By central differences of relative step 1e-3, whose error is of order 1e-6."""
+    for load in UNIT * np.array([1e-3, 0.1, 0.5]):
+        near = load * np.array([1 - 1e-3, 1 + 1e-3])
+        slope = np.diff(near)[0] / np.diff(mean_separation(near, scale=SCALE, energy_ratio=ratio))[0]
+        found = contact_stiffness(load, scale=SCALE, energy_ratio=ratio)
+        assert found == pytest.approx(-slope, rel=1e-5)
+
+
+def test_stiffness_is_proportional_to_light_load():
+    light = UNIT * np.array([1e-7, 1e-6])
+    stiffness = contact_stiffness(light, scale=SCALE, energy_ratio=0.45)
+    assert stiffness[1] / stiffness[0] == pytest.approx(10, rel=1e-4)
+
+
+@pytest.mark.parametrize("reduced", [0.01, 0.1, 0.5])
+def test_gap_distribution_holds_the_area_out_of_contact(reduced):
+    """It has an integrable peak at u = 0: u = x^2 takes it away. The rest is the trapezoidal rule's."""
+    load = reduced * UNIT
+    h = ROUGH.moments().rms_height
+    x = np.linspace(0, math.sqrt(12 * h), 4001)
+    density = gap_distribution(x * x, pressure=load, scale=SCALE, energy_ratio=0.45)
+    out = 1 - float(contact_area(load, stress_variance=TOP))
+    assert np.trapezoid(density * 2 * x, x) == pytest.approx(out, rel=2e-4)
+    mean = np.trapezoid(density * 2 * x**3, x)
+    assert mean > mean_separation(load, scale=SCALE, energy_ratio=0.45)
+
+
+def test_mean_of_the_gap_distribution_is_the_mean_separation_at_light_load():
+    """What the folding adds falls with the load: 2 % at p* = .01, less below."""
+    excess = []
+    for reduced in (1e-2, 1e-4):
+        load = reduced * UNIT
+        u = np.linspace(0, 20 * ROUGH.moments().rms_height, 4001)
+        density = gap_distribution(u, pressure=load, scale=SCALE)
+        mean = np.trapezoid(density * u, u)
+        excess.append(mean / float(mean_separation(load, scale=SCALE)) - 1)
+    assert 0 < excess[0] < 0.06
+    assert abs(excess[1]) < 2e-3
+
+
+def test_there_is_no_gap_below_zero_nor_at_full_contact():
+    assert gap_distribution(-1e-9, pressure=0.1 * UNIT, scale=SCALE) == 0
+    assert np.all(gap_distribution([0.0, 1e-9], pressure=30 * UNIT, scale=SCALE) == 0)
+
+
+def test_macroasperities_carry_a_pressure_that_hardly_depends_on_light_load():
+    """Persson 2006, Sec. 3.7: 346 MPa at 1 MPa, 348 at 10; 462 at 100, which is not light any more."""
+    steel = SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e10, rolloff="smooth", q_min=1e3)
+    found = [
+        macroasperity_pressure(steel, pressure=p, contact_modulus=1e11 / 0.91, q_reference=1e5)
+        for p in (1e6, 10e6, 100e6)
+    ]
+    assert np.round(np.array(found) / 1e6) == pytest.approx([346, 348, 462], abs=1.1)
+
+
+def test_a_correction_that_the_reading_does_not_know_is_refused():
+    with pytest.raises(InvalidInput, match="energy_ratio"):
+        elastic_energy(1.0, scale=SCALE, energy="improved", energy_ratio=0.5)
+    with pytest.raises(InvalidInput, match="pressure = 0"):
+        contact_stiffness(0.0, scale=SCALE)

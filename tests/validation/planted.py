@@ -1,0 +1,129 @@
+"""Benches that return planted results: what a study makes of numbers whose answer is known."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import SimpleNamespace
+
+import numpy as np
+import xarray as xr
+
+from validation.measures.distributions import PATCH_EDGES, STRESS_EDGES
+
+#: Student's factor of 95 % intervals, by number of samples (printed tables).
+STUDENT = {2: 12.7062047364, 3: 4.30265272991, 4: 3.18244630528}
+#: Edges over cells, times points along a side, of every planted contact.
+EDGES = 2.0
+
+
+class PlantedBench:
+    """A bench that solves nothing: `answer(solve)` is the result of each solve."""
+
+    plan_only = False
+
+    def __init__(self, answer: Callable) -> None:
+        self.answer = answer
+
+    def solve(self, solves):
+        return {solve: self.answer(solve) for solve in solves}
+
+
+def measurement(solve, area: Callable[[float], float], **planted: Callable) -> xr.Dataset:
+    """What `Measurement.measure` leaves of a contact of known area; others by name, of p* and the grid.
+
+    Counting adds .1 per edge and cell, the corrected and the located area are right: every limit is `area`.
+    """
+    points = np.array([n for n, _ in solve.grids])
+    loads = solve.loads
+    shape = (points.size, solve.shifts**2, len(loads))
+    dims = ("grid", "shift", "load")
+
+    def over(value: Callable) -> np.ndarray:
+        rows = [[value(p, n) for p in loads] for n in points]
+        return np.broadcast_to(np.array(rows, dtype=float)[:, None, :], shape).copy()
+
+    quantities = {
+        "pixel": lambda p, n: area(p) + 0.1 * EDGES / n,
+        "perimeter": lambda p, n: area(p),
+        "subcell": lambda p, n: area(p),
+        "edge_fraction": lambda p, n: EDGES / n,
+        "density_at_zero": lambda p, n: 1 / n,
+        "patches": lambda p, n: 7.0,
+        "patch_size": lambda p, n: 1e-9,
+        "cells_per_patch": lambda p, n: 0.01 * n**2,
+        "mean_gap": lambda p, n: 1e-6,
+        "energy": lambda p, n: 1.0,
+        "residual": lambda p, n: 1e-9,
+        "seconds": lambda p, n: 1e-6 * n**2,
+        "peak_bytes": lambda p, n: 120.0 * n**2,
+    } | planted
+    data = {name: (dims, over(value)) for name, value in quantities.items()}
+    # Of what is counted, .4 at a large pressure and .6 at a small one, all in patches of one size.
+    stress = np.zeros((points.size, len(loads), STRESS_EDGES.size - 1))
+    stress[:, :, 100] = 0.4 * data["pixel"][1][:, 0]
+    stress[:, :, 10] = 0.6 * data["pixel"][1][:, 0]
+    sizes = np.zeros((points.size, len(loads), PATCH_EDGES.size - 1))
+    sizes[:, :, 80] = data["pixel"][1][:, 0]
+    for name, values in (
+        ("stress", stress),
+        ("load", stress / stress.sum(axis=2, keepdims=True)),
+        ("patch_area", sizes),
+        ("patch_number", sizes),
+    ):
+        data[f"{name}_profile"] = (("grid", "load", f"{name}_bin"), values)
+    waves = solve.realised.lengths[0] / solve.realised.shortest
+    return xr.Dataset(
+        data,
+        coords={
+            "points": ("grid", points),
+            "points_per_wave": ("grid", points / waves),
+            "reduced_pressure": ("load", list(loads)),
+        },
+        attrs={
+            "rms_height": 2e-6,
+            "rms_gradient": 0.1,
+            "nayak": 2.0,
+            "contact_modulus": 1.0,
+            "full_contact_energy": 4.0,
+        },
+    )
+
+
+def realisation(solve) -> int:
+    """Number of the surface of a solve; +h and -h of a pair follow each other."""
+    own = solve.realised
+    return 2 * own.realisation + own.inverted
+
+
+def block(**numbers: float) -> xr.Dataset:
+    """What `BlockMeasurement.measure` leaves."""
+    usual = {
+        "pixel": 0.1,
+        "perimeter": 0.1,
+        "pixel_bem": 0.1,
+        "perimeter_bem": 0.1,
+        "pixel_layer": 0.1,
+        "pressure_half_space": 0.1,
+        "pressure_layer": 0.1,
+        "pressure_inside": 0.1,
+        "gap": 0.0,
+        "residual": 1e-9,
+        "seconds": 1.0,
+        "peak_bytes": 1e6,
+        "seconds_bem": 0.1,
+        "unknowns": 1e4,
+    } | numbers
+    return xr.Dataset({name: ((), float(value)) for name, value in usual.items()})
+
+
+def contact(**fields: object) -> SimpleNamespace:
+    """A converged result that has what is given."""
+    result = SimpleNamespace(**fields)
+    result.checked = lambda: result
+    return result
+
+
+def column(table, title: str) -> list:
+    """The cells of a column of a table."""
+    k = table.columns.index(title)
+    return [row[k] for row in table.rows]

@@ -1,0 +1,268 @@
+"""The study `autopsy`: its instrument is exact where all is known, its books close, its sentences follow."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+from pydantic import ValidationError
+from scipy.special import ndtr
+
+from persson import elastic
+from persson.diffusion import solve_diffusion
+from validation.measures.common import base_case, base_surface
+from validation.solves.bench import Bench
+from validation.studies import autopsy
+from validation.studies.autopsy import reading
+from validation.studies.autopsy.books import Pressed, flows, mean_of, profile
+from validation.studies.autopsy.chain import Chain, diffused_area
+from validation.studies.autopsy.memory import Memory, composed_inflow
+from validation.studies.autopsy.probe import Probe
+from validation.studies.autopsy.rings import ring_ends
+
+SMALL = {"periods": 2, "bandwidth": 4.0, "surfaces": 2, "probe_surfaces": 2, "probes": (2.0,)}
+
+
+def chain(*, load: float, **changes: object) -> Chain:
+    surface = base_surface(hurst=0.8, periods=2.0, bandwidth=4.0, seed=71)
+    settings = {
+        "realised": base_case(surface, reduced_pressure=load),
+        "points": 48,
+        "ends": (1.0, 2**0.5, 2.0, 2**1.5, 4.0),
+        "restarts": (1.0, 2.0),
+    }
+    return Chain(**{**settings, **changes})
+
+
+@pytest.fixture(scope="module")
+def full():
+    """A chain whose contact stays full: what the theory says of it is exact."""
+    return chain(load=1.8).measure()
+
+
+def test_at_full_contact_every_term_is_that_of_the_theory_to_rounding(full):
+    growth = np.diff(full.variance.values) / full.variance.values[:-1]
+    # D = 1: the mean of delta^2 is Delta V, for the points all together.
+    np.testing.assert_allclose(full.spread, growth, rtol=1e-12)
+    # No drift, for points of any pressure: that of a ring is minus that of its negative.
+    assert np.count_nonzero(full.touching.values[-1]) > 10
+    rounding = 1e-12 * float(full.nominal)
+    np.testing.assert_allclose(full.drifted, 0, atol=rounding)
+    np.testing.assert_allclose(full.crossed, 0, atol=rounding)
+    # Nothing crosses p = 0: the fluxes of Eqs. 24 to 26 vanish, and with them what they carry.
+    for name in ("lost", "entered", "entered_load", "entered_square", "moved"):
+        np.testing.assert_allclose(full[name], 0, atol=rounding)
+    np.testing.assert_allclose(full.square_change, growth, rtol=1e-9)
+    np.testing.assert_array_equal(full.subcell, 1.0)
+
+
+def test_at_full_contact_restarted_diffusion_keeps_all_area_and_nothing_is_remembered(full):
+    # Eight deviations from zero: the normal distribution of the theory has nothing there, either.
+    heavy = chain(load=4.0, ends=(1.0, 2.0, 4.0), points=32).measure()
+    known = heavy.diffused.values[np.isfinite(heavy.diffused.values)]
+    assert known.size == 5
+    np.testing.assert_allclose(known, 1.0, rtol=1e-12)
+    assert float(full.out_points.sum()) == 0
+    assert float(full.crossed_once) == 0
+
+
+@pytest.fixture(scope="module")
+def partial():
+    return chain(load=0.1).measure()
+
+
+def test_no_point_is_missing_from_the_books_of_area_load_and_square(partial):
+    both = partial.pixel.mean("sign").values[1:] - partial.pixel.values[0, :-1]
+    np.testing.assert_allclose(partial.entered - partial.lost, both, atol=1e-14)
+    np.testing.assert_allclose(partial.moved, -partial.entered_load, rtol=1e-9)
+    told = partial.spread + 2 * partial.crossed + partial.entered_square
+    np.testing.assert_allclose(told, partial.square_change, rtol=1e-9)
+    for name, total in (
+        ("touching", partial.pixel[0, :-1]),
+        ("leaving", partial.lost),
+        ("drifted", partial.moved),
+    ):
+        np.testing.assert_allclose(partial[name].sum("bin"), total, atol=1e-12)
+
+
+def test_the_chain_ends_at_the_whole_surface(partial):
+    own = chain(load=0.1)
+    whole = own.realised.heights((48, 48)).heights
+    np.testing.assert_allclose(own.heights(0.0, 4.0), whole, atol=1e-12 * np.abs(whole).max())
+    rings = sum(own.heights(*ends) for ends in zip((0.0, *own.ends), own.ends, strict=False))
+    np.testing.assert_allclose(rings, whole, atol=1e-12 * np.abs(whole).max())
+    # p* = p0/(E* h'_rms) and E* h'_rms = 2 sqrt(V).
+    assert float(partial.nominal) == pytest.approx(0.2, rel=1e-9)
+
+
+def test_flows_of_a_free_walk_are_those_of_the_normal_distribution():
+    rng = np.random.default_rng(77)
+    stress, step = rng.normal(0.5, 1.0, 400_000), 0.1 * rng.normal(0.0, 1.0, 400_000)
+
+    def state(values: np.ndarray) -> Pressed:
+        return Pressed(pressure=np.maximum(values, 0), in_contact=values > 0)
+
+    found = mean_of([flows(state(stress), state(stress + sign * step), unit=1.0) for sign in (1, -1)])
+    p = (np.arange(20_000) + 0.5) * 3e-4
+    density = np.exp(-0.5 * (p - 0.5) ** 2) / np.sqrt(2 * np.pi)
+    lost = 3e-4 * np.sum(density * ndtr(-p / 0.1))
+    net = ndtr(0.5 / np.sqrt(1.01)) - ndtr(0.5)
+    # Both signs of a step are one sample of the counts.
+    error = np.sqrt(lost / stress.size)
+    assert found["lost"] == pytest.approx(lost, abs=4 * error)
+    assert found["entered"] - found["lost"] == pytest.approx(net, abs=4 * np.sqrt(2) * error)
+
+
+def test_drift_and_diffusivity_are_found_where_they_were_put():
+    rng = np.random.default_rng(78)
+    p = rng.uniform(2.0, 5.0, 100_000)
+    before = Pressed(pressure=p, in_contact=np.ones(p.size, dtype=bool))
+    step = 0.02 * rng.normal(0.0, 1.0, p.size)
+    after = [
+        Pressed(pressure=p - 0.001 * p + sign * step, in_contact=before.in_contact) for sign in (1.0, -1.0)
+    ]
+    bins = mean_of([profile(before, state, unit=1.0) for state in after])
+    held = bins["touching"] > 0
+    np.testing.assert_allclose(bins["drifted"][held], -0.001 * bins["pressure"][held], rtol=1e-9)
+    square = np.mean(step**2) + np.mean((0.001 * p) ** 2)
+    assert bins["diffused_square"].sum() == pytest.approx(square, rel=1e-9)
+
+
+def test_diffusion_started_from_a_distribution_is_that_of_each_of_its_pressures():
+    pressure = np.array([0.0, 0.3, 1.0, 2.5])
+    state = Pressed(pressure=pressure, in_contact=pressure > 0)
+    by_equation = sum(
+        float(solve_diffusion([0.49], pressure=p).checked().area_elastic[0]) for p in pressure[1:]
+    )
+    assert diffused_area(state, np.array([0.49]))[0] == pytest.approx(by_equation / 4, rel=1e-6)
+
+
+def test_persson_s_own_distribution_goes_on_as_if_nothing_had_happened():
+    """Restarted from the theory's own P(p), diffusion ends at the theory's area."""
+    p = (np.arange(200_000) + 0.5) * 5e-5
+    density = (np.exp(-0.5 * (p - 0.4) ** 2) - np.exp(-0.5 * (p + 0.4) ** 2)) / np.sqrt(2 * np.pi)
+    share = density * 5e-5
+    drawn = np.repeat(p, np.round(share * 1e7).astype(int))
+    state = Pressed(pressure=drawn, in_contact=np.ones(drawn.size, dtype=bool))
+    area = diffused_area(state, np.array([1.0]))[0] * share.sum()
+    assert area == pytest.approx(float(elastic.contact_area(0.4, stress_variance=2.0)), rel=1e-3)
+
+
+def states(*rows: str) -> list[Pressed]:
+    """States of five points, x in contact."""
+    contact = [np.array([letter == "x" for letter in row]) for row in rows]
+    return [Pressed(pressure=flags.astype(float), in_contact=flags) for flags in contact]
+
+
+def test_memory_counts_returns_by_the_rings_since_leaving():
+    first, *later = states("xxx..", "x.x..", "x...x", "xxx..")
+    memory = Memory(first, steps=3)
+    for state in later:
+        memory.add(state, unit=1.0)
+    # Out when a ring began: never in contact 2 + 2 + 1; left one ring ago 1 + 1; two rings ago 1.
+    assert memory.out.tolist() == [5, 2, 1, 0]
+    assert memory.returned.tolist() == [1, 1, 1, 0]
+    assert memory.crossed == pytest.approx(2 / 3)
+    assert memory.out_at.tolist() == pytest.approx([0, 1 / 3, 2 / 3, 0])
+    assert memory.two_step == pytest.approx([1 / 5, 1 / 5])
+
+
+def test_without_memory_two_rings_compose():
+    rng = np.random.default_rng(79)
+    contact = [rng.random(200_000) < 0.5]
+    for _ in range(2):
+        draw = rng.random(contact[0].size)
+        contact.append(np.where(contact[-1], draw < 0.8, draw < 0.1))
+    first, before, after = (Pressed(pressure=c.astype(float), in_contact=c) for c in contact)
+    true = float(np.mean(~first.in_contact & after.in_contact))
+    assert composed_inflow(~first.in_contact, before, after, unit=1.0) == pytest.approx(true, rel=0.03)
+
+
+def test_a_ring_is_as_high_as_its_step_asks_for_and_the_load_is_of_the_waves_there():
+    surface = base_surface(hurst=0.3, periods=2.0, bandwidth=4.0, seed=71)
+    probe = Probe(
+        realised=base_case(surface, reduced_pressure=4.0), points=40, magnification=2.0, steps=(0.01, 0.16)
+    )
+    data = probe.measure()
+    assert float(data.nominal) == pytest.approx(8.0, rel=1e-12)
+    np.testing.assert_allclose(data.spread, (0.01, 0.16), rtol=1e-12)
+
+
+def test_rings_without_a_wave_are_left_out():
+    assert ring_ends(periods=2, bandwidth=4.0, steps_per_octave=2).size == 5
+    few = ring_ends(periods=1, bandwidth=2.0, steps_per_octave=8)
+    assert few.tolist() == pytest.approx([1.0, 2**0.5, 2.0])
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    options = autopsy.Options(
+        hursts=(0.8,),
+        reduced_pressures=(0.1, 4.0),
+        points_per_wave=(4.0, 6.0),
+        probe_points_per_wave=(6.0, 9.0),
+        slope_points_per_wave=(4.0, 6.0, 8.0),
+        variance_steps=(0.01, 0.16),
+        **SMALL,
+    )
+    return autopsy.run(options, bench=Bench.at(tmp_path_factory.mktemp("solves")))
+
+
+def test_at_full_contact_the_books_of_every_octave_are_those_of_the_theory(data):
+    full = data.isel(load=1)
+    book = reading.square_book(full)
+    for name, value in {"change": 1, "diffusion": 1, "drift": 0, "re_entry": 0, "told": 1, "path": 1}.items():
+        np.testing.assert_allclose(book[name], value, atol=1e-10, err_msg=name)
+    for name in ("located", "counted", "persson"):
+        np.testing.assert_allclose(reading.area_book(full)[name], 0, atol=1e-12)
+    np.testing.assert_allclose(reading.restarts(full).isel(restart=0), 1, rtol=1e-12)
+
+
+def test_the_terms_of_partial_contact_add_up_to_the_change(data):
+    book = reading.square_book(data.isel(load=0))
+    np.testing.assert_allclose(book.diffusion + book.drift + book.re_entry, book.change, rtol=1e-9)
+    # Contact is lost and found again at p* = .1, and the load that is found is missing elsewhere.
+    assert np.all(book.drift < 0)
+    assert np.all(book.re_entry > 0)
+
+
+def test_the_sentences_follow_from_the_numbers(data):
+    said = " ".join(autopsy.findings(data))
+    assert "The book of the mean square pressure closes within 2 % in every octave" in said
+    missing = data.assign(diffused_square=data.diffused_square * 0.9)
+    assert "The book of the mean square pressure does not close" in " ".join(autopsy.findings(missing))
+    forgetful = data.assign(composed=data.two_step)
+    assert "not told from a Markov process" in " ".join(autopsy.findings(forgetful))
+
+
+def test_table_and_figures_come_from_the_dataset_alone(data):
+    table = autopsy.table(data)
+    assert len(table.rows) == 1 * 2 * 2
+    assert table.columns[:3] == ("H", "p*", "zeta")
+    names = {drawing.name for drawing in autopsy.figures(data)}
+    assert names == {"budget", "restarts", "drift-and-diffusivity", "fluxes", "memory"}
+
+
+def test_a_limit_of_counted_numbers_is_that_of_the_straight_line_through_the_two_finest_grids():
+    spacing = xr.DataArray([0.25, 0.125, 0.0625], dims="grid")
+    counted = 3.0 + 2.0 * spacing + xr.DataArray([5.0, 0.0, 0.0], dims="grid")
+    assert float(reading.limit(counted, spacing)) == pytest.approx(3.0, rel=1e-12)
+
+
+def test_an_exponent_is_found_between_neighbours_and_over_all_steps():
+    steps = np.array([0.01, 0.04, 0.16])
+    found = reading.exponents(xr.DataArray(7.0 * steps**0.5, dims="variance_step"), steps)
+    np.testing.assert_allclose(found, 0.5, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"probes": (1.0, 4.0)}, "must be at least 2"),
+        ({"steps_per_octave": 3}, "multiple of 2"),
+        ({"points_per_wave": (8.0,)}, "at least 2 items"),
+    ],
+)
+def test_options_that_give_no_answer_are_refused(options, words):
+    with pytest.raises(ValidationError, match=words):
+        autopsy.Options(**options)

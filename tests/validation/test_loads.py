@@ -1,0 +1,211 @@
+"""What presses in a scene: a force, a distance that is held, a second elastic body."""
+
+import itertools
+
+import pytest
+
+from fem_contact import bem, block
+from fem_contact.response import HalfSpace
+from fem_contact.solid import Solid
+from persson.elastic import contact_area, stress_variance
+from validation.audit import audit
+from validation.comparison.run import run_scene
+from validation.comparison.sweep import run_sweep
+from validation.errors import SceneError, UsageError
+from validation.scenes.checks import check_scene
+from validation.scenes.realised import realise
+from validation.scenes.scene import load_scene
+from validation.scenes.sweep import load_asked
+from validation.solves.press import solves_of
+
+SCENE = """
+[surface]
+kind = "self-affine"
+length = ["10 um", "5 um"]
+hurst = 0.7
+lambda_long = "5 um"
+lambda_short = "2.5 um"
+rms_gradient = 0.05
+seed = 77
+[solid]
+young = "2 MPa"
+poisson = 0.3
+[load]
+pressure = "10 kPa"
+[methods.bem]
+grids = [[24, 12], [32, 16], [48, 24]]
+"""
+SOLID = Solid(young=2e6, poisson=0.3)
+YIELDS = '\n[[effects]]\nkind = "hardness"\nhardness = "60 kPa"\n'
+STICKS = '\n[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "20 nm"\n'
+
+
+@pytest.fixture
+def scene(tmp_path):
+    def read(load='pressure = "10 kPa"', *, more="", solid=""):
+        text = SCENE.replace('pressure = "10 kPa"', load).replace("poisson = 0.3", f"poisson = 0.3\n{solid}")
+        (tmp_path / "mine.toml").write_text(text + more)
+        return load_scene(str(tmp_path / "mine.toml"))
+
+    return read
+
+
+def finest(scene):
+    return solves_of(scene)[-1].do().contact
+
+
+def test_a_force_is_the_pressure_over_the_nominal_area(scene):
+    # 10 kPa on 10 um x 5 um.
+    loaded = realise(scene('force = "0.5 uN"'))
+    assert loaded.pressure == pytest.approx(1e4, rel=1e-12)
+    assert loaded.recipe["load"] == {"pressure": None, "reduced_pressure": None, "force": 5e-7}
+    plain = realise(scene())
+    # What is absent is absent: solves that are stored stay where they are.
+    assert plain.recipe["load"] == {"pressure": 1e4, "reduced_pressure": None}
+    assert plain.recipe["solid"] == {"young": 2e6, "poisson": 0.3}
+    assert finest(scene('force = "0.5 uN"')).mean_pressure == pytest.approx(1e4, rel=1e-9)
+
+
+@pytest.mark.parametrize("key", ["mean_gap", "offset"])
+@pytest.mark.parametrize("more", ["", YIELDS], ids=["elastic", "yielding"])
+def test_the_distance_of_a_pressed_surface_gives_its_load_back(scene, key, more):
+    pressed = finest(scene(more=more))
+    distance = {"mean_gap": float(pressed.gap.mean()), "offset": pressed.offset}[key]
+    held = finest(scene(f"{key} = {distance!r}", more=more))
+    # The search stops within 1e-7 h_rms, and here the load falls e-fold over about half of h_rms.
+    assert held.mean_pressure == pytest.approx(1e4, rel=1e-5)
+    assert (held.in_contact == pressed.in_contact).all()
+
+
+def test_an_offset_is_held_with_adhesion(scene):
+    held = finest(scene('offset = "30 nm"', more=STICKS))
+    assert held.offset == pytest.approx(30e-9, rel=1e-9)
+    assert held.pressure.min() < 0
+    assert held.mean_pressure != pytest.approx(finest(scene('offset = "30 nm"')).mean_pressure, rel=0.05)
+
+
+def test_a_block_is_pressed_to_an_offset(scene):
+    own = scene('offset = "20 nm"', more="[methods.fem]\ngrids = [[16, 8]]\n")
+    with pytest.raises(UsageError, match=r"load.offset: the body of method 'fem' sinks as a whole"):
+        check_scene(own, realise(own))
+    (solve,) = (one for one in solves_of(own) if one.method == "fem")
+    found = solve.do().contact
+    direct = block.solve_displacement(solve.height_field(), SOLID, offset=20e-9, method="full").contact
+    assert found.mean_pressure == pytest.approx(direct.mean_pressure, rel=1e-9)
+    # Softer than the half-space, which does not sink: less load at the same offset.
+    half = bem.solve_displacement(solve.height_field(), HalfSpace(solid=SOLID), offset=20e-9)
+    assert 0 < found.mean_pressure < 0.9 * half.mean_pressure
+
+
+def test_the_theory_is_told_the_load_that_a_held_gap_takes(scene, tmp_path):
+    outputs = run_scene(
+        scene('mean_gap = "40 nm"', more="[methods.theory]\n"), tmp_path / "out", report=False
+    )
+    found = outputs.comparison
+    carried = bem.solve_displacement(
+        realise(scene()).heights((48, 24)), HalfSpace(solid=SOLID), mean_gap=40e-9
+    ).mean_pressure
+    assert found.pressure == pytest.approx(carried, rel=1e-9)
+    variance = stress_variance(found.rms_gradient**2, contact_modulus=SOLID.contact_modulus)
+    assert found.theory.area == pytest.approx(
+        float(contact_area(carried, stress_variance=variance)), rel=1e-9
+    )
+    # Each grid takes a load of its own, and its kappa is over that.
+    for row, solve in zip(found.rows, solves_of(scene('mean_gap = "40 nm"')), strict=True):
+        own = solve.do().contact.mean_pressure / (SOLID.contact_modulus * found.rms_gradient)
+        assert row.kappa == pytest.approx(row.perimeter / own, rel=1e-9)
+    assert "mean gap 4e-08 m held" in outputs.page.lead
+    assert audit(tmp_path / "out").wrong == ()
+
+
+def test_a_swept_gap_lays_out_the_load_that_each_takes(scene, tmp_path):
+    scene()
+    sweep = load_asked(str(tmp_path / "mine.toml"), ["sweep.load.mean_gap=['30 nm', '45 nm']"])
+    data = run_sweep(sweep, tmp_path / "out", report=False).data
+    assert data.mean_gap.values == pytest.approx([3e-8, 4.5e-8])
+    near, far = data.pressure.values
+    assert near > far > 0
+
+
+def test_two_elastic_bodies_are_the_half_space_of_their_composite_modulus(scene):
+    two = scene(solid='second_young = "3 MPa"\nsecond_poisson = 0.45')
+    modulus = 1 / ((1 - 0.3**2) / 2e6 + (1 - 0.45**2) / 3e6)
+    assert realise(two).contact_modulus == pytest.approx(modulus, rel=1e-12)
+    found = finest(two)
+    equal = HalfSpace(solid=Solid(young=modulus, poisson=0.0))
+    same = bem.solve(solves_of(two)[-1].height_field(), equal, mean_pressure=1e4)
+    assert found.offset == pytest.approx(same.offset, rel=1e-9)
+    assert realise(two).recipe["solid"]["second_young"] == 3e6
+    # A second body that hardly gives is rigid.
+    stiff = realise(scene(solid='second_young = "1e9 GPa"\nsecond_poisson = 0.3'))
+    assert stiff.contact_modulus == pytest.approx(SOLID.contact_modulus, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("load", "more", "words"),
+    [
+        ('mean_gap = "-1 nm"', "", "mean_gap"),
+        ("force = 3\nmean_gap = 0", "", "exactly one of 'pressure', 'reduced_pressure', 'force', 'mean_gap'"),
+        ('force = "3 nm"', "", 'is not a force; must be a force such as "10 mN", or a number in N'),
+        (
+            'mean_gap = "40 nm"',
+            "[methods.fem]\ngrids = [[16, 8]]\n",
+            "method 'fem' presses with a load; held by: bem",
+        ),
+        ('offset = "40 nm"', "[methods.tamaas]\ngrids = [[16, 8]]\n", "held by: bem, fem"),
+        ('mean_gap = "40 nm"', STICKS, "several states have the same; give load.offset"),
+        (
+            'mean_gap = "40 nm"',
+            "[ensemble]\nrealisations = 2\ngrids = [[24, 12], [48, 24]]\n",
+            "ensemble: is pressed",
+        ),
+    ],
+)
+def test_a_load_that_cannot_be_is_refused_by_name(scene, monkeypatch, load, more, words):
+    monkeypatch.setattr("validation.methods.tamaas.Tamaas.available", lambda self: None)
+
+    def asked():
+        own = scene(load, more=more)
+        check_scene(own, realise(own))
+
+    with pytest.raises((SceneError, UsageError)) as caught:
+        asked()
+    assert words in str(caught.value)
+
+
+def test_the_theory_alone_is_told_a_load(tmp_path):
+    text = SCENE.partition("[methods.bem]")[0].replace('pressure = "10 kPa"', 'offset = "1 nm"')
+    (tmp_path / "mine.toml").write_text(text + "[methods.theory]\n")
+    with pytest.raises(
+        SceneError, match=r"load.offset: the theory is told a load; add a method that presses"
+    ):
+        load_scene(str(tmp_path / "mine.toml"))
+
+
+@pytest.mark.parametrize(
+    ("solid", "words"),
+    [
+        ('second_young = "3 MPa"', "second_poisson: missing; a second elastic body has both"),
+        ("second_poisson = 0.3", "second_young: missing"),
+        ('second_young = "3 MPa"\nsecond_poisson = 0.6', "second_poisson"),
+    ],
+)
+def test_half_of_a_second_body_is_refused(scene, solid, words):
+    with pytest.raises(SceneError) as caught:
+        scene(solid=solid)
+    assert words in str(caught.value)
+
+
+def test_a_second_body_is_not_pressed_into_a_layer(scene):
+    layer = '\n[[effects]]\nkind = "thickness"\nthickness = "3 um"\n'
+    own = scene(solid='second_young = "3 MPa"\nsecond_poisson = 0.4', more=layer)
+    with pytest.raises(UsageError, match=r"solid\.second_young: effect 'thickness' changes one body alone"):
+        check_scene(own, realise(own))
+
+
+def test_setting_one_load_takes_the_others_out(scene, tmp_path):
+    scene()
+    path = str(tmp_path / "mine.toml")
+    for key, other in itertools.permutations(("force='1 uN'", "mean_gap='20 nm'", "offset='5 nm'"), 2):
+        loaded = load_asked(path, [f"load.{key}", f"load.{other}"])
+        assert loaded.load.key == other.partition("=")[0]

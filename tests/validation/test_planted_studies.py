@@ -1,0 +1,686 @@
+"""Studies on inputs whose answer is known: each printed number beside the one that was planted."""
+
+from __future__ import annotations
+
+import math
+import re
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+from planted import STUDENT, PlantedBench, block, column, contact, measurement, realisation
+
+from fem_contact.area import ContactAreas
+from validation.measures.common import persson_area
+from validation.studies import (
+    accuracy_cost,
+    adhesion,
+    area,
+    cross,
+    depth,
+    graded,
+    hardness,
+    hurst,
+    magnification,
+    multilevel,
+    pressure,
+    refinement,
+    scaling,
+    stress_near_zero,
+    theory_verdict,
+)
+
+SMALL = {"periods": 2.0, "bandwidth": 2.0, "points_per_wave": (4.0, 6.0, 8.0)}
+
+#: Planted over three surfaces: mean 1, standard error 0.01, standard deviation 0.01 sqrt(3).
+THREE = 1 + 0.01 * np.sqrt(3) * np.array([-1.0, 0.0, 1.0])
+
+
+def numbers(text: str) -> list[float]:
+    """All numbers of a sentence."""
+    return [float(found) for found in re.findall(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?", text)]
+
+
+# area: limits of surfaces, from planted areas ---------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def grown():
+    """A/A0 = 2 p* on average over three surfaces, on all grids alike."""
+
+    def answer(solve):
+        (load,) = solve.realised.load.values
+        n = solve.grid[0]
+        value = 2 * load * THREE[solve.realised.surface.seed - 61]
+        return ContactAreas(
+            pixel=value + 0.2 / n,
+            perimeter=value,
+            edge_length=2.0,
+            edge_fraction=2 / n,
+            edge_constant=0.103,
+            spacing=(1 / n, 1 / n),
+            subcell=value,
+            cells=n * n,
+        )
+
+    patched = pytest.MonkeyPatch()
+    patched.setattr(area, "contact_areas", lambda result, subcell: result)
+    options = area.Options(grids=(16, 32, 48), reduced_pressures=(0.05, 0.2), surfaces=3, seed=61)
+    data = area.run(options, bench=PlantedBench(answer))
+    patched.undo()
+    return data
+
+
+def test_area_prints_the_planted_kappa_and_the_standard_error_of_three_surfaces(grown):
+    np.testing.assert_allclose(grown.kappa, 2.0, rtol=1e-12)
+    np.testing.assert_allclose(grown.scatter_error, 0.01 * grown.area, rtol=1e-12)
+    np.testing.assert_allclose(grown.area_error**2, grown.scatter_error**2 + grown.grid_error**2, rtol=1e-12)
+    np.testing.assert_allclose(grown.kappa_error / grown.kappa, grown.area_error / grown.area, rtol=1e-12)
+    np.testing.assert_allclose(grown.persson, [math.erf(math.sqrt(2) * p) for p in (0.05, 0.2)], rtol=1e-12)
+
+
+def test_area_says_the_planted_distance_to_the_theory_and_its_side(grown):
+    sentence = area.findings(grown)[0]
+    away = 100 * (0.1 / math.erf(math.sqrt(2) * 0.05) - 1)
+    assert f"the area lies {away:.0f} % above Persson's theory" in sentence
+    assert sentence.startswith("At p* = 0.05 kappa = 2.000 +- 0.0")
+    below = area.findings(grown.assign(area=grown.area / 2))[0]
+    assert f"{100 - (100 + away) / 2:.0f} % below" in below
+    assert "left out of every limit: 16 x 16." in area.findings(grown)[-1]
+
+
+# pressure: area, gap, stiffness and energy against load -------------------------------------------------
+
+GAMMA, KAPPA = 0.4, 1.7
+
+
+def _falling(solve):
+    """A/A0 = 1.7 p*, gap = (3 - 0.4 ln p*) h_rms, energy a quarter of p* times that of full contact."""
+    own = THREE[solve.realised.realisation]
+    return measurement(
+        solve,
+        lambda p: KAPPA * p * own,
+        mean_gap=lambda p, n: 2e-6 * (3 - GAMMA * np.log(p)),
+        energy=lambda p, n: 4.0 * p / 4 * (1 + 1 / n),
+    )
+
+
+@pytest.fixture(scope="module")
+def pressed():
+    options = pressure.Options(
+        surfaces=3, shifts=2, reduced_pressures=(0.02, 0.05, 0.1, 0.3), seed=61, **SMALL
+    )
+    return pressure.run(options, bench=PlantedBench(_falling))
+
+
+def test_pressure_prints_the_planted_kappa_with_students_interval_of_three_surfaces(pressed):
+    table = pressure.table(pressed)
+    np.testing.assert_allclose(column(table, "kappa"), KAPPA, rtol=1e-12)
+    half = np.array(column(table, "+- (95 %)")) / np.array(column(table, "A/A0 limit"))
+    np.testing.assert_allclose(half, 0.01 * STUDENT[3], rtol=1e-9)
+    np.testing.assert_allclose(column(table, "p*"), [0.02, 0.05, 0.1, 0.3])
+
+
+def test_pressure_takes_the_stiffness_from_the_natural_logarithm_of_the_load(pressed):
+    np.testing.assert_allclose(pressed.gamma, GAMMA, rtol=1e-9)
+    assert "gamma = 0.40 to 0.40" in " ".join(pressure.findings(pressed))
+
+
+def test_pressure_divides_gap_and_energy_by_height_and_full_contact(pressed):
+    np.testing.assert_allclose(pressed.gap[0], 3 - GAMMA * np.log(pressed.reduced_pressure), rtol=1e-12)
+    np.testing.assert_allclose(pressed.energy[0], pressed.reduced_pressure / 4 * (1 + 1 / 32), rtol=1e-12)
+    change = pressed.reduced_pressure / 4 * (1 / 24 - 1 / 32)
+    np.testing.assert_allclose(pressed.energy_error[0], change, rtol=1e-9)
+
+
+def test_pressure_compares_area_with_the_theory_at_the_same_load(pressed):
+    found = re.findall(r"([\d.]+) at A/A0 = (\d+\.\d+)", pressure.findings(pressed)[0])
+    expected = [(KAPPA * p / math.erf(math.sqrt(2) * p), KAPPA * p) for p in (0.02, 0.05, 0.1, 0.3)]
+    np.testing.assert_allclose(np.array(found, dtype=float), expected, atol=5e-4 + 1e-9)
+
+
+def test_pressure_shares_are_of_the_nominal_area_and_do_not_move_where_nothing_moves(pressed):
+    np.testing.assert_allclose(pressed.stress_share.sum("stress_bin"), pressed.pixel, rtol=1e-12)
+    for distance in pressure.independence(pressed).values():
+        np.testing.assert_allclose(distance.value, 0.0, atol=1e-12)
+    # At light load P(sigma) A0/A of the theory tends to 4 s exp(-2 s^2): between loads near 0 it stays.
+    assert np.max(pressure.theory_distances(pressed)[:2]) < 0.01
+
+
+def test_the_theory_of_pressure_stores_half_of_p_u_at_full_contact():
+    """At a load that closes every gap U/U_full is 1, and the gap 0, with all variants that have an energy."""
+    options = pressure.Options(surfaces=2, shifts=2, reduced_pressures=(8.0, 16.0), seed=61, **SMALL)
+    data = pressure.run(options, bench=PlantedBench(lambda solve: measurement(solve, lambda p: 1.0)))
+    told = data.sel(mode="conditional", variant=["persson", "yang_persson", "wang_mueser"])
+    np.testing.assert_allclose(told.theory_energy, 1.0, rtol=1e-6)
+    np.testing.assert_allclose(told.theory_gap, 0.0, atol=1e-6)
+    np.testing.assert_allclose(data.theory_area.sel(mode="conditional"), 1.0, rtol=1e-9)
+
+
+# hurst: kappa of pairs, ladders ------------------------------------------------------------------------
+
+PAIR = np.array([0.03, -0.03, 0.05, -0.01])  # +h and -h of two pairs: means 0 and 0.02
+
+
+def _kappa_of(solve):
+    """kappa = 2 + H/10 on spectra of bandwidth 2; along the ladders 1.8 + 0.4 step^order more."""
+    surface, own = solve.realised.surface, realisation(solve)
+    band = surface.lambda_long / surface.lambda_short
+    waves = surface.length[0] / surface.lambda_long
+    kappa = 2 + surface.hurst / 10
+    kappa += 0.4 * (1 / band) ** (2 - 2 * surface.hurst) - 0.4 * 0.5 ** (2 - 2 * surface.hurst)
+    kappa += 0.4 * (1 / waves) ** 2 - 0.4 * (1 / 2) ** 2
+    return measurement(solve, lambda p: p * (kappa + PAIR[own % 4]))
+
+
+@pytest.fixture(scope="module")
+def exponents():
+    options = hurst.Options(
+        hursts=(0.2, 0.6),
+        bandwidths=(2.0,),
+        reduced_pressures=(0.05, 0.1),
+        pairs=2,
+        seed=61,
+        periods=2.0,
+        points_per_wave=(4.0, 6.0, 8.0),
+        ladder_hursts=(0.2,),
+        ladder_bandwidths=(2.0, 3.0, 4.0),
+        ladder_periods=(1.5, 2.0),
+        ladder_pairs=2,
+        shifts=1,
+    )
+    return hurst.run(options, bench=PlantedBench(_kappa_of))
+
+
+def test_hurst_prints_the_planted_kappa_with_students_interval_over_pairs(exponents):
+    table = hurst.table(exponents)
+    np.testing.assert_allclose(column(table, "kappa limit"), [2.03, 2.03, 2.07, 2.07], rtol=1e-12)
+    # Two pairs, 0 and .02: standard error .01.
+    np.testing.assert_allclose(column(table, "+- (95 %, surfaces)"), 0.01 * STUDENT[2], rtol=1e-9)
+
+
+def test_hurst_prints_counted_kappa_on_the_coarsest_and_on_the_finest_grid(exponents):
+    table = hurst.table(exponents)
+    for title, n in (("counted at lambda_short/dx = 8", 32), ("counted at 4", 16)):
+        expected = [k + 0.1 * 2 / n / p for k, p in ((2.03, 0.05), (2.03, 0.1), (2.07, 0.05), (2.07, 0.1))]
+        np.testing.assert_allclose(column(table, title), expected, rtol=1e-12)
+
+
+def test_hurst_puts_each_theory_in_its_column(exponents):
+    table = hurst.table(exponents)
+    expected = [math.erf(math.sqrt(2) * p) / p for p in (0.05, 0.1)] * 2
+    np.testing.assert_allclose(column(table, "Persson, conditional"), expected, rtol=1e-12)
+    # The planted gradient is that of C(q): both ways of telling it agree.
+    np.testing.assert_allclose(column(table, "Persson, ensemble"), expected, rtol=1e-12)
+
+
+def test_hurst_ladders_lead_to_the_planted_limits_by_the_orders_of_their_laws(exponents):
+    for kind, order, start in (("bandwidth", 1.6, 0.4 * 0.5**1.6), ("size", 2.0, 0.4 * 0.5**2)):
+        assert float(exponents[f"{kind}_order"][0]) == pytest.approx(order, rel=1e-12)
+        # The pairs repeat: each rung has the mean .01 of two of them.
+        assert float(exponents[f"{kind}_limit"][0]) == pytest.approx(2.03 - start, rel=1e-9)
+        assert float(exponents[f"{kind}_slope"][0]) == pytest.approx(0.4, rel=1e-9)
+
+
+def test_hurst_says_by_how_much_kappa_changes_from_the_lowest_to_the_highest_exponent(exponents):
+    found = numbers(hurst.findings(exponents)[0].partition("changes by ")[2])
+    low, high = (np.array([2 + h / 10 + PAIR]) for h in (0.2, 0.6))
+    ratio = (high / low - 1).reshape(2, 2).mean(axis=1)
+    error = abs(ratio[1] - ratio[0]) / 2
+    np.testing.assert_allclose(found[0], 100 * ratio.mean(), atol=0.0501)
+    np.testing.assert_allclose(found[1], 100 * STUDENT[2] * error, atol=0.0501)
+
+
+def test_the_budget_of_hurst_adds_the_planted_half_widths_as_a_root_of_squares(exponents):
+    rows = hurst.budget(exponents)
+    surfaces = np.array(column(rows, "surfaces [%]"))
+    np.testing.assert_allclose(surfaces[0], 100 * 0.01 * STUDENT[2] / 2.03, rtol=1e-9)
+    parts = [np.array(column(rows, f"{name} [%]"), dtype=float) for name in ("grid", "solver", "surfaces")]
+    own = np.sqrt(np.sum(np.square(parts), axis=0))
+    np.testing.assert_allclose(column(rows, "for this spectrum and period [%]"), own, rtol=1e-12)
+    # Shift along the ladder of samples at L/lambda_long = 2: slope/4 over the limit, and its uncertainty.
+    size = 0.4 + float(exponents.size_slope_half_width[0])
+    np.testing.assert_allclose(column(rows, "finite size [%]")[:2], 25 * size / 1.93, rtol=1e-9)
+    assert column(rows, "finite size [%]")[2:] == ["not determinable"] * 2
+
+
+# refinement: counted areas against the limit ------------------------------------------------------------
+
+
+def _refined(solve):
+    kind = type(solve).__name__
+    if kind == "GridRoughness":
+        slopes = {"kappa": ("slope", np.array([3.0, 2.5, 1.9]))}
+        return xr.Dataset(slopes, coords={"slope": ["spectral", "forward", "central"]})
+    own = 0.1 * THREE[solve.realised.realisation]
+    if kind == "BlockMeasurement":
+        # Its edges are 4 / n, and counting adds .198 of them to an area 1 % larger.
+        true, edges = 1.01 * own, 4 / solve.points
+        layer = {"pixel_bem": 0.1, "pixel_layer": 0.1 * 0.995}
+        return block(pixel=true + 0.198 * edges, perimeter=true, **layer)
+    return measurement(solve, lambda p: own)
+
+
+@pytest.fixture(scope="module")
+def refined():
+    options = refinement.Options(
+        surfaces=3,
+        grid_scale_grids=(24,),
+        ladders=False,
+        elements=("Hex1",),
+        fem_points_per_wave=(4.0, 6.0, 8.0),
+        seed=61,
+        **SMALL,
+    )
+    return refinement.run(options, bench=PlantedBench(_refined))
+
+
+def test_refinement_prints_by_how_much_counting_exceeds_the_limit_and_its_interval(refined):
+    table = refinement.table(refined)
+    # .1 edges of 2 / n each, over the area of each surface.
+    each = np.array([[0.2 / n / (0.1 * k) for k in THREE] for n in (16, 24, 32)])
+    np.testing.assert_allclose(column(table, "pixel - limit [%]")[:3], 100 * each.mean(axis=1), rtol=1e-9)
+    error = each.std(axis=1, ddof=1) / np.sqrt(3)
+    np.testing.assert_allclose(column(table, "pixel +- (95 %) [%]")[:3], 100 * STUDENT[3] * error, rtol=1e-9)
+    np.testing.assert_allclose(column(table, "perimeter - limit [%]")[:3], 0.0, atol=1e-9)
+    counted = [(0.1 + 0.2 / n) / 0.05 for n in (16, 24, 32)]
+    np.testing.assert_allclose(column(table, "kappa, counted (zeroth moment / p*)")[:3], counted, rtol=1e-12)
+
+
+def test_refinement_finds_the_planted_order_and_verdict(refined):
+    text = refinement.findings(refined)
+    order = next(s for s in text if s.startswith("The pixel area differs"))
+    assert order.endswith("fitted order 1.00).")
+    kappa, theory = 2.0, math.erf(math.sqrt(2) * 0.05) / 0.05
+    assert text[0].startswith(
+        f"kappa in the limit of vanishing spacing is 2 +- {0.02 * STUDENT[3]:.2g} (95 %, 3"
+    )
+    assert f"{100 * (1 - theory / kappa):.0f} % of the simulated area is not explained" in text[0]
+    share = [0.2 / n / (0.1 + 0.2 / n - 0.05 * theory) for n in (16, 24, 32)]
+    assert ", ".join(f"{100 * s:.0f} % at {w}" for s, w in zip(share, (4, 6, 8), strict=True)) in text[1]
+
+
+def test_refinement_says_where_the_excess_of_the_coarse_grid_lies(refined):
+    """Six tenths of what is counted lie at small pressures, on every grid."""
+    sentence = next(s for s in refinement.findings(refined) if s.startswith("The first moment"))
+    excess = 100 * (np.mean((0.1 * THREE + 0.2 / 16) / (0.1 * THREE + 0.2 / 32)) - 1)
+    above = 100 * ((0.1 + 0.2 / 16) / (0.1 + 0.2 / 32) - 1)
+    assert f"the area, is {excess:+.1f} % on 4 against 8 points per wave" in sentence
+    assert "Of that excess 60 % lies at sigma < 0.2 E* h'_rms" in sentence
+    assert f"above it the coarse grid holds {above:+.1f} %" in sentence
+
+
+def test_finite_elements_reach_the_planted_limit_one_per_cent_above_the_other(refined):
+    np.testing.assert_allclose(refined.fem_limit[0] / refined.limit, 1.01, rtol=1e-9)
+    assert float(refined.depth_error) == pytest.approx(0.005, rel=1e-9)
+    sentence = next(s for s in refinement.findings(refined) if s.startswith("Finite elements"))
+    assert "their own limit differs by +1.00 +- 0.00 %" in sentence
+    assert sentence.endswith("can explain 0.50 %.")
+    # In the budget the distance of the two limits is a part of the grids' share.
+    grid = column(refinement.budget(refined), "grid [%]")
+    assert grid[1] == pytest.approx(1.0, rel=1e-3)
+
+
+def test_refinement_says_the_spread_of_the_protocols_and_where_the_limit_lies(refined):
+    sentence = next(s for s in refinement.findings(refined) if s.startswith("With roughness"))
+    assert "kappa is 3.00 (spectral), 2.50 (forward), 1.90 (central)" in sentence
+    assert f"a spread of {100 * (3 / 1.9 - 1):.0f} %, on both sides of the converged 2.00" in sentence
+
+
+# theory-verdict -----------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def scored():
+    """A fifth more area than the theory, on three surfaces of a per cent of standard error."""
+
+    def answer(solve):
+        own = THREE[solve.realised.realisation]
+        return measurement(solve, lambda p: 1.2 * float(persson_area(p)) * own)
+
+    options = theory_verdict.Options(
+        surfaces=3,
+        shifts=2,
+        reduced_pressures=(0.02, 0.1, 0.2),
+        edge=False,
+        ladder_reduced_pressures=(),
+        seed=61,
+        **SMALL,
+    )
+    return theory_verdict.run(options, bench=PlantedBench(answer))
+
+
+def test_the_verdict_scores_the_planted_ratio_with_students_interval(scored):
+    ratio = scored.ratio.sel(quantity="area", variant="persson")
+    np.testing.assert_allclose(ratio, 1.2, rtol=1e-9)
+    shares = scored.shares.sel(source="surfaces")
+    np.testing.assert_allclose(shares, 0.01 * STUDENT[3], rtol=1e-9)
+    half = 1.2 * np.hypot(shares, scored.shares.sel(source="grid"))
+    np.testing.assert_allclose(scored.interval.sel(quantity="area", variant="persson"), half, rtol=1e-9)
+
+
+def test_the_verdict_calls_a_planted_fifth_off_by_twenty_per_cent(scored):
+    rows = [row for row in theory_verdict.table(scored).rows if row[0] == "contact area"]
+    assert [row[2] for row in rows] == ["off by +20 %"] * len(rows)
+    assert (
+        "simulated over predicted area is 1.200 at the lightest load (p* = 0.02) and 1.200"
+        in (theory_verdict.findings(scored)[0])
+    )
+    values = column(theory_verdict.budget(scored), "value")
+    np.testing.assert_allclose(values, 1.2, rtol=1e-9)
+
+
+# magnification ------------------------------------------------------------------------------------------
+
+
+def test_magnification_prints_the_planted_ratio_to_the_theory_of_the_waves_that_are_there():
+    def answer(solve):
+        rough = solve.heights(solve.grids[0]).rms_gradient
+        own = THREE[solve.realised.realisation]
+        return measurement(solve, lambda p: 1.1 * float(persson_area(p * 0.1 / rough)) * own)
+
+    options = magnification.Options(
+        reduced_pressures=(0.05, 0.1), magnifications=(1.0, 2.0), surfaces=3, seed=61, **SMALL
+    )
+    data = magnification.run(options, bench=PlantedBench(answer))
+    table = magnification.table(data)
+    np.testing.assert_allclose(column(table, "ratio to the first"), 1.1, rtol=1e-9)
+    half = np.divide(column(table, "+- (95 %)"), column(table, "A/A0 limit"))
+    np.testing.assert_allclose(half, 0.01 * STUDENT[3], rtol=1e-9)
+    assert column(table, "zeta") == [1.0, 2.0, 1.0, 2.0]
+    assert "over the theory it is 1.100 there and 1.100 here" in magnification.findings(data)[0]
+
+
+# hardness and adhesion: fields of known answers ---------------------------------------------------------
+
+
+@pytest.fixture
+def yielded_lines(monkeypatch):
+    """A_pl = p* (1 + 3 dx) and A_el = p*/2 (1 - 2 dx), by surface."""
+    nothing = hardness._Kept(
+        q=np.array([1.0, 2.0]), measured=np.array([1.0, 0.5]), theory=np.array([0.9, 0.1]), inside=0.25
+    )
+    monkeypatch.setattr(hardness, "_kept", lambda *told: nothing)
+    monkeypatch.setattr(hardness, "yielded", lambda result: result.parts)
+
+    def answer(solve):
+        realised, n = solve.realised, solve.grid[0]
+        load = realised.pressure / realised.pressure_scale * THREE[realised.surface.seed - 61]
+        own = {"plastic_area": load * (1 + 3 / n), "elastic_area": load / 2 * (1 - 2 / n)}
+        return contact(parts=SimpleNamespace(**own))
+
+    options = hardness.Options(
+        reduced_pressures=(0.1, 0.2),
+        magnifications=(2.0,),
+        smoothing_reduced_pressure=0.1,
+        surfaces=3,
+        seed=61,
+        grids=(32, 48, 96),
+        periods=2.0,
+        bandwidth=2.0,
+    )
+    return hardness.run(options, bench=PlantedBench(answer))
+
+
+def test_hardness_takes_limits_linear_in_the_spacing_and_standard_errors_over_surfaces(yielded_lines):
+    data = yielded_lines
+    np.testing.assert_allclose(data.plastic, [0.1, 0.2], rtol=1e-9)
+    np.testing.assert_allclose(data.elastic, [0.05, 0.1], rtol=1e-9)
+    np.testing.assert_allclose(data.plastic_finest, np.array([0.1, 0.2]) * (1 + 3 / 96), rtol=1e-9)
+    # The three grids lie on one line: what is left is the scatter of three surfaces.
+    np.testing.assert_allclose(data.plastic_error, 0.01 * data.plastic, rtol=1e-6)
+    np.testing.assert_allclose(data.plastic_grown, 0.1, rtol=1e-9)
+
+
+def test_hardness_says_the_planted_areas_and_what_smoothing_leaves(yielded_lines):
+    first, *_, last = hardness.findings(yielded_lines)
+    assert "A_pl/A0 = 0.1000 +- 0.0010 in the limit" in first
+    assert "A_el/A0 = 0.0500 +- 0.0005 in the limit" in first
+    assert "keeps 0.5 of C(q) at q = 2 q_long" in last
+    assert "(largest difference 0.4)" in last
+    assert "where 0.25 of the squared gradient is left" in last
+
+
+def _full_wave(solve):
+    """A cosine in full contact: p - p0 = E* q h / 2, u = h, no gap."""
+    realised, n = solve.realised, solve.grid[0]
+    modulus, length = realised.contact_modulus, realised.lengths[0]
+    q = 2 * np.pi / length
+    h = 1e-9 * np.cos(q * np.arange(n) * length / n)[:, None] * np.ones(n)
+    return contact(
+        in_contact=np.ones((n, n), dtype=bool),
+        at_bound=np.arange(n)[:, None] < n / 4 * np.ones(n),
+        pressure=1e5 + modulus * q * h / 2,
+        displacement=h + 3e-9,
+        gap=np.zeros((n, n)),
+        spacing=(length / n, length / n),
+        contact_modulus=modulus,
+    )
+
+
+def test_adhesion_gains_the_work_less_half_of_p_u_at_full_contact(monkeypatch):
+    monkeypatch.setattr(adhesion._Case, "_adhesive_theory", lambda case, energy: None)
+    options = adhesion.Options(
+        works=(0.1, 0.3),
+        reduced_pressures=(0.2,),
+        magnifications=(2.0,),
+        hardnesses=(0.6,),
+        grids=(32, 48),
+        bandwidth=2.0,
+        seed=61,
+    )
+    data = adhesion.run(options, bench=PlantedBench(_full_wave))
+    np.testing.assert_allclose(data.area, 1.0, rtol=1e-12)
+    np.testing.assert_allclose(data.plain, 1.0, rtol=1e-12)
+    np.testing.assert_allclose(data.yielded_hardness, 0.25, rtol=1e-9)
+    # Closed form of the energy of a wave: E* q a^2 / 8; w = share of U_full, found from two works.
+    case = adhesion._dials(options)["work"][0][1]
+    modulus = case.realised.contact_modulus
+    stored = modulus * 2 * np.pi / 1e-5 * 1e-9**2 / 8
+    expected = [1 - stored / turned.work for _, turned in adhesion._dials(options)["work"]]
+    np.testing.assert_allclose(data.interface, expected, rtol=1e-9)
+    assert (
+        "multiplies the area by 1 by boundary elements (A/A0 = 1.0000 +- 0.0000)"
+        in adhesion.findings(data)[0]
+    )
+
+
+def test_adhesion_extrapolates_linearly_in_the_spacing():
+    assert adhesion._limit([0.5 + 0.3 / 32, 0.5 + 0.3 / 48], (32, 48)) == pytest.approx(0.5, rel=1e-12)
+    assert adhesion._limit([0.5, 1.2], (32, 48)) == 1.0
+
+
+# cross and depth: finite against boundary elements ------------------------------------------------------
+
+
+def test_cross_says_by_how_much_finite_elements_are_above_and_the_planted_order():
+    def answer(solve):
+        off = 0.5 * (8 / solve.points) ** 1.5
+        return block(
+            pixel=0.12, pixel_bem=0.1, perimeter=0.11, perimeter_bem=0.1, pressure_half_space=off, gap=-0.2
+        )
+
+    options = cross.Options(
+        surfaces=1,
+        periods=1.0,
+        bandwidth=2.0,
+        full_points_per_wave=(4.0, 8.0, 16.0),
+        reduced_points_per_wave=(4.0,),
+        elements=("Hex1",),
+    )
+    data = cross.run(options, bench=PlantedBench(answer))
+    np.testing.assert_allclose(data.area, 0.2, rtol=1e-12)
+    np.testing.assert_allclose(data.area_corrected, 0.1, rtol=1e-12)
+    first = cross.findings(data)[0]
+    assert first.startswith(
+        "full Hex1: the pressures differ by 50 % at 4 points per shortest wave and by 6.2 % at 16"
+    )
+    assert first.endswith("(fitted order of the pressure difference in dx: 1.50).")
+    assert "the counted areas by 20 % and 20 %" in first
+
+
+def test_depth_tells_the_bottom_from_the_mesh():
+    """The mesh costs 2 %, the bottom 8 % at a quarter of a period, 0.1 % at one."""
+
+    def answer(solve):
+        bottom = {0.25: 0.08, 1.0: 0.001}[solve.depth]
+        return block(pressure_half_space=0.02 + bottom, pressure_layer=0.02, pixel=0.11, pixel_bem=0.1)
+
+    options = depth.Options(
+        points_per_wave=4.0, depths=(0.25, 1.0), growths=(1.1, 1.2), elements=("Hex1",), poissons=(0.3,)
+    )
+    data = depth.run(options, bench=PlantedBench(answer))
+    text = depth.findings(data)
+    assert (
+        "costs 2 % in pressure at depth 1 L; the bottom adds less than a tenth of that from depth 1 L on"
+        in text[0]
+    )
+    assert "at 0.25 L the pressure is 10 % from the half-space" in text[0]
+    assert text[1] == "Hex1, error of the mesh by growth: 2 % at 1.1, 2 % at 1.2."
+    np.testing.assert_allclose(column(depth.table(data), "A - half-space [%]"), 10.0, rtol=1e-9)
+
+
+# graded, near zero, costs -------------------------------------------------------------------------------
+
+
+def test_graded_says_the_planted_error_inside_and_outside_the_range_of_the_claim():
+    data = xr.Dataset(
+        {
+            "profile": (("ratio", "wave"), np.array([[1.3, 0.95, 1.04]])),
+            "coating": (("ratio", "wave"), np.array([[1.1, 0.6, 1.0]])),
+            "grading": (("ratio", "wave"), np.array([[5.0, 0.9, 0.1]])),
+        },
+        coords={"ratio": [0.5], "wave": [0.1, 1.0, 10.0]},
+    )
+    (text,) = graded.findings(data)
+    assert "-5.0 % off at worst where E'/(E q) < 1, 30 % over all waves" in text
+    assert "a coating, whose E' is infinite, -40 %" in text
+
+
+def test_near_zero_reads_density_and_slope_of_a_straight_start_in_their_own_windows():
+    """P = 3 sigma: the density in a window eps is 3 eps / 2, its slope 3, and the contour's 2 S <B^-2>."""
+    upper = np.linspace(0, 0.6, 121)[1:]
+    middle = upper - 0.0025
+    data = xr.Dataset(
+        {
+            "density": ("bin", 3 * middle),
+            "contour": ((), 2.0),
+            "inverse_square": ((), 0.7),
+            "patches": ((), 9),
+            "excess": ((), 0.0),
+        },
+        coords={"upper": ("bin", upper), "stress": ("bin", middle)},
+    )
+    options = stress_near_zero.Options(window=0.4, slope_window=1.2)
+    start = stress_near_zero._start(data, options, 1 / 16)
+    assert start.density_at_zero == pytest.approx(3 * 0.1 / 2, rel=1e-9)
+    assert start.slope == pytest.approx(3.0, rel=1e-9)
+    assert start.contour_slope == pytest.approx(2.8, rel=1e-12)
+    lifted = stress_near_zero._start(data.assign(excess=((), 0.045)), options, 1 / 16)
+    assert lifted.slope == pytest.approx(3.0 - 2 * 0.045 / 0.09, rel=1e-9)
+
+
+def test_near_zero_prints_students_interval_of_three_surfaces():
+    root = np.sqrt(1 / np.array([16.0, 32.0, 64.0, 128.0]))
+    data = xr.Dataset(
+        {
+            "density_at_zero": (("surface", "grid"), 0.1 * THREE[:, None] + root),
+            "slope": (("surface", "grid"), 4 * THREE[:, None] + root),
+            "contour_slope": (("surface", "grid"), 4 * THREE[:, None] + root**2),
+            "patches": (("surface", "grid"), np.full((3, 4), 50.0)),
+        },
+        coords={"spacing": ("grid", root**2)},
+        attrs={"persson_slope": 1.0},
+    )
+    value, slope = stress_near_zero.limit_at_zero(data), stress_near_zero.limit_slope(data)
+    contour = stress_near_zero.limit_contour_slope(data)
+    for found, mean in ((value, 0.1), (slope, 4.0), (contour, 4.0)):
+        assert found.value == pytest.approx(mean, rel=1e-9)
+        assert found.half_width == pytest.approx(0.01 * mean * STUDENT[3], rel=1e-6)
+    np.testing.assert_allclose(
+        stress_near_zero.table(data).rows[0][1:3], [0.1 + 0.25, 0.001 * STUDENT[3]], rtol=1e-9
+    )
+    assert "4.0 +- 0.2 times less than simulated" in stress_near_zero.findings(data)[1]
+
+
+def test_scaling_prints_the_planted_exponent_and_what_a_decade_costs():
+    points = np.array([256, 512, 1024])
+    law = 1e-6 * points[:, None] ** 2.2 * np.ones(2)
+    data = xr.Dataset(
+        {
+            "seconds": (("points", "surface"), law),
+            "fft_pairs": (("points", "surface"), np.full((3, 2), 40.0)),
+            "peak_bytes": (("points", "surface"), 120.0 * points[:, None] ** 2 * np.ones(2)),
+            "area": (("points", "surface"), np.full((3, 2), 0.1)),
+        },
+        coords={"points": points, "bandwidth": ("points", points / 32)},
+        attrs={"memory": 120 * 2.0**26, "points_per_wave": 8.0, "periods": 4.0},
+    )
+    seconds = column(scaling.table(data), "seconds")
+    assert seconds[3] == pytest.approx(1.1, rel=1e-9)
+    assert seconds[4] == pytest.approx(0.0, abs=1e-6)
+    assert seconds[5] == pytest.approx(100**1.1, rel=1e-9)
+    assert column(scaling.table(data), "MiB")[0] == pytest.approx(120 * 256**2 / 2**20, rel=1e-12)
+    # 2^26 points: 8192 along a side.
+    assert (
+        f"{math.log10(8192):.2f} decades from L to the spacing, {math.log10(1024):.2f}"
+        in scaling.findings(data)[-1]
+    )
+
+
+def test_levels_add_their_means_and_the_squares_of_their_standard_errors():
+    terms = {0: 0.1, 1: 0.01}
+
+    def answer(solve):
+        level = len(solve.grids) - 1
+        own = 1 + 0.1 * (-1) ** solve.realised.realisation
+        coarse = 0.1 * own
+        return measurement(
+            solve,
+            lambda p: coarse,
+            subcell=lambda p, n: coarse + terms[1] * own * (level == 1 and n == solve.grids[-1][0]),
+            seconds=lambda p, n: 1.0 + level,
+        )
+
+    options = multilevel.Options(
+        points_per_wave=(4.0, 8.0), pilot=4, error=0.5, periods=2.0, bandwidth=2.0, seed=61
+    )
+    data = multilevel.run(options, bench=PlantedBench(answer))
+    np.testing.assert_allclose(data["mean"], [0.1, 0.01], rtol=1e-12)
+    # Values 1.1, .9, 1.1, .9 of the mean: variance (0.1)^2 4/3.
+    np.testing.assert_allclose(data.variance, np.square([0.01, 0.001]) * 4 / 3, rtol=1e-9)
+    np.testing.assert_allclose(data.cost, [1.0, 4.0], rtol=1e-12)
+    mean, error = multilevel.estimate(data)
+    assert mean == pytest.approx(0.11, rel=1e-12)
+    assert error == pytest.approx(math.sqrt((1e-4 + 1e-6) * 4 / 3 / 4), rel=1e-9)
+
+
+def test_ways_to_an_accuracy_are_off_by_the_planted_root_mean_square_and_claim_two_standard_errors():
+    data = xr.Dataset(
+        {
+            "error": (("way", "surface"), np.array([[0.03, -0.04], [0.001, 0.001]])),
+            "seconds": ("way", np.array([1.0, 5.0])),
+            "peak_bytes": ("way", np.array([2.0**20, 2.0**21])),
+            "reference_error": ("surface", np.array([1e-5, 1e-5])),
+            "claimed": ("surface", np.array([0.01, 0.01])),
+            "missed": ("surface", np.array([0.009, -0.011])),
+        },
+        coords={"label": ("way", ["BEM pixel, 4 per wave", "BEM limit, 4 to 6 per wave"])},
+        attrs={"peers": "", "absent": ""},
+    )
+    np.testing.assert_allclose(accuracy_cost.root_mean_square(data), [math.sqrt(12.5e-4), 0.001], rtol=1e-12)
+    assert accuracy_cost.coverage(data) == (1, 2)
+    rows = {row[0]: row for row in accuracy_cost.table(data).rows}
+    assert rows["1 %"][1:5] == ("BEM limit, 4 to 6 per wave", pytest.approx(0.1), 5.0, 2.0)
+    half, missed = accuracy_cost._claims([_flat()], np.array([0.2]))
+    (value,), (error,) = accuracy_cost.area_limits(_flat())
+    assert half[0] == pytest.approx(2 * error / 0.2, rel=1e-12)
+    assert missed[0] == pytest.approx(value / 0.2 - 1, abs=1e-12)
+
+
+def _flat() -> xr.Dataset:
+    """A measurement of A/A0 = 0.2 on three grids."""
+    options = pressure.Options(surfaces=2, reduced_pressures=(0.1,), seed=61, **SMALL)
+    (case, _) = pressure._cases(options)
+    return measurement(case, lambda p: 0.2)

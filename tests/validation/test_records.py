@@ -1,0 +1,139 @@
+"""What a results folder is read back from: changed by a bit or by hand, too long, a link: never believed."""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+from solving import Numbers
+
+from validation import files
+from validation.comparison.run import _record, load_run
+from validation.comparison.sweep import report_sweep
+from validation.errors import RunFailed, UsageError
+from validation.files import prepare_folder, read_record, write_record
+from validation.scenes.scene import load_scene
+from validation.solves import store as store_module
+from validation.solves.attempt import attempt
+from validation.solves.bench import Bench
+from validation.solves.store import Store, read_numbers, write_numbers
+from validation.studies import area, find_study
+from validation.studies._outputs import report_study, run_study
+
+VALUES = {"format": "x 1", "scene": {"a": 0.1, "b": [1, 2.5e-300, None]}, "store": "solves"}
+
+
+def test_a_record_comes_back_and_any_json_reader_reads_it(tmp_path):
+    path = write_record(tmp_path / "run.json", VALUES)
+    assert read_record(path) == VALUES
+    assert json.loads(path.read_text())["scene"] == VALUES["scene"]
+
+
+@pytest.mark.parametrize("count", [500, pytest.param(20_000, marks=pytest.mark.slow)])
+def test_no_damage_to_a_record_passes_in_silence(tmp_path, count):
+    path = write_record(tmp_path / "run.json", VALUES)
+    whole, rng = path.read_bytes(), random.Random(6)
+    for _ in range(count):
+        data = bytearray(whole)
+        if rng.random() < 0.7:
+            data[rng.randrange(len(data))] ^= 1 << rng.randrange(8)
+        else:
+            start = rng.randrange(len(data))
+            data[start : start + rng.choice((1, 16, 64))] = b"\0" * rng.randrange(3)
+        path.write_bytes(data)
+        try:
+            found = read_record(path)
+        except ValueError:
+            continue
+        assert found == VALUES, "other blanks, the same values"
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"", "Expecting value"),
+        (b"[]", "not what was written"),
+        (b'{"sha256": 3}', "not what was written"),
+        (b"[" * 200_000, "nested too deep"),
+        (b"{\xff}", "decode"),
+    ],
+)
+def test_what_is_no_record_is_a_value_error(tmp_path, content, words):
+    (tmp_path / "run.json").write_bytes(content)
+    with pytest.raises(ValueError, match=words):
+        read_record(tmp_path / "run.json")
+
+
+def test_a_record_of_gigabytes_a_link_and_a_pipe_are_not_read(tmp_path):
+    path = tmp_path / "run.json"
+    with path.open("wb") as file:
+        file.truncate(2**36)
+    with pytest.raises(UsageError, match=r"68719476736 bytes long; at most 16777216 are read"):
+        load_run(tmp_path)
+    path.unlink()
+    os.mkfifo(path)
+    with pytest.raises(UsageError, match="not a regular file"):
+        load_run(tmp_path)
+    path.unlink()
+    path.symlink_to("/dev/zero")
+    with pytest.raises(UsageError, match="holds no run"):
+        load_run(tmp_path)
+
+
+def test_a_stored_file_larger_than_memory_is_refused_unread_and_stays(tmp_path, monkeypatch):
+    monkeypatch.setattr(store_module, "available_memory", lambda: 2**20)
+    monkeypatch.setattr(store_module, "_SURELY_FITS", 2**20)
+    store, solve = Store(folder=tmp_path), Numbers(3)
+    assert attempt(solve, store).error is None
+    with store.path(solve).open("r+b") as file:
+        file.truncate(2**40)
+    with pytest.raises(RunFailed, match="larger than the memory that is free"):
+        store.read(solve)
+    assert store.path(solve).stat().st_size == 2**40
+
+
+def test_a_run_changed_by_hand_is_run_again(tmp_path):
+    scene = load_scene("quickstart")
+    _record(scene, tmp_path, Store(folder=tmp_path / "solves"))
+    assert load_run(tmp_path)[0] == scene
+    text = (tmp_path / "run.json").read_text()
+    assert '"hurst": 0.8' in text
+    (tmp_path / "run.json").write_text(text.replace('"hurst": 0.8', '"hurst": 0.7'))
+    with pytest.raises(UsageError, match="is not the record of a run of this version; run the scene again"):
+        load_run(tmp_path)
+
+
+def test_a_study_says_how_its_solves_were_made_and_a_changed_one_is_not_reported(tmp_path):
+    study = find_study("area")
+    options = area.Options(grids=(12, 16), periods=2.0, bandwidth=2.0, hurst=0.7, surfaces=2, seed=21)
+    prepare_folder(tmp_path / "out")
+    first = run_study(study, options, tmp_path / "out", bench=Bench.at(tmp_path / "s"), report=False)
+    made = first.data.attrs["solves_made"].splitlines()
+    assert made[0].startswith(f"{len(list((tmp_path / 's').glob('*.nc')))} solves, done ")
+    again = run_study(study, options, tmp_path / "out", bench=Bench.at(tmp_path / "s"), report=False)
+    assert again.page.facts == first.page.facts == tuple(made), "of the solves, not of this run"
+    data = bytearray((tmp_path / "out" / "data.nc").read_bytes())
+    data[300] ^= 2
+    (tmp_path / "out" / "data.nc").write_bytes(data)
+    with pytest.raises(UsageError, match=r"data\.nc: damaged: .*; run it again"):
+        report_study(tmp_path / "out")
+    (tmp_path / "out" / "study.json").write_text("{}")
+    with pytest.raises(UsageError, match=r"holds no finished study \(study\.json is not what was written"):
+        report_study(tmp_path / "out")
+    assert files.read_whole(tmp_path / "out" / "data.nc") == bytes(data)
+
+
+def test_numbers_of_a_sweep_or_study_are_sealed(tmp_path):
+    data = Numbers(2).measure()
+    write_numbers(tmp_path / "data.nc", data, recipe={"a": 1})
+    assert read_numbers(tmp_path / "data.nc").equals(data)
+    with pytest.raises(RunFailed, match="is not there; run it again"):
+        read_numbers(tmp_path / "other.nc")
+    with pytest.raises(UsageError, match="holds no finished sweep"):
+        report_sweep(tmp_path)

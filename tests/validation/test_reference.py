@@ -1,0 +1,155 @@
+"""The reference table: nodes as they stand, between them within the uncertainty, nothing outside."""
+
+import itertools
+import json
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.special import erf
+from typer.testing import CliRunner
+
+from validation import reference
+from validation.cli import app
+from validation.errors import UsageError
+from validation.measures.controlled import controlled_mean
+from validation.solves.bench import Bench
+from validation.studies import reference as study
+
+HURSTS, BANDWIDTHS = np.array([0.1, 0.5, 1.0]), np.array([4.0, 8.0, 16.0])
+LOADS = np.array([0.01, 0.02, 0.05, 0.1, 0.2, 0.5])
+
+
+def law(h, b, p):
+    """A smooth area and gap."""
+    return erf(2**0.5 * p) * (
+        1.4 - 0.1 * h + 0.02 * np.log(b) - 0.05 * np.log(p / 0.1)
+    ), 0.3 / p**0.3 * b**-0.05
+
+
+@pytest.fixture
+def planted(monkeypatch):
+    area, gap = law(HURSTS[:, None, None], BANDWIDTHS[None, :, None], LOADS)
+    dims = ("hurst", "bandwidth", "reduced_pressure")
+    data = xr.Dataset(
+        {
+            "area": (dims, area, {"long_name": "A/A0"}),
+            "area_error": (dims, 0.004 * area),
+            "gap": (dims, gap + np.zeros_like(area), {"long_name": "gap"}),
+            "gap_error": (dims, 0.01 * gap + np.zeros_like(area)),
+            "saving": (dims, area),
+        },
+        coords={"hurst": HURSTS, "bandwidth": BANDWIDTHS, "reduced_pressure": LOADS},
+        attrs={"periods": 4.0},
+    )
+    monkeypatch.setattr(reference, "table", lambda: data)
+    return data
+
+
+def test_a_node_is_returned_as_it_stands(planted):
+    for h, b, p in itertools.product(HURSTS, BANDWIDTHS, LOADS):
+        found = reference.lookup(hurst=float(h), bandwidth=float(b), reduced_pressure=float(p))
+        area, gap = law(h, b, p)
+        assert found["area"].value == pytest.approx(area, rel=1e-12)
+        assert found["gap"].value == pytest.approx(gap, rel=1e-12)
+        assert found["area"].uncertainty == pytest.approx(0.004 * area, rel=1e-6)
+        assert found["area"].interpolation < 1e-12
+
+
+def test_between_nodes_the_truth_lies_within_the_uncertainty(planted):
+    rng = np.random.default_rng(7)
+    for _ in range(60):
+        h, p = rng.uniform(0.1, 1.0), np.exp(rng.uniform(np.log(0.01), np.log(0.5)))
+        b = np.exp(rng.uniform(np.log(4), np.log(16)))
+        found = reference.lookup(hurst=h, bandwidth=b, reduced_pressure=p)
+        area, gap = law(h, b, p)
+        assert abs(found["area"].value - area) <= found["area"].uncertainty
+        assert abs(found["gap"].value - gap) <= found["gap"].uncertainty
+        assert found["area"].uncertainty < 0.01 * area
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("hurst", 0.05), ("bandwidth", 17.0), ("reduced_pressure", 0.6), ("hurst", float("nan"))],
+)
+def test_nothing_is_extrapolated(planted, name, value):
+    asked = {"hurst": 0.5, "bandwidth": 8.0, "reduced_pressure": 0.1} | {name: value}
+    with pytest.raises(UsageError, match=f"{name} = .*is not extrapolated"):
+        reference.lookup(**asked)
+
+
+def test_the_command_prints_what_is_looked_up(planted):
+    asked = ["reference", "--hurst", "0.8", "--ratio", "8", "--pressure", "0.05"]
+    found = reference.lookup(hurst=0.8, bandwidth=8.0, reduced_pressure=0.05)
+    told = CliRunner().invoke(app, asked)
+    assert told.exit_code == 0
+    assert f"{found['area'].value:.3f}"[:5] in told.output
+    data = json.loads(CliRunner().invoke(app, [*asked, "--json"]).output)
+    assert data["area"]["value"] == found["area"].value
+
+
+def test_the_table_that_is_shipped_is_whole_and_says_how_it_was_made():
+    data = reference.table()
+    for name in study.QUANTITIES:
+        assert np.all(np.isfinite(data[name].values)), name
+        assert np.all(data[f"{name}_error"].values > 0), name
+    assert np.all(np.diff(data.area.values, axis=2) > 0)
+    assert data.attrs["study"] == "reference"
+    assert {"seed", "pairs", "points_per_wave", "periods", "tolerance"} <= set(data.attrs)
+
+
+@pytest.fixture(scope="module")
+def small(tmp_path_factory):
+    bench = Bench.at(tmp_path_factory.mktemp("reference"))
+    options = study.Options(
+        hursts=(0.8,),
+        bandwidths=(16.0,),
+        reduced_pressures=(0.05, 0.2),
+        periods=1.0,
+        pairs=4,
+        control_pairs=5,
+        points_per_wave=(3.0, 6.0),
+        seed=31,
+    )
+    return options, bench, study.run(options, bench=bench)
+
+
+def test_a_cell_of_the_table_is_the_controlled_mean_of_its_pairs(small):
+    options, bench, data = small
+    cases = study._cases(options)
+    solved = bench.solve(cases.values())
+    fine, more = options.pairs_of(16.0)
+
+    def gaps(pairs, grid):
+        return [
+            np.mean(
+                [
+                    float(solved[cases[0.8, 16.0, k, sign, k < fine]].mean_gap[grid, 0, 1])
+                    / solved[cases[0.8, 16.0, k, sign, k < fine]].attrs["rms_height"]
+                    for sign in (False, True)
+                ]
+            )
+            for k in pairs
+        ]
+
+    own = controlled_mean(
+        gaps(range(fine), -1), gaps(range(fine), 0), gaps(range(fine, fine + more), 0)
+    ).estimate
+    assert float(data.gap[0, 0, 1]) == pytest.approx(own.value, rel=1e-12)
+    assert float(data.gap_half_width[0, 0, 1]) == pytest.approx(own.half_width, rel=1e-12)
+
+
+def test_the_total_is_the_root_of_the_squares_of_surfaces_grid_and_solver(small):
+    _, _, data = small
+    parts = data.area_half_width**2 + data.area_grid**2 + (1e-6 * data.area) ** 2
+    assert data.area_error.values == pytest.approx(np.sqrt(parts.values), rel=1e-12)
+    row = study.table(data).rows[0]
+    assert row[4] == pytest.approx(100 * float(data.area_error[0, 0, 0] / data.area[0, 0, 0]))
+    assert row[7] == pytest.approx(float(data.area[0, 0, 0]) / 0.05)
+
+
+def test_fewer_waves_take_more_surfaces():
+    options = study.Options(pairs=6, control_pairs=80)
+    assert options.pairs_of(16.0) == (6, 80)
+    assert options.pairs_of(4.0) == (24, 320)
+    assert options.pairs_of(32.0) == (6, 80)

@@ -1,0 +1,405 @@
+"""Numbers of single studies and of what they press, on inputs whose answer is known in closed form."""
+
+from __future__ import annotations
+
+import math
+import zipfile
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from fem_contact import bem
+from fem_contact.hardness import yielded
+from fem_contact.response import HalfSpace
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+from persson.hardness import constant_hardness
+from validation.effects.adhesion import Adhesion
+from validation.effects.base import full_contact_energy
+from validation.measures.common import base_case, base_surface, persson_area
+from validation.measures.distributions import Distributions, largest_difference, weighted_percentile
+from validation.measures.edge import window_slope
+from validation.measures.ladders import rungs_limit
+from validation.measures.measurement import Measurement
+from validation.measures.theory import Waves, ensemble_stress_variance
+from validation.scenes.scene import SelfAffineSurface
+from validation.scenes.surfaces import spectrum_of
+from validation.scenes.topography import read_topography, write_topography
+from validation.studies import (
+    adhesion,
+    area,
+    cross,
+    depth,
+    graded,
+    hardness,
+    magnification,
+    multilevel,
+    scaling,
+    stress_near_zero,
+)
+from validation.studies.pressure import _logarithmic_slope
+from validation.studies.refinement.data import overestimate
+from validation.studies.refinement.grid_roughness import rms_slopes
+
+SOFT = Solid(young=1.0, poisson=0.0)
+
+
+def wave(n=32, amplitude=0.01):
+    x = np.cos(2 * np.pi * np.arange(n) / n)
+    return HeightField(heights=amplitude * x[:, None] * np.ones(n), lengths=(1.0, 1.0))
+
+
+def pressed(surface, mean_pressure, **settings):
+    return bem.solve(surface, HalfSpace(solid=SOFT), mean_pressure=mean_pressure, **settings).checked()
+
+
+# Studies, one by one.
+
+
+def test_adhesion_gains_the_work_of_the_interface_less_half_of_pressure_times_displacement():
+    contact = pressed(wave(), 1.0)
+    # Pressed flat, a wave of amplitude h stores E* q h^2 / 8; the law yields w everywhere.
+    stored = 2 * math.pi * 0.01**2 / 8
+    effect = Adhesion(work=0.02, reach=0.1)
+    assert adhesion._gained(contact, effect) == pytest.approx(0.02 - stored, rel=1e-9)
+
+
+def test_the_limit_of_adhesion_is_that_of_something_linear_in_the_spacing():
+    grids = (40, 100)
+    assert adhesion._limit([0.2 + 3 / n for n in grids], grids) == pytest.approx(0.2, rel=1e-12)
+
+
+def test_the_limit_of_hardness_is_that_of_something_linear_in_the_spacing():
+    coarse, fine = (np.array([0.2 + 3 / n, 0.4 - 2 / n]) for n in (40, 100))
+    np.testing.assert_allclose(hardness._linear(coarse, fine, 40 / 100), [0.2, 0.4], rtol=1e-12)
+
+
+def test_smoothing_in_the_theory_is_what_has_not_yielded_over_what_will():
+    surface = base_surface(hurst=0.7, periods=2.0, bandwidth=8.0, seed=83)
+    realised = base_case(surface, reduced_pressure=0.2)
+    limit = 0.8 * realised.pressure_scale
+    case = hardness._Case(realised=realised, hardness=limit)
+    q = spectrum_of(surface).q_long * np.array([1.5, 3.0, 6.0])
+    spectrum = realised.spectrum_shape
+    factor = realised.field.moments[1] / float(spectrum.m2())
+    variance = realised.contact_modulus**2 / 4 * factor * np.asarray(spectrum.m2(q))
+    plastic = constant_hardness(realised.pressure, stress_variance=variance, yield_stress=limit).plastic
+    # Of the whole area p0 / H yields in the end. The table is joined by power laws over 400 points.
+    exact = 1 - plastic * limit / realised.pressure
+    np.testing.assert_allclose(hardness._kept_by_theory(case, q), exact, atol=2e-3)
+    assert exact[-1] < 0.9
+
+
+def test_kappa_of_the_area_study_is_area_over_load_with_the_error_of_surfaces_and_grids():
+    values = np.array([[0.10, 0.12, 0.11], [0.30, 0.31, 0.35]])
+    error = np.array([[0.003, 0.004, 0.005], [0.006, 0.006, 0.006]])
+    loads = np.array([0.05, 0.2])
+    data = area._dataset(values, error, 0.9 * values, loads=loads, attributes={})
+    mean = values.sum(axis=1) / 3
+    scatter = np.sqrt(((values - mean[:, None]) ** 2).sum(axis=1) / 2 / 3)
+    grids = np.sqrt((error**2).sum(axis=1) / 3)
+    both = np.sqrt(scatter**2 + grids**2)
+    np.testing.assert_allclose(data.area, mean, rtol=1e-12)
+    np.testing.assert_allclose(data.area_error, both, rtol=1e-12)
+    np.testing.assert_allclose(data.kappa, mean / loads, rtol=1e-12)
+    np.testing.assert_allclose(data.kappa_error, both / loads, rtol=1e-12)
+    np.testing.assert_allclose(data.persson, 0.9 * mean, rtol=1e-12)
+
+
+def test_the_slope_of_the_theory_near_zero_stress_is_its_closed_form():
+    # V = 1/4 in units of E* h'_rms: 2 p / (V (2 pi V)^(1/2)) exp(-p^2 / 2 V).
+    for load in (0.02, 0.3):
+        exact = 2 * load / 0.25 / math.sqrt(math.pi / 2) * math.exp(-2 * load**2)
+        assert stress_near_zero._persson_slope(load) == pytest.approx(exact, rel=1e-12)
+
+
+def test_the_slope_from_the_contour_is_twice_contour_over_the_squared_edge_coefficient():
+    options = stress_near_zero.Options()
+    upper = np.linspace(0.005, 0.6, 120)
+    # P = 3 sigma above an excess of .001 that is counted at once.
+    density = 3.0 * (upper - 0.0025)
+    density[0] += 0.001 / 0.005
+    data = xr.Dataset(
+        {"density": ("bin", density), "excess": 0.001, "contour": 2.0, "inverse_square": 0.7, "patches": 5.0},
+        coords={"upper": ("bin", upper)},
+    )
+    found = stress_near_zero._start(data, options, 0.25)
+    window = options.slope_window * 0.5
+    assert found.contour_slope == pytest.approx(2 * 2.0 * 0.7, rel=1e-12)
+    # The share below the window is read between bins of .005: half a bin, squared, over the window, squared.
+    assert found.slope == pytest.approx(3.0, rel=(0.005 / window) ** 2)
+    narrow = options.window * 0.5
+    exact = (0.001 + 1.5 * narrow**2) / narrow
+    assert found.density_at_zero == pytest.approx(exact, rel=0.02)
+
+
+def test_a_window_slope_is_twice_the_true_share_over_the_window_squared():
+    assert window_slope(0.001 + 1.5 * 0.04**2, excess=0.001, window=0.04) == pytest.approx(3.0, rel=1e-12)
+
+
+def test_densities_and_slopes_at_zero_are_extrapolated_in_their_own_powers_of_the_spacing():
+    spacing = np.array([0.16, 0.08, 0.04, 0.02])
+    root = np.sqrt(spacing)
+    rows = {
+        "density_at_zero": 0.02 + 0.4 * root - 0.3 * root**2,
+        "slope": 2.0 - 0.5 * root + 0.1 * root**2,
+        "contour_slope": 2.1 + 0.7 * spacing,
+    }
+    data = xr.Dataset(
+        {name: (("surface", "grid"), np.array([row - 0.01, row + 0.01])) for name, row in rows.items()},
+        coords={"spacing": ("grid", spacing)},
+    )
+    assert stress_near_zero.limit_at_zero(data).value == pytest.approx(0.02, abs=1e-10)
+    assert stress_near_zero.limit_slope(data).value == pytest.approx(2.0, rel=1e-10)
+    assert stress_near_zero.limit_contour_slope(data).value == pytest.approx(2.1, rel=1e-10)
+
+
+def test_the_stiffness_of_the_pressure_study_is_the_gap_lost_per_e_fold_of_load():
+    pressure = np.geomspace(0.01, 1.0, 9)
+    gap = 0.3 - 0.07 * np.log(pressure)
+    np.testing.assert_allclose(_logarithmic_slope(gap, pressure), 0.07, rtol=1e-10)
+
+
+def test_waves_left_out_raise_the_reduced_pressure_of_the_rest():
+    """One nominal pressure, theory erf(p / (2 V)^(1/2)) with the gradient of the waves that are there."""
+    options = magnification.Options(
+        surfaces=2, magnifications=(2.0, 4.0), bandwidth=4.0, periods=2.0, points_per_wave=(3.0, 4.0),
+        reduced_pressures=(0.1,), seed=71,
+    )  # fmt: skip
+    cases = magnification._cases(options)
+    part, whole = (cases[0, zeta].heights(cases[0, zeta].grids[0]).rms_gradient for zeta in (2.0, 4.0))
+    assert part < 0.9 * whole
+    planted = {
+        case: xr.Dataset(attrs={"rms_gradient": solve.realised.field.rms_gradient})
+        for case, solve in cases.items()
+    }
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(magnification, "results_of", lambda bench, cases: planted)
+        patch.setattr(magnification, "area_limits", lambda data: (np.array([0.2]), np.array([0.01])))
+        data = magnification.run(options, bench=SimpleNamespace())
+    exact = [math.erf(math.sqrt(2) * 0.1 * whole / slope) for slope in (part, whole)]
+    np.testing.assert_allclose(data.theory[0, :, 0], exact, rtol=1e-9)
+    spectrum = options.first.spectrum
+    slopes = [math.sqrt(float(spectrum.m2(zeta * spectrum.q_long))) for zeta in (2.0, 4.0)]
+    exact = [math.erf(math.sqrt(2) * 0.1 * whole / slope) for slope in slopes]
+    np.testing.assert_allclose(data.theory_ensemble[0, :, 0], exact, rtol=1e-9)
+
+
+def test_levels_add_their_means_and_their_variances_over_the_surfaces():
+    data = xr.Dataset(
+        {
+            "mean": ("level", [0.3, -0.02, 0.004]),
+            "variance": ("level", [4e-4, 1e-5, 1e-6]),
+            "surfaces": ("level", [40, 10, 4]),
+        }
+    )
+    mean, error = multilevel.estimate(data)
+    assert mean == pytest.approx(0.284, rel=1e-12)
+    assert error == pytest.approx(math.sqrt(4e-4 / 40 + 1e-5 / 10 + 1e-6 / 4), rel=1e-12)
+
+
+def test_terms_of_levels_are_the_finer_area_less_the_coarser():
+    first = xr.Dataset({"pixel": (("grid", "shift", "load"), np.array([0.31, 0.28]).reshape(2, 1, 1))})
+    np.testing.assert_allclose(multilevel._terms([first], "pixel"), [-0.03], rtol=1e-12)
+
+
+def test_a_cost_law_has_the_exponent_and_the_size_of_its_points():
+    points = np.array([64, 128, 256])
+    cost = 3e-6 * np.array([[n**2.2, n**2.2] for n in points.astype(float)])
+    data = xr.Dataset({"seconds": (("points", "surface"), cost)}, coords={"points": points})
+    law = scaling.power_law(data, "seconds")
+    assert law.exponent == pytest.approx(1.1, rel=1e-9)
+    assert law.coefficient == pytest.approx(3e-6, rel=1e-9)
+    assert law.points(3e-6 * 500.0**2.2) == pytest.approx(500.0**2, rel=1e-8)
+
+
+def test_finite_elements_are_compared_relative_to_boundary_elements():
+    numbers = {"pixel": 0.22, "pixel_bem": 0.20, "perimeter": 0.19, "perimeter_bem": 0.20}
+    found = cross._differences(xr.Dataset({name: ((), value) for name, value in numbers.items()}))
+    assert found["area"] == pytest.approx(0.1, rel=1e-12)
+    assert found["area_corrected"] == pytest.approx(-0.05, rel=1e-12)
+
+
+def test_the_area_of_a_block_is_told_relative_to_the_half_space():
+    options = depth.Options(elements=("Hex1",), depths=(1.0,), growths=(1.2,), poissons=(0.3,))
+    numbers = {"pixel": 0.22, "pixel_bem": 0.20, "pressure_half_space": 0.04, "pressure_layer": 0.03}
+    planted = xr.Dataset({name: ((), value) for name, value in numbers.items()})
+    data = depth._dataset(dict.fromkeys(depth._blocks(options), planted), options)
+    np.testing.assert_allclose(data.area, 0.1, rtol=1e-12)
+    assert [row[5:] for row in depth.table(data).rows] == [pytest.approx((4.0, 3.0, 10.0))] * 3
+
+
+def test_felt_over_exact_is_one_without_grading_and_grading_is_largest_where_the_profile_is_steepest():
+    q = np.array([0.1, 1.0, 10.0])
+    solid = Solid(young=3.0, poisson=0.3)
+    share = graded._share(lambda wave: np.full(wave.shape, 3.0 / 0.91), HalfSpace(solid=solid), q)
+    np.testing.assert_allclose(share, 1.0, rtol=1e-12)
+    # E = r + (1 - r) e^-z: at the surface |1 - r|, and for r < 1 largest far below, where E = r.
+    np.testing.assert_allclose(graded._grading(3.0, q), 2.0 / q, rtol=1e-12)
+
+
+def test_overestimates_are_relative_to_the_limit_of_the_own_surface():
+    data = xr.Dataset(
+        {"pixel": (("surface", "grid"), [[0.22, 0.21], [0.44, 0.42]]), "limit": ("surface", [0.2, 0.4])}
+    )
+    np.testing.assert_allclose(overestimate(data, "pixel"), [[0.1, 0.05], [0.1, 0.05]], rtol=1e-12)
+
+
+def test_forward_and_central_slopes_of_a_wave_are_those_of_its_differences():
+    n = 16
+    slopes = rms_slopes(wave(n))
+    exact = 2 * math.pi * 0.01 / math.sqrt(2)
+    step = math.pi / n
+    assert slopes["spectral"] == pytest.approx(exact, rel=1e-12)
+    assert slopes["forward"] == pytest.approx(exact * math.sin(step) / step, rel=1e-12)
+    assert slopes["central"] == pytest.approx(exact * math.sin(2 * step) / (2 * step), rel=1e-12)
+
+
+# What studies measure with.
+
+
+@pytest.fixture(scope="module")
+def flattened():
+    """A surface in full contact, measured along two loads."""
+    case = base_case(base_surface(hurst=0.8, periods=2.0, bandwidth=2.0, seed=89), reduced_pressure=6.0)
+    return case, Distributions(
+        realised=case, reduced_pressures=(5.0, 6.0), grids=((16, 16), (24, 24)), shifts=1
+    )
+
+
+def test_the_energy_of_a_measurement_at_full_contact_is_the_sum_over_waves(flattened):
+    case, solve = flattened
+    data = solve.measure()
+    exact = full_contact_energy(case.field, modulus=case.contact_modulus)
+    np.testing.assert_allclose(data.energy.values, exact, rtol=1e-8)
+    assert data.attrs["full_contact_energy"] == pytest.approx(exact, rel=1e-12)
+
+
+def test_shares_of_pressure_add_up_to_the_area_and_to_the_load():
+    contact = pressed(wave(), 0.01)
+    case = base_case(base_surface(hurst=0.8, periods=2.0, bandwidth=2.0, seed=89), reduced_pressure=0.1)
+    unit = float(np.asarray(contact.pressure).max()) / 3
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(type(case), "pressure_scale", unit)
+        patch.setattr(type(case), "shortest", 0.1)
+        shares = Distributions(realised=case, grids=((32, 32),)).profiles(contact)
+    share = float(contact.in_contact.mean())
+    assert shares["stress"].sum() == pytest.approx(share, rel=1e-12)
+    assert shares["load"].sum() == pytest.approx(1.0, rel=1e-12)
+    assert shares["patch_area"].sum() == pytest.approx(share, rel=1e-12)
+    assert shares["patch_number"].sum() == 1
+
+
+def test_distances_of_distributions_do_not_depend_on_how_many_were_counted():
+    one, two = np.array([1.0, 1.0, 2.0]), np.array([1.0, 2.0, 1.0])
+    assert largest_difference(one, two) == pytest.approx(0.25, rel=1e-12)
+    assert largest_difference(7 * one, two) == pytest.approx(0.25, rel=1e-12)
+    edges = np.array([1.0, 10.0, 100.0, 1000.0])
+    assert weighted_percentile(9 * one, edges, 0.5) == pytest.approx(100.0, rel=1e-12)
+
+
+def test_energy_and_variance_of_the_waves_of_a_field_are_those_of_its_spectrum():
+    field = wave()
+    waves = Waves.of_field(field)
+    q = 2 * math.pi
+    assert waves.full_energy == pytest.approx(q * 0.01**2 / 8, rel=1e-12)
+    assert waves.variance.mean() == pytest.approx((q * 0.01) ** 2 / 2 / 4 / 2, rel=1e-12)
+
+
+def test_variances_expected_of_a_spectrum_scatter_with_the_squared_gradients_about_its_own():
+    surface = base_surface(hurst=0.8, periods=2.0, bandwidth=4.0, seed=97)
+    found = ensemble_stress_variance(spectrum_of(surface), [0.1, 0.2])
+    np.testing.assert_allclose(found, 0.1**2 / 4 * np.array([0.4, 1.6]), rtol=1e-9)
+
+
+def test_the_theory_beside_a_study_is_the_error_function_of_the_reduced_pressure():
+    np.testing.assert_allclose(
+        persson_area([0.05, 0.4]), [math.erf(math.sqrt(2) * p) for p in (0.05, 0.4)], rtol=1e-12
+    )
+
+
+def test_rungs_of_a_known_order_lead_to_their_limit_and_a_shift_grows_with_it():
+    steps = (0.4, 0.2, 0.1)
+    found = rungs_limit([[2.0 + 0.5 * s**1.5] * 2 for s in steps], steps, order=1.5, common=True)
+    assert found.limit == pytest.approx(2.0, rel=1e-12)
+    assert found.shift(0.2) == pytest.approx(0.5 * 0.2**1.5, rel=1e-10)
+    assert found.reach == pytest.approx(0.1**1.5 / (0.4**1.5 - 0.1**1.5), rel=1e-12)
+
+
+def test_a_path_presses_each_load_with_the_gradient_of_the_whole_surface():
+    case = base_case(base_surface(hurst=0.8, periods=2.0, bandwidth=2.0, seed=101), reduced_pressure=0.1)
+    solve = Measurement(realised=case, reduced_pressures=(0.05, 0.2), grids=((16, 16),), shifts=1)
+    found = [result.mean_pressure for result in solve._path((16, 16), (0.0, 0.0))]
+    unit = case.contact_modulus * case.field.rms_gradient
+    np.testing.assert_allclose(found, [0.05 * unit, 0.2 * unit], rtol=1e-6)
+
+
+# What is pressed.
+
+
+@pytest.mark.parametrize("rolloff", ["plateau", "smooth"])
+def test_the_rolloff_of_a_scene_is_that_of_its_spectrum_down_to_the_period(rolloff):
+    surface = SelfAffineSurface(
+        kind="self-affine", length=(1e-3, 5e-4), hurst=0.8, lambda_long=1e-4, lambda_short=1e-5,
+        rms_gradient=0.1, rolloff=rolloff, seed=3,
+    )  # fmt: skip
+    spectrum = spectrum_of(surface)
+    long = 2 * math.pi / 1e-4
+    bend = {"plateau": 1.0, "smooth": ((1 + 0.2**2) / 2) ** -1.8}[rolloff]
+    assert float(spectrum(0.2 * long) / spectrum(long)) == pytest.approx(bend, rel=1e-12)
+    assert spectrum.q_min == pytest.approx(2 * math.pi / 1e-3, rel=1e-12)
+
+
+def test_further_realisations_have_seeds_of_their_own_and_share_no_wave():
+    case = base_case(base_surface(hurst=0.8, periods=4.0, bandwidth=4.0, seed=103), reduced_pressure=0.1)
+    fields = [case.further(k).field.heights for k in range(3)]
+    seeds = [case.surface.seed_of(k) for k in range(3)]
+    assert seeds == [103, 104, 105]
+    for one, other in ((0, 1), (0, 2), (1, 2)):
+        alike = np.corrcoef(fields[one].ravel(), fields[other].ravel())[0, 1]
+        # About 800 waves with independent phases: four deviations of (2 / m)^(1/2).
+        assert abs(alike) < 0.2
+
+
+def test_steps_of_x_and_y_of_an_x3p_file_are_those_of_its_axes(tmp_path):
+    xml = (
+        '<p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2"><Record1><Axes>'
+        "<CX><Increment>2e-7</Increment></CX><CY><Increment>5e-7</Increment></CY>"
+        "<CZ><DataType>D</DataType><Increment>1</Increment></CZ></Axes></Record1>"
+        "<Record3><MatrixDimension><SizeX>3</SizeX><SizeY>4</SizeY></MatrixDimension>"
+        "<DataLink><PointDataLink>data.bin</PointDataLink></DataLink></Record3></p:ISO5436_2>"
+    )
+    # x runs fastest.
+    heights = np.arange(12.0).reshape(3, 4)
+    with zipfile.ZipFile(tmp_path / "made.x3p", "w") as archive:
+        archive.writestr("main.xml", xml)
+        archive.writestr("data.bin", heights.T.astype("<f8").tobytes())
+    found = read_topography(tmp_path / "made.x3p")
+    np.testing.assert_allclose(found.lengths, (6e-7, 2e-6), rtol=1e-12)
+    np.testing.assert_array_equal(found.heights, heights)
+
+
+@pytest.mark.parametrize("suffix", [".nc", ".x3p"])
+def test_oblong_cells_are_written_with_the_step_of_each_axis(tmp_path, suffix):
+    field = HeightField(heights=np.arange(12.0).reshape(3, 4), lengths=(6e-7, 2e-6))
+    write_topography(tmp_path / f"oblong{suffix}", field)
+    found = read_topography(tmp_path / f"oblong{suffix}")
+    np.testing.assert_allclose(found.lengths, field.lengths, rtol=1e-12)
+    np.testing.assert_array_equal(found.heights, field.heights)
+
+
+def test_yielded_and_elastic_areas_and_loads_are_those_of_their_points():
+    contact = pressed(wave(), 0.01, pressure_bound=0.02)
+    weights = np.tile([[1.5], [0.5]], (16, 32))
+    found = yielded(replace(contact, weights=weights))
+    bound, touching = np.asarray(contact.at_bound), np.asarray(contact.in_contact)
+    assert bound.any()
+    assert found.plastic_area == pytest.approx((weights * bound).sum() / 1024, rel=1e-12)
+    # The points at the bound have more than their share of the area.
+    assert abs((weights * bound).sum() / bound.sum() - 1) > 0.01
+    assert found.elastic_area == pytest.approx((weights * (touching & ~bound)).sum() / 1024, rel=1e-12)
+    assert found.plastic_load == pytest.approx(0.02 * (weights * bound).sum() / 1024, rel=1e-8)
+    assert found.elastic_area + found.plastic_area + found.open_area == pytest.approx(1.0, rel=1e-12)

@@ -1,0 +1,207 @@
+"""Spheres and asperities: Hertz, JKR, Greenwood and Williamson, Nayak, Fuller and Tabor."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import quad
+
+from persson import spheres
+from persson.asperities import (
+    Asperities,
+    FullerTabor,
+    bush_gibson_thomas,
+    nayak_asperities,
+    ring_asperities,
+)
+from persson.spectrum import Moments
+from validation.cases import Case, Check
+
+__all__ = ["CASES"]
+
+Array = NDArray[np.float64]
+
+_RADIUS, _MODULUS, _WORK = 2e-3, 3e6, 0.05
+
+
+def _hertz() -> list[Check]:
+    force = 0.7
+    contact = spheres.hertz(force, radius=_RADIUS, contact_modulus=_MODULUS)
+    s, peak = contact.approach, contact.peak_pressure
+    stress = np.linspace(0, peak, 20001)
+    density = spheres.hertz_pressure_distribution(stress, peak_pressure=peak)
+    carried = quad(
+        lambda r: 2 * math.pi * r * float(contact.pressure(r)), 0, contact.radius, epsabs=0, epsrel=1e-10
+    )[0]
+    return [
+        Check.relative("F from s [N]", 4 / 3 * _MODULUS * math.sqrt(_RADIUS * s) * s, force, 1e-12),
+        Check.relative("a^2 / R [m]", contact.radius**2 / _RADIUS, s, 1e-12),
+        Check.relative("integral of p(r) [N]", carried, force, 1e-8),
+        Check.relative("integral of P(sigma)", float(np.trapezoid(density, stress)), 1.0, 1e-3),
+        Check.relative(
+            "mean of P(sigma) over the peak",
+            float(np.trapezoid(stress * density, stress)) / peak,
+            2 / 3,
+            1e-3,
+        ),
+    ]
+
+
+def _jkr() -> list[Check]:
+    def load(a: Array) -> Array:
+        return spheres.jkr_load(a, radius=_RADIUS, contact_modulus=_MODULUS, work_of_adhesion=_WORK)
+
+    # Without load a^3 = 9 pi w R^2 / (2 E*); at pull-off it is a quarter of that.
+    free = math.cbrt(4.5 * math.pi * _WORK * _RADIUS**2 / _MODULUS)
+    around = free * np.linspace(0.2, 1.0, 4001)
+    strongest = 1.5 * math.pi * _WORK * _RADIUS
+    reach = 4e-9
+    tabor = spheres.tabor_parameter(_RADIUS, contact_modulus=_MODULUS, work_of_adhesion=_WORK, range_=reach)
+    exact = (_RADIUS * _WORK**2 / _MODULUS**2 / reach**3) ** (1 / 3)
+    unit = math.pi * _WORK * _RADIUS
+    stiff = spheres.derjaguin_pull_off(_RADIUS, work_of_adhesion=_WORK)
+    return [
+        Check.below("F at the radius of no load, over pull-off", float(load(free)) / strongest, 1e-12),
+        Check.relative("smallest F [N]", float(np.min(load(around))), -strongest, 1e-6),
+        Check.relative(
+            "pull-off force [N]", spheres.jkr_pull_off(_RADIUS, work_of_adhesion=_WORK), strongest, 1e-12
+        ),
+        Check.relative("pull-off of stiff spheres over pi w R", stiff / unit, 2.0, 1e-12),
+        Check.relative("Tabor parameter", tabor, exact, 1e-12),
+        # Maugis's transition, to the fourth digit of its limits.
+        Check.relative("pull-off of Maugis at mu = 1e-3", spheres.maugis_pull_off(1e-3), 2.0, 2e-3),
+        Check.relative("pull-off of Maugis at mu = 50", spheres.maugis_pull_off(50.0), 1.5, 2e-3),
+    ]
+
+
+#: Moments of a surface with a Nayak parameter of 12.
+_MOMENTS = Moments(m0=4e-12, m2=1e-2, m4=1e-2**2 * 8 / 4e-12)
+
+
+def _summits() -> list[Check]:
+    """Statistics of summits in the moments of a profile: mu0 = m0, mu2 = m2 / 2, mu4 = 3 m4 / 8."""
+    mu2, mu4 = _MOMENTS.m2 / 2, 3 * _MOMENTS.m4 / 8
+    alpha = _MOMENTS.m0 * mu4 / mu2**2
+    found = nayak_asperities(_MOMENTS)
+    density = mu4 / mu2 / (6 * math.pi * math.sqrt(3))
+    mean = 4 * math.sqrt(_MOMENTS.m0 / (math.pi * alpha))
+    deviation = math.sqrt(_MOMENTS.m0 * (1 - 0.8968 / alpha))
+    # How many summits stand above a plane tells where they are: mean and scatter of their heights.
+    d = np.linspace(-8, 8, 401) * math.sqrt(_MOMENTS.m0)
+    contact = bush_gibson_thomas(d, moments=_MOMENTS, contact_modulus=1.0)
+    share = contact.density / density
+    below = (d < 0).astype(float)
+    below[d == 0] = 0.5
+    first = float(np.trapezoid(share - below, d))
+    second = 2 * float(np.trapezoid(d * (share - below), d))
+    ring = ring_asperities(1e5, rms_height=1e-6)
+    return [
+        Check.relative("Nayak parameter", _MOMENTS.nayak, alpha, 1e-12),
+        Check.relative("density [1/m^2]", found.density, density, 1e-12),
+        Check.relative("mean curvature [1/m]", 1 / found.radius, 8 / 3 * math.sqrt(mu4 / math.pi), 1e-12),
+        Check.relative("scatter of heights [m]", found.rms_height, deviation, 1e-4),
+        Check.relative("mean height, counted above planes [m]", first, mean, 1e-4),
+        Check.relative(
+            "scatter of heights, counted above planes [m]", math.sqrt(second - first**2), deviation, 1e-3
+        ),
+        Check(
+            quantity="n_0 / q^2 of one wavelength",
+            computed=ring.density / 1e10,
+            reference=0.029,
+            tolerance=5e-4,
+        ),
+        Check.relative("1/R of one wavelength [1/m]", 1 / ring.radius, math.sqrt(2) * 1e10 * 1e-6, 1e-12),
+        Check.relative("h* of one wavelength [m]", ring.rms_height, 0.6e-6, 1e-12),
+    ]
+
+
+_ASPERITIES = Asperities(density=1e10, radius=5e-6, rms_height=1e-7)
+
+
+def _spheres_on_a_plane() -> list[Check]:
+    """Sum Hertz over Gaussian heights."""
+    checks = []
+    for deviations in (0.5, 2.0):
+        d = deviations * _ASPERITIES.rms_height
+
+        def summed(power: float, d: float = d) -> float:
+            h = _ASPERITIES.rms_height
+            normal = 1 / math.sqrt(2 * math.pi) / h
+            return quad(
+                lambda z: max(z - d, 0.0) ** power * normal * math.exp(-0.5 * (z / h) ** 2),
+                d,
+                d + 12 * h,
+                epsabs=0,
+                epsrel=1e-10,
+            )[0]
+
+        contact = _ASPERITIES.contact(d, contact_modulus=_MODULUS)
+        n, big = _ASPERITIES.density, _ASPERITIES.radius
+        checks += [
+            Check.relative(
+                f"A/A0 at {deviations:g} h*", float(contact.area), math.pi * n * big * summed(1), 1e-7
+            ),
+            Check.relative(
+                f"p0 at {deviations:g} h* [Pa]",
+                float(contact.pressure),
+                4 / 3 * n * _MODULUS * math.sqrt(big) * summed(1.5),
+                1e-7,
+            ),
+        ]
+    return checks
+
+
+def _sticking() -> list[Check]:
+    """Asperities of almost one height pull off together, each with 3/2 pi w R."""
+    big = _ASPERITIES.radius
+    stretch = 0.75 * math.cbrt(math.pi**2 * _WORK**2 * big / _MODULUS**2)
+    alike = Asperities(density=1e10, radius=big, rms_height=1e-3 * stretch)
+    pull = FullerTabor(asperities=alike, contact_modulus=_MODULUS, work_of_adhesion=_WORK)
+    rough = FullerTabor(
+        asperities=Asperities(density=1e10, radius=big, rms_height=4 * stretch),
+        contact_modulus=_MODULUS,
+        work_of_adhesion=_WORK,
+    )
+    all_together = 1e10 * 1.5 * math.pi * _WORK * big
+    return [
+        Check.relative("stretch at which an asperity lets go [m]", pull.stretch, stretch, 1e-12),
+        # dF/d delta is infinite there, so what is lost goes with the two thirds power of the scatter.
+        Check.relative("pull-off of equal asperities [Pa]", pull.pull_off(), all_together, 0.03),
+        Check.within("pull-off of rough ones over that", rough.pull_off() / all_together, 1e-9, 0.03),
+    ]
+
+
+CASES = (
+    Case(
+        name="spheres-hertz",
+        claim="Force, approach, radius and pressures of a Hertzian contact belong together.",
+        run=_hertz,
+        source="H. Hertz, J. reine angew. Math. 92, 156 (1882); Persson 2006, Eqs. 4-8 and 23",
+    ),
+    Case(
+        name="spheres-adhesive",
+        claim="An adhesive sphere comes off at 3/2 pi w R if soft, at 2 pi w R if stiff.",
+        run=_jkr,
+        source="K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971); D. Maugis (1992)",
+    ),
+    Case(
+        name="asperities-summits",
+        claim="Summits of a random surface have Nayak's density, curvature and heights.",
+        run=_summits,
+        source="P. R. Nayak, J. Lubr. Technol. 93, 398 (1971); J. I. McCool, J. Tribol. 109, 264 (1987)",
+    ),
+    Case(
+        name="asperities-spheres",
+        claim="Equal spheres of Gaussian heights carry the sum of their Hertzian loads.",
+        run=_spheres_on_a_plane,
+        source="J. A. Greenwood, J. B. P. Williamson, Proc. R. Soc. A 295, 300 (1966)",
+    ),
+    Case(
+        name="asperities-adhesive",
+        claim="Adhesive asperities of one height come off together; rough ones hardly stick.",
+        run=_sticking,
+        source="K. N. G. Fuller, D. Tabor, Proc. R. Soc. A 345, 327 (1975)",
+    ),
+)

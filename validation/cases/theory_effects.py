@@ -1,0 +1,352 @@
+"""The theory of effects: hardness, adhesion, graded moduli, corrected energies, and the mean separation."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.integrate import quad
+
+from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
+from persson.diffusion import solve_diffusion
+from persson.elastic import contact_area, diffusion_parameter, initial_slope, persson_kappa, pressure_for_area
+from persson.graded import ExponentialLayers, GradedModulus, SurfaceLayer
+from persson.hardness import constant_hardness
+from persson.scale import Scale
+from persson.separation import mean_separation
+from persson.spectrum import SelfAffine, area_factor
+from persson.variants import Variant, corrected_contact_area, energy_factor, light_load_kappa
+from validation.cases import Case, Check
+
+__all__ = ["CASES"]
+
+Array = NDArray[np.float64]
+
+
+def _elastic() -> list[Check]:
+    """Beside the area itself: its inverse, its secant slope, and its loss to the wall at sigma = 0."""
+    variance, pressure = 0.36, 0.5
+    area = math.erf(pressure / math.sqrt(2 * variance))
+    step = 1e-4
+    lost = [
+        float(contact_area(pressure, stress_variance=variance + side * step)) / (2 * step) for side in (-1, 1)
+    ]
+    slope = float(initial_slope(pressure, stress_variance=variance))
+    return [
+        Check.relative(
+            "p0 of an area", float(pressure_for_area(area, stress_variance=variance)), pressure, 1e-12
+        ),
+        # Differences of a step of 1e-4 leave its square.
+        Check.relative("P'(0+) from dA/dV = -P'(0+) / 2", slope, 2 * (lost[0] - lost[1]), 1e-6),
+        Check.relative(
+            "kappa at p* = .3", float(persson_kappa(0.3)), math.erf(0.3 * math.sqrt(2)) / 0.3, 1e-12
+        ),
+        Check.relative(
+            "G = V / (2 p0^2)", float(diffusion_parameter(pressure, stress_variance=variance)), 0.72, 1e-12
+        ),
+        Check.relative("kappa without load", float(persson_kappa(0.0)), math.sqrt(8 / math.pi), 1e-12),
+    ]
+
+
+def _eigenfunctions(x: float, v: float) -> tuple[float, float]:
+    """Elastic and yielded area between absorbing walls at 0 and 1, by their eigenfunctions alone."""
+    n = np.arange(1, 2001)
+    decay = np.sin(n * math.pi * x) * np.exp(-0.5 * (n * math.pi) ** 2 * v) * 2 / (n * math.pi)
+    return float(2 * np.sum(decay[::2])), float(x + np.sum(np.where(n % 2 == 1, -decay, decay)))
+
+
+def _hardness() -> list[Check]:
+    """Between both walls: few eigenfunctions at large V, images at small V, and the diffusion solver."""
+    checks, hardness = [], 2.0
+    for x, v in ((0.1, 0.05), (0.4, 0.3), (0.4, 0.4), (0.7, 0.8)):
+        found = constant_hardness(x * hardness, stress_variance=v * hardness**2, yield_stress=hardness)
+        elastic, plastic = _eigenfunctions(x, v)
+        solved = solve_diffusion(
+            [v * hardness**2], pressure=x * hardness, yield_stress=hardness, tolerance=1e-7
+        ).checked()
+        name = f"p0/H = {x}, V/H^2 = {v}"
+        checks += [
+            Check(
+                quantity=f"A_el/A0, {name}", computed=float(found.elastic), reference=elastic, tolerance=1e-10
+            ),
+            Check(
+                quantity=f"A_pl/A0, {name}", computed=float(found.plastic), reference=plastic, tolerance=1e-10
+            ),
+            Check(
+                quantity=f"sum of the areas, {name}",
+                computed=float(found.elastic + found.plastic + found.detached),
+                reference=1.0,
+                tolerance=1e-10,
+            ),
+            Check(
+                quantity=f"A_pl/A0 by diffusion, {name}",
+                computed=float(solved.area_plastic[0]),
+                reference=plastic,
+                tolerance=1e-6,
+            ),
+        ]
+    return checks
+
+
+def _diffusion() -> list[Check]:
+    """One wall at -sigma_a: the image of the source in it; before any wall is felt, a Gaussian."""
+    variance, pressure, wall = 5.0, 0.4, 1.5
+    solved = solve_diffusion([variance], pressure=pressure, tensile_limit=wall, tolerance=1e-8).checked()
+    width = math.sqrt(2 * variance)
+    sigma = np.linspace(-wall, 8.0, 12)
+    exact = (
+        np.exp(-(((sigma - pressure) / width) ** 2)) - np.exp(-(((sigma + pressure + 2 * wall) / width) ** 2))
+    ) / (width * math.sqrt(math.pi))
+    # Eq. 48: d<(sigma - sigma_0)^2>/dV = P + (sigma_a + sigma_0)^2 dP/dV.
+    grown = quad(lambda v: math.erf((wall + pressure) / math.sqrt(2 * v)), 0, variance, epsabs=1e-12)[0]
+    area = math.erf((wall + pressure) / width)
+    second = (wall + pressure) ** 2 * (area - 1) + grown
+    off = float(np.max(np.abs(solved.distribution(0, sigma) - exact)) / np.max(exact))
+    early = solve_diffusion([1e-6], pressure=1.0)
+    peak = float(early.distribution(0, np.array(1.0)))
+    return [
+        Check.relative("area", float(solved.area_elastic[0]), area, 1e-7),
+        Check.below("largest error of P(sigma) over its largest value", off, 1e-6),
+        Check.relative("<(sigma - sigma_0)^2>", float(solved.mean_square[0]), second, 1e-6),
+        Check.relative("load", float(solved.load_elastic[0]), pressure + wall * (1 - area), 1e-6),
+        Check.relative("P(sigma_0) before a wall is felt", peak, 1 / math.sqrt(2e-6 * math.pi), 1e-6),
+    ]
+
+
+def _variants() -> list[Check]:
+    """Invert dV = S(P) dV_full by a quadrature over V."""
+    ratio = 0.45
+    factors = {
+        "yang_persson": lambda p: ratio + (1 - ratio) * p**2,
+        "wang_mueser": lambda p: 5 / 9 - 2 / 9 * p**2 + 6 / 9 * p**4,
+    }
+    checks = []
+    for variant, factor in factors.items():
+        name: Variant = variant  # type: ignore[assignment]
+        for p in (0.0, 0.6, 1.0):
+            found = float(energy_factor(p, variant=name))
+            checks.append(Check.relative(f"S({p}) of {variant}", found, factor(p), 1e-12))
+        checks.append(
+            Check.relative(
+                f"kappa without load of {variant}",
+                light_load_kappa(name),
+                math.sqrt(8 / math.pi / factor(0.0)),
+                1e-12,
+            )
+        )
+        for variance in (0.5, 40.0):
+            full = quad(
+                lambda v, factor=factor: 1 / factor(math.erf(1 / math.sqrt(2 * v))) if v > 0 else 1.0,
+                0,
+                variance,
+                epsabs=0,
+                epsrel=1e-10,
+                limit=200,
+            )[0]
+            area = float(corrected_contact_area(1.0, stress_variance=full, variant=name))
+            exact = math.erf(1 / math.sqrt(2 * variance))
+            checks.append(Check.relative(f"A/A0 of {variant} at V = {variance}", area, exact, 1e-7))
+    return checks
+
+
+_ROUGH = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=1e8)
+
+
+def _profile() -> list[Check]:
+    """Weigh E(z) with q exp(-q z): both ends, closed forms, and what a quadrature makes of them."""
+    poisson, thickness = 0.4, 2e-6
+    strain = 1 - poisson**2
+    exponential = ExponentialLayers(bulk=1e6, excess=[5e6], depths=[thickness], poisson=poisson)
+    layer = SurfaceLayer(layer=6e6, bulk=1e6, thickness=thickness, poisson=poisson)
+    general = GradedModulus(young=lambda z: 1e6 + 5e6 * np.exp(-z / thickness), poisson=poisson)
+    checks = []
+    for scaled in (1e-6, 0.3, 2.0, 1e6):
+        q = scaled / thickness
+        share = scaled / (1 + scaled)
+        name = f"E~*(q) at q d = {scaled:g}"
+        checks += [
+            Check.relative(
+                f"{name}, exponential", float(exponential(q)), (1e6 + 5e6 * share) / strain, 1e-12
+            ),
+            Check.relative(
+                f"{name}, coating", float(layer(q)), (1e6 - 5e6 * math.expm1(-scaled)) / strain, 1e-12
+            ),
+        ]
+        if 1e-3 < scaled < 1e3:
+            checks.append(
+                Check.relative(f"{name}, by quadrature", float(general(q)), float(exponential(q)), 1e-8)
+            )
+    scale = Scale(_ROUGH, contact_modulus=exponential)
+
+    def grown(x: float) -> float:
+        q = math.exp(x)
+        felt = (1e6 + 5e6 * q * thickness / (1 + q * thickness)) / strain
+        return felt**2 / 4 * 2 * math.pi * q**4 * float(_ROUGH(q))
+
+    exact = quad(grown, math.log(1e5), math.log(1e8), epsabs=0, epsrel=1e-10)[0]
+    # Simpson's rule on 24 points per e-fold: h^4 / 2880, times a few powers of q.
+    checks.append(Check.relative("V of a graded solid [Pa^2]", float(scale.variance(1e8)), exact, 1e-7))
+    return checks
+
+
+def _separation() -> list[Check]:
+    """Sum what the load stores: u(p1) - u(p2) = int dU/dp dp / p, summed over waves and loads."""
+    modulus = 4e6
+    scale = Scale(_ROUGH, contact_modulus=modulus)
+    low, high = 2e3, 4e4
+    q_nodes, q_weights = np.polynomial.legendre.leggauss(200)
+    span = math.log(1e8 / 1e5)
+    # ln q = ln q_long + span t^2 takes out the root with which V begins.
+    t = (1 + q_nodes) / 2
+    q = 1e5 * np.exp(span * t**2)
+    variance = np.asarray(scale.variance(q))
+    growth = modulus**2 / 4 * 2 * math.pi * q**4 * _ROUGH(q) / (modulus * q) * q_weights * span * t
+    p_nodes, p_weights = np.polynomial.legendre.leggauss(60)
+    p = np.exp(math.log(low) + math.log(high / low) * (1 + p_nodes) / 2)[:, None]
+    # dU/dp = int dV / (E* q) dA/dp, with A = erf(p / sqrt(2 V)).
+    rate = np.sqrt(2 / (math.pi * variance)) * np.exp(-(p**2) / (2 * variance)) @ growth
+    exact = float(np.sum(rate * p_weights) * math.log(high / low) / 2)
+    found = mean_separation(np.array([low, high]), scale=scale)
+    far = mean_separation(np.array([1e-2, 1e-3]), scale=scale)
+    # At vanishing load A = p (2 / (pi V))^(1/2), so that the separation grows by this per e-fold.
+    whole = float(np.sqrt(2 / (math.pi * variance)) @ growth)
+    return [
+        # Gauss's rule on both sides: panels of 1/8 in ln V there, 200 points in the root of ln q here.
+        Check.relative("u(p1) - u(p2) [m]", float(found[0] - found[1]), exact, 1e-9),
+        Check.relative(
+            "growth per e-fold at light load [m]", float(far[1] - far[0]) / math.log(10), whole, 1e-4
+        ),
+    ]
+
+
+#: The rim of a tire on steel in Persson 2006, Sec. 8.3.
+_RIM = SelfAffine.from_rms_height(0.5e-6, hurst=0.8, q_long=1e5, q_short=1e10)
+_RIM_MODULUS, _RIM_PRESSURE = 10e6 / (1 - 0.5**2), 0.5e6
+_RIM_INTERFACE = Interface(work_of_adhesion=0.05)
+
+
+def _rim(interface: Interface, pressure: float = _RIM_PRESSURE) -> AdhesiveContact:
+    scale = Scale(_RIM, contact_modulus=_RIM_MODULUS)
+    return solve_adhesion(scale, pressure=pressure, interface=interface).checked()
+
+
+def _adhesion() -> list[Check]:
+    variance = _RIM_MODULUS**2 / 4 * float(_RIM.m2())
+    plain = math.erf(_RIM_PRESSURE / math.sqrt(2 * variance))
+    printed = _rim(replace(_RIM_INTERFACE, energy="as_printed"))
+    vanishing = _rim(replace(_RIM_INTERFACE, work_of_adhesion=1e-9))
+    strong = _rim(replace(_RIM_INTERFACE, work_of_adhesion=50.0), pressure=0.0)
+    # All energy is paid: U_el = (E*/4) 2 pi int q^2 C dq.
+    strength = 1.6 * 0.5e-6**2 / (1 - 1e5**-1.6)
+    energy = _RIM_MODULUS / 4 * strength * 1e5 * (1 - 1e5**-0.6) / 0.6
+    weak = 0.02 * _RIM_PRESSURE
+    bounded = _rim(replace(_RIM_INTERFACE, ideal_strength=weak))
+    most = math.erf((_RIM_PRESSURE + weak) / math.sqrt(2 * variance))
+    return [
+        Check(
+            quantity="A/A0 of the rim with adhesion",
+            computed=printed.real_area,
+            reference=0.44,
+            tolerance=0.005,
+        ),
+        Check.relative("A/A0 with vanishing adhesion", vanishing.real_area, plain, 1e-4),
+        Check.relative("A/A0 with great adhesion", strong.real_area, 1.0, 1e-6),
+        Check.relative(
+            "energy left by great adhesion [J/m^2]",
+            strong.macroscopic_work,
+            float(area_factor(_RIM.m2())) * 50 - energy,
+            1e-5,
+        ),
+        # A wall at -sigma* at most: no more area than the load and that strength together press into contact.
+        Check.within("A/A0 of weak bonds", bounded.real_area, plain, most * (1 + 1e-4)),
+    ]
+
+
+def _energies() -> list[Check]:
+    """Write Eq. 37 in wavevectors, with each elastic energy, and sum it from the solution's own areas."""
+    checks = []
+    q = np.geomspace(1e5, 1e10, 20001)
+    spectrum = 2 * math.pi * q**3 * _RIM(q)
+    for energy, load in (("old", 0.0), ("improved", _RIM_PRESSURE), ("as_printed", 0.0)):
+        found = _rim(replace(_RIM_INTERFACE, energy=energy))  # type: ignore[arg-type]
+        area = found.area_at(q)
+        if energy == "old":
+            share = area
+        else:
+            # Eq. 48 over V, from d<(sigma - s)^2> = P dV + (sigma_a + s)^2 dP about s = sigma_0. Eq. 50
+            # as it is printed is <sigma^2> - sigma_0^2, which is that about s = 0.
+            limit = np.interp(np.log(q), np.log(found.wavevectors), found.tensile_limit)
+            variance = np.interp(np.log(q), np.log(found.wavevectors), found.variance)
+            started = np.concatenate(
+                [[variance[0] * area[0]], np.diff(variance) * (area[1:] + area[:-1]) / 2]
+            )
+            middle = ((limit + load) ** 2)[1:] + ((limit + load) ** 2)[:-1]
+            lost = np.concatenate([[0.0], middle / 2 * np.diff(area)])
+            share = np.cumsum(started + lost) / variance
+        density = _RIM_MODULUS / 4 * spectrum / q * share
+        paid = np.concatenate([[0.0], np.cumsum(np.diff(q) * (density[1:] + density[:-1]) / 2)])
+        gained = found.real_area * float(area_factor(_RIM.m2())) * _RIM_INTERFACE.work_of_adhesion
+        exact = gained - (paid[-1] - paid)
+        factor = area_factor(_RIM.m2(q))
+        some = np.searchsorted(q, [1e7, 1e8, 1e9])
+        left = (exact / (area * factor))[some] / _RIM_INTERFACE.work_of_adhesion
+        work = found.work_at(q[some]) / _RIM_INTERFACE.work_of_adhesion
+        for place, one, other in zip(q[some], work, left, strict=True):
+            name = f"gamma_eff / gamma at {place:g} 1/m, {energy} energy"
+            # Interpolation between nodes .12 apart in ln V, and the trapezoidal rule.
+            checks.append(Check(quantity=name, computed=float(one), reference=float(other), tolerance=2e-4))
+    return checks
+
+
+CASES = (
+    Case(
+        name="theory-elastic",
+        claim="Area, its inverse, its secant slope and the slope of P(sigma) at zero belong together.",
+        run=_elastic,
+        source="Persson 2006, Eqs. 16-20",
+    ),
+    Case(
+        name="theory-hardness",
+        claim="Elastic and yielded areas are those of diffusion between two absorbing walls.",
+        run=_hardness,
+        source="Persson 2006, Eqs. 27-32",
+    ),
+    Case(
+        name="theory-diffusion",
+        claim="Diffusion before one tensile wall is the source less its image.",
+        run=_diffusion,
+        source="Persson 2006, Eqs. 17 and 48",
+    ),
+    Case(
+        name="theory-variants",
+        claim="Corrected theories solve dV = S(P) dV_full.",
+        run=_variants,
+        source="C. Yang, B. N. J. Persson (2008); A. Wang, M. H. Mueser, Lubricants 5, 35 (2017)",
+    ),
+    Case(
+        name="theory-graded",
+        claim="A wave feels the modulus of a graded solid weighted by q exp(-q z).",
+        run=_profile,
+        source="Persson 2006, Sec. 5",
+    ),
+    Case(
+        name="theory-separation",
+        claim="The work of the load is the elastic energy, and at light load the separation is logarithmic.",
+        run=_separation,
+        source="B. N. J. Persson, Phys. Rev. Lett. 99, 125502 (2007)",
+    ),
+    Case(
+        name="theory-adhesion",
+        claim="Adhesion brings the area of a tire rim to .44, and its limits are exact.",
+        run=_adhesion,
+        source="Persson 2006, Secs. 8.2-8.4",
+    ),
+    Case(
+        name="theory-adhesion-energy",
+        claim="The adhesive energy left at each scale is what the waves beyond it have not cost.",
+        run=_energies,
+        source="Persson 2006, Eqs. 37, 43, 48 and 50",
+    ),
+)

@@ -1,0 +1,179 @@
+"""What passes through a contact and through its gap, measured on one surface: stiffness, percolation, leak."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from fem_contact.area import contact_areas
+from fem_contact.conductance import frozen_contact
+from fem_contact.contact import ContactResult
+from fem_contact.leak import critical_gap, flow_conductance, open_gap, percolates
+from persson.leakage import effective_medium
+from validation.measures.measurement import QUANTITIES, Measurement
+from validation.measures.single_solve import SingleSolve
+from validation.solves.solve import Prediction
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["LeakMeasurement", "StiffMeasurement"]
+
+#: Located area up to which a percolation threshold is bracketed, and how closely an area is met.
+_BRACKET, _AREA = 1e-3, 2e-4
+#: Steps of a search for a load; each halves its bracket at worst.
+_STEPS = 40
+
+
+@dataclass(frozen=True, kw_only=True)
+class StiffMeasurement(Measurement):
+    """A `Measurement` that also moves the frozen contact set of every solve."""
+
+    @property
+    def quantities(self) -> Mapping[str, tuple[str, str]]:
+        """Those of every measurement, and the stiffness."""
+        return QUANTITIES | {"stiffness": ("1", "K h_rms / p0, contact set held")}
+
+    def read_off(self, result: ContactResult, *, located: bool) -> dict[str, float]:
+        """Return every one of `quantities` of one solve."""
+        from fem_contact.response import HalfSpace
+
+        stiffness = np.inf  # of a half-space in full contact
+        if not result.in_contact.all():
+            height = self.realised.field.rms_height
+            frozen = frozen_contact(result, HalfSpace(solid=self.realised.elastic), threads=1)
+            stiffness = frozen.stiffness * height / result.mean_pressure
+        return super().read_off(result, located=located) | {"stiffness": stiffness}
+
+
+@dataclass(frozen=True, kw_only=True)
+class LeakMeasurement(SingleSolve):
+    """One surface at given contact areas, and at its percolation thresholds, along x and along y.
+
+    Attributes
+    ----------
+    realised : Realised
+        Surface and solid; the load is sought.
+    grid : tuple of int
+    areas : tuple of float
+        A/A0, located inside the cells.
+    """
+
+    areas: tuple[float, ...]
+
+    @property
+    def recipe(self) -> dict[str, Any]:
+        """Everything that determines the numbers."""
+        return super().recipe | {"areas": list(self.areas), "version": 1}
+
+    @property
+    def prefix(self) -> str:
+        """Readable start of the name on disk."""
+        return f"leak-{self.size}"
+
+    def describe(self) -> str:
+        """Return a few words for a progress bar."""
+        return f"leak {self.where}"
+
+    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
+        """Predict the cost: some seven solves for each area and threshold, and direct solves of the flow."""
+        n = self.points
+        return Prediction(
+            seconds=7 * (len(self.areas) + 4) * (2e-3 + 2e-6 * n), peak_bytes=2000 * n, unknowns=n
+        )
+
+    def measure(self) -> xr.Dataset:
+        """Seek the loads, and keep what leaks there; dimensions (area, axis)."""
+        import xarray as xr
+
+        path = _Path(self)
+        flows = [[_flow(path.at_area(area), axis) for axis in ("x", "y")] for area in self.areas]
+        thresholds = {
+            name: ("axis", [path.threshold(open_at(axis)) for axis in ("x", "y")])
+            for name, open_at in (("contact_threshold", _contact_is_apart), ("gap_threshold", _gap_is_open))
+        }
+        names = tuple(flows[0][0])
+        return xr.Dataset(
+            {name: (("area", "axis"), [[one[name] for one in row] for row in flows]) for name in names}
+            | thresholds,
+            coords={"area": list(self.areas), "axis": ["x", "y"]},
+        )
+
+
+class _Path:
+    """States of one surface on one grid, found by the load that makes them."""
+
+    def __init__(self, asked: LeakMeasurement) -> None:
+        self.asked, self.field = asked, asked.heights()
+        self.known: dict[float, ContactResult] = {}
+
+    def state(self, reduced: float) -> ContactResult:
+        """Solve at p*, from the nearest load that is known."""
+        from fem_contact import bem
+
+        near = min(self.known, key=lambda other: abs(np.log(other / reduced)), default=None)
+        start = None if near is None else self.known[near].pressure
+        scale = self.asked.realised.pressure_scale
+        if reduced not in self.known:
+            solved = bem.solve(
+                self.field, self.asked.half_space, mean_pressure=reduced * scale, start=start, threads=1
+            )
+            self.known[reduced] = solved.checked()
+        return self.known[reduced]
+
+    def at_area(self, area: float) -> ContactResult:
+        """Return the state whose located area is the one asked for, by secants in a bracket."""
+        low, high = 0.0, 4.0
+        load = area / 2
+        for _ in range(_STEPS):
+            state = self.state(load)
+            miss = _located(state) / area - 1
+            if abs(miss) * area < _AREA:
+                return state
+            low, high = (load, high) if miss < 0 else (low, load)
+            guess = load / (1 + miss) ** 1.2
+            load = guess if low < guess < high else (low + high) / 2
+        return state
+
+    def threshold(self, passes: Callable[[ContactResult], bool]) -> float:
+        """Return the located area at which something no longer passes, from below and above."""
+        low, high = 0.05, 1.0
+        while not passes(self.state(low)):
+            low /= 2
+        while _located(self.state(high)) - _located(self.state(low)) > _BRACKET:
+            middle = np.sqrt(low * high)
+            low, high = (middle, high) if passes(self.state(middle)) else (low, middle)
+        return (_located(self.state(low)) + _located(self.state(high))) / 2
+
+
+def _located(state: ContactResult) -> float:
+    found = contact_areas(state, subcell=True).subcell
+    assert found is not None
+    return found
+
+
+def _gap_is_open(axis: Literal["x", "y"]) -> Callable[[ContactResult], bool]:
+    return lambda state: percolates(~state.in_contact, axis)
+
+
+def _contact_is_apart(axis: Literal["x", "y"]) -> Callable[[ContactResult], bool]:
+    return lambda state: not percolates(state.in_contact, axis)
+
+
+def _flow(state: ContactResult, axis: Literal["x", "y"]) -> dict[str, float]:
+    """Conductance along one axis over the cube of the mean gap, and what theories make of the same gap."""
+    gap = open_gap(state)
+    mean = float(gap.mean())
+    found = flow_conductance(gap, state.lengths, axis=axis)
+    medium = effective_medium(gap.ravel() ** 3 / 12, np.full(gap.size, 1 / gap.size))
+    return {
+        "located": _located(state),
+        "conductance": found.conductance / mean**3,
+        "closed": float(found.closed),
+        "effective_medium": medium / mean**3,
+        "constriction": critical_gap(gap, axis) / mean,
+        "balance": found.balance,
+    }

@@ -1,0 +1,141 @@
+"""The reference table: contact of self-affine surfaces with its uncertainty, made once and looked up."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+from persson import elastic
+from validation.errors import UsageError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["ReferenceValue", "lookup", "table"]
+
+Array = NDArray[np.float64]
+
+_AXES = {"hurst": "H", "bandwidth": "lambda_long/lambda_short", "reduced_pressure": "p*"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReferenceValue:
+    """A number of the table, or between its nodes.
+
+    Attributes
+    ----------
+    quantity, meaning : str
+    value : float
+    uncertainty : float
+        Half of the 95 % interval: surfaces, grid, solver, and interpolation.
+    interpolation : float
+        Its part that interpolation has; 0 at a node.
+    """
+
+    quantity: str
+    meaning: str
+    value: float
+    uncertainty: float
+    interpolation: float
+
+
+@cache
+def table() -> xr.Dataset:
+    """Return the table as `fem-contact study reference` made it; its attributes say how.
+
+    Over (hurst, bandwidth, reduced_pressure): each quantity, its `_half_width` (surfaces), its `_grid`, and
+    its `_error`, the root of their squares.
+    """
+    from validation.solves.netcdf import read_dataset
+
+    content = resources.files(__package__).joinpath("table.nc").read_bytes()
+    return read_dataset(memoryview(content))
+
+
+def lookup(*, hurst: float, bandwidth: float, reduced_pressure: float) -> Mapping[str, ReferenceValue]:
+    r"""Look contact area and its companions up, between the nodes of the table by interpolation.
+
+    Monotone cubic in H, ln(lambda_long/lambda_short) and ln p*: the area over erf(sqrt(2) p*), the others by
+    their logarithms. The difference from piecewise linear interpolation is taken as its uncertainty.
+
+    Parameters
+    ----------
+    hurst : float
+        H.
+    bandwidth : float
+        lambda_long / lambda_short.
+    reduced_pressure : float
+        p* = p0 / (E* h'_rms).
+
+    Returns
+    -------
+    mapping of str to ReferenceValue
+        By quantity: area, gap, compliance, energy, slope, patches.
+
+    Raises
+    ------
+    UsageError
+        Outside of the table: it is not extrapolated.
+
+    Examples
+    --------
+    >>> found = lookup(hurst=0.8, bandwidth=8, reduced_pressure=0.05)["area"]
+    >>> 0.105 < found.value < 0.115, found.uncertainty < 0.002
+    (True, True)
+    """
+    data = table()
+    asked = {"hurst": hurst, "bandwidth": bandwidth, "reduced_pressure": reduced_pressure}
+    for name, value in asked.items():
+        low, high = float(data[name][0]), float(data[name][-1])
+        if not (isinstance(value, (int, float)) and low * (1 - 1e-12) <= value <= high * (1 + 1e-12)):
+            raise UsageError(
+                f"{name} = {value!r}: the table of {_AXES[name]} goes from {low:g} to {high:g}, "
+                "and is not extrapolated"
+            )
+    names = [name for name in data.data_vars if f"{name}_error" in data.data_vars]
+    return {str(name): _looked_up(data, str(name), asked) for name in names}
+
+
+def _looked_up(data: xr.Dataset, name: str, asked: Mapping[str, float]) -> ReferenceValue:
+    values = data[name].transpose(*_AXES).values
+    if name == "area":
+        smooth, straight = _both(data, values / _theory(data.reduced_pressure.values), asked)
+        value, other = (factor * float(_theory(asked["reduced_pressure"])) for factor in (smooth, straight))
+    else:
+        value, other = (float(np.exp(logarithm)) for logarithm in _both(data, np.log(values), asked))
+    relative = data[f"{name}_error"].transpose(*_AXES).values / values
+    interpolation = abs(value - other)
+    return ReferenceValue(
+        quantity=name,
+        meaning=str(data[name].attrs["long_name"]),
+        value=value,
+        uncertainty=float(np.hypot(value * _both(data, relative, asked)[1], interpolation)),
+        interpolation=interpolation,
+    )
+
+
+def _theory(reduced_pressure: float | Array) -> Array:
+    """A/A0 of Persson's theory at p*: smooth, and near enough that the rest is."""
+    return np.asarray(elastic.contact_area(reduced_pressure, stress_variance=0.25))
+
+
+def _both(data: xr.Dataset, values: Array, asked: Mapping[str, float]) -> tuple[float, float]:
+    """Interpolate by monotone cubics and by straight lines, along one axis after the other."""
+    smooth = straight = values
+    for name, at in asked.items():
+        nodes = data[name].values.astype(float)
+        if name != "hurst":
+            nodes, at = np.log(nodes), float(np.log(at))
+        at = float(np.clip(at, nodes[0], nodes[-1]))
+        smooth = PchipInterpolator(nodes, smooth, axis=0)(at) if nodes.size > 1 else smooth[0]
+        k = int(np.clip(np.searchsorted(nodes, at), 1, max(nodes.size - 1, 1)))
+        share = (at - nodes[k - 1]) / (nodes[k] - nodes[k - 1]) if nodes.size > 1 else 0.0
+        straight = (1 - share) * straight[k - 1] + (share * straight[k] if share else 0.0)
+    return float(smooth), float(straight)

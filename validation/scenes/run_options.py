@@ -1,0 +1,76 @@
+"""The table [run] of a scene: how it is run, which changes no result."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, Field, StrictBool, StrictInt, model_validator
+
+from validation.errors import UsageError
+from validation.units import Memory, Table, wrong
+
+__all__ = ["RunOptions", "not_led_out"]
+
+
+def _inside(path: Path) -> Path:
+    """Refuse a folder outside the one a scene runs in: a scene may not choose what is written over."""
+    if path.is_absolute() or path.drive or ".." in path.parts:
+        raise wrong(
+            "must lie below the folder the scene runs in, such as 'results/mine'; any other is named on the "
+            "command line"
+        )
+    return path
+
+
+Inside = Annotated[Path, AfterValidator(_inside)]
+
+
+class RunOptions(Table):
+    """How a scene is run; nothing here changes a result. An option of the command line goes before these.
+
+    Where it runs beyond this machine and this folder is no matter of a scene, which may come from elsewhere:
+    a scheduler, and folders outside, are named on the command line alone.
+    """
+
+    workers: Annotated[StrictInt, Field(ge=1, le=4096)] = Field(
+        default=1, description="local processes; 1 runs everything in the process itself"
+    )
+    memory: Memory | None = Field(default=None, description='memory for all solves, e.g. "4 GiB"')
+    store: Inside | None = Field(default=None, description="folder of finished solves, shared between runs")
+    output: Inside | None = Field(default=None, description="results folder; default: results/<name>")
+    quiet: StrictBool = Field(default=False, description="no progress bar")
+    pictures: StrictBool = Field(default=False, description="3-D pictures in the report")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _no_scheduler(cls, data: object) -> object:
+        if isinstance(data, dict) and "scheduler" in data:
+            raise wrong("scheduler: is chosen on the command line alone: --scheduler tcp://host:8786")
+        return data
+
+    def folder(self, key: Literal["output", "store"]) -> Path | None:
+        """Return a folder that the scene names, None if it does not; links may not lead outside, either.
+
+        Raises
+        ------
+        UsageError
+        """
+        path: Path | None = getattr(self, key)
+        return None if path is None else not_led_out(path, of=Path(), option=f"--{key}")
+
+
+def not_led_out(path: Path, *, of: Path, option: str) -> Path:
+    """Refuse a folder that a link leads out of another; what came with a scene may hold such links.
+
+    Raises
+    ------
+    UsageError
+    """
+    led = path.resolve()
+    if not led.is_relative_to(of.resolve()):
+        raise UsageError(
+            f"{str(path)!r} is a link that leads to {str(led)!r}; remove it, or say {option} {str(path)!r} "
+            "to follow it"
+        )
+    return path

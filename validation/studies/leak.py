@@ -1,0 +1,226 @@
+"""Does the gap percolate, and how much leaks through it?
+
+Surfaces are pressed to given contact areas, and to the areas at which the contact begins and the gap ceases to percolate.
+Reynolds' equation is solved in the gap, along x and along y, beside Bruggeman's effective medium and the narrowest place
+of the widest path.
+"""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from pydantic import Field
+
+from validation.measures.common import Rising, base_case, base_surface, over_surfaces, results_of
+from validation.measures.flow import LeakMeasurement
+from validation.measures.measurement import grid_for
+from validation.measures.statistics import Estimate, mean_over_surfaces
+from validation.report.drawing import Drawing
+from validation.report.table import ResultTable
+from validation.scenes.scene import SelfAffineSurface
+from validation.solves.bench import Bench
+from validation.studies._options import Hurst, Periods, Seed, Surfaces
+from validation.studies._study import StudyOptions
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+__all__ = ["Options", "figures", "findings", "run", "table"]
+
+_QUANTITIES = {
+    "located": "A/A0, edge located inside the cells",
+    "conductance": "K / mean gap^3",
+    "closed": "1 where no path leads through",
+    "effective_medium": "Bruggeman's K / mean gap^3 of the same gaps",
+    "constriction": "narrowest place of the widest path / mean gap",
+    "balance": "deviation of the flux between sections, relative",
+}
+
+
+class Options(StudyOptions):
+    """What is pressed, and how far."""
+
+    own = "it asks about spectra of rising bandwidth, and makes a surface for each"
+
+    areas: Annotated[Rising, Field(max_length=20)] = Field(
+        default=(0.1, 0.2, 0.3, 0.4),
+        description="contact areas A/A0 at which the flow is computed, rising, below 0.9",
+    )
+    hurst: Hurst = 0.8
+    periods: Periods = 2.0
+    bandwidths: Rising = Field(default=(4.0, 8.0, 16.0), description="lambda_long / lambda_short, rising")
+    surfaces: Surfaces = 16
+    points_per_wave: float = Field(default=6.0, ge=2, description="grid, as lambda_short/dx")
+    seed: Seed = 2006
+
+    def surface(self, bandwidth: float) -> SelfAffineSurface:
+        """Return the first surface of one bandwidth."""
+        return base_surface(hurst=self.hurst, periods=self.periods, bandwidth=bandwidth, seed=self.seed)
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Press every surface of every spectrum to its areas and thresholds.
+
+    Returns
+    -------
+    xarray.Dataset
+        Conductance, what theories make of the same gap, and whether it is closed over (spectrum, surface, area, axis);
+        both percolation thresholds, as located A/A0, over (spectrum, surface, axis).
+    """
+    import xarray as xr
+
+    cases = _cases(options)
+    found = results_of(bench, cases)
+    rows: list[xr.Dataset] = [
+        xr.concat([found[b, k] for k in range(options.surfaces)], dim="surface") for b in options.bandwidths
+    ]
+    data: xr.Dataset = xr.concat(rows, dim="spectrum")
+    for name, words in _QUANTITIES.items():
+        data[name].attrs = {"units": "1", "long_name": words}
+    data["contact_threshold"].attrs = {
+        "units": "1",
+        "long_name": "A/A0 where the contact begins to percolate",
+    }
+    data["gap_threshold"].attrs = {"units": "1", "long_name": "A/A0 where the gap ceases to percolate"}
+    data.attrs = {
+        "study": "leak",
+        "methods": "theory bem",
+        "hurst": options.hurst,
+        "periods": options.periods,
+        "points_per_wave": options.points_per_wave,
+    }
+    bandwidth = ("spectrum", list(options.bandwidths), {"long_name": "lambda_long / lambda_short"})
+    return data.assign_coords(bandwidth=bandwidth)
+
+
+def _cases(options: Options) -> dict[tuple[float, int], LeakMeasurement]:
+    """List one case for each spectrum and surface."""
+    found = {}
+    for bandwidth in options.bandwidths:
+        base = base_case(options.surface(bandwidth), reduced_pressure=0.1)
+        grid = grid_for(base, options.points_per_wave)
+        for k in range(options.surfaces):
+            found[bandwidth, k] = LeakMeasurement(realised=base.further(k), grid=grid, areas=options.areas)
+    return found
+
+
+def _surface_means(values: xr.DataArray) -> Estimate:
+    """Mean over surfaces; the two directions of a surface are one sample."""
+    return over_surfaces(values.mean("axis"))
+
+
+def table(dataset: xr.Dataset) -> ResultTable:
+    """Return one row for each spectrum and area."""
+    rows = []
+    for s, a in itertools.product(range(dataset.sizes["spectrum"]), range(dataset.sizes["area"])):
+        here = dataset.isel(spectrum=s, area=a)
+        leak, medium = _surface_means(here.conductance), _surface_means(here.effective_medium)
+        rows.append(
+            (
+                float(dataset.bandwidth[s]),
+                float(dataset.area[a]),
+                leak.value,
+                leak.half_width,
+                medium.value,
+                leak.value / medium.value if medium.value else float("nan"),
+                float((here.constriction**3 / 12).mean()),
+                100 * float(here.closed.mean()),
+            )
+        )
+    columns = (
+        "lambda_long/lambda_short",
+        "A/A0",
+        "K/gap^3",
+        "+- (95 %)",
+        "Bruggeman",
+        "K/Bruggeman",
+        "u_c^3/12",
+        "closed [%]",
+    )
+    return ResultTable.of(columns, rows)
+
+
+def findings(dataset: xr.Dataset) -> tuple[str, ...]:
+    """Say where contact and gap percolate, how much leaks, and how far the theories are off."""
+    sentences = []
+    for name, words in (
+        ("contact_threshold", "the contact begins to percolate"),
+        ("gap_threshold", "the gap ceases to percolate"),
+    ):
+        each = [_surface_means(dataset[name][s]) for s in range(dataset.sizes["spectrum"])]
+        pooled = mean_over_surfaces(dataset[name].mean("axis").values.mean(axis=0))
+        listed = ", ".join(
+            f"{one} at lambda_long/lambda_short = {b:g}"
+            for one, b in zip(each, dataset.bandwidth.values, strict=True)
+        )
+        sentences.append(
+            f"Along an axis {words} at A/A0 = {pooled} (located area, 95 % over {pooled.samples} surfaces of each spectrum, "
+            f"common phases); {listed}. Persson (2006, Sec. 3.6) has .3, Dapp et al. (2012) .42."
+        )
+    last = dataset.sizes["spectrum"] - 1
+    for a in range(dataset.sizes["area"]):
+        here = dataset.isel(spectrum=last, area=a)
+        leak, medium = _surface_means(here.conductance), _surface_means(here.effective_medium)
+        closed = 100 * float(here.closed.mean())
+        ratio = f"{leak.value / medium.value:.2g} of Bruggeman's" if medium.value else "Bruggeman's is 0"
+        sentences.append(
+            f"A/A0 = {float(dataset.area[a]):g}, lambda_long/lambda_short = {float(dataset.bandwidth[last]):g}: K = {leak} times the cube of "
+            f"the mean gap, {ratio}; {closed:.2g} % of the directions are closed."
+        )
+    return tuple(sentences)
+
+
+def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
+    """Draw the conductance over the area, and the thresholds."""
+    return (
+        Drawing(
+            name="leak",
+            figure=_figure(dataset),
+            data=dataset,
+            caption="Left: conductance of the gap over the cube of the mean gap; filled, Reynolds' equation with 95 % over the "
+            "surfaces; open, Bruggeman's effective medium of the same gaps. Right: areas at which the contact begins (filled) "
+            "and the gap ceases (open) to percolate along an axis, one point a surface and direction.",
+        ),
+    )
+
+
+def _figure(dataset: xr.Dataset) -> Figure:
+    from validation.report.figure import look, new_figure, plain_look
+
+    figure, (left, right) = new_figure(width=9.0, columns=2)
+    for s, bandwidth in enumerate(dataset.bandwidth.values):
+        label = rf"$\lambda_\mathrm{{long}}/\lambda_\mathrm{{short}}$ = {bandwidth:g}"
+        flows = [_surface_means(dataset.conductance[s, :, a]) for a in range(dataset.sizes["area"])]
+        media = [
+            _surface_means(dataset.effective_medium[s, :, a]).value for a in range(dataset.sizes["area"])
+        ]
+        left.errorbar(
+            dataset.area,
+            [m.value for m in flows],
+            yerr=[m.half_width for m in flows],
+            ls="-",
+            label=label,
+            **look(s),
+        )
+        left.plot(
+            dataset.area,
+            media,
+            ls="--",
+            mfc="white",
+            label="Bruggeman, same gaps" if s == 0 else None,
+            **plain_look(s),
+        )
+        for name, fill in (("contact_threshold", plain_look(s)["color"]), ("gap_threshold", "white")):
+            values = np.sort(dataset[name][s].values.ravel())
+            share = (np.arange(values.size) + 0.5) / values.size
+            right.plot(values, share, ls="-", mfc=fill, **plain_look(s))
+    left.set_yscale("log")
+    left.set_xlabel(r"$A/A_0$, located")
+    left.set_ylabel(r"$K / \bar u^3$")
+    left.legend(fontsize=7)
+    right.set_xlabel(r"$A/A_0$ at the threshold, located")
+    right.set_ylabel("share of surfaces and directions below")
+    return figure

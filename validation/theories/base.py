@@ -1,0 +1,87 @@
+"""What a theory is: functions of pressure and roughness, of which it has the area and may have others."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from persson.spectrum import Moments, Spectrum
+from validation.measures.theory import Waves
+
+if TYPE_CHECKING:
+    from validation.scenes.realised import Realised
+
+__all__ = ["Rough", "Theory"]
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rough:
+    """What a theory is told of a surface and the solid that it is pressed on.
+
+    Attributes
+    ----------
+    contact_modulus : float
+        E* [Pa].
+    moments : persson.spectrum.Moments
+        m0 [m^2], m2 [-] and m4 [1/m^2] of the realised surface.
+    spectrum : persson.spectrum.Spectrum
+        C(q) [m^4] that it was drawn from.
+    waves : Waves
+        Of the realised surface, in units of E*.
+    """
+
+    contact_modulus: float
+    moments: Moments
+    spectrum: Spectrum
+    waves: Waves
+
+    @classmethod
+    def of(cls, realised: Realised) -> Rough:
+        """Return what is told of a surface."""
+        m0, m2, m4 = realised.field.moments
+        return cls(
+            contact_modulus=realised.contact_modulus,
+            moments=Moments(m0=m0, m2=m2, m4=m4),
+            spectrum=realised.spectrum,
+            waves=Waves.of_field(realised.field),
+        )
+
+
+class Theory(ABC):
+    """A theory of the elastic contact of rough surfaces; a subclass is found by its class.
+
+    Pressures are nominal, rising, of shape (n,) [Pa]. Where a theory says nothing of a pressure, NaN.
+
+    Attributes
+    ----------
+    name, label : str
+        By which it is asked for, and what tables call it.
+    papers : tuple of str
+        What to cite.
+    """
+
+    name: ClassVar[str]
+    label: str
+    papers: ClassVar[tuple[str, ...]] = ()
+
+    @abstractmethod
+    def area(self, pressure: Array, rough: Rough) -> Array:
+        """Return A/A0, (n,)."""
+
+    def pressure_distribution(self, stress: Array, pressure: float, rough: Rough) -> Array | None:
+        """Return P(sigma) [1/Pa] per nominal area at stresses (m,) [Pa]; None where it has none."""
+        return None
+
+    def mean_gap(self, pressure: Array, rough: Rough) -> Array | None:
+        """Return the mean gap [m], (n,); None where it has none."""
+        return None
+
+    def elastic_energy(self, pressure: Array, rough: Rough) -> Array | None:
+        """Return the elastic energy per nominal area [J/m^2], (n,); None where it has none."""
+        return None

@@ -1,0 +1,115 @@
+"""A theory of the user's own: functions of a module, by name."""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+import inspect
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.errors import UsageError
+from validation.theories.base import Rough, Theory
+
+__all__ = ["OwnTheory"]
+
+Array = NDArray[np.float64]
+
+#: What functions of a module are asked for, and by which keywords they say what they need.
+_QUANTITIES = ("area", "pressure_distribution", "mean_gap", "elastic_energy")
+_TOLD = ("contact_modulus", "moments", "spectrum")
+
+
+class OwnTheory(Theory):
+    """Functions of pressure [Pa] that take by name what they need of contact_modulus, moments, spectrum.
+
+    Parameters
+    ----------
+    label : str
+    functions : mapping of str to callable
+        By the names of the methods of `Theory`; ``area`` is there.
+    """
+
+    name = "own"
+
+    def __init__(self, label: str, functions: Mapping[str, Callable[..., Any]]) -> None:
+        self.label, self._functions = label, functions
+
+    @classmethod
+    def named(cls, text: str) -> OwnTheory | None:
+        """Return the functions of ``module:function``, an area, or of ``module``; None without such a module.
+
+        Raises
+        ------
+        UsageError
+            For a module that cannot be imported or has no such function.
+        """
+        home, colon, name = text.partition(":")
+        module = _module(home)
+        if module is None:
+            return None
+        names = {name: "area"} if colon else {quantity: quantity for quantity in _QUANTITIES}
+        found = {kind: getattr(module, have) for have, kind in names.items() if hasattr(module, have)}
+        if not callable(found.get("area")):
+            raise UsageError(f"theory {text!r}: module {home!r} has no function {name or 'area'!r}")
+        return cls(text, found)
+
+    def _call(self, quantity: str, *values: Any, rough: Rough) -> Any:
+        function = self._functions.get(quantity)
+        if function is None:
+            return None
+        wanted = inspect.signature(function).parameters
+        told = {name: getattr(rough, name) for name in _TOLD if name in wanted}
+        shape = np.shape(values[0])
+        try:
+            found = np.asarray(function(*values, **told), dtype=float)
+        except Exception as error:  # whatever it raises is its answer
+            raise UsageError(
+                f"theory {self.label!r}: {quantity} raised {type(error).__name__}: {error}"
+            ) from None
+        if found.shape != shape:
+            raise UsageError(f"theory {self.label!r}: {quantity} of shape {found.shape}: must have {shape}")
+        return found
+
+    def area(self, pressure: Array, rough: Rough) -> Array:
+        """Return A/A0."""
+        return np.asarray(self._call("area", pressure, rough=rough))
+
+    def pressure_distribution(self, stress: Array, pressure: float, rough: Rough) -> Array | None:
+        """Return P(sigma) [1/Pa], if the module has it."""
+        found: Array | None = self._call("pressure_distribution", stress, pressure, rough=rough)
+        return found
+
+    def mean_gap(self, pressure: Array, rough: Rough) -> Array | None:
+        """Return the mean gap [m], if the module has it."""
+        found: Array | None = self._call("mean_gap", pressure, rough=rough)
+        return found
+
+    def elastic_energy(self, pressure: Array, rough: Rough) -> Array | None:
+        """Return the elastic energy [J/m^2], if the module has it."""
+        found: Array | None = self._call("elastic_energy", pressure, rough=rough)
+        return found
+
+
+def _module(name: str) -> Any:
+    """Import a module that is installed or lies in the folder of the command; None where there is none."""
+    here = str(Path.cwd())
+    added = here not in sys.path
+    if added:
+        sys.path.append(here)
+    try:
+        if not name.replace(".", "_").isidentifier() or importlib.util.find_spec(name) is None:
+            return None
+        return importlib.import_module(name)
+    except ModuleNotFoundError:
+        return None
+    except Exception as error:
+        raise UsageError(f"theory {name!r}: cannot be imported: {type(error).__name__}: {error}") from None
+    finally:
+        if added:
+            sys.path.remove(here)
