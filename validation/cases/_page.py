@@ -182,9 +182,14 @@ def _converging(ladders: Sequence[tuple[str, Check]]) -> Figure:
         colour = COLOURS[k % len(COLOURS)]
         order = with_error(check.reference, check.tolerance).replace("+-", r"$\pm$")
         label = f"{case}, {check.quantity}: {check.computed:.2f} (expected {order})"
-        axes.plot(n, error, color=colour, marker=SYMBOLS[k % len(SYMBOLS)], ls="", ms=5)
+        symbol = {
+            "marker": SYMBOLS[k % len(SYMBOLS)],
+            "ms": 5,
+            "mfc": "white" if k >= len(SYMBOLS) else colour,
+        }
+        axes.plot(n, error, color=colour, ls="", **symbol)
         axes.plot(n, middle * n**-check.computed, color=colour, ls=STYLES[k % 4], lw=1)
-        axes.plot([], [], color=colour, marker=SYMBOLS[k % len(SYMBOLS)], ls=STYLES[k % 4], label=label)
+        axes.plot([], [], color=colour, ls=STYLES[k % 4], label=label, **symbol)
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_xlabel("points along a side, or steps")

@@ -126,13 +126,13 @@ def _in_words(found: Beside) -> WordTable:
                     ("", "")
                     if k == 0
                     else (
-                        _said(apart.value, apart.error),
                         _units(row.units(k)),
+                        _said(apart.value, apart.error),
                     )
                 ),
             )
             rows.append((*map(_short, row.where), row.quantity, label, *cells))
-    columns = (*found.keys, "quantity", "result", "value", "less the first", "in joint +-")
+    columns = (*found.keys, "quantity", "result", "value", "in joint +-", "less the first")
     kind = found.results[0].kind
     meant = "one standard error" if kind in ("run", "sweep") else "as the table of the study names it"
     return WordTable(

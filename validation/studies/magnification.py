@@ -20,7 +20,7 @@ from validation.measures.common import (
     results_of,
 )
 from validation.measures.measurement import Measurement, area_limits
-from validation.measures.theory import RANKED, modes_sentence
+from validation.measures.theory import modes_sentence
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.solves.bench import Bench
@@ -106,7 +106,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
             "magnification": ("magnification", list(options.magnifications), {"long_name": "q / q_long"}),
             "reduced_pressure": ("load", list(options.reduced_pressures)),
         },
-        attrs={"study": "magnification", "methods": RANKED, **options.spectrum_words},
+        attrs={"study": "magnification", **options.spectrum_words},
     )
 
 

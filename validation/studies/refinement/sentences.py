@@ -168,7 +168,10 @@ def _element_sentence(dataset: xr.Dataset, e: int) -> str:
     depth = 100 * float(dataset.depth_error)
     distance, half = 100 * apart.value, 100 * apart.half_width
     whole = combined(half, *grids, depth)
-    told = "they are told apart" if abs(distance) > whole else "the two are not told apart"
+    told = "the two are not told apart"
+    if abs(distance) > whole:
+        # Both discretise one problem: a distance beyond all that is claimed is an error of the extrapolation.
+        told = f"they are told apart, so that the grids of the element leave {combined(grids[0], distance):.2f} %, not {grids[0]:.2f} %"
     if apart.samples == 1:
         told = "one surface does not tell whether they differ"
     rows = ", ".join(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from validation.report.figure import COLOURS, look, new_figure
+from validation.report.words import mathtext
 from validation.studies.theory_verdict.words import labels
 
 if TYPE_CHECKING:
@@ -37,7 +38,7 @@ def theory_verdict(dataset: xr.Dataset, words: Sequence[str]) -> Figure:
         axes.axhline(1, color="black", lw=1)
         axes.set_xscale("log")
         axes.set_xlabel(r"simulated $A/A_0$")
-        axes.set_title(title, fontsize=9)
+        axes.set_title(mathtext(title), fontsize=9)
     theory = dataset.theory_area.sel(variant="persson")
     ensemble = dataset.ratio[0, 0] * theory.sel(mode="conditional") / theory.sel(mode="ensemble")
     panels[0].plot(dataset.area, ensemble, color=COLOURS[0], ls="--", lw=0.7, label="Persson, C(q) alone")
