@@ -31,6 +31,7 @@ SHOWN = {
     "pressure": ("area-against-pressure",),
     "stress-near-zero": ("pressure-near-zero",),
     "theory-verdict": ("theory-verdict",),
+    "autopsy": ("budget", "restarts"),
     "cross": ("fem-against-bem",),
     "hardness": ("plastic-area",),
     "adhesion": ("adhesive-area",),

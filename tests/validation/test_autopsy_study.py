@@ -239,6 +239,8 @@ def test_table_and_figures_come_from_the_dataset_alone(data):
     table = autopsy.table(data)
     assert len(table.rows) == 1 * 2 * 2
     assert table.columns[:3] == ("H", "p*", "zeta")
+    # A narrow terminal leaves columns out by their names.
+    assert len(set(table.columns)) == len(table.columns)
     names = {drawing.name for drawing in autopsy.figures(data)}
     assert names == {"budget", "restarts", "drift-and-diffusivity", "fluxes", "memory"}
 

@@ -300,15 +300,13 @@ def table(dataset: xr.Dataset) -> ResultTable:
     """Return one row for each H, load and octave: the books, and what absorbing diffusion makes of the same start."""
     square, area = reading.square_book(dataset), reading.area_book(dataset)
     columns = {
-        "S = d<p^2>/(A dV)": Spread.of(square.change),
+        "d<p^2>/(A dV)": Spread.of(square.change),
         **{words: Spread.of(square[name]) for name, (words, _, _) in reading.TERMS.items()},
         "told by D(p), mu(p)": Spread.of(square.told),
         "d ln A/d ln V": Spread.of(area.located),
         "counted": Spread.of(area.counted),
         "Persson": Spread.of(area.persson),
-        "loss of restarted diffusion over true": Spread.of(
-            reading.loss_ratio(dataset).rename(restart="octave")
-        ),
+        "restarted loss over true": Spread.of(reading.loss_ratio(dataset).rename(restart="octave")),
     }
     ends = np.asarray(dataset.attrs["octaves"], dtype=float)
     ratio = Spread.of(reading.over_persson(dataset))
@@ -330,12 +328,12 @@ def table(dataset: xr.Dataset) -> ResultTable:
         row += [float(ratio.value.isel(end)), float(ratio.half_width.isel(end))]
         rows.append(tuple(row))
     names = [["H"], ["p*"], ["zeta"]]
-    names += [[name, "+- (95 %)"] if name in _WITH_INTERVAL else [name] for name in columns]
-    names += [["A/Persson at its end", "+- (95 %)"]]
+    names += [[name, f"+- {name} (95 %)"] if name in _WITH_INTERVAL else [name] for name in columns]
+    names += [["A/Persson at its end", "+- A/Persson (95 %)"]]
     return ResultTable.of(tuple(itertools.chain(*names)), rows)
 
 
-_WITH_INTERVAL = ("S = d<p^2>/(A dV)", "d ln A/d ln V", "loss of restarted diffusion over true")
+_WITH_INTERVAL = ("d<p^2>/(A dV)", "d ln A/d ln V", "restarted loss over true")
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:

@@ -82,7 +82,7 @@ def fluxes(dataset: xr.Dataset) -> Figure:
     change = Spread.of(reading.net_flux(at).isel(probe=probe))
     for j, load in enumerate(dataset.reduced_pressure.values):
         label = f"p* = {load:g}"
-        both.errorbar(steps, lost.value[j], yerr=lost.half_width[j], label=f"lost, {label}", **look(j))
+        both.errorbar(steps, lost.value[j], yerr=lost.half_width[j], label=label, **look(j))
         both.errorbar(
             steps, entered.value[j], yerr=entered.half_width[j], ls="--", **{**look(j), "mfc": "white"}
         )
@@ -92,21 +92,22 @@ def fluxes(dataset: xr.Dataset) -> Figure:
     both.plot(
         steps, guide * np.sqrt(steps / steps[-1]), color="black", lw=0.8, ls=":", label=r"$\sqrt{\Delta V}$"
     )
-    both.plot([], [], color="black", ls="--", label="entered")
+    both.plot([], [], color="black", ls="--", label="entered (full lines: lost)")
+    both.plot([], [], **THEORY, label="Persson, light load")
     both.set_xscale("log")
     both.set_yscale("log")
     both.set_ylabel("area over p = 0 / contact area")
     ratio.axhline(1.0, color="black", lw=0.8, ls=":")
     ratio.set_xlim(left=0)
     ratio.set_ylabel("entered / lost")
-    net.axhline(-0.5, **THEORY, label="Persson, light load")
+    net.axhline(-0.5, **THEORY)
     net.set_xscale("log")
     net.set_ylabel(r"$d\,\ln A / d\,\ln V$ (located area)")
     ratio.set_xlabel(r"$\sqrt{\Delta V / V}$")
     for axes in (both, net):
         axes.set_xlabel(r"$\Delta V / V$ of the ring")
-    for axes in (both, net):
-        axes.legend(fontsize=7)
+    handles, labels = both.get_legend_handles_labels()
+    figure.legend(handles, labels, fontsize=7, ncols=7, loc="outside lower center")
     return figure
 
 

@@ -23,6 +23,7 @@ __all__ = [
     "TERMS",
     "Spread",
     "area_book",
+    "at_share",
     "edge_book",
     "exponents",
     "flux",
@@ -176,6 +177,18 @@ def over_persson(dataset: xr.Dataset) -> xr.DataArray:
     """Return the simulated area (limit) over that of the theory at every magnification."""
     ratio: xr.DataArray = dataset.area.isel(sign=0) / persson_area(dataset)
     return ratio
+
+
+def at_share(dataset: xr.Dataset, share: float) -> xr.DataArray:
+    """Mean area over Persson's where his own has a value, (hurst, load); NaN where it never has."""
+    ratio = over_persson(dataset).mean("surface").transpose("hurst", "load", "level")
+    own = persson_area(dataset).mean("surface").transpose("hurst", "load", "level")
+    found = np.full(ratio.shape[:2], np.nan)
+    for case in np.ndindex(found.shape):
+        # His area falls along zeta.
+        falling, values = own.values[case][::-1], ratio.values[case][::-1]
+        found[case] = np.interp(share, falling, values, left=np.nan, right=np.nan)
+    return ratio.isel(level=0).copy(data=found)
 
 
 def restarts(dataset: xr.Dataset) -> xr.DataArray:

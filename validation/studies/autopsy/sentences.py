@@ -90,6 +90,10 @@ def _excess(dataset: xr.Dataset) -> Iterator[str]:
         f"Area over Persson's after the first octave and a half (zeta = {early:.3g}): {_cases(dataset, there)}; with all waves "
         f"(zeta = {dataset.zeta.values[-1]:g}): {_cases(dataset, Spread.of(ratio.isel(level=-1)))}."
     )
+    yield (
+        f"Where Persson's own area is {', '.join(f'{a:g}' for a in _SHARES)}, it is {', '.join(_range(reading.at_share(dataset, a), '.2f') for a in _SHARES)} "
+        f"over all H and loads that come by there."
+    )
     book = reading.area_book(dataset)
     book = book.where(book.persson < _TOUCHED)
     later = book.isel(octave=_later(dataset)).mean("octave")
@@ -192,6 +196,9 @@ def _flows(dataset: xr.Dataset) -> Iterator[str]:
         "with p like the root of the distance from it, has 1/2, 3/4 and 1 for area, load and square."
     )
 
+
+#: Areas of the theory at which the simulated one is told.
+_SHARES = (0.9, 0.5, 0.2, 0.1)
 
 #: How near 1/2 an exponent is called so.
 _HALF = 0.03
