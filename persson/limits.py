@@ -81,7 +81,7 @@ def critical_roughness(
     interface : Interface
         Work of adhesion and the reading of the theory.
     tolerance : float
-        Relative accuracy of the factor, at least 1e-6: nearer, contact takes ever more rounds to be found lost.
+        Relative accuracy of the factor, at least 1e-6: nearer, ever more rounds find contact lost.
 
     Raises
     ------

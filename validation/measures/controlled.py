@@ -106,4 +106,4 @@ def _left_out(y: Array, x: Array) -> Array:
     # Sums over all but one, about the means of all but one.
     sxx = np.sum(dx * dx) - dx * dx * n / (n - 1)
     sxy = np.sum(dx * dy) - dx * dy * n / (n - 1)
-    return np.divide(sxy, sxx, out=np.zeros(n), where=sxx > 1e-12 * np.sum(dx * dx))
+    return np.asarray(np.divide(sxy, sxx, out=np.zeros(n), where=sxx > 1e-12 * np.sum(dx * dx)))

@@ -286,7 +286,7 @@ def stress_distribution(
         scale = Scale(realised.own_spectrum, contact_modulus=told.felt_modulus)
         contact = _adhesive(told, pressure, options or TheoryOptions(), scale=scale)
         onset = contact.variance[np.flatnonzero(contact.tensile_limit > 0)[:1]]
-        wall = partial(np.interp, xp=contact.variance, fp=contact.tensile_limit)
+        wall: Any = partial(np.interp, xp=contact.variance, fp=contact.tensile_limit)
         found = solve_diffusion(
             contact.variance[-1:],
             pressure=pressure,

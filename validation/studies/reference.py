@@ -129,8 +129,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
                 pair_means(control.values[name][load]),
                 pair_means(others.values[name][load]),
             )
-            estimate, grid = found.estimate, fine.grid_error(name, load)
-            values[name][(slice(None), *at, load)] = estimate.value, estimate.half_width, grid
+            estimate, left = found.estimate, fine.grid_error(name, load)
+            values[name][(slice(None), *at, load)] = estimate.value, estimate.half_width, left
             if name == "area":
                 saving[(*at, load)] = _saving(found, fine, others, load)
     dims = ("hurst", "bandwidth", "reduced_pressure")
