@@ -195,6 +195,14 @@ def test_columns_that_decide_stay_whole_at_every_width(small_run, width):
     assert (width == 200) == (not left_out)
 
 
+def test_two_columns_of_one_name_stay_apart_or_leave_together():
+    table = WordTable(columns=("A", "+-", "B", "+-"), rows=(("1", "2", "3", "4" * 30),), yielding=("+-",))
+    whole, left_out = page_table(table, width=80)
+    assert (len(whole.columns), left_out) == (4, ())
+    narrow, left_out = page_table(table, width=20)
+    assert ([str(column.header) for column in narrow.columns], left_out) == (["A", "B"], ("+-",))
+
+
 def test_a_narrow_terminal_keeps_the_first_columns_of_a_study_whole(outputs):
     table = outputs["study"][0].tables[0]
     shown, left_out = page_table(table, width=60)

@@ -81,8 +81,9 @@ def page_table(table: WordTable, *, width: int) -> tuple[Table, tuple[str, ...]]
     Columns leave whole, in the order that the table says, so that none of those that stay is cut.
     """
     rows = [*table.rows, *table.sums]
+    # By position: two columns, such as two uncertainties, may have one name.
     widths = {
-        name: max(len(cell) for cell in (name, *(row[k] for row in rows)))
+        k: max(len(cell) for cell in (name, *(row[k] for row in rows)))
         for k, name in enumerate(table.columns)
     }
     left_out: list[str] = []
@@ -91,20 +92,20 @@ def page_table(table: WordTable, *, width: int) -> tuple[Table, tuple[str, ...]]
         if sum(3 + w for w in widths.values()) + 1 <= width:
             break
         left_out.append(name)
-        del widths[name]
+        for k in [k for k in widths if table.columns[k] == name]:
+            del widths[k]
     fits = sum(3 + w for w in widths.values()) + 1 <= width
-    return _rich(table, columns=tuple(widths), fits=fits), tuple(left_out)
+    return _rich(table, kept=tuple(widths), fits=fits), tuple(left_out)
 
 
-def _rich(table: WordTable, *, columns: Sequence[str], fits: bool) -> Table:
+def _rich(table: WordTable, *, kept: Sequence[int], fits: bool) -> Table:
     from rich.table import Table
     from rich.text import Text
 
     shown = Table()
-    for name in columns:
-        side: Any = "left" if name in table.left else "right"
-        shown.add_column(Text(harmless(name)), justify=side, no_wrap=fits, overflow="fold")
-    kept = [table.columns.index(name) for name in columns]
+    for k in kept:
+        side: Any = "left" if table.columns[k] in table.left else "right"
+        shown.add_column(Text(harmless(table.columns[k])), justify=side, no_wrap=fits, overflow="fold")
     for row in table.rows:
         shown.add_row(*(Text(harmless(row[k])) for k in kept))
     shown.add_section()
