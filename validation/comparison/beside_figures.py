@@ -150,7 +150,7 @@ def _distribution_data(drawn: dict[str, xr.Dataset]) -> xr.Dataset:
             *(data[name].values.tolist() for name in ("curve", "lower", "upper", "density")), strict=True
         )
     ]
-    columns = list(zip(*parts, strict=True)) if parts else [[], [], [], []]
+    columns: list[Any] = list(zip(*parts, strict=True)) if parts else [[], [], [], []]
     words = (
         "result, then solver and grid or theory",
         "lower edge of the bin, sigma / (E* h'_rms)",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
-from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
@@ -286,7 +285,10 @@ def stress_distribution(
         scale = Scale(realised.own_spectrum, contact_modulus=told.felt_modulus)
         contact = _adhesive(told, pressure, options or TheoryOptions(), scale=scale)
         onset = contact.variance[np.flatnonzero(contact.tensile_limit > 0)[:1]]
-        wall = partial(np.interp, xp=contact.variance, fp=contact.tensile_limit)
+
+        def wall(variance: Array) -> Array:
+            return np.asarray(np.interp(variance, contact.variance, contact.tensile_limit))
+
         found = solve_diffusion(
             contact.variance[-1:],
             pressure=pressure,
