@@ -182,7 +182,7 @@ def _converging(ladders: Sequence[tuple[str, Check]]) -> Figure:
         colour = COLOURS[k % len(COLOURS)]
         order = with_error(check.reference, check.tolerance).replace("+-", r"$\pm$")
         label = f"{case}, {check.quantity}: {check.computed:.2f} (expected {order})"
-        symbol = {
+        symbol: dict[str, Any] = {
             "marker": SYMBOLS[k % len(SYMBOLS)],
             "ms": 5,
             "mfc": "white" if k >= len(SYMBOLS) else colour,
