@@ -26,7 +26,7 @@ from validation.comparison.run import report_run, run_scene
 from validation.errors import UsageError
 from validation.report.figure import new_figure, save_figure
 from validation.report.page import Answer, Page, render, write_page
-from validation.report.table import ResultTable, shown
+from validation.report.table import ResultTable, WordTable, shown
 from validation.report.words import mathematics
 from validation.scenes.scene import load_scene
 from validation.solves.bench import Bench
