@@ -37,7 +37,10 @@ WRONG = [
         ("reduced_pressure = 0.1", 'pressure = "-3 MPa"'),
         ("load.pressure = '-3 MPa'", "greater than or equal to 0"),
     ),
-    (("reduced_pressure = 0.1", ""), ("load: give exactly one of 'pressure' and 'reduced_pressure'",)),
+    (
+        ("reduced_pressure = 0.1", ""),
+        ("load: give exactly one of 'pressure', 'reduced_pressure', 'force', 'mean_gap' and",),
+    ),
     (('lambda_short = "2.5 um"', 'lambda_short = "6 um"'), ("lambda_short = 6e-06 m", "must be below")),
     (('lambda_long = "5 um"', 'lambda_long = "11 um"'), ("lambda_long = 1.1e-05 m", "must not exceed")),
     (

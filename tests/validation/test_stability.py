@@ -108,7 +108,7 @@ def test_a_hang_is_wrong(monkeypatch):
 
 def test_the_study_is_found_by_name_with_its_options_and_draws_every_case():
     study = find_study("stability")
-    assert set(study.options.flags()) == {"--cases", "--slowest"}
+    assert set(study.options.flags()) == {"--methods", "--cases", "--slowest"}
     data = turned(cases=("hardness", "ties"))
     assert [drawing.name for drawing in study.figures(data)] == [
         "stability",
