@@ -52,7 +52,7 @@ def grown():
     def answer(solve):
         (load,) = solve.realised.load.values
         n = solve.grid[0]
-        value = 2 * load * THREE[solve.realised.surface.seed - 61]
+        value = 2 * load * THREE[solve.realised.realisation]
         return ContactAreas(
             pixel=value + 0.2 / n,
             perimeter=value,
