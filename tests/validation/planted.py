@@ -76,7 +76,7 @@ def measurement(solve, area: Callable[[float], float], **planted: Callable) -> x
         data,
         coords={
             "points": ("grid", points),
-            "cells": ("grid", np.square(points)),
+            "cells": ("grid", points**2),
             "points_per_wave": ("grid", points / waves),
             "reduced_pressure": ("load", list(loads)),
         },

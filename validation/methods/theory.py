@@ -285,7 +285,10 @@ def stress_distribution(
         scale = Scale(realised.own_spectrum, contact_modulus=told.felt_modulus)
         contact = _adhesive(told, pressure, options or TheoryOptions(), scale=scale)
         onset = contact.variance[np.flatnonzero(contact.tensile_limit > 0)[:1]]
-        wall: Any = partial(np.interp, xp=contact.variance, fp=contact.tensile_limit)
+
+        def wall(variance: Array) -> Array:
+            return np.asarray(np.interp(variance, contact.variance, contact.tensile_limit))
+
         found = solve_diffusion(
             contact.variance[-1:],
             pressure=pressure,

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from validation.audit.limits import limit_over
 from validation.audit.stored import Array
-from validation.audit.studies.kept import Kept
+from validation.audit.studies.kept import Kept, base_surface
 from validation.audit.studies.numbers import LEAST_POINTS, persson, root_sum
 from validation.audit.studies.said import said
 
@@ -38,22 +37,10 @@ def judge(kept: Kept) -> None:
     _sentences(kept, loads, resolved)
 
 
-def _surface(options: dict[str, Any], k: int) -> dict[str, Any]:
-    length = 1e-4
-    return {
-        "kind": "self-affine",
-        "length": [length, length],
-        "hurst": options["hurst"],
-        "lambda_long": length / options["periods"],
-        "lambda_short": length / options["periods"] / options["bandwidth"],
-        "rms_gradient": 0.1,
-        "seed": options["seed"] + k,
-    }
-
-
 def _one(kept: Kept, load: float, k: int, grids: list[int]) -> tuple[float, float] | None:
     """Limit of one surface at one load and its standard error; None without its solves."""
-    surface, modulus = _surface(kept.options, k), _YOUNG / (1 - _POISSON**2)
+    surface = base_surface(kept.options, seed=kept.options["seed"] + k)
+    modulus = _YOUNG / (1 - _POISSON**2)
     solves = []
     for n in grids:
         one = kept.fields(

@@ -40,7 +40,7 @@ VARIANTS = {
     "wang_mueser": "Wang, Mueser 2017",
     "xu": "Xu et al. 2024",
 }
-_STORED = 0.45
+_STORED, _STORED_XU = 0.45, 0.42
 
 
 def half_width(values: Any) -> float:
@@ -93,7 +93,7 @@ def variant_area(reduced_pressure: float, variant: str) -> float:
         """Of V_full over p0^2, with u = ln y, y = V / p0^2."""
         y = math.exp(u)
         if variant == "xu":
-            return y / (_STORED + (1 - _STORED) * area(y)) - full
+            return y / (_STORED_XU + (1 - _STORED_XU) * area(y)) - full
         # S = 1 where contact is full.
         low = math.log(1e-3)
         if u <= low:
