@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact._checks import choice
+from fem_contact._checks import choice, instance, positive, whole
 from fem_contact.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -66,6 +66,14 @@ class Element:
     pressures: int
     edge_constant: float
     quadrature: int
+
+    def __post_init__(self) -> None:
+        instance("name", self.name, str, what="a text")
+        for name, allowed in (("order", (1, 2)), ("pressures", (0, 1, 4))):
+            if whole(name, getattr(self, name), least=0, most=4) not in allowed:
+                raise InvalidInput(f"{name} = {getattr(self, name)}: must be one of {allowed}")
+        positive("edge_constant", self.edge_constant)
+        whole("quadrature", self.quadrature, least=1, most=20)
 
     @property
     def types(self) -> int:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, TypedDict
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact._checks import instance, positive, shown, within
+from fem_contact._checks import instance, positive, samples, shown, within
 from fem_contact.block.elements import ELEMENTS, Element, quiet_skfem, scalar_basis
 from fem_contact.errors import InvalidInput
 from fem_contact.surface.heights import checked_counts, checked_lengths
@@ -141,6 +141,17 @@ class BlockMesh:
     aspect: float
     layers: Array
     element: Element
+
+    def __post_init__(self) -> None:
+        instance("element", self.element, Element, what="an `Element`, one of `ELEMENTS`")
+        try:
+            checked_counts(self.cells)
+        except InvalidInput as error:
+            raise InvalidInput(str(error).replace("shape", "cells", 1)) from None
+        positive("aspect", self.aspect)
+        layers = samples("layers", self.layers)
+        if not (layers > 0).all():
+            raise InvalidInput(f"layers: the thinnest is {layers.min():.3g}: all must be positive")
 
     @property
     def nz(self) -> int:

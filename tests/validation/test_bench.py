@@ -170,11 +170,11 @@ def test_a_damaged_case_is_named_set_aside_and_computed_again(tmp_path):
 
 
 @contextmanager
-def small_disk(folder, kilobytes):
+def small_disk(folder, kilobytes, *, inodes=0):
     """A real file system of its own size; skipped where it cannot be mounted."""
     folder.mkdir()
     mount = shutil.which("mount")
-    command = [str(mount), "-t", "tmpfs", "-o", f"size={kilobytes}k", "tmpfs", str(folder)]
+    command = [str(mount), "-t", "tmpfs", "-o", f"size={kilobytes}k,nr_inodes={inodes}", "tmpfs", str(folder)]
     done = subprocess.run(command, capture_output=True, text=True, check=False) if mount else None
     if done is None or done.returncode:
         why = "no mount" if done is None else done.stderr.strip()
@@ -196,6 +196,17 @@ def test_a_full_disk_is_a_clear_error_and_leaves_finished_cases_intact(tmp_path,
         assert all(store.holds(solve) for solve in kept)
         names = {path.name for path in disk.iterdir()}
         assert names == {store.path(solve).name for solve in kept}, "half-written files"
+
+
+def test_a_disk_without_inodes_is_a_clear_error_and_leaves_finished_cases_intact(tmp_path):
+    with small_disk(tmp_path / "disk", 100_000, inodes=20) as disk:
+        with pytest.raises(RunFailed, match=r"inodes are used up: .* was not written; finished solves are"):
+            run_area(bench=bench_at(disk), **CASES)
+        store = Store(folder=disk)
+        kept = [solve for solve in solves_of(**CASES) if store.path(solve).exists()]
+        assert 3 <= len(kept) < 20
+        assert all(store.holds(solve) for solve in kept)
+        assert {path.name for path in disk.iterdir()} == {store.path(solve).name for solve in kept}
 
 
 def test_a_case_that_fails_does_not_keep_the_others_from_being_done(tmp_path, monkeypatch):
