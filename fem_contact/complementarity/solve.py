@@ -101,6 +101,11 @@ def _iterate(
     verified, plain = False, False
     errors: Errors | None = None
     while True:
+        if not total > 0 and passes.bound is None:
+            # At vanishing load a step may round every force away: the closest point carries it.
+            _settle(passes, mean_force)
+            total, moment, energy = passes.start(operator)
+            applications, curvature, errors = applications + 1, 0.0, None
         if errors is None:
             # phi . g = 0: the offset is the gap below the load, so that scaling phi is no descent.
             offset = -moment / total if total > 0 else _offset_between(passes)
