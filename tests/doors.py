@@ -254,7 +254,7 @@ def solver_doors() -> dict[str, Door]:
         "contact_stiffness": (stress.contact_stiffness, {"results": path}),
         "frozen_contact": (
             conductance.frozen_contact,
-            {"result": result, "response": half, "tolerance": 1e-6, "max_steps": 99, "threads": 1},
+            {"result": result, "response": half, "tolerance": 1e-6, "max_iterations": 99, "threads": 1},
         ),
         "contact_conductance": (
             conductance.contact_conductance,
