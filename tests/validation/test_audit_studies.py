@@ -206,6 +206,7 @@ _WRONG_DATA = {
     "hardness": {"plastic": ("limit of second order", 0.97), "plastic_persson": ("another variance", 1.05)},
     "adhesion": {
         "interface": ("elastic energy without 1/2", 1.5),
+        "area_error": ("deviation of the surfaces", np.sqrt(3)),
         "persson_plain": ("another gradient", 1.02),
     },
     "theory-verdict": {"shares": ("one sigma", 0.5), "distance": ("another load", 1.1)},
