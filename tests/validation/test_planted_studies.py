@@ -12,7 +12,9 @@ import xarray as xr
 from planted import STUDENT, PlantedBench, block, column, contact, measurement, realisation
 
 from fem_contact.area import ContactAreas
+from fem_contact.surface import HeightField
 from validation.measures.common import persson_area
+from validation.measures.theory import WITH_ENERGY, Waves
 from validation.studies import (
     accuracy_cost,
     adhesion,
@@ -148,14 +150,24 @@ def test_pressure_shares_are_of_the_nominal_area_and_do_not_move_where_nothing_m
     assert np.max(pressure.theory_distances(pressed)[:2]) < 0.01
 
 
-def test_the_theory_of_pressure_stores_half_of_p_u_at_full_contact():
-    """At a load that closes every gap U/U_full is 1, and the gap 0, with all variants that have an energy."""
+def test_the_theory_of_pressure_is_at_full_contact_where_every_gap_is_closed():
+    """U/U_full is 1, and the gap 0, with all variants that have an energy."""
     options = pressure.Options(surfaces=2, shifts=2, reduced_pressures=(8.0, 16.0), seed=61, **SMALL)
     data = pressure.run(options, bench=PlantedBench(lambda solve: measurement(solve, lambda p: 1.0)))
     told = data.sel(mode="conditional", variant=["persson", "yang_persson", "wang_mueser"])
     np.testing.assert_allclose(told.theory_energy, 1.0, rtol=1e-6)
     np.testing.assert_allclose(told.theory_gap, 0.0, atol=1e-6)
     np.testing.assert_allclose(data.theory_area.sel(mode="conditional"), 1.0, rtol=1e-9)
+
+
+def test_the_theory_of_pressure_stores_half_of_p_u_of_a_flattened_wave():
+    """p = E* q a cos(q x) / 2 and u = a cos(q x): half of the mean of p u is E* q a^2 / 8."""
+    a, length, n = 2e-6, 1e-3, 16
+    heights = a * np.cos(2 * np.pi * np.arange(n) / n)[:, None] * np.ones(n)
+    waves = Waves.of_field(HeightField(heights=heights, lengths=(length, length)))
+    for variant in WITH_ENERGY:
+        (stored,) = waves.elastic_energy(np.array([1.0]), variant)
+        assert stored == pytest.approx(2 * np.pi / length * a**2 / 8, rel=1e-12)
 
 
 # hurst: kappa of pairs, ladders ------------------------------------------------------------------------
