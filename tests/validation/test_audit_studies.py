@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 from validation.audit import audit
 from validation.audit.studies import JUDGES
 from validation.cli.commands import app
+from validation.scenes.scene import load_scene
 from validation.solves.bench import Bench
 from validation.studies import find_study
 from validation.studies._outputs import run_study
@@ -206,6 +207,7 @@ _WRONG_DATA = {
     "hardness": {"plastic": ("limit of second order", 0.97), "plastic_persson": ("another variance", 1.05)},
     "adhesion": {
         "interface": ("elastic energy without 1/2", 1.5),
+        "area_error": ("deviation of the surfaces", np.sqrt(3)),
         "persson_plain": ("another gradient", 1.02),
     },
     "theory-verdict": {"shares": ("one sigma", 0.5), "distance": ("another load", 1.1)},
@@ -227,7 +229,8 @@ def test_mistakes_in_the_dataset_of_a_study_are_found_by_the_names_of_the_variab
         ("area", ("above Persson's theory", "below Persson's theory")),
         ("hurst", ("not told from zero", "told from zero")),
         ("hardness", ("above it", "below it")),
-        ("refinement", ("agree with", "do not agree with")),
+        ("refinement", ("can be neither confirmed nor ruled out by", "agree with")),
+        ("refinement", ("are not told apart", "are told apart")),
         ("theory-verdict", ("is closest", "is not closest")),
     ],
 )
@@ -257,6 +260,54 @@ def test_a_study_nobody_computes_again_and_a_store_that_is_gone_are_listed(copie
     unread = audit(folder).unread
     assert any(line.startswith("the numbers of the study scaling") for line in unread)
     assert "sentence: x" in unread
+
+
+_SCENE = """
+[surface]
+kind = "self-affine"
+length = "10 um"
+hurst = 0.7
+lambda_long = "5 um"
+lambda_short = "2.5 um"
+rms_gradient = 0.05
+seed = 77
+[solid]
+young = "2 MPa"
+poisson = 0.3
+[load]
+reduced_pressure = 0.1
+[methods.bem]
+grids = [24, 36, 48]
+"""
+
+
+def test_a_study_on_a_scene_is_listed_not_taken_for_the_one_on_its_own_surfaces(tmp_path):
+    (tmp_path / "mine.toml").write_text(_SCENE)
+    study, folder = find_study("area"), tmp_path / "area"
+    folder.mkdir()
+    options = study.options(
+        scene=load_scene(str(tmp_path / "mine.toml")), reduced_pressures=(0.1, 0.2), surfaces=2
+    )
+    run_study(study, options, folder, bench=Bench.at(tmp_path / "solves"), report=False)
+    ledger = audit(folder)
+    assert [str(entry) for entry in ledger.wrong] == []
+    expected = "the numbers of the study area on a scene: those of its own surfaces are computed again"
+    assert expected in ledger.unread
+    sentences = json.loads((folder / "summary.json").read_text())["findings"]
+    assert sentences
+    assert {f"sentence: {sentence}" for sentence in sentences} <= set(ledger.unread)
+
+
+def test_a_study_with_another_method_is_listed(copied):
+    folder = copied("refinement")
+    for name in ("study.json", "summary.json"):
+        said = json.loads((folder / name).read_text())
+        (folder / name).write_text(
+            json.dumps({**said, "options": {**said["options"], "methods": ["bem", "tamaas"]}})
+        )
+    assert any(
+        line.startswith("the numbers of the study refinement with tamaas") for line in audit(folder).unread
+    )
 
 
 def test_the_command_audits_a_study_and_exits_with_one_where_a_number_disagrees(copied):

@@ -32,6 +32,14 @@ def is_study(folder: Path) -> bool:
     return (folder / "study.json").exists()
 
 
+def _unknown(kept: Kept) -> str:
+    """Say what makes a study another than the one that is computed again; nothing where it is that one."""
+    if kept.options.get("scene"):
+        return "on a scene: those of its own surfaces are computed again"
+    others = set(kept.options.get("methods", ())) - {"bem", "fem"}
+    return f"with {', '.join(sorted(others))}: those of bem and fem are computed again" if others else ""
+
+
 def audit_study(folder: Path) -> Ledger:
     """Compute again what a study printed, and list what was not.
 
@@ -51,6 +59,9 @@ def audit_study(folder: Path) -> Ledger:
     if judge is None:
         known = ", ".join(sorted(JUDGES))
         ledger.unread.append(f"the numbers of the study {kept.name}: those are computed again of {known}")
+    elif unknown := _unknown(kept):
+        judge = None
+        ledger.unread.append(f"the numbers of the study {kept.name} {unknown}")
     else:
         judge(kept)
     judge_files(kept)

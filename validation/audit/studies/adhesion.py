@@ -33,19 +33,23 @@ _OPTION = {
 
 def judge(kept: Kept) -> None:
     """Judge dataset and sentences."""
-    whole = _solve(kept, float(kept.options["bandwidth"]), max(kept.options["grids"]))
-    if whole is None:
+    until, finest = float(kept.options["bandwidth"]), max(kept.options["grids"])
+    found = [_solve(kept, k, until, finest) for k in range(kept.options["surfaces"])]
+    wholes = [one for one in found if one is not None]
+    if len(wholes) < len(found):
         kept.ledger.unread.append("areas along the dials: the store lacks solves")
     else:
         modulus = _YOUNG / (1 - _POISSON**2)
-        kept.ledger.number("surface", "E* [Pa]", whole.modulus, modulus)
+        for k, whole in enumerate(wholes):
+            kept.ledger.number(f"surface {k}", "E* [Pa]", whole.modulus, modulus)
         for dial in _DIALS:
-            _dial(kept, dial, whole)
+            _dial(kept, dial, wholes)
     for dial, option in _OPTION.items():
         kept.array(dial, kept.options[option])
     kept.ledger.unread.append(
         "theory with adhesion (improved, old, macroscopic, yielded): solved by quadrature"
     )
+    _general(kept)
     for dial in _DIALS:
         for k in range(kept[dial].size):
             _sentence(kept, dial, k)
@@ -58,31 +62,34 @@ def _name(quantity: str, dial: str) -> str:
     return f"{bare}_{dial}" + quantity[len(bare) :]
 
 
-def _solve(kept: Kept, until: float, n: int, **wanted: Any) -> Stored | None:
+def _solve(kept: Kept, k: int, until: float, n: int, **wanted: Any) -> Stored | None:
     surface = truncated(
-        kept.options, until=until, seed=kept.options["seed"], length=_LENGTH, gradient=_GRADIENT
+        kept.options, until=until, seed=kept.options["seed"] + k, length=_LENGTH, gradient=_GRADIENT
     )
     return kept.fields(surface, kind="Press", method="bem", grid=[n, n], **wanted)
 
 
-def _dial(kept: Kept, dial: str, whole: Stored) -> None:
-    """Judge everything along one dial."""
+def _dial(kept: Kept, dial: str, wholes: list[Stored]) -> None:
+    """Judge everything along one dial: means over the surfaces."""
     options = kept.options
-    unit = whole.modulus * math.sqrt(whole.moments[1])
-    rows = []
+    rows: list[dict[str, float]] = []
     for value in options[_OPTION[dial]]:
         turned = {**{"work": options["work"], "reduced_pressure": options["reduced_pressure"]}, dial: value}
-        case = {
-            "until": float(turned.get("magnification", options["bandwidth"])),
-            "work": turned["work"] * full_energy(whole),
-            "pressure": turned["reduced_pressure"] * unit,
-            "hardness": turned["hardness"] * unit if dial == "hardness" else None,
-        }
-        row = _case(kept, case)
-        if row is None:
-            kept.ledger.unread.append(f"areas along the dial {dial}: the store lacks solves")
-            return
-        rows.append(row)
+        several = []
+        for k, whole in enumerate(wholes):
+            unit = whole.modulus * math.sqrt(whole.moments[1])
+            case = {
+                "until": float(turned.get("magnification", options["bandwidth"])),
+                "work": turned["work"] * full_energy(whole),
+                "pressure": turned["reduced_pressure"] * unit,
+                "hardness": turned["hardness"] * unit if dial == "hardness" else None,
+            }
+            one = _case(kept, k, case)
+            if one is None:
+                kept.ledger.unread.append(f"areas along the dial {dial}: the store lacks solves")
+                return
+            several.append(one)
+        rows.append(_over_surfaces(several))
     names = ["area", "area_error", "plain", "interface", "persson_plain"]
     names += ["yielded"] if dial == "hardness" else []
     for name in names:
@@ -92,14 +99,23 @@ def _dial(kept: Kept, dial: str, whole: Stored) -> None:
         kept.array("reach", [row["reach"] for row in rows], rtol=1e-7)
 
 
-def _case(kept: Kept, case: dict[str, Any]) -> dict[str, float] | None:
-    """Areas, energy and plain theory of one case; None without its solves."""
+def _over_surfaces(several: list[dict[str, float]]) -> dict[str, float]:
+    """Means; beside the mean error of the grids, which all surfaces share, the standard error of the area."""
+    n = len(several)
+    found = {name: math.fsum(one[name] for one in several) / n for name in several[0]}
+    squares = math.fsum((one["area"] - found["area"]) ** 2 for one in several)
+    scatter = math.sqrt(squares / (n - 1) / n) if n > 1 else 0.0
+    return found | {"area_error": math.hypot(found["area_error"], scatter)}
+
+
+def _case(kept: Kept, k: int, case: dict[str, Any]) -> dict[str, float] | None:
+    """Areas, energy and plain theory of one surface; None without its solves."""
     grids = kept.options["grids"]
     hard = [] if case["hardness"] is None else [{"kind": "hardness", "hardness": case["hardness"]}]
     attraction = {"kind": "adhesion", "work": case["work"]}
     load = {"pressure": case["pressure"]}
-    sticky = [_solve(kept, case["until"], n, load=load, effects=[attraction, *hard]) for n in grids]
-    plain = [_solve(kept, case["until"], n, load=load, effects=hard) for n in grids]
+    sticky = [_solve(kept, k, case["until"], n, load=load, effects=[attraction, *hard]) for n in grids]
+    plain = [_solve(kept, k, case["until"], n, load=load, effects=hard) for n in grids]
     with_it, without = ([one for one in found if one is not None] for found in (sticky, plain))
     if len(with_it) < 2 or len(without) < 2:
         return None
@@ -131,6 +147,23 @@ def _case(kept: Kept, case: dict[str, Any]) -> dict[str, float] | None:
         "yielded": limit([one.plastic for one in with_it]),
         "reach": told["reach"] / math.sqrt(finest.moments[0]),
     }
+
+
+def _general(kept: Kept) -> None:
+    """Judge what is said of the surfaces of all numbers."""
+    surfaces = kept.options["surfaces"]
+    if surfaces > 1:
+        said(
+            kept,
+            "Means over {n} surfaces; +- is one standard error, that of the surfaces and the step to the limit "
+            "together.",
+            n=float(surfaces),
+        )
+    else:
+        said(
+            kept,
+            "These are numbers of one surface: how much another of the same spectrum would differ is unknown.",
+        )
 
 
 def _sentence(kept: Kept, dial: str, k: int) -> None:
