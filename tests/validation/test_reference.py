@@ -2,6 +2,8 @@
 
 import itertools
 import json
+import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +17,8 @@ from validation.errors import UsageError
 from validation.measures.controlled import controlled_mean
 from validation.solves.bench import Bench
 from validation.studies import reference as study
+
+DOCS = Path(__file__).parents[2] / "docs"
 
 HURSTS, BANDWIDTHS = np.array([0.1, 0.5, 1.0]), np.array([4.0, 8.0, 16.0])
 LOADS = np.array([0.01, 0.02, 0.05, 0.1, 0.2, 0.5])
@@ -96,6 +100,22 @@ def test_the_table_that_is_shipped_is_whole_and_says_how_it_was_made():
     assert np.all(np.diff(data.area.values, axis=2) > 0)
     assert data.attrs["study"] == "reference"
     assert {"seed", "pairs", "points_per_wave", "periods", "tolerance"} <= set(data.attrs)
+
+
+def test_the_documentation_prints_the_areas_of_the_table_that_is_shipped():
+    data = reference.table()
+    lines = (DOCS / "reference_table.md").read_text(encoding="utf-8").splitlines()
+    rows = [
+        [cell.strip() for cell in line.strip("|").split("|")] for line in lines if line.startswith("| 0.")
+    ]
+    assert len(rows) == data.sizes["hurst"] * data.sizes["bandwidth"]
+    for hurst, bandwidth, *cells in rows:
+        own = data.sel(hurst=float(hurst), bandwidth=float(bandwidth))
+        for cell, area, error in zip(cells, own.area.values, own.area_error.values, strict=True):
+            digits, last = re.fullmatch(r"([\d.]+)\((\d+)\)", cell).groups()
+            unit = 10.0 ** -len(digits.partition(".")[2])
+            assert float(digits) == pytest.approx(area, abs=0.51 * unit)
+            assert int(last) * unit == pytest.approx(error, abs=0.51 * unit)
 
 
 @pytest.fixture(scope="module")
