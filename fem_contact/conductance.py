@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, cg
 
-from fem_contact._checks import positive, samples, whole, within
+from fem_contact._checks import positive, samples
 from fem_contact.complementarity import FourierOperator
 from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput, NotConverged, UnsupportedEffect
 from fem_contact.response import Response, check_response
+from fem_contact.settings import Settings
 
 __all__ = ["FrozenContact", "contact_conductance", "frozen_contact"]
 
@@ -48,7 +49,7 @@ def frozen_contact(
     response: Response,
     *,
     tolerance: float = 1e-9,
-    max_steps: int = 10_000,
+    max_iterations: int = 10_000,
     threads: int | None = None,
 ) -> FrozenContact:
     r"""Press a contact a little further while its contact set stays.
@@ -67,7 +68,8 @@ def frozen_contact(
         The solid, such as `HalfSpace`.
     tolerance : float
         Largest relative deviation of the displacement from the approach; at most 0.1.
-    max_steps : int
+    max_iterations : int
+        Steps of the conjugate gradients allowed.
     threads : int, optional
         Of each transform; all available processors if not given.
 
@@ -96,8 +98,7 @@ def frozen_contact(
     """
     check_result("result", result)
     check_response(response)
-    tolerance = within("tolerance", tolerance, 0, 0.1, interval="(0, 0.1]")
-    max_steps = whole("max_steps", max_steps, least=1, most=10**6)
+    settings = Settings(tolerance=tolerance, max_iterations=max_iterations, threads=threads)
     if result.weights is not None:
         raise UnsupportedEffect(
             "result: its nodes weigh differently (quadratic elements); use boundary or trilinear elements"
@@ -107,17 +108,15 @@ def frozen_contact(
         raise InvalidInput(
             "result: nothing touches, or all that does is at its pressure bound: there is no stiffness"
         )
-    operator = FourierOperator(response, result.shape, result.lengths, threads=threads)
+    operator = FourierOperator(response, result.shape, result.lengths, threads=settings.threads)
     if moving.all() and operator.compliance[0, 0] == 0:
         raise InvalidInput(
             "result: full contact of a half-space cannot approach further: its stiffness is infinite"
         )
-    return _solved(operator, moving, tolerance=tolerance, max_steps=max_steps)
+    return _solved(operator, moving, settings)
 
 
-def _solved(
-    operator: FourierOperator, moving: NDArray[np.bool_], *, tolerance: float, max_steps: int
-) -> FrozenContact:
+def _solved(operator: FourierOperator, moving: NDArray[np.bool_], settings: Settings) -> FrozenContact:
     """Conjugate gradients for a unit displacement of the contact set."""
     field, answer = np.zeros(operator.shape), np.empty(operator.shape)
     count, steps = int(np.count_nonzero(moving)), 0
@@ -143,23 +142,24 @@ def _solved(
     target, shape = np.ones(count), (count, count)
     pressure = np.zeros(count)
     # The solver stops on the mean square; the largest deviation is asked for, and looked at.
-    asked, worst = tolerance, np.inf
-    while worst > tolerance and steps < max_steps:
+    asked, worst = settings.tolerance, np.inf
+    while worst > settings.tolerance and steps < settings.max_iterations:
         pressure, _ = cg(
             LinearOperator(shape, matvec=displaced, dtype=float),
             target,
             x0=pressure,
             rtol=asked,
-            maxiter=max_steps - steps,
+            maxiter=settings.max_iterations - steps,
             M=LinearOperator(shape, matvec=preconditioned, dtype=float),
             callback=counted,
         )
         worst, asked = float(np.max(np.abs(displaced(pressure) - 1))), asked / 10
         if asked < 1e-15:
             break
-    if not worst <= tolerance:
+    if not worst <= settings.tolerance:
         raise NotConverged(
-            f"stiffness: {steps} steps leave a deviation of {worst:.1e}, above the tolerance {tolerance:g}: "
+            f"stiffness: {steps} steps leave a deviation of {worst:.1e}, above the tolerance "
+            f"{settings.tolerance:g}: "
             "allow more steps or a larger tolerance"
         )
     solved = np.zeros(operator.shape)

@@ -14,9 +14,11 @@ from fem_contact import (
     area,
     bem,
     block,
+    conductance,
     extrapolation,
     graded,
     hardness,
+    leak,
     patches,
     response,
     settings,
@@ -35,6 +37,7 @@ from persson import (
     flaw_tolerance,
     gaps,
     heights,
+    leakage,
     limits,
     percolation,
     plate,
@@ -249,6 +252,18 @@ def solver_doors() -> dict[str, Door]:
         "elastic_energy": (stress.elastic_energy, {"result": result}),
         "loading_work": (stress.loading_work, {"results": path}),
         "contact_stiffness": (stress.contact_stiffness, {"results": path}),
+        "frozen_contact": (
+            conductance.frozen_contact,
+            {"result": result, "response": half, "tolerance": 1e-6, "max_iterations": 99, "threads": 1},
+        ),
+        "contact_conductance": (
+            conductance.contact_conductance,
+            {"stiffness": 2.0, "contact_modulus": 1.0, "resistivities": (1.0, 0.0)},
+        ),
+        "open_gap": (leak.open_gap, {"result": result}),
+        "percolates": (leak.percolates, {"open_cells": wave > 0, "axis": "x"}),
+        "critical_gap": (leak.critical_gap, {"gap": wave, "axis": "y"}),
+        "flow_conductance": (leak.flow_conductance, {"gap": wave, "lengths": (1.0, 2.0), "axis": "y"}),
     }
 
 
@@ -603,6 +618,10 @@ def theory_doors() -> dict[str, Door]:
         "AdhesiveContact.distribution": (pressed.distribution, {"index": 3, "stress": 1.0}),
         "AdhesiveContact.area_at": (pressed.area_at, {"wavevector": 2e5}),
         "AdhesiveContact.work_at": (pressed.work_at, {"wavevector": 2e5}),
+        "effective_medium": (
+            leakage.effective_medium,
+            {"conductances": [0.0, 1.0, 2.0], "shares": [0.2, 0.5, 0.3]},
+        ),
         "pull_off_stress": (limits.pull_off_stress, {"scale": one, "interface": sticky, "tolerance": 0.1}),
         "critical_roughness": (
             limits.critical_roughness,

@@ -64,7 +64,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     said = parser.parse_args(arguments)
     if unknown := set(said.studies) - set(known):
         parser.error(f"{', '.join(sorted(unknown))}: not in the gallery; one of: {', '.join(known)}")
-    for name in said.studies or known:
+    for name in said.studies or (SHOWN if said.redraw else known):
         if name == "scorecard":
             _scorecard(said.output)
             continue

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from surfaces import LATTICE_CUBE
+from surfaces import LATTICE_CUBE, rough_surface
 
 from fem_contact.area import contact_areas
 from fem_contact.bem import solve, solve_displacement, solve_path
@@ -408,6 +408,13 @@ def test_at_vanishing_load_the_highest_point_carries_it(reduced: float) -> None:
     result = solve(surface, SOFT, mean_pressure=load).checked()
     assert np.flatnonzero(result.in_contact).tolist() == [int(np.argmax(surface.heights))]
     assert result.pressure.max() == pytest.approx(load * surface.heights.size, rel=1e-12)
+
+
+@pytest.mark.parametrize(("seed", "n", "reduced"), [(7, 32, 1e-30), (8, 16, 1e-20), (9, 24, 1e-100)])
+def test_a_load_that_steps_round_away_is_carried_all_the_same(seed: int, n: int, reduced: float) -> None:
+    surface = rough_surface((n, n), seed=seed, waves=6.0)  # a division by a load of 0 on each of them once
+    result = solve(surface, SOFT, mean_pressure=reduced * surface.rms_gradient).checked()
+    assert result.mean_pressure == pytest.approx(reduced * surface.rms_gradient, rel=1e-12)
 
 
 @pytest.mark.parametrize("far", [1e3, 1e9, -1e9])

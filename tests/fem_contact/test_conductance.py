@@ -120,4 +120,4 @@ def test_too_few_steps_are_said():
     surface = rough(48)
     result = bem.solve(surface, HALF_SPACE, mean_pressure=0.1 * surface.rms_gradient)
     with pytest.raises(NotConverged, match="2 steps"):
-        frozen_contact(result, HALF_SPACE, max_steps=2)
+        frozen_contact(result, HALF_SPACE, max_iterations=2)

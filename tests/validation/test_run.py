@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import base64
 import csv
+import hashlib
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -88,13 +91,15 @@ def test_finite_and_boundary_elements_approach_each_other(small_run):
     assert abs(fine.pixel) < abs(coarse.pixel)
 
 
-def test_the_report_holds_four_figures_and_the_findings(small_run):
+def test_the_report_holds_five_figures_the_findings_and_one_script_that_its_policy_names(small_run):
     page = (small_run.folder / "report.html").read_text()
-    assert page.count("<svg") == 4
+    assert page.count("<svg") == 5
     for finding in small_run.comparison.findings:
         assert mathematics(finding) in page
     assert "default-src 'none'" in page
-    assert "<script" not in page
+    (script,) = re.findall(r"<script>(.*?)</script>", page, re.DOTALL)
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    assert f"script-src 'sha256-{digest}';" in page
 
 
 def test_an_option_recomputes_only_what_it_affects(write_scene):

@@ -48,9 +48,13 @@ def test_anti_correlated_pairs_gain_by_being_averaged_first():
     )
 
 
-def test_one_surface_has_no_scatter():
-    with pytest.raises(ValueError, match="at least two surfaces"):
-        mean_over_surfaces([1.0])
+def test_one_surface_has_no_scatter_and_no_interval():
+    alone = mean_over_surfaces([1.0])
+    assert (alone.value, alone.samples) == (1.0, 1)
+    assert np.isnan(alone.standard_error)
+    assert np.isnan(alone.half_width)
+    with pytest.raises(ValueError, match="at least one surface"):
+        mean_over_surfaces([])
 
 
 def test_an_odd_number_makes_no_pairs():

@@ -186,7 +186,7 @@ def test_a_good_file_is_never_set_aside_for_want_of_memory(stored, monkeypatch, 
     monkeypatch.setattr(type(solve), "decode", fails)
     with pytest.raises(RunFailed, match="intact, but memory does not suffice"):
         store.read(solve)
-    monkeypatch.setattr("validation.solves.store.read_whole", lambda path: fails(None, path))
+    monkeypatch.setattr("validation.solves.store.read_whole", lambda path, *, most: fails(None, path))
     with pytest.raises(RunFailed, match="memory does not suffice"):
         store.read(solve)
     assert before == sorted(path.name for path in store.folder.iterdir())

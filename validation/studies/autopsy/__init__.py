@@ -211,7 +211,8 @@ def _slopes(options: Options, bench: Bench) -> tuple[Array, Array]:
             points_per_wave=options.slope_points_per_wave,
         )
         data = stress_near_zero.run(edge, bench=bench)
-        slope = stress_near_zero.limit_slope(data)
+        (own,) = stress_near_zero.by_method(data).values()
+        slope = stress_near_zero.limit_slope(own)
         found.append(np.array([slope.value, slope.half_width]) / data.attrs["persson_slope"])
     value, half_width = np.array(found).T.reshape(2, *map(len, axes))
     return value, half_width
