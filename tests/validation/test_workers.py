@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import os
 import pickle
 import re
@@ -11,6 +12,7 @@ import subprocess
 import sys
 import threading
 import time
+import types
 from pathlib import Path
 
 import psutil
@@ -126,6 +128,27 @@ def cluster(tmp_path):
         with plain_answers(), distributed.Client(made[0], set_as_default=False) as client:
             client.wait_for_workers(2, timeout=120)
         yield made
+
+
+def test_a_look_longer_than_the_patience_is_told_and_followed_by_another(tmp_path, monkeypatch):
+    from validation.solves import cluster as module
+
+    minutes, progress, looks = itertools.count(0, 60), Notes(), []
+    clock = types.SimpleNamespace(monotonic=lambda: next(minutes), sleep=lambda _: None)
+    monkeypatch.setattr(module, "time", clock)
+    monkeypatch.setattr(module._Cluster, "_answering", lambda self: looks.append(self) or {})
+    waiting = module._Cluster(
+        client=None,
+        address="tcp://a",
+        store=Store(folder=tmp_path),
+        progress=progress,
+        patience=4.0,
+        waiting=[],
+    )
+    with pytest.raises(RunFailed, match="no workers for 120 s; what is finished is stored"):
+        list(waiting.outcomes())
+    assert len(looks) == 2
+    assert ["waiting for one for up to 4 s" in note for note in progress.notes] == [True]
 
 
 @pytest.mark.filterwarnings("default")  # of dask's own threads and sockets when a worker is killed

@@ -146,16 +146,17 @@ class _Cluster:
             if found:
                 return found
             waited = time.monotonic() - began
-            if waited > self.patience:
-                raise RunFailed(
-                    f"--scheduler = {self.address!r}: no workers for {waited:.0f} s; what is finished is "
-                    "stored: start workers (dask worker ... --nthreads 1) and give the same command again"
-                )
             if waited > _TOLD_AFTER and not told:
+                # Told and looked again before giving up, even where one look took longer than the patience.
                 told = True
                 self.progress.note(
                     f"--scheduler = {self.address!r}: no workers for {waited:.0f} s; waiting for one "
                     f"for up to {self.patience:.0f} s"
+                )
+            elif waited > self.patience:
+                raise RunFailed(
+                    f"--scheduler = {self.address!r}: no workers for {waited:.0f} s; what is finished is "
+                    "stored: start workers (dask worker ... --nthreads 1) and give the same command again"
                 )
             time.sleep(min(_LOOK_EVERY, self.patience / 10))
 

@@ -164,11 +164,13 @@ def conjugate_gradients(
     Notes
     -----
     The residual carried along drifts from the true one. It is recomputed whenever it claims convergence, and
-    the iteration starts again from it if the claim was wrong; a residual that is not finite counts as not
-    converged.
+    the iteration starts again from it, aiming lower, if the claim was wrong; a residual that is not finite
+    counts as not converged. Steps are summed apart from x, so that each is rounded to the size of the sum
+    and not of x: only the last addition and the product A x are left, which hold |b - A x| above a few
+    eps | |A| |x| | (H. A. van der Vorst & Q. Ye, SIAM J. Sci. Comput. 22 (2000) 835).
     """
     x = start.copy()
-    iterations, best = 0, np.inf
+    iterations, best, aim = 0, np.inf, 0.9 * tolerance * scale
     while True:
         residual = right - apply(x)
         reached = float(np.linalg.norm(residual)) / scale
@@ -182,7 +184,7 @@ def conjugate_gradients(
             done = bool(np.isfinite(reached) and reached <= tolerance)
             return LinearSolution(x=x, relative_residual=reached, iterations=iterations, converged=done)
         best = reached
-        direction = np.zeros_like(x)
+        direction, change = np.zeros_like(x), np.zeros_like(x)
         product = np.inf
         while iterations < max_iterations:
             preconditioned = precondition(residual)
@@ -194,8 +196,10 @@ def conjugate_gradients(
             if not curvature > 0:
                 break
             step = product / curvature
-            x += step * direction
+            change += step * direction
             residual -= step * image
             iterations += 1
-            if not float(np.linalg.norm(residual)) > 0.9 * tolerance * scale:
+            if not float(np.linalg.norm(residual)) > aim:
                 break
+        x += change
+        aim *= 0.5

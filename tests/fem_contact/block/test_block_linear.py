@@ -24,6 +24,39 @@ def test_solution_carries_the_true_residual() -> None:
     np.testing.assert_allclose(found.x, np.linalg.solve(matrix, right), rtol=1e-8)
 
 
+def test_many_steps_add_no_rounding_of_their_own() -> None:
+    # A diagonal: |A| |x| = |b|, so x and A x rounded hold the residual above some 1e-16 of |b|. The steps,
+    # more than a thousand, added to x one by one would leave the root of their number times that, 1.1e-15.
+    diagonal, right = np.geomspace(1, 1e4, 1000), np.random.default_rng(5).standard_normal(1000)
+    found = conjugate_gradients(
+        lambda x: diagonal * x,
+        right,
+        precondition=lambda r: r.copy(),
+        start=right / diagonal * np.random.default_rng(6).normal(1, 1e-3, 1000),
+        scale=float(np.linalg.norm(right)),
+        tolerance=5e-16,
+        max_iterations=3000,
+    )
+    assert found.iterations > 1000
+    assert found.converged
+
+
+def test_a_wrong_claim_is_mended_by_aiming_lower() -> None:
+    # Products in single precision: their noise, two thirds of the tolerance, belies a claim of nine tenths.
+    diagonal, right = np.geomspace(1, 100, 300), np.random.default_rng(5).standard_normal(300)
+    noise = float(np.linalg.norm(right.astype(np.float32) - right))
+    found = conjugate_gradients(
+        lambda x: (diagonal * x).astype(np.float32).astype(float),
+        right,
+        precondition=lambda r: r.copy(),
+        start=np.zeros(300),
+        scale=noise,
+        tolerance=1.5,
+        max_iterations=3000,
+    )
+    assert found.converged
+
+
 @pytest.mark.parametrize(("poison", "limit"), [(np.nan, 200), (1.0, 3)])
 def test_nan_and_too_few_steps_end_unconverged(poison: float, limit: int) -> None:
     matrix, right = laplacian(30), np.ones(30)
