@@ -286,7 +286,7 @@ def _scene_of_study(scene: str | None, settings: Sequence[str]) -> Scene | None:
         return None
     loaded = load_asked(scene, settings)
     if isinstance(loaded, Sweep):
-        raise UsageError(f"{scene}: [sweep]: is many scenes; a study is asked about one")
+        raise UsageError(f"{scene}: [sweep] makes it many scenes; a study is asked about one")
     return loaded
 
 

@@ -300,10 +300,7 @@ def _missing(data: xr.Dataset, keys: Sequence[SweptKey]) -> Iterator[str]:
         low, high = (percent(float(v)) for v in (data["scatter"].min(), data["scatter"].max()))
         yield f"Between surfaces of one spectrum the area scatters by {low} to {high} (standard deviation)."
     elif not any(key.key == "surface.seed" for key in keys):
-        yield (
-            "Every case is one surface: without an ensemble or a swept seed the scatter between surfaces is "
-            "unknown."
-        )
+        yield "Every case is one surface: the scatter between surfaces is unknown."
 
 
 def _figures(data: xr.Dataset, keys: Sequence[SweptKey]) -> Iterator[Drawing]:
@@ -316,7 +313,7 @@ def _figures(data: xr.Dataset, keys: Sequence[SweptKey]) -> Iterator[Drawing]:
     elif limit:
         drawn["area"] = (
             ("area", "theory"),
-            "Contact area: limit over the grids with its standard error (grid only)",
+            "Contact area: limit over the grids with its standard error (grid only; may hide in a symbol)",
         )
         drawn["kappa"] = (
             ("kappa", "theory_kappa"),
