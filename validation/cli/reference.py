@@ -35,7 +35,7 @@ def reference(
         (
             one.quantity,
             with_error(one.value, one.uncertainty),
-            f"{100 * one.interpolation / one.value:.2g}",
+            f"{100 * round(one.interpolation / one.value, 6):.2g}",
             one.meaning,
         )
         for one in found.values()
