@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -52,10 +53,19 @@ def validation_page(verdicts: Sequence[Verdict], *, asked: Mapping[str, Any], fi
         figures=_figures(ladders) if figures and ladders else (),
         settings=asked,
         seeds="fixed in each case",
-        papers=tuple(dict.fromkeys(verdict.source for verdict in verdicts if verdict.source)),
+        papers=tuple(dict.fromkeys(verdict.source for verdict in verdicts if _is_paper(verdict.source))),
         records={"table": _record(verdicts)},
         summary={"cases": [_finite(verdict.summary()) for verdict in verdicts], "findings": findings},
     )
+
+
+def _is_paper(source: str) -> bool:
+    """Whether a case rests on something published, and not on a symmetry or a definition.
+
+    >>> _is_paper("Student, Biometrika 6, 1 (1908)"), _is_paper("symmetry")
+    (True, False)
+    """
+    return re.search(r"\d{4}|Johnson|Timoshenko", source) is not None
 
 
 def _used(check: Check) -> float:
