@@ -34,7 +34,8 @@ Grid = tuple[int, int]
 #: Grids that are considered, as points per shortest wave.
 _LEVELS = (3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
 
-#: The area of a solve is off by less than its tolerance (measured: a tenth to a half of it, down from 1e-3).
+#: The area of a solve is off by less than its tolerance at p* of .2 and above; below, by some 4 % of a point
+#: (docs/bem.md).
 _SOLVER_SHARE = 0.01
 _TOLERANCES = (1e-8, 1e-4)
 

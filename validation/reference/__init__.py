@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cache
 from importlib import resources
 from typing import TYPE_CHECKING
 
@@ -46,7 +45,6 @@ class ReferenceValue:
     interpolation: float
 
 
-@cache
 def table() -> xr.Dataset:
     """Return the table as `fem-contact study reference` made it; its attributes say how.
 
