@@ -25,6 +25,7 @@ from validation.scenes.scene import Load, Scene
 from validation.solves.press import Press
 
 if TYPE_CHECKING:
+    from validation.comparison.passing import Passing
     from validation.effects.base import Judgement
 
 __all__ = ["Comparison", "CrossCheck", "Row", "Scatter", "compare"]
@@ -175,6 +176,8 @@ class Comparison:
         Why there is no limit, in words; empty where there is one.
     accurate : bool
         Whether the grids were chosen for an accuracy of the limit.
+    passing : tuple of Passing
+        What passes through contact and gap, where the scene asks for it.
     """
 
     scene: Scene
@@ -193,6 +196,7 @@ class Comparison:
     scatter: Scatter | None
     no_limit: str = ""
     accurate: bool = False
+    passing: tuple[Passing, ...] = ()
 
     @property
     def adhesive(self) -> bool:
@@ -245,7 +249,7 @@ class Comparison:
             "theory": None if self.theory is None else self.theory.summary(),
             "scatter": None if self.scatter is None else asdict(self.scatter),
             "findings": list(self.findings),
-        }
+        } | ({"quantities": [json_ready(asdict(one)) for one in self.passing]} if self.passing else {})
 
 
 def compare(
@@ -281,6 +285,11 @@ def compare(
         moments = realised.spectrum.moments()
         continuum = {"rms_height_m": moments.rms_height, "rms_gradient": moments.rms_gradient}
     limit, no_limit = _limit(readings, scene, rows)
+    passes: tuple[Passing, ...] = ()
+    if scene.quantities is not None:  # what is not asked for is not loaded
+        from validation.comparison.passing import passing
+
+        passes = passing(scene, realised, results)
     field = realised.field
     return Comparison(
         scene=scene,
@@ -299,6 +308,7 @@ def compare(
         accurate=accurate,
         theory=_theory(scene, realised),
         scatter=_scatter(readings, scene, realised),
+        passing=passes,
     )
 
 
