@@ -16,6 +16,7 @@ from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.extrapolation import counted_limit, located_limit
 from fem_contact.stress import density_at_zero
+from validation.comparison.below import Below, below
 from validation.effects.base import Effect
 from validation.errors import RunFailed
 from validation.methods.theory import Prediction, predict
@@ -173,6 +174,8 @@ class Comparison:
     scatter : Scatter or None
     no_limit : str
         Why there is no limit, in words; empty where there is one.
+    below : tuple of Below
+        Where the solid below the contact is strained most, where the scene asks for it.
     accurate : bool
         Whether the grids were chosen for an accuracy of the limit.
     """
@@ -192,6 +195,7 @@ class Comparison:
     theory: Prediction | None
     scatter: Scatter | None
     no_limit: str = ""
+    below: tuple[Below, ...] = ()
     accurate: bool = False
 
     @property
@@ -244,6 +248,7 @@ class Comparison:
             "no_limit": self.no_limit,
             "theory": None if self.theory is None else self.theory.summary(),
             "scatter": None if self.scatter is None else asdict(self.scatter),
+            **({"below": [asdict(row) for row in self.below]} if self.below else {}),
             "findings": list(self.findings),
         }
 
@@ -299,6 +304,7 @@ def compare(
         accurate=accurate,
         theory=_theory(scene, realised),
         scatter=_scatter(readings, scene, realised),
+        below=below(scene, results),
     )
 
 

@@ -35,6 +35,7 @@ from validation.scenes.tables import (
     RandomSurface,
     SelfAffineSurface,
     SolidSpec,
+    SubsurfaceSpec,
     Surface,
 )
 from validation.units import Grids, unit_registry
@@ -54,6 +55,7 @@ __all__ = [
     "Scene",
     "SelfAffineSurface",
     "SolidSpec",
+    "SubsurfaceSpec",
     "builtin_scenes",
     "checked_scene",
     "load_scene",
@@ -149,6 +151,7 @@ class Scene(_Table):
     methods: Methods
     ensemble: Ensemble | None = None
     effects: tuple[EffectSpec, ...] = ()
+    subsurface: SubsurfaceSpec | None = None
     run: RunOptions = RunOptions()
 
     @model_validator(mode="before")
@@ -441,6 +444,7 @@ def _described(location: list[str]) -> str:
         SolidSpec,
         Load,
         Ensemble,
+        SubsurfaceSpec,
         RunOptions,
         *(method.options for method in methods().values()),
         *effect_kinds().values(),
