@@ -22,7 +22,7 @@ if TYPE_CHECKING:
         NotConverged,
         UnsupportedEffect,
     )
-    from fem_contact.export import render_section, render_surface, write_block
+    from fem_contact.export import render_section, render_surface, write_block, write_subsurface
     from fem_contact.extrapolation import counted_limit, located_limit
     from fem_contact.graded import ExponentialSolid, LayeredSolid
     from fem_contact.hardness import Hardness, YieldedContact, press, unload, yielded
@@ -39,6 +39,15 @@ if TYPE_CHECKING:
         limit_density,
         loading_work,
         pressure_distribution,
+        von_mises,
+    )
+    from fem_contact.subsurface import (
+        AtDepth,
+        Strongest,
+        Subsurface,
+        fields_below,
+        planes_below,
+        strongest_point,
     )
     from fem_contact.surface import (
         HeightField,
@@ -50,6 +59,7 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
+    "AtDepth",
     "BondedLayer",
     "ContactAreas",
     "ContactResult",
@@ -74,6 +84,8 @@ __all__ = [
     "Response",
     "Solid",
     "Status",
+    "Strongest",
+    "Subsurface",
     "UnsupportedEffect",
     "YieldedContact",
     "adhesion",
@@ -88,6 +100,7 @@ __all__ = [
     "density_at_zero",
     "elastic_energy",
     "estimate_spectrum",
+    "fields_below",
     "find_patches",
     "flow_conductance",
     "frozen_contact",
@@ -100,6 +113,7 @@ __all__ = [
     "measure_residuals",
     "open_gap",
     "percolates",
+    "planes_below",
     "press",
     "pressure_distribution",
     "radial_spectrum",
@@ -107,10 +121,13 @@ __all__ = [
     "render_section",
     "render_surface",
     "resolves",
+    "strongest_point",
     "subcell_area",
     "subgrid_shifts",
     "unload",
+    "von_mises",
     "write_block",
+    "write_subsurface",
     "yielded",
 ]
 
@@ -118,6 +135,7 @@ settle()
 
 #: Where each name lives: it is imported when first asked for, so that `import fem_contact` costs nothing.
 _HOMES = {
+    "AtDepth": "fem_contact.subsurface",
     "BondedLayer": "fem_contact.response",
     "ContactAreas": "fem_contact.area",
     "ContactResult": "fem_contact.contact",
@@ -142,6 +160,8 @@ _HOMES = {
     "Response": "fem_contact.response",
     "Solid": "fem_contact.solid",
     "Status": "fem_contact.contact",
+    "Strongest": "fem_contact.subsurface",
+    "Subsurface": "fem_contact.subsurface",
     "UnsupportedEffect": "fem_contact.errors",
     "YieldedContact": "fem_contact.hardness",
     "composite_modulus": "fem_contact.solid",
@@ -153,6 +173,7 @@ _HOMES = {
     "density_at_zero": "fem_contact.stress",
     "elastic_energy": "fem_contact.stress",
     "estimate_spectrum": "fem_contact.surface",
+    "fields_below": "fem_contact.subsurface",
     "find_patches": "fem_contact.patches",
     "flow_conductance": "fem_contact.leak",
     "frozen_contact": "fem_contact.conductance",
@@ -165,6 +186,7 @@ _HOMES = {
     "measure_residuals": "fem_contact.contact",
     "open_gap": "fem_contact.leak",
     "percolates": "fem_contact.leak",
+    "planes_below": "fem_contact.subsurface",
     "press": "fem_contact.hardness",
     "pressure_distribution": "fem_contact.stress",
     "radial_spectrum": "fem_contact.surface",
@@ -172,10 +194,13 @@ _HOMES = {
     "render_section": "fem_contact.export",
     "render_surface": "fem_contact.export",
     "resolves": "fem_contact.surface",
+    "strongest_point": "fem_contact.subsurface",
     "subcell_area": "fem_contact.area",
     "subgrid_shifts": "fem_contact.area",
     "unload": "fem_contact.hardness",
+    "von_mises": "fem_contact.stress",
     "write_block": "fem_contact.export",
+    "write_subsurface": "fem_contact.export",
     "yielded": "fem_contact.hardness",
 }
 

@@ -23,6 +23,7 @@ from fem_contact import (
     response,
     settings,
     stress,
+    subsurface,
 )
 from fem_contact import contact as contact_module
 from fem_contact import surface as surfaces
@@ -94,6 +95,7 @@ def solver_doors() -> dict[str, Door]:
         "time_limit": 5.0,
     }
     field = {"pressure_bound": 0.06, "start": np.ones((12, 12)), "method": "preconditioned"}
+    below = {"contact": result, "response": half, "threads": 1}
     grid = extrapolation.PlannedGrid(spacing=(0.01, 0.01), cells=10_000)
     return {
         "Solid": (fem_contact.Solid, {"young": 1.0, "poisson": 0.3}),
@@ -251,6 +253,18 @@ def solver_doors() -> dict[str, Door]:
         "gap_distribution": (stress.gap_distribution, {"result": result, "edges": [0.0, 0.1, 0.2]}),
         "elastic_energy": (stress.elastic_energy, {"result": result}),
         "loading_work": (stress.loading_work, {"results": path}),
+        "von_mises": (stress.von_mises, {"tensor": np.ones((4, 6))}),
+        "fields_below": (subsurface.fields_below, below | {"depths": [0.0, 0.1]}),
+        "planes_below": (
+            lambda **given: list(subsurface.planes_below(**given)),
+            below | {"depths": [0.0, 0.1]},
+        ),
+        "strongest_point": (subsurface.strongest_point, below | {"depths": [0.05, 0.1]}),
+        "default_depths": (subsurface.default_depths, {"contact": result, "response": layer}),
+        "ExponentialSolid.sublayer_edges": (
+            graded.ExponentialSolid(surface=solid, bulk_young=2.0, depth=0.1).sublayer_edges,
+            {"q": q},
+        ),
         "contact_stiffness": (stress.contact_stiffness, {"results": path}),
         "frozen_contact": (
             conductance.frozen_contact,

@@ -177,11 +177,14 @@ def test_every_public_function_is_among_the_doors(package):
         "Equilibrium",
         "FrozenContact",
         "GapFlow",
+        "AtDepth",
+        "Strongest",
+        "Subsurface",
         "Estimate",
         "WaveError",
     }
     parts = {"BlockMesh", "Element", "MeshOptions"}  # made by the block's own functions
-    drawn = {"render_section", "render_surface", "write_block"}  # need a block; tests of their own
+    drawn = {"render_section", "render_surface", "write_block", "write_subsurface"}  # tests of their own
     for name in module.__all__:
         value = getattr(module, name)
         protocol = getattr(value, "_is_protocol", False)

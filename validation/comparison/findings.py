@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
+from validation.comparison.below import below_findings
 from validation.methods import find_method, find_solver
 from validation.report.words import significant, with_error
 
@@ -29,6 +30,7 @@ def findings(comparison: Comparison) -> tuple[str, ...]:
         *_grids(comparison),
         *_cross(comparison),
         *_pressure_at_zero(comparison),
+        *below_findings(comparison),
         *_cost(comparison),
         *_warnings(comparison),
     ]

@@ -29,6 +29,7 @@ def check_scene(scene: Scene, realised: Realised) -> None:
         if missing is not None:
             raise UsageError(f"methods.{name}: {missing}")
     _check_control(scene)
+    _check_below(scene, realised)
     for k, effect in enumerate(scene.effects):
         for name in scene.methods.solvers:
             effect.check_solver(name, key=effect_key(k, ""))
@@ -66,6 +67,21 @@ def _check_control(scene: Scene) -> None:
         raise UsageError(
             f"load.offset: the body of method {sinking[0]!r} sinks as a whole under its load, a half-space "
             "does not; ask them one by one"
+        )
+
+
+def _check_below(scene: Scene, realised: Realised) -> None:
+    """Refuse stress below a contact that nobody solves, and depths below the base of a layer."""
+    if scene.subsurface is None:
+        return
+    if all(solver.sinks for solver in scene.methods.solvers.values()):
+        raise UsageError("subsurface: is read off surface pressures; add [methods.bem]")
+    response = Slots.filled(realised.elastic, scene.effects).felt_response
+    base, depths = getattr(response, "thickness", None), scene.subsurface.depths
+    if base is not None and depths is not None and depths[-1] > base:
+        raise UsageError(
+            f"subsurface.depths: the deepest, {depths[-1]:.6g} m, lies below the base of the layer, "
+            f"at {base:.6g} m"
         )
 
 

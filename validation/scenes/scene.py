@@ -36,6 +36,7 @@ from validation.scenes.tables import (
     RandomSurface,
     SelfAffineSurface,
     SolidSpec,
+    SubsurfaceSpec,
     Surface,
 )
 from validation.units import Grids, unit_registry
@@ -56,6 +57,7 @@ __all__ = [
     "Scene",
     "SelfAffineSurface",
     "SolidSpec",
+    "SubsurfaceSpec",
     "builtin_scenes",
     "checked_scene",
     "load_scene",
@@ -152,6 +154,7 @@ class Scene(_Table):
     ensemble: Ensemble | None = None
     effects: tuple[EffectSpec, ...] = ()
     quantities: Quantities | None = None
+    subsurface: SubsurfaceSpec | None = None
     run: RunOptions = RunOptions()
 
     @model_validator(mode="before")
@@ -453,6 +456,7 @@ def _described(location: list[str]) -> str:
         Electrical,
         Thermal,
         Leak,
+        SubsurfaceSpec,
         RunOptions,
         *(method.options for method in methods().values()),
         *effect_kinds().values(),

@@ -33,6 +33,7 @@ from validation.scenes.tables import (
     Load,
     SelfAffineSurface,
     SolidSpec,
+    SubsurfaceSpec,
 )
 from validation.units import MOST_ITEMS, unit_of
 
@@ -184,6 +185,7 @@ def scene_keys(data: Mapping[str, Any] | None = None) -> dict[str, FieldInfo]:
     rough = [_SURFACES[kind]] if isinstance(kind, str) and kind in _SURFACES else list(_SURFACES.values())
     tables: list[tuple[str, Any]] = [("surface", table) for table in rough]
     tables += [("solid", SolidSpec), ("load", Load), ("ensemble", Ensemble), ("run", RunOptions)]
+    tables += [("subsurface", SubsurfaceSpec)]
     tables += [(f"methods.{name}", method.options) for name, method in methods().items()]
     tables += [(f"effects.{name}", effect) for name, effect in effect_kinds().items()]
     keys = {name: Scene.model_fields[name] for name in ("name", "title")}
