@@ -291,7 +291,7 @@ def compare(
         continuum = {"rms_height_m": moments.rms_height, "rms_gradient": moments.rms_gradient}
     limit, no_limit = _limit(readings, scene, rows)
     passes: tuple[Passing, ...] = ()
-    if scene.quantities is not None:  # what is not asked for is not loaded
+    if scene.quantities is not None and scene.quantities.passing:  # what is not asked for is not loaded
         from validation.comparison.passing import passing
 
         passes = passing(scene, realised, results)

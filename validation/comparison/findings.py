@@ -173,7 +173,7 @@ def _yielded(c: Comparison) -> list[str]:
 
 def _passing(c: Comparison) -> list[str]:
     if not c.passing:
-        missing = c.scene.quantities is not None
+        missing = c.scene.quantities is not None and c.scene.quantities.passing
         return (
             ["What passes is not determinable: the points of every method weigh differently."]
             if missing

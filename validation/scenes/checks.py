@@ -75,13 +75,13 @@ def _check_below(scene: Scene, realised: Realised) -> None:
     if scene.subsurface is None:
         return
     if all(solver.sinks for solver in scene.methods.solvers.values()):
-        raise UsageError("subsurface: is read off surface pressures; add [methods.bem]")
+        raise UsageError("quantities.subsurface: is read off surface pressures; add [methods.bem]")
     response = Slots.filled(realised.elastic, scene.effects).felt_response
     base, depths = getattr(response, "thickness", None), scene.subsurface.depths
     if base is not None and depths is not None and depths[-1] > base:
         raise UsageError(
-            f"subsurface.depths: the deepest, {depths[-1]:.6g} m, lies below the base of the layer, "
-            f"at {base:.6g} m"
+            f"quantities.subsurface.depths: the deepest, {depths[-1]:.6g} m, lies below the base of the "
+            f"layer, at {base:.6g} m"
         )
 
 
