@@ -536,6 +536,8 @@ def theory_doors() -> dict[str, Door]:
             variants.energy_factor,
             {"area": 0.1, "variant": "yang_persson", "energy_ratio": 0.4},
         ),
+        "energy_share": (variants.energy_share, load | {"energy": "xu"}),
+        "energy_share of Eq. 48": (variants.energy_share, load | {"energy": "improved"}),
         "light_load_kappa": (variants.light_load_kappa, {"variant": "xu", "energy_ratio": 0.4}),
         "corrected_contact_area": (
             variants.corrected_contact_area,
