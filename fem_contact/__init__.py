@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from fem_contact.leak import GapFlow, critical_gap, flow_conductance, open_gap, percolates
     from fem_contact.patches import Patches, find_patches
     from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace, Response
+    from fem_contact.sliding import SlidingContact, slide
     from fem_contact.solid import Solid, composite_modulus
     from fem_contact.stress import (
         contact_stiffness,
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
         random_surface,
         resolves,
     )
+    from fem_contact.viscoelastic import PronySolid, TabulatedSolid, ViscoelasticSolid
 
 __all__ = [
     "BondedLayer",
@@ -69,12 +71,16 @@ __all__ = [
     "Limit",
     "NotConverged",
     "Patches",
+    "PronySolid",
     "RadialSpectrum",
     "Residuals",
     "Response",
+    "SlidingContact",
     "Solid",
     "Status",
+    "TabulatedSolid",
     "UnsupportedEffect",
+    "ViscoelasticSolid",
     "YieldedContact",
     "adhesion",
     "bem",
@@ -107,6 +113,7 @@ __all__ = [
     "render_section",
     "render_surface",
     "resolves",
+    "slide",
     "subcell_area",
     "subgrid_shifts",
     "unload",
@@ -137,12 +144,16 @@ _HOMES = {
     "Limit": "fem_contact.area",
     "NotConverged": "fem_contact.errors",
     "Patches": "fem_contact.patches",
+    "PronySolid": "fem_contact.viscoelastic",
     "RadialSpectrum": "fem_contact.surface",
     "Residuals": "fem_contact.contact",
     "Response": "fem_contact.response",
+    "SlidingContact": "fem_contact.sliding",
     "Solid": "fem_contact.solid",
     "Status": "fem_contact.contact",
+    "TabulatedSolid": "fem_contact.viscoelastic",
     "UnsupportedEffect": "fem_contact.errors",
+    "ViscoelasticSolid": "fem_contact.viscoelastic",
     "YieldedContact": "fem_contact.hardness",
     "composite_modulus": "fem_contact.solid",
     "contact_areas": "fem_contact.area",
@@ -172,6 +183,7 @@ _HOMES = {
     "render_section": "fem_contact.export",
     "render_surface": "fem_contact.export",
     "resolves": "fem_contact.surface",
+    "slide": "fem_contact.sliding",
     "subcell_area": "fem_contact.area",
     "subgrid_shifts": "fem_contact.area",
     "unload": "fem_contact.hardness",

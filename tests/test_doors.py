@@ -177,6 +177,7 @@ def test_every_public_function_is_among_the_doors(package):
         "Equilibrium",
         "FrozenContact",
         "GapFlow",
+        "SlidingContact",
         "Estimate",
         "WaveError",
     }
