@@ -26,7 +26,9 @@ from fem_contact import (
     subsurface,
 )
 from fem_contact import contact as contact_module
+from fem_contact import sliding as steady_sliding
 from fem_contact import surface as surfaces
+from fem_contact import viscoelastic as viscoelastic_solids
 from persson import adhesion as theory_adhesion
 from persson import (
     archard,
@@ -96,6 +98,10 @@ def solver_doors() -> dict[str, Door]:
     }
     field = {"pressure_bound": 0.06, "start": np.ones((12, 12)), "method": "preconditioned"}
     below = {"contact": result, "response": half, "threads": 1}
+    slid = {name: value for name, value in solve.items() if name != "response"}
+    prony = {"relaxed": 1.0, "moduli": (2.0,), "times": (1.0,), "poisson": 0.3}
+    rubber = viscoelastic_solids.PronySolid(**prony)
+    table = {"frequencies": [0.5, 5.0], "storage": [1.0, 2.0], "loss": [0.1, 0.2], "poisson": 0.3}
     grid = extrapolation.PlannedGrid(spacing=(0.01, 0.01), cells=10_000)
     return {
         "Solid": (fem_contact.Solid, {"young": 1.0, "poisson": 0.3}),
@@ -278,6 +284,24 @@ def solver_doors() -> dict[str, Door]:
         "percolates": (leak.percolates, {"open_cells": wave > 0, "axis": "x"}),
         "critical_gap": (leak.critical_gap, {"gap": wave, "axis": "y"}),
         "flow_conductance": (leak.flow_conductance, {"gap": wave, "lengths": (1.0, 2.0), "axis": "y"}),
+        "PronySolid": (viscoelastic_solids.PronySolid, prony),
+        "PronySolid.standard": (
+            viscoelastic_solids.PronySolid.standard,
+            {"relaxed": 1.0, "unrelaxed": 3.0, "time": 1.0, "poisson": 0.3},
+        ),
+        "PronySolid.modulus": (rubber.modulus, {"frequency": q}),
+        "TabulatedSolid": (viscoelastic_solids.TabulatedSolid, table),
+        "TabulatedSolid.modulus": (viscoelastic_solids.TabulatedSolid(**table).modulus, {"frequency": q}),
+        "slide": (
+            steady_sliding.slide,
+            {
+                **slid,
+                "solid": rubber,
+                "velocity": 0.1,
+                "mean_pressure": 0.02,
+                "start": np.ones((12, 12)),
+            },
+        ),
     }
 
 
@@ -420,6 +444,31 @@ def paper_doors(one: Any, rough: Any, bent: Any, summits: Any, sticky: Any) -> d
         "local_shear_stress": (
             sliding.local_shear_stress,
             {"nominal": 1e6, "pressure": 1e7, "hardness": 1e8},
+        ),
+        "StandardSolid.modulus": (hard.modulus, {"frequency": 1.0}),
+        "rubber_friction": (
+            sliding.rubber_friction,
+            {
+                "spectrum": smooth,
+                "pressure": 1e6,
+                "velocity": 0.1,
+                "modulus": hard.modulus,
+                "poisson": 0.3,
+                "energy_ratio": 0.5,
+            },
+        ),
+        "friction_of_waves": (
+            sliding.friction_of_waves,
+            {
+                "qx": [1e6, -1e6],
+                "qy": [0.0, 0.0],
+                "power": [1e-18, 1e-18],
+                "pressure": 1e6,
+                "velocity": 0.1,
+                "modulus": hard.modulus,
+                "poisson": 0.3,
+                "energy_ratio": 0.5,
+            },
         ),
         "slip_energy": (sliding.slip_energy, {"shear_stress": 1e7, "slip": 3e-10}),
         "adhesional_pressure": (sliding.adhesional_pressure, {"barrier": 0.016, "lift": 1e-12}),

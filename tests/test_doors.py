@@ -180,6 +180,8 @@ def test_every_public_function_is_among_the_doors(package):
         "AtDepth",
         "Strongest",
         "Subsurface",
+        "SlidingContact",
+        "SlidingFriction",
         "Estimate",
         "WaveError",
     }
