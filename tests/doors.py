@@ -261,10 +261,7 @@ def solver_doors() -> dict[str, Door]:
         "loading_work": (stress.loading_work, {"results": path}),
         "von_mises": (stress.von_mises, {"tensor": np.ones((4, 6))}),
         "fields_below": (subsurface.fields_below, below | {"depths": [0.0, 0.1]}),
-        "planes_below": (
-            lambda **given: list(subsurface.planes_below(**given)),
-            below | {"depths": [0.0, 0.1]},
-        ),
+        "planes_below": (subsurface.planes_below, below | {"depths": [0.0, 0.1]}),
         "strongest_point": (subsurface.strongest_point, below | {"depths": [0.05, 0.1]}),
         "default_depths": (subsurface.default_depths, {"contact": result, "response": layer}),
         "ExponentialSolid.sublayer_edges": (
