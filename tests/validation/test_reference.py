@@ -14,7 +14,8 @@ from typer.testing import CliRunner
 from validation import reference
 from validation.cli import app
 from validation.errors import UsageError
-from validation.measures.controlled import controlled_mean
+from validation.measures.controlled import Known, Level, chained_mean
+from validation.measures.without_solve import unsolved_statistics
 from validation.solves.bench import Bench
 from validation.studies import reference as study
 
@@ -126,35 +127,34 @@ def small(tmp_path_factory):
         bandwidths=(16.0,),
         reduced_pressures=(0.05, 0.2),
         periods=1.0,
-        pairs=4,
-        control_pairs=5,
+        pairs=(12, 4),
+        unsolved=4,
         points_per_wave=(3.0, 6.0),
         seed=31,
     )
     return options, bench, study.run(options, bench=bench)
 
 
-def test_a_cell_of_the_table_is_the_controlled_mean_of_its_pairs(small):
+def test_a_cell_of_the_table_is_the_chained_mean_of_its_pairs(small):
     options, bench, data = small
     cases = study._cases(options)
     solved = bench.solve(cases.values())
-    fine, more = options.pairs_of(16.0)
 
-    def gaps(pairs, grid):
-        return [
-            np.mean(
-                [
-                    float(solved[cases[0.8, 16.0, k, sign, k < fine]].mean_gap[grid, 0, 1])
-                    / solved[cases[0.8, 16.0, k, sign, k < fine]].attrs["rms_height"]
-                    for sign in (False, True)
-                ]
-            )
-            for k in pairs
-        ]
+    def gaps(last, grid):
+        own = [solved[case] for name, case in cases.items() if name[2] == last]
+        each = [float(one.mean_gap[grid, 0, 1]) / one.attrs["rms_height"] for one in own]
+        return np.mean(np.reshape(each, (-1, 2)), axis=1)
 
-    own = controlled_mean(
-        gaps(range(fine), -1), gaps(range(fine), 0), gaps(range(fine, fine + more), 0)
-    ).estimate
+    def told(ks):
+        fields = [cases[0.8, 16.0, 0, 0, False].realised.further(k).heights((48, 48)) for k in ks]
+        return np.array([list(unsolved_statistics(field).values()) for field in fields])
+
+    coarse = Level(values=gaps(0, 0), controls=told(range(12)))
+    chain = chained_mean(
+        [coarse, Level(values=gaps(1, 1), controls=gaps(1, 0))], Known.of_samples(told(range(16, 64)))
+    )
+    own = chain[-1].estimate
+    assert own.samples == 4
     assert float(data.gap[0, 0, 1]) == pytest.approx(own.value, rel=1e-12)
     assert float(data.gap_half_width[0, 0, 1]) == pytest.approx(own.half_width, rel=1e-12)
 
@@ -168,8 +168,23 @@ def test_the_total_is_the_root_of_the_squares_of_surfaces_grid_and_solver(small)
     assert row[7] == pytest.approx(float(data.area[0, 0, 0]) / 0.05)
 
 
-def test_fewer_waves_take_more_surfaces():
-    options = study.Options(pairs=6, control_pairs=80)
-    assert options.pairs_of(16.0) == (6, 80)
-    assert options.pairs_of(4.0) == (24, 320)
-    assert options.pairs_of(32.0) == (6, 80)
+def test_fewer_waves_take_more_surfaces_and_finer_grids():
+    options = study.Options(pairs=(80, 30, 6, 2), points_per_wave=(3, 6, 12, 24), largest=1000)
+    assert options.pairs_of(16.0) == (80, 30, 6)
+    assert options.pairs_of(4.0) == (320, 120, 24, 8)
+    assert options.pairs_of(32.0) == (40, 15, 4)
+    with pytest.raises(ValueError, match="one for each"):
+        study.Options(pairs=(80, 30), points_per_wave=(3, 6, 12))
+
+
+def test_no_surface_serves_two_grids_or_is_looked_at_as_another():
+    options = study.Options(hursts=(0.3,), bandwidths=(4.0, 32.0))
+    for bandwidth in options.bandwidths:
+        numbers = [name[3] for name in study._cases(options) if name[1] == bandwidth and not name[4]]
+        assert len(numbers) == len(set(numbers)) == sum(options.pairs_of(bandwidth))
+        coarsest, further = (
+            study._unsolved(options)[0.3, bandwidth, name] for name in ("coarsest", "further")
+        )
+        ending = {name[3] for name in study._cases(options) if name[1:3] == (bandwidth, 0)}
+        assert ending == set(range(coarsest.first, coarsest.first + coarsest.count))
+        assert further.first > max(numbers)
