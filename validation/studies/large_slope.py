@@ -17,6 +17,7 @@ from pydantic import Field
 from validation.measures.common import BASE_SOLID, Rising, base_case, base_surface, over_surfaces, results_of
 from validation.measures.measurement import grid_for
 from validation.measures.slopes import SlopeMeasurement
+from validation.measures.statistics import Estimate, mean_over_surfaces
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.scenes.scene import SolidSpec
@@ -37,8 +38,8 @@ _RATIOS = {
     "area": ("A", "contact area projected on the plane"),
     "square_pressure": ("<p^2>", "mean square pressure"),
 }
-#: Relative differences whose slopes are looked for.
-_DIFFERENCES = (0.01, 0.05)
+#: Relative differences whose slopes are looked for, and the slope up to which differences count as going with it.
+_DIFFERENCES, _STRAIGHT = (0.01, 0.05), 0.4
 
 
 class Options(StudyOptions):
@@ -159,6 +160,14 @@ def _curve(dataset: xr.Dataset, name: str, i: int, j: int) -> tuple[Array, Array
     return np.array([m.value for m in means]), np.array([m.half_width for m in means]), grid
 
 
+def _rate(dataset: xr.Dataset, name: str, i: int, j: int) -> tuple[Estimate, float]:
+    """Difference per slope by a line through 0 over the small slopes, mean over the surfaces; and the grid's share."""
+    small = dataset[name][i, j].sel(slope=slice(0, _STRAIGHT)).values
+    slopes = dataset.slope.values[: small.shape[-1]]
+    rates = small @ slopes / np.sum(slopes**2)
+    return mean_over_surfaces(rates[:, -1]), float(np.abs(np.mean(rates[:, -1] - rates[:, -2])))
+
+
 def _crossing(slopes: Array, change: Array, difference: float) -> float:
     """Return where a change first exceeds a difference, between slopes and from 0 on in a straight line; inf if nowhere."""
     x, y = np.append(0.0, slopes), np.append(0.0, change)
@@ -200,7 +209,12 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
         where = f"nu = {float(dataset.poisson[i]):g}, p* = {float(dataset.reduced_pressure[j]):g}"
         for name, (_, words) in _RATIOS.items():
             said = " and ".join(_slope_words(dataset, _curve(dataset, name, i, j), d) for d in _DIFFERENCES)
-            sentences.append(f"{where}: the {words} differs from the linear one by {said}.")
+            rate, grid = _rate(dataset, name, i, j)
+            sure = float(np.hypot(rate.half_width, grid))
+            sentences.append(
+                f"{where}: the {words} differs from the linear one by {said}; up to h'_rms = {_STRAIGHT:g} by "
+                f"{100 * rate.value:.2g} +- {100 * sure:.1g} % times h'_rms."
+            )
     ended, paths = int(dataset.ended[..., -1].sum()), int(dataset.ended[..., -1].size)
     if ended:
         sentences.append(
