@@ -318,6 +318,8 @@ def block_doors() -> dict[str, Door]:
         "element": "Hex1",
     } | mesh
     load = {"mean_pressure": 0.01, "pressure_bound": 0.5, "start": wave > 0}
+    steep = {name: held[name] for name in ("surface", "solid", "tolerance", "element", *mesh)}
+    steep["mean_pressure"] = load["mean_pressure"]
     planned = block.plan_mesh((12, 12), (1.0, 1.0))
     sideways = {
         "modulus": lambda x, y, z: 1 + 0.5 * np.cos(2 * np.pi * x) + 0 * y + 0 * z,
@@ -335,6 +337,8 @@ def block_doors() -> dict[str, Door]:
             held | {"method": "full", "offset": 0.005},
         ),
         "block.solve_path": (block.solve_path, held | {"mean_pressures": [0.01, 0.02]}),
+        "block.solve_finite_strain": (block.solve_finite_strain, steep),
+        "block.solve_slopes": (block.solve_slopes, steep | {"slopes": [0.1]}),
         "block.solve_path, walked": (
             lambda **given: list(block.solve_path(**given)),
             held | {"mean_pressures": [0.01, 0.02]},

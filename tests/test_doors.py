@@ -175,6 +175,7 @@ def test_every_public_function_is_among_the_doors(package):
         "BlockSolution",
         "CellStress",
         "Equilibrium",
+        "FiniteStrain",
         "FrozenContact",
         "GapFlow",
         "AtDepth",
