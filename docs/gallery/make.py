@@ -37,7 +37,8 @@ SHOWN = {
     "adhesion": ("adhesive-area",),
     "hurst": ("kappa-against-hurst",),
     "conductance": ("conductance",),
-    "leak": ("leak",),
+    "leak": ("leak", "gap-distribution"),
+    "macroasperities": ("macroasperity-pressure", "percolation"),
     "reference": ("reference",),
 }
 
