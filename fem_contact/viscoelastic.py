@@ -119,7 +119,7 @@ class PronySolid:
         return total
 
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+@dataclass(frozen=True, kw_only=True)
 class TabulatedSolid:
     """A solid whose modulus was measured at a number of frequencies.
 
@@ -147,7 +147,7 @@ class TabulatedSolid:
     storage: Sequence[float]
     loss: Sequence[float]
     poisson: float
-    _nodes: tuple[Array, Array, Array] = field(init=False, repr=False)
+    _nodes: tuple[Array, Array, Array] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         _check_poisson(self.poisson)
