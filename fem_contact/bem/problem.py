@@ -21,7 +21,7 @@ from fem_contact.surface import HeightField
 __all__ = ["SLACK", "Method", "Problem"]
 
 Array = NDArray[np.float64]
-Method = Literal["preconditioned", "mixed", "polonsky-keer"]
+Method = Literal["preconditioned", "double", "polonsky-keer"]
 
 
 @dataclass(kw_only=True)
@@ -53,7 +53,7 @@ class Problem:
         clock, processor = time.perf_counter(), time.process_time()
         instance("surface", surface, HeightField, what="a `HeightField`")
         check_response(response)
-        choice("method", method, ("preconditioned", "mixed", "polonsky-keer"))
+        choice("method", method, ("preconditioned", "double", "polonsky-keer"))
         if method == "polonsky-keer" and bound is not None:
             raise InvalidInput("method = 'polonsky-keer' knows no pressure bound: use 'preconditioned'")
         operator = FourierOperator(response, surface.shape, surface.lengths, threads=settings.threads)
@@ -118,7 +118,7 @@ class Problem:
             settings=settings,
             start=start,
             bound=self.bound,
-            single=self.method == "mixed",
+            double=self.method == "double",
         )
 
     def _coarse(self, shape: tuple[int, int]) -> FourierOperator:

@@ -58,9 +58,10 @@ def solve(
         Seconds allowed.
     threads : int, optional
         Threads of transforms and of the passes between them; all available processors if not given.
-    method : {"preconditioned", "mixed", "polonsky-keer"}
-        "mixed" preconditions in single precision, which saves memory and changes only the way to the answer.
-        "polonsky-keer" is slow, plain, and there to check the others; it knows no bound.
+    method : {"preconditioned", "double", "polonsky-keer"}
+        "preconditioned" solves grids of 256 x 256 points and more in single precision first, to residuals of
+        1e-6, and to the tolerance in double precision; "double" does without. "polonsky-keer" is slow,
+        plain, and there to check the others; it knows no bound.
 
     Returns
     -------

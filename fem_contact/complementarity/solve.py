@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.complementarity.fourier import coarsened, refined
+from fem_contact.complementarity.fourier import FourierOperator, coarsened, refined
 from fem_contact.complementarity.operator import Operator, Solution
 from fem_contact.complementarity.passes import Errors, Passes
 from fem_contact.contact import Status
@@ -29,7 +29,7 @@ def solve_bounded(
     settings: Settings,
     start: Array | None = None,
     bound: Array | None = None,
-    single: bool = False,
+    draft: bool = False,
 ) -> Solution:
     """Preconditioned conjugate gradients under bounds; two operator applications per step.
 
@@ -50,9 +50,9 @@ def solve_bounded(
         Forces [Pa] to start from, scaled to the load here; uniform if not given.
     bound : (nx, ny) array, optional
         Upper bound of x [Pa]; its mean must exceed `mean_force`.
-    single : bool
-        Precondition in single precision: the operator is handed arrays of that kind. Directions then differ
-        in the seventh digit; residuals, and what is returned, are of double precision as ever.
+    draft : bool
+        Return the first forces that meet the tolerance, not settled and not applied afresh, or those at which
+        the residual stops falling: they only start another solve.
 
     Notes
     -----
@@ -66,11 +66,11 @@ def solve_bounded(
     inverse (a half derivative) answers with a logarithm of the resolution; extended, the number of steps
     hardly depends on the grid.
     """
-    passes = Passes(
-        heights, bound=bound, stiffness=_CAUTION * operator.stiffness, threads=settings.workers, single=single
-    )
+    passes = Passes(heights, bound=bound, stiffness=_CAUTION * operator.stiffness, threads=settings.workers)
     _set_start(passes, start, mean_force)
-    return _iterate(operator, passes, mean_force=mean_force, length_scale=length_scale, settings=settings)
+    return _iterate(
+        operator, passes, mean_force=mean_force, length_scale=length_scale, settings=settings, draft=draft
+    )
 
 
 #: Trial length of the first step, and the range it may move in; the preconditioner is scaled like the inverse
@@ -82,8 +82,14 @@ _FIRST, _LEAST, _GREATEST = 0.5, 0.1, 3.0
 #: of descent.
 _CAUTION = 0.1
 
+#: Share of the load between its bounds that is taken for rounding.
+_VANISHING = 1e-12
+
 #: Steps without a new least error after which the iteration is said to stagnate.
 _PATIENCE = 60
+
+#: The same for a draft, whose precision may not reach its tolerance.
+_DRAFT_PATIENCE = 4
 
 
 def _iterate(
@@ -93,13 +99,17 @@ def _iterate(
     mean_force: float,
     length_scale: float,
     settings: Settings,
+    draft: bool,
 ) -> Solution:
     began, tolerance = time.monotonic(), settings.tolerance
+    enough = _DRAFT_PATIENCE if draft else _PATIENCE
     total, moment, energy = passes.start(operator)
     applications, iteration, length, curvature = 1, 0, _FIRST, 0.0
-    least, patience, status = np.inf, _PATIENCE, Status.ITERATION_LIMIT
-    verified, plain = False, False
+    least, patience, status = np.inf, enough, Status.ITERATION_LIMIT
+    verified, plain = draft, False
     errors: Errors | None = None
+    # Where all that bear have yielded but for rounding, the points between say nothing of the offset.
+    vanishing = 0.0 if passes.bound is None else _VANISHING * mean_force * passes.force.size
     while True:
         if not total > 0 and passes.bound is None:
             # At vanishing load a step may round every force away: the closest point carries it.
@@ -108,7 +118,7 @@ def _iterate(
             applications, curvature, errors = applications + 1, 0.0, None
         if errors is None:
             # phi . g = 0: the offset is the gap below the load, so that scaling phi is no descent.
-            offset = -moment / total if total > 0 else _offset_between(passes)
+            offset = -moment / total if total > vanishing else _offset_between(passes)
             errors = passes.residual(offset)
         if errors.within(tolerance * length_scale):
             if verified:
@@ -120,7 +130,7 @@ def _iterate(
             total, moment, energy = passes.start(operator)
             applications, verified, errors = applications + 1, True, None
             continue
-        patience = _PATIENCE if errors.size < 0.9 * least else patience - 1
+        patience = enough if errors.size < 0.9 * least else patience - 1
         least = min(least, errors.size)
         if patience == 0:
             status = Status.STAGNATED
@@ -142,7 +152,7 @@ def _iterate(
             passes.trial(mean_force, offset=offset, length=length, beta=beta, shift=shift)
         operator.apply(passes.step, passes.image)
         applications += 1 if plain else 2
-        verified = False
+        verified = draft
         along = passes.search(offset, energy)
         best = -along.slope / along.curvature if along.curvature > 0 else 0.0
         # The trial force keeps the bounds: a single step does.
@@ -247,7 +257,7 @@ def solve_nested(
     start: Array | None = None,
     bound: Array | None = None,
     weights: Array | None = None,
-    single: bool = False,
+    double: bool = False,
 ) -> Solution:
     """Solve from coarse to fine: each grid starts from the interpolated forces of the one before.
 
@@ -260,7 +270,9 @@ def solve_nested(
         Forces [Pa] to start from; the coarser grids are then left out.
     weights : (nx, ny) array, optional
         Weights of the nodes of the finest grid, where they differ.
-    operator, heights, mean_force, length_scale, settings, bound, single
+    double : bool
+        Never draft in single precision.
+    operator, heights, mean_force, length_scale, settings, bound
         As in `solve_bounded`. Coarse grids are solved to `_COARSE` at best; the time is for all grids.
 
     Notes
@@ -268,7 +280,7 @@ def solve_nested(
     The heights of a coarse grid are freed of the waves it cannot carry. `Solution.fft_pairs` counts the pairs
     of all grids, each by its share of points.
     """
-    given, pairs, began = start is not None, 0.0, time.monotonic()
+    given, pairs, steps, began = start is not None, 0.0, 0, time.monotonic()
     coarsely = replace(settings, tolerance=max(settings.tolerance, _COARSE))
     levels = [heights]
     for shape in [] if given else _coarse_shapes(heights.shape):
@@ -283,13 +295,27 @@ def solve_nested(
             settings=coarsely.remaining(began),
             start=None if start is None else refined(start, shape),
             bound=None if bound is None else _nearest(bound if weights is None else bound / weights, shape),
-            single=single,
+            draft=True,
         )
         start = solution.force
         pairs += solution.fft_pairs * start.size / heights.size
     if start is not None and not given:
         start = refined(start, heights.shape)
         start = start if weights is None else start * weights
+    if not double and isinstance(operator, FourierOperator) and heights.size >= _DRAFTED:
+        first = _drafted(
+            operator,
+            heights,
+            mean_force=mean_force,
+            length_scale=length_scale,
+            settings=settings.remaining(began),
+            start=start,
+            bound=bound,
+        )
+        if first is not None:
+            start, steps, pairs = first.force, first.iterations, pairs + first.fft_pairs
+            settings = replace(settings, max_iterations=max(settings.max_iterations - steps, 1))
+            del first
     solution = solve_bounded(
         operator,
         heights,
@@ -298,10 +324,49 @@ def solve_nested(
         settings=settings.remaining(began),
         start=start,
         bound=bound,
-        single=single,
     )
-    return replace(solution, fft_pairs=solution.fft_pairs + pairs)
+    return replace(solution, fft_pairs=solution.fft_pairs + pairs, iterations=solution.iterations + steps)
 
+
+def _drafted(
+    operator: FourierOperator,
+    heights: Array,
+    *,
+    mean_force: float,
+    length_scale: float,
+    settings: Settings,
+    start: Array | None,
+    bound: Array | None,
+) -> Solution | None:
+    """Solve in single precision as far as its digits go; None for scales that it cannot hold.
+
+    Forces are in units of the load, lengths of `length_scale`, so that no unit system leaves its range.
+    """
+    if not length_scale > 0:
+        return None
+    factor = mean_force / length_scale
+    range_ = np.finfo(np.float32)
+    sizes = operator.compliance.ravel()[1:]
+    if not (np.min(sizes) * factor > range_.tiny * 1e6 and np.max(sizes) * factor < range_.max * 1e-6):
+        return None
+    solution = solve_bounded(
+        operator.single(factor),
+        ((heights - np.mean(heights)) / length_scale).astype(np.float32),
+        mean_force=1.0,
+        length_scale=1.0,
+        settings=replace(settings, tolerance=max(settings.tolerance, _SINGLE)),
+        start=None if start is None else (start / np.mean(start)).astype(np.float32),
+        bound=None if bound is None else np.minimum(bound / mean_force, 1e30).astype(np.float32),
+        draft=True,
+    )
+    return solution if np.all(np.isfinite(solution.force)) and np.mean(solution.force) > 0 else None
+
+
+#: Tolerance to which single precision is free: its digits hold the gap to some 1e-7 of the roughness.
+_SINGLE = 1e-6
+
+#: Grids with fewer points are solved in double precision at once.
+_DRAFTED = 256**2
 
 #: Tolerance of the coarse grids: their answer is off by the discretisation anyway.
 _COARSE = 1e-2
