@@ -98,6 +98,8 @@ class Passes:
         from fem_contact.complementarity import kernels
 
         self.kernels, self.heights, self.bound, self.stiffness = kernels, heights, bound, stiffness
+        self.xp: Any = np
+        self.count = heights.size
         nx, ny = heights.shape
         precision = heights.dtype.type
         fields = (_staggered((nx, ny), place, precision) for place in range(1, 6))
@@ -189,7 +191,7 @@ class Passes:
 
     def trial(self, mean_force: float, *, offset: float, length: float, beta: float, shift: float) -> None:
         """Write the step to the clipped trial force of the prescribed load."""
-        k, target = self.kernels, mean_force * self.force.size
+        k, target = self.kernels, mean_force * self.count
         self.share, self.pull_back, self._trial = 1.0, 0.0, None
         if self.bound is None:
             total, slope, lift = self.rows.add(

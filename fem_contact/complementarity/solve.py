@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact.complementarity.arrays import ArrayOperator, ArrayPasses, Device
 from fem_contact.complementarity.fourier import FourierOperator, coarsened, refined
 from fem_contact.complementarity.operator import Operator, Solution
 from fem_contact.complementarity.passes import Errors, Passes
@@ -66,7 +69,11 @@ def solve_bounded(
     inverse (a half derivative) answers with a logarithm of the resolution; extended, the number of steps
     hardly depends on the grid.
     """
-    passes = Passes(heights, bound=bound, stiffness=_CAUTION * operator.stiffness, threads=settings.workers)
+    stiffness = _CAUTION * operator.stiffness
+    if isinstance(operator, ArrayOperator):
+        passes: Passes = ArrayPasses(heights, bound=bound, stiffness=stiffness)
+    else:
+        passes = Passes(heights, bound=bound, stiffness=stiffness, threads=settings.workers)
     _set_start(passes, start, mean_force)
     return _iterate(
         operator, passes, mean_force=mean_force, length_scale=length_scale, settings=settings, draft=draft
@@ -109,7 +116,7 @@ def _iterate(
     verified, plain = draft, False
     errors: Errors | None = None
     # Where all that bear have yielded but for rounding, the points between say nothing of the offset.
-    vanishing = 0.0 if passes.bound is None else _VANISHING * mean_force * passes.force.size
+    vanishing = 0.0 if passes.bound is None else _VANISHING * mean_force * passes.count
     while True:
         if not total > 0 and passes.bound is None:
             # At vanishing load a step may round every force away: the closest point carries it.
@@ -180,41 +187,43 @@ def _iterate(
 
 
 def _set_start(passes: Passes, start: Array | None, mean_force: float) -> None:
-    force, bound = passes.force, passes.bound
-    if start is None:
-        force[:] = mean_force
-    else:
-        np.maximum(start, 0, out=force)
-        force *= mean_force / np.mean(force)
+    xp, force, bound = passes.xp, passes.force, passes.bound
+    force[...] = mean_force if start is None else start
+    if start is not None:
+        force[force < 0] = 0
+        force *= mean_force / float(xp.mean(force))
     if bound is not None:
-        np.minimum(force, bound, out=force)
-        _restore_load(force, bound, mean_force)
+        force[...] = xp.where(force < bound, force, bound)
+        _restore_load(passes, mean_force)
 
 
 def _settle(passes: Passes, mean_force: float) -> None:
     """Leave no force off the working set but at the bound."""
-    force, bound = passes.force, passes.bound
+    xp, force, bound = passes.xp, passes.force, passes.bound
     if bound is None:
         force[~passes.working] = 0
-        if not np.mean(force) > 0:
+        if not float(xp.mean(force)) > 0:
             # At vanishing load the gap's rounding may leave no point in the set: the closest one carries it.
-            force.flat[int(np.argmin(passes.displacement - passes.heights))] = mean_force
-        force *= mean_force / np.mean(force)
+            closest = int(xp.argmin(passes.displacement - passes.heights))
+            force[closest // force.shape[1], closest % force.shape[1]] = mean_force
+        force *= mean_force / float(xp.mean(force))
     else:
-        np.copyto(force, np.where(force < 0.5 * bound, 0.0, bound), where=~passes.working)
-        _restore_load(force, bound, mean_force)
+        at_rest = xp.where(force < 0.5 * bound, xp.zeros_like(bound), bound)
+        force[...] = xp.where(passes.working, force, at_rest)
+        _restore_load(passes, mean_force)
 
 
-def _restore_load(force: Array, bound: Array, mean_force: float) -> None:
+def _restore_load(passes: Passes, mean_force: float) -> None:
     """Bring the mean back by moving points between their bounds, or all where need be, towards one."""
-    for points in ((force > 0) & (force < bound), np.ones(force.shape, dtype=bool)):
-        missing = (mean_force - float(np.mean(force))) * force.size
-        if abs(missing) <= 1e-13 * mean_force * force.size:
+    xp, force, bound = passes.xp, passes.force, passes.bound
+    for points in ((force > 0) & (force < bound), force >= 0):
+        missing = (mean_force - float(xp.mean(force))) * passes.count
+        if abs(missing) <= 1e-13 * mean_force * passes.count:
             return
-        room = (bound - force if missing > 0 else force)[points]
-        total = float(room.sum())
+        room = xp.where(points, bound - force if missing > 0 else force, xp.zeros_like(force))
+        total = float(xp.sum(room))
         if total > 0:
-            force[points] += min(abs(missing) / total, 1.0) * np.copysign(room, missing)
+            force += math.copysign(min(abs(missing) / total, 1.0), missing) * room
 
 
 def _offset_between(passes: Passes) -> float:
@@ -223,9 +232,10 @@ def _offset_between(passes: Passes) -> float:
     Any offset that opens no loaded point and closes no other is right; the one of least indentation is meant.
     Short of the solution there is none, and the middle leaves both kinds of points something to do.
     """
-    level, loaded = passes.displacement - passes.heights, passes.force > 0
-    highest = float(np.max(level[loaded]))
-    lowest = float(np.min(level[~loaded], initial=np.inf))
+    xp, level, loaded = passes.xp, passes.displacement - passes.heights, passes.force > 0
+    endless = xp.zeros_like(level) + math.inf
+    highest = float(xp.max(xp.where(loaded, level, -endless)))
+    lowest = float(xp.min(xp.where(loaded, endless, level)))
     return -highest if lowest >= highest else -0.5 * (lowest + highest)
 
 
@@ -238,7 +248,7 @@ def _solution(
         displacement=passes.displacement,
         offset=offset,
         in_contact=force > 0,
-        at_bound=np.zeros(force.shape, dtype=bool) if bound is None else force >= bound,
+        at_bound=force < 0 if bound is None else force >= bound,
         status=status,
         iterations=iterations,
         fft_pairs=applications * operator.pairs,
@@ -258,6 +268,7 @@ def solve_nested(
     bound: Array | None = None,
     weights: Array | None = None,
     double: bool = False,
+    device: Device | None = None,
 ) -> Solution:
     """Solve from coarse to fine: each grid starts from the interpolated forces of the one before.
 
@@ -272,6 +283,8 @@ def solve_nested(
         Weights of the nodes of the finest grid, where they differ.
     double : bool
         Never draft in single precision.
+    device : Device, optional
+        Where each grid is solved by plain array operations, all in double precision.
     operator, heights, mean_force, length_scale, settings, bound
         As in `solve_bounded`. Coarse grids are solved to `_COARSE` at best; the time is for all grids.
 
@@ -287,7 +300,8 @@ def solve_nested(
         levels.append(coarsened(levels[-1], shape, threads=settings.workers))
     for smooth in reversed(levels[1:]):
         shape = (smooth.shape[0], smooth.shape[1])
-        solution = solve_bounded(
+        solution = _placed(
+            device,
             coarse(shape),
             smooth,
             mean_force=mean_force,
@@ -302,7 +316,8 @@ def solve_nested(
     if start is not None and not given:
         start = refined(start, heights.shape)
         start = start if weights is None else start * weights
-    if not double and isinstance(operator, FourierOperator) and heights.size >= _DRAFTED:
+    double = double or device is not None or heights.size < _DRAFTED
+    if not double and isinstance(operator, FourierOperator):
         first = _drafted(
             operator,
             heights,
@@ -316,7 +331,8 @@ def solve_nested(
             start, steps, pairs = first.force, first.iterations, pairs + first.fft_pairs
             settings = replace(settings, max_iterations=max(settings.max_iterations - steps, 1))
             del first
-    solution = solve_bounded(
+    solution = _placed(
+        device,
         operator,
         heights,
         mean_force=mean_force,
@@ -326,6 +342,28 @@ def solve_nested(
         bound=bound,
     )
     return replace(solution, fft_pairs=solution.fft_pairs + pairs, iterations=solution.iterations + steps)
+
+
+def _placed(
+    device: Device | None,
+    operator: Operator,
+    heights: Array,
+    *,
+    start: Array | None,
+    bound: Array | None,
+    **options: Any,
+) -> Solution:
+    """Solve one grid where it is to be solved."""
+    if device is None or not isinstance(operator, FourierOperator):
+        return solve_bounded(operator, heights, start=start, bound=bound, **options)
+    solution = solve_bounded(
+        ArrayOperator(operator, device),
+        device.put(heights),
+        start=device.put(start),
+        bound=device.put(bound),
+        **options,
+    )
+    return device.fetched(solution)
 
 
 def _drafted(
