@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from fem_contact._checks import LEAST, array, choice, instance, positive
 from fem_contact._checks import field as field_of
 from fem_contact.complementarity import FourierOperator, Solution, polonsky_keer, solve_nested
+from fem_contact.complementarity.arrays import Device
 from fem_contact.contact import ContactResult, Cost, Residuals, Status, measure_residuals
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response, check_response
@@ -21,7 +22,7 @@ from fem_contact.surface import HeightField
 __all__ = ["SLACK", "Method", "Problem"]
 
 Array = NDArray[np.float64]
-Method = Literal["preconditioned", "mixed", "polonsky-keer"]
+Method = Literal["preconditioned", "double", "polonsky-keer"]
 
 
 @dataclass(kw_only=True)
@@ -36,6 +37,7 @@ class Problem:
     bound: Array | None
     settings: Settings
     method: Method
+    device: Device | None = None
     clock: float = field(default_factory=time.perf_counter)
     processor: float = field(default_factory=time.process_time)
 
@@ -48,12 +50,15 @@ class Problem:
         bound: float | Array | None,
         settings: Settings,
         method: Method,
+        device: object = None,
     ) -> Problem:
         """Refuse what no computation can start from, and set up the operator."""
         clock, processor = time.perf_counter(), time.process_time()
         instance("surface", surface, HeightField, what="a `HeightField`")
         check_response(response)
-        choice("method", method, ("preconditioned", "mixed", "polonsky-keer"))
+        choice("method", method, ("preconditioned", "double", "polonsky-keer"))
+        if method == "polonsky-keer" and device is not None:
+            raise InvalidInput("method = 'polonsky-keer' runs on no device: use 'preconditioned'")
         if method == "polonsky-keer" and bound is not None:
             raise InvalidInput("method = 'polonsky-keer' knows no pressure bound: use 'preconditioned'")
         operator = FourierOperator(response, surface.shape, surface.lengths, threads=settings.threads)
@@ -67,6 +72,7 @@ class Problem:
             bound=_checked_bound(bound, surface),
             settings=settings,
             method=method,
+            device=None if device is None else Device(device),
             clock=clock,
             processor=processor,
         )
@@ -118,7 +124,8 @@ class Problem:
             settings=settings,
             start=start,
             bound=self.bound,
-            single=self.method == "mixed",
+            double=self.method == "double",
+            device=self.device,
         )
 
     def _coarse(self, shape: tuple[int, int]) -> FourierOperator:
