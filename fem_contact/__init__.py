@@ -28,7 +28,14 @@ if TYPE_CHECKING:
     from fem_contact.hardness import Hardness, YieldedContact, press, unload, yielded
     from fem_contact.leak import GapFlow, critical_gap, flow_conductance, open_gap, percolates
     from fem_contact.patches import Patches, find_patches
-    from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace, Response
+    from fem_contact.response import (
+        BondedLayer,
+        FreeHalfSpace,
+        FrictionlessLayer,
+        GivenResponse,
+        HalfSpace,
+        Response,
+    )
     from fem_contact.solid import Solid, composite_modulus
     from fem_contact.stress import (
         contact_stiffness,
@@ -51,6 +58,7 @@ if TYPE_CHECKING:
     )
     from fem_contact.surface import (
         HeightField,
+        Patch,
         RadialSpectrum,
         estimate_spectrum,
         radial_spectrum,
@@ -66,6 +74,7 @@ __all__ = [
     "Cost",
     "ExponentialSolid",
     "FemContactError",
+    "FreeHalfSpace",
     "FrictionlessLayer",
     "FrozenContact",
     "GapFlow",
@@ -78,6 +87,7 @@ __all__ = [
     "LayeredSolid",
     "Limit",
     "NotConverged",
+    "Patch",
     "Patches",
     "RadialSpectrum",
     "Residuals",
@@ -142,6 +152,7 @@ _HOMES = {
     "Cost": "fem_contact.contact",
     "ExponentialSolid": "fem_contact.graded",
     "FemContactError": "fem_contact.errors",
+    "FreeHalfSpace": "fem_contact.response",
     "FrictionlessLayer": "fem_contact.response",
     "FrozenContact": "fem_contact.conductance",
     "GapFlow": "fem_contact.leak",
@@ -154,6 +165,7 @@ _HOMES = {
     "LayeredSolid": "fem_contact.graded",
     "Limit": "fem_contact.area",
     "NotConverged": "fem_contact.errors",
+    "Patch": "fem_contact.surface",
     "Patches": "fem_contact.patches",
     "RadialSpectrum": "fem_contact.surface",
     "Residuals": "fem_contact.contact",

@@ -105,6 +105,11 @@ def solver_doors() -> dict[str, Door]:
             {"tolerance": 1e-8, "max_iterations": 9, "time_limit": 1.0, "threads": 1},
         ),
         "HeightField": (surfaces.HeightField, {"heights": wave, "lengths": (1.0, 2.0)}),
+        "Patch": (surfaces.Patch, {"heights": wave, "lengths": (1.0, 2.0)}),
+        "Patch.resampled": (
+            surfaces.Patch(heights=wave, lengths=(1.0, 1.0)).resampled,
+            {"shape": (6, 7)},
+        ),
         "HeightField.resampled": (surface.resampled, {"shape": (6, 7)}),
         "HeightField.shifted": (surface.shifted, {"fraction": (0.5, 0.5)}),
         "HeightField.spectral_sum": (surface.spectral_sum, {"weight": lambda q: q}),
@@ -131,6 +136,7 @@ def solver_doors() -> dict[str, Door]:
         "HalfSpace.compliance": (half.compliance, {"qx": q, "qy": q}),
         "BondedLayer": (response.BondedLayer, {"solid": solid, "thickness": 0.2}),
         "BondedLayer.compliance": (layer.compliance, {"qx": q, "qy": q}),
+        "FreeHalfSpace": (response.FreeHalfSpace, {"solid": solid}),
         "FrictionlessLayer": (response.FrictionlessLayer, {"solid": solid, "thickness": 0.2}),
         "FrictionlessLayer.compliance": (
             response.FrictionlessLayer(solid=solid, thickness=0.2).compliance,
@@ -165,6 +171,10 @@ def solver_doors() -> dict[str, Door]:
         ),
         "bem.solve": (bem.solve, solve | field | {"mean_pressure": 0.02}),
         "bem.solve of a layer": (bem.solve, solve | {"response": layer, "mean_pressure": 0.02}),
+        "bem.solve of a patch": (
+            bem.solve,
+            solve | {"response": response.FreeHalfSpace(solid=solid), "mean_pressure": 0.02},
+        ),
         "bem.solve_displacement": (bem.solve_displacement, solve | {"mean_gap": 0.01, "pressure_bound": 0.2}),
         "bem.solve_displacement of a layer": (
             bem.solve_displacement,

@@ -1,6 +1,6 @@
-"""Periodic height fields: given ones, random ones, and their power spectra."""
+"""Height fields: given ones, random ones, patches with edges, and their power spectra."""
 
-from fem_contact.surface.heights import HeightField
+from fem_contact.surface.heights import HeightField, Patch
 from fem_contact.surface.random import RandomWaves, random_surface, random_waves, resolves
 from fem_contact.surface.spectra import (
     RadialSpectrum,
@@ -12,6 +12,7 @@ from fem_contact.surface.spectra import (
 
 __all__ = [
     "HeightField",
+    "Patch",
     "RadialSpectrum",
     "RandomWaves",
     "Window",

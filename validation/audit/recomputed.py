@@ -159,7 +159,7 @@ class Run:
         own = [one for key, one in self.solves.items() if key[3] == k and self.resolved(one)]
         if not own or self.measured:
             return None
-        return max(own, key=lambda one: one.p.size).moments
+        return max(own, key=lambda one: one.p.size).roughness
 
     @cached_property
     def modulus(self) -> float:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, overload
 
-from fem_contact.surface import HeightField, RandomWaves, random_waves
+from fem_contact.surface import HeightField, Patch, RandomWaves, random_waves
 from validation.errors import UsageError
 from validation.scenes.tables import CapillarySurface, FileSurface, RandomSurface, SelfAffineSurface, Surface
 from validation.scenes.topography import Measured, measured
@@ -271,6 +271,8 @@ def measured_field(found: Measured) -> HeightField:
     """Heights of a measured surface as one period; they must be rough, since every p* divides by h'_rms."""
     with naming(found.surface):
         field = found.period.height_field()
+        if found.surface.edges == "free":
+            field = Patch(heights=field.heights, lengths=field.lengths)
     if not field.rms_gradient > 0:
         raise UsageError(
             f"surface.path = {str(found.surface.path)!r}: is flat (h'_rms = 0); a scene needs a rough surface"

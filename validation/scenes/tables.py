@@ -125,8 +125,10 @@ class FileSurface(Table):
     missing: Literal["refuse", "nearest", "harmonic"] = Field(
         default="refuse", description="what to do with points without a height"
     )
-    edges: Literal["periodic", "tukey", "hann"] | None = Field(
-        default=None, description="taper that makes it periodic; not needed where opposite edges match"
+    edges: Literal["periodic", "tukey", "hann", "free"] | None = Field(
+        default=None,
+        description="taper that makes it periodic, not needed where opposite edges match; 'free' with the "
+        "effect 'free-boundary': one patch with its edges",
     )
     margin: Ratio = Field(
         default=0.1, gt=0, le=0.5, description="share of each side over which a tukey taper falls"
