@@ -50,6 +50,7 @@ from persson import (
     spectrum,
     spheres,
     squeezed_spheres,
+    stretched,
     tabulated,
     tensile,
     variants,
@@ -124,6 +125,18 @@ def solver_doors() -> dict[str, Door]:
                 "seed": 5,
                 "amplitudes": "exact",
                 "under_resolved": False,
+            },
+        ),
+        "measured_lay": (surfaces.measured_lay, {"surface": surface}),
+        "random_surface with a lay": (
+            surfaces.random_surface,
+            {
+                "spectrum": lambda qx, qy: np.hypot(2 * qx, qy) ** -3.0,
+                "q_short": 20.0,
+                "lengths": (1.0, 1.0),
+                "shape": (12, 12),
+                "seed": 5,
+                "isotropic": False,
             },
         ),
         "radial_spectrum": (surfaces.radial_spectrum, {"surface": surface}),
@@ -493,6 +506,18 @@ def theory_doors() -> dict[str, Door]:
         ),
         "CapillaryWaves": (capillary.CapillaryWaves, waves),
         "maximum_height": (capillary.maximum_height, {"independent_points": 1e6}),
+        "Stretched": (
+            stretched.Stretched,
+            {"spectrum": spectrum.SelfAffine(**power, amplitude=1.0), "factor": 2.0},
+        ),
+        "Stretched.directional": (
+            stretched.Stretched(spectrum=spectrum.SelfAffine(**power, amplitude=1.0), factor=2.0).directional,
+            {"qx": 1e5, "qy": np.array([1e5, 2e5])},
+        ),
+        "Stretched.m2": (
+            stretched.Stretched(spectrum=spectrum.SelfAffine(**power, amplitude=1.0), factor=2.0).m2,
+            {"q_upper": 2e5},
+        ),
         "Tabulated": (tabulated.Tabulated, {"wavevectors": [1.0, 2.0], "power": [1.0, 2.0]}),
         "Tabulated.from_areal_psd": (
             tabulated.Tabulated.from_areal_psd,

@@ -86,10 +86,21 @@ class SelfAffineSurface(RandomSurface):
     rms_gradient: Ratio | None = Field(default=None, description="h'_rms of C(q), both directions together")
     rms_height: Length | None = Field(default=None, description="h_rms of C(q)")
     rolloff: Literal["sharp", "smooth", "plateau"] = "sharp"
+    stretch: Number | None = Field(
+        default=None,
+        ge=1,
+        le=50,
+        description="how many times longer the waves along x are than across: the lay of a ground surface",
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         exactly_one(self, ("rms_gradient", "rms_height"))
+        if self.stretch is not None and self.stretch * self.lambda_long > self.length[0] * (1 + 1e-12):
+            raise wrong(
+                f"stretch = {self.stretch:g}: makes waves of {self.stretch * self.lambda_long:.6g} m along x,"
+                f" longer than the period {self.length[0]:.6g} m"
+            )
         return self
 
 
