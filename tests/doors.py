@@ -278,7 +278,8 @@ def solver_doors() -> dict[str, Door]:
         "loading_work": (stress.loading_work, {"results": path}),
         "von_mises": (stress.von_mises, {"tensor": np.ones((4, 6))}),
         "fields_below": (subsurface.fields_below, below | {"depths": [0.0, 0.1]}),
-        "planes_below": (
+        "planes_below": (subsurface.planes_below, below | {"depths": [0.0, 0.1]}),
+        "planes_below, walked": (
             lambda **given: list(subsurface.planes_below(**given)),
             below | {"depths": [0.0, 0.1]},
         ),
