@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fem_contact._checks import choice, instance, within
 from fem_contact.errors import InvalidInput
-from fem_contact.surface.heights import HeightField, checked_shape, interpolant
+from fem_contact.surface.heights import HeightField, Patch, checked_shape, interpolant
 
 __all__ = [
     "Lay",
@@ -78,7 +78,7 @@ def measured_lay(surface: HeightField) -> Lay:
     Parameters
     ----------
     surface : HeightField
-        Periodic. Waves at the Nyquist limit of an axis count for the slopes along it alone.
+        Periodic, or a `Patch` with edges, whose slopes are differences.
 
     Raises
     ------
@@ -94,15 +94,27 @@ def measured_lay(surface: HeightField) -> Lay:
     (0.0, 0.0, 0.707107)
     """
     instance("surface", surface, HeightField, what="a `HeightField`")
-    qx, qy, coefficients = interpolant(surface)
-    power = np.abs(coefficients) ** 2
-    xx, yy, xy = power.sum(axis=1) @ qx**2, power.sum(axis=0) @ qy**2, qx @ power @ qy
+    if isinstance(surface, Patch):
+        xx, yy, xy = _slopes(surface)
+    else:
+        qx, qy, coefficients = interpolant(surface)
+        power = np.abs(coefficients) ** 2
+        xx, yy, xy = power.sum(axis=1) @ qx**2, power.sum(axis=0) @ qy**2, qx @ power @ qy
     if not xx + yy > 0:
         raise InvalidInput("a flat surface has no lay")
     values, vectors = np.linalg.eigh([[xx, xy], [xy, yy]])
     x, y = vectors[:, 0] * (1 if vectors[0, 0] > 0 or (vectors[0, 0] == 0 and vectors[1, 0] > 0) else -1)
     smooth, steep = np.sqrt(np.maximum(values, 0))
     return Lay(along=float(smooth), across=float(steep), direction=float(np.arctan2(y, x)))
+
+
+def _slopes(patch: Patch) -> tuple[float, float, float]:
+    """Mean squares of the slopes along x and y, and the mean of their product, by differences."""
+    along, across = (np.diff(patch.heights, axis=axis) / patch.spacing[axis] for axis in (0, 1))
+    # In the middle of four points both are known.
+    both = (along[:, 1:] + along[:, :-1]) * (across[1:] + across[:-1]) / 4
+    xx, yy, xy = (float(np.mean(part)) if part.size else 0.0 for part in (along**2, across**2, both))
+    return xx, yy, xy
 
 
 def radial_spectrum(surface: HeightField) -> RadialSpectrum:

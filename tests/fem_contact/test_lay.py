@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fem_contact import HeightField, InvalidInput, measured_lay, random_surface
+from fem_contact import HeightField, InvalidInput, Patch, measured_lay, random_surface
 from fem_contact.surface import radial_spectrum
 
 STRETCH, Q_LONG, Q_SHORT = 3.0, 2 * np.pi * 8, 2 * np.pi * 60
@@ -65,6 +65,10 @@ def test_a_turned_lay_is_found_where_it_lies():
     lay = measured_lay(turned)
     assert lay.direction == pytest.approx(angle, abs=0.02)
     assert lay.ratio == pytest.approx(STRETCH, rel=0.05)
+    fine = turned.resampled((960, 960)).heights[:500, :500]
+    patch = measured_lay(Patch(heights=fine, lengths=(500 / 960, 500 / 960)))
+    assert patch.direction == pytest.approx(angle, abs=0.05)
+    assert patch.ratio == pytest.approx(lay.ratio, rel=0.1)
 
 
 def test_rings_of_the_spectrum_are_its_average_over_directions():

@@ -24,9 +24,9 @@ def _moments() -> list[Check]:
     for factor in (2.0, 5.0, 20.0):
         lay, inverse = Stretched(spectrum=_STRAIGHT, factor=factor), factor**-2
         for name, ratio, exact in (
-            ("m0", lay.m0() / _STRAIGHT.m0(), 1.0),
-            ("m2", lay.m2() / _STRAIGHT.m2(), (1 + inverse) / 2),
-            ("m4", lay.m4() / _STRAIGHT.m4(), (3 + 2 * inverse + 3 * inverse**2) / 8),
+            ("m0", float(lay.m0() / _STRAIGHT.m0()), 1.0),
+            ("m2", float(lay.m2() / _STRAIGHT.m2()), (1 + inverse) / 2),
+            ("m4", float(lay.m4() / _STRAIGHT.m4()), (3 + 2 * inverse + 3 * inverse**2) / 8),
         ):
             checks.append(
                 Check.relative(f"{name} over the isotropic, gamma = {factor:g}", ratio, exact, 1e-9)
@@ -52,7 +52,7 @@ def _surfaces() -> list[Check]:
     found = measured_lay(coarse)
     # Full contact: the waves of pressure are E* q/2 times those of the heights, in whatever direction.
     pressed = bem.solve(coarse, _HALF_SPACE, mean_pressure=1.0).checked()
-    variance = stress_variance(coarse.rms_gradient**2, contact_modulus=_HALF_SPACE.contact_modulus)
+    variance = float(stress_variance(coarse.rms_gradient**2, contact_modulus=_HALF_SPACE.contact_modulus))
     return [
         Check.below(
             "difference of nested grids over h_rms",
@@ -63,7 +63,9 @@ def _surfaces() -> list[Check]:
         Check.relative("slope across over slope along", found.ratio, factor, 0.05),
         Check.relative("h'_rms over that of C(qx, qy)", coarse.rms_gradient, float(np.sqrt(lay.m2())), 0.05),
         Check.below("angle of the lay", abs(found.direction), 1e-12),
-        Check.relative("variance of p in full contact [Pa^2]", np.var(pressed.pressure), variance, 1e-9),
+        Check.relative(
+            "variance of p in full contact [Pa^2]", float(np.var(pressed.pressure)), variance, 1e-9
+        ),
     ]
 
 
