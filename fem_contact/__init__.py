@@ -28,7 +28,14 @@ if TYPE_CHECKING:
     from fem_contact.hardness import Hardness, YieldedContact, press, unload, yielded
     from fem_contact.leak import GapFlow, critical_gap, flow_conductance, open_gap, percolates
     from fem_contact.patches import Patches, find_patches
-    from fem_contact.response import BondedLayer, FrictionlessLayer, GivenResponse, HalfSpace, Response
+    from fem_contact.response import (
+        BondedLayer,
+        FreeHalfSpace,
+        FrictionlessLayer,
+        GivenResponse,
+        HalfSpace,
+        Response,
+    )
     from fem_contact.sliding import SlidingContact, slide
     from fem_contact.solid import Solid, composite_modulus
     from fem_contact.stress import (
@@ -52,8 +59,11 @@ if TYPE_CHECKING:
     )
     from fem_contact.surface import (
         HeightField,
+        Lay,
+        Patch,
         RadialSpectrum,
         estimate_spectrum,
+        measured_lay,
         radial_spectrum,
         random_surface,
         resolves,
@@ -68,6 +78,7 @@ __all__ = [
     "Cost",
     "ExponentialSolid",
     "FemContactError",
+    "FreeHalfSpace",
     "FrictionlessLayer",
     "FrozenContact",
     "GapFlow",
@@ -77,9 +88,11 @@ __all__ = [
     "HeightField",
     "InsufficientMemory",
     "InvalidInput",
+    "Lay",
     "LayeredSolid",
     "Limit",
     "NotConverged",
+    "Patch",
     "Patches",
     "PronySolid",
     "RadialSpectrum",
@@ -117,6 +130,7 @@ __all__ = [
     "located_limit",
     "mean_areas",
     "measure_residuals",
+    "measured_lay",
     "open_gap",
     "percolates",
     "planes_below",
@@ -149,6 +163,7 @@ _HOMES = {
     "Cost": "fem_contact.contact",
     "ExponentialSolid": "fem_contact.graded",
     "FemContactError": "fem_contact.errors",
+    "FreeHalfSpace": "fem_contact.response",
     "FrictionlessLayer": "fem_contact.response",
     "FrozenContact": "fem_contact.conductance",
     "GapFlow": "fem_contact.leak",
@@ -158,9 +173,11 @@ _HOMES = {
     "HeightField": "fem_contact.surface",
     "InsufficientMemory": "fem_contact.errors",
     "InvalidInput": "fem_contact.errors",
+    "Lay": "fem_contact.surface",
     "LayeredSolid": "fem_contact.graded",
     "Limit": "fem_contact.area",
     "NotConverged": "fem_contact.errors",
+    "Patch": "fem_contact.surface",
     "Patches": "fem_contact.patches",
     "PronySolid": "fem_contact.viscoelastic",
     "RadialSpectrum": "fem_contact.surface",
@@ -195,6 +212,7 @@ _HOMES = {
     "located_limit": "fem_contact.extrapolation",
     "mean_areas": "fem_contact.area",
     "measure_residuals": "fem_contact.contact",
+    "measured_lay": "fem_contact.surface",
     "open_gap": "fem_contact.leak",
     "percolates": "fem_contact.leak",
     "planes_below": "fem_contact.subsurface",

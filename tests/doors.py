@@ -52,6 +52,7 @@ from persson import (
     spectrum,
     spheres,
     squeezed_spheres,
+    stretched,
     tabulated,
     tensile,
     variants,
@@ -111,6 +112,11 @@ def solver_doors() -> dict[str, Door]:
             {"tolerance": 1e-8, "max_iterations": 9, "time_limit": 1.0, "threads": 1},
         ),
         "HeightField": (surfaces.HeightField, {"heights": wave, "lengths": (1.0, 2.0)}),
+        "Patch": (surfaces.Patch, {"heights": wave, "lengths": (1.0, 2.0)}),
+        "Patch.resampled": (
+            surfaces.Patch(heights=wave, lengths=(1.0, 1.0)).resampled,
+            {"shape": (6, 7)},
+        ),
         "HeightField.resampled": (surface.resampled, {"shape": (6, 7)}),
         "HeightField.shifted": (surface.shifted, {"fraction": (0.5, 0.5)}),
         "HeightField.spectral_sum": (surface.spectral_sum, {"weight": lambda q: q}),
@@ -127,6 +133,18 @@ def solver_doors() -> dict[str, Door]:
                 "under_resolved": False,
             },
         ),
+        "measured_lay": (surfaces.measured_lay, {"surface": surface}),
+        "random_surface with a lay": (
+            surfaces.random_surface,
+            {
+                "spectrum": lambda qx, qy: np.hypot(2 * qx, qy) ** -3.0,
+                "q_short": 20.0,
+                "lengths": (1.0, 1.0),
+                "shape": (12, 12),
+                "seed": 5,
+                "isotropic": False,
+            },
+        ),
         "radial_spectrum": (surfaces.radial_spectrum, {"surface": surface}),
         "window_weights": (surfaces.window_weights, {"shape": (8, 8), "window": "tukey", "margin": 0.2}),
         "estimate_spectrum": (
@@ -137,6 +155,7 @@ def solver_doors() -> dict[str, Door]:
         "HalfSpace.compliance": (half.compliance, {"qx": q, "qy": q}),
         "BondedLayer": (response.BondedLayer, {"solid": solid, "thickness": 0.2}),
         "BondedLayer.compliance": (layer.compliance, {"qx": q, "qy": q}),
+        "FreeHalfSpace": (response.FreeHalfSpace, {"solid": solid}),
         "FrictionlessLayer": (response.FrictionlessLayer, {"solid": solid, "thickness": 0.2}),
         "FrictionlessLayer.compliance": (
             response.FrictionlessLayer(solid=solid, thickness=0.2).compliance,
@@ -171,6 +190,10 @@ def solver_doors() -> dict[str, Door]:
         ),
         "bem.solve": (bem.solve, solve | field | {"mean_pressure": 0.02}),
         "bem.solve of a layer": (bem.solve, solve | {"response": layer, "mean_pressure": 0.02}),
+        "bem.solve of a patch": (
+            bem.solve,
+            solve | {"response": response.FreeHalfSpace(solid=solid), "mean_pressure": 0.02},
+        ),
         "bem.solve_displacement": (bem.solve_displacement, solve | {"mean_gap": 0.01, "pressure_bound": 0.2}),
         "bem.solve_displacement of a layer": (
             bem.solve_displacement,
@@ -262,6 +285,10 @@ def solver_doors() -> dict[str, Door]:
         "von_mises": (stress.von_mises, {"tensor": np.ones((4, 6))}),
         "fields_below": (subsurface.fields_below, below | {"depths": [0.0, 0.1]}),
         "planes_below": (subsurface.planes_below, below | {"depths": [0.0, 0.1]}),
+        "planes_below, walked": (
+            lambda **given: list(subsurface.planes_below(**given)),
+            below | {"depths": [0.0, 0.1]},
+        ),
         "strongest_point": (subsurface.strongest_point, below | {"depths": [0.05, 0.1]}),
         "default_depths": (subsurface.default_depths, {"contact": result, "response": layer}),
         "ExponentialSolid.sublayer_edges": (
@@ -533,6 +560,18 @@ def theory_doors() -> dict[str, Door]:
         ),
         "CapillaryWaves": (capillary.CapillaryWaves, waves),
         "maximum_height": (capillary.maximum_height, {"independent_points": 1e6}),
+        "Stretched": (
+            stretched.Stretched,
+            {"spectrum": spectrum.SelfAffine(**power, amplitude=1.0), "factor": 2.0},
+        ),
+        "Stretched.directional": (
+            stretched.Stretched(spectrum=spectrum.SelfAffine(**power, amplitude=1.0), factor=2.0).directional,
+            {"qx": 1e5, "qy": np.array([1e5, 2e5])},
+        ),
+        "Stretched.m2": (
+            stretched.Stretched(spectrum=spectrum.SelfAffine(**power, amplitude=1.0), factor=2.0).m2,
+            {"q_upper": 2e5},
+        ),
         "Tabulated": (tabulated.Tabulated, {"wavevectors": [1.0, 2.0], "power": [1.0, 2.0]}),
         "Tabulated.from_areal_psd": (
             tabulated.Tabulated.from_areal_psd,

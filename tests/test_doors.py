@@ -179,6 +179,7 @@ def test_every_public_function_is_among_the_doors(package):
         "FrozenContact",
         "GapFlow",
         "AtDepth",
+        "Lay",
         "Strongest",
         "Subsurface",
         "SlidingContact",

@@ -11,8 +11,8 @@ from fem_contact._checks import finite, numbers_of, positive
 from fem_contact.bem.distance import LoadSearch
 from fem_contact.bem.problem import Method, Problem
 from fem_contact.contact import ContactResult
-from fem_contact.errors import InvalidInput
-from fem_contact.response import Response
+from fem_contact.errors import InvalidInput, UnsupportedEffect
+from fem_contact.response import FreeHalfSpace, Response
 from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
@@ -127,9 +127,15 @@ def solve_displacement(
     ------
     InvalidInput
         Unless exactly one of the two is given and finite; for a gap that is negative although nothing yields.
+    UnsupportedEffect
+        For a `FreeHalfSpace`.
     """
     if (mean_gap is None) == (offset is None):
         raise InvalidInput("mean_gap, offset: give exactly one of them, in m")
+    if isinstance(response, FreeHalfSpace):
+        raise UnsupportedEffect(
+            "response = FreeHalfSpace: a patch is pressed by a load; give solve its mean pressure"
+        )
     problem = Problem.checked(
         surface,
         response,

@@ -114,6 +114,20 @@ class Stored:
         return moments(self.h, self.lengths)
 
     @cached_property
+    def roughness(self) -> tuple[float, float, float]:
+        """(m0, m2, m4) of the heights without the ball they lie on."""
+        radii = [
+            effect.get("radius") for effect in self.recipe["effects"] if effect["kind"] == "free-boundary"
+        ]
+        if not any(radii):
+            return self.moments
+        x, y = (
+            np.arange(n) * d - length / 2
+            for n, d, length in zip(self.grid, self.spacing, self.lengths, strict=True)
+        )
+        return moments(self.h + (x[:, None] ** 2 + y[None, :] ** 2) / (2 * radii[0]), self.lengths)
+
+    @cached_property
     def pixel(self) -> float:
         """Contact points by weight over all."""
         return float(np.sum(self.weights[self.contact]) / self.p.size)

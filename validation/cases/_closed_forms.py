@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fem_contact.surface import HeightField
 
@@ -108,7 +108,7 @@ def westergaard_pressure(x: Array, *, half_width: float, mean_pressure: float) -
 
 
 def westergaard_stress(
-    x: Array, depth: Array, *, half_width: float, mean_pressure: float, poisson: float
+    x: Array, depth: float, *, half_width: float, mean_pressure: float, poisson: float
 ) -> Array:
     r"""Stress (..., 6) [Pa] below a wave of period 1 whose crest is at x = 0, in plane strain.
 
@@ -137,13 +137,16 @@ def westergaard_stress(
     return stress
 
 
-def huber_stress(x: Array, y: Array, depth: Array, *, radius: float, peak: float, poisson: float) -> Array:
+def huber_stress(
+    x: ArrayLike, y: ArrayLike, depth: ArrayLike, *, radius: float, peak: float, poisson: float
+) -> Array:
     """Stress (..., 6) [Pa] below Hertz's pressure on a circle, at depths above 0.
 
     Source: M. T. Huber, Ann. Phys. 14, 153 (1904); A. C. Fischer-Cripps, Introduction to Contact Mechanics,
     Sec. 5.4.
     """
-    a, z, nu = radius, np.asarray(depth, dtype=float), poisson
+    a, nu = radius, poisson
+    x, y, z = (np.asarray(part, dtype=float) for part in (x, y, depth))
     r = np.hypot(x, y)
     excess = r**2 + z**2 - a**2
     u = (excess + np.sqrt(excess**2 + 4 * a**2 * z**2)) / 2

@@ -171,7 +171,7 @@ def _divergence(stress: Array, step: float) -> float:
 
 
 _SOFT, _HARD = Solid(young=1.0, poisson=0.3), Solid(young=8.0, poisson=0.45)
-_BODIES = {
+_BODIES: dict[str, tuple[Response, float]] = {
     "bonded": (BondedLayer(solid=_SOFT, thickness=0.3), 0.1),
     "frictionless": (FrictionlessLayer(solid=_SOFT, thickness=0.3), 0.1),
     "layered": (LayeredSolid(layers=[_SOFT, _HARD], thicknesses=[0.05, 0.1], base=_SOFT), 0.1),

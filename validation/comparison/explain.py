@@ -243,7 +243,10 @@ def _realised_words(realised: Realised) -> str:
             f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points; all that follows is "
             "that of C(q)"
         )
-    return f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} (spectral)"
+    from fem_contact.surface import Patch
+
+    how = "by differences" if isinstance(field, Patch) else "spectral"
+    return f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} ({how})"
 
 
 def _surface_facts(realised: Realised) -> list[tuple[str, str]]:

@@ -54,6 +54,14 @@ def _check_control(scene: Scene) -> None:
             f"solid.second_young: effect {layered!r} changes one body alone, and two bodies are solved as "
             "one half-space; leave one of them out"
         )
+    patch = next((effect.kind for effect in scene.effects if effect.slot == "boundary"), None)
+    if getattr(scene.surface, "edges", None) == "free" and patch is None:
+        raise UsageError(
+            "surface.edges = 'free': has no period, which everything but the effect 'free-boundary' needs; "
+            "list it, or taper the edges"
+        )
+    if patch is not None and scene.ensemble is not None:
+        raise UsageError(f"ensemble: averages over periods; effect {patch!r} presses one patch; remove one")
     if not scene.load.held:
         return
     able = [name for name, method in methods().items() if key in getattr(method, "holds", ())]
@@ -76,6 +84,9 @@ def _check_below(scene: Scene, realised: Realised) -> None:
         return
     if all(solver.sinks for solver in scene.methods.solvers.values()):
         raise UsageError("quantities.subsurface: is read off surface pressures; add [methods.bem]")
+    patch = next((effect.kind for effect in scene.effects if effect.slot == "boundary"), None)
+    if patch is not None:
+        raise UsageError(f"quantities.subsurface: needs a period; leave out it or effect {patch!r}")
     response = Slots.filled(realised.elastic, scene.effects).felt_response
     base, depths = getattr(response, "thickness", None), scene.subsurface.depths
     if base is not None and depths is not None and depths[-1] > base:
