@@ -18,6 +18,7 @@ from validation.measures.controlled import Known, Level, chained_mean
 from validation.measures.without_solve import unsolved_statistics
 from validation.solves.bench import Bench
 from validation.studies import reference as study
+from validation.studies.reference.joining import joined, with_size
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -83,6 +84,60 @@ def test_nothing_is_extrapolated(planted, name, value):
         reference.lookup(**asked)
 
 
+def test_beside_a_cell_that_was_not_made_it_refuses_and_elsewhere_does_not_mind(planted):
+    whole = reference.lookup(hurst=0.4, bandwidth=6.0, reduced_pressure=0.03)["area"]
+    for name in ("area", "gap"):
+        planted[name][0, 2] = planted[name][2, 2] = np.nan  # no H = .1 or 1 at bandwidth 16
+    assert reference.lookup(hurst=0.4, bandwidth=6.0, reduced_pressure=0.03)["area"].value == pytest.approx(
+        whole.value, rel=2e-3
+    )
+    at_node = reference.lookup(hurst=0.5, bandwidth=16.0, reduced_pressure=0.1)["area"]
+    assert at_node.value == pytest.approx(law(0.5, 16.0, 0.1)[0], rel=1e-12)
+    with pytest.raises(UsageError, match=r"no cell at H = 0.1, lambda_long/lambda_short = 16"):
+        reference.lookup(hurst=0.4, bandwidth=12.0, reduced_pressure=0.03)
+
+
+def test_parts_are_joined_and_what_is_missing_stays_open():
+    def part(h, b, **attrs):
+        dims = ("hurst", "bandwidth", "reduced_pressure")
+        area = np.full((1, 1, 2), h * b)
+        made = {"periods": 4.0, "points_per_wave": "3", "tolerance": 1e-6, "seed": 5, "unsolved": 3} | attrs
+        return xr.Dataset(
+            {"area": (dims, area)},
+            coords={"hurst": [h], "bandwidth": [b], "reduced_pressure": [0.1, 0.2]},
+            attrs=made | {"pairs": f"{b:g}: {round(100 / b)} + 4"},
+        )
+
+    whole = joined([part(0.8, 16.0), part(0.3, 4.0), part(0.8, 4.0)])
+    assert whole.area.values[..., 0] == pytest.approx(np.array([[1.2, np.nan], [3.2, 12.8]]), nan_ok=True)
+    assert whole.attrs["pairs"] == "4: 25 + 4; 16: 6 + 4"
+    with pytest.raises(UsageError, match="seed = 5, 6"):
+        joined([part(0.8, 16.0), part(0.3, 4.0, seed=6)])
+
+
+def test_the_size_of_the_sample_is_the_change_that_is_seen_or_the_least_that_would_be():
+    dims = ("hurst", "bandwidth", "reduced_pressure")
+
+    def cells(value, width, *, hursts, periods):
+        shape = (len(hursts), 1, 2)
+        data = {name: (dims, np.broadcast_to(value, shape).copy()) for name in study.QUANTITIES}
+        data |= {
+            f"{name}_{what}": (dims, np.full(shape, width))
+            for name in study.QUANTITIES
+            for what in ("half_width", "error")
+        }
+        coords = {"hurst": hursts, "bandwidth": [8.0], "reduced_pressure": [0.1, 0.2]}
+        return xr.Dataset(data, coords=coords, attrs={"periods": periods})
+
+    table = cells([2.0, 2.0], 0.006, hursts=[0.3, 0.8], periods=4.0)
+    others = [cells([2.1, 2.0], 0.008, hursts=[h], periods=8.0) for h in (0.3, 0.8)]
+    whole = with_size(table, others)
+    # A change of 5 % at the first load; none at the second, told to .01/2 over the root of two cells.
+    assert whole.gap_size.values[0, 0] == pytest.approx([0.1, 2 * 0.005 / 2**0.5])
+    assert whole.gap_error.values[1, 0] == pytest.approx(np.hypot(0.006, whole.gap_size.values[1, 0]))
+    assert whole.attrs["sizes"] == "8"
+
+
 def test_the_command_prints_what_is_looked_up(planted):
     asked = ["reference", "--hurst", "0.8", "--ratio", "8", "--pressure", "0.05"]
     found = reference.lookup(hurst=0.8, bandwidth=8.0, reduced_pressure=0.05)
@@ -95,10 +150,12 @@ def test_the_command_prints_what_is_looked_up(planted):
 
 def test_the_table_that_is_shipped_is_whole_and_says_how_it_was_made():
     data = reference.table()
+    made = np.isfinite(data.area.values)
+    assert np.all(made.all(axis=2) == made.any(axis=2))
     for name in study.QUANTITIES:
-        assert np.all(np.isfinite(data[name].values)), name
-        assert np.all(data[f"{name}_error"].values > 0), name
-    assert np.all(np.diff(data.area.values, axis=2) > 0)
+        assert np.all(np.isfinite(data[name].values) == made), name
+        assert np.all(data[f"{name}_error"].values[made] > 0), name
+    assert np.all(np.diff(data.area.values, axis=2)[made[..., 1:]] > 0)
     assert data.attrs["study"] == "reference"
     assert {"seed", "pairs", "points_per_wave", "periods", "tolerance"} <= set(data.attrs)
 

@@ -5,8 +5,12 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from persson.variants import corrected_contact_area
 from validation.measures.common import persson_area
 from validation.measures.ensemble import QUANTITIES
+from validation.measures.theory import VARIANTS
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 
@@ -15,6 +19,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["figures", "findings", "table"]
+
+#: Distance of a theory that is drawn in the strongest colour [%].
+_FAR = 35.0
 
 
 def table(dataset: xr.Dataset) -> ResultTable:
@@ -100,7 +107,55 @@ def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
             caption="Left: kappa over the load for every Hurst exponent at the largest bandwidth, with the total 95 % interval. "
             "Right: Persson's area over that of the table, the mean over Hurst exponents for every bandwidth.",
         ),
+        Drawing(
+            name="reference-verdict",
+            figure=_verdict(dataset),
+            data=_theories(dataset),
+            caption="Area of Persson's theory and of its variants over that of the table less one, in %, for every spectrum "
+            "and load. White: cells that were not made.",
+        ),
     )
+
+
+def _theories(dataset: xr.Dataset) -> xr.Dataset:
+    """Return the relative distance of the areas of the theory and its variants from those of the table."""
+    import xarray as xr
+
+    load = dataset.reduced_pressure.values
+    areas = [corrected_contact_area(load, stress_variance=0.25, variant=variant) for variant in VARIANTS]
+    theories = xr.DataArray(
+        np.array(areas),
+        dims=("theory", "reduced_pressure"),
+        coords={"theory": list(VARIANTS.values()), "reduced_pressure": load},
+    )
+    return (theories / dataset.area - 1).to_dataset(name="distance")
+
+
+def _verdict(dataset: xr.Dataset) -> Figure:
+    from validation.report.figure import new_figure
+
+    distance = 100 * _theories(dataset).distance.stack(spectrum=("hurst", "bandwidth"))
+    distance = distance.dropna("spectrum", how="all")
+    figure, panels = new_figure(width=12.0, height=1.3 + 0.22 * distance.sizes["spectrum"], columns=4)
+    loads = [f"{load:g}" for load in dataset.reduced_pressure.values]
+    spectra = [f"{hurst:g}, {bandwidth:g}" for hurst, bandwidth in distance.spectrum.values]
+    for axes, name in zip(panels, distance.theory.values, strict=True):
+        values = distance.sel(theory=name).transpose("spectrum", "reduced_pressure").values
+        axes.imshow(values, vmin=-_FAR, vmax=_FAR, cmap="RdBu_r", aspect="auto")
+        for (i, j), value in np.ndenumerate(values):
+            dark = abs(value) > 0.6 * _FAR
+            axes.text(
+                j, i, f"{round(value)}", ha="center", va="center", fontsize=6, color="w" if dark else "k"
+            )
+        axes.grid(visible=False)
+        axes.set_title(name, fontsize=9)
+        axes.set_xticks(range(len(loads)), loads, fontsize=7)
+        axes.set_yticks(
+            range(len(spectra)), spectra if axes is panels[0] else [""] * len(spectra), fontsize=7
+        )
+        axes.set_xlabel(r"$p^*$")
+    panels[0].set_ylabel(r"$H$, $\lambda_\mathrm{long}/\lambda_\mathrm{short}$")
+    return figure
 
 
 def _figure(dataset: xr.Dataset) -> Figure:
