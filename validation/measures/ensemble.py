@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from validation.measures.common import results_of
 from validation.measures.controlled import Controlled, Known, Level, allocation, chained_mean
-from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.measures.measurement import Grid, Measurement, area_limits, grid_for
 from validation.measures.statistics import Estimate, pair_means
 from validation.measures.without_solve import UnsolvedPairs
 from validation.scenes.realised import Realised
@@ -31,6 +32,9 @@ _FIRST, _ROUNDS = (16, 6, 2), 6
 _FIRST_UNSOLVED = 64
 #: Between the first surfaces that end with different grids, and the first that are not solved.
 _APART = 1_000_000
+
+#: Last grid, number of the pair, sign; or first and count of those that are only looked at.
+_Name = tuple[int, ...]
 
 #: Name: unit, meaning. All means over the surfaces of a spectrum.
 QUANTITIES = {
@@ -67,18 +71,27 @@ class Samples:
     unsolved_seconds: float
     periods: float
 
-    def chain(self, name: str, load: int) -> tuple[Controlled, ...]:
-        """Return the controlled means of a quantity on all grids; the last is the one that is asked for."""
-        levels = [Level(values=self._pairs(name, 0, 0)[load], controls=self.unsolved)]
+    def chains(self, name: str) -> list[tuple[Controlled, ...]]:
+        """Return the controlled means of a quantity on all grids, for each load; the last is the one that is asked for."""
+        numbers = [self._pairs(name, 0, 0)]
         for last in range(1, len(self.ending)):
-            values, controls = (self._pairs(name, last, grid)[load] for grid in (last, last - 1))
-            levels.append(Level(values=values, controls=controls))
-        return chained_mean(levels, Known.of_samples(self.further))
+            numbers += [self._pairs(name, last, last), self._pairs(name, last, last - 1)]
+        known = Known.of_samples(self.further)
+        return [
+            chained_mean(
+                [
+                    Level(values=first, controls=self.unsolved),
+                    *(Level(values=rest[k], controls=rest[k + 1]) for k in range(0, len(rest), 2)),
+                ],
+                known,
+            )
+            for first, *rest in zip(*numbers, strict=True)
+        ]
 
-    def _pairs(self, name: str, ending: int, grid: int) -> Array:
-        """Return a quantity on one grid, (load, pair), of the surfaces that end with another."""
-        read = [self._read(data, name, grid) for data in self.ending[ending]]
-        return pair_means(np.array(read).T)
+    def _pairs(self, name: str, ending: int, grid: int, *, paired: bool = True) -> Array:
+        """Return a quantity on one grid, (load, pair) or (load, surface), of the surfaces that end with another."""
+        read = np.array([self._read(data, name, grid) for data in self.ending[ending]]).T
+        return pair_means(read) if paired else read
 
     def _read(self, data: xr.Dataset, name: str, grid: int) -> Array:
         """Return a quantity of one surface over the loads on one grid; the area by its limit where the grids allow one."""
@@ -86,17 +99,17 @@ class Samples:
             return area_limits(data.isel(grid=slice(0, grid + 1)))[0]
         return _on_grid(data, name, grid=grid, periods=self.periods)
 
-    def grid_error(self, name: str, load: int) -> float:
-        """Half of the 95 % interval of what the grids leave: off to the same side on all surfaces, it does not average."""
+    def grid_errors(self, name: str) -> Array:
+        """Half of the 95 % interval of what the grids leave, (load,): alike on all surfaces, it does not average."""
         if name == "area":
-            errors = np.array([area_limits(data)[1][load] for data in self.ending[-1]])
+            errors = np.array([area_limits(data)[1] for data in self.ending[-1]])
         else:
-            last = [
-                [_on_grid(data, name, grid=grid, periods=self.periods)[load] for grid in (-1, -2)]
-                for data in self.ending[-1]
-            ]
-            errors = np.diff(np.array(last), axis=1)[:, 0] / 2
-        return float(1.96 * np.sqrt(np.mean(errors**2)))
+            finest, before = (
+                np.array([_on_grid(data, name, grid=g, periods=self.periods) for data in self.ending[-1]])
+                for g in (-1, -2)
+            )
+            errors = (finest - before) / 2
+        return np.asarray(1.96 * np.sqrt(np.mean(errors**2, axis=0)))
 
     def parts(self, chain: Sequence[Controlled]) -> list[tuple[float, float]]:
         """Return variance and processor time of one pair that ends with each grid, then of one that is not solved."""
@@ -112,17 +125,20 @@ class Samples:
         solves = [(f * one.left, time) for f, one, time in zip(factors, chain, times, strict=True)]
         return [(solves[0][0], solves[0][1] + look), *solves[1:], (factors[0] * told, look)]
 
-    def saving(self, found: Sequence[Controlled], load: int) -> float:
-        """Return the processor time of plain means over single surfaces, for the same interval, over that spent.
+    def savings(self, chains: Sequence[Sequence[Controlled]]) -> Array:
+        """Return the processor time of plain means over single surfaces, for the same intervals, over that spent, (load,).
 
         The scatter of single surfaces is that of the coarsest grid, on which there are many; each takes all grids.
         """
-        coarse = np.array([self._read(data, "area", 0)[load] for data in self.ending[0]])
-        share = float(coarse.var(ddof=1) / coarse.mean() ** 2)
-        asked = found[-1].estimate.half_width / found[-1].estimate.value / float(scipy.stats.norm.ppf(0.975))
-        each = float(np.mean([_seconds(data, load) for data in self.ending[-1]]))
-        spent = sum(_seconds(data, load) for group in self.ending for data in group)
-        return share / asked**2 * each / (spent + self.unsolved_seconds)
+        coarse = self._pairs("area", 0, 0, paired=False)
+        seconds = [
+            np.array([data.seconds.sum(("grid", "shift")).values for data in group]) for group in self.ending
+        ]
+        found = [chain[-1].estimate for chain in chains]
+        asked = np.array([one.half_width / one.value for one in found]) / scipy.stats.norm.ppf(0.975)
+        plain = (coarse.std(axis=1, ddof=1) / coarse.mean(axis=1) / asked) ** 2 * seconds[-1].mean(axis=0)
+        spent = sum(group.sum(axis=0) for group in seconds) + self.unsolved_seconds
+        return np.asarray(plain / spent)
 
 
 def _seconds(data: xr.Dataset, load: int) -> float:
@@ -205,51 +221,74 @@ def mean_area(
     After a first look the numbers of pairs are those of least cost (`allocation`), from the variances and times found.
     """
     grids = tuple(grid_for(base, points) for points in points_per_wave)
-    counts, looked_at = list(_FIRST), [(3 * _APART, _FIRST_UNSOLVED)]
-    parts = [(0, counts[0])]
-    for again in range(_ROUNDS):
-        cases: dict[tuple[int, ...], Measurement | UnsolvedPairs] = {
-            (last, k, sign): Measurement(
-                realised=replace(base.further(k + last * _APART), inverted=bool(sign)),
-                grids=grids[: last + 1],
-                shifts=1,
-                tolerance=tolerance,
+    drawn = _Drawn(base=base, grids=grids, tolerance=tolerance)
+    solved: dict[_Name, xr.Dataset] = {}
+    for _ in range(_ROUNDS):
+        solved |= results_of(bench, {name: case for name, case in drawn.cases() if name not in solved})
+        samples = drawn.samples(solved)
+        (chain,) = samples.chains("area")
+        found = MeanArea(
+            estimate=chain[-1].estimate,
+            grid=float(samples.grid_errors("area")[0]),
+            pairs=tuple(drawn.counts),
+            unsolved=len(samples.further),
+            samples=samples,
+        )
+        asked = float(np.sqrt(max((half_width * found.estimate.value) ** 2 - found.grid**2, 0.0)))
+        if found.estimate.half_width <= asked or asked == 0:
+            break
+        aim = asked * found.estimate.standard_error / found.estimate.half_width
+        drawn.grow(allocation(samples.parts(chain), aim))
+    return found
+
+
+class _Drawn:
+    """Surfaces of one spectrum that are solved or looked at so far; their numbers only grow."""
+
+    def __init__(self, *, base: Realised, grids: tuple[Grid, ...], tolerance: float) -> None:
+        self.base, self.grids, self.tolerance = base, grids, tolerance
+        self.counts = list(_FIRST)
+        # First and count of those that are looked at: of the coarsest grid, and of no grid.
+        self.told, self.further = [(0, _FIRST[0])], [(len(grids) * _APART, _FIRST_UNSOLVED)]
+
+    def cases(self) -> Iterator[tuple[_Name, Measurement | UnsolvedPairs]]:
+        for last, count in enumerate(self.counts):
+            for k, sign in itertools.product(range(count), (0, 1)):
+                yield (
+                    (last, k, sign),
+                    Measurement(
+                        realised=replace(self.base.further(k + last * _APART), inverted=bool(sign)),
+                        grids=self.grids[: last + 1],
+                        shifts=1,
+                        tolerance=self.tolerance,
+                    ),
+                )
+        for first, count in (*self.told, *self.further):
+            yield (
+                (first, count),
+                UnsolvedPairs(realised=self.base, grid=self.grids[0], first=first, count=count),
             )
-            for last, count in enumerate(counts)
-            for k in range(count)
-            for sign in (0, 1)
-        }
-        for first, count in (*parts, *looked_at):
-            cases[first, count] = UnsolvedPairs(realised=base, grid=grids[0], first=first, count=count)
-        solved = results_of(bench, cases)
-        told, further = ([solved[part] for part in which] for which in (parts, looked_at))
-        samples = Samples(
+
+    def samples(self, solved: Mapping[_Name, xr.Dataset]) -> Samples:
+        told, further = ([solved[part] for part in which] for which in (self.told, self.further))
+        return Samples(
             ending=[
-                [data for name, data in solved.items() if len(name) == 3 and name[0] == last]
-                for last in range(len(counts))
+                [solved[last, k, sign] for k in range(count) for sign in (0, 1)]
+                for last, count in enumerate(self.counts)
             ],
             unsolved=np.concatenate([data.value.values for data in told]),
             further=np.concatenate([data.value.values for data in further]),
             unsolved_seconds=sum(float(data.attrs["seconds"]) for data in (*told, *further)),
-            periods=min(base.lengths) / base.longest,
+            periods=min(self.base.lengths) / self.base.longest,
         )
-        chain = samples.chain("area", 0)
-        found = MeanArea(
-            estimate=chain[-1].estimate,
-            grid=samples.grid_error("area", 0),
-            pairs=tuple(counts),
-            unsolved=len(samples.further),
-            samples=samples,
-        )
-        asked = np.sqrt(max((half_width * found.estimate.value) ** 2 - found.grid**2, 0.0))
-        if again == _ROUNDS - 1 or found.estimate.half_width <= asked or asked == 0:
-            break
-        aim = asked * found.estimate.standard_error / found.estimate.half_width
-        *solves, unsolved = allocation(samples.parts(chain), aim)
-        grown = [max(old, new) for old, new in zip(counts, solves, strict=True)]
-        if grown[0] > counts[0]:
-            parts.append((counts[0], grown[0] - counts[0]))
-        if unsolved > found.unsolved:
-            looked_at.append((3 * _APART + found.unsolved, unsolved - found.unsolved))
-        counts = grown
-    return found
+
+    def grow(self, numbers: Sequence[int]) -> None:
+        """Take so many pairs that end with each grid, and so many that are only looked at."""
+        *solves, unsolved = numbers
+        grown = [max(old, new) for old, new in zip(self.counts, solves, strict=True)]
+        known = sum(count for _, count in self.further)
+        if grown[0] > self.counts[0]:
+            self.told.append((self.counts[0], grown[0] - self.counts[0]))
+        if unsolved > known:
+            self.further.append((self.further[0][0] + known, unsolved - known))
+        self.counts = grown

@@ -75,7 +75,7 @@ class Options(StudyOptions):
         "proportion to 1/bandwidth, at least 4",
     )
     unsolved: int = Field(
-        default=20,
+        default=10,
         ge=1,
         description="pairs that are not solved, only looked at, for each that ends with the coarsest grid",
     )
@@ -137,16 +137,16 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     saving = np.empty(shape)
     for at in np.ndindex(shape[:2]):
         samples = _samples(solved, options, options.hursts[at[0]], options.bandwidths[at[1]])
-        for name, load in itertools.product(QUANTITIES, range(shape[2])):
-            chain = samples.chain(name, load)
-            found = chain[-1].estimate
-            values[name][(slice(None), *at, load)] = (
-                found.value,
-                found.half_width,
-                samples.grid_error(name, load),
+        for name in QUANTITIES:
+            chains, grid = samples.chains(name), samples.grid_errors(name)
+            found = [chain[-1].estimate for chain in chains]
+            values[name][(slice(None), *at)] = (
+                [one.value for one in found],
+                [one.half_width for one in found],
+                grid,
             )
             if name == "area":
-                saving[(*at, load)] = samples.saving(chain, load)
+                saving[at] = samples.savings(chains)
     return _dataset(options, values, saving)
 
 
@@ -202,7 +202,9 @@ def _dataset(options: Options, values: Mapping[str, Array], saving: Array) -> xr
             "methods": "bem",
             "periods": options.periods,
             "points_per_wave": ", ".join(f"{n:g}" for n in options.points_per_wave),
-            "pairs": "; ".join(" + ".join(map(str, options.pairs_of(b))) for b in options.bandwidths),
+            "pairs": "; ".join(
+                f"{b:g}: {' + '.join(map(str, options.pairs_of(b)))}" for b in options.bandwidths
+            ),
             "unsolved": options.unsolved,
             "tolerance": _TOLERANCE,
             "seed": options.seed,

@@ -5,8 +5,12 @@ from __future__ import annotations
 import itertools
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from persson.variants import corrected_contact_area
 from validation.measures.common import persson_area
 from validation.measures.ensemble import QUANTITIES
+from validation.measures.theory import VARIANTS
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 
@@ -16,6 +20,9 @@ if TYPE_CHECKING:
 
 __all__ = ["figures", "findings", "table"]
 
+#: Distance of a theory that is drawn in the strongest colour [%].
+_FAR = 35.0
+
 
 def table(dataset: xr.Dataset) -> ResultTable:
     """Return one row for each spectrum and load."""
@@ -24,6 +31,8 @@ def table(dataset: xr.Dataset) -> ResultTable:
         *(range(dataset.sizes[name]) for name in ("hurst", "bandwidth", "reduced_pressure"))
     ):
         here = dataset.isel(hurst=h, bandwidth=b, reduced_pressure=j)
+        if not np.isfinite(here.area):
+            continue  # a table of parts
         area, load = float(here.area), float(here.reduced_pressure)
         rows.append(
             (
@@ -78,7 +87,7 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
     )
     sentences.append(
         "Plain means over single surfaces on the same grids would cost, for the same intervals, in the median so many times "
-        f"what was spent, by lambda_long/lambda_short: {listed}."
+        f"what was spent on a load, by lambda_long/lambda_short: {listed}."
     )
     excess = 100 * (dataset.area / persson_area(dataset.reduced_pressure.values) - 1)
     for j in sorted({0, dataset.sizes["reduced_pressure"] // 2, dataset.sizes["reduced_pressure"] - 1}):
@@ -97,10 +106,58 @@ def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
             name="reference",
             figure=_figure(dataset),
             data=dataset,
-            caption="Left: kappa over the load for every Hurst exponent at the largest bandwidth, with the total 95 % interval. "
+            caption="Left: kappa over the load for every Hurst exponent at the largest bandwidth that all have, with the total 95 % interval. "
             "Right: Persson's area over that of the table, the mean over Hurst exponents for every bandwidth.",
         ),
+        Drawing(
+            name="reference-verdict",
+            figure=_verdict(dataset),
+            data=_theories(dataset),
+            caption="Area of Persson's theory and of its variants over that of the table less one, in %, for every spectrum "
+            "and load. White: cells that were not made.",
+        ),
     )
+
+
+def _theories(dataset: xr.Dataset) -> xr.Dataset:
+    """Return the relative distance of the areas of the theory and its variants from those of the table."""
+    import xarray as xr
+
+    load = dataset.reduced_pressure.values
+    areas = [corrected_contact_area(load, stress_variance=0.25, variant=variant) for variant in VARIANTS]
+    theories = xr.DataArray(
+        np.array(areas),
+        dims=("theory", "reduced_pressure"),
+        coords={"theory": list(VARIANTS.values()), "reduced_pressure": load},
+    )
+    return (theories / dataset.area - 1).to_dataset(name="distance")
+
+
+def _verdict(dataset: xr.Dataset) -> Figure:
+    from validation.report.figure import new_figure
+
+    distance = 100 * _theories(dataset).distance.stack(spectrum=("hurst", "bandwidth"))
+    distance = distance.dropna("spectrum", how="all")
+    figure, panels = new_figure(width=12.0, height=1.3 + 0.22 * distance.sizes["spectrum"], columns=4)
+    loads = [f"{load:g}" for load in dataset.reduced_pressure.values]
+    spectra = [f"{hurst:g}, {bandwidth:g}" for hurst, bandwidth in distance.spectrum.values]
+    for axes, name in zip(panels, distance.theory.values, strict=True):
+        values = distance.sel(theory=name).transpose("spectrum", "reduced_pressure").values
+        axes.imshow(values, vmin=-_FAR, vmax=_FAR, cmap="RdBu_r", aspect="auto")
+        for (i, j), value in np.ndenumerate(values):
+            dark = abs(value) > 0.6 * _FAR
+            axes.text(
+                j, i, f"{round(value)}", ha="center", va="center", fontsize=6, color="w" if dark else "k"
+            )
+        axes.grid(visible=False)
+        axes.set_title(name, fontsize=9)
+        axes.set_xticks(range(len(loads)), loads, fontsize=7)
+        axes.set_yticks(
+            range(len(spectra)), spectra if axes is panels[0] else [""] * len(spectra), fontsize=7
+        )
+        axes.set_xlabel(r"$p^*$")
+    panels[0].set_ylabel(r"$H$, $\lambda_\mathrm{long}/\lambda_\mathrm{short}$")
+    return figure
 
 
 def _figure(dataset: xr.Dataset) -> Figure:
@@ -109,8 +166,9 @@ def _figure(dataset: xr.Dataset) -> Figure:
     figure, (left, right) = new_figure(width=9.0, columns=2)
     load = dataset.reduced_pressure.values
     theory = persson_area(load)
+    widest = int(np.flatnonzero(np.isfinite(dataset.area).all(("hurst", "reduced_pressure")))[-1])
     for h, hurst in enumerate(dataset.hurst.values):
-        here = dataset.isel(hurst=h, bandwidth=-1)
+        here = dataset.isel(hurst=h, bandwidth=widest)
         left.errorbar(load, here.area / load, yerr=here.area_error / load, label=f"H = {hurst:g}", **look(h))
     left.plot(load, theory / load, label="Persson", **THEORY)
     for b, bandwidth in enumerate(dataset.bandwidth.values):
