@@ -16,6 +16,7 @@ from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.extrapolation import counted_limit, located_limit
 from fem_contact.stress import density_at_zero
+from validation.comparison.below import Below, below
 from validation.effects.base import Effect
 from validation.errors import RunFailed
 from validation.methods.theory import Prediction, predict
@@ -174,6 +175,8 @@ class Comparison:
     scatter : Scatter or None
     no_limit : str
         Why there is no limit, in words; empty where there is one.
+    below : tuple of Below
+        Where the solid below the contact is strained most, where the scene asks for it.
     accurate : bool
         Whether the grids were chosen for an accuracy of the limit.
     passing : tuple of Passing
@@ -195,6 +198,7 @@ class Comparison:
     theory: Prediction | None
     scatter: Scatter | None
     no_limit: str = ""
+    below: tuple[Below, ...] = ()
     accurate: bool = False
     passing: tuple[Passing, ...] = ()
 
@@ -248,6 +252,7 @@ class Comparison:
             "no_limit": self.no_limit,
             "theory": None if self.theory is None else self.theory.summary(),
             "scatter": None if self.scatter is None else asdict(self.scatter),
+            **({"below": [asdict(row) for row in self.below]} if self.below else {}),
             "findings": list(self.findings),
         } | ({"quantities": [json_ready(asdict(one)) for one in self.passing]} if self.passing else {})
 
@@ -286,7 +291,7 @@ def compare(
         continuum = {"rms_height_m": moments.rms_height, "rms_gradient": moments.rms_gradient}
     limit, no_limit = _limit(readings, scene, rows)
     passes: tuple[Passing, ...] = ()
-    if scene.quantities is not None:  # what is not asked for is not loaded
+    if scene.quantities is not None and scene.quantities.passing:  # what is not asked for is not loaded
         from validation.comparison.passing import passing
 
         passes = passing(scene, realised, results)
@@ -309,6 +314,7 @@ def compare(
         theory=_theory(scene, realised),
         scatter=_scatter(readings, scene, realised),
         passing=passes,
+        below=below(scene, results),
     )
 
 

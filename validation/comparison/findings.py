@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
+from validation.comparison.below import below_findings
 from validation.methods import find_method, find_solver
 from validation.report.words import significant, with_error
 
@@ -29,6 +30,7 @@ def findings(comparison: Comparison) -> tuple[str, ...]:
         *_grids(comparison),
         *_cross(comparison),
         *_pressure_at_zero(comparison),
+        *below_findings(comparison),
         *_cost(comparison),
         *_warnings(comparison),
     ]
@@ -171,7 +173,7 @@ def _yielded(c: Comparison) -> list[str]:
 
 def _passing(c: Comparison) -> list[str]:
     if not c.passing:
-        missing = c.scene.quantities is not None
+        missing = c.scene.quantities is not None and c.scene.quantities.passing
         return (
             ["What passes is not determinable: the points of every method weigh differently."]
             if missing

@@ -27,7 +27,7 @@ from validation.effects import effect_kinds
 from validation.effects.base import Effect, clash, effect_key
 from validation.errors import SceneError, UsageError, harmless
 from validation.methods import Method, Solver, methods
-from validation.scenes.quantities import Electrical, Leak, Quantities, Thermal
+from validation.scenes.quantities import Electrical, Leak, Quantities, Subsurface, Thermal
 from validation.scenes.run_options import RunOptions
 from validation.scenes.tables import (
     CapillarySurface,
@@ -199,6 +199,11 @@ class Scene(_Table):
         if self.quantities is not None and not self.methods.solvers:
             raise _wrong("quantities: are read off a contact; add the table of a method that presses")
         return self
+
+    @property
+    def subsurface(self) -> Subsurface | None:
+        """What is asked of the solid below the contact."""
+        return None if self.quantities is None else self.quantities.subsurface
 
     @model_validator(mode="after")
     def _surface_is_named(self) -> Self:
@@ -453,6 +458,7 @@ def _described(location: list[str]) -> str:
         Electrical,
         Thermal,
         Leak,
+        Subsurface,
         RunOptions,
         *(method.options for method in methods().values()),
         *effect_kinds().values(),
