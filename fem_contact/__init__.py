@@ -36,6 +36,7 @@ if TYPE_CHECKING:
         HalfSpace,
         Response,
     )
+    from fem_contact.sliding import SlidingContact, slide
     from fem_contact.solid import Solid, composite_modulus
     from fem_contact.stress import (
         contact_stiffness,
@@ -67,6 +68,7 @@ if TYPE_CHECKING:
         random_surface,
         resolves,
     )
+    from fem_contact.viscoelastic import PronySolid, TabulatedSolid, ViscoelasticSolid
 
 __all__ = [
     "AtDepth",
@@ -92,14 +94,18 @@ __all__ = [
     "NotConverged",
     "Patch",
     "Patches",
+    "PronySolid",
     "RadialSpectrum",
     "Residuals",
     "Response",
+    "SlidingContact",
     "Solid",
     "Status",
     "Strongest",
     "Subsurface",
+    "TabulatedSolid",
     "UnsupportedEffect",
+    "ViscoelasticSolid",
     "YieldedContact",
     "adhesion",
     "bem",
@@ -135,6 +141,7 @@ __all__ = [
     "render_section",
     "render_surface",
     "resolves",
+    "slide",
     "strongest_point",
     "subcell_area",
     "subgrid_shifts",
@@ -172,14 +179,18 @@ _HOMES = {
     "NotConverged": "fem_contact.errors",
     "Patch": "fem_contact.surface",
     "Patches": "fem_contact.patches",
+    "PronySolid": "fem_contact.viscoelastic",
     "RadialSpectrum": "fem_contact.surface",
     "Residuals": "fem_contact.contact",
     "Response": "fem_contact.response",
+    "SlidingContact": "fem_contact.sliding",
     "Solid": "fem_contact.solid",
     "Status": "fem_contact.contact",
     "Strongest": "fem_contact.subsurface",
     "Subsurface": "fem_contact.subsurface",
+    "TabulatedSolid": "fem_contact.viscoelastic",
     "UnsupportedEffect": "fem_contact.errors",
+    "ViscoelasticSolid": "fem_contact.viscoelastic",
     "YieldedContact": "fem_contact.hardness",
     "composite_modulus": "fem_contact.solid",
     "contact_areas": "fem_contact.area",
@@ -213,6 +224,7 @@ _HOMES = {
     "render_surface": "fem_contact.export",
     "resolves": "fem_contact.surface",
     "strongest_point": "fem_contact.subsurface",
+    "slide": "fem_contact.sliding",
     "subcell_area": "fem_contact.area",
     "subgrid_shifts": "fem_contact.area",
     "unload": "fem_contact.hardness",

@@ -26,7 +26,9 @@ from fem_contact import (
     subsurface,
 )
 from fem_contact import contact as contact_module
+from fem_contact import sliding as steady_sliding
 from fem_contact import surface as surfaces
+from fem_contact import viscoelastic as viscoelastic_solids
 from persson import adhesion as theory_adhesion
 from persson import (
     archard,
@@ -97,6 +99,10 @@ def solver_doors() -> dict[str, Door]:
     }
     field = {"pressure_bound": 0.06, "start": np.ones((12, 12)), "method": "preconditioned"}
     below = {"contact": result, "response": half, "threads": 1}
+    slid = {name: value for name, value in solve.items() if name != "response"}
+    prony = {"relaxed": 1.0, "moduli": (2.0,), "times": (1.0,), "poisson": 0.3}
+    rubber = viscoelastic_solids.PronySolid(**prony)
+    table = {"frequencies": [0.5, 5.0], "storage": [1.0, 2.0], "loss": [0.1, 0.2], "poisson": 0.3}
     grid = extrapolation.PlannedGrid(spacing=(0.01, 0.01), cells=10_000)
     return {
         "Solid": (fem_contact.Solid, {"young": 1.0, "poisson": 0.3}),
@@ -302,6 +308,24 @@ def solver_doors() -> dict[str, Door]:
         "percolates": (leak.percolates, {"open_cells": wave > 0, "axis": "x"}),
         "critical_gap": (leak.critical_gap, {"gap": wave, "axis": "y"}),
         "flow_conductance": (leak.flow_conductance, {"gap": wave, "lengths": (1.0, 2.0), "axis": "y"}),
+        "PronySolid": (viscoelastic_solids.PronySolid, prony),
+        "PronySolid.standard": (
+            viscoelastic_solids.PronySolid.standard,
+            {"relaxed": 1.0, "unrelaxed": 3.0, "time": 1.0, "poisson": 0.3},
+        ),
+        "PronySolid.modulus": (rubber.modulus, {"frequency": q}),
+        "TabulatedSolid": (viscoelastic_solids.TabulatedSolid, table),
+        "TabulatedSolid.modulus": (viscoelastic_solids.TabulatedSolid(**table).modulus, {"frequency": q}),
+        "slide": (
+            steady_sliding.slide,
+            {
+                **slid,
+                "solid": rubber,
+                "velocity": 0.1,
+                "mean_pressure": 0.02,
+                "start": np.ones((12, 12)),
+            },
+        ),
     }
 
 
@@ -321,6 +345,8 @@ def block_doors() -> dict[str, Door]:
         "element": "Hex1",
     } | mesh
     load = {"mean_pressure": 0.01, "pressure_bound": 0.5, "start": wave > 0}
+    steep = {name: held[name] for name in ("surface", "solid", "tolerance", "element", *mesh)}
+    steep["mean_pressure"] = load["mean_pressure"]
     planned = block.plan_mesh((12, 12), (1.0, 1.0))
     sideways = {
         "modulus": lambda x, y, z: 1 + 0.5 * np.cos(2 * np.pi * x) + 0 * y + 0 * z,
@@ -338,6 +364,8 @@ def block_doors() -> dict[str, Door]:
             held | {"method": "full", "offset": 0.005},
         ),
         "block.solve_path": (block.solve_path, held | {"mean_pressures": [0.01, 0.02]}),
+        "block.solve_finite_strain": (block.solve_finite_strain, steep),
+        "block.solve_slopes": (block.solve_slopes, steep | {"slopes": [0.1]}),
         "block.solve_path, walked": (
             lambda **given: list(block.solve_path(**given)),
             held | {"mean_pressures": [0.01, 0.02]},
@@ -444,6 +472,31 @@ def paper_doors(one: Any, rough: Any, bent: Any, summits: Any, sticky: Any) -> d
         "local_shear_stress": (
             sliding.local_shear_stress,
             {"nominal": 1e6, "pressure": 1e7, "hardness": 1e8},
+        ),
+        "StandardSolid.modulus": (hard.modulus, {"frequency": 1.0}),
+        "rubber_friction": (
+            sliding.rubber_friction,
+            {
+                "spectrum": smooth,
+                "pressure": 1e6,
+                "velocity": 0.1,
+                "modulus": hard.modulus,
+                "poisson": 0.3,
+                "energy_ratio": 0.5,
+            },
+        ),
+        "friction_of_waves": (
+            sliding.friction_of_waves,
+            {
+                "qx": [1e6, -1e6],
+                "qy": [0.0, 0.0],
+                "power": [1e-18, 1e-18],
+                "pressure": 1e6,
+                "velocity": 0.1,
+                "modulus": hard.modulus,
+                "poisson": 0.3,
+                "energy_ratio": 0.5,
+            },
         ),
         "slip_energy": (sliding.slip_energy, {"shear_stress": 1e7, "slip": 3e-10}),
         "adhesional_pressure": (sliding.adhesional_pressure, {"barrier": 0.016, "lift": 1e-12}),
@@ -572,6 +625,8 @@ def theory_doors() -> dict[str, Door]:
             variants.energy_factor,
             {"area": 0.1, "variant": "yang_persson", "energy_ratio": 0.4},
         ),
+        "energy_share": (variants.energy_share, load | {"energy": "xu"}),
+        "energy_share of Eq. 48": (variants.energy_share, load | {"energy": "improved"}),
         "light_load_kappa": (variants.light_load_kappa, {"variant": "xu", "energy_ratio": 0.4}),
         "corrected_contact_area": (
             variants.corrected_contact_area,

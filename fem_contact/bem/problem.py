@@ -19,6 +19,7 @@ from fem_contact.complementarity import (
     polonsky_keer,
     solve_nested,
 )
+from fem_contact.complementarity.arrays import Device
 from fem_contact.contact import ContactResult, Cost, Residuals, Status, measure_residuals
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response, check_response
@@ -28,7 +29,7 @@ from fem_contact.surface import HeightField
 __all__ = ["SLACK", "Method", "Problem"]
 
 Array = NDArray[np.float64]
-Method = Literal["preconditioned", "mixed", "polonsky-keer"]
+Method = Literal["preconditioned", "double", "polonsky-keer"]
 
 
 @dataclass(kw_only=True)
@@ -43,6 +44,7 @@ class Problem:
     bound: Array | None
     settings: Settings
     method: Method
+    device: Device | None = None
     clock: float = field(default_factory=time.perf_counter)
     processor: float = field(default_factory=time.process_time)
 
@@ -55,15 +57,20 @@ class Problem:
         bound: float | Array | None,
         settings: Settings,
         method: Method,
+        device: object = None,
     ) -> Problem:
         """Refuse what no computation can start from, and set up the operator."""
         clock, processor = time.perf_counter(), time.process_time()
         instance("surface", surface, HeightField, what="a `HeightField`")
         check_response(response)
-        choice("method", method, ("preconditioned", "mixed", "polonsky-keer"))
+        choice("method", method, ("preconditioned", "double", "polonsky-keer"))
+        if method == "polonsky-keer" and device is not None:
+            raise InvalidInput("method = 'polonsky-keer' runs on no device: use 'preconditioned'")
         if method == "polonsky-keer" and bound is not None:
             raise InvalidInput("method = 'polonsky-keer' knows no pressure bound: use 'preconditioned'")
         operator = operator_of(response, surface.shape, surface.lengths, threads=settings.threads)
+        if device is not None and isinstance(operator, FreeOperator):
+            raise InvalidInput("device: runs periodic solids; leave it out for a `FreeHalfSpace`")
         heights, level = _levelled(surface)
         return cls(
             surface=surface,
@@ -74,6 +81,7 @@ class Problem:
             bound=_checked_bound(bound, surface),
             settings=settings,
             method=method,
+            device=None if device is None else Device(device),
             clock=clock,
             processor=processor,
         )
@@ -125,7 +133,8 @@ class Problem:
             settings=settings,
             start=start,
             bound=self.bound,
-            single=self.method == "mixed",
+            double=self.method == "double",
+            device=self.device,
         )
 
     def _length_scale(self, load: float) -> float:

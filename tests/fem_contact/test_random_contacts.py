@@ -158,6 +158,9 @@ def faults(case: Case, result: ContactResult, matrix: Array, target: float | Non
         found.append(f"penetration {np.max(-gap[below], initial=0.0) / tolerance:.3g} of the tolerance")
     if np.sum((p * np.abs(gap))[below]) > limit * p.sum():
         found.append(f"complementarity {np.sum((p * np.abs(gap))[below]) / p.sum() / tolerance:.3g}")
+    if np.abs(s).sum(axis=1).max() * p.max() < 64 * eps * np.abs(h).max():
+        # What the load moves is below the rounding of the heights: which of equal peaks bears it is open.
+        return found
     exact = pressed(s, h, load=1.0, bound=top, start=p)
     if not exact.exact:
         return [*found, "no dense solution"]
@@ -210,6 +213,15 @@ def test_contacts_that_were_missed_are_found(seed: int) -> None:
     assert outcome(seed) == "converged"
 
 
+def test_a_draft_in_single_precision_leaves_nothing_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fem_contact.complementarity.solve._DRAFTED", 1)
+    assert searched(range(200, 350))["converged"] > 105
+
+
 @pytest.mark.slow
-def test_ten_thousand_random_contacts_meet_their_conditions() -> None:
-    assert searched(range(1000, 11_000))["converged"] > 7000
+@pytest.mark.parametrize("drafted", [1, 10**9])
+def test_ten_thousand_random_contacts_meet_their_conditions(
+    drafted: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("fem_contact.complementarity.solve._DRAFTED", drafted)
+    assert searched(range(1000, 11_000))["converged"] > 9000

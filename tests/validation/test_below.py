@@ -36,7 +36,9 @@ DEPTHS = ["0 um", "0.05 um", "0.1 um", "0.2 um", "0.4 um"]
 
 
 def asked(**changed) -> Scene:
-    return Scene.model_validate(PLAIN | {"subsurface": {"depths": DEPTHS, "vtu": True}} | changed)
+    return Scene.model_validate(
+        PLAIN | {"quantities": {"subsurface": {"depths": DEPTHS, "vtu": True}}} | changed
+    )
 
 
 @pytest.fixture(scope="module")
@@ -85,10 +87,10 @@ def test_a_scene_that_does_not_ask_has_nothing_of_it(small_run):
 
 def test_a_key_on_the_command_line_asks(tmp_path):
     assert load_scene("quickstart").subsurface is None
-    loaded = load_asked("quickstart", ["subsurface.vtu=true"])
+    loaded = load_asked("quickstart", ["quantities.subsurface.vtu=true"])
     assert (loaded.subsurface.vtu, loaded.subsurface.depths) == (True, None)
     with pytest.raises(SceneError, match=r"subsurface: depths = .*: must rise"):
-        load_asked("quickstart", ['subsurface.depths=["1 um", "0.5 um"]'])
+        load_asked("quickstart", ['quantities.subsurface.depths=["1 um", "0.5 um"]'])
 
 
 @pytest.mark.parametrize(

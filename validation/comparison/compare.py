@@ -26,6 +26,7 @@ from validation.scenes.scene import Load, Scene
 from validation.solves.press import Press
 
 if TYPE_CHECKING:
+    from validation.comparison.passing import Passing
     from validation.effects.base import Judgement
 
 __all__ = ["Comparison", "CrossCheck", "Row", "Scatter", "compare"]
@@ -178,6 +179,8 @@ class Comparison:
         Where the solid below the contact is strained most, where the scene asks for it.
     accurate : bool
         Whether the grids were chosen for an accuracy of the limit.
+    passing : tuple of Passing
+        What passes through contact and gap, where the scene asks for it.
     """
 
     scene: Scene
@@ -197,6 +200,7 @@ class Comparison:
     no_limit: str = ""
     below: tuple[Below, ...] = ()
     accurate: bool = False
+    passing: tuple[Passing, ...] = ()
 
     @property
     def adhesive(self) -> bool:
@@ -250,7 +254,7 @@ class Comparison:
             "scatter": None if self.scatter is None else asdict(self.scatter),
             **({"below": [asdict(row) for row in self.below]} if self.below else {}),
             "findings": list(self.findings),
-        }
+        } | ({"quantities": [json_ready(asdict(one)) for one in self.passing]} if self.passing else {})
 
 
 def compare(
@@ -286,6 +290,11 @@ def compare(
         moments = realised.spectrum.moments()
         continuum = {"rms_height_m": moments.rms_height, "rms_gradient": moments.rms_gradient}
     limit, no_limit = _limit(readings, scene, rows)
+    passes: tuple[Passing, ...] = ()
+    if scene.quantities is not None and scene.quantities.passing:  # what is not asked for is not loaded
+        from validation.comparison.passing import passing
+
+        passes = passing(scene, realised, results)
     field = realised.field
     return Comparison(
         scene=scene,
@@ -304,6 +313,7 @@ def compare(
         accurate=accurate,
         theory=_theory(scene, realised),
         scatter=_scatter(readings, scene, realised),
+        passing=passes,
         below=below(scene, results),
     )
 

@@ -238,6 +238,10 @@ def _tables(c: Comparison) -> Iterator[WordTable]:
         f"kappa = (A/A0 perimeter)/p*{which}; {density}residual is the largest of penetration/h_rms, "
         "tension/(E* h'_rms), complementarity and load error.",
     )
+    if c.passing:
+        from validation.comparison.passing import words_table
+
+        yield words_table(c.passing)
     if c.below:
         yield below_table(c)
     if c.cross:

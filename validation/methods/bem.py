@@ -164,8 +164,8 @@ class Bem(Solver):
         )
 
     def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
-        """Press a small surface: large enough for the passes between grids, and done in milliseconds."""
-        points = 64
+        """Press a small surface: large enough for all passes, those of single precision among them."""
+        points = 256
         examples = [type(effect).example(1 / points) for effect in effects]
         slots = Slots.filled(Solid(young=1.0, poisson=0.0), examples)
         self.solve(

@@ -83,16 +83,16 @@ def _check_below(scene: Scene, realised: Realised) -> None:
     if scene.subsurface is None:
         return
     if all(solver.sinks for solver in scene.methods.solvers.values()):
-        raise UsageError("subsurface: is read off surface pressures; add [methods.bem]")
+        raise UsageError("quantities.subsurface: is read off surface pressures; add [methods.bem]")
     patch = next((effect.kind for effect in scene.effects if effect.slot == "boundary"), None)
     if patch is not None:
-        raise UsageError(f"subsurface: sums the waves of a period; leave it out, or effect {patch!r}")
+        raise UsageError(f"quantities.subsurface: needs a period; leave out it or effect {patch!r}")
     response = Slots.filled(realised.elastic, scene.effects).felt_response
     base, depths = getattr(response, "thickness", None), scene.subsurface.depths
     if base is not None and depths is not None and depths[-1] > base:
         raise UsageError(
-            f"subsurface.depths: the deepest, {depths[-1]:.6g} m, lies below the base of the layer, "
-            f"at {base:.6g} m"
+            f"quantities.subsurface.depths: the deepest, {depths[-1]:.6g} m, lies below the base of the "
+            f"layer, at {base:.6g} m"
         )
 
 

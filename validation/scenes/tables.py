@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Discriminator, Field, StrictBool, StrictInt, Tag, model_validator
+from pydantic import AfterValidator, Discriminator, Field, StrictInt, Tag, model_validator
 
 from fem_contact.solid import Solid, composite_modulus
 from validation.errors import UsageError
@@ -34,7 +33,6 @@ __all__ = [
     "RandomSurface",
     "SelfAffineSurface",
     "SolidSpec",
-    "SubsurfaceSpec",
     "Surface",
 ]
 
@@ -149,9 +147,6 @@ class FileSurface(Table):
 Surface = Annotated[SelfAffineSurface | CapillarySurface | FileSurface, Field(discriminator="kind")]
 
 
-_Depth = Annotated[float, quantity("m", "length", "1 um"), Field(ge=0)]
-
-
 class SolidSpec(Table):
     """The elastic half-space or block; the rough body is rigid, or elastic where a second solid is given.
 
@@ -183,26 +178,6 @@ class SolidSpec(Table):
             return first
         second = Solid(young=self.second_young, poisson=self.second_poisson)
         return Solid(young=composite_modulus(first, second) * (1 - self.poisson**2), poisson=self.poisson)
-
-
-class SubsurfaceSpec(Table):
-    """What is asked of the solid below the contact; without this table nothing is computed there."""
-
-    depths: Annotated[tuple[_Depth, ...], Field(min_length=2, max_length=MOST_ITEMS)] | None = Field(
-        default=None,
-        description='distances from the surface, rising, e.g. ["0 um", "1 um"]; default: from half a cell '
-        "to the period or the base, each a quarter deeper",
-    )
-    vtu: StrictBool = Field(
-        default=False, description="write displacement and stress as fields/...-below.vtu"
-    )
-
-    @model_validator(mode="after")
-    def _rising(self) -> Self:
-        depths = self.depths or ()
-        if any(lower <= upper for upper, lower in itertools.pairwise(depths)):
-            raise wrong(f"depths = {[f'{depth:.6g} m' for depth in depths]}: must rise")
-        return self
 
 
 def _zero_or_ratio(value: float) -> float:

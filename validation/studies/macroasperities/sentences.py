@@ -141,6 +141,7 @@ def _inside(dataset: xr.Dataset) -> str:
     listed = ", ".join(
         f"{over_surfaces(dataset.load_inside[:, j, i])} at p* = {p:g}"
         for j, p in enumerate(dataset.reduced_pressure.values)
+        if float(dataset.load_inside[:, j, i].min()) < 1 - 1e-9  # beyond, the contact seen there is complete
     )
     least = float(dataset.load_inside[:, 0, i].mean())
     verdict = (
@@ -148,4 +149,4 @@ def _inside(dataset: xr.Dataset) -> str:
         if least < _DOMINANT
         else "macroasperities carry most of it"
     )
-    return f"With all waves there, the contact seen at zeta = {float(dataset.zeta[i]):g} carries of the load {listed}; if regions only broke up it would be 1: {verdict}."
+    return f"With all waves there, the contact seen at zeta = {float(dataset.zeta[i]):g} carries of the load {listed or 'all'}; if regions only broke up it would be 1: {verdict}."
