@@ -99,7 +99,7 @@ def _channels() -> list[Check]:
     along, across = 1 + 1.5 * 0.36, (1 - 0.36) ** 2.5 / (1 + 0.36 / 2)
     phase = {n: 2 * np.pi * (np.arange(n) + 0.5) / n for n in (16, 32, 64)}
     grooves = _grooved(64, phase[64][:, None])
-    found = {axis: 12 * flow_conductance(grooves, (1.0, 2.5), axis=axis).conductance for axis in ("x", "y")}  # type: ignore[arg-type]
+    found = {axis: 12 * flow_conductance(grooves, (1.0, 2.5), axis=axis).conductance for axis in ("x", "y")}
     exact, sizes = (along + across) / 2, list(phase)
     errors = [
         abs(12 * flow_conductance(_grooved(n, a[:, None] + a[None, :]), (1.0, 1.0)).conductance - exact)
@@ -130,7 +130,7 @@ def _percolation() -> list[Check]:
     halves = effective_medium([1.0, 4.0], [0.5, 0.5])
     return [
         Check.relative(
-            "K along a pressed wave over the mean of u^3/12", along / np.mean(gap**3 / 12), 1.0, 1e-10
+            "K along a pressed wave over the mean of u^3/12", along / float(np.mean(gap**3 / 12)), 1.0, 1e-10
         ),
         Check.relative(
             "narrowest place along it over the widest gap", critical_gap(gap, "y") / gap.max(), 1.0, 1e-10
