@@ -38,6 +38,7 @@ SHOWN = {
     "hurst": ("kappa-against-hurst",),
     "conductance": ("conductance",),
     "leak": ("leak",),
+    "sliding": ("sliding",),
     "reference": ("reference",),
 }
 
