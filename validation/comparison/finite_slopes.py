@@ -9,8 +9,8 @@ from validation.effects.base import Judgement, Roughness
 __all__ = ["finite_slopes"]
 
 #: Differences of contact area and of rms pressure from the linear ones per h'_rms, by Poisson ratio: mean of
-#: p* = .05 and .2 up to h'_rms = .4 over four surfaces, `fem-contact study large-slope` for nu = .3 and the same
-#: with 8 points per shortest wave for the others. At either load they are off by a third, and surfaces scatter.
+#: p* = .05 and .2 up to h'_rms = .4 over four surfaces, by `fem-contact study large-slope` for nu = .3 and by
+#: the same with 8 points per shortest wave for the others (docs/block.md). Either load is a third off the mean.
 _POISSONS = (0.0, 0.3, 0.45, 0.49)
 _AREA = (-0.30, -0.12, -0.01, 0.03)
 _RMS_PRESSURE = (0.27, 0.115, 0.01, -0.03)
@@ -33,7 +33,7 @@ def finite_slopes(rough: Roughness, *, poisson: float) -> Judgement:
     matters = max(abs(area), abs(pressure)) + _SECOND_ORDER * slope**2 > _NEGLIGIBLE
     return Judgement(
         effect="finite slopes",
-        number=f"h'_rms = {slope:.2g} changes the contact area by about {100 * area:+.1g} % and the rms pressure "
-        f"by {100 * pressure:+.1g} % (measured on a neo-Hookean block, nu = {poisson:.3g})",
+        number=f"h'_rms = {slope:.2g} changes the contact area by about {100 * area:+.1g} % and the rms "
+        f"pressure by {100 * pressure:+.1g} % (measured on a neo-Hookean block, nu = {poisson:.3g})",
         verdict="matters: every method here is linear in the slope" if matters else "negligible",
     )
