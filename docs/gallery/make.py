@@ -43,9 +43,7 @@ SHOWN = {
     "leak": ("leak", "gap-distribution"),
     "macroasperities": ("macroasperity-pressure", "percolation"),
     "reference": ("reference", "reference-verdict"),
-    "leak": ("leak",),
     "sliding": ("sliding",),
-    "reference": ("reference",),
 }
 
 #: The solvers of the scorecard, where they are installed.
