@@ -76,8 +76,10 @@ def test_the_law_is_as_strong_as_the_theory_s_detachment_stress_at_the_last_wave
 
 def test_the_whole_surface_is_told_the_same_work_both_ways(data):
     """gamma_eff(zeta_1) = w; area, force and energy of the theory are those of the whole surface."""
-    assert data.area.values[1, :, 1] == pytest.approx(data.area.values[0, :, 1], rel=1e-4)
-    assert data.theory_area.values[1, :, 1, 0] == pytest.approx(data.theory_area.values[0, :, 1, 0], rel=1e-4)
+    assert data.contact.values[1, :, 1] == pytest.approx(data.contact.values[0, :, 1], rel=1e-4)
+    assert data.theory_contact.values[1, :, 1, 0] == pytest.approx(
+        data.theory_contact.values[0, :, 1, 0], rel=1e-4
+    )
     realised, work = study._whole(OPTIONS, 1)
     along = study.adhesive_theory(realised, work=work, energy="improved", area="projected")
     assert data.theory_force.values[0, 1, 1, 0] == pytest.approx(
@@ -91,17 +93,17 @@ def test_the_whole_surface_is_told_the_same_work_both_ways(data):
 
 def test_adhesion_adds_area_force_and_tension(data):
     own = data.isel(told=0)
-    assert (own.area > own.plain).all()
+    assert (own.contact > own.plain).all()
     assert (own.force > 1).all()
     assert (own.tension > 0).all()
-    assert (own.parted > own.area - 1e-9).all()
+    assert (own.parted > own.contact - 1e-9).all()
     assert (own.theory_force > 1).all()
 
 
 def test_stresses_of_the_theory_fill_their_bins_with_its_area(data):
     """Their sum is A/A0, but for the half of a bin at the wall; none lie below the detachment stress."""
     own = data.isel(told=0)
-    assert own.theory_stress.sum("stress_bin").values == pytest.approx(own.theory_area.values, rel=2e-3)
+    assert own.theory_stress.sum("stress_bin").values == pytest.approx(own.theory_contact.values, rel=2e-3)
     cut = study._cut(OPTIONS, 0, 3.0)
     case = study._case(OPTIONS, cut, 3.0, 0)
     lowest = -case.work / case.reach / cut.realised.pressure_scale
@@ -113,8 +115,8 @@ def test_stresses_of_the_theory_fill_their_bins_with_its_area(data):
 def test_the_sentences_and_the_table_hold_the_numbers(data):
     said, rows = study.findings(data), study.table(data).rows
     assert [row[:2] for row in rows if row[0] == "w"] == [("w", 1.5), ("w", 3.0)]
-    assert rows[0][3] == pytest.approx(float(data.area.values[0, :, 0].mean()), rel=1e-12)
-    assert rows[0][5:7] == pytest.approx(tuple(data.theory_area.values[0, :, 0].mean(axis=0)), rel=1e-12)
+    assert rows[0][3] == pytest.approx(float(data.contact.values[0, :, 0].mean()), rel=1e-12)
+    assert rows[0][5:7] == pytest.approx(tuple(data.theory_contact.values[0, :, 0].mean(axis=0)), rel=1e-12)
     assert f"(zeta = 3, first surface) A/A0 is {float(data.half_area):.3g}" in " ".join(said)
     assert {one.name for one in study.figures(data)} == {"adhesive-by-magnification", "adhesive-stress"}
 

@@ -93,7 +93,7 @@ def test_a_measured_patch_keeps_its_edges(tmp_path):
         ({"load": {"offset": "-50 nm"}}, r"load.offset: a patch .* is pressed by a load"),
         ({"load": {"force": "1 N"}}, r"1 radius = 0.001 m: the ball would touch over .* \(Hertz\)"),
         ({"ensemble": {"realisations": 2, "grids": [32, 64]}}, r"ensemble: averages over periods"),
-        ({"subsurface": {}}, r"subsurface: sums the waves of a period"),
+        ({"quantities": {"subsurface": {}}}, r"quantities: are read off a period"),
         (
             {"effects": [*BALL["effects"], {"kind": "thickness", "thickness": "1 um"}]},
             "is not solved together with a layer",

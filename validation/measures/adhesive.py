@@ -141,7 +141,8 @@ class StickyContact(SingleSolve):
         power = np.abs(np.fft.fft2(displacement) / (nx * ny)) ** 2
         edges = np.array(self.shells) * (1 + 1e-9)
         energy = self.realised.contact_modulus / 4 * (q * power).ravel()
-        return np.bincount(np.searchsorted(edges, q.ravel()), weights=energy, minlength=edges.size + 1)
+        shell = np.searchsorted(edges, q.ravel())
+        return np.asarray(np.bincount(shell, weights=energy, minlength=edges.size + 1), dtype=float)
 
 
 def _stored(contact: ContactResult) -> float:

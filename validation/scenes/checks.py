@@ -62,6 +62,8 @@ def _check_control(scene: Scene) -> None:
         )
     if patch is not None and scene.ensemble is not None:
         raise UsageError(f"ensemble: averages over periods; effect {patch!r} presses one patch; remove one")
+    if patch is not None and scene.quantities is not None:
+        raise UsageError(f"quantities: are read off a period; leave them out, or the effect {patch!r}")
     if not scene.load.held:
         return
     able = [name for name, method in methods().items() if key in getattr(method, "holds", ())]
@@ -84,9 +86,6 @@ def _check_below(scene: Scene, realised: Realised) -> None:
         return
     if all(solver.sinks for solver in scene.methods.solvers.values()):
         raise UsageError("quantities.subsurface: is read off surface pressures; add [methods.bem]")
-    patch = next((effect.kind for effect in scene.effects if effect.slot == "boundary"), None)
-    if patch is not None:
-        raise UsageError(f"quantities.subsurface: needs a period; leave out it or effect {patch!r}")
     response = Slots.filled(realised.elastic, scene.effects).felt_response
     base, depths = getattr(response, "thickness", None), scene.subsurface.depths
     if base is not None and depths is not None and depths[-1] > base:

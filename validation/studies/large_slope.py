@@ -35,7 +35,7 @@ Array = NDArray[np.float64]
 
 #: What is compared with the linear block, and how sentences call it.
 _RATIOS = {
-    "area": ("A", "contact area projected on the plane"),
+    "projected_area": ("A", "contact area projected on the plane"),
     "square_pressure": ("<p^2>", "mean square pressure"),
 }
 #: Relative differences whose slopes are looked for, and the slope up to which differences count as going with it.
@@ -74,7 +74,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        `area`, `true_area`, `material_area` and `square_pressure` over those of the linear block less 1, on the dimensions
+        `projected_area`, `true_area`, `material_area` and `square_pressure` over those of the linear block less 1, on the dimensions
         (poisson, load, surface, grid, slope); NaN where Newton's method found no equilibrium, `ended` counts such paths.
     """
     import xarray as xr
@@ -87,7 +87,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         options.surfaces,
         len(options.points_per_wave),
     )
-    names = ("area", "true_area", "material_area", "square_pressure")
+    names = ("projected_area", "true_area", "material_area", "square_pressure")
     values = {name: np.empty((*shape, len(options.slopes))) for name in names}
     residual, ended, linear = (
         np.empty((*shape, len(options.slopes))),
@@ -97,7 +97,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     for at, data in found.items():
         for name in names:
             scale = data.linear_square_pressure if name == "square_pressure" else data.linear_area
-            values[name][at] = data[name].values / float(scale) - 1
+            measured = data["area" if name == "projected_area" else name]
+            values[name][at] = measured.values / float(scale) - 1
         residual[at], linear[at] = data.residual.values, float(data.linear_area)
         ended[at] = bool(data.attrs["ended"])
     path = ("nu", "load", "surface", "grid")
@@ -212,8 +213,8 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
             rate, grid = _rate(dataset, name, i, j)
             sure = float(np.hypot(rate.half_width, grid))
             sentences.append(
-                f"{where}: the {words} differs from the linear one by {said}; up to h'_rms = {_STRAIGHT:g} by "
-                f"{100 * rate.value:.2g} +- {100 * sure:.1g} % times h'_rms."
+                f"{where}: the {words} differs from the linear one by {said}; up to h'_rms = {_STRAIGHT:g} by the part "
+                f"{rate.value:.2g} +- {sure:.1g} times h'_rms."
             )
     ended, paths = int(dataset.ended[..., -1].sum()), int(dataset.ended[..., -1].size)
     if ended:

@@ -18,7 +18,7 @@ in cell widths, stresses in E.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -144,13 +144,13 @@ class Cells:
         return np.where(np.stack(below, axis=-1), -1, np.stack(found, axis=-1))
 
     @cached_property
-    def _pattern(self) -> tuple[Pattern, NDArray[np.bool_]]:
-        """Sparsity of the stiffness, and which entries of the element matrices it takes."""
+    def _pattern(self) -> Pattern:
+        """Sparsity of the stiffness; entries of clamped nodes fall into a last block of their own."""
         nodes = self._nodes.reshape(-1, 8)
-        rows, columns = np.broadcast_arrays(nodes[:, :, None], nodes[:, None, :])
-        kept = (rows >= 0) & (columns >= 0)
+        rows, columns = (pair.ravel() for pair in np.broadcast_arrays(nodes[:, :, None], nodes[:, None, :]))
         size = int(nodes.max()) + 1
-        return Pattern.build(rows[kept], columns[kept], size=size), kept
+        clamped = (rows < 0) | (columns < 0)
+        return Pattern.build(np.where(clamped, size, rows), np.where(clamped, 0, columns), size=size)
 
     def strained(self, field: Array) -> Strained:
         """Deform the cells by u (nx, ny, nz, 3) above the clamped plane: arrays over (nx, ny, nz, 8)."""
@@ -184,9 +184,8 @@ class Cells:
         turning : (nx, ny, 3) array, optional
             What is added at the surface nodes, in xx, xy and yy: the change of forces that turn.
         """
-        pattern, kept = self._pattern
-        nz = self.mesh.nz
-        blocks = np.empty((*self.mesh.cells, nz, 8, 3, 8, 3))
+        pattern, nz = self._pattern, self.mesh.nz
+        blocks = np.empty((3, 3, *self.mesh.cells, nz, 8, 8))
         for k in range(nz):
             layer = Strained(
                 gradient=state.gradient[:, :, k].reshape(-1, 8, 3, 3),
@@ -194,15 +193,14 @@ class Cells:
                 jacobian=state.jacobian[:, :, k].reshape(-1, 8),
                 dilated=state.dilated[:, :, k].reshape(-1, 8),
             )
-            blocks[:, :, k] = self._layer(layer, k).reshape(*self.mesh.cells, 8, 3, 8, 3)
-        entries = blocks.reshape(-1, 8, 3, 8, 3)
-        data = np.empty((pattern.columns.size, 3, 3))
-        for i in range(3):
-            for j in range(3):
-                data[:, i, j] = pattern.summed(entries[:, :, i, :, j][kept])
-        matrix = pattern.matrix(data)
+            entries = self._layer(layer, k).reshape(*self.mesh.cells, 8, 3, 8, 3)
+            blocks[:, :, :, :, k] = entries.transpose(3, 5, 0, 1, 2, 4)
+        data = np.stack([pattern.summed(part.ravel()) for part in blocks.reshape(9, -1)], axis=-1)
+        last = int(np.searchsorted(pattern.rows, pattern.size))
+        free = replace(pattern, rows=pattern.rows[:last], columns=pattern.columns[:last])
+        matrix = free.matrix(data[:last].reshape(-1, 3, 3))
         if turning is not None:
-            own = np.flatnonzero(pattern.rows == pattern.columns)[nz - 1 :: nz]
+            own = np.flatnonzero(free.rows == free.columns)[nz - 1 :: nz]
             xx, xy, yy = turning.reshape(-1, 3).T
             matrix.data[own, 0, 0] += xx
             matrix.data[own, 0, 1] += xy

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from fem_contact.block.full.linear import conjugate_gradients
 from fem_contact.block.full.multigrid import Hierarchy, StencilBlock
-from fem_contact.block.hyperelastic.cells import Cells
+from fem_contact.block.hyperelastic.cells import Cells, Strained
 from fem_contact.block.hyperelastic.profile import Heights, Profile
 
 __all__ = ["Press", "State", "descend"]
@@ -59,6 +59,8 @@ class State:
         Conjugate-gradient steps.
     trouble : str
         Why there is no solution; empty where this is one.
+    strained : Strained or None
+        The cells at this field, where they are known.
     """
 
     field: Array
@@ -68,6 +70,7 @@ class State:
     history: tuple[float, ...] = ()
     linear: int = 0
     trouble: str = ""
+    strained: Strained | None = None
 
     def scaled(self, factor: float) -> State:
         """Return the guess for a problem whose heights and load are those of this one times a factor."""
@@ -124,7 +127,7 @@ class Press:
 
     def unbalanced(self, state: State) -> Array:
         """Return the forces of the cells less those of the contact, (nx, ny, nz, 3)."""
-        rest = self.cells.forces(self.cells.strained(state.field))
+        rest = self.cells.forces(state.strained or self.cells.strained(state.field))
         slope = self.below(state.field).slope
         rest[:, :, -1, :2] += state.force[..., None] * slope
         rest[:, :, -1, 2] += state.force
@@ -155,7 +158,7 @@ def descend(press: Press, start: State) -> State:
             return replace(moved, trouble=f"the residual grew to {reached:.3g}")
         settled = bool(np.array_equal(following, moved.nodes))
         if reached <= press.tolerance and settled:
-            return moved
+            return replace(moved, strained=None)
         if not following.any():
             return replace(moved, trouble="the contact was lost")
         key = following.tobytes()
@@ -175,7 +178,8 @@ def _step(press: Press, state: State) -> State:
     fraction = 1.0
     for _ in range(_HALVINGS):
         field = state.field + fraction * change
-        if float(press.cells.strained(field).jacobian.min()) > 0:
+        strained = press.cells.strained(field)
+        if float(strained.jacobian.min()) > 0:
             force = state.force + fraction * (tangent.force(change) - state.force)
             return replace(
                 state,
@@ -183,6 +187,7 @@ def _step(press: Press, state: State) -> State:
                 offset=state.offset + fraction * shift,
                 force=force,
                 linear=state.linear + steps,
+                strained=strained,
             )
         fraction *= 0.5
     return replace(state, trouble="a cell turned inside out")
@@ -211,7 +216,7 @@ class _Tangent:
 
     @classmethod
     def at(cls, press: Press, state: State) -> _Tangent:
-        strained = press.cells.strained(state.field)
+        strained = state.strained or press.cells.strained(state.field)
         heights, nodes = press.below(state.field), state.nodes
         gap = state.offset - heights.height - state.field[:, :, -1, 2]
         return cls(

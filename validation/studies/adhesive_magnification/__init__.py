@@ -92,7 +92,7 @@ class _Cut:
 class _Said:
     """What the theory says at one magnification; stress as shares over `STRESS_EDGES`."""
 
-    area: float
+    contact: float
     force: float
     energy: float
     tension: float
@@ -105,7 +105,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        `area`, `force`, `energy`, `tension` over (told, surface, magnification), limits over grids, each with its `_error`,
+        `contact` (A/A0), `force`, `energy`, `tension` over (told, surface, magnification), limits over grids, each with its `_error`,
         and `theory_*` over (told, reading, magnification); `plain`, area without adhesion; `parted`, area from full
         contact; `stress` and `theory_stress`, shares over bins; `share` (surface, shell) and `theory_share`: P~ of the
         waves between magnifications of the whole surface; `half_*`: with half the range.
@@ -216,7 +216,7 @@ def _read(contact: AdhesiveContact, q: float, realised: Realised) -> _Said:
     full = full_contact_energy(realised.field, modulus=realised.contact_modulus)
     below = shares[STRESS_EDGES[1:] <= 1e-12].sum()
     return _Said(
-        area=float(contact.area_at(q)),
+        contact=float(contact.area_at(q)),
         force=force / realised.pressure,
         energy=(float(contact.elastic_energy[0]) - stored) / full,
         tension=float(below / shares.sum()),
@@ -292,8 +292,8 @@ def _numbers(
 
 
 def _of(data: xr.Dataset) -> dict[str, float]:
-    found = {name: float(data[name]) for name in ("area", "force", "tension", "plain", "parted")}
-    return found | {"energy": float(data.stored.sum() / data.full.sum())}
+    found = {name: float(data[name]) for name in ("force", "tension", "plain", "parted")}
+    return found | {"contact": float(data.area), "energy": float(data.stored.sum() / data.full.sum())}
 
 
 def _shares(

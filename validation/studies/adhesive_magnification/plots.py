@@ -23,7 +23,7 @@ def by_magnification(dataset: xr.Dataset) -> Figure:
     figure, panels = new_figure(width=11.0, height=4.2, columns=3)
     zetas = dataset.magnification.values
     done = solved(dataset)
-    for axes, name in zip(panels, ("area", "force", "energy"), strict=True):
+    for axes, name in zip(panels, ("contact", "force", "energy"), strict=True):
         for told, words in enumerate(TOLD.values()):
             at = [z for t, z in done if t == told]
             if not at:

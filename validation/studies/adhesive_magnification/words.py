@@ -23,7 +23,7 @@ Array = NDArray[np.float64]
 TOLD = {"own": "w", "effective": "gamma_eff(zeta)"}
 #: What is compared, and how it is called.
 QUANTITIES = {
-    "area": "A/A0",
+    "contact": "A/A0",
     "force": "F/F_load, force in the contact over the load",
     "energy": "U_el over that of full contact",
     "tension": "share of the contact under tension",
@@ -56,7 +56,7 @@ def distances(dataset: xr.Dataset, told: int, z: int) -> Array:
 
 def solved(dataset: xr.Dataset) -> list[tuple[int, int]]:
     """Works and magnifications at which every surface was solved."""
-    area = dataset.area.values
+    area = dataset.contact.values
     return [
         (t, z) for t in range(area.shape[0]) for z in range(area.shape[2]) if np.isfinite(area[t, :, z]).all()
     ]
@@ -86,7 +86,7 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
     left = [
         f"{float(zeta):g}"
         for z, zeta in enumerate(dataset.magnification.values)
-        if not np.isfinite(dataset.area.values[1, :, z]).all()
+        if not np.isfinite(dataset.contact.values[1, :, z]).all()
     ]
     if left:
         sentences.append(
@@ -101,11 +101,11 @@ def _sentence(dataset: xr.Dataset, told: int, z: int) -> str:
         return f"{estimate(dataset, name, told, z)} ({said})"
 
     distance = ", ".join(f"{v:.2g}" for v in distances(dataset, told, z) if np.isfinite(v))
-    area, plain = (estimate(dataset, name, told, z).value for name in ("area", "plain"))
-    theirs = theory(dataset, "area", told, z) / float(dataset.theory_plain.values[told, :, z].mean())
+    area, plain = (estimate(dataset, name, told, z).value for name in ("contact", "plain"))
+    theirs = theory(dataset, "contact", told, z) / float(dataset.theory_plain.values[told, :, z].mean())
     times = ", ".join(f"{v:.3g}" for v in theirs if np.isfinite(v))
     return (
-        f"zeta = {float(dataset.magnification[z]):g}, work {list(TOLD.values())[told]}: A/A0 = {pair('area')}, {area / plain:.3g} times "
+        f"zeta = {float(dataset.magnification[z]):g}, work {list(TOLD.values())[told]}: A/A0 = {pair('contact')}, {area / plain:.3g} times "
         f"({times}) that without adhesion; F/F_load = {pair('force')}; U_el/U_full = {pair('energy')}; in tension {pair('tension')} of "
         f"the contact; P(sigma) A0/A differs by up to {distance}. In brackets the theory, by Eqs. 44-49 and then by Eq. 43."
     )
@@ -127,8 +127,8 @@ def _by_waves(dataset: xr.Dataset) -> str:
 def _range(dataset: xr.Dataset) -> tuple[str, ...]:
     """Say what the range of the attraction and the history of the contact change."""
     zeta = float(dataset.magnification[1])
-    area, force = (float(dataset[name][0, 0, 1]) for name in ("area", "force"))
-    parted = (dataset.parted - dataset.area).values
+    area, force = (float(dataset[name][0, 0, 1]) for name in ("contact", "force"))
+    parted = (dataset.parted - dataset.contact).values
     return (
         f"The theory knows no range: with half of it (zeta = {zeta:g}, first surface) A/A0 is {float(dataset.half_area):.3g} for "
         f"{area:.3g}, and F/F_load {float(dataset.half_force):.3g} for {force:.3g}. What F exceeds the load by is the pull outside the contact.",

@@ -54,7 +54,14 @@ def towards_full_contact(dataset: xr.Dataset) -> Figure:
         predicted = dataset[f"theory_{name}"].values
         predicted = 1 - predicted if missing else predicted
         axes.errorbar(
-            out, value[partial], yerr=found.half_width[partial], ls="", label="boundary elements", **_points()
+            out,
+            value[partial],
+            yerr=found.half_width[partial],
+            ls="",
+            marker="o",
+            ms=4,
+            color="black",
+            label="boundary elements",
         )
         for v, theory in enumerate(dataset.theory.values):
             line = np.where(predicted[v] > 0, predicted[v], np.nan)[partial]
@@ -72,7 +79,3 @@ def towards_full_contact(dataset: xr.Dataset) -> Figure:
         axes.set_title(mathtext(f"1 - {words}" if missing else words), fontsize=9)
     panels[0].legend(fontsize=7)
     return figure
-
-
-def _points() -> dict[str, object]:
-    return {"marker": "o", "color": "black", "ms": 4}

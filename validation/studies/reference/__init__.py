@@ -10,7 +10,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, ClassVar, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -173,7 +173,7 @@ def _dataset(options: Options, values: Mapping[str, Array], saving: Array) -> xr
     import xarray as xr
 
     dims = ("hurst", "bandwidth", "reduced_pressure")
-    data: dict[str, tuple[tuple[str, ...], Array, dict[str, str]]] = {}
+    data: dict[str, tuple[tuple[str, ...], NDArray[Any], dict[str, str]]] = {}
     for name, words in QUANTITIES.items():
         mean, half_width, grid = values[name]
         total = np.sqrt(half_width**2 + grid**2 + (_TOLERANCE * mean) ** 2)
@@ -189,6 +189,7 @@ def _dataset(options: Options, values: Mapping[str, Array], saving: Array) -> xr
         saving,
         {"long_name": "time of plain means of the same interval over the time spent"},
     )
+    data["pairs"] = (dims[:2], _pairs_text(options), {"long_name": "pairs +h, -h that end with a grid"})
     words = {"bandwidth": "lambda_long / lambda_short", "reduced_pressure": "p* = p0 / (E* h'_rms)"}
     return xr.Dataset(
         data,
@@ -201,15 +202,23 @@ def _dataset(options: Options, values: Mapping[str, Array], saving: Array) -> xr
             "study": "reference",
             "methods": "bem",
             "periods": options.periods,
-            "points_per_wave": ", ".join(f"{n:g}" for n in options.points_per_wave),
-            "pairs": "; ".join(
-                f"{b:g}: {' + '.join(map(str, options.pairs_of(b)))}" for b in options.bandwidths
-            ),
             "unsolved": options.unsolved,
             "tolerance": _TOLERANCE,
             "seed": options.seed,
         },
     )
+
+
+def _pairs_text(options: Options) -> NDArray[np.str_]:
+    """Say of each spectrum how many pairs end with which points per wave."""
+    texts = [
+        ", ".join(
+            f"{count} on {points:g}"
+            for count, points in zip(options.pairs_of(b), options.ladder_of(b), strict=True)
+        )
+        for b in options.bandwidths
+    ]
+    return np.array([texts] * len(options.hursts))
 
 
 def _base(options: Options, hurst: float, bandwidth: float) -> Realised:

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 __all__ = ["joined", "with_size"]
 
+#: Of relative intervals: below it two numbers are the same.
+_SURE = 1e-12
+
 
 def joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     """Return one table of parts with some of its Hurst exponents and bandwidths; NaN where nobody made a cell.
@@ -31,16 +34,13 @@ def joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     """
     import xarray as xr
 
-    for name in ("periods", "points_per_wave", "tolerance", "seed", "unsolved"):
+    for name in ("study", "periods", "tolerance"):
         found = sorted({str(part.attrs.get(name)) for part in parts})
         if len(found) != 1:
             raise UsageError(f"{name} = {', '.join(found)}: the parts of a table have one")
     whole = xr.merge([part.drop_attrs(deep=False) for part in parts], join="outer", compat="no_conflicts")
-    pairs = dict(entry.split(": ") for part in parts for entry in part.attrs["pairs"].split("; "))
-    listed = "; ".join(f"{key}: {pairs[key]}" for key in sorted(pairs, key=float))
-    return whole.sortby(["hurst", "bandwidth", "reduced_pressure"]).assign_attrs(
-        {**parts[0].attrs, "pairs": listed}
-    )
+    whole["pairs"] = whole.pairs.fillna("")
+    return whole.sortby(["hurst", "bandwidth", "reduced_pressure"]).assign_attrs(parts[0].attrs)
 
 
 def with_size(table: xr.Dataset, others: Sequence[xr.Dataset]) -> xr.Dataset:
@@ -63,7 +63,7 @@ def with_size(table: xr.Dataset, others: Sequence[xr.Dataset]) -> xr.Dataset:
     for name in QUANTITIES:
         pairs = [_of_same_cell(table, other, name) for other in others]
         change = np.array([one for one, _ in pairs])
-        weights = 1 / np.array([width for _, width in pairs]) ** 2
+        weights = 1 / np.maximum(np.array([width for _, width in pairs]), _SURE) ** 2
         mean = (weights * change).sum(axis=0) / weights.sum(axis=0)
         share = np.maximum(np.abs(mean), 1 / np.sqrt(weights.sum(axis=0)))
         size = np.abs(table[name]) * share
@@ -83,4 +83,6 @@ def _of_same_cell(table: xr.Dataset, other: xr.Dataset, name: str) -> tuple[np.n
     own = table.sel(hurst=float(other.hurst), bandwidth=float(other.bandwidth))
     value = own[name].values
     widths = np.hypot(own[f"{name}_half_width"].values, other[f"{name}_half_width"].values)
-    return other[name].values / value - 1, widths / np.abs(value)
+    # Nothing gives way in full contact, on samples of any size.
+    scale = np.where(value == 0, 1.0, value)
+    return (other[name].values - value) / scale, widths / np.abs(scale)

@@ -39,11 +39,10 @@ def _mark_memory(axes: Axes, dataset: xr.Dataset) -> None:
     """Shade the velocities at which the solid has not relaxed when the period comes round."""
     v = dataset.v.values
     late = np.flatnonzero(dataset.memory.values > REMEMBERED)
+    axes.set_xlim(v[0] / 1.5, v[-1] * 1.5)
     if late.size:
-        first = late[0]
-        low = np.sqrt(v[first - 1] * v[first]) if first else axes.get_xlim()[0]
-        axes.axvspan(low, axes.get_xlim()[1], color="0.9", zorder=0)
-        axes.margins(x=0)
+        low = np.sqrt(v[late[0] - 1] * v[late[0]]) if late[0] else v[0] / 1.5
+        axes.axvspan(low, v[-1] * 1.5, color="0.9", zorder=0)
 
 
 def _friction(axes: Axes, dataset: xr.Dataset) -> None:
