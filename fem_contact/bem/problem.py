@@ -149,7 +149,7 @@ class Problem:
     def full_pressure(self) -> Array:
         """Pressure [Pa] of full contact but for its mean: p-hat = h-hat / C(q)."""
         pressure = np.empty(self.surface.shape)
-        self.operator.precondition(self.heights, pressure)
+        self.operator.invert(self.heights, pressure)
         pressure -= np.mean(pressure)
         return pressure
 

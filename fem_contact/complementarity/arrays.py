@@ -96,6 +96,9 @@ class ArrayOperator:
         self.xp, self.shape, self.stiffness = device.xp, operator.shape, operator.stiffness
         inverse = 1 / np.where(operator.compliance > 0, operator.compliance, 1.0)
         inverse[0, 0] = 0.0
+        if operator.long_waves is not None:
+            rows, factor = operator.long_waves
+            inverse[rows, : factor.shape[1]] *= factor
         self.compliance, self.inverse = device.put(operator.compliance), device.put(inverse)
 
     def apply(self, force: Values, out: Values) -> None:

@@ -61,9 +61,12 @@ class Errors:
     last: float
     image: float
 
-    def within(self, tolerance: float) -> bool:
-        """Whether complementarity and penetration are met to a tolerance [m]."""
-        return self.moment <= tolerance * self.total and max(-self.lowest, self.highest) <= 10 * tolerance
+    def within(self, tolerance: float, *, least: float) -> bool:
+        """Whether complementarity, of `least` as sum x at least, and penetration meet a tolerance [m]."""
+        return (
+            self.moment <= tolerance * max(self.total, least)
+            and max(-self.lowest, self.highest) <= 10 * tolerance
+        )
 
     @property
     def size(self) -> float:

@@ -47,7 +47,8 @@ def solve_bounded(
         Length [m] in which the residuals are measured.
     settings : Settings
         Stop at sum x |g| <= tolerance * length_scale * sum x and penetration <= 10 tolerance * length_scale,
-        both over points below the bound, and no opening above that at points on the bound. The threads share
+        both over points below the bound (sum x not below a tenth of the load), and no opening above that at
+        points on the bound. The threads share
         the passes over the arrays.
     start : (nx, ny) array, optional
         Forces [Pa] to start from, scaled to the load here; uniform if not given.
@@ -90,7 +91,11 @@ _FIRST, _LEAST, _GREATEST = 0.5, 0.1, 3.0
 _CAUTION = 0.1
 
 #: Share of the load between its bounds that is taken for rounding.
-_VANISHING = 1e-12
+_VANISHING = 3e-11
+
+#: Share of the load that the points below their bound are counted to bear at least: what rounding leaves them
+#: cannot be balanced.
+_BELOW = 0.1
 
 #: Steps without a new least error after which the iteration is said to stagnate.
 _PATIENCE = 60
@@ -116,7 +121,8 @@ def _iterate(
     verified, plain = draft, False
     errors: Errors | None = None
     # Where all that bear have yielded but for rounding, the points between say nothing of the offset.
-    vanishing = 0.0 if passes.bound is None else _VANISHING * mean_force * passes.count
+    load = mean_force * passes.count
+    vanishing = 0.0 if passes.bound is None else _VANISHING * load
     while True:
         if not total > 0 and passes.bound is None:
             # At vanishing load a step may round every force away: the closest point carries it.
@@ -127,7 +133,7 @@ def _iterate(
             # phi . g = 0: the offset is the gap below the load, so that scaling phi is no descent.
             offset = -moment / total if total > vanishing else _offset_between(passes)
             errors = passes.residual(offset)
-        if errors.within(tolerance * length_scale):
+        if errors.within(tolerance * length_scale, least=_BELOW * load):
             if verified:
                 status = Status.CONVERGED
                 break
@@ -232,7 +238,9 @@ def _offset_between(passes: Passes) -> float:
     Any offset that opens no loaded point and closes no other is right; the one of least indentation is meant.
     Short of the solution there is none, and the middle leaves both kinds of points something to do.
     """
-    xp, level, loaded = passes.xp, passes.displacement - passes.heights, passes.force > 0
+    xp, level = passes.xp, passes.displacement - passes.heights
+    # Forces of the size of rounding are none.
+    loaded = passes.force > (0.0 if passes.bound is None else 1e-14 * passes.bound)
     endless = xp.zeros_like(level) + math.inf
     highest = float(xp.max(xp.where(loaded, level, -endless)))
     lowest = float(xp.min(xp.where(loaded, endless, level)))
