@@ -57,6 +57,7 @@ if TYPE_CHECKING:
     from persson.spectrum import Moments, SelfAffine, Spectrum, SpectrumMoments
     from persson.spheres import hertz, jkr_load, jkr_pull_off, tabor_parameter
     from persson.squeezed_spheres import hertz_pressure, roughness_barrier, yielded_pull_off, yielded_share
+    from persson.stretched import Stretched
     from persson.tabulated import Tabulated, smoothed
     from persson.tensile import adhesion_load
     from persson.variants import corrected_contact_area
@@ -80,6 +81,7 @@ __all__ = [
     "Spectrum",
     "SpectrumMoments",
     "StandardSolid",
+    "Stretched",
     "SurfaceLayer",
     "Tabulated",
     "Wall",
@@ -164,6 +166,7 @@ _HOMES = {
     "Spectrum": "persson.spectrum",
     "SpectrumMoments": "persson.spectrum",
     "StandardSolid": "persson.viscoelastic",
+    "Stretched": "persson.stretched",
     "SurfaceLayer": "persson.graded",
     "Tabulated": "persson.tabulated",
     "Wall": "persson.diffusion",

@@ -158,6 +158,8 @@ def _full() -> list[Check]:
 
 
 _SOURCE = "S. C. Hunter, J. Appl. Mech. 28, 611 (1961)"
+_RESPONSE = "linear viscoelasticity: K. L. Johnson, Contact Mechanics, Sec. 6.5"
+_FRICTION = "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001)"
 CASES = (
     Case(
         name="sliding-cylinder",
@@ -169,15 +171,18 @@ CASES = (
         name="sliding-limits",
         claim="Slow and fast sliding are elastic contacts, to 1e-6; waves along the motion stay relaxed.",
         run=_limits,
+        source=_RESPONSE,
     ),
     Case(
         name="sliding-twice",
         claim="Pressure on slopes and losses of the solid give one friction as the grid is refined.",
         run=_twice,
+        source=_RESPONSE,
     ),
     Case(
         name="sliding-full",
         claim="In full contact solver and theory give the friction that the waves add up to.",
         run=_full,
+        source=_FRICTION,
     ),
 )
