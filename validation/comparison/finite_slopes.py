@@ -10,7 +10,7 @@ __all__ = ["finite_slopes"]
 
 #: Differences of contact area and of rms pressure from the linear ones per h'_rms, by Poisson ratio: mean of
 #: p* = .05 and .2 up to h'_rms = .4 over four surfaces, by `fem-contact study large-slope` for nu = .3 and
-#: by the same with 8 points per shortest wave for the others (docs/block.md). Either load is a third off.
+#: with 8 points per shortest wave for the others (docs/block.md). Either load is a third off the mean.
 _POISSONS = (0.0, 0.3, 0.45, 0.49)
 _AREA = (-0.30, -0.12, -0.01, 0.03)
 _RMS_PRESSURE = (0.27, 0.115, 0.01, -0.03)
