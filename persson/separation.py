@@ -23,6 +23,9 @@ __all__ = [
     "mean_separation",
 ]
 
+#: Least d^2 ln A / d(ln zeta)^2 that is a bend: second differences of rounded areas leave some 1e-10.
+_BEND = 1e-6
+
 
 def elastic_energy(
     pressure: ArrayLike,
@@ -211,8 +214,10 @@ def macroasperity_magnification(
     )
     bend = np.diff(np.log(area), 2) / (x[1] - x[0]) ** 2
     top = int(np.argmax(bend))
-    if top in (0, bend.size - 1):
-        raise OutsideTheory("ln A bends most at an end of the spectrum: there is no macroasperity scale")
+    if top in (0, bend.size - 1) or bend[top] < _BEND:
+        raise OutsideTheory(
+            "ln A bends up most at an end of the spectrum, or nowhere: there is no macroasperity scale"
+        )
     y0, y1, y2 = bend[top - 1 : top + 2]
     shift = 0.5 * (y0 - y2) / (y0 - 2 * y1 + y2)
     return float(math.exp(x[top + 1] + shift * (x[1] - x[0])))

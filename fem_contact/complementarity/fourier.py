@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import importlib.util
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import scipy.fft
@@ -66,12 +67,20 @@ class FourierOperator:
         self.stiffness = float(np.mean(1 / positive)) if positive.size else 0.0
         self._in_place = importlib.util.find_spec("ducc0") is not None
         self._rows = Rows(shape[0], threads=self.threads)
-        self._spectrum = np.empty(self.compliance.shape, dtype=complex)
+        # Rows of single precision a power of two apart compete for the same lines of the cache.
+        self._spectrum = np.empty((shape[0], self.compliance.shape[1] + 7), dtype=complex)
 
     @property
     def nbytes(self) -> int:
         """Memory of the arrays held."""
         return self.compliance.nbytes + self._spectrum.nbytes
+
+    def single(self, factor: float) -> Self:
+        """Return `factor` times this response in single precision; both share the room for a spectrum."""
+        twin = copy.copy(self)
+        twin.compliance = (self.compliance * factor).astype(np.float32)
+        twin.stiffness = self.stiffness / factor
+        return twin
 
     def apply(self, force: Array, out: Array) -> None:
         """Write the displacement [m] under the pressure ``force`` [Pa] into ``out``."""
@@ -80,10 +89,7 @@ class FourierOperator:
         self._filter(force, out, multiply)
 
     def precondition(self, residual: Array | Single, out: Array | Single) -> None:
-        """Write the full-contact pressure [Pa] under a displacement [m], without its mean, into ``out``.
-
-        Both may be of single precision, and the transforms then are.
-        """
+        """Write the full-contact pressure [Pa] under a displacement [m], without its mean, into ``out``."""
         from fem_contact.complementarity.kernels import divide
 
         self._filter(residual, out, divide)
@@ -97,23 +103,36 @@ class FourierOperator:
             return
         import ducc0.fft
 
-        spectrum = self._buffer(field)
-        ducc0.fft.r2c(field, axes=(0, 1), out=spectrum, nthreads=threads)
-        self._rows.run(kernel, spectrum, self.compliance)
-        # Along x first and in place: a single backward call would allocate a second spectrum.
+        room = self._spectrum if field.dtype == np.float64 else self._spectrum.view(np.complex64)
+        room = room.reshape(-1)[: self._spectrum.size].reshape(self._spectrum.shape)
+        spectrum = room[:, : self.compliance.shape[1]]
+        # One axis at a time and in place: a call for both allocates a second spectrum, and takes up to twice
+        # as long where rows are a power of two apart.
+        ducc0.fft.r2c(field, axes=(1,), out=spectrum, nthreads=threads)
+        ducc0.fft.c2c(spectrum, axes=(0,), out=spectrum, nthreads=threads)
+        self._rows.run(kernel, room, self.compliance)
         ducc0.fft.c2c(spectrum, axes=(0,), forward=False, inorm=2, out=spectrum, nthreads=threads)
-        columns = field.shape[1]
-        ducc0.fft.c2r(
-            spectrum, axes=(1,), lastsize=columns, forward=False, inorm=2, out=out, nthreads=threads
-        )
+        self._along_rows(spectrum, out)
 
-    def _buffer(self, field: Array | Single) -> NDArray[Any]:
-        """Room for a spectrum; that of single precision is part of the one of double."""
-        if field.dtype == np.float64:
-            return self._spectrum
-        return (
-            self._spectrum.view(np.complex64).reshape(-1)[: self._spectrum.size].reshape(self._spectrum.shape)
-        )
+    def _along_rows(self, spectrum: NDArray[Any], out: Array | Single) -> None:
+        """Transform back along rows."""
+        import ducc0.fft
+
+        columns = out.shape[1]
+        options = {"axes": (1,), "lastsize": columns, "forward": False, "inorm": 2, "nthreads": self.threads}
+        if out.dtype == np.float64:
+            ducc0.fft.c2r(spectrum, out=out, **options)
+            return
+        # Sixteen rows are written at a time: apart by a power of two they push each other out of the cache.
+        apart = np.empty((min(_BLOCK * self.threads, len(out)), columns + 16), dtype=np.float32)[:, :columns]
+        for first in range(0, len(out), len(apart)):
+            rows = out[first : first + len(apart)]
+            ducc0.fft.c2r(spectrum[first : first + len(apart)], out=apart[: len(rows)], **options)
+            rows[...] = apart[: len(rows)]
+
+
+#: Rows of single precision transformed back at once: their room stays in the cache.
+_BLOCK = 64
 
 
 def coarsened(heights: Array, shape: Shape, *, threads: int = 1) -> Array:

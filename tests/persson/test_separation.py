@@ -9,12 +9,13 @@ from scipy.integrate import quad
 from scipy.special import erf, erfinv
 
 from persson.elastic import contact_area
-from persson.errors import InvalidInput
+from persson.errors import InvalidInput, OutsideTheory
 from persson.gaps import gap_distribution
 from persson.scale import Scale
 from persson.separation import (
     contact_stiffness,
     elastic_energy,
+    macroasperity_magnification,
     macroasperity_pressure,
     mean_separation,
 )
@@ -175,3 +176,9 @@ def test_a_correction_that_the_reading_does_not_know_is_refused():
         elastic_energy(1.0, scale=SCALE, energy="improved", energy_ratio=0.5)
     with pytest.raises(InvalidInput, match="pressure = 0"):
         contact_stiffness(0.0, scale=SCALE)
+
+
+def test_where_the_contact_is_complete_there_are_no_macroasperities():
+    steel = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=8e5, rolloff="smooth", q_min=1e4)
+    with pytest.raises(OutsideTheory, match="no macroasperity scale"):
+        macroasperity_magnification(steel, pressure=1e9, contact_modulus=1e10, q_reference=1e5)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.measures.controlled import controlled_mean
+from validation.measures.controlled import Known, Level, chained_mean, controlled_mean
 from validation.measures.statistics import mean_over_surfaces
 
 
@@ -12,7 +12,7 @@ def planted(rng, *, fine, others, correlation=0.99, slope=1.3):
     x = rng.gamma(4.0, 0.5, fine + others)
     noise = np.sqrt(1 / correlation**2 - 1) * slope
     y = 7 + slope * (x - 2.0) + noise * rng.normal(size=x.size)
-    return y[:fine], x[:fine], x[fine:]
+    return y[:fine], x[:fine], Known.of_samples(x[fine:])
 
 
 @pytest.mark.parametrize(("fine", "others"), [(6, 40), (12, 100), (6, 1000)])
@@ -44,8 +44,8 @@ def test_a_good_control_narrows_the_interval_and_says_what_it_leaves():
     rng = np.random.default_rng(5)
     y, x, more = planted(rng, fine=4000, others=400_000)
     found = controlled_mean(y, x, more)
-    assert found.left == pytest.approx(1 - 0.99**2, rel=0.1)
-    assert found.coefficient == pytest.approx(1.3, rel=0.01)
+    assert found.left / y.var() == pytest.approx(1 - 0.99**2, rel=0.1)
+    assert found.coefficients == pytest.approx([1.3], rel=0.01)
     share = 1 - 0.99**2 + 0.99**2 * 4000 / 400_000  # of the residuals, and of the mean of the others
     assert found.estimate.half_width / mean_over_surfaces(y).half_width == pytest.approx(share**0.5, rel=0.1)
 
@@ -53,18 +53,72 @@ def test_a_good_control_narrows_the_interval_and_says_what_it_leaves():
 def test_a_useless_control_costs_next_to_nothing():
     rng = np.random.default_rng(6)
     y, x, more = rng.normal(7, 1, 200), rng.normal(0, 1, 200), rng.normal(0, 1, 5000)
-    found = controlled_mean(y, x, more)
+    found = controlled_mean(y, x, Known.of_samples(more))
     assert found.estimate.half_width < 1.05 * mean_over_surfaces(y).half_width
 
 
 def test_a_control_that_never_changes_leaves_the_plain_mean():
     y = np.array([1.0, 2.0, 3.0, 5.0])
-    found = controlled_mean(y, np.full(4, 2.0), np.full(9, 2.0))
+    found = controlled_mean(y, np.full(4, 2.0), Known.of_samples(np.full(9, 2.0)))
     assert found.estimate.value == pytest.approx(y.mean())
 
 
 def test_too_few_or_broken_samples_are_refused():
-    with pytest.raises(ValueError, match="four"):
-        controlled_mean([1.0, 2.0, 3.0], [1.0, 2.0, 3.0], [1.0, 2.0])
+    known = Known.of_samples([1.0, 2.0])
+    with pytest.raises(ValueError, match="needs 4"):
+        controlled_mean([1.0, 2.0, 3.0], [1.0, 2.0, 3.0], known)
     with pytest.raises(ValueError, match="finite"):
-        controlled_mean([1.0, 2.0, 3.0, np.nan], [1.0, 2.0, 3.0, 4.0], [1.0, 2.0])
+        controlled_mean([1.0, 2.0, 3.0, np.nan], [1.0, 2.0, 3.0, 4.0], known)
+    with pytest.raises(ValueError, match="2 are known"):
+        controlled_mean(np.arange(4.0), np.arange(4.0), Known.of_samples(np.eye(3)[:, :2]))
+    with pytest.raises(ValueError, match="two others"):
+        Known.of_samples([1.0])
+
+
+def planted_chain(rng, *, counts, further, statistics=12):
+    """Samples of a quantity of mean 7 on three grids; twelve statistics follow it, two of them alike."""
+    weights = np.linspace(0.1, 0.4, statistics)
+
+    def drawn(count):
+        x = rng.normal(size=(count, statistics))
+        x[:, 1] = x[:, 0] + 1e-3 * x[:, 1]
+        coarse = 6 + x @ weights + 0.5 * rng.gamma(4.0, 0.5, count) - 1.0
+        middle = 6.5 + 1.1 * (coarse - 6) + 0.2 * rng.normal(size=count)
+        return x, coarse, middle, 7 + (middle - 6.5) + 0.05 * rng.normal(size=count)
+
+    (x, coarse, _, _), (_, low, middle, _), (_, _, high, fine) = map(drawn, counts)
+    levels = [
+        Level(values=coarse, controls=x),
+        Level(values=middle, controls=low),
+        Level(values=fine, controls=high),
+    ]
+    return levels, Known.of_samples(drawn(further)[0])
+
+
+@pytest.mark.parametrize("counts", [(40, 15, 4), (30, 6, 2)])
+def test_the_intervals_of_a_chain_hold_and_its_mean_is_unbiased(counts):
+    rng = np.random.default_rng(77)
+    trials = 500
+    found = [
+        chained_mean(*planted_chain(rng, counts=counts, further=800))[-1].estimate for _ in range(trials)
+    ]
+    values = np.array([one.value for one in found])
+    assert abs(values.mean() - 7) < 3.5 * values.std() / np.sqrt(trials)
+    held = np.mean([abs(one.value - 7) <= one.half_width for one in found])
+    # Three standard deviations of the share are 2.9 %.
+    assert 0.95 - 0.029 < held < 0.985
+
+
+def test_many_statistics_that_follow_the_quantity_narrow_its_interval():
+    rng = np.random.default_rng(78)
+    (level, *_), known = planted_chain(rng, counts=(200, 15, 4), further=20_000)
+    found = controlled_mean(level.values, level.controls, known)
+    assert found.left == pytest.approx(0.25, rel=0.35)  # 0.5^2 times the variance 1 of the gamma law
+    assert found.estimate.half_width < 0.6 * mean_over_surfaces(level.values).half_width
+
+
+def test_few_samples_of_a_finer_grid_are_not_fitted():
+    levels, known = planted_chain(np.random.default_rng(79), counts=(40, 15, 4), further=800)
+    chain = chained_mean(levels, known)
+    assert chain[-1].coefficients == pytest.approx([1.0], abs=0)
+    assert chain[1].coefficients != pytest.approx([1.0], abs=1e-6)

@@ -14,9 +14,14 @@ from typer.testing import CliRunner
 from validation import reference
 from validation.cli import app
 from validation.errors import UsageError
-from validation.measures.controlled import controlled_mean
+from validation.measures.common import base_case, base_surface
+from validation.measures.controlled import Known, Level, chained_mean
+from validation.measures.ensemble import _Drawn, mean_area
+from validation.measures.without_solve import unsolved_statistics
+from validation.reference.fit import FIT, fitted, fitted_area, nayak
 from validation.solves.bench import Bench
 from validation.studies import reference as study
+from validation.studies.reference.joining import joined, with_size
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -82,6 +87,60 @@ def test_nothing_is_extrapolated(planted, name, value):
         reference.lookup(**asked)
 
 
+def test_beside_a_cell_that_was_not_made_it_refuses_and_elsewhere_does_not_mind(planted):
+    whole = reference.lookup(hurst=0.4, bandwidth=6.0, reduced_pressure=0.03)["area"]
+    for name in ("area", "gap"):
+        planted[name][0, 2] = planted[name][2, 2] = np.nan  # no H = .1 or 1 at bandwidth 16
+    assert reference.lookup(hurst=0.4, bandwidth=6.0, reduced_pressure=0.03)["area"].value == pytest.approx(
+        whole.value, rel=2e-3
+    )
+    at_node = reference.lookup(hurst=0.5, bandwidth=16.0, reduced_pressure=0.1)["area"]
+    assert at_node.value == pytest.approx(law(0.5, 16.0, 0.1)[0], rel=1e-12)
+    with pytest.raises(UsageError, match=r"no cell at H = 0.1, lambda_long/lambda_short = 16"):
+        reference.lookup(hurst=0.4, bandwidth=12.0, reduced_pressure=0.03)
+
+
+def test_parts_are_joined_and_what_is_missing_stays_open():
+    def part(h, b, **attrs):
+        dims = ("hurst", "bandwidth", "reduced_pressure")
+        area = np.full((1, 1, 2), h * b)
+        made = {"periods": 4.0, "points_per_wave": "3", "tolerance": 1e-6, "seed": 5, "unsolved": 3} | attrs
+        return xr.Dataset(
+            {"area": (dims, area)},
+            coords={"hurst": [h], "bandwidth": [b], "reduced_pressure": [0.1, 0.2]},
+            attrs=made | {"pairs": f"{b:g}: {round(100 / b)} + 4"},
+        )
+
+    whole = joined([part(0.8, 16.0), part(0.3, 4.0), part(0.8, 4.0)])
+    assert whole.area.values[..., 0] == pytest.approx(np.array([[1.2, np.nan], [3.2, 12.8]]), nan_ok=True)
+    assert whole.attrs["pairs"] == "4: 25 + 4; 16: 6 + 4"
+    with pytest.raises(UsageError, match="seed = 5, 6"):
+        joined([part(0.8, 16.0), part(0.3, 4.0, seed=6)])
+
+
+def test_the_size_of_the_sample_is_the_change_that_is_seen_or_the_least_that_would_be():
+    dims = ("hurst", "bandwidth", "reduced_pressure")
+
+    def cells(value, width, *, hursts, periods):
+        shape = (len(hursts), 1, 2)
+        data = {name: (dims, np.broadcast_to(value, shape).copy()) for name in study.QUANTITIES}
+        data |= {
+            f"{name}_{what}": (dims, np.full(shape, width))
+            for name in study.QUANTITIES
+            for what in ("half_width", "error")
+        }
+        coords = {"hurst": hursts, "bandwidth": [8.0], "reduced_pressure": [0.1, 0.2]}
+        return xr.Dataset(data, coords=coords, attrs={"periods": periods})
+
+    table = cells([2.0, 2.0], 0.006, hursts=[0.3, 0.8], periods=4.0)
+    others = [cells([2.1, 2.0], 0.008, hursts=[h], periods=8.0) for h in (0.3, 0.8)]
+    whole = with_size(table, others)
+    # A change of 5 % at the first load; none at the second, told to .01/2 over the root of two cells.
+    assert whole.gap_size.values[0, 0] == pytest.approx([0.1, 2 * 0.005 / 2**0.5])
+    assert whole.gap_error.values[1, 0] == pytest.approx(np.hypot(0.006, whole.gap_size.values[1, 0]))
+    assert whole.attrs["sizes"] == "8"
+
+
 def test_the_command_prints_what_is_looked_up(planted):
     asked = ["reference", "--hurst", "0.8", "--ratio", "8", "--pressure", "0.05"]
     found = reference.lookup(hurst=0.8, bandwidth=8.0, reduced_pressure=0.05)
@@ -94,10 +153,12 @@ def test_the_command_prints_what_is_looked_up(planted):
 
 def test_the_table_that_is_shipped_is_whole_and_says_how_it_was_made():
     data = reference.table()
+    made = np.isfinite(data.area.values)
+    assert np.all(made.all(axis=2) == made.any(axis=2))
     for name in study.QUANTITIES:
-        assert np.all(np.isfinite(data[name].values)), name
-        assert np.all(data[f"{name}_error"].values > 0), name
-    assert np.all(np.diff(data.area.values, axis=2) > 0)
+        assert np.all(np.isfinite(data[name].values) == made), name
+        assert np.all(data[f"{name}_error"].values[made] > 0), name
+    assert np.all(np.diff(data.area.values, axis=2)[made[..., 1:]] > 0)
     assert data.attrs["study"] == "reference"
     assert {"seed", "pairs", "points_per_wave", "periods", "tolerance"} <= set(data.attrs)
 
@@ -126,35 +187,34 @@ def small(tmp_path_factory):
         bandwidths=(16.0,),
         reduced_pressures=(0.05, 0.2),
         periods=1.0,
-        pairs=4,
-        control_pairs=5,
+        pairs=(12, 4),
+        unsolved=4,
         points_per_wave=(3.0, 6.0),
         seed=31,
     )
     return options, bench, study.run(options, bench=bench)
 
 
-def test_a_cell_of_the_table_is_the_controlled_mean_of_its_pairs(small):
+def test_a_cell_of_the_table_is_the_chained_mean_of_its_pairs(small):
     options, bench, data = small
     cases = study._cases(options)
     solved = bench.solve(cases.values())
-    fine, more = options.pairs_of(16.0)
 
-    def gaps(pairs, grid):
-        return [
-            np.mean(
-                [
-                    float(solved[cases[0.8, 16.0, k, sign, k < fine]].mean_gap[grid, 0, 1])
-                    / solved[cases[0.8, 16.0, k, sign, k < fine]].attrs["rms_height"]
-                    for sign in (False, True)
-                ]
-            )
-            for k in pairs
-        ]
+    def gaps(last, grid):
+        own = [solved[case] for name, case in cases.items() if name[2] == last]
+        each = [float(one.mean_gap[grid, 0, 1]) / one.attrs["rms_height"] for one in own]
+        return np.mean(np.reshape(each, (-1, 2)), axis=1)
 
-    own = controlled_mean(
-        gaps(range(fine), -1), gaps(range(fine), 0), gaps(range(fine, fine + more), 0)
-    ).estimate
+    def told(ks):
+        fields = [cases[0.8, 16.0, 0, 0, False].realised.further(k).heights((48, 48)) for k in ks]
+        return np.array([list(unsolved_statistics(field).values()) for field in fields])
+
+    coarse = Level(values=gaps(0, 0), controls=told(range(12)))
+    chain = chained_mean(
+        [coarse, Level(values=gaps(1, 1), controls=gaps(1, 0))], Known.of_samples(told(range(16, 64)))
+    )
+    own = chain[-1].estimate
+    assert own.samples == 4
     assert float(data.gap[0, 0, 1]) == pytest.approx(own.value, rel=1e-12)
     assert float(data.gap_half_width[0, 0, 1]) == pytest.approx(own.half_width, rel=1e-12)
 
@@ -168,8 +228,88 @@ def test_the_total_is_the_root_of_the_squares_of_surfaces_grid_and_solver(small)
     assert row[7] == pytest.approx(float(data.area[0, 0, 0]) / 0.05)
 
 
-def test_fewer_waves_take_more_surfaces():
-    options = study.Options(pairs=6, control_pairs=80)
-    assert options.pairs_of(16.0) == (6, 80)
-    assert options.pairs_of(4.0) == (24, 320)
-    assert options.pairs_of(32.0) == (6, 80)
+def test_fewer_waves_take_more_surfaces_and_finer_grids():
+    options = study.Options(pairs=(80, 30, 6, 2), points_per_wave=(3, 6, 12, 24), largest=1000)
+    assert options.pairs_of(16.0) == (80, 30, 6)
+    assert options.pairs_of(4.0) == (320, 120, 24, 8)
+    assert options.pairs_of(32.0) == (40, 15, 4)
+    with pytest.raises(ValueError, match="one for each"):
+        study.Options(pairs=(80, 30), points_per_wave=(3, 6, 12))
+
+
+def test_no_surface_serves_two_grids_or_is_looked_at_as_another():
+    options = study.Options(hursts=(0.3,), bandwidths=(4.0, 32.0))
+    for bandwidth in options.bandwidths:
+        numbers = [name[3] for name in study._cases(options) if name[1] == bandwidth and not name[4]]
+        assert len(numbers) == len(set(numbers)) == sum(options.pairs_of(bandwidth))
+        coarsest, further = (
+            study._unsolved(options)[0.3, bandwidth, name] for name in ("coarsest", "further")
+        )
+        ending = {name[3] for name in study._cases(options) if name[1:3] == (bandwidth, 0)}
+        assert ending == set(range(coarsest.first, coarsest.first + coarsest.count))
+        assert further.first > max(numbers)
+
+
+@pytest.mark.slow
+def test_a_mean_to_an_accuracy_agrees_with_the_table_and_takes_what_it_needs(tmp_path):
+    base = base_case(base_surface(hurst=0.5, periods=4.0, bandwidth=4.0, seed=90210), reduced_pressure=0.4)
+    bench = Bench.at(tmp_path)
+    rough, fine = (mean_area(base, half_width=asked, bench=bench) for asked in (0.02, 0.002))
+    known = reference.lookup(hurst=0.5, bandwidth=4.0, reduced_pressure=0.4)["area"]
+    assert rough.half_width <= 0.02 * rough.estimate.value
+    assert fine.half_width <= 0.002 * fine.estimate.value
+    assert fine.pairs > rough.pairs
+    assert abs(fine.estimate.value - known.value) <= 1.5 * np.hypot(fine.half_width, known.uncertainty)
+
+
+def test_surfaces_that_are_added_are_new_ones_and_none_is_taken_back():
+    base = base_case(base_surface(hurst=0.5, periods=4.0, bandwidth=4.0, seed=90210), reduced_pressure=0.4)
+    drawn = _Drawn(base=base, grids=((48, 48), (96, 96), (192, 192)), tolerance=1e-6)
+    first = dict(drawn.cases())
+    drawn.grow((30, 5, 3, 100))
+    second = dict(drawn.cases())
+    assert drawn.counts == [30, 6, 3]
+    assert all(second[name] == case for name, case in first.items())
+    solved = [case.realised.realisation for name, case in second.items() if len(name) == 3 and not name[2]]
+    looked = [
+        k
+        for name, case in second.items()
+        if len(name) == 2
+        for k in range(case.first, case.first + case.count)
+    ]
+    assert len(solved) == len(set(solved)) == 39
+    assert len(looked) == len(set(looked)) == 130
+    assert set(looked[:30]) == set(solved[:30])
+    assert not set(looked[30:]) & set(solved)
+
+
+def test_the_closed_form_is_fitted_to_the_table_and_off_by_what_is_said():
+    constants, distance = fitted(reference.table())
+    assert constants == pytest.approx(FIT, rel=2e-3)
+    (said,) = re.findall(r"off by at most ([\d.]+) %", (DOCS / "reference_table.md").read_text("utf-8"))
+    assert 100 * float(abs(distance).max()) == pytest.approx(float(said), abs=0.051)
+
+
+def test_what_is_fitted_is_found_again():
+    table = reference.table()
+    alpha = np.array(
+        [[nayak(hurst=float(h), bandwidth=float(b)) for b in table.bandwidth] for h in table.hurst]
+    )
+    truth = (0.5, 0.05, 0.3, 1.2)
+    law = fitted_area(table.reduced_pressure.values, alpha=alpha[..., None], constants=truth)
+    constants, distance = fitted(table.assign(area=(("hurst", "bandwidth", "reduced_pressure"), law)))
+    assert constants == pytest.approx(truth, rel=1e-4)
+    assert float(abs(distance).max()) < 1e-5
+    # Without excess it is Persson's theory.
+    assert fitted_area(0.2, alpha=5.0, constants=(0.0, 0.0, 1.0, 1.0)) == pytest.approx(erf(0.2 * 2**0.5))
+
+
+def test_the_map_of_the_theory_shows_the_distance_of_every_cell_that_there_is(planted):
+    planted.area[0, 2] = np.nan
+    drawn = next(drawing for drawing in study.figures(planted) if drawing.name == "reference-verdict")
+    panels = drawn.figure.axes[:4]
+    texts = [text.get_text() for text in panels[0].texts]
+    assert len(texts) == 8 * LOADS.size
+    persson = erf(2**0.5 * LOADS[0]) / law(HURSTS[0], BANDWIDTHS[0], LOADS[0])[0] - 1
+    assert float(texts[0]) == pytest.approx(100 * persson, abs=0.51)
+    assert [axes.get_title() for axes in panels][:2] == ["Persson", "Yang, Persson 2008"]

@@ -41,8 +41,10 @@ class Areas(Protocol):
 
 
 #: Powers of the width in the error law, with the deviations of their coefficients; noise; least contact.
-_LAW = {1.0: 0.02, 1.5: 0.008, 2.0: 0.003, 3.0: 0.001}
-_GAP_POWER, _NOISE, _LEAST_POINTS = 1.25, (0.005, 0.036), 16
+_LAW = {1.0: 0.0004, 1.5: 0.0006, 2.0: 0.0004, 3.0: 0.0004}
+_GAP_POWER, _NOISE, _LEAST_POINTS = 1.25, (0.0046, 0.039), 16
+#: What each grid is off by anew, over edges times width squared.
+_ODD = 0.0006
 #: What edges that lie alike between the grid points are off by: on every grid, and anew on each, in cells.
 _ALIKE = (0.008, 0.012)
 
@@ -87,7 +89,9 @@ def _located(grids: Sequence[Sequence[Areas]]) -> tuple[float, float]:
         return float(area[0]), 0.0
     z = fraction / (area[0] * (1 - area[0]) ** _GAP_POWER)
     count = np.array([len(grids[k]) * grids[k][0].cells for k in used])
-    spread = np.diag(fraction * (_NOISE[0] ** 2 + (_NOISE[1] * z) ** 2) / count)
+    spread = np.diag(
+        fraction * (_NOISE[0] ** 2 + (_NOISE[1] * z) ** 2) / count + (_ODD * fraction * z * z) ** 2
+    )
     for power, deviation in _LAW.items():
         term = deviation * fraction * z**power
         spread = spread + np.outer(term, term)

@@ -16,6 +16,7 @@ from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.extrapolation import counted_limit, located_limit
 from fem_contact.stress import density_at_zero
+from validation.comparison.below import Below, below
 from validation.effects.base import Effect
 from validation.errors import RunFailed
 from validation.methods.theory import Prediction, predict
@@ -25,6 +26,7 @@ from validation.scenes.scene import Load, Scene
 from validation.solves.press import Press
 
 if TYPE_CHECKING:
+    from validation.comparison.passing import Passing
     from validation.effects.base import Judgement
 
 __all__ = ["Comparison", "CrossCheck", "Row", "Scatter", "compare"]
@@ -173,8 +175,12 @@ class Comparison:
     scatter : Scatter or None
     no_limit : str
         Why there is no limit, in words; empty where there is one.
+    below : tuple of Below
+        Where the solid below the contact is strained most, where the scene asks for it.
     accurate : bool
         Whether the grids were chosen for an accuracy of the limit.
+    passing : tuple of Passing
+        What passes through contact and gap, where the scene asks for it.
     """
 
     scene: Scene
@@ -192,7 +198,9 @@ class Comparison:
     theory: Prediction | None
     scatter: Scatter | None
     no_limit: str = ""
+    below: tuple[Below, ...] = ()
     accurate: bool = False
+    passing: tuple[Passing, ...] = ()
 
     @property
     def adhesive(self) -> bool:
@@ -244,8 +252,9 @@ class Comparison:
             "no_limit": self.no_limit,
             "theory": None if self.theory is None else self.theory.summary(),
             "scatter": None if self.scatter is None else asdict(self.scatter),
+            **({"below": [asdict(row) for row in self.below]} if self.below else {}),
             "findings": list(self.findings),
-        }
+        } | ({"quantities": [json_ready(asdict(one)) for one in self.passing]} if self.passing else {})
 
 
 def compare(
@@ -281,6 +290,11 @@ def compare(
         moments = realised.spectrum.moments()
         continuum = {"rms_height_m": moments.rms_height, "rms_gradient": moments.rms_gradient}
     limit, no_limit = _limit(readings, scene, rows)
+    passes: tuple[Passing, ...] = ()
+    if scene.quantities is not None and scene.quantities.passing:  # what is not asked for is not loaded
+        from validation.comparison.passing import passing
+
+        passes = passing(scene, realised, results)
     field = realised.field
     return Comparison(
         scene=scene,
@@ -299,6 +313,8 @@ def compare(
         accurate=accurate,
         theory=_theory(scene, realised),
         scatter=_scatter(readings, scene, realised),
+        passing=passes,
+        below=below(scene, results),
     )
 
 

@@ -80,7 +80,7 @@ def lookup(*, hurst: float, bandwidth: float, reduced_pressure: float) -> Mappin
     Raises
     ------
     UsageError
-        Outside of the table: it is not extrapolated.
+        Outside of the table, which is not extrapolated, and beside cells that it has not.
 
     Examples
     --------
@@ -97,8 +97,34 @@ def lookup(*, hurst: float, bandwidth: float, reduced_pressure: float) -> Mappin
                 f"{name} = {value!r}: the table of {_AXES[name]} goes from {low:g} to {high:g}, "
                 "and is not extrapolated"
             )
+    data = _whole_part(data, hurst=hurst, bandwidth=bandwidth)
     names = [name for name in data.data_vars if f"{name}_error" in data.data_vars]
     return {str(name): _looked_up(data, str(name), asked) for name in names}
+
+
+def _whole_part(data: xr.Dataset, *, hurst: float, bandwidth: float) -> xr.Dataset:
+    """Return the largest part of the table around a spectrum that lacks no cell: what is interpolated."""
+    there = np.isfinite(data.area.transpose(*_AXES).values).all(axis=2)
+    rows, columns = _around(data.hurst.values, hurst), _around(data.bandwidth.values, bandwidth)
+    needed = there[np.ix_(rows, columns)]
+    if not needed.all():
+        i, j = np.argwhere(~needed)[0]
+        raise UsageError(
+            f"hurst = {hurst:g}, bandwidth = {bandwidth:g}: the table has no cell at H = "
+            f"{float(data.hurst[rows[i]]):g}, lambda_long/lambda_short = "
+            f"{float(data.bandwidth[columns[j]]):g}, and is not extrapolated"
+        )
+    kept = there[rows].all(axis=0)
+    return data.isel(bandwidth=kept).isel(hurst=there[:, kept].all(axis=1))
+
+
+def _around(nodes: Array, at: float) -> list[int]:
+    """Return the node that a value is at, or the two that it is between."""
+    close = np.flatnonzero(np.abs(nodes - at) <= 1e-12 * np.abs(nodes))
+    if close.size:
+        return [int(close[0])]
+    above = int(np.searchsorted(nodes, at))
+    return [above - 1, above]
 
 
 def _looked_up(data: xr.Dataset, name: str, asked: Mapping[str, float]) -> ReferenceValue:

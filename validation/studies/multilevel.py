@@ -16,6 +16,7 @@ import numpy as np
 from pydantic import Field
 
 from validation.measures.common import Rising, base_case, base_surface, results_of
+from validation.measures.controlled import allocation as least_cost
 from validation.measures.measurement import Measurement, grid_for
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
@@ -94,22 +95,14 @@ class Level:
 
 
 def allocation(levels: Sequence[Level], error: float) -> tuple[int, ...]:
-    r"""Return how many surfaces of each level bring the standard error of the sum to `error` at least cost.
-
-    .. math:: N_l = \varepsilon^{-2} \sqrt{V_l / C_l} \sum_k \sqrt{V_k C_k}
-
-    Notes
-    -----
-    M. B. Giles, Operations Research 56 (2008) 607; at least two, so that the variance can be told.
+    """Return how many surfaces of each level bring the standard error of the sum to `error` at least cost.
 
     Examples
     --------
     >>> allocation([Level(variance=1.0, cost=1.0), Level(variance=0.01, cost=4.0)], 0.1)
     (120, 6)
     """
-    total = sum(float(np.sqrt(level.variance * level.cost)) for level in levels)
-    counts = (total * float(np.sqrt(level.variance / level.cost)) / error**2 for level in levels)
-    return tuple(max(2, int(np.ceil(count - 1e-9))) for count in counts)
+    return least_cost([(level.variance, level.cost) for level in levels], error)
 
 
 def saving(levels: Sequence[Level], *, variance: float, cost: float) -> float:
