@@ -48,6 +48,6 @@ def reference(
             left=frozenset({"quantity", "meaning"}),
             yielding=("meaning", "interpolation [%]"),
             note=f"Means over surfaces with L/lambda_long = {table().attrs['periods']:g}; the interval has "
-            "surfaces, grid, solver and interpolation, not the size of the sample.",
+            "surfaces, grid, solver, size of the sample and interpolation.",
         )
     )

@@ -46,10 +46,10 @@ class ReferenceValue:
 
 
 def table() -> xr.Dataset:
-    """Return the table as `fem-contact study reference` made it; its attributes say how.
+    """Return the table as `fem-contact study reference` made it; its attributes and `pairs` say how.
 
-    Over (hurst, bandwidth, reduced_pressure): each quantity, its `_half_width` (surfaces), its `_grid`, and
-    its `_error`, the root of their squares.
+    Over (hurst, bandwidth, reduced_pressure): each quantity, its `_half_width` (surfaces), `_grid`, `_size`
+    (of the sample), and `_error`, the root of their squares and the solver's; NaN in cells not made.
     """
     from validation.solves.netcdf import read_dataset
 

@@ -71,7 +71,8 @@ def fitted(table: xr.Dataset) -> tuple[tuple[float, ...], xr.DataArray]:
         law = fitted_area(
             table.reduced_pressure.values, alpha=alpha.values[..., None], constants=tuple(constants)
         )
-        return law / table.area.transpose("hurst", "bandwidth", "reduced_pressure") - 1
+        areas: xr.DataArray = table.area.transpose("hurst", "bandwidth", "reduced_pressure")
+        return xr.DataArray(law, dims=areas.dims) / areas - 1
 
     def misses(constants: Array) -> Array:
         values = distance(constants).values
