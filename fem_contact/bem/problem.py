@@ -148,6 +148,7 @@ class Problem:
 
     def full_pressure(self) -> Array:
         """Pressure [Pa] of full contact but for its mean: p-hat = h-hat / C(q)."""
+        assert isinstance(self.operator, FourierOperator)
         pressure = np.empty(self.surface.shape)
         self.operator.invert(self.heights, pressure)
         pressure -= np.mean(pressure)

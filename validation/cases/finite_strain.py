@@ -36,7 +36,8 @@ def _flat() -> list[Check]:
     )
 
     def excess(j: float) -> float:
-        return -(_SHEAR * 2 / 3 * (j ** (1 / 3) - j ** (-5 / 3)) + _BULK * (j - 1)) - load
+        pressure: float = _SHEAR * 2 / 3 * (j ** (1 / 3) - j ** (-5 / 3)) + _BULK * (j - 1)
+        return -pressure - load
 
     j = brentq(excess, 0.1, 1.0, xtol=1e-14)
     stored = _SHEAR / 2 * (j ** (-2 / 3) * (2 + j**2) - 3) + _BULK / 2 * (j - 1) ** 2

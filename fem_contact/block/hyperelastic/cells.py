@@ -173,7 +173,8 @@ class Cells:
         size = int(self._nodes.max()) + 1
         nodes, parts = self._nodes[free], local[free]
         summed = [np.bincount(nodes, weights=parts[:, i], minlength=size) for i in range(3)]
-        return np.stack(summed, axis=-1).reshape(*self.mesh.cells, self.mesh.nz, 3)
+        forces: Array = np.stack(summed, axis=-1, dtype=float)
+        return forces.reshape(*self.mesh.cells, self.mesh.nz, 3)
 
     def stiffness(self, state: Strained, *, turning: Array | None = None) -> sp.bsr_array:
         """Second derivative of the energy over the free nodes, (i ny + j) nz + k.
@@ -225,7 +226,7 @@ class Cells:
         turned = w * (scaled * stretch / 3 - carried)
         right = (w * 0.5 * both)[..., None] * c - (w * 2 / 3 * scaled)[..., None] * s
         half = c.swapaxes(1, 2) @ right
-        matrix = half + half.swapaxes(1, 2)
+        matrix: Array = half + half.swapaxes(1, 2)
         swapped = c.swapaxes(1, 2) @ (turned[..., None] * c)
         matrix += swapped.reshape(-1, 8, 3, 8, 3).swapaxes(2, 4).reshape(-1, 24, 24)
         products = np.einsum("qaj,qbj->qab", g, g).reshape(8, 64)

@@ -19,6 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from fem_contact.block.full.linear import conjugate_gradients
@@ -209,7 +210,7 @@ class _Tangent:
 
     press: Press
     state: State
-    matrix: object
+    matrix: sp.bsr_array
     internal: Array
     slope: Array
     gap: Array
