@@ -340,7 +340,7 @@ def _bound_everywhere(problem: Problem, operator: Operator) -> _Direct | None:
     return _Direct(solution=solution, gap=displacement - problem.heights + offset)
 
 
-def _touching_everywhere(problem: Problem, operator: Operator) -> _Direct | None:
+def _touching_everywhere(problem: Problem, operator: FourierOperator | SurfaceOperator) -> _Direct | None:
     """Return the exact answer where all nodes touch; None where that needs tension."""
     assert problem.pressure is not None
     weights = node_weights(problem.mesh)
