@@ -70,14 +70,19 @@ class Device:
             reason = " ".join(str(error).split())[:80]
             raise InvalidInput(f"device = {where!r}: must be one that PyTorch has here ({reason})") from None
 
-    def put(self, field: Array | None) -> Values | None:
+    def put(self, field: Array | None) -> Values:
         """Return a field there."""
         return None if field is None else self.xp.asarray(field, device=self.device, copy=True)
 
     def fetched(self, solution: Solution) -> Solution:
         """Return a solution whose fields are NumPy's."""
-        names = ("force", "displacement", "in_contact", "at_bound")
-        return replace(solution, **{name: self._fetched(getattr(solution, name)) for name in names})
+        return replace(
+            solution,
+            force=self._fetched(solution.force),
+            displacement=self._fetched(solution.displacement),
+            in_contact=self._fetched(solution.in_contact),
+            at_bound=self._fetched(solution.at_bound),
+        )
 
     def _fetched(self, field: Values) -> NDArray[Any]:
         if isinstance(field, np.ndarray):
