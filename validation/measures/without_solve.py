@@ -76,7 +76,8 @@ def _unit_fields(field: HeightField) -> tuple[Array, Array, Array]:
     shape, (dx, dy) = field.shape, field.spacing
     waves = scipy.fft.rfft2(field.heights - field.heights.mean())
     qx, qy = 2 * np.pi * np.fft.fftfreq(shape[0], dx)[:, None], 2 * np.pi * np.fft.rfftfreq(shape[1], dy)
-    slope = sum(scipy.fft.irfft2(1j * q * waves, s=shape) ** 2 for q in (qx, qy))
+    along_x, along_y = (scipy.fft.irfft2(1j * q * waves, s=shape) for q in (qx, qy))
+    slope = along_x**2 + along_y**2
     height, pressure = (scipy.fft.irfft2(w, s=shape).ravel() for w in (waves, np.hypot(qx, qy) * waves))
     return height / height.std(), (slope / slope.mean()).ravel(), pressure / pressure.std()
 

@@ -190,13 +190,13 @@ def _dataset(options: Options, values: Mapping[str, Array], saving: Array) -> xr
         {"long_name": "time of plain means of the same interval over the time spent"},
     )
     data["pairs"] = (dims[:2], _pairs_text(options), {"long_name": "pairs +h, -h that end with a grid"})
-    words = {"bandwidth": "lambda_long / lambda_short", "reduced_pressure": "p* = p0 / (E* h'_rms)"}
+    axes = {"bandwidth": "lambda_long / lambda_short", "reduced_pressure": "p* = p0 / (E* h'_rms)"}
     return xr.Dataset(
         data,
         coords={"hurst": list(options.hursts)}
         | {
             name: (name, list(getattr(options, f"{name}s")), {"long_name": meaning})
-            for name, meaning in words.items()
+            for name, meaning in axes.items()
         },
         attrs={
             "study": "reference",

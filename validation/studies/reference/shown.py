@@ -130,7 +130,7 @@ def _theories(dataset: xr.Dataset) -> xr.Dataset:
         dims=("theory", "reduced_pressure"),
         coords={"theory": list(VARIANTS.values()), "reduced_pressure": load},
     )
-    return (theories / dataset.area - 1).to_dataset(name="distance")
+    return xr.Dataset({"distance": theories / dataset.area - 1})
 
 
 def _verdict(dataset: xr.Dataset) -> Figure:
