@@ -23,7 +23,7 @@ if TYPE_CHECKING:
         UnsupportedEffect,
     )
     from fem_contact.export import render_section, render_surface, write_block
-    from fem_contact.extrapolation import counted_limit, located_limit
+    from fem_contact.extrapolation import located_limit, perimeter_limit
     from fem_contact.graded import ExponentialSolid, LayeredSolid
     from fem_contact.hardness import Hardness, YieldedContact, press, unload, yielded
     from fem_contact.leak import GapFlow, critical_gap, flow_conductance, open_gap, percolates
@@ -83,7 +83,6 @@ __all__ = [
     "contact_areas",
     "contact_conductance",
     "contact_stiffness",
-    "counted_limit",
     "critical_gap",
     "density_at_zero",
     "elastic_energy",
@@ -100,6 +99,7 @@ __all__ = [
     "measure_residuals",
     "open_gap",
     "percolates",
+    "perimeter_limit",
     "press",
     "pressure_distribution",
     "radial_spectrum",
@@ -148,7 +148,6 @@ _HOMES = {
     "contact_areas": "fem_contact.area",
     "contact_conductance": "fem_contact.conductance",
     "contact_stiffness": "fem_contact.stress",
-    "counted_limit": "fem_contact.extrapolation",
     "critical_gap": "fem_contact.leak",
     "density_at_zero": "fem_contact.stress",
     "elastic_energy": "fem_contact.stress",
@@ -165,6 +164,7 @@ _HOMES = {
     "measure_residuals": "fem_contact.contact",
     "open_gap": "fem_contact.leak",
     "percolates": "fem_contact.leak",
+    "perimeter_limit": "fem_contact.extrapolation",
     "press": "fem_contact.hardness",
     "pressure_distribution": "fem_contact.stress",
     "radial_spectrum": "fem_contact.surface",
