@@ -23,7 +23,7 @@ if TYPE_CHECKING:
         UnsupportedEffect,
     )
     from fem_contact.export import render_section, render_surface, write_block, write_subsurface
-    from fem_contact.extrapolation import counted_limit, located_limit
+    from fem_contact.extrapolation import located_limit, perimeter_limit
     from fem_contact.graded import ExponentialSolid, LayeredSolid
     from fem_contact.hardness import Hardness, YieldedContact, press, unload, yielded
     from fem_contact.leak import GapFlow, critical_gap, flow_conductance, open_gap, percolates
@@ -114,7 +114,6 @@ __all__ = [
     "contact_areas",
     "contact_conductance",
     "contact_stiffness",
-    "counted_limit",
     "critical_gap",
     "density_at_zero",
     "elastic_energy",
@@ -133,6 +132,7 @@ __all__ = [
     "measured_lay",
     "open_gap",
     "percolates",
+    "perimeter_limit",
     "planes_below",
     "press",
     "pressure_distribution",
@@ -196,7 +196,6 @@ _HOMES = {
     "contact_areas": "fem_contact.area",
     "contact_conductance": "fem_contact.conductance",
     "contact_stiffness": "fem_contact.stress",
-    "counted_limit": "fem_contact.extrapolation",
     "critical_gap": "fem_contact.leak",
     "density_at_zero": "fem_contact.stress",
     "elastic_energy": "fem_contact.stress",
@@ -216,6 +215,7 @@ _HOMES = {
     "open_gap": "fem_contact.leak",
     "percolates": "fem_contact.leak",
     "planes_below": "fem_contact.subsurface",
+    "perimeter_limit": "fem_contact.extrapolation",
     "press": "fem_contact.hardness",
     "pressure_distribution": "fem_contact.stress",
     "radial_spectrum": "fem_contact.surface",

@@ -64,7 +64,7 @@ _BEND_POWERS = ((0, 0), (1, 0), (0, 1), (2, 0), (0, 2), (1, 1))
 _STEEPEST = 1.5
 
 #: Coefficients of the second part of the edge map of boundary elements, by power of the fields and then by
-#: degree in v and cos^2: least squares on the 140 surfaces `fitted` of tests/benchmarks/area_law.py.
+#: degree in v and cos^2: least squares on 140 rough surfaces (`FITTED` of tests/benchmarks/area_law.py).
 _BEND = (
     *(2.10991, -1.80106, -3.88063, 2.65368, 1.23854, -0.25162),
     *(2.49617, -3.74519, -5.24840, 9.41387, 3.91695, -7.03929),

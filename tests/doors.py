@@ -264,7 +264,7 @@ def solver_doors() -> dict[str, Door]:
         "subcell_area": (area.subcell_area, {"result": result, "edge_map": area.EDGE_MAPS["bem"]}),
         "PlannedGrid": (extrapolation.PlannedGrid, {"spacing": (1.0, 1.0), "cells": 9, "solves": 1}),
         "located_limit": (extrapolation.located_limit, {"areas": areas}),
-        "counted_limit": (extrapolation.counted_limit, {"areas": areas}),
+        "perimeter_limit": (extrapolation.perimeter_limit, {"areas": areas}),
         "too_small": (extrapolation.too_small, {"areas": areas}),
         "predicted_uncertainty": (
             extrapolation.predicted_uncertainty,

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from fem_contact.area import ContactAreas, Limit, contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
-from fem_contact.extrapolation import counted_limit, located_limit
+from fem_contact.extrapolation import located_limit, perimeter_limit
 from fem_contact.stress import density_at_zero
 from validation.comparison.below import Below, below
 from validation.effects.base import Effect
@@ -469,12 +469,12 @@ def _limit(readings: Sequence[_Reading], scene: Scene, rows: tuple[Row, ...]) ->
 
 
 def _limit_over(areas: Sequence[ContactAreas]) -> Limit | None:
-    """Limit over at least two grids: of the located area where there is one, else of the counted."""
+    """Limit over at least two grids: of the located area where there is one, else of the corrected."""
     if len({area.spacing for area in areas}) < 2:
         return None
     if all(area.subcell is not None for area in areas):
         return located_limit(areas)
-    return counted_limit(areas) if len(areas) >= 3 else None
+    return perimeter_limit(areas)
 
 
 def _scatter(readings: Sequence[_Reading], scene: Scene, realised: Realised) -> Scatter | None:

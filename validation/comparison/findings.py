@@ -119,7 +119,7 @@ def _kappa(c: Comparison, limit: Limit) -> str:
 def _how(limit: Limit) -> str:
     if limit.definition == "subcell":
         return "area with the edge located inside the cells, extrapolated by its law of error"
-    return "regression of the pixel area on edge length times dx"
+    return "area corrected at its edge, extrapolated by its law of error"
 
 
 def _theory(c: Comparison) -> list[str]:
