@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from fem_contact.response import Response
-    from validation.comparison.compare import Comparison
+    from validation.comparison.compared import Comparison
     from validation.scenes.scene import Scene
     from validation.solves.press import Press
 

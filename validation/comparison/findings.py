@@ -13,7 +13,7 @@ from validation.report.words import significant, with_error
 
 if TYPE_CHECKING:
     from fem_contact.area import Limit
-    from validation.comparison.compare import Comparison, CrossCheck, Row
+    from validation.comparison.compared import Comparison, CrossCheck, Row
 
 __all__ = ["findings", "layered", "percent", "yielded_row"]
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from fem_contact.contact import ContactResult
-    from validation.comparison.compare import Comparison
+    from validation.comparison.compared import Comparison
 
 __all__ = [
     "area_figure",

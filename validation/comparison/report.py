@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.comparison.below import below_data, below_table, write_below
-from validation.comparison.compare import Row
+from validation.comparison.compared import Row
 from validation.comparison.findings import layered, percent, yielded_row
 from validation.comparison.pictures import render_stored
 from validation.files import atomic_path
@@ -25,7 +25,7 @@ from validation.solves.provenance import made_words
 
 if TYPE_CHECKING:
     from fem_contact.contact import ContactResult
-    from validation.comparison.compare import Comparison
+    from validation.comparison.compared import Comparison
     from validation.effects.base import Judgement
     from validation.scenes.scene import Scene
     from validation.solves.running import Solves

@@ -14,7 +14,8 @@ import numpy as np
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
 from validation.comparison import theory_alone
-from validation.comparison.compare import Comparison, Row, compare
+from validation.comparison.compare import compare
+from validation.comparison.compared import Comparison, Row
 from validation.comparison.explain import Explanation, explain
 from validation.comparison.findings import layered
 from validation.comparison.sweep_page import sweep_page

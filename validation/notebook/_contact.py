@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from fem_contact.area import ContactAreas, Limit, contact_areas
 from fem_contact.contact import ContactResult
-from validation.comparison.compare import Comparison, CrossCheck, compare
+from validation.comparison.compare import compare
+from validation.comparison.compared import Comparison, CrossCheck
 from validation.effects.base import Slots
 from validation.errors import UsageError
 from validation.methods.base import Solved
