@@ -376,5 +376,5 @@ def test_a_printed_number_agrees_to_half_a_unit_of_its_last_digit(text, value, d
 def test_constants_of_edges_stand_twice_and_agree():
     assert {key: c for key, c in EDGE_CONSTANTS.items() if key != "fem"} == stored.EDGE_CONSTANTS
     assert EDGE_CONSTANTS["fem"] == EDGE_CONSTANTS["Hex1"]
-    second = np.ravel([rows for rows in stored.EDGE_BEND.values()])
+    second = np.ravel(list(stored.EDGE_BEND.values()))
     assert (*stored.EDGE_MAP.ravel(), *second) == EDGE_MAPS["bem"]
