@@ -122,8 +122,9 @@ class Measurement(NumbersSolve):
             "grids": [list(grid) for grid in self.grids],
             "shifts": self.shifts,
             "tolerance": self.tolerance,
-            # What is read off belongs to the result: a stored one that lacks a number is another one.
-            "quantities": sorted([*self.quantities, "cells"]),
+            # What is read off belongs to the result: a stored one that lacks a number is another one, and so is
+            # one whose edges were located to first order.
+            "quantities": sorted([*self.quantities, "cells", "edges of second order"]),
         }
 
     @property
