@@ -19,7 +19,7 @@ __all__ = ["FIT", "fitted", "fitted_area", "nayak"]
 Array = NDArray[np.float64]
 
 #: c_0, c_1, p_1 and n of `fitted_area`: least squares of the relative distance from the table.
-FIT = (0.5761, 0.0666, 0.1901, 0.9892)
+FIT = (0.5688, 0.05856, 0.1881, 0.9679)
 
 
 def nayak(*, hurst: float, bandwidth: float) -> float:
