@@ -56,6 +56,24 @@ _UNEVEN = (0.5, 0.75)
 #: Degrees of the edge map in v = 1 / (1 + rho^(2/3)) and in the squared cosine of the edge's direction.
 _DEGREES = (5, 2)
 
+#: Degrees of its second part in v and the squared cosine, and powers of the ratios further in and out.
+_BEND_DEGREES = (2, 1)
+_BEND_POWERS = ((0, 0), (1, 0), (0, 1), (2, 0), (0, 2), (1, 1))
+
+#: Largest ratio of fields beside the edge: beyond it, as on patches of one cell, it says nothing more.
+_STEEPEST = 1.5
+
+#: Coefficients of the second part of the edge map of boundary elements, by power of the fields and then by
+#: degree in v and cos^2: least squares on 140 rough surfaces (`FITTED` of tests/benchmarks/area_law.py).
+_BEND = (
+    *(2.10991, -1.80106, -3.88063, 2.65368, 1.23854, -0.25162),
+    *(2.49617, -3.74519, -5.24840, 9.41387, 3.91695, -7.03929),
+    *(-4.54312, 3.54819, 5.82276, -1.00854, 0.03129, -4.91374),
+    *(-1.22142, 1.87669, 3.41495, -5.69656, -2.64113, 4.33557),
+    *(1.42208, -0.76705, -0.81988, -2.89520, -1.04937, 4.65555),
+    *(-1.83037, 2.96412, 2.64263, -5.25835, -4.54529, 6.66232),
+)
+
 #: Coefficients of the edge map of trilinear hexahedra as deep as wide at nu = .3.
 _TRILINEAR = (
     *(-0.94792, 1.43228, -0.73378),
@@ -65,6 +83,10 @@ _TRILINEAR = (
     *(9.89611, 33.39751, -43.12207),
     *(-1.98161, -15.19323, 18.02973),
 )
+
+#: Number of coefficients of the first part; and a second part that changes nothing.
+_FIRST = (_DEGREES[0] + 1) * (_DEGREES[1] + 1)
+_STRAIGHT = (0.0,) * len(_BEND)
 
 #: Coefficients of the edge map per discretisation, by degree in v and then in cos^2; see `subcell_area`.
 EDGE_MAPS = MappingProxyType(
@@ -76,9 +98,10 @@ EDGE_MAPS = MappingProxyType(
             *(-7.25598, 13.76495, -10.79373),
             *(0.11590, -1.55225, 1.97152),
             *(2.48050, -5.54267, 3.60049),
+            *_BEND,
         ),
-        "fem": _TRILINEAR,
-        "Hex1": _TRILINEAR,
+        "fem": _TRILINEAR + _STRAIGHT,
+        "Hex1": _TRILINEAR + _STRAIGHT,
     }
 )
 
@@ -366,6 +389,10 @@ class Edges:
     ratio : (n,) array
         rho = E* g / (p d cosine), with the gap of the neighbour, the pressure of the contact cell and their
         distance d.
+    inner, outer : (n,) array
+        p^2 of the contact cell over that of the cell behind it, and g^(2/3) of the neighbour over that of the
+        cell beyond: both grow linearly from a straight edge, and how they bend is what the edge is off by in
+        second order. At most 1.5.
     """
 
     inside: NDArray[np.int64]
@@ -373,13 +400,22 @@ class Edges:
     sign: NDArray[np.int64]
     cosine: NDArray[np.float64]
     ratio: NDArray[np.float64]
+    inner: NDArray[np.float64]
+    outer: NDArray[np.float64]
 
     def features(self) -> NDArray[np.float64]:
         """Monomials of the edge map, as columns."""
+        return self._monomials(_DEGREES)
+
+    def bends(self) -> NDArray[np.float64]:
+        """Monomials of the second part of the edge map, as columns."""
+        first = self._monomials(_BEND_DEGREES)
+        fields = [self.inner**a * self.outer**b for a, b in _BEND_POWERS]
+        return np.concatenate([first * field[:, None] for field in fields], axis=1)
+
+    def _monomials(self, degrees: tuple[int, int]) -> NDArray[np.float64]:
         v = 1 / (1 + self.ratio ** (2 / 3))
-        powers = [
-            v**k * self.cosine ** (2 * m) for k in range(_DEGREES[0] + 1) for m in range(_DEGREES[1] + 1)
-        ]
+        powers = [v**k * self.cosine ** (2 * m) for k in range(degrees[0] + 1) for m in range(degrees[1] + 1)]
         return np.stack(powers, axis=1)
 
 
@@ -398,11 +434,23 @@ def contact_edges(result: ContactResult) -> Edges:
         cosine = np.clip(cosine, 0.05, 1.0)
         scale = result.pressure[inside] * spacing[axis] * cosine
         gap = result.contact_modulus * np.maximum(np.roll(result.gap, -sign, axis)[inside], 0.0)
-        ratio = np.where(scale > 0, gap / np.where(scale > 0, scale, 1.0), np.inf)
+        ratio = _over(gap, scale)
+        behind = np.roll(result.pressure, sign, axis)[inside]
+        inner = np.minimum(_over(result.pressure[inside], behind), _STEEPEST**0.5) ** 2
+        beyond = result.contact_modulus * np.roll(result.gap, -2 * sign, axis)[inside]
+        outer = np.minimum(_over(gap, beyond), _STEEPEST**1.5) ** (2 / 3)
         index = np.flatnonzero(inside)
-        parts.append((index, np.full(index.shape, axis), np.full(index.shape, sign), cosine, ratio))
-    inside_all, axes, signs, cosines, ratios = (np.concatenate(column) for column in zip(*parts, strict=True))
-    return Edges(inside=inside_all, axis=axes, sign=signs, cosine=cosines, ratio=ratios)
+        sides = np.full(index.shape, axis), np.full(index.shape, sign)
+        parts.append((index, *sides, cosine, ratio, inner, outer))
+    names = ("inside", "axis", "sign", "cosine", "ratio", "inner", "outer")
+    columns = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return Edges(**dict(zip(names, columns, strict=True)))
+
+
+def _over(above: NDArray[np.float64], below: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Ratio of fields that are not negative; infinite where nothing is below."""
+    held = below > 0
+    return np.where(held, np.maximum(above, 0.0) / np.where(held, below, 1.0), np.inf)
 
 
 def subcell_area(result: ContactResult, *, edge_map: Sequence[float] | None = None) -> float:
@@ -456,7 +504,8 @@ def _located(result: ContactResult, edge_map: Sequence[float] | None) -> tuple[f
             f"edge_map of {coefficients.size} numbers: must have {len(EDGE_MAPS['bem'])}, as in `EDGE_MAPS`"
         )
     edges = contact_edges(result)
-    place = np.clip(edges.features() @ coefficients, -0.6, 1.2)
+    first, second = np.split(coefficients, [_FIRST])
+    place = np.clip(edges.features() @ first, -0.6, 1.2) + edges.bends() @ second
     shift = float(np.sum((place - 0.5) * edges.cosine**2))
     return float(np.mean(result.in_contact)) + shift / result.in_contact.size, _alignment(edges)
 

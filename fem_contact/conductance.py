@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, cg
 
 from fem_contact._checks import positive, samples
-from fem_contact.complementarity import FourierOperator
+from fem_contact.complementarity import FourierOperator, FreeOperator, operator_of
 from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput, NotConverged, UnsupportedEffect
 from fem_contact.response import Response, check_response
@@ -108,7 +108,7 @@ def frozen_contact(
         raise InvalidInput(
             "result: nothing touches, or all that does is at its pressure bound: there is no stiffness"
         )
-    operator = FourierOperator(response, result.shape, result.lengths, threads=settings.threads)
+    operator = operator_of(response, result.shape, result.lengths, threads=settings.threads)
     if moving.all() and operator.compliance[0, 0] == 0:
         raise InvalidInput(
             "result: full contact of a half-space cannot approach further: its stiffness is infinite"
@@ -116,7 +116,9 @@ def frozen_contact(
     return _solved(operator, moving, settings)
 
 
-def _solved(operator: FourierOperator, moving: NDArray[np.bool_], settings: Settings) -> FrozenContact:
+def _solved(
+    operator: FourierOperator | FreeOperator, moving: NDArray[np.bool_], settings: Settings
+) -> FrozenContact:
     """Conjugate gradients for a unit displacement of the contact set."""
     field, answer = np.zeros(operator.shape), np.empty(operator.shape)
     count, steps = int(np.count_nonzero(moving)), 0

@@ -1,4 +1,4 @@
-"""Results for other programs and for the eye: the deformed block as a VTU file, and pictures of it."""
+"""Results for other programs and for the eye: blocks, and what lies below a contact, as files; pictures."""
 
 from __future__ import annotations
 
@@ -12,11 +12,13 @@ from numpy.typing import NDArray
 from fem_contact._checks import choice, finite, instance, shown
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
+from fem_contact.stress import von_mises
 
 if TYPE_CHECKING:
     from fem_contact.block import BlockSolution
+    from fem_contact.subsurface import Subsurface
 
-__all__ = ["render_section", "render_surface", "write_block"]
+__all__ = ["render_section", "render_surface", "write_block", "write_subsurface"]
 
 Array = NDArray[np.float64]
 
@@ -52,11 +54,9 @@ def write_block(path: Path, solution: BlockSolution, *, deformation: float = 1.0
     InvalidInput
         For a suffix other than ``.vtu`` and ``.xdmf``.
     """
-    path = _checked_path(path)
+    path = _mesh_path(path)
     _check_solution(solution)
     deformation = finite("deformation", deformation)
-    if path.suffix not in (".vtu", ".xdmf"):
-        raise InvalidInput(f"path = {path}: the suffix must be .vtu or .xdmf")
     import meshio
 
     displacement = _unfolded(solution.field)
@@ -71,11 +71,71 @@ def write_block(path: Path, solution: BlockSolution, *, deformation: float = 1.0
         ("hexahedron", _CORNERS) if solution.mesh.element.order == 1 else ("hexahedron27", _NODES27)
     )
     mesh = meshio.Mesh(
-        points=(_nodes(solution) + deformation * displacement).reshape(-1, 3),
+        points=(_grid_points(solution.contact, solution.planes) + deformation * displacement).reshape(-1, 3),
         cells=[(kind, _cells(displacement.shape[:3], corners, step=solution.mesh.element.order))],
         point_data=point_data,
         cell_data={"stress": [stress.tensor.reshape(-1, 6)], "von_mises": [stress.von_mises.ravel()]},
     )
+    _write_mesh(path, mesh)
+
+
+def write_subsurface(path: Path, below: Subsurface, *, deformation: float = 0.0) -> None:
+    """Write displacement and stress below a contact for ParaView and the like (``.vtu`` or ``.xdmf``).
+
+    Point data, in single precision: displacement [m], stress (xx, yy, zz, yz, xz, xy) [Pa] and von Mises
+    stress [Pa]. Points lie at z = -depth; the periodic images at x = Lx and y = Ly are points of their own.
+
+    Parameters
+    ----------
+    path : Path
+        File to write; it appears under this name only once complete.
+    below : Subsurface
+        On at least two depths.
+    deformation : float
+        Factor on the displacement of the written points; 0 gives the undeformed solid.
+
+    Raises
+    ------
+    InvalidInput
+        For a suffix other than ``.vtu`` and ``.xdmf``, or fields of a single depth.
+    """
+    from fem_contact.subsurface import Subsurface
+
+    path = _mesh_path(path)
+    instance("below", below, Subsurface, what="a `Subsurface`")
+    deformation = finite("deformation", deformation)
+    if below.depths.size < 2:
+        raise InvalidInput(f"below: has {below.depths.size} depth; a file of cells needs at least two")
+    import meshio
+
+    # Cells count their corners upwards, depths count down.
+    upwards = slice(None, None, -1)
+    displacement, stress = (
+        _unfolded(field[:, :, upwards].astype(np.float32)) for field in (below.displacement, below.stress)
+    )
+    points = _grid_points(below.contact, -below.depths[upwards]) + deformation * displacement
+    mesh = meshio.Mesh(
+        points=points.reshape(-1, 3),
+        cells=[("hexahedron", _cells(points.shape[:3], _CORNERS, step=1))],
+        point_data={
+            "displacement": displacement.reshape(-1, 3),
+            "stress": stress.reshape(-1, 6),
+            "von_mises": von_mises(stress).astype(np.float32).ravel(),
+        },
+    )
+    _write_mesh(path, mesh)
+
+
+def _mesh_path(path: Path) -> Path:
+    path = _checked_path(path)
+    if path.suffix not in (".vtu", ".xdmf"):
+        raise InvalidInput(f"path = {path}: the suffix must be .vtu or .xdmf")
+    return path
+
+
+def _write_mesh(path: Path, mesh: Any) -> None:
+    import meshio
+
     partial = path.with_name(f".partial-{os.getpid()}-{path.name}")
     try:
         meshio.write(partial, mesh, **({"data_format": "XML"} if path.suffix == ".xdmf" else {}))
@@ -102,9 +162,10 @@ def _unfolded(field: Array) -> Array:
     return np.pad(field, [(0, 1), (0, 1)] + [(0, 0)] * (field.ndim - 2), mode="wrap")
 
 
-def _nodes(solution: BlockSolution) -> Array:
-    (nx, ny), (dx, dy) = solution.contact.shape, solution.contact.spacing
-    grid = np.meshgrid(np.arange(nx + 1) * dx, np.arange(ny + 1) * dy, solution.planes, indexing="ij")
+def _grid_points(contact: ContactResult, planes: Array) -> Array:
+    """Points of the grid on planes z, the periodic images included, (nx + 1, ny + 1, planes, 3)."""
+    (nx, ny), (dx, dy) = contact.shape, contact.spacing
+    grid = np.meshgrid(np.arange(nx + 1) * dx, np.arange(ny + 1) * dy, planes, indexing="ij")
     return np.stack(grid, axis=-1)
 
 

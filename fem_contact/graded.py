@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact._checks import array, instance, listed, numbers_of, positive, whole
+from fem_contact._checks import array, instance, listed, numbers_of, positive, samples, whole
 from fem_contact.errors import InvalidInput
 from fem_contact.response import wave_size
 from fem_contact.solid import Solid
@@ -152,12 +152,19 @@ class ExponentialSolid:
         table = q[0] * np.exp(nodes)
         return np.asarray(CubicSpline(nodes, table * self._compliance(table))(place) / q)
 
-    def _compliance(self, q: Array) -> Array:
+    def sublayer_edges(self, q: Array) -> Array:
+        """Return the depths [m] of the borders of the sublayers for waves [1/m], (sublayers + 1, n)."""
+        reach, edges = self._spacing(samples("q", q, unit="1/m"))
+        return edges[:, None] * reach
+
+    def _spacing(self, q: Array) -> tuple[Array, Array]:
         # What lies below min(30 d, 30 / q) is bulk, or out of reach of the wave. Depths are denser near the
         # surface: equal steps of 1 - exp(-z / s) with s of the shorter of both lengths.
-        reach = 1 / (1 / self.depth + q)
         steps = np.linspace(0, 1, self.sublayers + 1)
-        edges = -3 * np.log1p(-steps * (1 - np.exp(-10.0)))
+        return 1 / (1 / self.depth + q), -3 * np.log1p(-steps * (1 - np.exp(-10.0)))
+
+    def _compliance(self, q: Array) -> Array:
+        reach, edges = self._spacing(q)
         nu = self.surface.poisson
         bulk = Solid(young=1.0, poisson=nu)
         deepest = self._young(reach * edges[-1])
@@ -183,22 +190,28 @@ def _on_distinct(q: Array, compliance: Callable[[Array], Array]) -> Array:
     return np.asarray(out[places].reshape(q.shape))
 
 
-def _waves(solid: Solid, x: Array) -> tuple[Array, Array]:
-    r"""Displacements and stresses [over G q] of the two waves that decay over the scaled depth x = q z.
+def plane_waves(poisson: float | Array, x: Array) -> tuple[Array, Array]:
+    r"""Displacements, and stresses over G q, of the two waves that decay over the scaled depth x = q z.
 
     Papkovich's form in plane strain, with the phase of u_x taken out: for the waves exp(-x) and x exp(-x),
     u_x = (1, x), u_z = (1, x + 3 - 4 nu), s_xz = -2 (1, x + 1 - 2 nu), s_zz = -2 (1, x + 2 - 2 nu), without
     the factor exp(-x).
     """
-    nu = solid.poisson
+    nu = poisson
     one = np.ones_like(x)
     displacement = np.stack([np.stack([one, x], -1), np.stack([one, x + 3 - 4 * nu], -1)], -2)
     stress = -2 * np.stack([np.stack([one, x + 1 - 2 * nu], -1), np.stack([one, x + 2 - 2 * nu], -1)], -2)
+    return displacement, stress
+
+
+def _waves(solid: Solid, x: Array) -> tuple[Array, Array]:
+    """Those of a solid, the stresses [Pa] over q."""
+    displacement, stress = plane_waves(solid.poisson, x)
     return displacement, stress * solid.shear_modulus
 
 
 #: Waves that decay upwards have the same form with u_z and s_xz of the other sign.
-_MIRROR = np.diag([1.0, -1.0])
+MIRROR = np.diag([1.0, -1.0])
 
 
 def _half_space(solid: Solid) -> Array:
@@ -217,12 +230,12 @@ def _through(solid: Solid, thickness: Array, below: Array) -> Array:
     zero = np.zeros_like(thickness)
     down_u, down_s = _waves(solid, thickness)
     up_u, up_s = (part for part in _waves(solid, zero))
-    up_u, up_s = _MIRROR @ up_u, -_MIRROR @ up_s
+    up_u, up_s = MIRROR @ up_u, -MIRROR @ up_s
     # (s - Z u) = 0 at the bottom: [down_s - Z down_u] e^-t a + [up_s - Z up_u] b = 0.
     reflected = np.linalg.solve(up_s - below @ up_u, -(down_s - below @ down_u)) * decay
     top_u, top_s = _waves(solid, zero)
     back_u, back_s = _waves(solid, thickness)
-    back_u, back_s = _MIRROR @ back_u, -_MIRROR @ back_s
+    back_u, back_s = MIRROR @ back_u, -MIRROR @ back_s
     displacement = top_u + back_u @ reflected * decay
     stress = top_s + back_s @ reflected * decay
     return np.asarray(np.swapaxes(np.linalg.solve(_t(displacement), _t(stress)), -1, -2))

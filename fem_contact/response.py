@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fem_contact._checks import alike, array, function, instance, positive
+from fem_contact.errors import UnsupportedEffect
 from fem_contact.solid import Solid
 
-__all__ = ["BondedLayer", "FrictionlessLayer", "GivenResponse", "HalfSpace", "Response"]
+__all__ = ["BondedLayer", "FreeHalfSpace", "FrictionlessLayer", "GivenResponse", "HalfSpace", "Response"]
 
 Array = NDArray[np.float64]
 
@@ -60,6 +61,43 @@ class HalfSpace:
         q = wave_size(qx, qy)
         with np.errstate(divide="ignore", over="ignore"):
             return np.where(q > 0, 2 / (self.contact_modulus * q), 0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FreeHalfSpace:
+    """The homogeneous elastic half-space that one patch is pressed on, without images: nothing is periodic.
+
+    Outside the patch the surface is free. `bem.solve` and `bem.solve_path` take it: lengths of the surface
+    are then the sides of the patch, the mean pressure is the force over its area, displacements are relative
+    to points far away, and -offset is the approach of the level from which heights are counted.
+
+    Parameters
+    ----------
+    solid : Solid
+    """
+
+    solid: Solid
+
+    def __post_init__(self) -> None:
+        _check_solid(self.solid)
+
+    @property
+    def contact_modulus(self) -> float:
+        """E* [Pa]."""
+        return self.solid.contact_modulus
+
+    def compliance(self, qx: Array, qy: Array) -> Array:
+        """Refuse: a patch has no waves of its own.
+
+        Raises
+        ------
+        UnsupportedEffect
+            Always, so that nothing periodic takes it for a periodic solid.
+        """
+        raise UnsupportedEffect(
+            "response = FreeHalfSpace: is not periodic and has no compliance per wavevector; it is pressed "
+            "by bem.solve and bem.solve_path"
+        )
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fem_contact._checks import array, listed, non_negative, pair, positive, whole, within
+from fem_contact._checks import array, doubles, listed, non_negative, pair, positive, whole, within
 from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput
 from fem_contact.patches import find_patches
@@ -29,6 +29,7 @@ __all__ = [
     "loading_work",
     "pressure_distribution",
     "refined_edges",
+    "von_mises",
 ]
 
 Array = NDArray[np.float64]
@@ -391,3 +392,37 @@ def _checked_edges(edges: ArrayLike, kind: str) -> Array:
     if values.ndim != 1 or values.size < 2 or not np.all(np.diff(values) > 0):
         raise InvalidInput(f"edges: must be at least two increasing {kind}")
     return values
+
+
+def von_mises(tensor: ArrayLike) -> Array:
+    r"""Von Mises stress of stress tensors.
+
+    .. math:: \sigma_v^2 = \tfrac12\bigl[(\sigma_{xx}-\sigma_{yy})^2 + (\sigma_{yy}-\sigma_{zz})^2
+              + (\sigma_{zz}-\sigma_{xx})^2\bigr] + 3(\sigma_{yz}^2 + \sigma_{xz}^2 + \sigma_{xy}^2)
+
+    Parameters
+    ----------
+    tensor : (..., 6) array
+        Components xx, yy, zz, yz, xz, xy [Pa].
+
+    Returns
+    -------
+    (...) array
+        [Pa].
+
+    Raises
+    ------
+    InvalidInput
+        For another number of components.
+
+    Examples
+    --------
+    >>> float(von_mises([-3.0, 0.0, 0.0, 0.0, 0.0, 0.0]))
+    3.0
+    """
+    values = doubles("tensor", tensor, unit="Pa")
+    if values.ndim == 0 or values.shape[-1] != 6:
+        raise InvalidInput(f"tensor of shape {values.shape}: must have 6 components along its last axis")
+    xx, yy, zz, yz, xz, xy = np.moveaxis(values, -1, 0)
+    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    return np.asarray(np.sqrt(0.5 * normal + 3 * (yz**2 + xz**2 + xy**2)))

@@ -44,11 +44,20 @@ if TYPE_CHECKING:
         mean_separation,
     )
     from persson.sine import SineExpansion, sine_expansion
-    from persson.sliding import adhesional_pressure, local_shear_stress, nominal_shear_stress, slip_energy
+    from persson.sliding import (
+        SlidingFriction,
+        adhesional_pressure,
+        friction_of_waves,
+        local_shear_stress,
+        nominal_shear_stress,
+        rubber_friction,
+        slip_energy,
+    )
     from persson.soft_structures import fibre_modulus, foam_modulus
     from persson.spectrum import Moments, SelfAffine, Spectrum, SpectrumMoments
     from persson.spheres import hertz, jkr_load, jkr_pull_off, tabor_parameter
     from persson.squeezed_spheres import hertz_pressure, roughness_barrier, yielded_pull_off, yielded_share
+    from persson.stretched import Stretched
     from persson.tabulated import Tabulated, smoothed
     from persson.tensile import adhesion_load
     from persson.variants import corrected_contact_area
@@ -68,9 +77,11 @@ __all__ = [
     "Scale",
     "SelfAffine",
     "SineExpansion",
+    "SlidingFriction",
     "Spectrum",
     "SpectrumMoments",
     "StandardSolid",
+    "Stretched",
     "SurfaceLayer",
     "Tabulated",
     "Wall",
@@ -95,6 +106,7 @@ __all__ = [
     "fibre_modulus",
     "flaw_tolerant_gradient",
     "foam_modulus",
+    "friction_of_waves",
     "gap_distribution",
     "graded",
     "hardness",
@@ -120,6 +132,7 @@ __all__ = [
     "pull_off_stress",
     "reduced_pressure",
     "roughness_barrier",
+    "rubber_friction",
     "sine_expansion",
     "size_dependent_hardness",
     "slip_energy",
@@ -149,9 +162,11 @@ _HOMES = {
     "Scale": "persson.scale",
     "SelfAffine": "persson.spectrum",
     "SineExpansion": "persson.sine",
+    "SlidingFriction": "persson.sliding",
     "Spectrum": "persson.spectrum",
     "SpectrumMoments": "persson.spectrum",
     "StandardSolid": "persson.viscoelastic",
+    "Stretched": "persson.stretched",
     "SurfaceLayer": "persson.graded",
     "Tabulated": "persson.tabulated",
     "Wall": "persson.diffusion",
@@ -172,6 +187,7 @@ _HOMES = {
     "fibre_modulus": "persson.soft_structures",
     "flaw_tolerant_gradient": "persson.flaw_tolerance",
     "foam_modulus": "persson.soft_structures",
+    "friction_of_waves": "persson.sliding",
     "gap_distribution": "persson.gaps",
     "height_distribution": "persson.heights",
     "hertz": "persson.spheres",
@@ -194,6 +210,7 @@ _HOMES = {
     "pull_off_stress": "persson.limits",
     "reduced_pressure": "persson.elastic",
     "roughness_barrier": "persson.squeezed_spheres",
+    "rubber_friction": "persson.sliding",
     "sine_expansion": "persson.sine",
     "size_dependent_hardness": "persson.hardness",
     "slip_energy": "persson.sliding",

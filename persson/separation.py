@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import erf, erfc, exp1
+from scipy.special import erf, exp1
 
-from persson._checks import Array, choice, instance, non_negative, positive, within
+from persson._checks import Array, instance, non_negative, positive, within
 from persson.elastic import area_against_magnification
 from persson.errors import InvalidInput, OutsideTheory
 from persson.scale import Scale
 from persson.spectrum import Spectrum
+from persson.variants import EnergyReading, energy_share
 
 __all__ = [
     "contact_stiffness",
@@ -23,18 +23,21 @@ __all__ = [
     "mean_separation",
 ]
 
+#: Least d^2 ln A / d(ln zeta)^2 that is a bend: second differences of rounded areas leave some 1e-10.
+_BEND = 1e-6
+
 
 def elastic_energy(
     pressure: ArrayLike,
     *,
     scale: Scale,
-    energy: Literal["old", "improved"] = "old",
+    energy: EnergyReading = "old",
     energy_ratio: float = 1.0,
 ) -> Array:
     r"""Elastic energy stored at the interface, per nominal area, without adhesion.
 
-    .. math:: \frac{U_\mathrm{el}}{A_0} = \int \frac{dV}{E^* q}\, P\,[g + (1-g)P^2],
-              \qquad P = \operatorname{erf}\frac{\sigma_0}{\sqrt{2V}}
+    .. math:: \frac{U_\mathrm{el}}{A_0} = \int \frac{dV}{E^* q}\, \tilde P, \qquad
+              \tilde P = P\,[g + (1-g)P^2], \quad P = \operatorname{erf}\frac{\sigma_0}{\sqrt{2V}}
 
     Parameters
     ----------
@@ -42,8 +45,9 @@ def elastic_energy(
         Nominal pressure sigma_0 [Pa].
     scale : Scale
         Spectrum and modulus.
-    energy : {"old", "improved"}
-        Eq. 43 of Persson 2006, the formula above with g = 1; or Eqs. 44-49, which put P~ in the place of P.
+    energy : str
+        P~ as `persson.variants.energy_share` has it: "old", Eq. 43 of Persson 2006, the formula above with
+        g = 1; "improved", Eqs. 44-49; "as_printed", Eq. 50; and the variants.
     energy_ratio : float
         g in (0, 1], the correction of Yang and Persson (2008): 0.45 there. For "old" alone.
 
@@ -57,21 +61,13 @@ def elastic_energy(
     Persson 2006, Secs. 8.2 and 8.3. Without adhesion P~ exceeds P at light load and tends to 2 P
     (docs/errata.md); computed energies lie below Eq. 43 there, by half at p* = .05 and more below Eq. 48.
     """
-    choice("energy", energy, ("old", "improved"))
     ratio = within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
-    if energy == "improved" and ratio != 1:
-        raise InvalidInput(f"energy_ratio = {ratio!r}: belongs to energy = 'old'; must be 1 with 'improved'")
+    if energy != "old" and ratio != 1:
+        raise InvalidInput(f"energy_ratio = {ratio!r}: belongs to energy = 'old'; must be 1 with {energy!r}")
     load = non_negative("pressure", pressure, unit="Pa")
     variance, length = _waves(scale)
-    root = np.sqrt(2 * variance)
-    s = load[..., None] / root
-    area = np.asarray(erf(s))
-    with np.errstate(under="ignore"):
-        share = area * (ratio + (1 - ratio) * area * area)
-        if energy == "improved":
-            # [sigma_0^2 (P - 1) + int P dV] / V, with the integral in closed form.
-            share = area + 2 / math.sqrt(math.pi) * s * np.exp(-s * s) - 4 * s * s * erfc(s)
-    return np.asarray(share @ length)[()]
+    share = energy_share(load[..., None], stress_variance=variance, energy=energy)
+    return np.asarray((share * (ratio + (1 - ratio) * share * share)) @ length)[()]
 
 
 def contact_stiffness(pressure: ArrayLike, *, scale: Scale, energy_ratio: float = 1.0) -> Array:
@@ -218,8 +214,10 @@ def macroasperity_magnification(
     )
     bend = np.diff(np.log(area), 2) / (x[1] - x[0]) ** 2
     top = int(np.argmax(bend))
-    if top in (0, bend.size - 1):
-        raise OutsideTheory("ln A bends most at an end of the spectrum: there is no macroasperity scale")
+    if top in (0, bend.size - 1) or bend[top] < _BEND:
+        raise OutsideTheory(
+            "ln A bends up most at an end of the spectrum, or nowhere: there is no macroasperity scale"
+        )
     y0, y1, y2 = bend[top - 1 : top + 2]
     shift = 0.5 * (y0 - y2) / (y0 - 2 * y1 + y2)
     return float(math.exp(x[top + 1] + shift * (x[1] - x[0])))

@@ -12,15 +12,25 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
-from scipy.special import erf
+from scipy.special import erf, erfc, erfinv
 
 from persson._checks import Array, choice, non_negative, real, shown, together, within
 from persson.elastic import KAPPA_PERSSON, contact_area
 from persson.errors import InvalidInput
 
-__all__ = ["Variant", "corrected_contact_area", "energy_factor", "light_load_kappa"]
+__all__ = [
+    "EnergyReading",
+    "Variant",
+    "corrected_contact_area",
+    "energy_factor",
+    "energy_share",
+    "light_load_kappa",
+]
 
 Variant = Literal["persson", "yang_persson", "wang_mueser", "xu"]
+
+#: What is said of the elastic energy of a partial contact without adhesion.
+EnergyReading = Literal["old", "improved", "as_printed", "yang_persson", "wang_mueser", "xu", "xu_hybrid"]
 
 #: Share of the full energy that is stored at vanishing contact, gamma of Yang and Persson (2008).
 ENERGY_RATIO = 0.45
@@ -59,6 +69,67 @@ def energy_factor(area: ArrayLike, *, variant: Variant, energy_ratio: float = EN
     if variant == "yang_persson":
         return np.asarray(energy_ratio + (1 - energy_ratio) * p2)
     return np.asarray((5 - 2 * p2 + 6 * p2 * p2) / 9)
+
+
+def energy_share(pressure: ArrayLike, *, stress_variance: ArrayLike, energy: EnergyReading = "old") -> Array:
+    r"""P~, the elastic energy that a wave stores over that in full contact, without adhesion.
+
+    .. math:: U_\mathrm{el} = A_0 \int \tilde P\, \frac{dV}{E^* q}, \qquad
+              P = \operatorname{erf} s, \quad s = \frac{\sigma_0}{\sqrt{2V}}
+
+    Parameters
+    ----------
+    pressure : float or array
+        Nominal pressure sigma_0 [Pa].
+    stress_variance : float or array
+        V [Pa^2] of full contact with the waves up to this one.
+    energy : str
+        "old": P, Eq. 43 of Persson 2006. "improved": Eq. 48 over 49, P + 2 s exp(-s^2)/sqrt(pi) - 4 s^2
+        erfc(s). "as_printed": Eq. 50, the mean of P over the waves so far. "yang_persson": P [g + (1 - g)
+        P^2], g = .45. "wang_mueser": P (5 - 2 P^2 + 6 P^4)/9 with the area of that variant. "xu": P dV_p/dV
+        with V_p = [g + (1 - g) P] V, g = .42. "xu_hybrid": the area of "xu" with P (g - 2/9 P^2 +
+        (11/9 - g) P^4).
+
+    Notes
+    -----
+    The last two are those of the code that Xu et al. (2024) published with their variant (see
+    `corrected_contact_area`). At full contact all are 1; at vanishing load they are 1, 2, 2, .45, 5/9, .42
+    and .42 times the area of their variant.
+
+    Examples
+    --------
+    >>> light = {"pressure": 0.01, "stress_variance": 1.0}
+    >>> [round(float(energy_share(**light, energy=name)), 4) for name in ("old", "improved")]
+    [0.008, 0.0158]
+    """
+    choice("energy", energy, get_args(EnergyReading))
+    load = non_negative("pressure", pressure, unit="Pa")
+    full = non_negative("stress_variance", stress_variance, unit="Pa^2", power=2)
+    variant: Variant = "wang_mueser" if energy == "wang_mueser" else "persson"
+    variant = "xu" if energy in ("xu", "xu_hybrid") else variant
+    area = np.asarray(corrected_contact_area(load, stress_variance=full, variant=variant))
+    square = area * area
+    if energy == "old":
+        return area
+    if energy in ("yang_persson", "wang_mueser"):
+        return np.asarray(area * energy_factor(area, variant=energy))[()]
+    if energy == "xu_hybrid":
+        return np.asarray(area * (XU_RATIO - 2 / 9 * square + (11 / 9 - XU_RATIO) * square * square))[()]
+    if energy == "xu":
+        bell = _bell(erfinv(np.minimum(area, 1 - 1e-16)))
+        factor = XU_RATIO + (1 - XU_RATIO) * area
+        # From V_p = factor V: contact is lost as V grows, and V_p grows by less than factor dV.
+        return np.asarray(area * factor / (1 + (1 - XU_RATIO) * bell / (2 * factor)))[()]
+    root = np.sqrt(2 * full)
+    # Beyond 27 nothing of the terms is left, and the area is 1.
+    closed = np.where(np.broadcast_to(load, np.shape(area)) > 0, 27.0, 0.0)
+    s = np.minimum(np.divide(load, root, out=closed, where=root > 0), 27.0)
+    outside = 2 * s * s * erfc(s)
+    return np.asarray(area + _bell(s) - (2 if energy == "improved" else 1) * outside)[()]
+
+
+def _bell(s: Array) -> Array:
+    return np.asarray(2 / math.sqrt(math.pi) * s * np.exp(-s * s))
 
 
 def _ratio(variant: Variant, energy_ratio: float | None) -> float:

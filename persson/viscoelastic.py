@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from persson._checks import Array, function, in_proportion, non_negative, positive, returned
@@ -43,6 +43,12 @@ class StandardSolid:
         if positive("unrelaxed", self.unrelaxed, unit="Pa") <= low:
             raise InvalidInput(f"unrelaxed = {self.unrelaxed!r} Pa: must exceed relaxed = {low!r} Pa")
         positive("time", self.time, unit="s")
+
+    def modulus(self, frequency: ArrayLike) -> NDArray[np.complex128]:
+        """E(omega) [Pa] for omega [1/s], storage modulus + i times the loss modulus."""
+        x = non_negative("frequency", frequency, unit="1/s") * self.time
+        compliance = 1 / self.unrelaxed + (1 / self.relaxed - 1 / self.unrelaxed) / (1 + 1j * x)
+        return np.asarray(1 / compliance)
 
     def loss_compliance(self, frequency: ArrayLike) -> Array:
         """-Im 1/E(omega) [1/Pa] for omega [1/s]."""

@@ -23,9 +23,12 @@ from fem_contact import (
     response,
     settings,
     stress,
+    subsurface,
 )
 from fem_contact import contact as contact_module
+from fem_contact import sliding as steady_sliding
 from fem_contact import surface as surfaces
+from fem_contact import viscoelastic as viscoelastic_solids
 from persson import adhesion as theory_adhesion
 from persson import (
     archard,
@@ -49,6 +52,7 @@ from persson import (
     spectrum,
     spheres,
     squeezed_spheres,
+    stretched,
     tabulated,
     tensile,
     variants,
@@ -94,6 +98,11 @@ def solver_doors() -> dict[str, Door]:
         "time_limit": 5.0,
     }
     field = {"pressure_bound": 0.06, "start": np.ones((12, 12)), "method": "preconditioned"}
+    below = {"contact": result, "response": half, "threads": 1}
+    slid = {name: value for name, value in solve.items() if name != "response"}
+    prony = {"relaxed": 1.0, "moduli": (2.0,), "times": (1.0,), "poisson": 0.3}
+    rubber = viscoelastic_solids.PronySolid(**prony)
+    table = {"frequencies": [0.5, 5.0], "storage": [1.0, 2.0], "loss": [0.1, 0.2], "poisson": 0.3}
     grid = extrapolation.PlannedGrid(spacing=(0.01, 0.01), cells=10_000)
     return {
         "Solid": (fem_contact.Solid, {"young": 1.0, "poisson": 0.3}),
@@ -103,6 +112,11 @@ def solver_doors() -> dict[str, Door]:
             {"tolerance": 1e-8, "max_iterations": 9, "time_limit": 1.0, "threads": 1},
         ),
         "HeightField": (surfaces.HeightField, {"heights": wave, "lengths": (1.0, 2.0)}),
+        "Patch": (surfaces.Patch, {"heights": wave, "lengths": (1.0, 2.0)}),
+        "Patch.resampled": (
+            surfaces.Patch(heights=wave, lengths=(1.0, 1.0)).resampled,
+            {"shape": (6, 7)},
+        ),
         "HeightField.resampled": (surface.resampled, {"shape": (6, 7)}),
         "HeightField.shifted": (surface.shifted, {"fraction": (0.5, 0.5)}),
         "HeightField.spectral_sum": (surface.spectral_sum, {"weight": lambda q: q}),
@@ -119,6 +133,18 @@ def solver_doors() -> dict[str, Door]:
                 "under_resolved": False,
             },
         ),
+        "measured_lay": (surfaces.measured_lay, {"surface": surface}),
+        "random_surface with a lay": (
+            surfaces.random_surface,
+            {
+                "spectrum": lambda qx, qy: np.hypot(2 * qx, qy) ** -3.0,
+                "q_short": 20.0,
+                "lengths": (1.0, 1.0),
+                "shape": (12, 12),
+                "seed": 5,
+                "isotropic": False,
+            },
+        ),
         "radial_spectrum": (surfaces.radial_spectrum, {"surface": surface}),
         "window_weights": (surfaces.window_weights, {"shape": (8, 8), "window": "tukey", "margin": 0.2}),
         "estimate_spectrum": (
@@ -129,6 +155,7 @@ def solver_doors() -> dict[str, Door]:
         "HalfSpace.compliance": (half.compliance, {"qx": q, "qy": q}),
         "BondedLayer": (response.BondedLayer, {"solid": solid, "thickness": 0.2}),
         "BondedLayer.compliance": (layer.compliance, {"qx": q, "qy": q}),
+        "FreeHalfSpace": (response.FreeHalfSpace, {"solid": solid}),
         "FrictionlessLayer": (response.FrictionlessLayer, {"solid": solid, "thickness": 0.2}),
         "FrictionlessLayer.compliance": (
             response.FrictionlessLayer(solid=solid, thickness=0.2).compliance,
@@ -163,6 +190,10 @@ def solver_doors() -> dict[str, Door]:
         ),
         "bem.solve": (bem.solve, solve | field | {"mean_pressure": 0.02}),
         "bem.solve of a layer": (bem.solve, solve | {"response": layer, "mean_pressure": 0.02}),
+        "bem.solve of a patch": (
+            bem.solve,
+            solve | {"response": response.FreeHalfSpace(solid=solid), "mean_pressure": 0.02},
+        ),
         "bem.solve_displacement": (bem.solve_displacement, solve | {"mean_gap": 0.01, "pressure_bound": 0.2}),
         "bem.solve_displacement of a layer": (
             bem.solve_displacement,
@@ -233,7 +264,7 @@ def solver_doors() -> dict[str, Door]:
         "subcell_area": (area.subcell_area, {"result": result, "edge_map": area.EDGE_MAPS["bem"]}),
         "PlannedGrid": (extrapolation.PlannedGrid, {"spacing": (1.0, 1.0), "cells": 9, "solves": 1}),
         "located_limit": (extrapolation.located_limit, {"areas": areas}),
-        "counted_limit": (extrapolation.counted_limit, {"areas": areas}),
+        "perimeter_limit": (extrapolation.perimeter_limit, {"areas": areas}),
         "too_small": (extrapolation.too_small, {"areas": areas}),
         "predicted_uncertainty": (
             extrapolation.predicted_uncertainty,
@@ -251,6 +282,19 @@ def solver_doors() -> dict[str, Door]:
         "gap_distribution": (stress.gap_distribution, {"result": result, "edges": [0.0, 0.1, 0.2]}),
         "elastic_energy": (stress.elastic_energy, {"result": result}),
         "loading_work": (stress.loading_work, {"results": path}),
+        "von_mises": (stress.von_mises, {"tensor": np.ones((4, 6))}),
+        "fields_below": (subsurface.fields_below, below | {"depths": [0.0, 0.1]}),
+        "planes_below": (subsurface.planes_below, below | {"depths": [0.0, 0.1]}),
+        "planes_below, walked": (
+            lambda **given: list(subsurface.planes_below(**given)),
+            below | {"depths": [0.0, 0.1]},
+        ),
+        "strongest_point": (subsurface.strongest_point, below | {"depths": [0.05, 0.1]}),
+        "default_depths": (subsurface.default_depths, {"contact": result, "response": layer}),
+        "ExponentialSolid.sublayer_edges": (
+            graded.ExponentialSolid(surface=solid, bulk_young=2.0, depth=0.1).sublayer_edges,
+            {"q": q},
+        ),
         "contact_stiffness": (stress.contact_stiffness, {"results": path}),
         "frozen_contact": (
             conductance.frozen_contact,
@@ -264,6 +308,24 @@ def solver_doors() -> dict[str, Door]:
         "percolates": (leak.percolates, {"open_cells": wave > 0, "axis": "x"}),
         "critical_gap": (leak.critical_gap, {"gap": wave, "axis": "y"}),
         "flow_conductance": (leak.flow_conductance, {"gap": wave, "lengths": (1.0, 2.0), "axis": "y"}),
+        "PronySolid": (viscoelastic_solids.PronySolid, prony),
+        "PronySolid.standard": (
+            viscoelastic_solids.PronySolid.standard,
+            {"relaxed": 1.0, "unrelaxed": 3.0, "time": 1.0, "poisson": 0.3},
+        ),
+        "PronySolid.modulus": (rubber.modulus, {"frequency": q}),
+        "TabulatedSolid": (viscoelastic_solids.TabulatedSolid, table),
+        "TabulatedSolid.modulus": (viscoelastic_solids.TabulatedSolid(**table).modulus, {"frequency": q}),
+        "slide": (
+            steady_sliding.slide,
+            {
+                **slid,
+                "solid": rubber,
+                "velocity": 0.1,
+                "mean_pressure": 0.02,
+                "start": np.ones((12, 12)),
+            },
+        ),
     }
 
 
@@ -283,6 +345,8 @@ def block_doors() -> dict[str, Door]:
         "element": "Hex1",
     } | mesh
     load = {"mean_pressure": 0.01, "pressure_bound": 0.5, "start": wave > 0}
+    steep = {name: held[name] for name in ("surface", "solid", "tolerance", "element", *mesh)}
+    steep["mean_pressure"] = load["mean_pressure"]
     planned = block.plan_mesh((12, 12), (1.0, 1.0))
     sideways = {
         "modulus": lambda x, y, z: 1 + 0.5 * np.cos(2 * np.pi * x) + 0 * y + 0 * z,
@@ -300,6 +364,8 @@ def block_doors() -> dict[str, Door]:
             held | {"method": "full", "offset": 0.005},
         ),
         "block.solve_path": (block.solve_path, held | {"mean_pressures": [0.01, 0.02]}),
+        "block.solve_finite_strain": (block.solve_finite_strain, steep),
+        "block.solve_slopes": (block.solve_slopes, steep | {"slopes": [0.1]}),
         "block.solve_path, walked": (
             lambda **given: list(block.solve_path(**given)),
             held | {"mean_pressures": [0.01, 0.02]},
@@ -407,6 +473,31 @@ def paper_doors(one: Any, rough: Any, bent: Any, summits: Any, sticky: Any) -> d
             sliding.local_shear_stress,
             {"nominal": 1e6, "pressure": 1e7, "hardness": 1e8},
         ),
+        "StandardSolid.modulus": (hard.modulus, {"frequency": 1.0}),
+        "rubber_friction": (
+            sliding.rubber_friction,
+            {
+                "spectrum": smooth,
+                "pressure": 1e6,
+                "velocity": 0.1,
+                "modulus": hard.modulus,
+                "poisson": 0.3,
+                "energy_ratio": 0.5,
+            },
+        ),
+        "friction_of_waves": (
+            sliding.friction_of_waves,
+            {
+                "qx": [1e6, -1e6],
+                "qy": [0.0, 0.0],
+                "power": [1e-18, 1e-18],
+                "pressure": 1e6,
+                "velocity": 0.1,
+                "modulus": hard.modulus,
+                "poisson": 0.3,
+                "energy_ratio": 0.5,
+            },
+        ),
         "slip_energy": (sliding.slip_energy, {"shear_stress": 1e7, "slip": 3e-10}),
         "adhesional_pressure": (sliding.adhesional_pressure, {"barrier": 0.016, "lift": 1e-12}),
         "hertz_pressure": (squeezed_spheres.hertz_pressure, sphere),
@@ -469,6 +560,18 @@ def theory_doors() -> dict[str, Door]:
         ),
         "CapillaryWaves": (capillary.CapillaryWaves, waves),
         "maximum_height": (capillary.maximum_height, {"independent_points": 1e6}),
+        "Stretched": (
+            stretched.Stretched,
+            {"spectrum": spectrum.SelfAffine(**power, amplitude=1.0), "factor": 2.0},
+        ),
+        "Stretched.directional": (
+            stretched.Stretched(spectrum=spectrum.SelfAffine(**power, amplitude=1.0), factor=2.0).directional,
+            {"qx": 1e5, "qy": np.array([1e5, 2e5])},
+        ),
+        "Stretched.m2": (
+            stretched.Stretched(spectrum=spectrum.SelfAffine(**power, amplitude=1.0), factor=2.0).m2,
+            {"q_upper": 2e5},
+        ),
         "Tabulated": (tabulated.Tabulated, {"wavevectors": [1.0, 2.0], "power": [1.0, 2.0]}),
         "Tabulated.from_areal_psd": (
             tabulated.Tabulated.from_areal_psd,
@@ -522,6 +625,8 @@ def theory_doors() -> dict[str, Door]:
             variants.energy_factor,
             {"area": 0.1, "variant": "yang_persson", "energy_ratio": 0.4},
         ),
+        "energy_share": (variants.energy_share, load | {"energy": "xu"}),
+        "energy_share of Eq. 48": (variants.energy_share, load | {"energy": "improved"}),
         "light_load_kappa": (variants.light_load_kappa, {"variant": "xu", "energy_ratio": 0.4}),
         "corrected_contact_area": (
             variants.corrected_contact_area,

@@ -33,6 +33,7 @@ __all__ = [
     "Table",
     "Temperature",
     "Tension",
+    "Velocity",
     "Work",
     "exactly_one",
     "metres",
@@ -179,6 +180,7 @@ Tension = Annotated[float, quantity("J/m^2", "surface tension", "0.04 J/m^2"), F
 Temperature = Annotated[float, quantity("K", "temperature", "370 K"), Field(gt=0)]
 Memory = Annotated[float, quantity("byte", "memory size", "4 GiB"), Field(ge=1)]
 Duration = Annotated[float, quantity("s", "time", "10 min"), Field(gt=0)]
+Velocity = Annotated[float, quantity("m/s", "velocity", "20 mm/s"), Field(gt=0)]
 Number = Annotated[float, Field(strict=True)]
 Positive = Annotated[float, Field(gt=0)]
 

@@ -32,14 +32,18 @@ SHOWN = {
     "pressure": ("area-against-pressure",),
     "stress-near-zero": ("pressure-near-zero",),
     "theory-verdict": ("theory-verdict",),
+    "energy": ("energy-gap-stiffness",),
     "autopsy": ("budget", "restarts"),
     "cross": ("fem-against-bem",),
     "hardness": ("plastic-area",),
     "adhesion": ("adhesive-area",),
+    "adhesive-magnification": ("adhesive-by-magnification",),
     "hurst": ("kappa-against-hurst",),
     "conductance": ("conductance",),
-    "leak": ("leak",),
+    "leak": ("leak", "gap-distribution"),
+    "macroasperities": ("macroasperity-pressure", "percolation"),
     "reference": ("reference", "reference-verdict"),
+    "sliding": ("sliding",),
 }
 
 #: The solvers of the scorecard, where they are installed.

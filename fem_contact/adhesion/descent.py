@@ -89,7 +89,7 @@ class Landscape:
     def stiff(self, field: Array) -> Array:
         """K applied to a field, its mean left out [Pa]."""
         out = np.empty(field.shape)
-        self.operator.precondition(field, out)
+        self.operator.invert(field, out)
         self.pairs += 1
         return out
 

@@ -18,11 +18,18 @@ __all__ = ["LoadSearch"]
 Array = NDArray[np.float64]
 
 
+#: Relative width of a bracket in which no load is left to be tried.
+_JUMP = 1e-12
+
+#: Relative width of a bracket below which each solve is as accurate as the answer.
+_NARROW = 1e-4
+
+
 class LoadSearch:
     """The load at which the mean gap, or the offset, has a prescribed value."""
 
     #: Evaluations allowed; a bracket is halved at worst, so they suffice for any smooth fall.
-    limit = 60
+    limit = 200
 
     def __init__(self, problem: Problem, *, target: float, of_gap: bool) -> None:
         heights = problem.heights
@@ -50,8 +57,12 @@ class LoadSearch:
             return closed
         if self.scale <= 8 * np.finfo(float).eps * float(np.max(np.abs(problem.heights))):
             raise InvalidInput("a flat surface yields everywhere at once: prescribe a mean pressure instead")
-        upper = least_full if problem.bound is None else float(np.mean(problem.bound))
-        return self._search(upper)
+        if problem.bound is None:
+            return self._search(least_full)
+        upper = float(np.mean(problem.bound))
+        # Where all has yielded the body sinks as far as it is pushed.
+        yielded = problem.at(upper)
+        return self._moved(yielded) if self._value(yielded) >= self.target else self._search(upper)
 
     def _separated(self) -> Solution:
         solution = self.problem.solution(np.zeros(self.problem.surface.shape), pairs=1.0)
@@ -65,7 +76,11 @@ class LoadSearch:
         sunk = 0.0 if self.of_gap else mean_compliance * least
         if self.gap > SLACK * self.scale - sunk:
             return None
-        load = least if self.of_gap or mean_compliance == 0 else -self.gap / mean_compliance
+        held = self.of_gap or mean_compliance == 0
+        if held and self.gap < -SLACK * self.scale:
+            # Points that touch without yielding sink no further: some must yield.
+            return None
+        load = least if held else -self.gap / mean_compliance
         force, bound = self.problem.full_pressure() + load, self.problem.bound
         if bound is not None and np.any(force > bound):
             return None
@@ -78,20 +93,20 @@ class LoadSearch:
         gradient = problem.surface.rms_gradient
         # At light load the mean gap falls with the logarithm of the load, by about 0.45 h_rms.
         slope = -0.45 * self.scale
-        low, high = 0.0, upper
-        load = min(
-            0.4 * modulus * gradient * float(np.exp(np.clip(self.gap / slope, -700.0, 700.0))), 0.5 * upper
-        )
+        low, high, best, mark = 0.0, upper, np.inf, np.inf
+        growth = float(np.exp(np.clip(self.gap / slope, -100.0, 100.0)))
+        load = min(0.4 * modulus * gradient * growth, 0.5 * upper)
         start: Array | None = None
-        pairs, iterations = 0.0, 0
+        pairs, iterations, loosest = 0.0, 0, 1e-3
         miss, previous, began = np.inf, (0.0, 0.0), time.monotonic()
         for count in range(self.limit):
-            loose = max(tolerance, min(1e-3, 0.02 * abs(miss) / self.scale))
+            loose = max(tolerance, min(loosest, 0.02 * abs(miss) / self.scale))
             settings = replace(problem.settings.remaining(began), tolerance=loose)
             solution = problem.at(load, start=start, settings=settings)
             pairs, iterations = pairs + solution.fft_pairs, iterations + solution.iterations
             solution = replace(solution, fft_pairs=pairs, iterations=iterations)
             start, miss = solution.force, self._value(solution) - self.target
+            best = min(best, abs(miss))
             settled = loose <= tolerance and abs(miss) <= 10 * tolerance * self.scale
             if settled or solution.status is not Status.CONVERGED:
                 return solution
@@ -102,8 +117,26 @@ class LoadSearch:
                 slope = (miss - previous[1]) / float(np.log(load / previous[0]))
             previous = (load, miss)
             guess = load * float(np.exp(np.clip(-miss / slope, -2.0, 2.0))) if slope < 0 else low
-            load = guess if low < guess < high else (0.5 * (low + high) if low > 0 else 0.1 * high)
+            if loosest > tolerance and high - low <= _NARROW * high:
+                # Offsets are off by the root of the tolerance at worst: a rough solve may have cut wrong.
+                loosest, low, high = tolerance, 0.0, upper
+            elif high - low > _JUMP * high:
+                # Where the fall has a corner secants creep along it from either side.
+                creeps = count % 4 == 3 and best > 0.5 * mark
+                mark = best if count % 4 == 3 else mark
+                middle = 0.5 * (low + high) if low > 0 else 0.1 * high
+                load = guess if low < guess < high and not creeps else middle
+            elif miss < 0 or load > high:
+                # All that touch have yielded: a range of offsets balances this load. On the heavy side of it
+                # the next point to touch bears next to nothing.
+                return self._moved(solution)
+            else:
+                load = high * (1 + 10 * _JUMP)
         return replace(solution, status=Status.STAGNATED)
+
+    def _moved(self, solution: Solution) -> Solution:
+        """Return a solution at the prescribed distance; its residuals, measured later, are the judge."""
+        return replace(solution, offset=solution.offset - self._value(solution) + self.target)
 
     def _value(self, solution: Solution) -> float:
         if not self.of_gap:

@@ -11,7 +11,15 @@ from numpy.typing import NDArray
 
 from fem_contact._checks import LEAST, array, choice, instance, positive
 from fem_contact._checks import field as field_of
-from fem_contact.complementarity import FourierOperator, Solution, polonsky_keer, solve_nested
+from fem_contact.complementarity import (
+    FourierOperator,
+    FreeOperator,
+    Solution,
+    operator_of,
+    polonsky_keer,
+    solve_nested,
+)
+from fem_contact.complementarity.arrays import Device
 from fem_contact.contact import ContactResult, Cost, Residuals, Status, measure_residuals
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response, check_response
@@ -21,7 +29,7 @@ from fem_contact.surface import HeightField
 __all__ = ["SLACK", "Method", "Problem"]
 
 Array = NDArray[np.float64]
-Method = Literal["preconditioned", "mixed", "polonsky-keer"]
+Method = Literal["preconditioned", "double", "polonsky-keer"]
 
 
 @dataclass(kw_only=True)
@@ -32,10 +40,11 @@ class Problem:
     heights: Array
     level: float
     response: Response
-    operator: FourierOperator
+    operator: FourierOperator | FreeOperator
     bound: Array | None
     settings: Settings
     method: Method
+    device: Device | None = None
     clock: float = field(default_factory=time.perf_counter)
     processor: float = field(default_factory=time.process_time)
 
@@ -48,15 +57,20 @@ class Problem:
         bound: float | Array | None,
         settings: Settings,
         method: Method,
+        device: object = None,
     ) -> Problem:
         """Refuse what no computation can start from, and set up the operator."""
         clock, processor = time.perf_counter(), time.process_time()
         instance("surface", surface, HeightField, what="a `HeightField`")
         check_response(response)
-        choice("method", method, ("preconditioned", "mixed", "polonsky-keer"))
+        choice("method", method, ("preconditioned", "double", "polonsky-keer"))
+        if method == "polonsky-keer" and device is not None:
+            raise InvalidInput("method = 'polonsky-keer' runs on no device: use 'preconditioned'")
         if method == "polonsky-keer" and bound is not None:
             raise InvalidInput("method = 'polonsky-keer' knows no pressure bound: use 'preconditioned'")
-        operator = FourierOperator(response, surface.shape, surface.lengths, threads=settings.threads)
+        operator = operator_of(response, surface.shape, surface.lengths, threads=settings.threads)
+        if device is not None and isinstance(operator, FreeOperator):
+            raise InvalidInput("device: runs periodic solids; leave it out for a `FreeHalfSpace`")
         heights, level = _levelled(surface)
         return cls(
             surface=surface,
@@ -67,6 +81,7 @@ class Problem:
             bound=_checked_bound(bound, surface),
             settings=settings,
             method=method,
+            device=None if device is None else Device(device),
             clock=clock,
             processor=processor,
         )
@@ -105,7 +120,7 @@ class Problem:
                 operator,
                 heights,
                 mean_force=load,
-                length_scale=self.surface.rms_height,
+                length_scale=self._length_scale(load),
                 settings=settings,
                 start=start,
             )
@@ -114,25 +129,38 @@ class Problem:
             heights,
             coarse=self._coarse,
             mean_force=load,
-            length_scale=self.surface.rms_height,
+            length_scale=self._length_scale(load),
             settings=settings,
             start=start,
             bound=self.bound,
-            single=self.method == "mixed",
+            double=self.method == "double",
+            device=self.device,
         )
 
-    def _coarse(self, shape: tuple[int, int]) -> FourierOperator:
-        return FourierOperator(self.response, shape, self.surface.lengths, threads=self.operator.threads)
+    def _length_scale(self, load: float) -> float:
+        """Length [m] of residuals: that of the roughness, or of a flat patch the one it sinks by."""
+        scale = self.surface.rms_height
+        flat = scale <= 8 * np.finfo(float).eps * float(np.max(np.abs(self.surface.heights)))
+        return load * max(self.surface.lengths) / self.response.contact_modulus if flat else scale
+
+    def _coarse(self, shape: tuple[int, int]) -> FourierOperator | FreeOperator:
+        return operator_of(self.response, shape, self.surface.lengths, threads=self.operator.threads)
 
     def full_pressure(self) -> Array:
         """Pressure [Pa] of full contact but for its mean: p-hat = h-hat / C(q)."""
+        assert isinstance(self.operator, FourierOperator)
         pressure = np.empty(self.surface.shape)
-        self.operator.precondition(self.heights, pressure)
+        self.operator.invert(self.heights, pressure)
         pressure -= np.mean(pressure)
         return pressure
 
     def _full_contact(self, load: float) -> Solution | None:
-        """Answer where all points touch; None where that needs tension or more than the bound."""
+        """Answer where all points touch; None where that needs tension or more than the bound.
+
+        The pressure of a patch is not found in a step: what presses it full is iterated.
+        """
+        if isinstance(self.operator, FreeOperator):
+            return None
         force = self.full_pressure()
         force += load
         if force.min() < 0 or (self.bound is not None and np.any(force > self.bound)):
@@ -210,12 +238,18 @@ class Problem:
                 peak_bytes=max(solution.peak_bytes + held, 4 * gap.nbytes + held),
             ),
             provenance={
-                "method": "boundary elements by FFT, pressure collocated at the grid points",
+                "method": f"boundary elements by FFT, {_PLACED[type(self.operator)]}",
                 "solver": f"bounded conjugate gradients, {self.method}",
                 "tolerance": repr(self.settings.tolerance),
             },
         )
 
+
+#: What stands for the pressure between the points of a grid, in words.
+_PLACED = {
+    FourierOperator: "pressure collocated at the grid points",
+    FreeOperator: "pressure constant on each cell of a patch with free surroundings",
+}
 
 #: Relative difference at which a load counts as equal to the bound: means of equal numbers differ by
 #: rounding.

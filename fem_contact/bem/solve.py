@@ -11,8 +11,8 @@ from fem_contact._checks import finite, numbers_of, positive
 from fem_contact.bem.distance import LoadSearch
 from fem_contact.bem.problem import Method, Problem
 from fem_contact.contact import ContactResult
-from fem_contact.errors import InvalidInput
-from fem_contact.response import Response
+from fem_contact.errors import InvalidInput, UnsupportedEffect
+from fem_contact.response import FreeHalfSpace, Response
 from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
@@ -33,6 +33,7 @@ def solve(
     time_limit: float | None = None,
     threads: int | None = None,
     method: Method = "preconditioned",
+    device: object = None,
 ) -> ContactResult:
     """Press a rigid rough surface against an elastic solid with a given mean pressure.
 
@@ -58,9 +59,13 @@ def solve(
         Seconds allowed.
     threads : int, optional
         Threads of transforms and of the passes between them; all available processors if not given.
-    method : {"preconditioned", "mixed", "polonsky-keer"}
-        "mixed" preconditions in single precision, which saves memory and changes only the way to the answer.
-        "polonsky-keer" is slow, plain, and there to check the others; it knows no bound.
+    method : {"preconditioned", "double", "polonsky-keer"}
+        "preconditioned" solves grids of 256 x 256 points and more in single precision first, to residuals of
+        1e-6, and to the tolerance in double precision; "double" does without. "polonsky-keer" is slow,
+        plain, and there to check the others; it knows no bound.
+    device : str or array, optional
+        Where to iterate by plain array operations in double precision: a device of PyTorch, such as "cuda",
+        or an array of any Array-API library that lies there. Needs the extra `arrays`.
 
     Returns
     -------
@@ -81,6 +86,7 @@ def solve(
             tolerance=tolerance, max_iterations=max_iterations, time_limit=time_limit, threads=threads
         ),
         method=method,
+        device=device,
     )
     problem.check_load(mean_pressure)
     solution = problem.at(mean_pressure, start=problem.checked_start(start))
@@ -121,9 +127,15 @@ def solve_displacement(
     ------
     InvalidInput
         Unless exactly one of the two is given and finite; for a gap that is negative although nothing yields.
+    UnsupportedEffect
+        For a `FreeHalfSpace`.
     """
     if (mean_gap is None) == (offset is None):
         raise InvalidInput("mean_gap, offset: give exactly one of them, in m")
+    if isinstance(response, FreeHalfSpace):
+        raise UnsupportedEffect(
+            "response = FreeHalfSpace: a patch is pressed by a load; give solve its mean pressure"
+        )
     problem = Problem.checked(
         surface,
         response,

@@ -3,6 +3,7 @@
 from fem_contact.block.accuracy import WaveError, wave_errors
 from fem_contact.block.elements import ELEMENTS, Element
 from fem_contact.block.equilibrium import Equilibrium
+from fem_contact.block.hyperelastic.solver import FiniteStrain, solve_finite_strain, solve_slopes
 from fem_contact.block.mesh import BlockMesh, MeshOptions, graded_layers, plan_mesh
 from fem_contact.block.reduced.surface import BlockResponse
 from fem_contact.block.solution import BlockSolution, CellStress
@@ -17,6 +18,7 @@ __all__ = [
     "Element",
     "Equilibrium",
     "Estimate",
+    "FiniteStrain",
     "MeshOptions",
     "WaveError",
     "estimate",
@@ -24,6 +26,8 @@ __all__ = [
     "plan_mesh",
     "solve",
     "solve_displacement",
+    "solve_finite_strain",
     "solve_path",
+    "solve_slopes",
     "wave_errors",
 ]

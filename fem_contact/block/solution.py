@@ -17,6 +17,7 @@ from fem_contact.block.mesh import BlockMesh
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InsufficientMemory
 from fem_contact.solid import Solid
+from fem_contact.stress import von_mises
 
 __all__ = ["ArraySource", "BlockSolution", "CellLayer", "CellStress", "FieldSource"]
 
@@ -124,9 +125,7 @@ class CellStress:
     @property
     def von_mises(self) -> Array:
         """Von Mises stress of every cell [Pa]."""
-        xx, yy, zz, yz, xz, xy = np.moveaxis(self.tensor, -1, 0)
-        normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
-        return np.asarray(np.sqrt(0.5 * normal + 3 * (yz**2 + xz**2 + xy**2)))
+        return von_mises(self.tensor)
 
 
 @dataclass(frozen=True, kw_only=True)

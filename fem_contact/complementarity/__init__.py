@@ -5,14 +5,25 @@ r"""The bounded quadratic programme of frictionless contact; it knows nothing bu
 Its optimality conditions are those of contact: with the gap g = S x - h + offset (the offset is the
 multiplier of the load), g = 0 where 0 < x < x_max, g >= 0 where x = 0, g <= 0 where x = x_max.
 
-`operator` is the protocol with discretisations, `fourier` the one by transforms, `solve` the iteration,
+`operator` is the protocol with discretisations, `fourier` the periodic one by transforms, `free` that of a
+patch alone, `solve` the iteration,
 `polonsky_keer` a slow one that checks it. Under the iteration: `passes` over arrays, compiled `kernels`,
 `rows` shared out over threads.
 """
 
 from fem_contact.complementarity.fourier import FourierOperator
+from fem_contact.complementarity.free import FreeOperator, operator_of
 from fem_contact.complementarity.operator import Operator, Solution
 from fem_contact.complementarity.polonsky_keer import polonsky_keer
 from fem_contact.complementarity.solve import solve_bounded, solve_nested
 
-__all__ = ["FourierOperator", "Operator", "Solution", "polonsky_keer", "solve_bounded", "solve_nested"]
+__all__ = [
+    "FourierOperator",
+    "FreeOperator",
+    "Operator",
+    "Solution",
+    "operator_of",
+    "polonsky_keer",
+    "solve_bounded",
+    "solve_nested",
+]

@@ -115,20 +115,24 @@ def advance_residual(lo, hi, x, u, h, s, v, share, pull_back, offset, stiffness,
     sum x u, the least gap, and over the working set the sums of x, s and x v.
     """
     nx, ny = x.shape
-    keep = 1 - pull_back
-    moment = 0.0
-    total = 0.0
-    torque = 0.0
-    energy = 0.0
-    lowest = np.inf
-    free = 0.0
-    last = 0.0
-    image = 0.0
+    zero, one, share, keep = (
+        x.dtype.type(0),
+        x.dtype.type(1),
+        x.dtype.type(share),
+        x.dtype.type(1 - pull_back),
+    )
+    offset, stiffness = x.dtype.type(offset), x.dtype.type(stiffness)
+    moment, total, torque, energy = 0.0, 0.0, 0.0, 0.0
+    free, last, image = 0.0, 0.0, 0.0
+    lowest = x.dtype.type(np.inf)
     for row in range(lo, hi):
         for i in range(2 * row, min(2 * row + 2, nx)):
-            # Three loops over a row that stays in the cache, each simple enough to be vectorised.
+            # Three loops over a row that stays in the cache, each simple enough to be vectorised; sums over a
+            # row are of the precision of the fields, sums of rows are double.
+            row_moment, row_total, row_torque, row_energy = zero, zero, zero, zero
+            row_free, row_last, row_image = zero, zero, zero
             for j in range(ny):
-                force = max(keep * x[i, j] + share * s[i, j], 0.0)
+                force = max(keep * x[i, j] + share * s[i, j], zero)
                 shift = keep * u[i, j] + share * v[i, j]
                 x[i, j] = force
                 u[i, j] = shift
@@ -136,19 +140,26 @@ def advance_residual(lo, hi, x, u, h, s, v, share, pull_back, offset, stiffness,
                 g = level + offset
                 r[i, j] = g
                 lowest = min(lowest, g)
-                total += force
-                moment += force * abs(g)
-                torque += force * level
-                energy += force * shift
+                row_total += force
+                row_moment += force * abs(g)
+                row_torque += force * level
+                row_energy += force * shift
             for j in range(ny):
                 work[i, j] = x[i, j] > stiffness * r[i, j]
             for j in range(ny):
-                inside = 1.0 if work[i, j] else 0.0
+                inside = one if work[i, j] else zero
                 force = inside * x[i, j]
-                free += force
-                image += force * v[i, j]
-                last += inside * s[i, j]
+                row_free += force
+                row_image += force * v[i, j]
+                row_last += inside * s[i, j]
                 r[i, j] *= -inside
+            moment += row_moment
+            total += row_total
+            torque += row_torque
+            energy += row_energy
+            free += row_free
+            last += row_last
+            image += row_image
         _sum_cells(row, r, work, sums, counts)
     return moment, total, torque, energy, lowest, free, last, image
 
@@ -170,20 +181,22 @@ def push(lo, hi, fine, occupied, coarse, decay):
     ny = fine.shape[1]
     mx, my = coarse.shape
     line = np.empty(my + 2, coarse.dtype)
+    near, far = fine.dtype.type(0.75), fine.dtype.type(0.25)
+    keep = fine.dtype.type(decay)
     for i in range(lo, hi):
         parent = i // 2
         other = (parent + (1 if i % 2 else -1)) % mx
         for j in range(my):
-            line[j + 1] = decay * (0.75 * coarse[parent, j] + 0.25 * coarse[other, j])
+            line[j + 1] = keep * (near * coarse[parent, j] + far * coarse[other, j])
         line[0] = line[my]
         line[my + 1] = line[1]
         for p in range(ny // 2):
-            left = 0.75 * line[p + 1] + 0.25 * line[p]
-            right = 0.75 * line[p + 1] + 0.25 * line[p + 2]
+            left = near * line[p + 1] + far * line[p]
+            right = near * line[p + 1] + far * line[p + 2]
             fine[i, 2 * p] = fine[i, 2 * p] if occupied[i, 2 * p] else left
             fine[i, 2 * p + 1] = fine[i, 2 * p + 1] if occupied[i, 2 * p + 1] else right
         if ny % 2 and not occupied[i, ny - 1]:
-            fine[i, ny - 1] = 0.75 * line[my] + 0.25 * line[my - 1]
+            fine[i, ny - 1] = near * line[my] + far * line[my - 1]
 
 
 @njit(**_OPTIONS)
@@ -192,26 +205,27 @@ def push_transposed(lo, hi, fine, occupied, coarse, decay):
     nx, ny = fine.shape
     mx, my = coarse.shape
     line = np.zeros(2 * my + 2, coarse.dtype)
+    zero, close, far = fine.dtype.type(0), fine.dtype.type(0.75), fine.dtype.type(0.25)
     for row in range(lo, hi):
         line[:] = 0
         for k in range(4):
             if k < 2:
                 i = 2 * row + k
-                weight = 0.75 * decay
+                weight = fine.dtype.type(0.75 * decay)
             elif k == 2:
                 i = 2 * ((row + 1) % mx)
-                weight = 0.25 * decay
+                weight = fine.dtype.type(0.25 * decay)
             else:
                 i = 2 * ((row - 1) % mx) + 1
-                weight = 0.25 * decay
+                weight = fine.dtype.type(0.25 * decay)
             if i < nx:
                 for j in range(ny):
-                    line[j + 1] += 0.0 if occupied[i, j] else weight * fine[i, j]
+                    line[j + 1] += zero if occupied[i, j] else weight * fine[i, j]
         line[0] = line[2 * my]
         line[2 * my + 1] = line[1]
         for col in range(my):
             near = line[2 * col + 1] + line[2 * col + 2]
-            coarse[row, col] = 0.75 * near + 0.25 * (line[2 * col] + line[2 * col + 3])
+            coarse[row, col] = close * near + far * (line[2 * col] + line[2 * col + 3])
 
 
 @njit(**_OPTIONS)
@@ -228,19 +242,23 @@ def finish(lo, hi, z, work, coarse, v):
     ny = z.shape[1]
     total = 0.0
     image = 0.0
+    zero = z.dtype.type(0)
     for i in range(lo, hi):
+        row_total, row_image = zero, zero
         for p in range(ny // 2):
-            left = z[i, 2 * p] + coarse[i // 2, p] if work[i, 2 * p] else 0.0
-            right = z[i, 2 * p + 1] + coarse[i // 2, p] if work[i, 2 * p + 1] else 0.0
+            left = z[i, 2 * p] + coarse[i // 2, p] if work[i, 2 * p] else zero
+            right = z[i, 2 * p + 1] + coarse[i // 2, p] if work[i, 2 * p + 1] else zero
             z[i, 2 * p] = left
             z[i, 2 * p + 1] = right
-            total += left + right
-            image += left * v[i, 2 * p] + right * v[i, 2 * p + 1]
+            row_total += left + right
+            row_image += left * v[i, 2 * p] + right * v[i, 2 * p + 1]
         if ny % 2:
-            left = z[i, ny - 1] + coarse[i // 2, ny // 2] if work[i, ny - 1] else 0.0
+            left = z[i, ny - 1] + coarse[i // 2, ny // 2] if work[i, ny - 1] else zero
             z[i, ny - 1] = left
-            total += left
-            image += left * v[i, ny - 1]
+            row_total += left
+            row_image += left * v[i, ny - 1]
+        total += row_total
+        image += row_image
     return total, image
 
 
@@ -253,16 +271,22 @@ def trial(lo, hi, x, z, s, work, u, h, offset, step, beta, shift):
     total = 0.0
     slope = 0.0
     lift = 0.0
+    zero, offset, step = x.dtype.type(0), x.dtype.type(offset), x.dtype.type(step)
+    beta, shift = x.dtype.type(beta), x.dtype.type(shift)
     for i in range(lo, hi):
+        row_total, row_slope, row_lift = zero, zero, zero
         for j in range(x.shape[1]):
             force = x[i, j]
-            y = max(force + step * (z[i, j] + beta * s[i, j] - shift * force), 0.0)
-            y = y if work[i, j] else 0.0
-            total += y
+            y = max(force + step * (z[i, j] + beta * s[i, j] - shift * force), zero)
+            y = y if work[i, j] else zero
+            row_total += y
             y -= force
             s[i, j] = y
-            slope += (u[i, j] - h[i, j] + offset) * y
-            lift += u[i, j] * y
+            row_slope += (u[i, j] - h[i, j] + offset) * y
+            row_lift += u[i, j] * y
+        total += row_total
+        slope += row_slope
+        lift += row_lift
     return total, slope, lift
 
 
@@ -331,15 +355,18 @@ def bend(lo, hi, s, v):
     """Sum s v."""
     total = 0.0
     for i in range(lo, hi):
+        row_total = s.dtype.type(0)
         for j in range(s.shape[1]):
-            total += s[i, j] * v[i, j]
+            row_total += s[i, j] * v[i, j]
+        total += row_total
     return (total,)
 
 
 @njit(**_OPTIONS)
 def room(lo, hi, x, s, bound, share, pull_back):
     """Largest multiple of the step share * s - pull_back * x that keeps the force within its bounds."""
-    most = np.inf
+    most = x.dtype.type(np.inf)
+    share, pull_back = x.dtype.type(share), x.dtype.type(pull_back)
     for i in range(lo, hi):
         for j in range(x.shape[1]):
             force = x[i, j]
@@ -375,7 +402,7 @@ def advance_bounded(lo, hi, x, u, h, s, v, factor, bound):
 def multiply(lo, hi, spectrum, factor):
     """Multiply rows of a half spectrum by real factors."""
     for i in range(lo, hi):
-        for j in range(spectrum.shape[1]):
+        for j in range(factor.shape[1]):
             spectrum[i, j] *= factor[i, j]
     return (0.0,)
 
@@ -384,7 +411,7 @@ def multiply(lo, hi, spectrum, factor):
 def divide(lo, hi, spectrum, factor):
     """Divide rows of a half spectrum by real factors, and take out the mean."""
     for i in range(lo, hi):
-        for j in range(spectrum.shape[1]):
+        for j in range(factor.shape[1]):
             if i + j > 0:
                 spectrum[i, j] *= 1 / factor[i, j]
             else:

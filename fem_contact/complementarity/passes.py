@@ -61,9 +61,12 @@ class Errors:
     last: float
     image: float
 
-    def within(self, tolerance: float) -> bool:
-        """Whether complementarity and penetration are met to a tolerance [m]."""
-        return self.moment <= tolerance * self.total and max(-self.lowest, self.highest) <= 10 * tolerance
+    def within(self, tolerance: float, *, least: float) -> bool:
+        """Whether complementarity, of `least` as sum x at least, and penetration meet a tolerance [m]."""
+        return (
+            self.moment <= tolerance * max(self.total, least)
+            and max(-self.lowest, self.highest) <= 10 * tolerance
+        )
 
     @property
     def size(self) -> float:
@@ -71,9 +74,7 @@ class Errors:
         return self.moment / self.total if self.total > 0 else 0.0
 
 
-def _staggered(
-    shape: tuple[int, int], place: int, dtype: type[np.floating[Any]] = np.float64
-) -> NDArray[Any]:
+def _staggered(shape: tuple[int, int], place: int, dtype: type[np.floating[Any]]) -> NDArray[Any]:
     """Empty array that starts on a cache line, the one after those of the arrays of lower place.
 
     A pass reads up to seven arrays at one point of the grid. Large ones all start at the same place of a
@@ -89,20 +90,24 @@ def _staggered(
 
 
 class Passes:
-    """The arrays of one problem and the compiled passes over them, shared out over threads."""
+    """The arrays of one problem and the compiled passes over them, shared out over threads.
+
+    All are of the precision of the heights.
+    """
 
     def __init__(
-        self, heights: Array, *, bound: Array | None, stiffness: float, threads: int, single: bool = False
+        self, heights: NDArray[Any], *, bound: NDArray[Any] | None, stiffness: float, threads: int
     ) -> None:
         from fem_contact.complementarity import kernels
 
         self.kernels, self.heights, self.bound, self.stiffness = kernels, heights, bound, stiffness
+        self.xp: Any = np
+        self.count = heights.size
         nx, ny = heights.shape
-        precision = np.float32 if single else np.float64
-        self.force, self.displacement = _staggered((nx, ny), 1), _staggered((nx, ny), 2)
-        self.step, self.image = _staggered((nx, ny), 3), _staggered((nx, ny), 4)
+        precision = heights.dtype.type
+        fields = (_staggered((nx, ny), place, precision) for place in range(1, 6))
+        self.force, self.displacement, self.step, self.image, self.buffer = fields
         self.step[:] = self.image[:] = 0
-        self.buffer: NDArray[Any] = _staggered((nx, ny), 5, precision)
         self.working = np.zeros((nx, ny), dtype=bool)
         self.share, self.pull_back = 1.0, 0.0
         self._trial: tuple[float, float] | None = None
@@ -189,7 +194,7 @@ class Passes:
 
     def trial(self, mean_force: float, *, offset: float, length: float, beta: float, shift: float) -> None:
         """Write the step to the clipped trial force of the prescribed load."""
-        k, target = self.kernels, mean_force * self.force.size
+        k, target = self.kernels, mean_force * self.count
         self.share, self.pull_back, self._trial = 1.0, 0.0, None
         if self.bound is None:
             total, slope, lift = self.rows.add(

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.complementarity.fourier import coarsened, refined
+from fem_contact.complementarity.arrays import ArrayOperator, ArrayPasses, Device
+from fem_contact.complementarity.fourier import FourierOperator, coarsened, refined
 from fem_contact.complementarity.operator import Operator, Solution
 from fem_contact.complementarity.passes import Errors, Passes
 from fem_contact.contact import Status
@@ -29,7 +32,7 @@ def solve_bounded(
     settings: Settings,
     start: Array | None = None,
     bound: Array | None = None,
-    single: bool = False,
+    draft: bool = False,
 ) -> Solution:
     """Preconditioned conjugate gradients under bounds; two operator applications per step.
 
@@ -44,15 +47,16 @@ def solve_bounded(
         Length [m] in which the residuals are measured.
     settings : Settings
         Stop at sum x |g| <= tolerance * length_scale * sum x and penetration <= 10 tolerance * length_scale,
-        both over points below the bound, and no opening above that at points on the bound. The threads share
+        both over points below the bound (sum x not below a tenth of the load), and no opening above that at
+        points on the bound. The threads share
         the passes over the arrays.
     start : (nx, ny) array, optional
         Forces [Pa] to start from, scaled to the load here; uniform if not given.
     bound : (nx, ny) array, optional
         Upper bound of x [Pa]; its mean must exceed `mean_force`.
-    single : bool
-        Precondition in single precision: the operator is handed arrays of that kind. Directions then differ
-        in the seventh digit; residuals, and what is returned, are of double precision as ever.
+    draft : bool
+        Return the first forces that meet the tolerance, not settled and not applied afresh, or those at which
+        the residual stops falling: they only start another solve.
 
     Notes
     -----
@@ -66,11 +70,15 @@ def solve_bounded(
     inverse (a half derivative) answers with a logarithm of the resolution; extended, the number of steps
     hardly depends on the grid.
     """
-    passes = Passes(
-        heights, bound=bound, stiffness=_CAUTION * operator.stiffness, threads=settings.workers, single=single
-    )
+    stiffness = _CAUTION * operator.stiffness
+    if isinstance(operator, ArrayOperator):
+        passes: Passes = ArrayPasses(heights, bound=bound, stiffness=stiffness)
+    else:
+        passes = Passes(heights, bound=bound, stiffness=stiffness, threads=settings.workers)
     _set_start(passes, start, mean_force)
-    return _iterate(operator, passes, mean_force=mean_force, length_scale=length_scale, settings=settings)
+    return _iterate(
+        operator, passes, mean_force=mean_force, length_scale=length_scale, settings=settings, draft=draft
+    )
 
 
 #: Trial length of the first step, and the range it may move in; the preconditioner is scaled like the inverse
@@ -82,8 +90,18 @@ _FIRST, _LEAST, _GREATEST = 0.5, 0.1, 3.0
 #: of descent.
 _CAUTION = 0.1
 
+#: Share of the load between its bounds that is taken for rounding.
+_VANISHING = 3e-11
+
+#: Share of the load that the points below their bound are counted to bear at least: what rounding leaves them
+#: cannot be balanced.
+_BELOW = 0.1
+
 #: Steps without a new least error after which the iteration is said to stagnate.
 _PATIENCE = 60
+
+#: The same for a draft, whose precision may not reach its tolerance.
+_DRAFT_PATIENCE = 4
 
 
 def _iterate(
@@ -93,13 +111,18 @@ def _iterate(
     mean_force: float,
     length_scale: float,
     settings: Settings,
+    draft: bool,
 ) -> Solution:
     began, tolerance = time.monotonic(), settings.tolerance
+    enough = _DRAFT_PATIENCE if draft else _PATIENCE
     total, moment, energy = passes.start(operator)
     applications, iteration, length, curvature = 1, 0, _FIRST, 0.0
-    least, patience, status = np.inf, _PATIENCE, Status.ITERATION_LIMIT
-    verified, plain = False, False
+    least, patience, status = np.inf, enough, Status.ITERATION_LIMIT
+    verified, plain = draft, False
     errors: Errors | None = None
+    # Where all that bear have yielded but for rounding, the points between say nothing of the offset.
+    load = mean_force * passes.count
+    vanishing = 0.0 if passes.bound is None else _VANISHING * load
     while True:
         if not total > 0 and passes.bound is None:
             # At vanishing load a step may round every force away: the closest point carries it.
@@ -108,9 +131,9 @@ def _iterate(
             applications, curvature, errors = applications + 1, 0.0, None
         if errors is None:
             # phi . g = 0: the offset is the gap below the load, so that scaling phi is no descent.
-            offset = -moment / total if total > 0 else _offset_between(passes)
+            offset = -moment / total if total > vanishing else _offset_between(passes)
             errors = passes.residual(offset)
-        if errors.within(tolerance * length_scale):
+        if errors.within(tolerance * length_scale, least=_BELOW * load):
             if verified:
                 status = Status.CONVERGED
                 break
@@ -120,7 +143,7 @@ def _iterate(
             total, moment, energy = passes.start(operator)
             applications, verified, errors = applications + 1, True, None
             continue
-        patience = _PATIENCE if errors.size < 0.9 * least else patience - 1
+        patience = enough if errors.size < 0.9 * least else patience - 1
         least = min(least, errors.size)
         if patience == 0:
             status = Status.STAGNATED
@@ -142,7 +165,7 @@ def _iterate(
             passes.trial(mean_force, offset=offset, length=length, beta=beta, shift=shift)
         operator.apply(passes.step, passes.image)
         applications += 1 if plain else 2
-        verified = False
+        verified = draft
         along = passes.search(offset, energy)
         best = -along.slope / along.curvature if along.curvature > 0 else 0.0
         # The trial force keeps the bounds: a single step does.
@@ -170,41 +193,43 @@ def _iterate(
 
 
 def _set_start(passes: Passes, start: Array | None, mean_force: float) -> None:
-    force, bound = passes.force, passes.bound
-    if start is None:
-        force[:] = mean_force
-    else:
-        np.maximum(start, 0, out=force)
-        force *= mean_force / np.mean(force)
+    xp, force, bound = passes.xp, passes.force, passes.bound
+    force[...] = mean_force if start is None else start
+    if start is not None:
+        force[force < 0] = 0
+        force *= mean_force / float(xp.mean(force))
     if bound is not None:
-        np.minimum(force, bound, out=force)
-        _restore_load(force, bound, mean_force)
+        force[...] = xp.where(force < bound, force, bound)
+        _restore_load(passes, mean_force)
 
 
 def _settle(passes: Passes, mean_force: float) -> None:
     """Leave no force off the working set but at the bound."""
-    force, bound = passes.force, passes.bound
+    xp, force, bound = passes.xp, passes.force, passes.bound
     if bound is None:
         force[~passes.working] = 0
-        if not np.mean(force) > 0:
+        if not float(xp.mean(force)) > 0:
             # At vanishing load the gap's rounding may leave no point in the set: the closest one carries it.
-            force.flat[int(np.argmin(passes.displacement - passes.heights))] = mean_force
-        force *= mean_force / np.mean(force)
+            closest = int(xp.argmin(passes.displacement - passes.heights))
+            force[closest // force.shape[1], closest % force.shape[1]] = mean_force
+        force *= mean_force / float(xp.mean(force))
     else:
-        np.copyto(force, np.where(force < 0.5 * bound, 0.0, bound), where=~passes.working)
-        _restore_load(force, bound, mean_force)
+        at_rest = xp.where(force < 0.5 * bound, xp.zeros_like(bound), bound)
+        force[...] = xp.where(passes.working, force, at_rest)
+        _restore_load(passes, mean_force)
 
 
-def _restore_load(force: Array, bound: Array, mean_force: float) -> None:
+def _restore_load(passes: Passes, mean_force: float) -> None:
     """Bring the mean back by moving points between their bounds, or all where need be, towards one."""
-    for points in ((force > 0) & (force < bound), np.ones(force.shape, dtype=bool)):
-        missing = (mean_force - float(np.mean(force))) * force.size
-        if abs(missing) <= 1e-13 * mean_force * force.size:
+    xp, force, bound = passes.xp, passes.force, passes.bound
+    for points in ((force > 0) & (force < bound), force >= 0):
+        missing = (mean_force - float(xp.mean(force))) * passes.count
+        if abs(missing) <= 1e-13 * mean_force * passes.count:
             return
-        room = (bound - force if missing > 0 else force)[points]
-        total = float(room.sum())
+        room = xp.where(points, bound - force if missing > 0 else force, xp.zeros_like(force))
+        total = float(xp.sum(room))
         if total > 0:
-            force[points] += min(abs(missing) / total, 1.0) * np.copysign(room, missing)
+            force += math.copysign(min(abs(missing) / total, 1.0), missing) * room
 
 
 def _offset_between(passes: Passes) -> float:
@@ -213,9 +238,12 @@ def _offset_between(passes: Passes) -> float:
     Any offset that opens no loaded point and closes no other is right; the one of least indentation is meant.
     Short of the solution there is none, and the middle leaves both kinds of points something to do.
     """
-    level, loaded = passes.displacement - passes.heights, passes.force > 0
-    highest = float(np.max(level[loaded]))
-    lowest = float(np.min(level[~loaded], initial=np.inf))
+    xp, level = passes.xp, passes.displacement - passes.heights
+    # Forces of the size of rounding are none.
+    loaded = passes.force > (0.0 if passes.bound is None else 1e-14 * passes.bound)
+    endless = xp.zeros_like(level) + math.inf
+    highest = float(xp.max(xp.where(loaded, level, -endless)))
+    lowest = float(xp.min(xp.where(loaded, endless, level)))
     return -highest if lowest >= highest else -0.5 * (lowest + highest)
 
 
@@ -228,7 +256,7 @@ def _solution(
         displacement=passes.displacement,
         offset=offset,
         in_contact=force > 0,
-        at_bound=np.zeros(force.shape, dtype=bool) if bound is None else force >= bound,
+        at_bound=force < 0 if bound is None else force >= bound,
         status=status,
         iterations=iterations,
         fft_pairs=applications * operator.pairs,
@@ -247,7 +275,8 @@ def solve_nested(
     start: Array | None = None,
     bound: Array | None = None,
     weights: Array | None = None,
-    single: bool = False,
+    double: bool = False,
+    device: Device | None = None,
 ) -> Solution:
     """Solve from coarse to fine: each grid starts from the interpolated forces of the one before.
 
@@ -260,7 +289,11 @@ def solve_nested(
         Forces [Pa] to start from; the coarser grids are then left out.
     weights : (nx, ny) array, optional
         Weights of the nodes of the finest grid, where they differ.
-    operator, heights, mean_force, length_scale, settings, bound, single
+    double : bool
+        Never draft in single precision.
+    device : Device, optional
+        Where each grid is solved by plain array operations, all in double precision.
+    operator, heights, mean_force, length_scale, settings, bound
         As in `solve_bounded`. Coarse grids are solved to `_COARSE` at best; the time is for all grids.
 
     Notes
@@ -268,14 +301,15 @@ def solve_nested(
     The heights of a coarse grid are freed of the waves it cannot carry. `Solution.fft_pairs` counts the pairs
     of all grids, each by its share of points.
     """
-    given, pairs, began = start is not None, 0.0, time.monotonic()
+    given, pairs, steps, began = start is not None, 0.0, 0, time.monotonic()
     coarsely = replace(settings, tolerance=max(settings.tolerance, _COARSE))
     levels = [heights]
     for shape in [] if given else _coarse_shapes(heights.shape):
         levels.append(coarsened(levels[-1], shape, threads=settings.workers))
     for smooth in reversed(levels[1:]):
         shape = (smooth.shape[0], smooth.shape[1])
-        solution = solve_bounded(
+        solution = _placed(
+            device,
             coarse(shape),
             smooth,
             mean_force=mean_force,
@@ -283,14 +317,30 @@ def solve_nested(
             settings=coarsely.remaining(began),
             start=None if start is None else refined(start, shape),
             bound=None if bound is None else _nearest(bound if weights is None else bound / weights, shape),
-            single=single,
+            draft=True,
         )
         start = solution.force
         pairs += solution.fft_pairs * start.size / heights.size
     if start is not None and not given:
         start = refined(start, heights.shape)
         start = start if weights is None else start * weights
-    solution = solve_bounded(
+    double = double or device is not None or heights.size < _DRAFTED
+    if not double and isinstance(operator, FourierOperator):
+        first = _drafted(
+            operator,
+            heights,
+            mean_force=mean_force,
+            length_scale=length_scale,
+            settings=settings.remaining(began),
+            start=start,
+            bound=bound,
+        )
+        if first is not None:
+            start, steps, pairs = first.force, first.iterations, pairs + first.fft_pairs
+            settings = replace(settings, max_iterations=max(settings.max_iterations - steps, 1))
+            del first
+    solution = _placed(
+        device,
         operator,
         heights,
         mean_force=mean_force,
@@ -298,10 +348,71 @@ def solve_nested(
         settings=settings.remaining(began),
         start=start,
         bound=bound,
-        single=single,
     )
-    return replace(solution, fft_pairs=solution.fft_pairs + pairs)
+    return replace(solution, fft_pairs=solution.fft_pairs + pairs, iterations=solution.iterations + steps)
 
+
+def _placed(
+    device: Device | None,
+    operator: Operator,
+    heights: Array,
+    *,
+    start: Array | None,
+    bound: Array | None,
+    **options: Any,
+) -> Solution:
+    """Solve one grid where it is to be solved."""
+    if device is None or not isinstance(operator, FourierOperator):
+        return solve_bounded(operator, heights, start=start, bound=bound, **options)
+    solution = solve_bounded(
+        ArrayOperator(operator, device),
+        device.put(heights),
+        start=device.put(start),
+        bound=device.put(bound),
+        **options,
+    )
+    return device.fetched(solution)
+
+
+def _drafted(
+    operator: FourierOperator,
+    heights: Array,
+    *,
+    mean_force: float,
+    length_scale: float,
+    settings: Settings,
+    start: Array | None,
+    bound: Array | None,
+) -> Solution | None:
+    """Solve in single precision as far as its digits go; None for scales that it cannot hold.
+
+    Forces are in units of the load, lengths of `length_scale`, so that no unit system leaves its range.
+    """
+    if not length_scale > 0:
+        return None
+    factor = mean_force / length_scale
+    range_ = np.finfo(np.float32)
+    sizes = operator.compliance.ravel()[1:]
+    if not (np.min(sizes) * factor > range_.tiny * 1e6 and np.max(sizes) * factor < range_.max * 1e-6):
+        return None
+    solution = solve_bounded(
+        operator.single(factor),
+        ((heights - np.mean(heights)) / length_scale).astype(np.float32),
+        mean_force=1.0,
+        length_scale=1.0,
+        settings=replace(settings, tolerance=max(settings.tolerance, _SINGLE)),
+        start=None if start is None else (start / np.mean(start)).astype(np.float32),
+        bound=None if bound is None else np.minimum(bound / mean_force, 1e30).astype(np.float32),
+        draft=True,
+    )
+    return solution if np.all(np.isfinite(solution.force)) and np.mean(solution.force) > 0 else None
+
+
+#: Tolerance to which single precision is free: its digits hold the gap to some 1e-7 of the roughness.
+_SINGLE = 1e-6
+
+#: Grids with fewer points are solved in double precision at once.
+_DRAFTED = 256**2
 
 #: Tolerance of the coarse grids: their answer is off by the discretisation anyway.
 _COARSE = 1e-2

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from fem_contact._checks import GREATEST, array, function, pair, positive, room_for, shown, whole, within
 from fem_contact.errors import InvalidInput
 
-__all__ = ["HeightField", "checked_lengths", "checked_shape", "interpolant"]
+__all__ = ["HeightField", "Patch", "checked_lengths", "checked_shape", "interpolant"]
 
 Array = NDArray[np.float64]
 Shape = tuple[int, int]
@@ -188,6 +188,71 @@ class HeightField:
             spectrum = _refold(spectrum, shape[axis], fraction[axis], axis)
         heights = scipy.fft.ifft2(spectrum, norm="forward").real
         return HeightField(heights=heights, lengths=self.lengths)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Patch(HeightField):
+    """Heights of one patch of a surface with its edges: opposite ones need not match, nothing is periodic.
+
+    Points are the centres of nx x ny cells that fill the patch. Slopes are differences between neighbours;
+    between the points the surface is a cubic spline; `spectral_sum` is that under a Hann window.
+
+    Parameters
+    ----------
+    heights : (nx, ny) array
+        Heights [m] at x = (i + 1/2) Lx/nx, y = (j + 1/2) Ly/ny.
+    lengths : tuple of float
+        Sides (Lx, Ly) [m].
+
+    Examples
+    --------
+    >>> slope = Patch(heights=np.arange(6.0)[:, None] * np.ones(4), lengths=(12.0, 4.0))
+    >>> slope.rms_gradient
+    0.5
+    """
+
+    @cached_property
+    def moments(self) -> tuple[float, float, float]:
+        """Mean squares of height [m^2], gradient [1] and Laplacian [m^-2], the latter two by differences."""
+        (nx, ny), (dx, dy) = self.shape, self.spacing
+        gradient, bent = 0.0, np.zeros((max(nx - 2, 0), max(ny - 2, 0)))
+        for axis, step in ((0, dx), (1, dy)):
+            slopes = np.diff(self.heights, axis=axis) / step
+            gradient += float(np.mean(slopes**2)) if slopes.size else 0.0
+            inner = (slice(None), slice(1, -1)) if axis == 0 else (slice(1, -1), slice(None))
+            bent += np.diff(slopes, axis=axis)[inner] / step if bent.size else 0.0
+        return self.rms_height**2, gradient, float(np.mean(bent**2)) if bent.size else 0.0
+
+    def _power(self) -> tuple[Array, Array, Array]:
+        """Squares of the waves of the patch under a Hann window, over the mean square of the window."""
+        sides = (
+            np.sqrt(8 / 3) * np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2 if n > 1 else np.ones(1)
+            for n in self.shape
+        )
+        weights = np.multiply.outer(*sides)
+        mean = float(np.mean(weights * self.heights) / np.mean(weights))
+        return HeightField(heights=weights * (self.heights - mean), lengths=self.lengths)._power()
+
+    def _sampled(self, shape: Shape, fraction: tuple[float, float]) -> HeightField:
+        if fraction != (0.0, 0.0):
+            raise InvalidInput("a patch with edges cannot be moved under the grid: resample it")
+        if shape == self.shape:
+            return self
+        from scipy.interpolate import make_interp_spline
+
+        heights = self.heights
+        for axis, (new, old) in enumerate(zip(shape, self.shape, strict=True)):
+            if new != old:
+                spline = make_interp_spline(np.arange(old) + 0.5, heights, k=min(3, old - 1), axis=axis)
+                heights = spline((np.arange(new) + 0.5) * (old / new))
+        return Patch(heights=heights, lengths=self.lengths)
+
+    def __reduce__(self) -> tuple[object, ...]:
+        return _patch, (self.heights, self.lengths)
+
+
+def _patch(heights: Array, lengths: Lengths) -> Patch:
+    return Patch(heights=heights, lengths=lengths)
 
 
 def _height_field(heights: Array, lengths: Lengths) -> HeightField:

@@ -45,13 +45,14 @@ def resolves(shape: Shape, lengths: Lengths, *, q_short: float) -> bool:
 
 
 def random_surface(
-    spectrum: Callable[[Array], Array],
+    spectrum: Callable[..., Array],
     *,
     q_short: float,
     lengths: Lengths,
     shape: Shape,
     seed: int | np.random.Generator,
     amplitudes: Literal["exact", "gaussian"] = "exact",
+    isotropic: bool = True,
     under_resolved: bool = False,
 ) -> HeightField:
     r"""One realisation of a periodic random surface with power spectrum C(q).
@@ -63,9 +64,10 @@ def random_surface(
     Parameters
     ----------
     spectrum : callable
-        C(q) [m^4] for an array of q [1/m], in the convention <h^2> = 2 pi int q C dq.
+        C(q) [m^4] for an array of q [1/m], in the convention <h^2> = 2 pi int q C dq; or C(qx, qy), see
+        `isotropic`.
     q_short : float
-        Cut-off wavevector [1/m]: no wave beyond it is generated.
+        Cut-off wavevector [1/m]: no wave beyond it is generated, in any direction.
     lengths : tuple of float
         Periods (Lx, Ly) [m].
     shape : tuple of int
@@ -75,6 +77,8 @@ def random_surface(
     amplitudes : {"exact", "gaussian"}
         "exact": every wave carries sqrt(C(q)) exactly, only phases are random. "gaussian": each coefficient
         is a complex Gaussian of that variance, as in a sample of a Gaussian process.
+    isotropic : bool
+        Whether the spectrum is a function of |q|; if not, of the components (qx, qy), the same for -q.
     under_resolved : bool
         Accept a grid with lambda_short <= 2 dx. It gets the true point values, from which the surface cannot
         be recovered.
@@ -95,7 +99,9 @@ def random_surface(
     q_short = positive("q_short", q_short, unit="1/m")
     truth("under_resolved", under_resolved)
     _check_resolved(shape, lengths, q_short, under_resolved)
-    waves = random_waves(spectrum, q_short=q_short, lengths=lengths, seed=seed, amplitudes=amplitudes)
+    waves = random_waves(
+        spectrum, q_short=q_short, lengths=lengths, seed=seed, amplitudes=amplitudes, isotropic=isotropic
+    )
     return waves.on(shape, under_resolved=under_resolved)
 
 
@@ -147,12 +153,13 @@ class RandomWaves:
 
 
 def random_waves(
-    spectrum: Callable[[Array], Array],
+    spectrum: Callable[..., Array],
     *,
     q_short: float,
     lengths: Lengths,
     seed: int | np.random.Generator,
     amplitudes: Literal["exact", "gaussian"] = "exact",
+    isotropic: bool = True,
 ) -> RandomWaves:
     """Draw the waves of one realisation; parameters and errors as of `random_surface`."""
     lengths = checked_lengths(lengths)
@@ -160,12 +167,28 @@ def random_waves(
     function("spectrum", spectrum)
     choice("amplitudes", amplitudes, ("exact", "gaussian"))
     m, n, q = _half_plane(lengths, q_short)
-    power = array("spectrum(q)", spectrum(q), power=4)
+    truth("isotropic", isotropic)
+    if isotropic:
+        power = array("spectrum(q)", spectrum(q), power=4)
+    else:
+        power = array("spectrum(qx, qy)", _even_power(spectrum, m, n, lengths), power=4)
     if power.shape not in ((), q.shape) or np.any(power < 0):
         raise InvalidInput("the spectrum C(q) is negative or not finite at a wavevector of the surface")
     waves = _random_waves(m, n, seed=seed, gaussian=amplitudes == "gaussian")
     waves *= 2 * np.pi * np.sqrt(power / (lengths[0] * lengths[1]))
     return RandomWaves(m=m, n=n, amplitudes=waves, q_short=q_short, lengths=lengths)
+
+
+def _even_power(
+    spectrum: Callable[..., Array], m: NDArray[np.int64], n: NDArray[np.int64], lengths: Lengths
+) -> Array:
+    """C(qx, qy) of wave numbers; of a real surface it is that of the opposite wave, too."""
+    qx, qy = (2 * np.pi / length * number for length, number in zip(lengths, (m, n), strict=True))
+    power = array("spectrum(qx, qy)", spectrum(qx, qy), power=4)
+    opposite = array("spectrum(-qx, -qy)", spectrum(-qx, -qy), power=4)
+    if not np.allclose(power, opposite, rtol=1e-9, atol=0.0):
+        raise InvalidInput("the spectrum C(qx, qy) differs between a wavevector and its opposite")
+    return power
 
 
 def _check_resolved(shape: Shape, lengths: Lengths, q_short: float, under_resolved: bool) -> None:

@@ -10,9 +10,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from fem_contact._checks import choice, instance, within
 from fem_contact.errors import InvalidInput
-from fem_contact.surface.heights import HeightField, checked_shape, interpolant
+from fem_contact.surface.heights import HeightField, Patch, checked_shape, interpolant
 
-__all__ = ["RadialSpectrum", "Window", "estimate_spectrum", "radial_spectrum", "window_weights"]
+__all__ = [
+    "Lay",
+    "RadialSpectrum",
+    "Window",
+    "estimate_spectrum",
+    "measured_lay",
+    "radial_spectrum",
+    "window_weights",
+]
 
 Array = NDArray[np.float64]
 Window = Literal["none", "hann", "tukey"]
@@ -35,6 +43,78 @@ class RadialSpectrum:
     q: Array
     power: Array
     count: NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lay:
+    """The direction that a surface is smoothest along, and by how much.
+
+    Attributes
+    ----------
+    along, across : float
+        Root mean square slopes along the lay and across it [-].
+    direction : float
+        Angle of the lay with the x axis [rad], in (-pi/2, pi/2]; without meaning where both slopes are equal.
+    """
+
+    along: float
+    across: float
+    direction: float
+
+    @property
+    def ratio(self) -> float:
+        """Slope across over slope along: Peklenik's number of a stretched surface; 1 if isotropic."""
+        return self.across / self.along if self.along > 0 else np.inf
+
+
+def measured_lay(surface: HeightField) -> Lay:
+    r"""Measure the anisotropy of a surface from the tensor of its mean square slopes.
+
+    .. math:: G_{ij} = \langle \partial_i h\, \partial_j h \rangle
+              = \sum_{\mathbf q} q_i q_j |h(\mathbf q)|^2
+
+    Its trace is <|grad h|^2>; its eigenvectors lie along the lay and across it.
+
+    Parameters
+    ----------
+    surface : HeightField
+        Periodic, or a `Patch` with edges, whose slopes are differences.
+
+    Raises
+    ------
+    InvalidInput
+        For a flat surface, which has no lay.
+
+    Examples
+    --------
+    >>> x = np.arange(16) / 16
+    >>> grooves = HeightField(heights=np.cos(2 * np.pi * x)[None, :] * np.ones((16, 1)), lengths=(1.0, 1.0))
+    >>> lay = measured_lay(grooves)
+    >>> round(lay.direction, 12), round(lay.along, 12), round(lay.across / (2 * np.pi), 6)
+    (0.0, 0.0, 0.707107)
+    """
+    instance("surface", surface, HeightField, what="a `HeightField`")
+    if isinstance(surface, Patch):
+        xx, yy, xy = _slopes(surface)
+    else:
+        qx, qy, coefficients = interpolant(surface)
+        power = np.abs(coefficients) ** 2
+        xx, yy, xy = power.sum(axis=1) @ qx**2, power.sum(axis=0) @ qy**2, qx @ power @ qy
+    if not xx + yy > 0:
+        raise InvalidInput("a flat surface has no lay")
+    values, vectors = np.linalg.eigh([[xx, xy], [xy, yy]])
+    x, y = vectors[:, 0] * (1 if vectors[0, 0] > 0 or (vectors[0, 0] == 0 and vectors[1, 0] > 0) else -1)
+    smooth, steep = np.sqrt(np.maximum(values, 0))
+    return Lay(along=float(smooth), across=float(steep), direction=float(np.arctan2(y, x)))
+
+
+def _slopes(patch: Patch) -> tuple[float, float, float]:
+    """Mean squares of the slopes along x and y, and the mean of their product, by differences."""
+    along, across = (np.diff(patch.heights, axis=axis) / patch.spacing[axis] for axis in (0, 1))
+    # In the middle of four points both are known.
+    both = (along[:, 1:] + along[:, :-1]) * (across[1:] + across[:-1]) / 4
+    xx, yy, xy = (float(np.mean(part)) if part.size else 0.0 for part in (along**2, across**2, both))
+    return xx, yy, xy
 
 
 def radial_spectrum(surface: HeightField) -> RadialSpectrum:

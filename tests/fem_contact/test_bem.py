@@ -433,6 +433,18 @@ def test_a_distant_reference_plane_only_moves_the_offset(far: float) -> None:
     assert at.mean_pressure == pytest.approx(there.mean_pressure, rel=1e-4)
 
 
+@pytest.mark.parametrize(
+    ("thickness", "load", "pairs"), [(0.03, 0.05, 120), (0.01, 0.05, 140), (0.003, 0.5, 80)]
+)
+def test_a_thin_incompressible_layer_takes_a_hundred_pairs(
+    thickness: float, load: float, pairs: float
+) -> None:
+    """182, 496 and 857 of them before; at .01 and a load of .5 the iteration stagnated."""
+    layer = BondedLayer(solid=Solid(young=1.0, poisson=0.5), thickness=thickness)
+    assert solve(rough(), layer, mean_pressure=load).checked().cost.fft_pairs < pairs
+    solve(rough(), BondedLayer(solid=layer.solid, thickness=0.01), mean_pressure=0.5).checked()
+
+
 def test_a_residual_that_rests_on_oblong_cells_says_so() -> None:
     heights = np.random.default_rng(31).standard_normal((128, 32))
     surface = HeightField(heights=heights, lengths=(1.0, 1e4))
@@ -442,7 +454,45 @@ def test_a_residual_that_rests_on_oblong_cells_says_so() -> None:
         result.checked()
 
 
-def test_a_body_sunk_beyond_all_sizes_ends_in_words() -> None:
+@pytest.mark.parametrize("sizes", [10.0, 1e9])
+def test_where_all_has_yielded_the_body_sinks_as_far_as_it_is_pushed(sizes: float) -> None:
     surface = rough()
-    result = solve_displacement(surface, SOFT, mean_gap=-1e9, pressure_bound=0.5)
-    assert result.status is not Status.CONVERGED
+    result = solve_displacement(
+        surface, SOFT, mean_gap=-sizes * surface.rms_height, pressure_bound=0.5
+    ).checked()
+    assert np.all(result.pressure == 0.5)
+    assert result.at_bound.all()
+    assert np.mean(result.gap) == pytest.approx(-sizes * surface.rms_height, rel=1e-12)
+
+
+def test_points_that_touch_below_the_bound_sink_no_further() -> None:
+    """A gap below full contact needs points that yield: full contact was called the answer."""
+    surface = rough((32, 32))
+    full = solve_displacement(surface, SOFT, mean_gap=0.0).checked()
+    bound = 1.5 * float(full.pressure.max())
+    target = -0.2 * surface.rms_height
+    for result in (
+        solve_displacement(surface, SOFT, mean_gap=target, pressure_bound=bound).checked(),
+        solve_displacement(
+            surface, SOFT, offset=target + np.mean(surface.heights), pressure_bound=bound
+        ).checked(),
+    ):
+        assert np.mean(result.gap) == pytest.approx(target, abs=1e-6 * surface.rms_height)
+        assert result.at_bound.any()
+        assert result.mean_pressure > full.mean_pressure
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 0.9])
+def test_two_equal_peaks_that_have_yielded_bear_one_load_over_a_range_of_offsets(share: float) -> None:
+    """The load does not change between their yielding and the next point's touch: no search finds it."""
+    heights = np.zeros((6, 6))
+    heights[1, 2] = heights[4, 5] = 1.0
+    surface, bound = HeightField(heights=heights, lengths=(1.0, 1.0)), 0.3
+    both = solve(surface, SOFT, mean_pressure=bound / 18, pressure_bound=bound)
+    level = both.displacement - heights
+    touch, yielded = -float(level[heights == 0].min()), -float(level[heights == 1].max())
+    offset = touch + share * (yielded - touch)
+    result = solve_displacement(surface, SOFT, offset=offset, pressure_bound=bound).checked()
+    assert result.offset == pytest.approx(offset, rel=1e-7)
+    assert result.mean_pressure == pytest.approx(bound / 18, rel=1e-9)
+    assert result.at_bound.sum() == 2

@@ -40,11 +40,11 @@ def areas(value, points, fraction):
 
 
 def _law(area, fraction, count):
-    """Covariance of the error law, written out: four random orders and the noise of the lattice."""
+    """Covariance of the error law, written out: random orders, one of each grid, noise of the lattice."""
     fraction, count = np.asarray(fraction), np.asarray(count)
     z = fraction / (area * (1 - area) ** 1.25)
-    spread = np.diag(fraction * (0.005**2 + (0.036 * z) ** 2) / count)
-    for power, deviation in ((1, 0.02), (1.5, 0.008), (2, 0.003), (3, 0.001)):
+    spread = np.diag(fraction * (0.0046**2 + (0.039 * z) ** 2) / count + (0.0006 * fraction * z**2) ** 2)
+    for power, deviation in ((1, 0.0004), (1.5, 0.0006), (2, 0.0004), (3, 0.0004)):
         term = deviation * fraction * z**power
         spread += np.outer(term, term)
     return np.linalg.inv(spread)

@@ -1,23 +1,26 @@
 """Energy, stiffness and gaps of an elastic contact: limits, derivatives, integrals."""
 
 import math
+from typing import get_args
 
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.special import erf
+from scipy.special import erf, erfinv
 
 from persson.elastic import contact_area
-from persson.errors import InvalidInput
+from persson.errors import InvalidInput, OutsideTheory
 from persson.gaps import gap_distribution
 from persson.scale import Scale
 from persson.separation import (
     contact_stiffness,
     elastic_energy,
+    macroasperity_magnification,
     macroasperity_pressure,
     mean_separation,
 )
 from persson.spectrum import SelfAffine
+from persson.variants import EnergyReading, corrected_contact_area, energy_share
 
 ROUGH = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=2e5, q_short=2e7)
 SCALE = Scale(ROUGH, contact_modulus=3e9)
@@ -33,7 +36,10 @@ def full_energy():
     return 3e9 / 4 * 2 * math.pi * value
 
 
-@pytest.mark.parametrize("options", [{}, {"energy": "improved"}, {"energy_ratio": 0.45}])
+READINGS = get_args(EnergyReading)
+
+
+@pytest.mark.parametrize("options", [{"energy_ratio": 0.45}, *({"energy": name} for name in READINGS)])
 def test_every_reading_stores_the_energy_of_full_contact_there(options):
     assert elastic_energy(20 * UNIT, scale=SCALE, **options) == pytest.approx(full_energy(), rel=1e-6)
 
@@ -69,6 +75,43 @@ def test_improved_energy_is_equation_48(reduced):
     density = share * variance / (3e9 * SCALE.wavevector(variance))
     energy = np.trapezoid(density, np.log(variance))
     assert elastic_energy(load, scale=SCALE, energy="improved") == pytest.approx(energy, rel=1e-4)
+
+
+def test_energy_of_equation_50_is_the_mean_of_the_area_over_the_waves_so_far():
+    """Eq. 50 without adhesion, int P dV / V, by quadrature; Eq. 48 has sigma_0^2 (P - 1) / V beside it."""
+    for load, variance in ((0.2, 0.7), (1.3, 0.4), (0.01, 30.0)):
+        # In ln V; what lies below e^-40 of V is contact.
+        inner = lambda t, p=load: math.exp(t) * erf(p / math.sqrt(2 * math.exp(t)))  # noqa: E731
+        mean, _ = quad(inner, math.log(variance) - 40, math.log(variance), epsrel=1e-12, limit=200)
+        printed = energy_share(load, stress_variance=variance, energy="as_printed")
+        assert printed == pytest.approx(mean / variance, rel=1e-9)
+        lost = load**2 * (1 - erf(load / math.sqrt(2 * variance))) / variance
+        improved = energy_share(load, stress_variance=variance, energy="improved")
+        assert improved == pytest.approx(printed - lost, rel=1e-9)
+
+
+def test_variants_store_their_area_times_the_growth_of_their_own_variance():
+    """P dV_p/dV_full, V_p = (p0 / erfinv(P))^2 / 2 from the area alone, by central differences of 1e-4."""
+    load = 0.3
+    for variant in ("wang_mueser", "xu"):
+        for full in (0.02, 0.3, 6.0):
+            near = full * np.array([1 - 1e-4, 1.0, 1 + 1e-4])
+            area = corrected_contact_area(load, stress_variance=near, variant=variant)
+            own = (load / erfinv(area)) ** 2 / 2
+            share = area[1] * (own[2] - own[0]) / (near[2] - near[0])
+            assert energy_share(load, stress_variance=full, energy=variant) == pytest.approx(share, rel=1e-6)
+
+
+def test_light_contact_stores_the_share_that_each_reading_says():
+    """1, 2, 2, .45, 5/9, .42, .42 of the area of its variant; the first correction is of order p* = 1e-6."""
+    area_of = {"wang_mueser": "wang_mueser", "xu": "xu", "xu_hybrid": "xu"}
+    for reading, share in zip(READINGS, (1, 2, 2, 0.45, 5 / 9, 0.42, 0.42), strict=True):
+        area = corrected_contact_area(1e-6, stress_variance=1.0, variant=area_of.get(reading, "persson"))
+        found = energy_share(1e-6, stress_variance=1.0, energy=reading)
+        assert found / area == pytest.approx(share, rel=1e-5)
+        assert energy_share([0.0, 1.0], stress_variance=0.0, energy=reading) == pytest.approx(
+            [0, 1], abs=1e-9
+        )
 
 
 @pytest.mark.parametrize("ratio", [1.0, 0.45])
@@ -133,3 +176,9 @@ def test_a_correction_that_the_reading_does_not_know_is_refused():
         elastic_energy(1.0, scale=SCALE, energy="improved", energy_ratio=0.5)
     with pytest.raises(InvalidInput, match="pressure = 0"):
         contact_stiffness(0.0, scale=SCALE)
+
+
+def test_where_the_contact_is_complete_there_are_no_macroasperities():
+    steel = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=8e5, rolloff="smooth", q_min=1e4)
+    with pytest.raises(OutsideTheory, match="no macroasperity scale"):
+        macroasperity_magnification(steel, pressure=1e9, contact_modulus=1e10, q_reference=1e5)

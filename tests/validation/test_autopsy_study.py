@@ -13,7 +13,7 @@ from persson.diffusion import solve_diffusion
 from validation.measures.common import base_case, base_surface
 from validation.solves.bench import Bench
 from validation.studies import autopsy
-from validation.studies.autopsy import reading
+from validation.studies.autopsy import reading, sentences
 from validation.studies.autopsy.books import Pressed, flows, mean_of, profile
 from validation.studies.autopsy.chain import Chain, diffused_area
 from validation.studies.autopsy.memory import Memory, composed_inflow
@@ -255,6 +255,16 @@ def test_an_exponent_is_found_between_neighbours_and_over_all_steps():
     steps = np.array([0.01, 0.04, 0.16])
     found = reading.exponents(xr.DataArray(7.0 * steps**0.5, dims="variance_step"), steps)
     np.testing.assert_allclose(found, 0.5, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("excess", "within"), [(0.0, 1e-12), (0.3, 0.004), (0.9, 0.015)])
+def test_an_exponent_of_one_half_is_found_under_the_next_order_of_the_step(excess, within):
+    """Of c sqrt(dV) (1 + a sqrt(dV)), measured a = .2 to .9, a straight line leaves .01 at most."""
+    steps = np.array([0.0025, 0.01, 0.04, 0.16])
+    flow = xr.DataArray(3.0 * np.sqrt(steps) * (1 + excess * np.sqrt(steps)), dims="variance_step")
+    powers = reading.exponents(flow, steps)
+    assert float(sentences._power_at_zero_step(powers, steps)) == pytest.approx(0.5, abs=within)
+    assert excess == 0 or float(powers[0]) - 0.5 > within
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,8 @@ from persson import elastic
 from persson.spectrum import SelfAffine
 from validation.comparison import accuracy_search
 from validation.comparison.accuracy_search import Ladder, Search
-from validation.comparison.compare import Scatter, _Reading
+from validation.comparison.compare import _Reading
+from validation.comparison.compared import Scatter
 from validation.comparison.findings import findings
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import Roughness, Slots, Told

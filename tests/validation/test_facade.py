@@ -158,7 +158,6 @@ def test_what_is_shown_is_short():
         (lambda: measured(np.zeros((8, 6)), length=1e-5, unit=1), "one length for 8 x 6 points; give both"),
         (lambda: measured(3, length=1e-5, unit=1), "heights of type int: .*give a file, a 2-D array"),
         (lambda: self_affine(lengths=1e-5), "unknown key 'lengths'; did you mean 'length'"),
-        (lambda: press(SURFACE, **SOLID, reduced_pressure=0.05, grid=32).to_vtu("x.vtu"), "method='fem'"),
         (lambda: press(SURFACE, **SOLID, reduced_pressure=0.05, grid=32).against("bem"), "another method"),
         (lambda: press(SURFACE, **SOLID, reduced_pressure=0.05, grid=32).plot("heat"), "one of: 'pressure'"),
     ],

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from fem_contact.area import Limit
-from validation.comparison.compare import Scatter, compare
+from validation.comparison.compare import compare
+from validation.comparison.compared import Scatter
 from validation.comparison.figure_data import pressure_at_zero_data
 from validation.comparison.findings import findings
 from validation.comparison.report import run_page

@@ -5,7 +5,8 @@ import pytest
 import xarray as xr
 
 from fem_contact import HalfSpace, bem, contact_areas, flow_conductance, frozen_contact, open_gap
-from validation.measures.common import base_case
+from validation.measures.common import base_case, persson_area
+from validation.measures.flow import GAP_EDGES
 from validation.measures.measurement import grid_for
 from validation.solves.bench import Bench
 from validation.studies import conductance, leak
@@ -119,3 +120,47 @@ def test_the_sentences_of_the_leak_hold_means_over_surfaces_of_both_directions(l
     row = leak.table(data).rows[1]
     assert row[2] == pytest.approx(float(data.conductance[0, :, 1].mean()), rel=1e-12)
     assert row[7] == pytest.approx(100 * float(data.closed[0, :, 1].mean()))
+
+
+def test_gaps_and_contact_share_the_area_and_narrow_gaps_are_those_of_the_state(leaking):
+    options, data = leaking
+    case = base_case(options.surface(4.0), reduced_pressure=0.1).further(1)
+    load = float(data.reduced_pressure[0, 1, 1])
+    state = bem.solve(
+        case.heights(grid_for(case, 6.0)),
+        HalfSpace(solid=case.elastic),
+        mean_pressure=load * case.pressure_scale,
+    )
+    narrow = GAP_EDGES[1:] < 0.1001
+    found = float((data.gap_density[0, 1, 1] * np.diff(GAP_EDGES))[narrow].sum())
+    gaps = state.gap[~state.in_contact]
+    assert found == pytest.approx(np.sum(gaps < 0.1 * case.field.rms_height) / state.gap.size, abs=2e-3)
+
+
+def test_the_gaps_of_the_theory_leave_what_its_contact_does_not_cover(leaking):
+    _, data = leaking
+    covered = (data.theory_density * np.diff(GAP_EDGES)).sum("gap_bin").sel(variant="Persson")
+    expected = 1 - persson_area(data.reduced_pressure)
+    # Gaps beyond 4 h_rms are rare even at light load.
+    assert covered.values == pytest.approx(expected, abs=5e-3)
+
+
+def test_a_planted_share_of_narrow_gaps_is_said(leaking):
+    _, data = leaking
+    told = data.copy(deep=True)
+    told["gap_density"][:] = 0.2
+    told["theory_density"][:] = 0.3
+    said = [line for line in leak.findings(told) if "h_rms, contact left out" in line]
+    assert "cover 0.02 +- " in said[0]
+    assert "Persson 0.03 (cumulated shares at most 0.4 apart)" in said[0]  # .1 times 4.01 h_rms
+
+
+@pytest.mark.parametrize(
+    ("threshold", "verdict"), [(0.40, "it seals"), (0.50, "it leaks"), (0.435, "is not decided")]
+)
+def test_the_rim_seals_if_its_area_is_above_the_threshold_and_its_interval(leaking, threshold, verdict):
+    _, data = leaking
+    told = data.copy(deep=True)
+    told["gap_threshold"][:] = threshold + np.array([-0.01, 0.0, 0.01])[None, :, None]
+    (said,) = (line for line in leak.findings(told) if line.startswith("Tire rim"))
+    assert verdict in said

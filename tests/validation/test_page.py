@@ -20,7 +20,7 @@ from rich.console import Console
 
 from validation.cli.progress import Bar
 from validation.cli.results import page_table, print_page, sentence_lines
-from validation.comparison.compare import Scatter
+from validation.comparison.compared import Scatter
 from validation.comparison.report import run_page
 from validation.comparison.run import report_run, run_scene
 from validation.errors import UsageError

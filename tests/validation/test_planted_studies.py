@@ -244,6 +244,21 @@ def test_hurst_says_by_how_much_kappa_changes_from_the_lowest_to_the_highest_exp
     np.testing.assert_allclose(found[1], 100 * STUDENT[2] * error, atol=0.0501)
 
 
+def test_hurst_puts_the_slope_over_the_load_beside_the_theory_and_what_was_published(exponents):
+    theory = persson_area(0.05) / 0.05
+    assert exponents.attrs["ladder_reduced_pressure"] == 0.05
+    (said,) = (line for line in hurst.findings(exponents) if line.startswith("D_f = 2.8"))
+    first, last = (float(exponents.bandwidth_kappa[0, i]) / theory for i in (0, -1))
+    assert f"is {first:.3f} +- " in said
+    less = "less" if last > first else "more"
+    assert f"it falls {100 * abs(last / first - 1):.1f} % {less} than his." in said
+    told = exponents.copy(deep=True).assign_coords(ladder_hurst=("ladder", [0.8]))
+    told["bandwidth_kappa"][:], told["bandwidth_half_width"][:] = 1.12 * theory, 0.03 * theory
+    (said,) = (line for line in hurst.findings(told) if line.startswith("D_f = 2.2"))
+    assert "1.14 by molecular dynamics (Yang, Tartaglino, Persson 2006), 1.13 by finite elements" in said
+    assert said.endswith("0.8 by discretised continuum (Borri-Brunetto 2006) (outside the interval).")
+
+
 def test_the_budget_of_hurst_adds_the_planted_half_widths_as_a_root_of_squares(exponents):
     rows = hurst.budget(exponents)
     surfaces = np.array(column(rows, "surfaces [%]"))
@@ -485,7 +500,7 @@ def _full_wave(solve):
 
 
 def test_adhesion_gains_the_work_less_half_of_p_u_at_full_contact(monkeypatch):
-    monkeypatch.setattr(adhesion._Case, "_adhesive_theory", lambda case, energy: None)
+    monkeypatch.setattr(adhesion, "adhesive_theory", lambda *args, **told: None)
     options = adhesion.Options(
         works=(0.1, 0.3),
         reduced_pressures=(0.2,),

@@ -28,6 +28,10 @@ class Areas(Protocol):
         """Counted."""
 
     @property
+    def perimeter(self) -> float:
+        """Corrected at its edge."""
+
+    @property
     def edges(self) -> float:
         """Edges over cells."""
 
@@ -41,8 +45,12 @@ class Areas(Protocol):
 
 
 #: Powers of the width in the error law, with the deviations of their coefficients; noise; least contact.
-_LAW = {1.0: 0.02, 1.5: 0.008, 2.0: 0.003, 3.0: 0.001}
-_GAP_POWER, _NOISE, _LEAST_POINTS = 1.25, (0.005, 0.036), 16
+_LAW = {1.0: 0.0004, 1.5: 0.0006, 2.0: 0.0004, 3.0: 0.0004}
+_GAP_POWER, _NOISE, _LEAST_POINTS = 1.25, (0.0046, 0.039), 16
+#: What each grid is off by anew, over edges times width squared.
+_ODD = 0.0006
+#: Likewise of the area that is corrected by a constant.
+_CORRECTED, _CORRECTED_NOISE = {0.0: 0.025, 1.0: 0.01}, (0.23, 0.0)
 #: What edges that lie alike between the grid points are off by: on every grid, and anew on each, in cells.
 _ALIKE = (0.008, 0.012)
 
@@ -67,18 +75,16 @@ def limit_over(solves: Sequence[Areas], *, located: bool) -> Limit | None:
     grids = [groups[key] for key in sorted(groups, key=lambda s: s[0] * s[1])]
     if np.mean([one.pixel * one.cells for one in grids[0]]) < _LEAST_POINTS * (1 - 1e-9):
         return None
-    if not located and len(solves) < 3:
-        return None
-    found = _located(grids) if located else _counted(solves)
+    found = _best(grids, located=located)
     limit = Limit(
-        value=found[0], error=found[1], solves=len(solves), definition="subcell" if located else "pixel"
+        value=found[0], error=found[1], solves=len(solves), definition="subcell" if located else "perimeter"
     )
     return limit if 0 < limit.value <= 1 + 1e-12 else None
 
 
-def _located(grids: Sequence[Sequence[Areas]]) -> tuple[float, float]:
+def _best(grids: Sequence[Sequence[Areas]], *, located: bool) -> tuple[float, float]:
     """Best estimate of A from areas whose errors are correlated as the error law says."""
-    means = [float(np.mean([one.subcell for one in group])) for group in grids]
+    means = [float(np.mean([one.subcell if located else one.perimeter for one in group])) for group in grids]
     used = [k for k, mean in enumerate(means) if mean > 0 or k == 0]
     area = np.array([means[k] for k in used])
     step = np.array([math.sqrt(grids[k][0].spacing[0] * grids[k][0].spacing[1]) for k in used])
@@ -87,11 +93,12 @@ def _located(grids: Sequence[Sequence[Areas]]) -> tuple[float, float]:
         return float(area[0]), 0.0
     z = fraction / (area[0] * (1 - area[0]) ** _GAP_POWER)
     count = np.array([len(grids[k]) * grids[k][0].cells for k in used])
-    spread = np.diag(fraction * (_NOISE[0] ** 2 + (_NOISE[1] * z) ** 2) / count)
-    for power, deviation in _LAW.items():
+    law, noise, odd = (_LAW, _NOISE, _ODD) if located else (_CORRECTED, _CORRECTED_NOISE, 0.0)
+    spread = np.diag(fraction * (noise[0] ** 2 + (noise[1] * z) ** 2) / count + (odd * fraction * z * z) ** 2)
+    for power, deviation in law.items():
         term = deviation * fraction * z**power
         spread = spread + np.outer(term, term)
-    aligned = fraction * float(np.mean([one.alignment for one in grids[0]]))
+    aligned = fraction * (float(np.mean([one.alignment for one in grids[0]])) if located else 0.0)
     shifts = np.array([len(grids[k]) for k in used])
     spread = (
         spread + np.outer(aligned, aligned) * _ALIKE[0] ** 2 + np.diag((_ALIKE[1] * aligned) ** 2 / shifts)
@@ -102,21 +109,3 @@ def _located(grids: Sequence[Sequence[Areas]]) -> tuple[float, float]:
     rest = area - value
     misfit = float(rest @ np.linalg.solve(spread, rest)) / max(area.size - 1, 1)
     return value, math.sqrt(max(1.0, misfit) / float(weight.sum()))
-
-
-def _counted(solves: Sequence[Areas]) -> tuple[float, float]:
-    """Straight line of the counted area against its edges, weighted by their scatter."""
-    area, edges = np.array([one.pixel for one in solves]), np.array([one.edges for one in solves])
-    if not np.any(edges):
-        return float(area.mean()), 0.0
-    cell = np.array([one.spacing[0] * one.spacing[1] for one in solves])
-    deviation = np.sqrt(edges * cell)
-    w = 1 / np.maximum(deviation / deviation.max(), 1e-3) ** 2
-    # Closed form of a weighted straight line.
-    s, sx, sy = w.sum(), w @ edges, w @ area
-    sxx, sxy = w @ edges**2, w @ (edges * area)
-    determinant = s * sxx - sx**2
-    value, slope = (sxx * sy - sx * sxy) / determinant, (s * sxy - sx * sy) / determinant
-    rest = area - value - slope * edges
-    variance = float(w @ rest**2) / (area.size - 2)
-    return float(value), math.sqrt(variance * sxx / determinant)

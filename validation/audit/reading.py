@@ -110,7 +110,11 @@ def judge_surfaces(run: Run, ledger: Ledger) -> None:
             continue
         place = f"{method} {grid[0]}x{grid[1]} {shift}, surface {k}"
         ledger.number(
-            place, "h'_rms of the surface pressed", math.sqrt(one.moments[1]), math.sqrt(found[1]), rtol=1e-8
+            place,
+            "h'_rms of the surface pressed",
+            math.sqrt(one.roughness[1]),
+            math.sqrt(found[1]),
+            rtol=1e-8,
         )
         still = run.solves.get((method, grid, (0.0, 0.0), k))
         if shift != (0.0, 0.0) and still is not None:

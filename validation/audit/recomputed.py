@@ -159,7 +159,7 @@ class Run:
         own = [one for key, one in self.solves.items() if key[3] == k and self.resolved(one)]
         if not own or self.measured:
             return None
-        return max(own, key=lambda one: one.p.size).moments
+        return max(own, key=lambda one: one.p.size).roughness
 
     @cached_property
     def modulus(self) -> float:
@@ -325,7 +325,9 @@ class Run:
                 return math.log(high / low)
             return float((high ** (power + 1) - low ** (power + 1)) / (power + 1))
 
-        per_height = integral(1 - 2 * s["hurst"]) / integral(-1 - 2 * s["hurst"])
+        # A stretch by g leaves m0, and of m2 the part (1 + 1/g^2)/2.
+        slopes = (1 + s.get("stretch", 1.0) ** -2) / 2
+        per_height = slopes * integral(1 - 2 * s["hurst"]) / integral(-1 - 2 * s["hurst"])
         if "rms_gradient" in s:
             m2 = s["rms_gradient"] ** 2
             return m2 / per_height, m2

@@ -79,7 +79,7 @@ def _limit(found: re.Match[str], run: Run, ledger: Ledger) -> None:
         return
     with_error(ledger, "A/A0 in the limit", found["limit"], (limit.value, limit.error))
     located = found["how"].startswith("area with the edge located")
-    ledger.same(_PLACE, "area that was extrapolated", "subcell" if located else "pixel", limit.definition)
+    ledger.same(_PLACE, "area that was extrapolated", "subcell" if located else "perimeter", limit.definition)
     ledger.same(_PLACE, "solves of the limit", int(found["solves"]), limit.solves)
     if load is not None:
         with_error(ledger, "kappa of the limit", found["kappa"], (limit.value / load, limit.error / load))

@@ -28,6 +28,15 @@ EDGE_MAP = np.array(
         [2.48050, -5.54267, 3.60049],
     ]
 )
+#: Its second part, by powers of p^2 over that of the next cell inside, and g^(2/3) over that outside.
+EDGE_BEND = {
+    (0, 0): [[2.10991, -1.80106], [-3.88063, 2.65368], [1.23854, -0.25162]],
+    (1, 0): [[2.49617, -3.74519], [-5.24840, 9.41387], [3.91695, -7.03929]],
+    (0, 1): [[-4.54312, 3.54819], [5.82276, -1.00854], [0.03129, -4.91374]],
+    (2, 0): [[-1.22142, 1.87669], [3.41495, -5.69656], [-2.64113, 4.33557]],
+    (0, 2): [[1.42208, -0.76705], [-0.81988, -2.89520], [-1.04937, 4.65555]],
+    (1, 1): [[-1.83037, 2.96412], [2.64263, -5.25835], [-4.54529, 6.66232]],
+}
 
 
 def wavevectors(shape: tuple[int, ...], lengths: tuple[float, float]) -> Array:
@@ -112,6 +121,20 @@ class Stored:
     def moments(self) -> tuple[float, float, float]:
         """(m0, m2, m4) of the heights."""
         return moments(self.h, self.lengths)
+
+    @cached_property
+    def roughness(self) -> tuple[float, float, float]:
+        """(m0, m2, m4) of the heights without the ball they lie on."""
+        radii = [
+            effect.get("radius") for effect in self.recipe["effects"] if effect["kind"] == "free-boundary"
+        ]
+        if not any(radii):
+            return self.moments
+        x, y = (
+            np.arange(n) * d - length / 2
+            for n, d, length in zip(self.grid, self.spacing, self.lengths, strict=True)
+        )
+        return moments(self.h + (x[:, None] ** 2 + y[None, :] ** 2) / (2 * radii[0]), self.lengths)
 
     @cached_property
     def pixel(self) -> float:
@@ -223,8 +246,13 @@ class Stored:
                 rho = self.modulus * gap / (self.p[edge] * self.spacing[axis] * cosine)
             rho = np.where(self.p[edge] > 0, rho, np.inf)
             v = 1 / (1 + np.cbrt(rho) ** 2)
-            place = np.polynomial.polynomial.polyval2d(v, cosine**2, EDGE_MAP)
-            moved += float(np.sum((np.clip(place, -0.6, 1.2) - 0.5) * cosine**2))
+            place = np.clip(np.polynomial.polynomial.polyval2d(v, cosine**2, EDGE_MAP), -0.6, 1.2)
+            within = _bounded_power(self.p[edge], np.roll(self.p, sign, axis)[edge], 2)
+            without = _bounded_power(gap, np.roll(self.gap, -2 * sign, axis)[edge], 2 / 3)
+            for (a, b), rows in EDGE_BEND.items():
+                part = np.polynomial.polynomial.polyval2d(v, cosine**2, np.array(rows))
+                place = place + part * within**a * without**b
+            moved += float(np.sum((place - 0.5) * cosine**2))
         return float((np.sum(self.contact) + moved) / self.contact.size)
 
     @cached_property
@@ -236,6 +264,13 @@ class Stored:
         weight = np.cos(angle) ** 2
         uneven = max(abs(float(np.sum(weight * np.cos(k * angle)))) for k in (4, 8)) / float(weight.sum())
         return min(max((uneven - 0.5) / 0.25, 0.0), 1.0)
+
+
+def _bounded_power(one: Array, other: Array, power: float) -> Array:
+    """(one / other)^power, at most 1.5, as where the other is nothing."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.where(other > 0, np.maximum(one, 0.0) / other, np.inf)
+    return np.asarray(np.minimum(ratio**power, 1.5))
 
 
 def _smoothed(values: Array) -> Array:

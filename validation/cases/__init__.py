@@ -90,6 +90,11 @@ class Check:
         return cls(quantity=quantity, computed=found, reference=expected, tolerance=tolerance, ladder=ladder)
 
     @property
+    def is_range(self) -> bool:
+        """Whether what passes is a wide range (more than 20 % either way) and not a value or a bound."""
+        return self.tolerance > 0.2 * abs(self.reference) > 0
+
+    @property
     def allowed(self) -> str:
         """What passes, in words: a bound, a value with its tolerance, or a range.
 
@@ -98,9 +103,9 @@ class Check:
         """
         if self.reference == 0:
             return f"at most {self.tolerance:.2g}"
-        if self.tolerance <= 0.2 * abs(self.reference):
-            return f"{self.reference:.6g} +- {self.tolerance:.2g}"
-        return f"{self.reference - self.tolerance:.4g} to {self.reference + self.tolerance:.4g}"
+        if self.is_range:
+            return f"{self.reference - self.tolerance:.4g} to {self.reference + self.tolerance:.4g}"
+        return f"{self.reference:.6g} +- {self.tolerance:.2g}"
 
     @property
     def passed(self) -> bool:

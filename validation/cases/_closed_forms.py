@@ -6,11 +6,17 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fem_contact.surface import HeightField
 
-__all__ = ["HertzInPeriod", "westergaard_mean_pressure", "westergaard_pressure"]
+__all__ = [
+    "HertzInPeriod",
+    "huber_stress",
+    "westergaard_mean_pressure",
+    "westergaard_pressure",
+    "westergaard_stress",
+]
 
 Array = NDArray[np.float64]
 
@@ -63,6 +69,19 @@ class HertzInPeriod:
         curvature = 1 - self.load / self.contact_modulus * _LATTICE_CUBE / (2 * math.pi)
         return HeightField(heights=-(self.distance(n, shift) ** 2) * curvature / 2, lengths=(1.0, 1.0))
 
+    def stress(self, x: Array, y: Array, depth: float, *, poisson: float) -> Array:
+        r"""Stress [Pa] below the apex, (..., 6): Huber's, with what the images add near the axis.
+
+        .. math:: \Delta\sigma_{xx} = \Delta\sigma_{yy} = -\frac{F}{2\pi} (1 + \nu)\, z \sum R^{-3}
+                  + \Bigl(\tfrac12 + \nu - \frac{\nu}{1 - \nu}\Bigr) \frac{F}{L^2}
+
+        The sum over all loads has the mean -(1/2 + nu) F/L^2 sideways; a given period has -nu/(1 - nu) F/L^2.
+        """
+        stress = huber_stress(x, y, depth, radius=self.radius, peak=self.peak, poisson=poisson)
+        images = -(1 + poisson) * depth * _LATTICE_CUBE / (2 * math.pi)
+        stress[..., :2] += self.load * (images + 0.5 + poisson - poisson / (1 - poisson))
+        return stress
+
     def pressure(self, r: Array) -> Array:
         """Exact pressure [Pa] at a distance from the apex."""
         return np.asarray(self.peak * np.sqrt(np.maximum(1 - (r / self.radius) ** 2, 0)))
@@ -86,3 +105,65 @@ def westergaard_pressure(x: Array, *, half_width: float, mean_pressure: float) -
     edge = math.sin(math.pi * half_width) ** 2
     root = np.sqrt(np.maximum(edge - np.sin(np.pi * x) ** 2, 0))
     return np.asarray(2 * mean_pressure * np.cos(np.pi * x) / edge * root)
+
+
+def westergaard_stress(
+    x: Array, depth: float, *, half_width: float, mean_pressure: float, poisson: float
+) -> Array:
+    r"""Stress (..., 6) [Pa] below a wave of period 1 whose crest is at x = 0, in plane strain.
+
+    .. math:: \sigma_{zz} = -\Re Z + d\, \Im Z', \quad \sigma_{xx} = -\Re Z - d\, \Im Z', \quad
+              \sigma_{xz} = -d\, \Re Z', \qquad w = x - i d
+
+    Z is analytic below the surface, with the pressure as its real part there: p of complex x, less what grows
+    downwards. The mean is that of a solid which cannot expand sideways.
+    """
+    w = np.pi * (np.asarray(x) - 1j * np.asarray(depth))
+    edge = math.sin(math.pi * half_width) ** 2
+    sine, cosine = np.sin(w), np.cos(w)
+    # The branch that is positive in the contact, and i sin(w) deep down.
+    root = np.sqrt(edge - sine**2)
+    root = np.where((root * np.conj(1j * sine)).real < 0, -root, root)
+    scale = 2 * mean_pressure / edge
+    potential = scale * cosine * (root - 1j * sine)
+    slope = np.pi * scale * (-sine * (root - 1j * sine) + cosine * (-sine * cosine / root - 1j * cosine))
+    stress = np.zeros((*potential.shape, 6))
+    stress[..., 0] = -potential.real - depth * slope.imag
+    stress[..., 2] = -potential.real + depth * slope.imag
+    stress[..., 4] = -depth * slope.real
+    # Along the ridges nothing moves; sideways the mean is that of the confined solid.
+    stress[..., 0] += mean_pressure * (1 - poisson / (1 - poisson))
+    stress[..., 1] = poisson * (stress[..., 0] + stress[..., 2])
+    return stress
+
+
+def huber_stress(
+    x: ArrayLike, y: ArrayLike, depth: ArrayLike, *, radius: float, peak: float, poisson: float
+) -> Array:
+    """Stress (..., 6) [Pa] below Hertz's pressure on a circle, at depths above 0.
+
+    Source: M. T. Huber, Ann. Phys. 14, 153 (1904); A. C. Fischer-Cripps, Introduction to Contact Mechanics,
+    Sec. 5.4.
+    """
+    a, nu = radius, poisson
+    x, y, z = (np.asarray(part, dtype=float) for part in (x, y, depth))
+    r = np.hypot(x, y)
+    excess = r**2 + z**2 - a**2
+    u = (excess + np.sqrt(excess**2 + 4 * a**2 * z**2)) / 2
+    w, bend = z / np.sqrt(u), a**2 * u / (u**2 + a**2 * z**2)
+    arc = (1 + nu) * np.sqrt(u) / a * np.arctan(a / np.sqrt(u))
+    far = np.where(r > 0, r, 1.0)
+    ring = (1 - 2 * nu) / 3 * np.where(r > 0, (a / far) ** 2 * (1 - w**3), 1.5 * a**2 / (a**2 + z**2))
+    radial = ring + w**3 * bend + w * (u * (1 - nu) / (a**2 + u) + arc - 2)
+    hoop = -(ring + w * (2 * nu + u * (1 - nu) / (a**2 + u) - arc))
+    shear = r * z**2 / (u**2 + a**2 * z**2) * a**2 * np.sqrt(u) / (u + a**2)
+    cos, sin = np.where(r > 0, x / far, 1.0), np.where(r > 0, y / far, 0.0)
+    components = (
+        radial * cos**2 + hoop * sin**2,
+        radial * sin**2 + hoop * cos**2,
+        -(w**3) * bend,
+        shear * sin,
+        shear * cos,
+        (radial - hoop) * cos * sin,
+    )
+    return np.asarray(peak * np.stack(components, axis=-1))

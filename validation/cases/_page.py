@@ -86,8 +86,13 @@ def _reason(verdict: Verdict) -> str:
 
 
 def _closest(passed: Sequence[Verdict]) -> Iterator[str]:
-    """Say which check that passed is nearest to its tolerance."""
-    known = [(_used(check), verdict.case, check) for verdict in passed for check in verdict.checks]
+    """Say which check that passed is nearest to its tolerance; ranges, in which any place is good, apart."""
+    known = [
+        (_used(check), verdict.case, check)
+        for verdict in passed
+        for check in verdict.checks
+        if not check.is_range
+    ]
     if known:
         share, case, check = max(known, key=lambda item: item[0])
         yield (
@@ -115,7 +120,7 @@ def _verdicts(verdicts: Sequence[Verdict]) -> WordTable:
         left=frozenset({"case", "verdict", "claim"}),
         yielding=("claim", "seconds", "tolerance used"),
         note="Tolerance used: distance from the reference over the tolerance, of the check nearest to it. "
-        "Tolerances come from estimates of the error and were written down before.",
+        "Tolerances come from estimates of the error; each stands beside its case in the source.",
     )
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from validation.audit import audit
 from validation.cases import Case, Check
 from validation.cases._closed_forms import westergaard_mean_pressure, westergaard_pressure
-from validation.comparison.compare import Scatter
+from validation.comparison.compared import Scatter
 from validation.comparison.run import run_scene
 from validation.measures.budget import Budget, budget_table, grid_share
 from validation.measures.ladders import rungs_limit

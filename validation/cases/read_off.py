@@ -148,7 +148,9 @@ def _area(value: float, points: int, fraction: float) -> ContactAreas:
 
 
 #: Powers of the relative spacing and standard deviations of the error law, and its noise.
-_ORDERS, _SIZES, _NOISE = (1.0, 1.5, 2.0, 3.0), (0.02, 0.008, 0.003, 0.001), (0.005, 0.036)
+_ORDERS, _SIZES, _NOISE = (1.0, 1.5, 2.0, 3.0), (0.0004, 0.0006, 0.0004, 0.0004), (0.0046, 0.039)
+#: What each grid is off by anew, over edges times relative spacing squared.
+_ODD = 0.0006
 
 
 def _limits() -> list[Check]:
@@ -161,6 +163,7 @@ def _limits() -> list[Check]:
     for _ in range(400):
         random = rng.standard_normal(len(_ORDERS)) * _SIZES
         drift = fraction * (width[:, None] ** _ORDERS @ random)
+        drift += _ODD * fraction * width**2 * rng.standard_normal(3)
         noise = np.sqrt(fraction) / points * np.hypot(_NOISE[0], _NOISE[1] * width)
         given = [
             _area(area + drift[k] + noise[k] * rng.standard_normal(), int(points[k]), float(fraction[k]))
@@ -202,6 +205,7 @@ def _best(values: list[float]) -> tuple[float, float]:
     fraction, count = np.array([0.08, 0.04]), np.array([2 * 32**2, 64**2])
     width = fraction / (0.2 * 0.8**1.25)
     spread = np.diag(fraction * (_NOISE[0] ** 2 + (_NOISE[1] * width) ** 2) / count)
+    spread += np.diag((_ODD * fraction * width**2) ** 2)
     for power, size in zip(_ORDERS, _SIZES, strict=True):
         term = size * fraction * width**power
         spread += np.outer(term, term)

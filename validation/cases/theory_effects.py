@@ -12,13 +12,26 @@ from scipy.integrate import quad
 
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
 from persson.diffusion import solve_diffusion
-from persson.elastic import contact_area, diffusion_parameter, initial_slope, persson_kappa, pressure_for_area
+from persson.elastic import (
+    contact_area,
+    diffusion_parameter,
+    initial_slope,
+    persson_kappa,
+    pressure_distribution,
+    pressure_for_area,
+)
 from persson.graded import ExponentialLayers, GradedModulus, SurfaceLayer
 from persson.hardness import constant_hardness
 from persson.scale import Scale
 from persson.separation import mean_separation
 from persson.spectrum import SelfAffine, area_factor
-from persson.variants import Variant, corrected_contact_area, energy_factor, light_load_kappa
+from persson.variants import (
+    Variant,
+    corrected_contact_area,
+    energy_factor,
+    energy_share,
+    light_load_kappa,
+)
 from validation.cases import Case, Check
 
 __all__ = ["CASES"]
@@ -265,6 +278,48 @@ def _adhesion() -> list[Check]:
     ]
 
 
+def _force() -> list[Check]:
+    """Integrate P(sigma, zeta) with its tension, Eq. 40 over the nodes, and let adhesion vanish."""
+    found = _rim(_RIM_INTERFACE)
+    middle = found.area.size // 2
+    checks = []
+    for index in (middle, -1):
+        top = _RIM_PRESSURE + 8 * math.sqrt(float(found.variance[index]))
+        stress = np.linspace(-float(found.tensile_limit[index]), top, 40001)
+        density, place = found.distribution(index, stress), "q_short" if index == -1 else "mid-way"
+        area, force = (float(np.trapezoid(density * stress**power, stress)) for power in (0, 1))
+        checks += [
+            Check.relative(f"int P over A/A0, {place}", area, float(found.area[index]), 1e-5),
+            Check.relative(f"int sigma P over F/A0, {place}", force, float(found.contact_force[index]), 1e-5),
+        ]
+    limit = (found.tensile_limit[1:] + found.tensile_limit[:-1]) / 2
+    pulled = float(np.sum(-np.diff(found.area) * limit)) / _RIM_PRESSURE
+    gained = float(found.contact_force[-1]) / _RIM_PRESSURE - 1
+    weak = _rim(replace(_RIM_INTERFACE, work_of_adhesion=1e-9))
+    scatter = math.sqrt(float(weak.variance[-1]))
+    stress = np.geomspace(1e-3, 3, 60) * scatter
+    plain = pressure_distribution(stress, pressure=_RIM_PRESSURE, stress_variance=weak.variance[-1])
+    off = float(np.max(np.abs(weak.distribution(-1, stress) - plain)) / np.max(plain))
+    share = energy_share(_RIM_PRESSURE, stress_variance=weak.variance, energy="improved")
+    return [
+        *checks,
+        # The trapezoidal rule on nodes .12 apart in ln V, where sigma_a sets in like a square root.
+        Check.relative("F/F_load - 1 by -int sigma_a dA", gained, pulled, 0.02),
+        Check.relative("F without adhesion [Pa]", float(weak.contact_force[-1]), _RIM_PRESSURE, 1e-4),
+        # What is left of the tensile limit shifts P: by sigma_a, times its largest slope over its peak.
+        Check.below(
+            "largest difference of P(sigma) without adhesion, over its peak",
+            off,
+            math.exp(0.5) * float(weak.tensile_limit[-1]) / scatter,
+        ),
+        Check.below(
+            "largest difference of P~ without adhesion",
+            float(np.max(np.abs(weak.energy_share - share))),
+            1e-4,
+        ),
+    ]
+
+
 def _energies() -> list[Check]:
     """Write Eq. 37 in wavevectors, with each elastic energy, and sum it from the solution's own areas."""
     checks = []
@@ -349,5 +404,11 @@ CASES = (
         claim="The adhesive energy left at each scale is what the waves beyond it have not cost.",
         run=_energies,
         source="Persson 2006, Eqs. 37, 43, 48 and 50",
+    ),
+    Case(
+        name="theory-adhesion-force",
+        claim="Stress in an adhesive contact adds up to its area and force, which grows by -sigma_a dA.",
+        run=_force,
+        source="Persson 2006, Eqs. 35, 38-40",
     ),
 )

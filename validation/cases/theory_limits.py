@@ -19,7 +19,7 @@ from persson.separation import mean_separation
 from persson.sine import sine_expansion
 from persson.spectrum import SelfAffine
 from persson.tabulated import smoothed
-from persson.variants import corrected_contact_area
+from persson.variants import corrected_contact_area, energy_share
 from validation.cases import Case, Check
 
 __all__ = ["CASES"]
@@ -89,9 +89,31 @@ def _energy_of_separation() -> list[Check]:
 
     exact = quad(rate, math.log(low), math.log(high), epsabs=0, epsrel=1e-8)[0]
     found = mean_separation(np.array([low, high]), scale=scale, energy_ratio=ratio)
-    return [
+    checks = [
         Check.relative("u(p1) - u(p2) with corrected energy [m]", float(found[0] - found[1]), exact, 1e-4)
     ]
+    return [*checks, *_energy_shares()]
+
+
+def _energy_shares() -> list[Check]:
+    """Sum Eqs. 48 and 50 without adhesion over V, and differentiate the variance of Xu et al."""
+    checks, load, variance = [], 0.2, 0.7
+    area = math.erf(load / math.sqrt(2 * variance))
+    mean = (
+        quad(lambda v: math.erf(load / math.sqrt(2 * v)), 0, variance, epsabs=0, epsrel=1e-10)[0] / variance
+    )
+    lost = load**2 * (1 - area) / variance
+    for energy, exact in (("old", area), ("as_printed", mean), ("improved", mean - lost)):
+        found = energy_share(load, stress_variance=variance, energy=energy)  # type: ignore[arg-type]
+        checks.append(
+            Check.relative(f"P~ at p0^2/V = {load**2 / variance:.3g}, {energy}", float(found), exact, 1e-8)
+        )
+    near = variance * np.array([1 - 1e-4, 1.0, 1 + 1e-4])
+    areas = corrected_contact_area(load, stress_variance=near, variant="xu")
+    own = (load / erfinv(areas)) ** 2 / 2
+    found = energy_share(load, stress_variance=variance, energy="xu")
+    exact = float(areas[1] * (own[2] - own[0]) / (near[2] - near[0]))
+    return [*checks, Check.relative("P~ of Xu et al.", float(found), exact, 1e-6)]
 
 
 def _sizes() -> list[Check]:

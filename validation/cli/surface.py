@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -165,9 +166,14 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
         raise UsageError("\n".join(f"--{problem}" for problem in scene_problems(error))) from None
 
 
+#: Ratio of slopes below which a surface of finitely many waves has no direction worth naming.
+_LAY = 1.2
+
+
 def _inspected(
     source: str, *, length: str | None, unit: str | None, tilt: str, missing: str
 ) -> dict[str, Any]:
+    from fem_contact.surface import Patch, measured_lay
     from fem_contact.surface.spectra import estimate_spectrum
     from validation.scenes.scene import builtin_scenes, load_scene
     from validation.scenes.surfaces import measured_surface, reference_field
@@ -196,6 +202,11 @@ def _inspected(
         facts |= {"h'_rms (spectral)": field.rms_gradient}
         if field.rms_gradient > 0:
             facts["Nayak parameter"] = field.nayak
+    own = field if window == "none" else Patch(heights=field.heights, lengths=field.lengths)
+    if own.rms_gradient > 0:
+        lay = measured_lay(own)
+        turned = f", {math.degrees(lay.direction):.3g} degrees from x" if lay.ratio > _LAY else ""
+        facts["lay (slope across over along)"] = f"{lay.ratio:.3g}{turned}"
     facts["window of C(q)"] = window
     rings = estimate_spectrum(field.heights, field.lengths, window="none" if window == "none" else "hann")
     facts["spectrum"] = [

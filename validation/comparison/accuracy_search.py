@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.fft
-import scipy.stats
+import scipy.special
 
 from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.extrapolation import PlannedGrid, located_limit, predicted_uncertainty
@@ -323,7 +323,7 @@ class Search:
 
 
 def _student(samples: int) -> float:
-    return float(scipy.stats.t.ppf(0.975, samples - 1))
+    return float(scipy.special.stdtrit(samples - 1, 0.975))
 
 
 def _surfaces_for(error: float, scatter: float) -> int:

@@ -11,6 +11,7 @@ import numpy as np
 
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
+from validation.comparison.finite_slopes import finite_slopes
 from validation.effects import effect_kinds
 from validation.effects.base import Judgement, Roughness, Told
 from validation.errors import UsageError
@@ -172,7 +173,7 @@ def judgements(scene: Scene, realised: Realised) -> tuple[tuple[Judgement, ...],
     rough = roughness_of(realised)
     judged = (effect.judged(rough) for effect in scene.effects)
     listed = tuple(_priced(judgement) if scene.methods.solvers else judgement for judgement in judged)
-    return listed, _left_out(scene, rough)
+    return listed, _left_out(scene, realised, rough)
 
 
 def roughness_of(realised: Realised) -> Roughness:
@@ -242,7 +243,10 @@ def _realised_words(realised: Realised) -> str:
             f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points; all that follows is "
             "that of C(q)"
         )
-    return f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} (spectral)"
+    from fem_contact.surface import Patch
+
+    how = "by differences" if isinstance(field, Patch) else "spectral"
+    return f"h_rms = {field.rms_height:.6g} m, h'_rms = {field.rms_gradient:.6g} ({how})"
 
 
 def _surface_facts(realised: Realised) -> list[tuple[str, str]]:
@@ -265,22 +269,13 @@ def _theory_words(scene: Scene, realised: Realised) -> str:
     return theory_words(Told.by(realised.elastic, scene.effects), scene.methods.options("theory"))
 
 
-def _left_out(scene: Scene, rough: Roughness) -> tuple[Judgement, ...]:
+def _left_out(scene: Scene, realised: Realised, rough: Roughness) -> tuple[Judgement, ...]:
     """Return the effects that are not listed, each with the number that decides whether it may be."""
     slots = {effect.slot for effect in scene.effects}
     # Where one effect fills a slot, its rivals are not missing.
     rivals = (kind for kind in effect_kinds().values() if kind.slot not in slots)
     items = [judged for kind in rivals if (judged := kind.unlisted(rough)) is not None]
-    neglected = rough.gradient**2
-    items.append(
-        Judgement(
-            effect="finite slopes",
-            number=f"h'_rms^2 = {neglected:.2g}, the relative size of the neglected terms",
-            verdict="negligible"
-            if neglected <= 0.02
-            else "matters: every method here is linear in the slope",
-        )
-    )
+    items.append(finite_slopes(rough, poisson=realised.elastic.poisson))
     if not scene.methods.solvers:
         first = next(name for name, method in methods().items() if isinstance(method, Solver))
         items.append(

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from fem_contact.contact import ContactResult
-    from validation.comparison.compare import Comparison
+    from validation.comparison.compared import Comparison
 
 __all__ = ["area_data", "cost_data", "largest_pressure", "pressure_at_zero_data", "pressure_maps_data"]
 

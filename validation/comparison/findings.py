@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
+from validation.comparison.below import below_findings
 from validation.methods import find_method, find_solver
 from validation.report.words import significant, with_error
 
 if TYPE_CHECKING:
     from fem_contact.area import Limit
-    from validation.comparison.compare import Comparison, CrossCheck, Row
+    from validation.comparison.compared import Comparison, CrossCheck, Row
 
 __all__ = ["findings", "layered", "percent", "yielded_row"]
 
@@ -24,10 +25,12 @@ def findings(comparison: Comparison) -> tuple[str, ...]:
         *_modulus(comparison),
         *_theory(comparison),
         *_yielded(comparison),
+        *_passing(comparison),
         *_scatter(comparison),
         *_grids(comparison),
         *_cross(comparison),
         *_pressure_at_zero(comparison),
+        *below_findings(comparison),
         *_cost(comparison),
         *_warnings(comparison),
     ]
@@ -116,7 +119,7 @@ def _kappa(c: Comparison, limit: Limit) -> str:
 def _how(limit: Limit) -> str:
     if limit.definition == "subcell":
         return "area with the edge located inside the cells, extrapolated by its law of error"
-    return "regression of the pixel area on edge length times dx"
+    return "area corrected at its edge, extrapolated by its law of error"
 
 
 def _theory(c: Comparison) -> list[str]:
@@ -166,6 +169,19 @@ def _yielded(c: Comparison) -> list[str]:
     if finest.plastic > 0:
         distance = f", {_side(c.theory.plastic / finest.plastic - 1)} it"
     return [text + f"; {significant(c.theory.plastic)} by the theory{distance}."]
+
+
+def _passing(c: Comparison) -> list[str]:
+    if not c.passing:
+        missing = c.scene.quantities is not None and c.scene.quantities.passing
+        return (
+            ["What passes is not determinable: the points of every method weigh differently."]
+            if missing
+            else []
+        )
+    from validation.comparison.passing import sentences
+
+    return list(sentences(c.passing))
 
 
 def _scatter(c: Comparison) -> list[str]:

@@ -15,10 +15,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from fem_contact.contact import ContactResult
-    from validation.comparison.compare import Comparison
+    from validation.comparison.compared import Comparison
 
 __all__ = [
     "area_figure",
+    "below_figure",
     "cost_figure",
     "pressure_at_zero_figure",
     "pressure_maps_figure",
@@ -188,3 +189,20 @@ def _difference_map(axes: Axes, bem: ContactResult, fem: ContactResult, *, unit:
     axes.set_xlabel(r"x [$\mu$m]")
     axes.grid(visible=False)
     axes.figure.colorbar(image, ax=axes, label=r"$\Delta p / (E^* h'_{rms})$", shrink=0.85)
+
+
+def below_figure(data: xr.Dataset) -> Figure:
+    """Von Mises stress over depth: the largest on each plane, and the root mean square."""
+    figure, (axes,) = new_figure()
+    for k, solver in enumerate(dict.fromkeys(data.solver.values)):
+        at = data.isel(plane=data.solver.values == solver)
+        # A logarithmic axis has no surface.
+        depth = np.where(at.depth > 0, at.depth, np.nan) / data.attrs["lambda_short"]
+        for name, style, words in (("largest", "-", "largest"), ("rms", "--", "root mean square")):
+            axes.plot(depth, at[name] / data.attrs["unit"], style, color=f"C{k}", label=f"{solver}, {words}")
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlabel(r"depth over shortest wavelength, $z/\lambda_{short}$")
+    axes.set_ylabel(r"von Mises stress $\sigma_v / (E^* h'_{rms})$")
+    axes.legend(loc="upper right")
+    return figure

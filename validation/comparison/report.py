@@ -9,7 +9,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from validation.comparison.compare import Row
+from validation.comparison.below import below_data, below_table, write_below
+from validation.comparison.compared import Row
 from validation.comparison.findings import layered, percent, yielded_row
 from validation.comparison.pictures import render_stored
 from validation.files import atomic_path
@@ -24,7 +25,7 @@ from validation.solves.provenance import made_words
 
 if TYPE_CHECKING:
     from fem_contact.contact import ContactResult
-    from validation.comparison.compare import Comparison
+    from validation.comparison.compared import Comparison
     from validation.effects.base import Judgement
     from validation.scenes.scene import Scene
     from validation.solves.running import Solves
@@ -74,7 +75,10 @@ def write_outputs(
     """
     page = run_page(comparison, results if report else None, pictures=pictures)
     written = write_page(page, folder, numbers_only=not report)
-    return page, (*written, *_link_blocks(results, folder / "fields"), results.store.folder)
+    fields = folder / "fields"
+    blocks = tuple(_link_blocks(results, fields))
+    below: Any = write_below(comparison.scene, results, fields)
+    return page, (*written, *blocks, *below, results.store.folder)
 
 
 def _link_blocks(results: Solves, folder: Path) -> Iterator[Path]:
@@ -234,6 +238,12 @@ def _tables(c: Comparison) -> Iterator[WordTable]:
         f"kappa = (A/A0 perimeter)/p*{which}; {density}residual is the largest of penetration/h_rms, "
         "tension/(E* h'_rms), complementarity and load error.",
     )
+    if c.passing:
+        from validation.comparison.passing import words_table
+
+        yield words_table(c.passing)
+    if c.below:
+        yield below_table(c)
     if c.cross:
         yield WordTable(
             title=f"Beside {_first(c)} on the same grid",
@@ -371,6 +381,7 @@ def _drawings(comparison: Comparison, shown: dict[Press, ContactResult]) -> tupl
     to_its_end = figure_data.pressure_at_zero_data(comparison, finest, top=top)
     pair = _side_by_side(shown)
     return (
+        *_below(comparison, shown),
         Drawing(
             name="area",
             figure=plots.area_figure(comparison),
@@ -406,6 +417,22 @@ def _drawings(comparison: Comparison, shown: dict[Press, ContactResult]) -> tupl
             caption="Contact pressure of both solvers on the same surface and grid, one colour scale, dark "
             "is high; and where both have the same points, their difference.",
         ),
+    )
+
+
+def _below(c: Comparison, shown: dict[Press, ContactResult]) -> Iterator[Drawing]:
+    """Draw the stress over depth, where the scene asks for it."""
+    if not c.below:
+        return
+    from validation.comparison import plots
+
+    data = below_data(c, shown)
+    yield Drawing(
+        name="below",
+        figure=plots.below_figure(data),
+        data=data,
+        caption="Von Mises stress over the depth below the surface, on the finest grid: the largest on each "
+        "plane, and the root mean square. At the surface the edges of the contact ring.",
     )
 
 

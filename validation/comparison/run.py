@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from validation.comparison import theory_alone
-from validation.comparison.compare import Comparison, compare
+from validation.comparison.compare import compare
+from validation.comparison.compared import Comparison
 from validation.comparison.report import write_outputs
 from validation.comparison.theory_alone import TheoryAlone
 from validation.errors import UsageError

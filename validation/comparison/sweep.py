@@ -14,7 +14,8 @@ import numpy as np
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
 from validation.comparison import theory_alone
-from validation.comparison.compare import Comparison, Row, compare
+from validation.comparison.compare import compare
+from validation.comparison.compared import Comparison, Row
 from validation.comparison.explain import Explanation, explain
 from validation.comparison.findings import layered
 from validation.comparison.sweep_page import sweep_page
@@ -63,6 +64,14 @@ _VARIABLES = {
     "theory_kappa": ("1", "kappa, Persson with the realised gradient"),
     "theory_plastic": ("1", "A_pl/A0, Persson"),
     "scatter": ("1", "standard deviation between surfaces over their mean"),
+    "electrical_conductance": ("1/(ohm m^2)", "electrical conductance of the contact"),
+    "electrical_conductance_error": ("1/(ohm m^2)", "its change from the grid before"),
+    "thermal_conductance": ("W/(m^2 K)", "thermal conductance of the contact"),
+    "thermal_conductance_error": ("W/(m^2 K)", "its change from the grid before"),
+    "leak_rate_x": ("m^3/s", "leak through one period along x"),
+    "leak_rate_x_error": ("m^3/s", "its change from the grid before"),
+    "leak_rate_y": ("m^3/s", "leak through one period along y"),
+    "leak_rate_y_error": ("m^3/s", "its change from the grid before"),
     "pressure": ("Pa", "p0"),
     "reduced_pressure": ("1", "p* = p0 / (E* h'_rms)"),
     "contact_modulus": ("Pa", "E*"),
@@ -297,6 +306,8 @@ def _numbers(c: Comparison) -> dict[str, float | None]:
         "theory_ensemble": None if theory is None else theory.ensemble_area,
         "theory_plastic": None if theory is None else theory.plastic,
         "scatter": None if c.scatter is None else c.scatter.relative,
+        **{one.name: one.value for one in c.passing},
+        **{f"{one.name}_error": one.grid_error for one in c.passing},
     }
 
 

@@ -23,7 +23,7 @@ __all__ = ["Body", "Effect", "Judgement", "Roughness", "SlotName", "Slots", "Tol
 
 Array = NDArray[np.float64]
 Grid = tuple[int, int]
-SlotName = Literal["response", "pressure bound", "gap law", "spectrum"]
+SlotName = Literal["response", "pressure bound", "gap law", "spectrum", "boundary"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -224,6 +224,10 @@ class Effect(Table):
 
     def fill(self, slots: Slots) -> None:
         """Fill the slot that solvers ask for."""
+
+    def shaped(self, field: HeightField) -> HeightField:
+        """Return the heights that are pressed, of those of the surface."""
+        return field
 
     def theory(self, told: Told) -> None:
         """Tell Persson's theory; an effect that does not override this has none there."""

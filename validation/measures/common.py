@@ -33,6 +33,7 @@ __all__ = [
     "RisingOrNone",
     "base_case",
     "base_surface",
+    "in_rising_order",
     "over_surfaces",
     "persson_area",
     "reduced_load",
@@ -51,7 +52,9 @@ LEAST_POINTS_PER_WAVE = 3.0
 BASE_SOLID = SolidSpec(young=1e9, poisson=0.3)
 
 
-def base_surface(*, hurst: float, periods: float, bandwidth: float, seed: int) -> SelfAffineSurface:
+def base_surface(
+    *, hurst: float, periods: float, bandwidth: float, seed: int, length: float = 1e-3
+) -> SelfAffineSurface:
     """Return the surface of a study from ratios of lengths.
 
     Parameters
@@ -63,12 +66,14 @@ def base_surface(*, hurst: float, periods: float, bandwidth: float, seed: int) -
     bandwidth : float
         lambda_long / lambda_short.
     seed : int
+    length : float
+        Period [m].
 
     Notes
     -----
-    The period is 1 mm and the gradient of C(q) is 0.1: both scale out of everything the studies report.
+    The gradient of C(q) is 0.1. It scales out of everything the studies report, and so does the period but
+    where something else has a length.
     """
-    length = 1e-3
     return SelfAffineSurface(
         kind="self-affine",
         length=(length, length),
@@ -101,7 +106,8 @@ def results_of(bench: Bench, cases: Mapping[Case, Solve]) -> dict[Case, Any]:
     return {case: results[solve] for case, solve in cases.items()}
 
 
-def _in_rising_order(values: tuple[Any, ...]) -> tuple[Any, ...]:
+def in_rising_order(values: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Refuse numbers that do not rise."""
     if any(later <= earlier for earlier, later in itertools.pairwise(values)):
         raise wrong("must be positive and rising")
     return values
@@ -125,10 +131,10 @@ SHIFTS = 2
 #: Options of studies: positive numbers in rising order, none or more of them, at least one; grids as points along a
 #: side; grids, as lambda_short/dx, over which a limit can be taken, where a study has an option `shifts` with as many
 #: as that, if it stands before this one.
-RisingOrNone = Annotated[tuple[Positive, ...], AfterValidator(_in_rising_order)]
-Rising = Annotated[tuple[Positive, ...], Field(min_length=1), AfterValidator(_in_rising_order)]
+RisingOrNone = Annotated[tuple[Positive, ...], AfterValidator(in_rising_order)]
+Rising = Annotated[tuple[Positive, ...], Field(min_length=1), AfterValidator(in_rising_order)]
 RisingGrids = Annotated[
-    tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=1), AfterValidator(_in_rising_order)
+    tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=1), AfterValidator(in_rising_order)
 ]
 Ladder = Annotated[Rising, AfterValidator(_of_a_limit)]
 

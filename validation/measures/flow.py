@@ -12,6 +12,7 @@ from fem_contact.area import contact_areas
 from fem_contact.conductance import frozen_contact
 from fem_contact.contact import ContactResult
 from fem_contact.leak import critical_gap, flow_conductance, open_gap, percolates
+from fem_contact.stress import gap_distribution
 from persson.leakage import effective_medium
 from validation.measures.measurement import QUANTITIES, Measurement
 from validation.measures.single_solve import SingleSolve
@@ -20,7 +21,17 @@ from validation.solves.solve import Prediction
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["LeakMeasurement", "StiffMeasurement"]
+__all__ = [
+    "GAP_EDGES",
+    "LeakMeasurement",
+    "StiffMeasurement",
+    "contact_is_apart",
+    "gap_is_open",
+    "located_area",
+]
+
+#: Edges over which gaps are counted, as u/h_rms: finer towards zero, where P(u) rises; one of them is 0.1.
+GAP_EDGES = 0.1 * (np.arange(39) / 6) ** 2
 
 #: Located area up to which a percolation threshold is bracketed, and how closely an area is met.
 _BRACKET, _AREA = 1e-3, 2e-4
@@ -72,7 +83,7 @@ class LeakMeasurement(SingleSolve):
     @property
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
-        return super().recipe | {"areas": list(self.areas), "version": 1}
+        return super().recipe | {"areas": list(self.areas), "version": 2}
 
     @property
     def prefix(self) -> str:
@@ -91,19 +102,24 @@ class LeakMeasurement(SingleSolve):
         )
 
     def measure(self) -> xr.Dataset:
-        """Seek the loads, and keep what leaks there; dimensions (area, axis)."""
+        """Seek the loads, and keep what leaks there and how wide the gaps are; dimensions (area, axis), (area, gap_bin)."""
         import xarray as xr
 
         path = _Path(self)
-        flows = [[_flow(path.at_area(area), axis) for axis in ("x", "y")] for area in self.areas]
+        states = [path.at_area(area) for area in self.areas]
+        flows = [[_flow(state, axis) for axis in ("x", "y")] for state in states]
+        height = self.realised.field.rms_height
+        gaps = [gap_distribution(state, GAP_EDGES * height).density * height for state in states]
+        loads = [state.mean_pressure / self.realised.pressure_scale for state in states]
         thresholds = {
             name: ("axis", [path.threshold(open_at(axis)) for axis in ("x", "y")])
-            for name, open_at in (("contact_threshold", _contact_is_apart), ("gap_threshold", _gap_is_open))
+            for name, open_at in (("contact_threshold", contact_is_apart), ("gap_threshold", gap_is_open))
         }
         names = tuple(flows[0][0])
         return xr.Dataset(
             {name: (("area", "axis"), [[one[name] for one in row] for row in flows]) for name in names}
-            | thresholds,
+            | thresholds
+            | {"reduced_pressure": ("area", loads), "gap_density": (("area", "gap_bin"), gaps)},
             coords={"area": list(self.areas), "axis": ["x", "y"]},
         )
 
@@ -135,7 +151,7 @@ class _Path:
         load = area / 2
         for _ in range(_STEPS):
             state = self.state(load)
-            miss = _located(state) / area - 1
+            miss = located_area(state) / area - 1
             if abs(miss) * area < _AREA:
                 return state
             low, high = (load, high) if miss < 0 else (low, load)
@@ -148,23 +164,26 @@ class _Path:
         low, high = 0.05, 1.0
         while not passes(self.state(low)):
             low /= 2
-        while _located(self.state(high)) - _located(self.state(low)) > _BRACKET:
+        while located_area(self.state(high)) - located_area(self.state(low)) > _BRACKET:
             middle = np.sqrt(low * high)
             low, high = (middle, high) if passes(self.state(middle)) else (low, middle)
-        return (_located(self.state(low)) + _located(self.state(high))) / 2
+        return (located_area(self.state(low)) + located_area(self.state(high))) / 2
 
 
-def _located(state: ContactResult) -> float:
+def located_area(state: ContactResult) -> float:
+    """A/A0 with the edge located inside the cells."""
     found = contact_areas(state, subcell=True).subcell
     assert found is not None
     return found
 
 
-def _gap_is_open(axis: Literal["x", "y"]) -> Callable[[ContactResult], bool]:
+def gap_is_open(axis: Literal["x", "y"]) -> Callable[[ContactResult], bool]:
+    """Return the question whether a path without contact leads along an axis."""
     return lambda state: percolates(~state.in_contact, axis)
 
 
-def _contact_is_apart(axis: Literal["x", "y"]) -> Callable[[ContactResult], bool]:
+def contact_is_apart(axis: Literal["x", "y"]) -> Callable[[ContactResult], bool]:
+    """Return the question whether no path of contact leads along an axis."""
     return lambda state: not percolates(state.in_contact, axis)
 
 
@@ -175,7 +194,7 @@ def _flow(state: ContactResult, axis: Literal["x", "y"]) -> dict[str, float]:
     found = flow_conductance(gap, state.lengths, axis=axis)
     medium = effective_medium(gap.ravel() ** 3 / 12, np.full(gap.size, 1 / gap.size))
     return {
-        "located": _located(state),
+        "located": located_area(state),
         "conductance": found.conductance / mean**3,
         "closed": float(found.closed),
         "effective_medium": medium / mean**3,

@@ -11,7 +11,7 @@ import numpy as np
 
 from fem_contact.area import EDGE_CONSTANTS, ContactAreas, Limit, contact_areas, subgrid_shifts
 from fem_contact.contact import ContactResult
-from fem_contact.extrapolation import counted_limit, located_limit
+from fem_contact.extrapolation import located_limit, perimeter_limit
 from fem_contact.patches import find_patches
 from fem_contact.stress import density_at_zero, elastic_energy
 from fem_contact.surface import HeightField
@@ -122,8 +122,9 @@ class Measurement(NumbersSolve):
             "grids": [list(grid) for grid in self.grids],
             "shifts": self.shifts,
             "tolerance": self.tolerance,
-            # What is read off belongs to the result: a stored one that lacks a number is another one.
-            "quantities": sorted([*self.quantities, "cells"]),
+            # What is read off belongs to the result: a stored one that lacks a number is another one, and so is
+            # one whose edges were located to first order.
+            "quantities": sorted([*self.quantities, "cells", "edges of second order"]),
         }
 
     @property
@@ -299,9 +300,9 @@ def _read_off(result: ContactResult, *, located: bool) -> dict[str, float]:
 
 
 def limit_over(areas: Sequence[ContactAreas]) -> Limit:
-    """Return the limit of the located area where there is one, else of the counted."""
+    """Return the limit of the located area where there is one, else of the corrected."""
     located = all(area.subcell is not None for area in areas)
-    return located_limit(areas) if located else counted_limit(areas)
+    return located_limit(areas) if located else perimeter_limit(areas)
 
 
 def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0.0) -> list[ContactAreas]:
@@ -336,7 +337,7 @@ def area_limits(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
     """Return the limit of A/A0 over the grids of one measurement and its standard error, for each load.
 
     It is that of the areas located inside the cells (`fem_contact.extrapolation`), or where they cannot be located of
-    the counted ones; grids of less than
+    those corrected at their edge; grids of less than
     `LEAST_POINTS_PER_WAVE` are left out. Both are NaN where the contact is too small to carry the law; the report
     of a study says so.
     """

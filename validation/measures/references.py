@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-__all__ = ["KAPPA_LITERATURE", "KappaRange"]
+__all__ = ["ALPHA_HURST", "ALPHA_LITERATURE", "KAPPA_LITERATURE", "KappaRange"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,3 +32,12 @@ KAPPA_LITERATURE = (
         note="finite elements, roughness down to the grid scale, nodes counted",
     ),
 )
+
+#: alpha of A = alpha F over that of Persson's theory, as he quotes it (2006, Sec. 3.5), all of them for D_f = 2.2.
+ALPHA_LITERATURE = {
+    "molecular dynamics (Yang, Tartaglino, Persson 2006)": 1.14,
+    "finite elements (Hyun et al. 2004)": 1.13,
+    "discretised continuum (Borri-Brunetto 2006)": 0.80,
+}
+#: H = 3 - D_f for which they were computed.
+ALPHA_HURST = 0.8

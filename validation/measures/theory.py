@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from fem_contact.surface import HeightField
 from persson import elastic
 from persson.spectrum import Spectrum
-from persson.variants import Variant, corrected_contact_area, energy_factor
+from persson.variants import EnergyReading, Variant, energy_share
 
 __all__ = [
     "RANKED",
@@ -96,29 +96,23 @@ class Waves:
         """Elastic energy of full contact over E* [m]."""
         return float(self.energy.sum())
 
-    def elastic_energy(self, pressure: ArrayLike, variant: Variant) -> Array:
+    def elastic_energy(self, pressure: ArrayLike, variant: Variant | EnergyReading) -> Array:
         r"""Elastic energy per nominal area over E* [m].
 
-        .. math:: U_\mathrm{el} = \int \frac{dV}{E^* q}\, P\, S(P)
-
-        Persson 2006, Eq. 43 for S = 1. As in Yang and Persson (2008), "yang_persson" takes P of the original theory and
-        S = g + (1 - g) P^2; "wang_mueser" takes the area that follows from its own S.
+        .. math:: U_\mathrm{el} = \int \frac{dV}{E^* q}\, \tilde P
 
         Parameters
         ----------
         pressure : (loads,) array
             Nominal pressure over E*.
         variant : str
-            One of `WITH_ENERGY`.
+            Whose P~ (`persson.variants.energy_share`); "persson" is Eq. 43.
         """
         load = np.asarray(pressure, dtype=float)[..., None]
-        if variant == "wang_mueser":
-            area = corrected_contact_area(load, stress_variance=self.variance, variant=variant)
-        else:
-            area = elastic.contact_area(load, stress_variance=self.variance)
-        return np.asarray((area * energy_factor(area, variant=variant)) @ self.energy)
+        reading: EnergyReading = "old" if variant == "persson" else variant
+        return np.asarray(energy_share(load, stress_variance=self.variance, energy=reading) @ self.energy)
 
-    def mean_gap(self, pressure: ArrayLike, variant: Variant) -> Array:
+    def mean_gap(self, pressure: ArrayLike, variant: Variant | EnergyReading) -> Array:
         """Mean gap [m]: the work of the load is stored, p du = -dU, from full contact downwards.
 
         Arguments as for `elastic_energy`; the pressures must rise.

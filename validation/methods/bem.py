@@ -29,6 +29,8 @@ FIXED_PAIRS = 26.0
 #: Per pair of transforms on the grid; 25 to 30 are needed, and the passes between them cost.
 _PAIRS = 80.0
 BYTES_PER_POINT, FIXED_BYTES = 15 * 8, 3 * 2**19
+#: Further bytes per point where a patch is transformed on twice the points along both axes.
+_DOUBLED = 14 * 8
 
 
 class BemOptions(Gridded):
@@ -43,7 +45,7 @@ class Bem(Solver):
     name = "bem"
     label = "BEM"
     options: ClassVar[type[Table]] = BemOptions
-    slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound", "gap law"})
+    slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound", "gap law", "boundary"})
     locates_edges = True
     for_ensembles = True
     holds = frozenset({"mean_gap", "offset"})
@@ -83,9 +85,10 @@ class Bem(Solver):
         """Predict from the size of the grid."""
         points = grid[0] * grid[1]
         scale = points * math.log2(points) / (256**2 * 16)
+        doubled = any(effect.slot == "boundary" for effect in effects)
         return Cost(
             pairs=FIXED_PAIRS + _PAIRS * dearer * scale,
-            peak_bytes=FIXED_BYTES + BYTES_PER_POINT * points,
+            peak_bytes=FIXED_BYTES + (BYTES_PER_POINT + (_DOUBLED if doubled else 0)) * points,
             unknowns=points,
         )
 
@@ -120,7 +123,13 @@ class Bem(Solver):
         return Solved(contact=bem.solve(field, slots.felt_response, **said))
 
     def check(self, options: BemOptions, realised: Realised, effects: Sequence[Effect]) -> None:
-        """Refuse a mean gap with attraction, for which several states may have the same."""
+        """Refuse a mean gap with attraction, of which several states may have one, and shifts of a patch."""
+        free = next((k for k, effect in enumerate(effects) if effect.slot == "boundary"), None)
+        if free is not None and options.shifts > 1:
+            raise UsageError(
+                f"methods.bem.shifts = {options.shifts}: {effect_key(free, 'kind')} = {effects[free].kind!r} "
+                "presses one patch, which has no period to be moved in; leave shifts out"
+            )
         sticky = next((k for k, effect in enumerate(effects) if effect.slot == "gap law"), None)
         if sticky is not None and "mean_gap" in realised.load.held:
             raise UsageError(
@@ -155,8 +164,8 @@ class Bem(Solver):
         )
 
     def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
-        """Press a small surface: large enough for the passes between grids, and done in milliseconds."""
-        points = 64
+        """Press a small surface: large enough for all passes, those of single precision among them."""
+        points = 256
         examples = [type(effect).example(1 / points) for effect in effects]
         slots = Slots.filled(Solid(young=1.0, poisson=0.0), examples)
         self.solve(

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from fem_contact.area import ContactAreas, Limit, contact_areas
 from fem_contact.contact import ContactResult
-from validation.comparison.compare import Comparison, CrossCheck, compare
+from validation.comparison.compare import compare
+from validation.comparison.compared import Comparison, CrossCheck
+from validation.effects.base import Slots
 from validation.errors import UsageError
 from validation.methods.base import Solved
 from validation.methods.theory import Prediction
@@ -26,6 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from fem_contact.patches import Patches
+    from fem_contact.subsurface import Subsurface
     from validation.report.drawing import Drawing
 
 __all__ = ["Contact", "pressed"]
@@ -117,24 +120,42 @@ class Contact:
 
         return read_dataset(encode_result(self.result, recipe=self.solve.recipe_text))
 
-    def to_vtu(self, path: str | Path) -> Path:
-        """Write the deformed finite-element block with its stresses, for ParaView or pyvista.
+    def below(self, depths: Sequence[float] | None = None) -> Subsurface:
+        """Return displacement and stress below the contact, from its pressures, at depths [m].
 
         Raises
         ------
         UsageError
-            For a method that holds no body.
+            For finite elements, whose block has a stress of its own.
         """
-        from fem_contact.export import write_block
+        from fem_contact.subsurface import fields_below
+
+        if self.solve.solver.sinks:
+            raise UsageError(
+                f"below: method {self.solve.method!r} meshes its body; write its own stress with to_vtu(...)"
+            )
+        return fields_below(self.result, self._slots.felt_response, depths=depths)
+
+    def to_vtu(self, path: str | Path) -> Path:
+        """Write the stress in the solid for ParaView or pyvista: of the block, or else below the contact.
+
+        Raises
+        ------
+        UsageError
+            For a method that meshes a body and does not keep it.
+        """
+        from fem_contact.export import write_block, write_subsurface
 
         block = self.solved[self.solve].block
-        if block is None or not self.solve.has_block:
-            raise UsageError(
-                f"to_vtu: method {self.solve.method!r} holds no body; press with method='fem', or keep the "
-                "surface fields with to_xarray().to_netcdf(...)"
-            )
-        write_block(Path(path), block)
+        if block is not None and self.solve.has_block:
+            write_block(Path(path), block)
+        else:
+            write_subsurface(Path(path), self.below())
         return Path(path)
+
+    @property
+    def _slots(self) -> Slots:
+        return Slots.filled(self.realised.elastic, self.scene.effects)
 
     def plot(self, what: Literal["pressure", "distribution", "grids"] = "pressure") -> Drawing:
         """Draw the map of pressure, P(sigma) beside the theory, or area against grid spacing.

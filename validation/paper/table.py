@@ -29,8 +29,8 @@ UNJUDGED: tuple[Unjudged, ...] = (
         section="3.5",
         statement="contact area +14 % in molecular dynamics, +13 % in Hyun's finite elements, -20 % in "
         "Borri-Brunetto's",
-        reason="results of other computations, not of the theory; converged ones are in the studies `hurst` "
-        "and `theory-verdict` of `fem-contact`",
+        reason="results of other computations, not of the theory; `fem-contact study hurst` puts converged "
+        "ones beside them, by fractal dimension and magnification",
     ),
     Unjudged(
         section="10.1",

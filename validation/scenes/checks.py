@@ -29,6 +29,7 @@ def check_scene(scene: Scene, realised: Realised) -> None:
         if missing is not None:
             raise UsageError(f"methods.{name}: {missing}")
     _check_control(scene)
+    _check_below(scene, realised)
     for k, effect in enumerate(scene.effects):
         for name in scene.methods.solvers:
             effect.check_solver(name, key=effect_key(k, ""))
@@ -53,6 +54,16 @@ def _check_control(scene: Scene) -> None:
             f"solid.second_young: effect {layered!r} changes one body alone, and two bodies are solved as "
             "one half-space; leave one of them out"
         )
+    patch = next((effect.kind for effect in scene.effects if effect.slot == "boundary"), None)
+    if getattr(scene.surface, "edges", None) == "free" and patch is None:
+        raise UsageError(
+            "surface.edges = 'free': has no period, which everything but the effect 'free-boundary' needs; "
+            "list it, or taper the edges"
+        )
+    if patch is not None and scene.ensemble is not None:
+        raise UsageError(f"ensemble: averages over periods; effect {patch!r} presses one patch; remove one")
+    if patch is not None and scene.quantities is not None:
+        raise UsageError(f"quantities: are read off a period; leave them out, or the effect {patch!r}")
     if not scene.load.held:
         return
     able = [name for name, method in methods().items() if key in getattr(method, "holds", ())]
@@ -66,6 +77,21 @@ def _check_control(scene: Scene) -> None:
         raise UsageError(
             f"load.offset: the body of method {sinking[0]!r} sinks as a whole under its load, a half-space "
             "does not; ask them one by one"
+        )
+
+
+def _check_below(scene: Scene, realised: Realised) -> None:
+    """Refuse stress below a contact that nobody solves, and depths below the base of a layer."""
+    if scene.subsurface is None:
+        return
+    if all(solver.sinks for solver in scene.methods.solvers.values()):
+        raise UsageError("quantities.subsurface: is read off surface pressures; add [methods.bem]")
+    response = Slots.filled(realised.elastic, scene.effects).felt_response
+    base, depths = getattr(response, "thickness", None), scene.subsurface.depths
+    if base is not None and depths is not None and depths[-1] > base:
+        raise UsageError(
+            f"quantities.subsurface.depths: the deepest, {depths[-1]:.6g} m, lies below the base of the "
+            f"layer, at {base:.6g} m"
         )
 
 

@@ -17,6 +17,7 @@ from validation.scenes.tables import FileSurface, Load, SolidSpec, Surface
 if TYPE_CHECKING:
     from persson.capillary import CapillaryWaves
     from persson.spectrum import SelfAffine
+    from persson.stretched import Stretched
     from persson.tabulated import Tabulated
     from validation.scenes.topography import Measured, Topography
 
@@ -110,7 +111,7 @@ class Realised:
         return HeightField(heights=-field.heights, lengths=field.lengths) if self.inverted else field
 
     @cached_property
-    def spectrum(self) -> SelfAffine | CapillaryWaves | Tabulated | None:
+    def spectrum(self) -> SelfAffine | Stretched | CapillaryWaves | Tabulated | None:
         """C(q) of the scene, estimated for a measured patch with tapered edges; None for one period."""
         if not isinstance(self.surface, FileSurface):
             return surfaces.spectrum_of(self.surface)
@@ -123,12 +124,12 @@ class Realised:
         return surfaces.measured_spectrum(self.measured)
 
     @cached_property
-    def spectrum_shape(self) -> SelfAffine | CapillaryWaves | Tabulated:
+    def spectrum_shape(self) -> SelfAffine | Stretched | CapillaryWaves | Tabulated:
         """C(q) whose scale may be another: for a measured surface an estimate, whatever its edges."""
         return self._estimate if self.spectrum is None else self.spectrum
 
     @cached_property
-    def own_spectrum(self) -> SelfAffine | CapillaryWaves | Tabulated:
+    def own_spectrum(self) -> SelfAffine | Stretched | CapillaryWaves | Tabulated:
         """C(q), scaled to the gradient of this surface; that of the scene where no surface is drawn."""
         shape = self.spectrum_shape
         return shape.scaled(float(self.field.rms_gradient**2 / shape.m2())) if self.has_heights else shape
@@ -204,9 +205,11 @@ class Realised:
 
     @property
     def longest(self) -> float:
-        """lambda_long [m]; of a measured surface, the longer period."""
+        """lambda_long [m], along the lay if there is one; of a measured surface, the longer period."""
         surface = self.surface
-        return max(surface.length) if isinstance(surface, FileSurface) else surface.lambda_long
+        if isinstance(surface, FileSurface):
+            return max(surface.length)
+        return surface.lambda_long * (getattr(surface, "stretch", None) or 1.0)
 
     def points_per_wave(self, grid: Grid) -> float:
         """lambda_short / dx, on the coarser axis."""
@@ -225,6 +228,8 @@ class Realised:
         else:
             assert not isinstance(self.surface, FileSurface)
             surface["seed"] = self.surface.seed_of(self.realisation)
+            if surface.get("stretch") is None:  # what is not listed names no solve
+                surface.pop("stretch", None)
         said = {
             "surface": surface,
             "solid": self.solid.model_dump(mode="json", exclude_none=True),

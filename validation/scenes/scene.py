@@ -27,6 +27,7 @@ from validation.effects import effect_kinds
 from validation.effects.base import Effect, clash, effect_key
 from validation.errors import SceneError, UsageError, harmless
 from validation.methods import Method, Solver, methods
+from validation.scenes.quantities import Electrical, Leak, Quantities, Subsurface, Thermal
 from validation.scenes.run_options import RunOptions
 from validation.scenes.tables import (
     CapillarySurface,
@@ -49,6 +50,7 @@ __all__ = [
     "Load",
     "MethodTables",
     "Methods",
+    "Quantities",
     "RandomSurface",
     "RunOptions",
     "Scene",
@@ -149,6 +151,7 @@ class Scene(_Table):
     methods: Methods
     ensemble: Ensemble | None = None
     effects: tuple[EffectSpec, ...] = ()
+    quantities: Quantities | None = None
     run: RunOptions = RunOptions()
 
     @model_validator(mode="before")
@@ -190,6 +193,17 @@ class Scene(_Table):
         if self.ensemble is not None:
             raise _wrong(f"ensemble: is pressed with one load; remove the table, or load.{self.load.key}")
         return self
+
+    @model_validator(mode="after")
+    def _quantities_have_contacts(self) -> Self:
+        if self.quantities is not None and not self.methods.solvers:
+            raise _wrong("quantities: are read off a contact; add the table of a method that presses")
+        return self
+
+    @property
+    def subsurface(self) -> Subsurface | None:
+        """What is asked of the solid below the contact."""
+        return None if self.quantities is None else self.quantities.subsurface
 
     @model_validator(mode="after")
     def _surface_is_named(self) -> Self:
@@ -441,6 +455,10 @@ def _described(location: list[str]) -> str:
         SolidSpec,
         Load,
         Ensemble,
+        Electrical,
+        Thermal,
+        Leak,
+        Subsurface,
         RunOptions,
         *(method.options for method in methods().values()),
         *effect_kinds().values(),

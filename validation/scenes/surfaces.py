@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, overload
 
-from fem_contact.surface import HeightField, RandomWaves, random_waves
+from fem_contact.surface import HeightField, Patch, RandomWaves, random_waves
 from validation.errors import UsageError
 from validation.scenes.tables import CapillarySurface, FileSurface, RandomSurface, SelfAffineSurface, Surface
 from validation.scenes.topography import Measured, measured
@@ -16,6 +16,7 @@ from validation.scenes.topography import Measured, measured
 if TYPE_CHECKING:
     from persson.capillary import CapillaryWaves
     from persson.spectrum import SelfAffine
+    from persson.stretched import Stretched
     from persson.tabulated import Tabulated
 
 __all__ = [
@@ -37,11 +38,11 @@ __all__ = [
 
 
 @overload
-def spectrum_of(surface: SelfAffineSurface) -> SelfAffine: ...
+def spectrum_of(surface: SelfAffineSurface) -> SelfAffine | Stretched: ...
 @overload
-def spectrum_of(surface: RandomSurface) -> SelfAffine | CapillaryWaves: ...
-def spectrum_of(surface: RandomSurface) -> SelfAffine | CapillaryWaves:
-    """C(q) of a random surface, as its scene says."""
+def spectrum_of(surface: RandomSurface) -> SelfAffine | Stretched | CapillaryWaves: ...
+def spectrum_of(surface: RandomSurface) -> SelfAffine | Stretched | CapillaryWaves:
+    """C(q) of a random surface, as its scene says; with a lay, averaged over directions."""
     if isinstance(surface, CapillarySurface):
         return _capillary(surface)
     assert isinstance(surface, SelfAffineSurface)
@@ -53,7 +54,7 @@ def spectrum_of(surface: RandomSurface) -> SelfAffine | CapillaryWaves:
     else:
         assert surface.rms_height is not None
         build, size = SelfAffine.from_rms_height, surface.rms_height
-    return build(
+    straight = build(
         size,
         hurst=surface.hurst,
         q_long=2 * math.pi / surface.lambda_long,
@@ -61,6 +62,13 @@ def spectrum_of(surface: RandomSurface) -> SelfAffine | CapillaryWaves:
         rolloff=surface.rolloff,
         q_min=None if surface.rolloff == "sharp" else 2 * math.pi / max(surface.length),
     )
+    if surface.stretch is None:
+        return straight
+    from persson.stretched import Stretched
+
+    found = Stretched(spectrum=straight, factor=surface.stretch)
+    # The height keeps its variance when it is stretched, the slope does not.
+    return found if surface.rms_gradient is None else found.scaled(float(straight.m2() / found.m2()))
 
 
 def _capillary(surface: CapillarySurface) -> CapillaryWaves:
@@ -79,12 +87,14 @@ def _capillary(surface: CapillarySurface) -> CapillaryWaves:
 def waves_of(surface: RandomSurface, realisation: int = 0) -> RandomWaves:
     """Draw the waves of one realisation; realisation k is the surface of seed + k."""
     spectrum = spectrum_of(surface)
+    directional = getattr(spectrum, "directional", None)
     return random_waves(
-        spectrum,
+        directional or spectrum,
         q_short=spectrum.q_short,
         lengths=surface.length,
         seed=surface.seed_of(realisation),
         amplitudes=surface.amplitudes,
+        isotropic=directional is None,
     )
 
 
@@ -271,6 +281,8 @@ def measured_field(found: Measured) -> HeightField:
     """Heights of a measured surface as one period; they must be rough, since every p* divides by h'_rms."""
     with naming(found.surface):
         field = found.period.height_field()
+        if found.surface.edges == "free":
+            field = Patch(heights=field.heights, lengths=field.lengths)
     if not field.rms_gradient > 0:
         raise UsageError(
             f"surface.path = {str(found.surface.path)!r}: is flat (h'_rms = 0); a scene needs a rough surface"

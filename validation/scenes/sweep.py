@@ -17,6 +17,7 @@ from pydantic.fields import FieldInfo
 from validation.effects import effect_kinds
 from validation.errors import SceneError, UsageError
 from validation.methods import methods
+from validation.scenes.quantities import QUANTITIES
 from validation.scenes.scene import (
     Ensemble,
     RunOptions,
@@ -184,6 +185,7 @@ def scene_keys(data: Mapping[str, Any] | None = None) -> dict[str, FieldInfo]:
     rough = [_SURFACES[kind]] if isinstance(kind, str) and kind in _SURFACES else list(_SURFACES.values())
     tables: list[tuple[str, Any]] = [("surface", table) for table in rough]
     tables += [("solid", SolidSpec), ("load", Load), ("ensemble", Ensemble), ("run", RunOptions)]
+    tables += [(f"quantities.{name}", table) for name, table in QUANTITIES.items()]
     tables += [(f"methods.{name}", method.options) for name, method in methods().items()]
     tables += [(f"effects.{name}", effect) for name, effect in effect_kinds().items()]
     keys = {name: Scene.model_fields[name] for name in ("name", "title")}

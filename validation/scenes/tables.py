@@ -84,10 +84,21 @@ class SelfAffineSurface(RandomSurface):
     rms_gradient: Ratio | None = Field(default=None, description="h'_rms of C(q), both directions together")
     rms_height: Length | None = Field(default=None, description="h_rms of C(q)")
     rolloff: Literal["sharp", "smooth", "plateau"] = "sharp"
+    stretch: Number | None = Field(
+        default=None,
+        ge=1,
+        le=50,
+        description="how many times longer the waves along x are than across: the lay of a ground surface",
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         exactly_one(self, ("rms_gradient", "rms_height"))
+        if self.stretch is not None and self.stretch * self.lambda_long > self.length[0] * (1 + 1e-12):
+            raise wrong(
+                f"stretch = {self.stretch:g}: makes waves of {self.stretch * self.lambda_long:.6g} m along x,"
+                f" longer than the period {self.length[0]:.6g} m"
+            )
         return self
 
 
@@ -123,8 +134,10 @@ class FileSurface(Table):
     missing: Literal["refuse", "nearest", "harmonic"] = Field(
         default="refuse", description="what to do with points without a height"
     )
-    edges: Literal["periodic", "tukey", "hann"] | None = Field(
-        default=None, description="taper that makes it periodic; not needed where opposite edges match"
+    edges: Literal["periodic", "tukey", "hann", "free"] | None = Field(
+        default=None,
+        description="taper that makes it periodic, not needed where opposite edges match; 'free' with the "
+        "effect 'free-boundary': one patch with its edges",
     )
     margin: Ratio = Field(
         default=0.1, gt=0, le=0.5, description="share of each side over which a tukey taper falls"

@@ -104,7 +104,10 @@ class Press(Solve):
 
     def height_field(self) -> HeightField:
         """Return the heights that are pressed."""
-        return self.realised.heights(self.grid, self.shift)
+        field = self.realised.heights(self.grid, self.shift)
+        for effect in self.effects:
+            field = effect.shaped(field)
+        return field
 
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict from the sizes of grid and mesh, and what the effects cost on this machine."""

@@ -16,7 +16,7 @@ from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
 from validation.errors import RunFailed, UsageError
 from validation.scenes.scene import Scene, scene_problems
-from validation.units import Table, wrong
+from validation.units import Table, unit_of, wrong
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -78,7 +78,9 @@ class StudyOptions(Table):
         flags = cls.flags()
         for flag, text in _pairs(arguments, flags):
             several = typing.get_origin(_bare(flags[flag].annotation)) is tuple
-            parts = [part.strip() for part in text.split(",") if part.strip()]
+            unit = _unit_of(flags[flag])
+            text = text if several else _with_unit(text, unit)
+            parts = [_with_unit(part.strip(), unit) for part in text.split(",") if part.strip()]
             values[flag.removeprefix("--").replace("-", "_")] = parts if several else text
         try:
             # Strings are numbers here, and quantities may carry units as in a scene.
@@ -104,7 +106,9 @@ class StudyOptions(Table):
         for flag, field in cls.flags().items():
             default = _default_words(field.default)
             said = "may be left out" if default is None else f"default: {default}"
-            yield f"    {flag} {_kind_words(field)} ({said})"
+            unit = _unit_of(field)
+            kind = _kind_words(field) + ("" if unit == "1" else f" in {unit}, or with a unit")
+            yield f"    {flag} {kind} ({said})"
             yield f"        {field.description}"
 
 
@@ -232,6 +236,21 @@ def _kind_words(field: FieldInfo) -> str:
     if typing.get_origin(item) is typing.Literal:
         return "some of " + ", ".join(map(str, typing.get_args(item))) + ", with commas"
     return words.get(item, "a text").removeprefix("a ") + "s with commas"
+
+
+def _unit_of(field: FieldInfo) -> str:
+    """SI unit of an option, of one value or of several; "1" for plain numbers."""
+    one = unit_of(field)
+    return unit_of(field.annotation) if one == "1" else one
+
+
+def _with_unit(text: str, unit: str) -> str:
+    """Return a text with the SI unit where it is a bare number, as the defaults are shown."""
+    try:
+        float(text)
+    except ValueError:
+        return text
+    return text if unit == "1" else f"{text} {unit}"
 
 
 def _default_words(value: Any) -> str | None:

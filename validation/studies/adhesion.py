@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,13 +20,11 @@ from pydantic import Field, model_validator
 
 from fem_contact.adhesion import CELLS_NEEDED
 from fem_contact.contact import ContactResult
-from persson.adhesion import Interface, solve_adhesion
 from persson.elastic import contact_area, stress_variance
-from persson.errors import PerssonError
-from persson.scale import Scale
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
 from validation.effects.hardness import Hardness
+from validation.measures.adhesive import adhesive_theory
 from validation.measures.common import truncated_surface
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
@@ -155,12 +153,12 @@ class _Case:
     def theory(self) -> dict[str, float]:
         """Evaluate the theory with the realised gradient; what it has no answer to is left out."""
         found = {"persson_plain": self._plain_theory()}
-        improved = self._adhesive_theory("improved")
+        improved = adhesive_theory(self.realised, work=self.work, energy="improved", hardness=self.hardness)
         if improved is not None:
             found |= {"improved": improved.real_area, "macroscopic": improved.macroscopic_work / self.work}
             if self.hardness is not None:
                 found["yielded_persson"] = float(improved.area_plastic[-1])
-        old = self._adhesive_theory("old")
+        old = adhesive_theory(self.realised, work=self.work, energy="old", hardness=self.hardness)
         if old is not None:
             found |= {"old": old.real_area, "macroscopic_old": old.macroscopic_work / self.work}
         return found
@@ -175,20 +173,6 @@ class _Case:
 
         parts = constant_hardness(pressure, stress_variance=variance, yield_stress=self.hardness)
         return float(parts.elastic + parts.plastic)
-
-    def _adhesive_theory(self, energy: Literal["improved", "old"]) -> Any:
-        """Solve the theory with adhesion; None where it has no answer."""
-        realised, spectrum = self.realised, self.realised.spectrum_shape
-        scaled = spectrum.scaled(float(realised.field.rms_gradient**2 / spectrum.m2()))
-        try:
-            return solve_adhesion(
-                Scale(scaled, contact_modulus=realised.contact_modulus),
-                pressure=realised.pressure,
-                interface=Interface(work_of_adhesion=self.work, energy=energy),
-                yield_stress=self.hardness,
-            ).checked()
-        except PerssonError:
-            return None
 
 
 #: By dial: the number that is turned, and the case of every surface.

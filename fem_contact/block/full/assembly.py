@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from fem_contact.block.mesh import BlockMesh
 
-__all__ = ["Stiffness", "assemble"]
+__all__ = ["Pattern", "Stiffness", "assemble"]
 
 Array = NDArray[np.float64]
 
@@ -70,7 +70,7 @@ def assemble(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -
     forms = LocalForms.integrate(basis, mesh.element)
     weight = np.ones(basis.nelems) if modulus is None else modulus[_cells(basis, mesh)]
     rows, columns = lattice[forms.indices].reshape(2, -1)
-    pattern = _Pattern.build(rows, columns, size=lattice.size)
+    pattern = Pattern.build(rows, columns, size=lattice.size)
     data = np.empty((pattern.columns.size, 3, 3))
     for a in range(3):
         for b in range(3):
@@ -87,7 +87,7 @@ def _cells(basis: Any, mesh: BlockMesh) -> tuple[NDArray[np.int64], NDArray[np.i
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Pattern:
+class Pattern:
     """Sparsity pattern of a sum of element matrices."""
 
     positions: NDArray[np.int64]
@@ -96,15 +96,18 @@ class _Pattern:
     size: int
 
     @classmethod
-    def build(cls, rows: NDArray[np.int64], columns: NDArray[np.int64], *, size: int) -> _Pattern:
+    def build(cls, rows: NDArray[np.int64], columns: NDArray[np.int64], *, size: int) -> Pattern:
+        """Find the blocks that entries at these rows and columns fall into."""
         keys, positions = np.unique(rows * size + columns, return_inverse=True)
         return cls(positions=positions, rows=keys // size, columns=keys % size, size=size)
 
     def summed(self, values: Array) -> Array:
+        """Add entries up by block."""
         total: Array = np.bincount(self.positions, weights=values, minlength=self.columns.size).astype(float)
         return total
 
     def matrix(self, data: Array) -> sp.bsr_array:
+        """Return the matrix of these blocks."""
         import scipy.sparse as sp
 
         counts = np.bincount(self.rows, minlength=self.size)

@@ -171,6 +171,9 @@ class SurfaceOperator:
         """Write the full-contact force under a displacement, without its mean, into ``out``."""
         self._transform(residual, out, self.inverse)
 
+    #: The inverse is exact.
+    invert = precondition
+
     def _transform(self, values: Array, out: Array, table: Array) -> None:
         lattices = [(slice(a, None, 2), slice(b, None, 2)) for a in (0, 1) for b in (0, 1)]
         waves = np.stack([scipy.fft.rfft2(values[lattice], workers=self.threads) for lattice in lattices])
@@ -337,12 +340,12 @@ def _bound_everywhere(problem: Problem, operator: Operator) -> _Direct | None:
     return _Direct(solution=solution, gap=displacement - problem.heights + offset)
 
 
-def _touching_everywhere(problem: Problem, operator: Operator) -> _Direct | None:
+def _touching_everywhere(problem: Problem, operator: FourierOperator | SurfaceOperator) -> _Direct | None:
     """Return the exact answer where all nodes touch; None where that needs tension."""
     assert problem.pressure is not None
     weights = node_weights(problem.mesh)
     force, displacement = np.empty(problem.mesh.shape), np.empty(problem.mesh.shape)
-    operator.precondition(problem.heights, force)
+    operator.invert(problem.heights, force)
     operator.apply(force, displacement)
     # The uniform compression may be larger by many orders, and no gap can be read off the sum of both.
     gap = displacement - problem.heights

@@ -347,6 +347,8 @@ def _sentences(kept: Kept, theory: Array) -> None:
     modes(kept, np.broadcast_to(theory, kept["kappa_ensemble"].shape), kept["kappa_ensemble"])
     if "ladder_hurst" in kept.data and kept["ladder_hurst"].size > 1:
         _equal_alpha(kept)
+    for k in range(kept["ladder_hurst"].size if "ladder_hurst" in kept.data else 0):
+        _over_magnification(kept, k)
     for kind in STEPS:
         for k in range(kept["ladder_hurst"].size if "ladder_hurst" in kept.data else 0):
             _ladder(kept, kind, k)
@@ -399,6 +401,38 @@ def _equal_alpha(kept: Kept) -> None:
         f"at equal H: it changes by {', '.join(words)}.",
         **values,
     )
+
+
+#: alpha over Persson's for D_f = 2.2, as he quotes it (2006, Sec. 3.5).
+_PUBLISHED = {
+    "molecular dynamics (Yang, Tartaglino, Persson 2006)": 1.14,
+    "finite elements (Hyun et al. 2004)": 1.13,
+    "discretised continuum (Borri-Brunetto 2006)": 0.8,
+}
+
+
+def _over_magnification(kept: Kept, k: int) -> None:
+    """Judge the slope of the area over the load, over the theory's, along one ladder of bandwidth."""
+    load, hurst = float(kept.options["ladder_reduced_pressure"]), float(kept["ladder_hurst"][k])
+    theory = persson(load) / load
+    ratio, half = (kept[f"bandwidth_{name}"][k] / theory for name in ("kappa", "half_width"))
+    zeta = 1 / kept["bandwidth_step"]
+    values = {"f": 100 * abs(float(ratio[-1] / ratio[0]) - 1)}
+    for i, (r, e) in enumerate(zip(ratio, half, strict=True)):
+        values |= {f"r{i}": float(r), f"e{i}": float(e)}
+    words = ", ".join(f"{{r{i}}} +- {{e{i}:2}} at zeta = {float(z):g}" for i, z in enumerate(zeta))
+    end = "less" if ratio[-1] > ratio[0] else "more"
+    form = (
+        f"D_f = {3 - hurst:.2g}: the slope alpha(zeta) of A over the load, over Persson's (Eq. 22), is {words}: "
+        f"as waves are added it falls {{f}} % {end} than his."
+    )
+    if math.isclose(hurst, 0.8):
+        told = (
+            f"{v:g} by {s}{'' if abs(v - ratio[-1]) <= half[-1] else ' (outside the interval)'}"
+            for s, v in _PUBLISHED.items()
+        )
+        form += f" Published for this D_f: {', '.join(told)}."
+    said(kept, form, **values)
 
 
 def _trend(kept: Kept, family: str, part: list[int]) -> None:

@@ -111,6 +111,7 @@ class _Counted:
     spacing: tuple[float, float]
     cells: int
     pixel: float
+    perimeter: float
     edges: float
     subcell: float
     alignment: float = 0.0
@@ -128,6 +129,7 @@ def limits_of(measured: Numbers, keep: Sequence[int] | None = None) -> tuple[Arr
                 spacing=(1 / int(points[i]), 1 / int(points[i])),
                 cells=int(points[i]) ** 2,
                 pixel=float(measured["pixel"][i, j, load]),
+                perimeter=float(measured["perimeter"][i, j, load]),
                 edges=float(measured["edge_fraction"][i, j, load]),
                 subcell=float(measured["subcell"][i, j, load]),
             )

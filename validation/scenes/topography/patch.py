@@ -18,7 +18,7 @@ __all__ = ["Edges", "Missing", "Tilt", "Topography"]
 Array = NDArray[np.float64]
 Tilt = Literal["keep", "plane", "quadratic"]
 Missing = Literal["refuse", "nearest", "harmonic"]
-Edges = Literal["periodic", "tukey", "hann"]
+Edges = Literal["periodic", "tukey", "hann", "free"]
 
 #: A step between opposite edges of more than this many typical steps between neighbours is no period.
 _JUMP = 4.0
@@ -116,7 +116,7 @@ class Topography:
         return replace(self, heights=fill(self.heights), history=(*self.history, words))
 
     def made_periodic(self, edges: Edges | None, *, margin: float = 0.1) -> Topography:
-        """Bring opposite edges together by a named taper, or take the patch as one period.
+        """Bring opposite edges together by a named taper, or take the patch as one period, or with its edges.
 
         Raises
         ------
@@ -134,6 +134,8 @@ class Topography:
         if edges == "periodic":
             words = f"taken as periodic (edges differ by {self.edge_jump:.3g} typical steps)"
             return replace(self, history=(*self.history, words))
+        if edges == "free":
+            return replace(self, history=(*self.history, "pressed as one patch, with its edges"))
         nx, ny = self.heights.shape
         weights = window_weights((nx, ny), window=edges, margin=margin)
         mean = float(np.mean(self.heights))

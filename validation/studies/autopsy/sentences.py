@@ -169,14 +169,18 @@ def _flows(dataset: xr.Dataset) -> Iterator[str]:
     probe = dataset.sizes["probe"] - 1
     lost, entered = (reading.flux(dataset, name).isel(probe=probe) for name in ("lost", "entered"))
     powers = reading.exponents(lost, steps)
-    fine = Spread.of(powers.isel(pair=0))
+    fine = Spread.of(_power_at_zero_step(powers, steps))
+    ends = Spread.of(powers.isel(pair=-2) - powers.isel(pair=0)).value
+    falls = bool((ends > 0).where(np.isfinite(ends), True).all())
     half = np.abs(fine.value - 0.5) <= np.maximum(fine.half_width, _HALF)
     known = int(np.isfinite(fine.value).sum())
     all_steps = Spread.of(powers.isel(pair=-1))
     bound = bool((all_steps.value + all_steps.half_width < 1).where(np.isfinite(all_steps.value), True).all())
     yield (
         f"Area that leaves contact goes like Delta V to the power {_cases(dataset, all_steps)} between Delta V/V = {steps[0]:g} and {steps[-1]:g} "
-        f"(zeta = {float(dataset.probe_zeta[probe]):g}), {_cases(dataset, fine)} between the two smallest steps: 1/2 within {_HALF:g} or the interval in {int(half.sum())} of {known} cases."
+        f"(zeta = {float(dataset.probe_zeta[probe]):g}). Between neighbouring steps it {'falls with the step in every case' if falls else 'does not fall with the step in every case'}; "
+        f"in the limit, straight in sqrt(Delta V), it is "
+        f"{_cases(dataset, fine)}: 1/2 within {_HALF:g} or the interval in {int(half.sum())} of {known} cases."
     )
     yield (
         f"Entering over leaving area: {_cases(dataset, Spread.of((entered / lost).isel(variance_step=-1)))} at Delta V/V = {steps[-1]:g}; in the limit, straight in sqrt(Delta V), "
@@ -211,6 +215,14 @@ def _at_zero_step(values: xr.DataArray, steps: np.ndarray) -> xr.DataArray:
     design = np.stack([np.ones(steps.size), np.sqrt(steps)], axis=1)
     weights = xr.DataArray(np.linalg.pinv(design)[0], dims="variance_step")
     return (values * weights).sum("variance_step", skipna=False)
+
+
+def _power_at_zero_step(powers: xr.DataArray, steps: np.ndarray) -> xr.DataArray:
+    """Exponent at Delta V -> 0 from those between neighbours: c sqrt(Delta V) (1 + a sqrt(Delta V)) has 1/2 + a sqrt(Delta V)/2."""
+    if steps.size == 2:
+        return powers.isel(pair=0)
+    local = powers.isel(pair=slice(0, steps.size - 1)).rename(pair="variance_step")
+    return _at_zero_step(local, np.sqrt(steps[1:] * steps[:-1]))
 
 
 def _edge(dataset: xr.Dataset) -> Iterator[str]:

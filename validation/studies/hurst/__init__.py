@@ -380,4 +380,13 @@ def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
                 caption="kappa as the bandwidth grows (left) and as the sample grows (right), against the step to the fixed order: lines and filled symbols at 0, the limit with its 95 % interval, where it is determinable.",
             )
         )
+        drawn.append(
+            Drawing(
+                name="alpha-against-magnification",
+                figure=plots.alpha_against_magnification(data),
+                data=data[["bandwidth_kappa", "bandwidth_half_width"]],
+                caption="The slope alpha(zeta) of A = alpha F over that of Persson's theory as waves are added, for each fractal dimension, limits over grids with 95 %. "
+                "Lines: published for D_f = 2.2, as Persson (2006, Sec. 3.5) quotes them.",
+            )
+        )
     return tuple(drawn)

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from persson.elastic import KAPPA_BGT, KAPPA_PERSSON, persson_kappa
-from validation.measures.references import KAPPA_LITERATURE
-from validation.report.figure import COLOURS, SYMBOLS, THEORY, look, new_figure
+from validation.measures.references import ALPHA_LITERATURE, KAPPA_LITERATURE
+from validation.report.figure import COLOURS, STYLES, SYMBOLS, THEORY, look, new_figure
+from validation.studies.hurst.sentences import alpha_ratio
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
     from validation.measures.ladders import Rungs
     from validation.measures.statistics import Estimate
 
-__all__ = ["kappa_against_hurst", "kappa_against_nayak", "kappa_ladders"]
+__all__ = ["alpha_against_magnification", "kappa_against_hurst", "kappa_against_nayak", "kappa_ladders"]
 
 #: Relative area below which kappa is published; a little more than the authors' 0.1.
 _LIGHT = 0.12
@@ -165,4 +166,20 @@ def kappa_ladders(dataset: xr.Dataset, lines: Mapping[str, Sequence[Rungs]]) -> 
         axes.set_xlabel(words[kind])
         axes.set_ylabel(rf"$\kappa$ at p* = {dataset.attrs['ladder_reduced_pressure']:g} (limit over grids)")
         axes.legend(fontsize=7)
+    return figure
+
+
+def alpha_against_magnification(dataset: xr.Dataset) -> Figure:
+    """Alpha(zeta) over Persson's for each fractal dimension, beside what was published."""
+    figure, (axes,) = new_figure()
+    for k, hurst in enumerate(dataset.ladder_hurst.values):
+        zeta, ratio, half = alpha_ratio(dataset, k)
+        axes.errorbar(zeta, ratio, yerr=half, ls="-", lw=0.8, label=rf"$D_f$ = {3 - hurst:.2f}", **look(k))
+    for k, (source, value) in enumerate(ALPHA_LITERATURE.items()):
+        axes.axhline(value, color="black", lw=0.9, ls=STYLES[1 + k % 3], label=source)
+    axes.axhline(1.0, **THEORY, lw=0.9, label="Persson")
+    axes.set_xscale("log", base=2)
+    axes.set_xlabel(r"magnification $\zeta = q/q_0$ of the last wave")
+    axes.set_ylabel(r"$\alpha(\zeta)$ / Persson's")
+    axes.legend(fontsize=7)
     return figure

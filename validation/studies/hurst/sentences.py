@@ -9,13 +9,14 @@ import numpy as np
 
 from validation.measures.common import persson_area
 from validation.measures.ladders import LADDERS, rungs_of
+from validation.measures.references import ALPHA_HURST, ALPHA_LITERATURE
 from validation.measures.statistics import mean_over_surfaces, pair_means
 from validation.measures.theory import modes_sentence
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["all_of"]
+__all__ = ["all_of", "alpha_ratio"]
 
 
 def all_of(dataset: xr.Dataset) -> Iterator[str]:
@@ -36,6 +37,7 @@ def all_of(dataset: xr.Dataset) -> Iterator[str]:
     yield modes_sentence(np.broadcast_to(theory, dataset.kappa_ensemble.shape), dataset.kappa_ensemble)
     if dataset.sizes.get("ladder", 0) > 1:
         yield _alpha_sentence(dataset)
+    yield from (_over_magnification(dataset, k) for k in range(dataset.sizes.get("ladder", 0)))
     for kind in LADDERS:
         for k in range(dataset.sizes.get("ladder", 0)):
             yield _ladder_sentence(dataset, kind, k)
@@ -82,6 +84,35 @@ def _alpha_sentence(dataset: xr.Dataset) -> str:
         )
         + "."
     )
+
+
+def alpha_ratio(dataset: xr.Dataset, k: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Magnifications of one ladder, alpha(zeta) of A = alpha F over Persson's, and its 95 % half width."""
+    load = float(dataset.attrs["ladder_reduced_pressure"])
+    theory = float(persson_area(load)) / load
+    kappa, half = dataset.bandwidth_kappa[k].values, dataset.bandwidth_half_width[k].values
+    return 1 / dataset.bandwidth_step.values, kappa / theory, half / theory
+
+
+def _over_magnification(dataset: xr.Dataset, k: int) -> str:
+    """Compare alpha(zeta) of one fractal dimension with the theory, and with what was published (2006, Sec. 3.5)."""
+    zeta, ratio, half = alpha_ratio(dataset, k)
+    hurst = float(dataset.ladder_hurst[k])
+    listed = ", ".join(
+        f"{r:.3f} +- {e:.2g} at zeta = {z:g}" for z, r, e in zip(zeta, ratio, half, strict=True)
+    )
+    text = (
+        f"D_f = {3 - hurst:.2g}: the slope alpha(zeta) of A over the load, over Persson's (Eq. 22), is {listed}: as waves are added it falls "
+        f"{100 * abs(ratio[-1] / ratio[0] - 1):.1f} % {'less' if ratio[-1] > ratio[0] else 'more'} than his"
+    )
+    if not np.isclose(hurst, ALPHA_HURST):
+        return text + "."
+    low, high = ratio[-1] - half[-1], ratio[-1] + half[-1]
+    published = ", ".join(
+        f"{value:g} by {source}{'' if low <= value <= high else ' (outside the interval)'}"
+        for source, value in ALPHA_LITERATURE.items()
+    )
+    return f"{text}. Published for this D_f: {published}."
 
 
 def _ladder_sentence(dataset: xr.Dataset, kind: str, k: int) -> str:

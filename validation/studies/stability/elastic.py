@@ -100,17 +100,13 @@ def _path(factor: float) -> Measured:
 
 
 def _single_precision(height: float) -> Measured:
-    """Heights stored in single precision on top of a mean height, preconditioned in single precision."""
+    """Heights stored in single precision on top of a mean height."""
     exact = rough()
     mean = height * exact.rms_height
     stored = (exact.heights + mean).astype(np.float32).astype(float)
     double = bem.solve(exact, HALF_SPACE, mean_pressure=0.005, threads=1)
     single = bem.solve(
-        HeightField(heights=stored, lengths=(1.0, 1.0)),
-        HALF_SPACE,
-        mean_pressure=0.005,
-        method="mixed",
-        threads=1,
+        HeightField(heights=stored, lengths=(1.0, 1.0)), HALF_SPACE, mean_pressure=0.005, threads=1
     )
     # Contact is monotone: no offset moves by more than the heights did, nor by more than the solver leaves.
     allowed = float(np.max(np.abs(stored - exact.heights - mean))) + 1e-7 * exact.rms_height

@@ -1,0 +1,105 @@
+"""A half-space that is pressed on one patch alone: no period, by transforms on a doubled grid."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from fem_contact.complementarity.fourier import FourierOperator
+from fem_contact.response import FreeHalfSpace, HalfSpace, Response
+
+__all__ = ["FreeOperator", "operator_of"]
+
+Array = NDArray[np.float64]
+Single = NDArray[np.float32]
+
+
+class FreeOperator:
+    r"""The response of a half-space to pressures that are constant on each cell of a patch, and zero outside.
+
+    .. math:: u_{ij} = \frac{1}{\pi E^*} \sum_{kl} p_{kl}\,
+              [F]_{x_i - x_k \pm dx/2,\, y_j - y_l \pm dy/2}, \qquad
+              F(x, y) = x \operatorname{arsinh}\frac{y}{|x|} + y \operatorname{arsinh}\frac{x}{|y|}
+
+    with the sum of F over the corners of the cell, signs alternating. The convolution is done by FFT on twice
+    the points along both axes, so that no image acts on the patch. The inverse of the periodic half-space
+    preconditions it.
+
+    Parameters
+    ----------
+    response : FreeHalfSpace
+    shape : tuple of int
+        Grid points (nx, ny).
+    lengths : tuple of float
+        Sides of the patch (Lx, Ly) [m].
+    threads : int, optional
+        Threads of each transform; all available processors if not given.
+
+    Notes
+    -----
+    A. E. H. Love, Phil. Trans. R. Soc. A 228, 377 (1929); K. L. Johnson, Contact Mechanics (1985), Eq. 3.25.
+    Doubling: R. W. Hockney, J. W. Eastwood, Computer Simulation Using Particles (1988), Sec. 6-5-4.
+    """
+
+    #: A pair of transforms on four times the points.
+    pairs = 4.0
+
+    def __init__(
+        self,
+        response: FreeHalfSpace,
+        shape: tuple[int, int],
+        lengths: tuple[float, float],
+        *,
+        threads: int | None = None,
+    ) -> None:
+        self.shape = shape
+        self._periodic = FourierOperator(HalfSpace(solid=response.solid), shape, lengths, threads=threads)
+        self.threads = self._periodic.threads
+        self.stiffness = self._periodic.stiffness
+        cells = _cell_kernel(shape, lengths) / (np.pi * response.contact_modulus)
+        # A uniform pressure sinks the middle of the patch by this.
+        self.compliance = self._periodic.compliance.copy()
+        self.compliance[0, 0] = 4 * cells[: (shape[0] + 1) // 2, : (shape[1] + 1) // 2].sum()
+        # Even along both axes, so that the transform is real; distances of n cells never occur.
+        rows, columns = (np.minimum(np.arange(2 * n), 2 * n - np.arange(2 * n)) for n in shape)
+        doubled = cells[np.ix_(rows, columns)]
+        self._kernel = np.ascontiguousarray(scipy.fft.rfft2(doubled, workers=self.threads).real)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the arrays held, and of one transform."""
+        return self._periodic.nbytes + 3 * self._kernel.nbytes
+
+    def apply(self, force: Array, out: Array) -> None:
+        """Write the displacement [m] under the pressure ``force`` [Pa] into ``out``."""
+        (nx, ny), doubled = self.shape, (2 * self.shape[0], 2 * self.shape[1])
+        spectrum = scipy.fft.rfft2(force, s=doubled, workers=self.threads)
+        spectrum *= self._kernel
+        out[...] = scipy.fft.irfft2(spectrum, s=doubled, workers=self.threads, overwrite_x=True)[:nx, :ny]
+
+    def precondition(self, residual: Array | Single, out: Array | Single) -> None:
+        """Write the pressure [Pa] of a periodic half-space under a displacement [m] into ``out``."""
+        self._periodic.precondition(residual, out)
+
+
+def _cell_kernel(shape: tuple[int, int], lengths: tuple[float, float]) -> Array:
+    """Displacement at 0 to n cells from a cell under unit pressure, times pi E*, (nx + 1, ny + 1) [m]."""
+    (nx, ny), (dx, dy) = shape, (length / n for length, n in zip(lengths, shape, strict=True))
+    x, y = (np.arange(nx + 2) - 0.5) * dx, (np.arange(ny + 2) - 0.5) * dy
+    x, y = x[:, None], y[None, :]
+    corners = x * np.arcsinh(y / np.abs(x)) + y * np.arcsinh(x / np.abs(y))
+    return np.asarray(np.diff(np.diff(corners, axis=0), axis=1))
+
+
+def operator_of(
+    response: Response | FreeHalfSpace,
+    shape: tuple[int, int],
+    lengths: tuple[float, float],
+    *,
+    threads: int | None = None,
+) -> FourierOperator | FreeOperator:
+    """Return a response on one grid: periodic, or on a patch alone."""
+    if isinstance(response, FreeHalfSpace):
+        return FreeOperator(response, shape, lengths, threads=threads)
+    return FourierOperator(response, shape, lengths, threads=threads)

@@ -1,0 +1,204 @@
+"""Viscoelastic solids: a complex modulus over frequency, from a Prony series or a table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Protocol, Self, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fem_contact._checks import array, instance, positive, samples, within
+from fem_contact.errors import InvalidInput
+
+__all__ = ["PronySolid", "TabulatedSolid", "ViscoelasticSolid"]
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+@runtime_checkable
+class ViscoelasticSolid(Protocol):
+    """A linear solid under oscillation; Poisson's ratio does not depend on the frequency."""
+
+    @property
+    def poisson(self) -> float:
+        """Poisson's ratio nu."""
+        ...
+
+    def modulus(self, frequency: ArrayLike) -> Complex:
+        """E(omega) [Pa] for omega >= 0 [1/s]: storage modulus + i times the loss modulus.
+
+        Strains go like exp(+i omega t), so that the imaginary part is not negative.
+        """
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class PronySolid:
+    r"""A solid whose stress after a step of strain relaxes as a sum of exponentials.
+
+    .. math:: E(t) = E_0 + \sum_k E_k e^{-t/\tau_k},\qquad
+              E(\omega) = E_0 + \sum_k E_k \frac{i\omega\tau_k}{1 + i\omega\tau_k}
+
+    Parameters
+    ----------
+    relaxed : float
+        E_0 [Pa], the modulus of a very slow strain, positive.
+    moduli : sequence of float
+        E_k [Pa], none negative.
+    times : sequence of float
+        Relaxation times tau_k [s], positive, as many.
+    poisson : float
+        nu in (-1, 1/2].
+
+    Examples
+    --------
+    >>> rubber = PronySolid(relaxed=1e6, moduli=(9e6,), times=(1e-3,), poisson=0.5)
+    >>> rubber.modulus([0.0, 1e3])
+    array([1000000.      +0.j, 5500000.+4500000.j])
+    """
+
+    relaxed: float
+    moduli: Sequence[float]
+    times: Sequence[float]
+    poisson: float
+
+    def __post_init__(self) -> None:
+        positive("relaxed", self.relaxed, unit="Pa")
+        _check_poisson(self.poisson)
+        moduli, times = samples("moduli", self.moduli, unit="Pa"), samples("times", self.times, unit="s")
+        if moduli.size != times.size or moduli.min() < 0:
+            raise InvalidInput(
+                f"moduli, times: {moduli.size} and {times.size} values: must be as many, no modulus negative"
+            )
+        for time in times:
+            positive("times", time, unit="s")
+        object.__setattr__(self, "moduli", tuple(map(float, moduli)))
+        object.__setattr__(self, "times", tuple(map(float, times)))
+
+    @classmethod
+    def standard(cls, *, relaxed: float, unrelaxed: float, time: float, poisson: float) -> Self:
+        r"""Return the standard solid, by its retardation time.
+
+        .. math:: \frac{1}{E(\omega)} = \frac{1}{E_\infty} +
+                  \Bigl(\frac{1}{E_0} - \frac{1}{E_\infty}\Bigr)\frac{1}{1 + i\omega\tau}
+
+        Parameters
+        ----------
+        relaxed, unrelaxed : float
+            E_0 < E_inf [Pa], at low and at high frequency.
+        time : float
+            Retardation time tau [s]; the relaxation time is tau E_0 / E_inf.
+        poisson : float
+        """
+        low, high = positive("relaxed", relaxed, unit="Pa"), positive("unrelaxed", unrelaxed, unit="Pa")
+        if high < low:
+            raise InvalidInput(f"unrelaxed = {high!r} Pa: must not be below relaxed = {low!r} Pa")
+        times = (positive("time", time, unit="s") * (low / high),)
+        return cls(relaxed=low, moduli=(high - low,), times=times, poisson=poisson)
+
+    @property
+    def unrelaxed(self) -> float:
+        """E_inf [Pa], the modulus of a very fast strain."""
+        return self.relaxed + math.fsum(self.moduli)
+
+    def modulus(self, frequency: ArrayLike) -> Complex:
+        """E(omega) [Pa] for omega >= 0 [1/s]."""
+        omega = _frequencies(frequency)
+        total = np.full(omega.shape, complex(self.relaxed))
+        for modulus, time in zip(self.moduli, self.times, strict=True):
+            # Of the lesser of omega tau and its inverse, so that nothing overflows.
+            turn = omega * time
+            fast = turn > 1
+            less = np.where(fast, 1 / np.where(fast, turn, 1.0), turn)
+            stored = np.where(fast, 1.0, less * less) / (1 + less * less)
+            total += modulus * (stored + 1j * less / (1 + less * less))
+        return total
+
+
+@dataclass(frozen=True, kw_only=True)
+class TabulatedSolid:
+    """A solid whose modulus was measured at a number of frequencies.
+
+    Between them the logarithm of the storage modulus and the loss factor E''/E' are linear in the logarithm
+    of the frequency. At frequency 0 the solid is elastic with the first storage modulus; elsewhere outside
+    the table nothing is known, and asking is refused.
+
+    Parameters
+    ----------
+    frequencies : sequence of float
+        omega [1/s], positive and rising: 2 pi times the cycles per second.
+    storage, loss : sequence of float
+        E' and E'' [Pa] at them; E' positive, E'' not negative.
+    poisson : float
+        nu in (-1, 1/2].
+
+    Examples
+    --------
+    >>> measured = TabulatedSolid(frequencies=[1, 100], storage=[1e6, 1e8], loss=[1e5, 3e7], poisson=0.5)
+    >>> measured.modulus([10.0]).round()
+    array([10000000.+2000000.j])
+    """
+
+    frequencies: Sequence[float]
+    storage: Sequence[float]
+    loss: Sequence[float]
+    poisson: float
+    _nodes: tuple[Array, Array, Array] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        _check_poisson(self.poisson)
+        omega = samples("frequencies", self.frequencies, least=2, unit="1/s")
+        storage, loss = samples("storage", self.storage, unit="Pa"), samples("loss", self.loss, unit="Pa")
+        if not omega.size == storage.size == loss.size:
+            raise InvalidInput(
+                f"frequencies, storage, loss: {omega.size}, {storage.size} and {loss.size} values: "
+                "must be as many"
+            )
+        if not (omega[0] > 0 and np.all(np.diff(omega) > 0)):
+            raise InvalidInput("frequencies: must be positive and rising, in 1/s")
+        if storage.min() <= 0 or loss.min() < 0:
+            raise InvalidInput(
+                "storage, loss: storage moduli must be positive, loss moduli not negative, in Pa"
+            )
+        for name, values in (("frequencies", omega), ("storage", storage), ("loss", loss)):
+            object.__setattr__(self, name, tuple(map(float, values)))
+        object.__setattr__(self, "_nodes", (np.log(omega), np.log(storage), loss / storage))
+
+    def modulus(self, frequency: ArrayLike) -> Complex:
+        """E(omega) [Pa] for omega >= 0 [1/s]; refused outside the table, 0 excepted."""
+        omega = _frequencies(frequency)
+        low, high = self.frequencies[0], self.frequencies[-1]
+        asked = omega[omega > 0]
+        # Frequencies at the ends may have been rounded on their way here.
+        if asked.size and (asked.min() < low * (1 - 1e-9) or asked.max() > high * (1 + 1e-9)):
+            raise InvalidInput(
+                f"frequencies from {asked.min():.4g} to {asked.max():.4g} 1/s are asked for, the table spans "
+                f"{low:.4g} to {high:.4g} 1/s: choose another velocity or grid, or extend the table"
+            )
+        nodes, storage, factor = self._nodes
+        at = np.log(np.where(omega > 0, omega, low))
+        kept = np.exp(np.interp(at, nodes, storage))
+        lag = np.where(omega > 0, np.interp(at, nodes, factor), 0.0)
+        return np.asarray(kept * (1 + 1j * lag))
+
+
+def _check_poisson(value: object) -> None:
+    within("poisson", value, -1, 0.5, interval="(-1, 0.5]")
+
+
+def _frequencies(frequency: ArrayLike) -> Array:
+    omega = array("frequency", frequency, unit="1/s", power=2)
+    if omega.size and omega.min() < 0:
+        raise InvalidInput(f"frequency = {float(omega.min())!r} 1/s: must not be negative")
+    return omega
+
+
+def check_viscoelastic(solid: object) -> None:
+    """Refuse what is no viscoelastic solid."""
+    what = "a viscoelastic solid, such as `PronySolid`, with `modulus` and `poisson`"
+    instance("solid", solid, ViscoelasticSolid, what=what)
+    _check_poisson(getattr(solid, "poisson", None))

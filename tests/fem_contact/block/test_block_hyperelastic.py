@@ -1,0 +1,249 @@
+"""The block at finite strain against closed forms, its own derivatives, scikit-fem, and the linear block."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from fem_contact.block import ELEMENTS, BlockMesh, plan_mesh, solve, solve_finite_strain, solve_slopes
+from fem_contact.block.full.assembly import assemble
+from fem_contact.block.hyperelastic import solver
+from fem_contact.block.hyperelastic.cells import Cells, Strained, stress
+from fem_contact.block.hyperelastic.newton import descend
+from fem_contact.block.hyperelastic.profile import Profile
+from fem_contact.errors import InvalidInput, NotConverged
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+from tests.surfaces import rough_surface
+
+Array = NDArray[np.float64]
+SOLID = Solid(young=2e6, poisson=0.3)
+MESH = {"depth": 0.5, "growth": 2.0}
+
+
+def small_mesh(element: str) -> BlockMesh:
+    return plan_mesh((4, 5), (4.0, 6.0), depth=4.0, element=ELEMENTS[element])
+
+
+def rotation(seed: int) -> Array:
+    q, r = np.linalg.qr(np.random.default_rng(seed).standard_normal((3, 3)))
+    q = q * np.sign(np.diag(r))
+    return q * np.sign(np.linalg.det(q))
+
+
+@pytest.mark.parametrize("element", ["Hex1", "Hex1/P0"])
+def test_forces_are_the_gradient_of_the_energy_and_the_stiffness_that_of_the_forces(element: str) -> None:
+    cells = Cells(mesh=small_mesh(element), poisson=0.3)
+    rng = np.random.default_rng(5)
+    u = 0.1 * rng.standard_normal((*cells.mesh.cells, cells.mesh.nz, 3))
+    v, step = rng.standard_normal(u.shape), 1e-5
+    above, below = (cells.strained(u + sign * step * v) for sign in (1, -1))
+    force = cells.forces(cells.strained(u))
+    # Central differences are off by step^2 and by rounding over step.
+    assert (cells.energy(above) - cells.energy(below)) / (2 * step) == pytest.approx(
+        np.sum(force * v), rel=1e-8
+    )
+    change = (cells.forces(above) - cells.forces(below)) / (2 * step)
+    product = cells.stiffness(cells.strained(u)) @ v.ravel()
+    np.testing.assert_allclose(product, change.ravel(), atol=1e-8 * np.abs(change).max())
+
+
+@pytest.mark.parametrize("element", ["Hex1", "Hex1/P0"])
+def test_undeformed_stiffness_is_that_of_the_linear_block(element: str) -> None:
+    cells = Cells(mesh=small_mesh(element), poisson=0.3)
+    flat = cells.strained(np.zeros((*cells.mesh.cells, cells.mesh.nz, 3)))
+    difference = cells.stiffness(flat) - assemble(cells.mesh, poisson=0.3).free()
+    assert abs(difference).max() < 1e-14
+
+
+def test_forces_are_those_that_scikit_fem_assembles() -> None:
+    from skfem import Basis, ElementHex1, ElementVector, LinearForm, MeshHex1DG
+
+    mesh = small_mesh("Hex1")
+    u = 0.1 * np.random.default_rng(7).standard_normal((*mesh.cells, mesh.nz, 3))
+    x, y = np.arange(5.0), np.arange(6.0) * mesh.aspect
+    basis = Basis(
+        MeshHex1DG.init_tensor(x, y, mesh.edges, periodic=[0, 1]), ElementVector(ElementHex1()), intorder=2
+    )
+    place = basis.doflocs
+    i, j = np.rint(place[0]).astype(int) % 4, np.rint(place[1] / mesh.aspect).astype(int) % 5
+    k = np.searchsorted(mesh.planes + 1e-9, place[2])
+    part = np.arange(place.shape[1]) % 3
+    nodal = np.concatenate([np.zeros((4, 5, 1, 3)), u], axis=2)[i, j, k, part]
+    form = LinearForm(
+        lambda v, w: np.sum(
+            np.moveaxis(
+                stress(np.moveaxis(w["u"].grad, (0, 1), (-2, -1)) + np.eye(3), poisson=0.3), (-2, -1), (0, 1)
+            )
+            * v.grad,
+            axis=(0, 1),
+        )
+    )
+    assembled = form.assemble(basis, u=basis.interpolate(nodal))
+    cells = Cells(mesh=mesh, poisson=0.3)
+    ours = np.concatenate([np.zeros((4, 5, 1, 3)), cells.forces(cells.strained(u))], axis=2)[i, j, k, part]
+    np.testing.assert_allclose(assembled[k > 0], ours[k > 0], atol=1e-13)
+
+
+def test_rigid_motion_leaves_no_stress_and_turns_the_stress_there_is() -> None:
+    turn = rotation(3)
+    assert np.abs(stress(turn, poisson=0.3)).max() < 1e-15
+    gradient = np.eye(3) + 0.3 * np.random.default_rng(8).standard_normal((3, 3))
+    np.testing.assert_allclose(
+        stress(turn @ gradient, poisson=0.3), turn @ stress(gradient, poisson=0.3), atol=1e-14
+    )
+
+
+@pytest.mark.parametrize("stretch", [0.5, 0.9, 1.5, 3.0])
+def test_uniaxial_stretch_obeys_the_closed_form(stretch: float) -> None:
+    poisson = 0.3
+    shear, bulk = 0.5 / (1 + poisson), 1 / (3 * (1 - 2 * poisson))
+
+    def across(side: float) -> float:
+        jacobian = stretch * side**2
+        return shear / 3 * jacobian ** (-5 / 3) * (side**2 - stretch**2) + bulk * (jacobian - 1)
+
+    side = brentq(across, 0.1, 3, xtol=1e-15)
+    jacobian = stretch * side**2
+    # Cauchy stress along the axis, sides free: mu J^(-5/3) (stretch^2 - side^2), over the shrunk section.
+    cauchy = shear * jacobian ** (-5 / 3) * (stretch**2 - side**2)
+    found = stress(np.diag([side, side, stretch]), poisson=poisson)
+    np.testing.assert_allclose(found, np.diag([0, 0, cauchy * side**2]), atol=1e-13)
+
+
+def test_clamped_sides_carry_the_closed_form_of_a_block_pressed_flat() -> None:
+    flat = HeightField(heights=1e-9 * rough_surface((6, 6), seed=2, waves=2).heights, lengths=(1.0, 1.0))
+    (found,) = solve_slopes(
+        flat, SOLID, mean_pressure=1e6, slopes=(flat.rms_gradient,), tolerance=1e-6, **MESH
+    )
+    shear, bulk = 0.5 / 1.3, 1 / 1.2
+
+    def pressure(j: float) -> float:
+        return -(shear * (2 / 3) * (j ** (1 / 3) - j ** (-5 / 3)) + bulk * (j - 1))
+
+    stretch = brentq(lambda j: pressure(j) - 0.5, 0.1, 1)
+    assert -found.offset / 0.5 == pytest.approx(1 - stretch, rel=1e-6)
+
+
+def test_profile_and_its_derivatives_are_those_of_the_fourier_series() -> None:
+    lx, ly = 2.0, 3.0
+    x, y = np.meshgrid(np.arange(8) * lx / 8, np.arange(9) * ly / 9, indexing="ij")
+
+    def exact(x: Array, y: Array) -> tuple[Array, ...]:
+        a, b = 2 * np.pi / lx, 4 * np.pi / ly
+        wave, slope = np.cos(a * x) * np.sin(b * y), np.sin(a * x) * np.sin(b * y)
+        return wave, -a * slope, b * np.cos(a * x) * np.cos(b * y), -(a**2) * wave, -(b**2) * wave
+
+    profile = Profile.of(HeightField(heights=exact(x, y)[0], lengths=(lx, ly)), unit=0.5)
+    x, y = np.random.default_rng(4).uniform(-4, 4, (2, 20))
+    found, (height, along, across, bent, bent_across) = profile.at(2 * x, 2 * y), exact(x, y)
+    np.testing.assert_allclose(found.height, 2 * height, atol=1e-13)
+    np.testing.assert_allclose(found.slope, np.stack([along, across], -1), atol=1e-13)
+    np.testing.assert_allclose(found.curvature[:, [0, 2]], np.stack([bent, bent_across], -1) / 2, atol=1e-12)
+
+
+@pytest.mark.parametrize("poisson", [0.3, 0.45])
+def test_small_slopes_give_the_linear_block_in_first_order(poisson: float) -> None:
+    solid = Solid(young=2e6, poisson=poisson)
+    surface = rough_surface((12, 12), seed=11, waves=2)
+    pressure = 0.1 * solid.contact_modulus * surface.rms_gradient
+    linear = solve(surface, solid, mean_pressure=pressure, method="full", tolerance=1e-10, **MESH).contact
+    found = list(solve_slopes(surface, solid, mean_pressure=pressure, slopes=(1e-4, 2e-4), **MESH))
+    errors = []
+    for each in found:
+        force = each.state.force * each.press.cells.mesh.aspect / each.state.force.mean()
+        errors.append(np.linalg.norm(force - linear.pressure / pressure) / np.linalg.norm(force))
+    assert errors[0] < 1e-3
+    assert errors[1] / errors[0] == pytest.approx(2, rel=0.05)
+
+
+@pytest.fixture(scope="module")
+def steep() -> solver.FiniteStrain:
+    surface = rough_surface((12, 12), seed=11, waves=2, gradient=0.4)
+    return solve_finite_strain(surface, SOLID, mean_pressure=0.1 * 0.4 * SOLID.contact_modulus, **MESH)
+
+
+def test_what_is_returned_is_in_equilibrium_and_meets_the_profile(steep: solver.FiniteStrain) -> None:
+    assert steep.residual < 1e-8
+    force = steep.state.force
+    assert force.sum() / steep.press.load == pytest.approx(1, abs=1e-8)
+    assert force[steep.in_contact].min() > 0
+    assert not force[~steep.in_contact].any()
+    assert np.abs(steep.gap[steep.in_contact]).max() < 1e-8 * steep.surface.rms_height
+    assert steep.gap[~steep.in_contact].min() > 0
+    assert np.mean(steep.pressure * steep.shares) == pytest.approx(steep.mean_pressure)
+    assert steep.shares.mean() == pytest.approx(1, abs=1e-14)
+    assert steep.area < steep.true_area
+    # The block is the same everywhere: only the lattice can hold it sideways.
+    assert steep.sideways < 0.01
+
+
+def test_newton_converges_in_second_order(steep: solver.FiniteStrain) -> None:
+    press = replace(steep.press, tolerance=1e-12)
+    rng = np.random.default_rng(9)
+    start = replace(
+        steep.state, field=steep.state.field + 2e-2 * rng.standard_normal(steep.state.field.shape), history=()
+    )
+    errors = [e for e in descend(press, start).history if e > 1e-12]
+    orders = [np.log(after) / np.log(before) for before, after in itertools.pairwise(errors)]
+    assert len(orders) >= 2
+    assert min(orders) > 1.6
+
+
+def test_work_of_the_load_is_the_stored_energy() -> None:
+    surface = rough_surface((8, 8), seed=11, waves=2, gradient=0.4)
+    scale = SOLID.contact_modulus * 0.4
+    loads = np.array([0.15, 0.151, 0.152])
+    path = [solve_finite_strain(surface, SOLID, mean_pressure=p * scale, **MESH) for p in loads]
+    offsets = np.array([each.offset for each in path])
+    assert np.array_equal(path[0].in_contact, path[2].in_contact)
+    # p0 over the offset, integrated by parts, by Simpson's rule in p0; no node comes or goes.
+    work = -(loads[2] * offsets[2] - loads[0] * offsets[0]) + 0.001 / 3 * (offsets @ [1, 4, 1])
+    assert path[2].energy - path[0].energy == pytest.approx(work * scale, rel=1e-9)
+
+
+def test_units_and_translation_change_nothing(steep: solver.FiniteStrain) -> None:
+    moved = HeightField(
+        heights=2.0**-20 * np.roll(steep.surface.heights, (3, 5), axis=(0, 1)), lengths=(2.0**-20, 2.0**-20)
+    )
+    solid = Solid(young=2.0**30 * SOLID.young, poisson=SOLID.poisson)
+    mesh = {"depth": 0.5 * 2.0**-20, "growth": 2.0}
+    again = solve_finite_strain(moved, solid, mean_pressure=2.0**30 * steep.mean_pressure, **mesh)
+    np.testing.assert_allclose(
+        np.roll(again.pressure, (-3, -5), axis=(0, 1)) / 2.0**30,
+        steep.pressure,
+        atol=1e-7 * steep.pressure.max(),
+    )
+
+
+def test_what_newton_cannot_follow_is_refused_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    surface = rough_surface((8, 8), seed=11, waves=2, gradient=0.4)
+    monkeypatch.setattr(solver, "_STEPS", 1)
+    with pytest.raises(NotConverged, match="of the slope asked for: 1 Newton steps left a residual"):
+        solve_finite_strain(surface, SOLID, mean_pressure=1e5, **MESH)
+
+
+def test_a_tangent_that_is_not_definite_is_refused_by_name() -> None:
+    # Tips of 2 points in radius: what holds a node sideways is less than the force on it that turns.
+    surface = rough_surface((12, 12), seed=11, waves=4, gradient=2.0)
+    with pytest.raises(NotConverged, match="of the slope asked for: "):
+        solve_finite_strain(surface, SOLID, mean_pressure=0.2 * 2.0 * SOLID.contact_modulus, **MESH)
+
+
+def test_incompressible_solids_and_quadratic_cells_are_refused() -> None:
+    surface = rough_surface((8, 8), seed=11, waves=2)
+    with pytest.raises(InvalidInput, match="finite strain takes 'Hex1' or 'Hex1/P0'"):
+        solve_finite_strain(surface, Solid(young=1.0, poisson=0.5), mean_pressure=0.1)
+    with pytest.raises(InvalidInput, match="slopes: must rise"):
+        solve_slopes(surface, SOLID, mean_pressure=0.1, slopes=(0.2, 0.1))
+
+
+def test_mean_dilatation_is_that_of_the_cell() -> None:
+    gradient = np.eye(3) * np.array([1.0, 1.1, 1.2, 1.3])[:, None, None]
+    state = Strained.of(gradient, np.array([1.0, 2.0, 3.0, 4.0]))
+    assert state.dilated == pytest.approx(np.average(state.jacobian, weights=[1, 2, 3, 4]))

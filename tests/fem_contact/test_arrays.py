@@ -1,0 +1,104 @@
+"""The iteration in plain array operations: the answers of the compiled passes, in any library."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from surfaces import rough_surface
+
+from fem_contact.bem import solve
+from fem_contact.complementarity.arrays import ArrayPasses
+from fem_contact.complementarity.passes import Passes
+from fem_contact.errors import InvalidInput
+from fem_contact.response import BondedLayer, HalfSpace
+from fem_contact.solid import Solid
+
+SOLID = Solid(young=1.0, poisson=0.3)
+LIBRARIES = ("numpy", "array_api_strict", "torch")
+
+
+def place(library: str) -> Any:
+    """Return an array of a library on the CPU."""
+    pytest.importorskip("numpy" if library == "numpy" else "array_api_compat")
+    return pytest.importorskip(library).zeros(1)
+
+
+@pytest.mark.parametrize("library", LIBRARIES)
+@pytest.mark.parametrize(
+    ("shape", "response", "load", "bound"),
+    [
+        ((48, 45), HalfSpace(solid=SOLID), 0.05, None),
+        ((64, 64), HalfSpace(solid=SOLID), 1e-4, None),
+        ((37, 64), HalfSpace(solid=SOLID), 0.6, None),
+        ((1, 41), HalfSpace(solid=SOLID), 0.1, None),
+        ((64, 56), HalfSpace(solid=SOLID), 0.3, 0.6),
+        ((64, 56), HalfSpace(solid=SOLID), 0.599, 0.6),
+        ((48, 40), BondedLayer(solid=SOLID, thickness=0.06), 0.1, None),
+    ],
+)
+def test_plain_arrays_give_the_answer_of_the_compiled_passes(
+    library: str, shape: tuple[int, int], response: Any, load: float, bound: float | None
+) -> None:
+    there = place(library)
+    surface = rough_surface(shape, (1.0, shape[1] / shape[0]), seed=7, waves=12, longest=4, gradient=1.0)
+    options = {"mean_pressure": load, "pressure_bound": bound, "tolerance": 1e-13}
+    compiled = solve(surface, response, **options).checked()
+    plain = solve(surface, response, device=there, **options).checked()
+    assert np.linalg.norm(plain.pressure - compiled.pressure) < 1e-10 * np.linalg.norm(compiled.pressure)
+    assert np.array_equal(plain.in_contact, compiled.in_contact)
+    assert np.array_equal(plain.at_bound, compiled.at_bound)
+    assert plain.offset == pytest.approx(compiled.offset, abs=1e-10 * surface.rms_height)
+    assert abs(plain.cost.iterations - compiled.cost.iterations) <= 2
+
+
+@pytest.mark.parametrize("bounded", [False, True])
+@pytest.mark.parametrize("shape", [(16, 16), (13, 10), (1, 12), (70, 33)])
+def test_each_pass_is_the_twin_of_the_compiled_one(shape: tuple[int, int], bounded: bool) -> None:
+    generator = np.random.default_rng(29)
+    heights = generator.standard_normal(shape)
+    bound = 1 + generator.random(shape) if bounded else None
+    fields = [generator.standard_normal(shape) for _ in range(4)]
+    fields[0] = np.minimum(np.maximum(fields[0], 0), 1.5 if bound is None else bound)
+    both = (
+        Passes(heights, bound=bound, stiffness=0.1, threads=1),
+        ArrayPasses(heights, bound=bound, stiffness=0.1),
+    )
+
+    class Echo:
+        """An operator that returns what it is given, twice."""
+
+        pairs, stiffness = 1.0, 1.0
+
+        def apply(self, force: np.ndarray, out: np.ndarray) -> None:
+            out[...] = 2 * force
+
+        precondition = apply
+
+    answers = []
+    for passes in both:
+        passes.force[...], passes.displacement[...], passes.step[...], passes.image[...] = fields
+        found = [np.array(list(vars(passes.residual(0.2)).values()))]
+        found.append(passes.precondition(Echo()))
+        found.append(passes.buffer.copy())
+        passes.trial(0.4, offset=0.2, length=0.7, beta=0.4, shift=0.2)
+        found.append(passes.share * passes.step - passes.pull_back * passes.force)
+        passes.project(0.4, 0.2)
+        found.append(passes.step.copy())
+        found.append(np.array(list(vars(passes.search(0.2, 0.3)).values())))
+        found.append(passes.room())
+        found.append(passes.advance(0.8) if bounded else passes.advance_residual(0.8, 0.4)[1:])
+        found.extend((passes.force.copy(), passes.displacement.copy()))
+        answers.append(found)
+    for compiled, plain in zip(*answers, strict=True):
+        np.testing.assert_allclose(plain, compiled, rtol=1e-10, atol=1e-12)
+
+
+@pytest.mark.parametrize("where", ["nowhere", 5, None.__class__, [1.0]])
+def test_what_is_no_device_is_refused(where: object) -> None:
+    surface = rough_surface((16, 16), seed=7, waves=6)
+    with pytest.raises(InvalidInput, match="device"):
+        solve(surface, HalfSpace(solid=SOLID), mean_pressure=0.01, device=where)
+    with pytest.raises(InvalidInput, match="runs on no device"):
+        solve(surface, HalfSpace(solid=SOLID), mean_pressure=0.01, device=np.zeros(1), method="polonsky-keer")

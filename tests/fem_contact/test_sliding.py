@@ -1,0 +1,273 @@
+"""Steady sliding on a viscoelastic half-space: known answers, limits, and what is refused."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import ive, kve
+
+from fem_contact import GivenResponse, HalfSpace, HeightField, Solid, bem
+from fem_contact.contact import Status
+from fem_contact.errors import InvalidInput, NotConverged
+from fem_contact.sliding import slide
+from fem_contact.surface import random_surface
+from fem_contact.viscoelastic import PronySolid, TabulatedSolid
+
+Q = 2 * np.pi
+
+
+def rough(n, ratio=8, seed=7):
+    return random_surface(
+        lambda q: 1e-6 * q**-3.6,
+        q_short=ratio * Q * (1 + 1e-9),
+        lengths=(1.0, 1.0),
+        shape=(n, n),
+        seed=seed,
+    )
+
+
+def standard(ratio, *, time=1.0, poisson=0.3):
+    return PronySolid.standard(relaxed=1.0, unrelaxed=ratio, time=time, poisson=poisson)
+
+
+def load_of(surface, reduced=0.1):
+    return reduced * surface.rms_gradient / (1 - 0.3**2)
+
+
+def hunter(load, *, ratio, drift):
+    """Half width, centre and friction coefficient of a cylinder of radius 1 on a standard solid, E*_0 = 1.
+
+    `drift` is v tau. With P = p - v tau_r p' and U = u - v tau u' the problem is elastic. P is the general
+    solution on |x - m| < a; p vanishes at the rear end, and the slope ahead has not been strained: both
+    conditions are integrals of Bessel functions. S. C. Hunter, J. Appl. Mech. 28, 611 (1961).
+    """
+
+    def constants(a):
+        level = load / (np.pi * a) - a / 4
+        return level, 2 * level * kve(0, a / drift) / kve(1, a / drift)
+
+    def rear(a):
+        level, centre = constants(a)
+        turn = a * ratio / drift
+        return (drift / ratio + centre - drift) / 2 * ive(1, turn) + level * ive(0, turn)
+
+    elastic = np.sqrt(4 * load / np.pi)
+    a = brentq(rear, 0.5 * elastic / np.sqrt(ratio), 1.5 * elastic, xtol=1e-15)
+    centre = constants(a)[1]
+    moment = load * centre - np.pi * a**2 * (centre - drift) / 4 - load * drift / ratio
+    return a, centre, moment / load
+
+
+@pytest.mark.parametrize(("ratio", "speed"), [(10, 0.3), (1000, 0.3), (100, 1.0)])
+def test_a_cylinder_on_a_standard_solid_is_hunters(ratio, speed):
+    n, elastic = 2048, 0.04
+    load = np.pi * elastic**2 / 4
+    x = (np.arange(n) + 0.5) / n - 0.5
+    # The images of the load bend the surface like 2 pi / 3 load x: the cylinder is made flatter by that.
+    profile = HeightField(heights=-(x**2)[:, None] / 2 * (1 - 2 * np.pi / 3 * load), lengths=(1.0, 1.0))
+    solid = standard(ratio, poisson=0.0)
+    found = slide(profile, solid, velocity=speed * elastic, mean_pressure=load).checked()
+    a, centre, friction = hunter(load, ratio=ratio, drift=speed * elastic)
+    touched = x[found.contact.in_contact[:, 0]]
+    assert (touched[-1] - touched[0]) / 2 == pytest.approx(a, abs=1 / n)
+    assert (touched[-1] + touched[0]) / 2 == pytest.approx(centre, abs=1 / n)
+    moment = float(np.sum(x * found.contact.pressure[:, 0]) / np.sum(found.contact.pressure))
+    assert moment == pytest.approx(friction, rel=0.01)
+
+
+@pytest.mark.parametrize("velocity", [1e-9, 0.0, 1e9, -1e9])
+def test_slow_and_fast_sliding_are_elastic_contacts(velocity):
+    """Waves along the motion stay relaxed at any velocity: a point of a period never leaves them."""
+    surface = rough(32)
+    load = load_of(surface)
+    young = 20.0 if abs(velocity) > 1 else 1.0
+
+    def compliance(qx, qy):
+        q = np.hypot(qx, qy)
+        modulus = np.where(qx == 0, 1.0, young) / (1 - 0.3**2)
+        return np.where(q > 0, 2 / (modulus * np.where(q > 0, q, 1.0)), 0.0)
+
+    response = GivenResponse(contact_modulus=1 / (1 - 0.3**2), function=compliance)
+    found = slide(surface, standard(20.0), velocity=velocity, mean_pressure=load, tolerance=1e-11).checked()
+    elastic = bem.solve(surface, response, mean_pressure=load, tolerance=1e-11).checked()
+    assert np.abs(found.contact.pressure - elastic.pressure).max() < 1e-6 * elastic.pressure.max()
+    assert abs(found.contact.offset - elastic.offset) < 1e-6 * surface.rms_height
+    assert abs(found.dissipation) < 1e-6
+
+
+@pytest.mark.parametrize(("velocity", "young"), [(1e-9, 1.0), (1e9, 20.0)])
+def test_ridges_across_the_motion_feel_one_modulus_at_both_ends(velocity, young):
+    x = np.arange(64) / 64
+    heights = 0.01 * (np.cos(Q * x) + 0.5 * np.cos(3 * Q * x + 1))
+    surface = HeightField(heights=np.tile(heights[:, None], (1, 4)), lengths=(1.0, 1 / 16))
+    half_space = HalfSpace(solid=Solid(young=young, poisson=0.3))
+    found = slide(surface, standard(20.0), velocity=velocity, mean_pressure=0.005, tolerance=1e-11).checked()
+    elastic = bem.solve(surface, half_space, mean_pressure=0.005, tolerance=1e-11).checked()
+    assert np.abs(found.contact.pressure - elastic.pressure).max() < 1e-6 * elastic.pressure.max()
+
+
+def test_full_contact_dissipates_what_each_wave_does():
+    surface, solid, velocity = rough(24), standard(50.0), 0.02
+    qx, qy = Q * np.fft.fftfreq(24, 1 / 24)[:, None], Q * np.fft.fftfreq(24, 1 / 24)[None, :]
+    power = np.abs(np.fft.fft2(surface.heights) / 24**2) ** 2
+    modulus = solid.modulus(np.abs(qx[:, 0] * velocity)) / (1 - 0.3**2)
+    load = 60 * surface.rms_gradient
+    found = slide(surface, solid, velocity=velocity, mean_pressure=load).checked()
+    assert found.contact.in_contact.all()
+    exact = np.sum(power * np.hypot(qx, qy) * np.abs(qx) * modulus.imag[:, None]) / 2 / load
+    assert found.friction == pytest.approx(exact, rel=1e-6)
+    assert found.dissipation == pytest.approx(exact, rel=1e-6)
+
+
+@pytest.mark.parametrize("velocity", [1e-3, 1e-2, 0.1, 1.0, 10.0])
+def test_a_thousandfold_modulus_is_solved_and_the_conditions_hold(velocity):
+    surface = rough(48)
+    load = load_of(surface)
+    found = slide(surface, standard(1000.0), velocity=velocity, mean_pressure=load).checked()
+    contact = found.contact
+    # Judged here by another road: the response applied as a full complex transform.
+    q = Q * np.fft.fftfreq(48, 1 / 48)
+    modulus = np.array([complex(standard(1000.0).modulus(abs(k) * velocity)) for k in q])
+    modulus = np.where(q > 0, modulus.conj(), modulus)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        response = 2 * (1 - 0.3**2) / (np.hypot(q[:, None], q[None, :]) * modulus[:, None])
+    response[0, 0], response[24] = 0, response[24].real
+    gap = np.fft.ifft2(response * np.fft.fft2(contact.pressure)).real - surface.heights + contact.offset
+    assert contact.pressure.min() >= 0
+    assert contact.pressure.mean() == pytest.approx(load, rel=1e-12)
+    assert gap.min() > -1e-7 * surface.rms_height
+    assert np.sum(contact.pressure * np.abs(gap)) < 2e-8 * surface.rms_height * np.sum(contact.pressure)
+
+
+def test_both_frictions_meet_as_the_grid_is_refined():
+    load = load_of(rough(32))
+    found = [slide(rough(n), standard(10.0), velocity=0.03, mean_pressure=load) for n in (32, 64, 256)]
+    apart = [abs(one.friction / one.dissipation - 1) for one in found]
+    # At least of first order: a power of the spacing at the edges of the contact.
+    assert apart[2] < apart[1] / 4 < apart[0] / 4
+    assert apart[2] < 0.005
+
+
+def test_sliding_backwards_is_the_mirror_image():
+    surface = rough(32)
+    mirrored = HeightField(heights=np.roll(surface.heights[::-1], 1, axis=0), lengths=(1.0, 1.0))
+    load = load_of(surface)
+    ahead = slide(surface, standard(10.0), velocity=0.05, mean_pressure=load, tolerance=1e-10)
+    back = slide(mirrored, standard(10.0), velocity=-0.05, mean_pressure=load, tolerance=1e-10)
+    assert back.friction == pytest.approx(ahead.friction, rel=1e-7)
+    assert ahead.friction > 0
+    turned = np.roll(back.contact.pressure[::-1], 1, axis=0)
+    assert np.abs(turned - ahead.contact.pressure).max() < 1e-6 * ahead.contact.pressure.max()
+
+
+def test_other_units_change_no_bit():
+    surface, load = rough(24), load_of(rough(24))
+    length, stress = 2.0**20, 2.0**-30
+    found = slide(surface, standard(100.0), velocity=0.1, mean_pressure=load)
+    scaled = slide(
+        HeightField(heights=surface.heights * length, lengths=(length, length)),
+        PronySolid.standard(relaxed=stress, unrelaxed=100 * stress, time=1.0, poisson=0.3),
+        velocity=0.1 * length,
+        mean_pressure=load * stress,
+    )
+    assert found.friction == scaled.friction
+    assert np.array_equal(found.contact.pressure * stress, scaled.contact.pressure)
+    assert np.array_equal(found.contact.gap * length, scaled.contact.gap)
+
+
+def test_a_start_shortens_the_way_and_changes_nothing_else():
+    surface, solid = rough(32), standard(100.0)
+    load = load_of(surface)
+    first = slide(surface, solid, velocity=0.1, mean_pressure=load)
+    again = slide(surface, solid, velocity=0.1, mean_pressure=2 * load, start=first.contact.pressure)
+    alone = slide(surface, solid, velocity=0.1, mean_pressure=2 * load)
+    assert again.friction == pytest.approx(alone.friction, rel=1e-6)
+    same = slide(surface, solid, velocity=0.1, mean_pressure=load, start=first.contact.pressure)
+    assert same.contact.cost.iterations < first.contact.cost.iterations / 2
+
+
+def test_accelerated_steps_that_do_not_pay_are_taken_back(monkeypatch):
+    """With an acceleration that leads astray each time the plain steps still arrive."""
+    from fem_contact import sliding
+
+    class Astray(sliding._Acceleration):
+        def after(self, point, step):
+            super().after(point, step)
+            return point - 3 * step if self.active else point + step
+
+    monkeypatch.setattr(sliding, "_Acceleration", Astray)
+    surface = rough(24)
+    found = slide(surface, standard(10.0), velocity=0.05, mean_pressure=load_of(surface)).checked()
+    assert found.contact.cost.iterations < 100
+
+
+def test_what_stops_early_says_so():
+    surface = rough(32)
+    found = slide(surface, standard(1000.0), velocity=0.1, mean_pressure=load_of(surface), max_iterations=3)
+    assert found.contact.status is Status.ITERATION_LIMIT
+    with pytest.raises(NotConverged):
+        found.checked()
+    exact = slide(surface, standard(3.0), velocity=0.1, mean_pressure=load_of(surface), tolerance=1e-16)
+    assert exact.contact.status is Status.STAGNATED
+    assert exact.contact.residuals.worst < 1e-12
+    late = slide(surface, standard(10.0), velocity=0.1, mean_pressure=load_of(surface), time_limit=1e-9)
+    assert late.contact.status is Status.TIME_LIMIT
+
+
+def test_a_solid_that_gains_energy_is_refused():
+    class Source:
+        poisson = 0.3
+
+        def modulus(self, frequency):
+            return np.full(np.shape(frequency), 1 - 0.1j)
+
+    with pytest.raises(InvalidInput, match="E'' not negative"):
+        slide(rough(16, ratio=4), Source(), velocity=1.0, mean_pressure=1e-3)
+
+
+def test_a_table_of_a_prony_series_gives_its_friction_and_is_refused_beyond_its_ends():
+    surface, solid = rough(32), standard(10.0)
+    omega = np.geomspace(0.1, 30, 300)
+    modulus = solid.modulus(omega)
+    table = TabulatedSolid(frequencies=omega, storage=modulus.real, loss=modulus.imag, poisson=0.3)
+    load = load_of(surface)
+    by_table, by_series = (
+        slide(surface, one, velocity=0.05, mean_pressure=load).friction for one in (table, solid)
+    )
+    assert by_table == pytest.approx(by_series, rel=2e-4)
+    with pytest.raises(InvalidInput, match="the table spans"):
+        slide(surface, table, velocity=5.0, mean_pressure=load)
+
+
+def test_the_standard_solid_is_given_by_its_retardation_time():
+    solid, omega = standard(50.0, time=2.0), np.array([0.0, 0.01, 0.7, 30.0, 1e30])
+    compliance = 1 / 50 + (1 - 1 / 50) / (1 + 2j * omega)
+    assert solid.modulus(omega) == pytest.approx(1 / compliance, rel=1e-13)
+    assert solid.unrelaxed == pytest.approx(50.0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"moduli": (1.0, 2.0), "times": (1.0,)}, "must be as many"),
+        ({"moduli": (-1.0,), "times": (1.0,)}, "no modulus negative"),
+        ({"moduli": (1.0,), "times": (0.0,)}, "times = 0.0"),
+    ],
+)
+def test_a_prony_series_that_is_none_is_refused(arguments, said):
+    with pytest.raises(InvalidInput, match=said):
+        PronySolid(relaxed=1.0, poisson=0.3, **arguments)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"frequencies": [1.0, 1.0]}, "rising"),
+        ({"storage": [1.0, 0.0]}, "storage moduli must be positive"),
+        ({"loss": [0.0, -1.0]}, "loss moduli not negative"),
+        ({"loss": [0.0]}, "must be as many"),
+    ],
+)
+def test_a_table_that_is_no_modulus_is_refused(arguments, said):
+    told = {"frequencies": [1.0, 10.0], "storage": [1.0, 2.0], "loss": [0.0, 0.1], "poisson": 0.3}
+    with pytest.raises(InvalidInput, match=said):
+        TabulatedSolid(**(told | arguments))

@@ -1,0 +1,91 @@
+"""Friction of a viscoelastic solid on a rough surface, by the theory."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from persson import SelfAffine, StandardSolid, friction_of_waves, rubber_friction
+from persson.elastic import contact_area, stress_variance
+from persson.errors import InvalidInput
+
+ROAD = SelfAffine.from_rms_gradient(0.3, hurst=0.8, q_long=1e3, q_short=1e5)
+RUBBER = StandardSolid(relaxed=1e6, unrelaxed=3e7, time=1e-2)
+TOLD = {"pressure": 1e5, "modulus": RUBBER.modulus, "poisson": 0.5}
+
+
+def by_quadrature(velocity, energy_ratio):
+    """The double integral of the definition, nested and adaptive, with V from a quadrature of its own."""
+    plane = 1 - 0.5**2
+
+    def around(q, weight):
+        return (
+            4
+            * quad(lambda angle: weight(q * velocity * math.cos(angle), angle), 0, math.pi / 2, limit=200)[0]
+        )
+
+    def grown(q):
+        return (
+            q**3 * float(ROAD(q)) / 4 * around(q, lambda w, _: abs(complex(RUBBER.modulus(w)) / plane) ** 2)
+        )
+
+    nodes = np.geomspace(1e3, 1e5, 400)
+    rates = np.array([grown(q) for q in nodes]) * nodes
+    variance = np.concatenate([[0], np.cumsum((rates[1:] + rates[:-1]) / 2 * np.diff(np.log(nodes)))])
+    share = np.where(variance > 0, [math.erf(1e5 / math.sqrt(2 * max(v, 1e-300))) for v in variance], 1.0)
+    kept = share * (energy_ratio + (1 - energy_ratio) * share**2)
+    lost = np.array(
+        [
+            q**4
+            * float(ROAD(q))
+            / 2
+            * around(q, lambda w, a: math.cos(a) * complex(RUBBER.modulus(w)).imag / plane)
+            for q in nodes
+        ]
+    )
+    return float(np.trapezoid(kept * lost, np.log(nodes))) / 1e5, share[-1]
+
+
+@pytest.mark.parametrize(("velocity", "energy_ratio"), [(1e-4, 1.0), (1e-2, 0.5)])
+def test_friction_is_the_double_integral(velocity, energy_ratio):
+    found = rubber_friction(ROAD, velocity=velocity, energy_ratio=energy_ratio, **TOLD)
+    friction, area = by_quadrature(velocity, energy_ratio)
+    # Trapezoids of 400 nodes are good for 1e-4 each.
+    assert found.friction == pytest.approx(friction, rel=1e-3)
+    assert found.area == pytest.approx(area, rel=1e-3)
+
+
+@pytest.mark.parametrize(("velocity", "young"), [(1e-12, 1e6), (1e6, 3e7)])
+def test_slow_and_fast_it_is_the_elastic_theory_without_friction(velocity, young):
+    found = rubber_friction(ROAD, velocity=velocity, **TOLD)
+    full = stress_variance(ROAD.m2(), contact_modulus=young / 0.75)
+    assert found.area == pytest.approx(float(contact_area(1e5, stress_variance=full)), rel=1e-5)
+    assert found.friction < 1e-6
+
+
+def test_full_contact_loses_what_every_wave_loses():
+    q, velocity = np.array([2e3, 5e3, 5e3]), 1e-3
+    qx, power = np.array([2e3, 3e3, -3e3]), np.array([1e-12, 4e-13, 4e-13])
+    found = friction_of_waves(
+        qx, np.sqrt(q**2 - qx**2), power=power, velocity=velocity, **(TOLD | {"pressure": 1e9})
+    )
+    lost = RUBBER.modulus(np.abs(qx) * velocity).imag / 0.75
+    assert found.friction == pytest.approx(np.sum(power * q * np.abs(qx) * lost) / 2 / 1e9, rel=1e-12)
+    assert found.area == 1.0
+
+
+def test_partial_contact_that_stores_less_resists_less():
+    full, half = (rubber_friction(ROAD, velocity=1e-3, energy_ratio=g, **TOLD) for g in (1.0, 0.5))
+    assert 0.5 < half.friction / full.friction < 1
+    assert half.area == full.area
+
+
+def test_modulus_and_loss_compliance_of_the_standard_solid_belong_together():
+    omega = np.geomspace(1e-3, 1e6, 30)
+    assert RUBBER.loss_compliance(omega) == pytest.approx(-(1 / RUBBER.modulus(omega)).imag, rel=1e-9)
+
+
+def test_a_modulus_that_gains_energy_is_refused():
+    with pytest.raises(InvalidInput, match="no negative loss part"):
+        rubber_friction(ROAD, velocity=1.0, **(TOLD | {"modulus": lambda w: 1e6 - 1e5j + 0 * w}))

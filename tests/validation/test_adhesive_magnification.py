@@ -1,0 +1,133 @@
+"""Adhesive contact as waves are added: what is read off a solve, and what the theory is asked."""
+
+import numpy as np
+import pytest
+
+from fem_contact import HalfSpace, bem
+from persson.adhesion import Interface, solve_adhesion
+from persson.elastic import pressure_distribution
+from persson.scale import Scale
+from validation.effects.base import full_contact_energy
+from validation.measures.adhesive import STRESS_EDGES, StickyContact
+from validation.solves.bench import Bench
+from validation.studies import adhesive_magnification as study
+
+OPTIONS = study.Options(magnifications=(1.5, 3.0), periods=1.0, surfaces=2, seed=31, work=0.5)
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    return study.run(OPTIONS, bench=Bench.at(tmp_path_factory.mktemp("sticky")))
+
+
+@pytest.fixture(scope="module")
+def whole():
+    return study._whole(OPTIONS, 0)
+
+
+def sticky(whole, *, work, reach):
+    shells = tuple(2 * np.pi / 1e-5 * np.array([1.5, 3.0]))
+    return StickyContact(realised=whole[0], grid=(48, 48), work=work, reach=reach, shells=shells).measure()
+
+
+def test_without_attraction_all_is_that_of_the_plain_contact(whole):
+    """A work of 1e-9 of the energy, over a range that 48 points resolve, adds 1e-6 at most."""
+    realised, work = whole
+    found = sticky(whole, work=2e-9 * work, reach=(2e-9 * work / 1e7 * 1e-5 / 10) ** 0.5)
+    plain = bem.solve(
+        realised.heights((48, 48)), HalfSpace(solid=realised.elastic), mean_pressure=realised.pressure
+    )
+    assert float(found.area) == float(found.plain) == plain.in_contact.mean()
+    assert float(found.force) == pytest.approx(1, abs=1e-4)
+    assert float(found.tension) == pytest.approx(0, abs=0.02)
+    assert np.isnan(found.parted)
+    stored = 0.5 * np.mean(plain.pressure * (plain.displacement - plain.displacement.mean()))
+    assert float(found.stored_by_pressure) == pytest.approx(stored, rel=1e-4)
+
+
+def test_the_energy_of_the_waves_adds_up_to_half_of_p_u_and_to_that_of_full_contact(whole):
+    realised, work = whole
+    found = sticky(whole, work=work, reach=(work / 1e7 * 1e-5 / 10) ** 0.5)
+    assert float(found.stored.sum()) == pytest.approx(float(found.stored_by_pressure), rel=1e-9)
+    full = full_contact_energy(realised.field, modulus=realised.contact_modulus)
+    assert float(found.full.sum()) == pytest.approx(full, rel=1e-9)
+    assert float(found.full[-1]) < 1e-12 * full
+    assert float(found.stress.sum()) == pytest.approx(float(found.area), rel=1e-12)
+
+
+def test_great_adhesion_closes_the_contact_under_its_load_and_stores_all(whole):
+    _, work = whole
+    found = sticky(whole, work=60 * work, reach=(60 * work / 1e7 * 1e-5 / 10) ** 0.5)
+    assert float(found.area) == float(found.parted) == 1
+    assert float(found.force) == pytest.approx(1, rel=1e-9)
+    assert found.stored.values == pytest.approx(found.full.values, rel=1e-6, abs=1e-20)
+
+
+def test_the_law_is_as_strong_as_the_theory_s_detachment_stress_at_the_last_wave(whole):
+    """sigma_a^2 = (9/8) w E* q, Eq. 36, and w / range is the strength."""
+    cut = study._cut(OPTIONS, 0, 3.0)
+    case = study._case(OPTIONS, cut, 3.0, 0)
+    q = 2 * np.pi / cut.realised.shortest
+    assert (case.work / case.reach) ** 2 == pytest.approx(
+        1.125 * case.work * cut.realised.contact_modulus * q
+    )
+    assert (case.work, case.grid) == (whole[1], (48, 48))
+
+
+def test_the_whole_surface_is_told_the_same_work_both_ways(data):
+    """gamma_eff(zeta_1) = w; area, force and energy of the theory are those of the whole surface."""
+    assert data.contact.values[1, :, 1] == pytest.approx(data.contact.values[0, :, 1], rel=1e-4)
+    assert data.theory_contact.values[1, :, 1, 0] == pytest.approx(
+        data.theory_contact.values[0, :, 1, 0], rel=1e-4
+    )
+    realised, work = study._whole(OPTIONS, 1)
+    along = study.adhesive_theory(realised, work=work, energy="improved", area="projected")
+    assert data.theory_force.values[0, 1, 1, 0] == pytest.approx(
+        along.contact_force[-1] / realised.pressure, rel=1e-9
+    )
+    full = full_contact_energy(realised.field, modulus=realised.contact_modulus)
+    assert data.theory_energy.values[0, 1, 1, 0] * full == pytest.approx(
+        float(along.elastic_energy[0]), rel=1e-9
+    )
+
+
+def test_adhesion_adds_area_force_and_tension(data):
+    own = data.isel(told=0)
+    assert (own.contact > own.plain).all()
+    assert (own.force > 1).all()
+    assert (own.tension > 0).all()
+    assert (own.parted > own.contact - 1e-9).all()
+    assert (own.theory_force > 1).all()
+
+
+def test_stresses_of_the_theory_fill_their_bins_with_its_area(data):
+    """Their sum is A/A0, but for the half of a bin at the wall; none lie below the detachment stress."""
+    own = data.isel(told=0)
+    assert own.theory_stress.sum("stress_bin").values == pytest.approx(own.theory_contact.values, rel=2e-3)
+    cut = study._cut(OPTIONS, 0, 3.0)
+    case = study._case(OPTIONS, cut, 3.0, 0)
+    lowest = -case.work / case.reach / cut.realised.pressure_scale
+    below = STRESS_EDGES[1:] < lowest
+    assert own.theory_stress.values[0, 1, 0, below].sum() == 0
+    assert own.stress.values[0, 1, STRESS_EDGES[1:] < lowest - 0.03].sum() == 0
+
+
+def test_the_sentences_and_the_table_hold_the_numbers(data):
+    said, rows = study.findings(data), study.table(data).rows
+    assert [row[:2] for row in rows if row[0] == "w"] == [("w", 1.5), ("w", 3.0)]
+    assert rows[0][3] == pytest.approx(float(data.contact.values[0, :, 0].mean()), rel=1e-12)
+    assert rows[0][5:7] == pytest.approx(tuple(data.theory_contact.values[0, :, 0].mean(axis=0)), rel=1e-12)
+    assert f"(zeta = 3, first surface) A/A0 is {float(data.half_area):.3g}" in " ".join(said)
+    assert {one.name for one in study.figures(data)} == {"adhesive-by-magnification", "adhesive-stress"}
+
+
+@pytest.mark.parametrize("energy", ["improved", "old"])
+def test_theory_with_vanishing_adhesion_is_the_plain_one_in_stress_force_and_energy(energy, whole):
+    realised = whole[0]
+    scale = Scale(realised.spectrum_shape, contact_modulus=realised.contact_modulus)
+    interface = Interface(work_of_adhesion=1e-9 * whole[1], energy=energy)
+    found = solve_adhesion(scale, pressure=realised.pressure, interface=interface).checked()
+    stress = np.linspace(0.02, 3, 200) * realised.pressure_scale
+    plain = pressure_distribution(stress, pressure=realised.pressure, stress_variance=found.variance[-1])
+    assert found.distribution(-1, stress) == pytest.approx(plain, abs=1e-3 * plain.max())
+    assert found.contact_force == pytest.approx(np.full(found.area.size, realised.pressure), rel=1e-5)

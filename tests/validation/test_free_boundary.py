@@ -1,0 +1,126 @@
+"""One patch instead of a period in a scene: a ball, a measured patch with its edges, and who refuses it."""
+
+import numpy as np
+import pytest
+
+from fem_contact.response import FreeHalfSpace
+from fem_contact.surface import Patch
+from validation.comparison.run import run_scene
+from validation.effects.free_boundary import FreeBoundary
+from validation.errors import UsageError
+from validation.scenes.checks import check_scene
+from validation.scenes.realised import realise
+from validation.scenes.scene import Scene, load_scene
+from validation.solves.press import solves_of
+from validation.studies import find_study, studies
+
+BALL = {
+    "name": "ball",
+    "surface": {
+        "kind": "self-affine",
+        "length": "40 um",
+        "hurst": 0.8,
+        "lambda_long": "20 um",
+        "lambda_short": "5 um",
+        "rms_height": "1 pm",
+        "seed": 8,
+    },
+    "solid": {"young": "1 GPa", "poisson": 0.3},
+    "load": {"force": "1 mN"},
+    "methods": {"bem": {"grids": [64]}},
+    "effects": [{"kind": "free-boundary", "radius": "1 mm"}],
+}
+
+
+def scene(**changed) -> Scene:
+    return Scene.model_validate(BALL | changed)
+
+
+def checked(**changed) -> None:
+    asked = scene(**changed)
+    check_scene(asked, realise(asked))
+
+
+def test_a_ball_almost_without_roughness_is_hertzian():
+    asked = scene()
+    (solve,) = solves_of(asked)
+    result = solve.do().contact
+    modulus = realise(asked).contact_modulus
+    a = (3 * 1e-3 * 1e-3 / (4 * modulus)) ** (1 / 3)
+    assert result.pressure.max() == pytest.approx(3 * 1e-3 / (2 * np.pi * a**2), rel=2e-3)
+    # The mean of the heights lies below the apex by that of r^2/2R; the roughness is a picometre.
+    assert -result.offset == pytest.approx(a**2 / 1e-3, rel=2e-3)
+
+
+def test_the_ball_stays_where_it_is_on_every_grid():
+    effect = FreeBoundary(radius="1 mm")
+    surface = realise(scene())
+    coarse, fine = (effect.shaped(surface.heights((n, n))) for n in (32, 64))
+    np.testing.assert_allclose(fine.heights[::2, ::2], coarse.heights, atol=1e-20)
+
+
+def test_a_measured_patch_keeps_its_edges(tmp_path):
+    rng = np.random.default_rng(4)
+    heights = 1e-8 * rng.random((12, 10)) + 1e-8 * np.arange(12)[:, None]
+    np.save(tmp_path / "patch.npy", heights)
+    surface = {
+        "kind": "file",
+        "path": str(tmp_path / "patch.npy"),
+        "length": ["12 um", "10 um"],
+        "unit": "1 m",
+    }
+    changed = {
+        "surface": surface | {"edges": "free"},
+        "effects": [{"kind": "free-boundary"}],
+        "load": {"pressure": "1 MPa"},
+        "methods": {"bem": {"grids": [[12, 10], [24, 20]]}},
+    }
+    outputs = run_scene(scene(**changed), tmp_path / "out", report=False)
+    assert "pressed as one patch, with its edges" in outputs.comparison.treatment
+    field = realise(scene(**changed)).field
+    assert isinstance(field, Patch)
+    np.testing.assert_array_equal(field.heights, heights)
+    with pytest.raises(UsageError, match=r"surface.edges = 'free': has no period"):
+        checked(**changed | {"effects": []})
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"methods": {"bem": {"grids": [64]}, "theory": {}}}, r"1 kind = 'free-boundary': method 'theory'"),
+        ({"methods": {"bem": {"grids": [64]}, "fem": {"grids": [64]}}}, r"'free-boundary': method 'fem'"),
+        ({"methods": {"bem": {"grids": [64], "shifts": 2}}}, r"methods.bem.shifts = 2: .*has no period"),
+        ({"load": {"offset": "-50 nm"}}, r"load.offset: a patch .* is pressed by a load"),
+        ({"load": {"force": "1 N"}}, r"1 radius = 0.001 m: the ball would touch over .* \(Hertz\)"),
+        ({"ensemble": {"realisations": 2, "grids": [32, 64]}}, r"ensemble: averages over periods"),
+        ({"quantities": {"subsurface": {}}}, r"quantities: are read off a period"),
+        (
+            {"effects": [*BALL["effects"], {"kind": "thickness", "thickness": "1 um"}]},
+            "is not solved together with a layer",
+        ),
+        (
+            {"effects": [*BALL["effects"], {"kind": "adhesion", "work": "1 mJ/m^2", "reach": "1 um"}]},
+            "is not solved together with adhesion",
+        ),
+    ],
+)
+def test_what_needs_a_period_or_the_theory_refuses_it_by_name(changed, words):
+    with pytest.raises(UsageError, match=words):
+        checked(**changed)
+
+
+def test_every_study_of_a_scene_refuses_it_by_name():
+    refused = []
+    for name, study in studies().items():
+        if "scene" in study.options.model_fields:
+            with pytest.raises(UsageError, match=r"free-boundary'|own"):
+                find_study(name).parse([], scene=load_scene("rough-ball"))
+            refused.append(name)
+    assert {"pressure", "area", "refinement", "cross", "theory-verdict"} <= set(refused)
+
+
+def test_the_slot_is_that_of_a_half_space_without_images():
+    (solve,) = solves_of(scene())
+    from validation.effects.base import Slots
+
+    assert isinstance(Slots.filled(solve.realised.elastic, solve.effects).response, FreeHalfSpace)

@@ -1,0 +1,95 @@
+"""The study of sliding: its numbers are the surface's, its sentences the numbers'."""
+
+import numpy as np
+import pytest
+
+from fem_contact import PronySolid, slide
+from validation.errors import UsageError
+from validation.measures.common import base_case
+from validation.measures.measurement import grid_for
+from validation.scenes.scene import SolidSpec
+from validation.solves.bench import Bench
+from validation.studies import find_study, sliding
+
+SMALL = {
+    "velocities": (0.05, 2.0),
+    "periods": 1.0,
+    "bandwidth": 3.0,
+    "surfaces": 2,
+    "points_per_wave": (4.0, 8.0),
+    "seed": 17,
+}
+
+
+@pytest.fixture(scope="module")
+def slid(tmp_path_factory):
+    options = sliding.Options(**SMALL)
+    return options, sliding.run(options, bench=Bench.at(tmp_path_factory.mktemp("sliding")))
+
+
+def test_the_friction_of_the_study_is_that_of_the_surface_on_each_grid(slid):
+    options, data = slid
+    solid = PronySolid.standard(relaxed=1e6, unrelaxed=1e7, time=1e-3, poisson=0.5)
+    case = base_case(
+        options.surface(), reduced_pressure=0.1, solid=SolidSpec(young=1e6, poisson=0.5)
+    ).further(1)
+    for g, points in enumerate(options.points_per_wave):
+        own = slide(
+            case.heights(grid_for(case, points)), solid, velocity=2.0, mean_pressure=case.pressure, threads=1
+        )
+        assert float(data.friction[1, g, 1]) == pytest.approx(
+            own.friction / case.field.rms_gradient, rel=1e-5
+        )
+        assert float(data.dissipation[1, g, 1]) == pytest.approx(
+            own.dissipation / case.field.rms_gradient, rel=1e-5
+        )
+
+
+def test_the_theory_of_the_study_is_told_the_realised_waves(slid):
+    """At a load that closes the gap the theory is exact, whatever the surface."""
+    _, data = slid
+    full = sliding.Options(**(SMALL | {"reduced_pressure": 40.0, "velocities": (0.05,)}))
+    rubber, relaxed = full.rubber(), SolidSpec(young=1e6, poisson=0.5)
+    case = base_case(full.surface(), reduced_pressure=40.0, solid=relaxed)
+    friction, area = sliding._theory(case, rubber, (0.05,))
+    own = slide(case.heights((32, 32)), rubber, velocity=0.05, mean_pressure=case.pressure, threads=1)
+    assert friction[0] * case.field.rms_gradient == pytest.approx(own.friction, rel=1e-5)
+    assert area[0] == pytest.approx(1.0, abs=1e-9)
+    assert (data.theory.sel(share=0.5) < data.theory.sel(share=1.0)).all()
+
+
+def test_the_sentences_hold_the_numbers(slid):
+    _, data = slid
+    said = " ".join(sliding.findings(data))
+    fine = data.friction[:, -1].mean("surface").values
+    top = int(np.argmax(fine))
+    assert f"largest at v = {data.v.values[top]:g} m/s" in said
+    apart = np.sqrt((abs(data.friction / data.dissipation - 1) ** 2).mean(("surface", "velocity"))).values
+    assert f"{100 * apart[0]:.2g} % at 4 points per shortest wave, {100 * apart[1]:.2g} % at 8 (" in said
+    # 2 pi v tau / L = 12.6 at the higher velocity: the standard solid is at 8 E_0 there.
+    assert "From v = 2 m/s on the solid has not relaxed" in said
+    row = sliding.table(data).rows[0]
+    assert row[1] == pytest.approx(fine[0], rel=1e-12)
+    assert row[4] == pytest.approx(float(data.dissipation[:, -1, 0].mean()), rel=1e-12)
+
+
+def test_one_solid_is_given_with_units(tmp_path):
+    study = find_study("sliding")
+    series = study.parse(["--moduli", "9 MPa,1 GPa", "--times", "1 ms,1 us", "--relaxed", "1 MPa"])
+    assert series.rubber().unrelaxed == pytest.approx(1.01e9)
+    file = tmp_path / "modulus.txt"
+    file.write_text("# omega E' E''\n1 1e6 1e5\n1e6 1e9 1e8\n", encoding="utf-8")
+    table = study.parse(["--modulus-table", str(file), "--velocities", "1 mm/s,2 cm/s"])
+    assert table.velocities == (1e-3, 0.02)
+    assert table.rubber().storage == (1e6, 1e9)
+    for arguments, words in (
+        (["--modulus-table", str(file), "--unrelaxed", "1 GPa"], "give one solid"),
+        (["--moduli", "1 MPa"], "must be as many"),
+        (["--velocities", "2 m/s,1 m/s"], "rising"),
+        (["--velocities", "2 m"], "is not a velocity"),
+    ):
+        with pytest.raises(UsageError, match=words):
+            study.parse(arguments)
+    file.write_text("1 2\n", encoding="utf-8")
+    with pytest.raises(UsageError, match="must hold lines of omega"):
+        table.rubber()

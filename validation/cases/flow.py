@@ -1,0 +1,176 @@
+"""What passes through contact and gap: spots, channels and grooves, patchworks, percolation."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact import bem
+from fem_contact.conductance import contact_conductance, frozen_contact
+from fem_contact.leak import critical_gap, flow_conductance, open_gap, percolates
+from fem_contact.response import BondedLayer, HalfSpace
+from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
+from persson.leakage import effective_medium
+from validation.cases import Case, Check
+
+__all__ = ["CASES"]
+
+Array = NDArray[np.float64]
+
+_SOLID = Solid(young=1.0, poisson=0.2)
+_HALF_SPACE = HalfSpace(solid=_SOLID)
+#: Of the square lattice of period 1: sum of 1/R less that of its background, and sum of 1/R^3.
+_MADELUNG, _CUBES = 3.900264920001956, 9.033621683100950
+
+
+def _spot(n: int, radius: float) -> float:
+    """Resistance of a circular spot in a period of 1 over Holm's with the field of its neighbours."""
+    x = (np.arange(n) + 0.37) / n - 0.5
+    inside = np.hypot(x[:, None], x[None, :] - 0.24 / n) < radius
+    punch = HeightField(heights=np.where(inside, 0.0, -1.0), lengths=(1.0, 1.0))
+    result = bem.solve(punch, _HALF_SPACE, mean_pressure=1e-3).checked()
+    modulus = _SOLID.contact_modulus
+    stiffness = frozen_contact(result, _HALF_SPACE).stiffness
+    conductance = contact_conductance(stiffness, contact_modulus=modulus, resistivities=(3.0, 1.0))
+    width = math.sqrt(result.in_contact.mean() / math.pi)
+    # The other spots and the background lift this one: near it -M + r^2/4 sum 1/R^3, and the mean of
+    # |r - r'|^2 over two points of a flat punch is 4 a^2 / 3.
+    holm = (3.0 + 1.0) / (4 * width)
+    neighbours = (3.0 + 1.0) / (2 * math.pi) * (-_MADELUNG + _CUBES / 3 * width**2)
+    return 1 / conductance / (holm + neighbours)
+
+
+def _spots() -> list[Check]:
+    """Resistance of a circular spot, and stiffness of a layer in full contact."""
+    coarse, fine = _spot(96, 0.1), _spot(192, 0.1)
+    layer = BondedLayer(solid=_SOLID, thickness=0.3)
+    flat = HeightField(heights=np.zeros((8, 6)), lengths=(1.0, 1.0))
+    pressed = frozen_contact(bem.solve(flat, layer, mean_pressure=1e-3).checked(), layer)
+    # A clamped layer under uniform pressure is compressed alone: (1 - nu) E / (1 + nu) / (1 - 2 nu) / d.
+    oedometric = (1 - 0.2) / (1 + 0.2) / (1 - 2 * 0.2) / 0.3
+    return [
+        # The edge of the set is off by a part of a cell, the resistance by a part of it in first order.
+        Check.relative(
+            "resistance over Holm's in a lattice, two grids in first order", 2 * fine - coarse, 1.0, 5e-3
+        ),
+        Check.below("its error on the finer grid", abs(fine - 1), 0.02),
+        Check.relative(
+            "stiffness of a bonded layer in full contact [1/m]", pressed.stiffness, oedometric, 1e-9
+        ),
+    ]
+
+
+def _slope() -> list[Check]:
+    """Slope of the load over the approach between two solves close to one another."""
+    x = 2 * np.pi * np.arange(64) / 64
+    heights = 1e-3 * (
+        np.cos(2 * x)[:, None] + np.cos(3 * x + 1.0)[None, :] + np.cos(x[:, None] + x[None, :] + 2.0)
+    )
+    surface = HeightField(heights=heights, lengths=(1.0, 1.0))
+    load = 0.1 * _SOLID.contact_modulus * surface.rms_gradient
+    states = [
+        bem.solve(surface, _HALF_SPACE, mean_pressure=load * (1 + step), tolerance=1e-12).checked()
+        for step in (-1e-6, 0.0, 1e-6)
+    ]
+    secant = (states[2].mean_pressure - states[0].mean_pressure) / (states[0].offset - states[2].offset)
+    stiffness = frozen_contact(states[1], _HALF_SPACE).stiffness
+    moved = float(sum(np.sum(state.in_contact != states[1].in_contact) for state in states))
+    return [
+        Check(quantity="points that change between the loads", computed=moved, reference=0.0, tolerance=0.0),
+        # Both offsets are known to 1e-12 of the height, their difference to some 1e-6 of itself.
+        Check.relative("stiffness of the frozen contact over the secant", stiffness / secant, 1.0, 1e-5),
+    ]
+
+
+def _grooved(n: int, phase: Array) -> Array:
+    """Return a gap 1 + .6 cos(phase) on n x n points."""
+    return 1 + 0.6 * np.cos(phase) + np.zeros((n, n))
+
+
+def _channels() -> list[Check]:
+    """Let fluid along a channel, along grooves, across them, and along oblique ones."""
+    gap = np.zeros((9, 7))
+    gap[:, 2:5] = 0.2
+    channel = flow_conductance(gap, (3.0, 1.4), axis="x").conductance
+    closed = flow_conductance(gap, (3.0, 1.4), axis="y").conductance
+    along, across = 1 + 1.5 * 0.36, (1 - 0.36) ** 2.5 / (1 + 0.36 / 2)
+    phase = {n: 2 * np.pi * (np.arange(n) + 0.5) / n for n in (16, 32, 64)}
+    grooves = _grooved(64, phase[64][:, None])
+    found = {axis: 12 * flow_conductance(grooves, (1.0, 2.5), axis=axis).conductance for axis in ("x", "y")}
+    exact, sizes = (along + across) / 2, list(phase)
+    errors = [
+        abs(12 * flow_conductance(_grooved(n, a[:, None] + a[None, :]), (1.0, 1.0)).conductance - exact)
+        for n, a in phase.items()
+    ]
+    return [
+        Check.relative(
+            "K of a channel of width w on 3/7 of the period [m^3]", channel, 3 / 7 * 0.2**3 / 12, 1e-12
+        ),
+        Check(quantity="K across it", computed=closed, reference=0.0, tolerance=0.0),
+        Check.relative("12 K along grooves 1 + .6 cos", found["y"], along, 1e-12),
+        # The mean of an analytic function over a period converges faster than any power.
+        Check.relative("12 K across them", found["x"], across, 1e-8),
+        Check.order("order along oblique ones", sizes, errors, expected=2, tolerance=0.2),
+    ]
+
+
+def _percolation() -> list[Check]:
+    """Let fluid along the valleys of a pressed wave, and through patchworks of two halves."""
+    wave = 0.01 * np.cos(2 * np.pi * (np.arange(48) + 0.5) / 48)[:, None] * np.ones(4)
+    surface = HeightField(heights=wave, lengths=(1.0, 0.25))
+    pressed = bem.solve(
+        surface, _HALF_SPACE, mean_pressure=0.3 * math.pi * 0.01 * _SOLID.contact_modulus
+    ).checked()
+    gap = open_gap(pressed)
+    # A valley is a channel: its cubes add, and its deepest place is the narrowest of the widest path.
+    along = flow_conductance(gap, surface.lengths, axis="y").conductance
+    halves = effective_medium([1.0, 4.0], [0.5, 0.5])
+    return [
+        Check.relative(
+            "K along a pressed wave over the mean of u^3/12", along / float(np.mean(gap**3 / 12)), 1.0, 1e-10
+        ),
+        Check.relative(
+            "narrowest place along it over the widest gap", critical_gap(gap, "y") / gap.max(), 1.0, 1e-10
+        ),
+        Check(
+            quantity="paths across it", computed=float(percolates(gap > 0, "x")), reference=0.0, tolerance=0.0
+        ),
+        Check.relative("Bruggeman's conductance of two halves, 1 and 4", halves, 2.0, 1e-10),
+        Check(
+            quantity="Bruggeman's conductance of .51 without any",
+            computed=effective_medium([0.0, 1.0], [0.51, 0.49]),
+            reference=0.0,
+            tolerance=0.0,
+        ),
+    ]
+
+
+CASES = (
+    Case(
+        name="flow-spot",
+        claim="The contact resistance of a circular spot is Holm's, with the field of its neighbours.",
+        run=_spots,
+        source="R. Holm (1967); J. R. Barber, Proc. R. Soc. A 459, 53 (2003)",
+    ),
+    Case(
+        name="flow-stiffness",
+        claim="The stiffness of the frozen contact set is the slope of the load over the approach.",
+        run=_slope,
+        source="exact: without friction the area changes in the second order alone",
+    ),
+    Case(
+        name="flow-channel",
+        claim="The conductance of a gap is that of its channels and grooves.",
+        run=_channels,
+        source="O. Reynolds (1886); oblique grooves: the mean of both conductances",
+    ),
+    Case(
+        name="flow-percolation",
+        claim="A pressed wave leaks along its valleys alone; Bruggeman's medium closes at one half.",
+        run=_percolation,
+        source="exact; D. A. G. Bruggeman, Ann. Phys. 416, 636 (1935)",
+    ),
+)

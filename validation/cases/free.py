@@ -1,0 +1,78 @@
+"""One patch with free surroundings: a ball without images, and a flat square punch."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from fem_contact import bem
+from fem_contact.area import EDGE_MAPS, subcell_area
+from fem_contact.conductance import frozen_contact
+from fem_contact.response import FreeHalfSpace
+from fem_contact.solid import Solid
+from fem_contact.surface import Patch
+from validation.cases import Case, Check
+
+__all__ = ["CASES"]
+
+_FREE = FreeHalfSpace(solid=Solid(young=1.0, poisson=0.3))
+#: Side of the patch over the contact radius: little more than the contact itself.
+_SIDE = 2.5
+
+#: Capacitance of a square plate over 4 pi eps times its side.
+_SQUARE = 0.3667892
+
+
+def _hertz() -> list[Check]:
+    """Press a ball of radius 1 to a contact of radius .1; no grid point is its apex."""
+    a, modulus = 0.1, _FREE.contact_modulus
+    force, peak, side = 4 * modulus * a**3 / 3, 2 * modulus * a / math.pi, _SIDE * a
+    sizes, approaches, pressures, radii = (32, 64, 128, 256), [], [], []
+    for n in sizes:
+        x = (np.arange(n) + 0.25) * side / n - side / 2
+        r = np.hypot(x[:, None], x[None, :])
+        surface = Patch(heights=-(r**2) / 2, lengths=(side, side))
+        result = bem.solve(surface, _FREE, mean_pressure=force / side**2, tolerance=1e-9).checked()
+        exact = peak * np.sqrt(np.maximum(1 - (r / a) ** 2, 0))
+        approaches.append(abs(-result.offset / a**2 - 1))
+        pressures.append(float(np.max(np.abs(result.pressure - exact)[r < 0.8 * a])) / peak)
+        area = subcell_area(result, edge_map=EDGE_MAPS["bem"]) * side**2
+        radii.append(abs(math.sqrt(area / math.pi) / a - 1))
+    return [
+        Check.below(f"error of the approach a^2/R at n = {sizes[-1]}", approaches[-1], 1e-3),
+        Check.below(f"largest error of p(r) over the peak inside .8 a, n = {sizes[-1]}", pressures[-1], 1e-3),
+        Check.below(f"error of the contact radius, located, at n = {sizes[-1]}", radii[-1], 1e-3),
+        Check.order("observed order of the approach", sizes, approaches, expected=2, tolerance=0.7),
+        Check.order("observed order of p(r)", sizes, pressures, expected=2, tolerance=0.7),
+    ]
+
+
+def _punch() -> list[Check]:
+    """Pressures at the edges of a punch are infinite: first order."""
+    sizes, errors, exact = (16, 32, 64), [], math.pi * _SQUARE * _FREE.contact_modulus
+    for n in sizes:
+        flat = Patch(heights=np.zeros((n, n)), lengths=(1.0, 1.0))
+        result = bem.solve(flat, _FREE, mean_pressure=0.01).checked()
+        errors.append(1 - frozen_contact(result, _FREE).stiffness / exact)
+    limit = 2 * errors[-1] - errors[-2]
+    return [
+        Check.order("observed order of the stiffness", sizes, errors, expected=1, tolerance=0.2),
+        Check.below("error of its limit over the grids", abs(limit), 2e-3),
+    ]
+
+
+CASES = (
+    Case(
+        name="free-hertz",
+        claim="A ball on a patch hardly larger than its contact is Hertz's within .1 %: it has no images.",
+        run=_hertz,
+        source="H. Hertz, J. reine angew. Math. 92, 156 (1882); K. L. Johnson, Contact Mechanics, Sec. 4.2",
+    ),
+    Case(
+        name="free-punch",
+        claim="A flat square patch has the stiffness of a punch, that is the capacitance of a square plate.",
+        run=_punch,
+        source="F. H. Read, J. Comput. Phys. 133, 1 (1997): C = .3667892 x 4 pi eps L",
+    ),
+)

@@ -1,0 +1,92 @@
+"""One patch is pressed on a half-space, without images; the body may be curved as a whole."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, ClassVar, Literal, Self
+
+import numpy as np
+from pydantic import Field
+
+from validation.effects.base import Effect, Grid, Judgement, Roughness, SlotName, Slots
+from validation.errors import UsageError
+from validation.units import Length
+
+if TYPE_CHECKING:
+    from fem_contact.surface import HeightField
+    from validation.scenes.realised import Realised
+
+__all__ = ["FreeBoundary"]
+
+
+class FreeBoundary(Effect):
+    """The rough body is one patch with free surroundings, flat or curved as a whole: nothing is periodic."""
+
+    kind: Literal["free-boundary"] = "free-boundary"
+    radius: Length | None = Field(
+        default=None,
+        description='nominal radius of a ball under the roughness, e.g. "1 mm"; flat if not given',
+    )
+
+    slot: ClassVar[SlotName] = "boundary"
+    meshed: ClassVar[bool] = False
+    cost: ClassVar[float] = 6.0
+    papers: ClassVar[tuple[str, ...]] = (
+        "Cells under constant pressure: A. E. H. Love, Phil. Trans. R. Soc. A 228, 377 (1929).",
+    )
+
+    def fill(self, slots: Slots) -> None:
+        """Give the half-space without images."""
+        from fem_contact.response import FreeHalfSpace
+
+        slots.response = FreeHalfSpace(solid=slots.solid)
+
+    def shaped(self, field: HeightField) -> HeightField:
+        """Lay the roughness on a paraboloid whose apex is the middle of the patch."""
+        if self.radius is None:
+            return field
+        from fem_contact.surface import Patch
+
+        # Points of a patch are the middles of its cells.
+        half = 0.5 if isinstance(field, Patch) else 0.0
+        x, y = (
+            (np.arange(n) + half - n / 2) * step for n, step in zip(field.shape, field.spacing, strict=True)
+        )
+        sag = (x[:, None] ** 2 + y[None, :] ** 2) / (2 * self.radius)
+        return type(field)(heights=field.heights - sag, lengths=field.lengths)
+
+    def check(self, realised: Realised, grids: Sequence[Grid], *, slots: Slots, key: str) -> None:
+        """Refuse attraction, layers, a distance that is held, and a ball that would not fit on the patch."""
+        from fem_contact.response import FreeHalfSpace
+
+        if slots.gap_law is not None or not isinstance(slots.response, FreeHalfSpace):
+            other = "adhesion" if slots.gap_law is not None else "a layer or graded solid"
+            raise UsageError(f"{key} kind = {self.kind!r}: is not solved together with {other}")
+        if realised.load.held:
+            raise UsageError(
+                f"load.{realised.load.key}: a patch with free surroundings is pressed by a load; give "
+                "pressure, reduced_pressure or force"
+            )
+        if self.radius is None:
+            return
+        force = realised.pressure * realised.lengths[0] * realised.lengths[1]
+        contact = (3 * force * self.radius / (4 * realised.contact_modulus)) ** (1 / 3)
+        if contact > 0.5 * min(realised.lengths):
+            raise UsageError(
+                f"{key} radius = {self.radius:.6g} m: the ball would touch over {contact:.3g} m (Hertz), "
+                f"beyond the edge of the patch, {0.5 * min(realised.lengths):.3g} m from its middle; take a "
+                "larger patch or a smaller load"
+            )
+
+    def judge(self, rough: Roughness) -> Judgement:
+        """Compare the nominal curvature with that of the roughness; an edge always matters."""
+        if self.radius is None:
+            return self.said("no images: the edges of the patch bear, too", matters=True)
+        ratio = 1 / (self.radius * rough.curvature) if rough.curvature > 0 else math.inf
+        return self.said(f"1/R over the rms curvature of a profile = {ratio:.3g}; no images", matters=True)
+
+    @classmethod
+    def example(cls, spacing: float) -> Self:
+        """Return a ball."""
+        return cls(radius=2.0)
