@@ -50,7 +50,7 @@ def fitted_area(
     Examples
     --------
     >>> round(float(fitted_area(0.05, alpha=nayak(hurst=0.8, bandwidth=8))), 3)
-    0.108
+    0.109
     """
     load = np.asarray(reduced_pressure, dtype=float)
     light, slope, middle, power = constants
