@@ -156,7 +156,7 @@ def fields_below(
 
     Examples
     --------
-    >>> from fem_contact import HeightField, bem
+    >>> from fem_contact import HalfSpace, HeightField, Solid, bem
     >>> x = np.arange(64) / 64
     >>> wave = HeightField(heights=1e-3 * np.cos(2 * np.pi * x)[:, None] * np.ones(64), lengths=(1.0, 1.0))
     >>> half_space = HalfSpace(solid=Solid(young=1.0, poisson=0.3))

@@ -38,10 +38,10 @@ def main(effects: list[dict[str, object]]) -> None:
     transforms = 0
     plain = fourier.FourierOperator._filter
 
-    def counted(self: fourier.FourierOperator, *arguments: object) -> None:
+    def counted(self: fourier.FourierOperator, *arguments: object, **options: object) -> None:
         nonlocal transforms
         transforms += 1
-        plain(self, *arguments)  # type: ignore[arg-type]
+        plain(self, *arguments, **options)  # type: ignore[arg-type]
 
     fourier.FourierOperator._filter = counted  # type: ignore[method-assign, assignment]
     tracemalloc.start()

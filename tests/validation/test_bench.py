@@ -299,14 +299,16 @@ def test_an_inverted_solve_presses_the_other_side_and_has_a_name_of_its_own():
     assert "inverted" not in str(solve.recipe)
 
 
-def test_the_number_of_threads_changes_nothing_but_rounding():
-    solve = solves_of(**{**FEW, "grids": (300,), "surfaces": 1, "reduced_pressures": (0.05,)})[0]
+@pytest.mark.parametrize(("points", "relative"), [(200, 2e-16 * 200 * 30), (300, 1e-7)])
+def test_the_number_of_threads_changes_nothing_but_rounding(points, relative):
+    solve = solves_of(**{**FEW, "grids": (points,), "surfaces": 1, "reduced_pressures": (0.05,)})[0]
     one, two = (solve.do(threads=threads).contact for threads in (1, 2))
     # The transforms group their sums by the number of threads: rounding of 2e-16, times the condition of the
-    # response (about the number of points along a side) and some 30 steps.
-    assert np.abs(one.pressure - two.pressure).max() < 2e-16 * 300 * 30 * one.pressure.max()
+    # response (about the number of points along a side) and some 30 steps. From 256 points on the draft in single
+    # precision ends elsewhere within its rounding, and the last steps elsewhere within the tolerance of 1e-8.
+    assert np.abs(one.pressure - two.pressure).max() < relative * one.pressure.max()
     assert np.array_equal(one.in_contact, two.in_contact)
-    assert one.offset == pytest.approx(two.offset, rel=1e-11)
+    assert one.offset == pytest.approx(two.offset, rel=relative)
 
 
 @pytest.mark.slow
