@@ -304,8 +304,8 @@ def test_the_number_of_threads_changes_nothing_but_rounding(points, relative):
     solve = solves_of(**{**FEW, "grids": (points,), "surfaces": 1, "reduced_pressures": (0.05,)})[0]
     one, two = (solve.do(threads=threads).contact for threads in (1, 2))
     # The transforms group their sums by the number of threads: rounding of 2e-16, times the condition of the
-    # response (about the number of points along a side) and some 30 steps. From 256 points on the draft in single
-    # precision ends elsewhere within its rounding, and the last steps elsewhere within the tolerance of 1e-8.
+    # response (about the number of points along a side) and some 30 steps. From 256 points on the draft in
+    # single precision ends elsewhere within its rounding, and the last steps within the tolerance of 1e-8.
     assert np.abs(one.pressure - two.pressure).max() < relative * one.pressure.max()
     assert np.array_equal(one.in_contact, two.in_contact)
     assert one.offset == pytest.approx(two.offset, rel=relative)
