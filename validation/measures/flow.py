@@ -16,7 +16,7 @@ from fem_contact.stress import gap_distribution
 from persson.leakage import effective_medium
 from validation.measures.measurement import QUANTITIES, Measurement
 from validation.measures.single_solve import SingleSolve
-from validation.solves.solve import Prediction
+from validation.solves.solve import LOCATED_EDGES, Prediction
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -83,7 +83,7 @@ class LeakMeasurement(SingleSolve):
     @property
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
-        return super().recipe | {"areas": list(self.areas), "version": 2}
+        return super().recipe | {"areas": list(self.areas), "edges": LOCATED_EDGES, "version": 2}
 
     @property
     def prefix(self) -> str:

@@ -22,7 +22,7 @@ from validation.scenes.realised import Realised
 from validation.scenes.scene import EffectSpec, FileSurface, SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
 from validation.solves.cost import dearer_by
-from validation.solves.solve import NumbersSolve, Prediction
+from validation.solves.solve import LOCATED_EDGES, NumbersSolve, Prediction
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -122,9 +122,8 @@ class Measurement(NumbersSolve):
             "grids": [list(grid) for grid in self.grids],
             "shifts": self.shifts,
             "tolerance": self.tolerance,
-            # What is read off belongs to the result: a stored one that lacks a number is another one, and so is
-            # one whose edges were located to first order.
-            "quantities": sorted([*self.quantities, "cells", "edges of second order"]),
+            # What is read off belongs to the result: a stored one that lacks a number is another one.
+            "quantities": sorted([*self.quantities, "cells", LOCATED_EDGES]),
         }
 
     @property

@@ -17,7 +17,7 @@ from validation.methods import find_solver
 from validation.methods.base import Settings, Solver
 from validation.scenes.scene import EffectSpec
 from validation.solves.cost import dearer_by
-from validation.solves.solve import Prediction
+from validation.solves.solve import LOCATED_EDGES, Prediction
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -56,6 +56,7 @@ class ByMethod(SingleSolve):
             "method": self.method,
             "settings": dict(self.settings),
             "effects": [effect.model_dump(mode="json", exclude_none=True) for effect in self.effects],
+            "edges": LOCATED_EDGES,
         }
 
     @property

@@ -14,10 +14,14 @@ from fem_contact.settings import available_processors
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["RESULTS_VERSION", "NumbersSolve", "Prediction", "Solve"]
+__all__ = ["LOCATED_EDGES", "RESULTS_VERSION", "NumbersSolve", "Prediction", "Solve"]
 
 #: Raised when a change of the code changes results, so that stored ones are not mistaken for new ones.
 RESULTS_VERSION = 2
+
+#: How `fem_contact.area.EDGE_MAPS` locate edges of contact: in the recipe of every solve that keeps a located
+#: area, since one whose edges were located otherwise is another one.
+LOCATED_EDGES = "edges of second order"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -24,7 +24,7 @@ from validation.measures.flow import located_area
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.solves.bench import Bench
-from validation.solves.solve import NumbersSolve, Prediction
+from validation.solves.solve import LOCATED_EDGES, NumbersSolve, Prediction
 from validation.studies._options import Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import Positive, wrong
@@ -112,6 +112,7 @@ class Hierarchy(NumbersSolve):
             "places": [list(place) for place in self.places],
             "loads": list(self.loads),
             "points": self.points,
+            "edges": LOCATED_EDGES,
             "version": 1,
         }
 

@@ -34,7 +34,7 @@ from validation.report.table import ResultTable
 from validation.scenes.realised import Realised
 from validation.scenes.surfaces import spectrum_of
 from validation.solves.bench import Bench
-from validation.solves.solve import Prediction
+from validation.solves.solve import LOCATED_EDGES, Prediction
 from validation.studies._options import Bandwidth, Hurst, Seed, Surfaces
 from validation.studies._study import StudyOptions
 
@@ -112,7 +112,7 @@ class HeightStatistics(SingleSolve):
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
         made = {name: value for name, value in super().recipe.items() if name != "load"}
-        return made | {"pressures": list(self.pressures), "version": 1}
+        return made | {"pressures": list(self.pressures), "edges": LOCATED_EDGES, "version": 1}
 
     @property
     def prefix(self) -> str:

@@ -22,7 +22,7 @@ from validation.measures.single_solve import SingleSolve
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.solves.bench import Bench
-from validation.solves.solve import Prediction
+from validation.solves.solve import LOCATED_EDGES, Prediction
 from validation.studies._options import Hurst, Periods, ReducedPressure, Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import wrong
@@ -74,6 +74,11 @@ class Options(StudyOptions):
 @dataclass(frozen=True, kw_only=True)
 class SolveCost(SingleSolve):
     """One cold solve by boundary elements on one thread, reduced to what it cost."""
+
+    @property
+    def recipe(self) -> dict[str, Any]:
+        """Everything that determines the numbers."""
+        return super().recipe | {"edges": LOCATED_EDGES}
 
     @property
     def prefix(self) -> str:

@@ -27,7 +27,7 @@ from validation.measures.common import reduced_load
 from validation.measures.single_solve import SingleSolve
 from validation.methods.base import Claim
 from validation.methods.foreign import judged
-from validation.solves.solve import Prediction
+from validation.solves.solve import LOCATED_EDGES, Prediction
 from validation.studies.accuracy_cost import peer_solve
 
 if TYPE_CHECKING:
@@ -82,7 +82,8 @@ class PeerMeasurement(SingleSolve):
     @property
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
-        return super().recipe | {"code": self.code, "version": _version(self.code), "areas": "pressures"}
+        said = {"code": self.code, "version": _version(self.code), "areas": "pressures"}
+        return super().recipe | said | {"edges": LOCATED_EDGES}
 
     @property
     def prefix(self) -> str:

@@ -16,7 +16,7 @@ from fem_contact.surface import HeightField
 from validation.scenes import surfaces
 from validation.scenes.realised import Realised
 from validation.scenes.scene import SelfAffineSurface
-from validation.solves.solve import NumbersSolve, Prediction
+from validation.solves.solve import LOCATED_EDGES, NumbersSolve, Prediction
 from validation.studies.autopsy.books import FLOWS, PROFILES, Pressed
 
 if TYPE_CHECKING:
@@ -114,7 +114,8 @@ class RingSolve(NumbersSolve):
     @property
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
-        return {**self.realised.recipe, "points": self.points, "tolerance": self.tolerance}
+        said = {"points": self.points, "tolerance": self.tolerance, "edges": LOCATED_EDGES}
+        return {**self.realised.recipe, **said}
 
     def describe(self) -> str:
         """Return a few words for a progress bar."""

@@ -14,7 +14,7 @@ from fem_contact.patches import find_patches
 from validation.measures.flow import contact_is_apart, gap_is_open, located_area
 from validation.measures.measurement import without_waves_beyond
 from validation.measures.single_solve import SingleSolve
-from validation.solves.solve import Prediction
+from validation.solves.solve import LOCATED_EDGES, Prediction
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -67,6 +67,7 @@ class Magnified(SingleSolve):
             "reduced_pressures": list(self.reduced_pressures),
             "magnifications": list(self.magnifications),
             "percolating": list(self.percolating),
+            "edges": LOCATED_EDGES,
             "version": 1,
         }
 

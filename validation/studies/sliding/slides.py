@@ -11,7 +11,7 @@ from fem_contact.area import contact_areas
 from fem_contact.sliding import SlidingContact, slide
 from fem_contact.viscoelastic import PronySolid, TabulatedSolid
 from validation.scenes.realised import Realised
-from validation.solves.solve import NumbersSolve, Prediction
+from validation.solves.solve import LOCATED_EDGES, NumbersSolve, Prediction
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -65,6 +65,7 @@ class SlideSolve(NumbersSolve):
             "rubber": {name: list(v) if isinstance(v, tuple) else v for name, v in solid.items()},
             "velocities": list(self.velocities),
             "grids": [list(grid) for grid in self.grids],
+            "edges": LOCATED_EDGES,
             "version": 1,
         }
 
