@@ -16,6 +16,11 @@ from validation.scenes.scene import builtin_scenes, load_scene
 
 WRONG = [
     # what is replaced, by what, words of the message
+    (
+        ("[load]", '[quantities.subsurface]\ndepths = "1 um"\n[load]'),
+        ("depths = '1 um'", "a list in brackets"),
+    ),
+    (("[load]", "[quantities.subsurface]\ndepths = []\n[load]"), ("depths = []", "at least 2 values")),
     (("hurst = 0.7", ""), ("surface.hurst: missing", "[0, 1]")),
     (("hurst = 0.7", "hurts = 0.7"), ("unknown key 'hurts'", "did you mean 'hurst'?")),
     (("hurst = 0.7", "hurst = 1.2"), ("surface.hurst = 1.2", "less than or equal to 1")),

@@ -420,7 +420,7 @@ def _problem(item: Any) -> str:
     """One line for one error of the schema: key = value: what is allowed."""
     location = _keys(item["loc"])
     key = _written(location)
-    message = str(item["msg"]).replace("Input should be", "must be")
+    message = _required(item)
     if item["type"] == "missing":
         return f"{key}: missing; {_described(location)}"
     if item["type"] == "union_tag_not_found":
@@ -434,6 +434,19 @@ def _problem(item: Any) -> str:
     if isinstance(value, (dict, BaseModel)):
         return f"{key}: {message}" if key else message
     return f"{key} = {_short(value)}: {message}"
+
+
+def _required(item: Any) -> str:
+    """Say what is allowed where the schema found a mistake; a scene knows lists, not tuples."""
+    if item["type"] in ("tuple_type", "list_type"):
+        return "must be a list in brackets"
+    if item["type"] in ("too_long", "too_short"):
+        bound = item["ctx"]
+        number = (
+            f"most {bound['max_length']}" if item["type"] == "too_long" else f"least {bound['min_length']}"
+        )
+        return f"must have at {number} {'value' if number.endswith(' 1') else 'values'}"
+    return str(item["msg"]).replace("Input should be", "must be")
 
 
 def _short(value: object) -> str:

@@ -208,8 +208,12 @@ def _pairs(arguments: Sequence[str], flags: Mapping[str, FieldInfo]) -> Iterator
 
 
 def _problems(error: ValidationError) -> Iterator[str]:
-    """Yield one line for each mistake: flag, value, what is allowed."""
-    for item in error.errors():
+    """Yield one line for each mistake: flag, value, what is allowed; a list with a wrong item is not also short."""
+    items = error.errors()
+    wrong = {item["loc"][0] for item in items if len(item["loc"]) > 1}
+    for item in items:
+        if len(item["loc"]) == 1 and item["loc"][0] in wrong:
+            continue
         name = str(item["loc"][0]).replace("_", "-") if item["loc"] else ""
         message = str(item["msg"]).replace("Input should be", "must be").replace("Value error, ", "")
         value = item["input"]
