@@ -130,3 +130,11 @@ def test_explain_says_the_measured_change():
     found = finite_slopes(rough(0.2), poisson=0.3)
     assert "contact area by about -2 %" in found.number
     assert "rms pressure by +2 %" in found.number
+
+
+@pytest.mark.parametrize("name", ["slopes", "points_per_wave"])
+def test_one_value_is_refused_where_two_are_needed(name):
+    with pytest.raises(ValueError, match="at least 2"):
+        large_slope.Options(**{name: (0.1,)})
+    with pytest.raises(ValueError, match="at least"):
+        large_slope.Options(reduced_pressures=())

@@ -37,6 +37,10 @@ def audit(
         ledger = read(folder)
     except KeyError as error:
         raise UsageError(f"{folder}: cannot be audited: no {error} in it; run the scene again") from None
+    except FileNotFoundError as error:
+        missing = Path(error.filename).name
+        why = f"no {missing} in it; name the results of a run"
+        raise UsageError(f"{folder}: cannot be audited: {why}") from None
     except (OSError, ValueError, LookupError) as error:
         raise UsageError(f"{folder}: cannot be audited: {error}; name the results of a run") from None
     if as_json:

@@ -72,6 +72,11 @@ class FreeBoundary(Effect):
             return
         force = realised.pressure * realised.lengths[0] * realised.lengths[1]
         contact = (3 * force * self.radius / (4 * realised.contact_modulus)) ** (1 / 3)
+        if contact > self.radius:
+            raise UsageError(
+                f"{key} radius = {self.radius:.6g} m: the ball would touch over {contact:.3g} m (Hertz), "
+                "where no paraboloid is a ball; take a larger radius or a smaller load"
+            )
         if contact > 0.5 * min(realised.lengths):
             raise UsageError(
                 f"{key} radius = {self.radius:.6g} m: the ball would touch over {contact:.3g} m (Hertz), "

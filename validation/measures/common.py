@@ -113,6 +113,13 @@ def in_rising_order(values: tuple[Any, ...]) -> tuple[Any, ...]:
     return values
 
 
+def _given(values: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Refuse no values. A `Field(min_length=1)` in the type would win over a larger one of the option."""
+    if not values:
+        raise wrong("must have at least 1 value")
+    return values
+
+
 def _of_a_limit(per_wave: tuple[float, ...], others: ValidationInfo) -> tuple[float, ...]:
     """Refuse grids over which no limit can be taken: fewer than three solves on two of them."""
     shifts = others.data.get("shifts", SHIFTS)
@@ -132,9 +139,9 @@ SHIFTS = 2
 #: side; grids, as lambda_short/dx, over which a limit can be taken, where a study has an option `shifts` with as many
 #: as that, if it stands before this one.
 RisingOrNone = Annotated[tuple[Positive, ...], AfterValidator(in_rising_order)]
-Rising = Annotated[tuple[Positive, ...], Field(min_length=1), AfterValidator(in_rising_order)]
+Rising = Annotated[tuple[Positive, ...], AfterValidator(_given), AfterValidator(in_rising_order)]
 RisingGrids = Annotated[
-    tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=1), AfterValidator(in_rising_order)
+    tuple[Annotated[int, Field(ge=2)], ...], AfterValidator(_given), AfterValidator(in_rising_order)
 ]
 Ladder = Annotated[Rising, AfterValidator(_of_a_limit)]
 

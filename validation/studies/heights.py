@@ -265,7 +265,7 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
     sentences.append(
         f"With a roll-off {float(dataset.attrs['longer']):g} times as long and the same C(q) at short waves h_rms is {height} times as large and the gradient {gradient} times; "
         f"under the same load the contact area changes by {listed}: it follows the gradient, not the heights."
-        if max(abs(a.value - 1) for a in areas) < abs(height.value - 1) / 2
+        if max(abs(a.value - 1) + a.half_width for a in areas) < abs(height.value - 1) / 2
         else f"With a roll-off {float(dataset.attrs['longer']):g} times as long h_rms is {height} times as large, the gradient {gradient} times, "
         f"and under the same load the contact area changes by {listed}."
     )

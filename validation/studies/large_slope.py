@@ -48,7 +48,7 @@ class Options(StudyOptions):
     own = "it makes surfaces steeper at one reduced load"
 
     slopes: Rising = Field(
-        default=(0.05, 0.1, 0.2, 0.4, 0.7, 1.0), min_length=2, description="h'_rms of the surfaces, rising"
+        default=(0.05, 0.1, 0.2, 0.4, 0.7), min_length=2, description="h'_rms of the surfaces, rising"
     )
     reduced_pressures: Rising = Field(
         default=(0.05, 0.2), description="p* = p0 / (E* h'_rms) with the realised gradient of each surface"

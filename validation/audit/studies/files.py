@@ -72,6 +72,7 @@ def _page(kept: Kept) -> None:
             continue
         place = f"report.html, {title}"
         titles, rows = shown[title]
+        header = [name.strip() for name in header]  # as a page shows them
         kept.ledger.same(place, "number of rows", len(rows), min(len(lines), len(rows)))
         order = [header.index(t) if header.count(t) == 1 else -1 for t in titles]
         for k, (row, line) in enumerate(zip(rows, lines, strict=False)):

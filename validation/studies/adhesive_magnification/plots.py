@@ -37,7 +37,7 @@ def by_magnification(dataset: xr.Dataset) -> Figure:
                 marker="o",
                 color=COLOURS[told],
                 mfc="white" if told else COLOURS[told],
-                label=f"solved with {words}".replace("gamma_eff(zeta)", r"$\gamma_\mathrm{eff}(\zeta)$"),
+                label=f"solved with {words}".replace("effective work", r"$\gamma_\mathrm{eff}(\zeta)$"),
             )
             said = np.array([theory(dataset, name, told, z) for z in at])
             for r, reading in enumerate(("Eqs. 44-49", "Eq. 43")):

@@ -20,7 +20,7 @@ __all__ = ["QUANTITIES", "TOLD", "estimate", "findings", "solved", "table", "the
 Array = NDArray[np.float64]
 
 #: Which work the cut surface is given, in words.
-TOLD = {"own": "w", "effective": "gamma_eff(zeta)"}
+TOLD = {"own": "w", "effective": "effective work"}
 #: What is compared, and how it is called.
 QUANTITIES = {
     "contact": "A/A0",

@@ -113,11 +113,17 @@ def _level(dataset: xr.Dataset, source: str) -> str:
 
 
 def _stays(loads: Sequence[float], rises: Sequence[Estimate]) -> str:
-    """Say up to which load a pressure is that of the lightest."""
-    moved = [j for j, rise in enumerate(rises) if abs(rise.value - 1) >= _SAME]
-    if not moved:
-        return "it is independent of the load"
-    return f"the same within {100 * _SAME:.0f} % up to p* = {loads[moved[0] - 1]:g}, and not beyond"
+    """Say up to which load a pressure is that of the lightest, as far as the intervals tell."""
+    away = [abs(rise.value - 1) for rise in rises]
+    widths = [np.nan_to_num(rise.half_width) for rise in rises]
+    same = [a + w < _SAME for a, w in zip(away, widths, strict=True)]
+    within = f"the same within {100 * _SAME:.0f} %"
+    if all(same):
+        return f"it is {within} at every load"
+    last = same.index(False) - 1
+    moved = [p for p, a, w in zip(loads, away, widths, strict=True) if a - w >= _SAME]
+    beyond = f"and not at p* = {moved[0]:g}" if moved else "and beyond the surfaces do not tell"
+    return f"it is {within} up to p* = {loads[last]:g}, {beyond}"
 
 
 def _at_one(dataset: xr.Dataset) -> str:
@@ -143,10 +149,12 @@ def _inside(dataset: xr.Dataset) -> str:
         for j, p in enumerate(dataset.reduced_pressure.values)
         if float(dataset.load_inside[:, j, i].min()) < 1 - 1e-9  # beyond, the contact seen there is complete
     )
-    least = float(dataset.load_inside[:, 0, i].mean())
-    verdict = (
-        "most of a light load is carried where no macroasperity was"
-        if least < _DOMINANT
-        else "macroasperities carry most of it"
-    )
+    least = over_surfaces(dataset.load_inside[:, 0, i])
+    width = np.nan_to_num(least.half_width)
+    if least.value + width < _DOMINANT:
+        verdict = "most of a light load is carried where no macroasperity was"
+    elif least.value - width >= _DOMINANT:
+        verdict = "macroasperities carry most of it"
+    else:
+        verdict = "which of both carries most of a light load, the surfaces do not tell"
     return f"With all waves there, the contact seen at zeta = {float(dataset.zeta[i]):g} carries of the load {listed or 'all'}; if regions only broke up it would be 1: {verdict}."
