@@ -84,7 +84,7 @@ BEYOND = [
     (("solid", "young"), 1e300, "solid.young = 1e+300: is out of range"),
     (("load", "reduced_pressure"), 1e300, "must lie between 1e-12 and 1e+06"),
     (("methods", "bem", "grids"), [9 * 10**15], "must have at most 131072 points along a side"),
-    (("methods", "bem", "grids"), [32] * 10**6, "at most 256 items"),
+    (("methods", "bem", "grids"), [32] * 10**6, "at most 256 values"),
     (
         ("ensemble",),
         {"realisations": 100_000_000, "grids": [32, 48]},
