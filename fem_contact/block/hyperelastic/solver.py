@@ -163,8 +163,9 @@ def solve_finite_strain(
     tolerance : float
         Bound on unbalanced over contact forces, on the error of the load, and on gaps of the contact over
         h_rms.
-    depth, growth, first_layer, element
-        As in `solve`; the element is ``Hex1`` or ``Hex1/P0``.
+    **mesh
+        `depth`, `growth`, `first_layer`, `element`, as in `solve`;
+        the element is ``Hex1`` or ``Hex1/P0``.
 
     Raises
     ------
