@@ -12,7 +12,7 @@ from fem_contact._environment import settle
 
 if TYPE_CHECKING:
     from fem_contact import adhesion, bem, block
-    from fem_contact.area import ContactAreas, Limit, contact_areas, mean_areas, subcell_area, subgrid_shifts
+    from fem_contact.area import ContactAreas, contact_areas, mean_areas, subcell_area, subgrid_shifts
     from fem_contact.conductance import FrozenContact, contact_conductance, frozen_contact
     from fem_contact.contact import ContactResult, Cost, Residuals, Status, measure_residuals
     from fem_contact.errors import (
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
         UnsupportedEffect,
     )
     from fem_contact.export import render_section, render_surface, write_block, write_subsurface
-    from fem_contact.extrapolation import located_limit, perimeter_limit
+    from fem_contact.extrapolation import Limit, located_limit, perimeter_limit
     from fem_contact.graded import ExponentialSolid, LayeredSolid
     from fem_contact.hardness import Hardness, YieldedContact, press, unload, yielded
     from fem_contact.leak import GapFlow, critical_gap, flow_conductance, open_gap, percolates
@@ -175,7 +175,7 @@ _HOMES = {
     "InvalidInput": "fem_contact.errors",
     "Lay": "fem_contact.surface",
     "LayeredSolid": "fem_contact.graded",
-    "Limit": "fem_contact.area",
+    "Limit": "fem_contact.extrapolation",
     "NotConverged": "fem_contact.errors",
     "Patch": "fem_contact.surface",
     "Patches": "fem_contact.patches",

@@ -1,4 +1,4 @@
-r"""Real contact area: counted, corrected at its edge, and extrapolated over grids.
+r"""Real contact area: counted, corrected at its edge, and with its edge located inside the cells.
 
 Counting contact cells overestimates the area in first order of the spacing, because a cell enters contact as
 soon as its centre does and the discrete edge lies on average a fixed fraction of a cell outside the true one.
@@ -10,13 +10,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Literal
 
 import numpy as np
 import scipy.ndimage
 from numpy.typing import NDArray
 
-from fem_contact._checks import choice, finite, listed, pair, positive, samples, truth, whole
+from fem_contact._checks import finite, listed, samples, truth, whole
 from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput
 
@@ -25,10 +24,8 @@ __all__ = [
     "EDGE_MAPS",
     "ContactAreas",
     "Edges",
-    "Limit",
     "contact_areas",
     "contact_edges",
-    "limit_area",
     "mean_areas",
     "subcell_area",
     "subgrid_shifts",
@@ -42,9 +39,6 @@ EDGE_CONSTANTS = MappingProxyType(
     {"bem": 0.103, "fem": 0.198, "Hex1": 0.198, "Hex1/P0": 0.260, "Hex2": 0.137, "Hex2/P1disc": 0.205}
 )
 
-
-#: Scatter of the place of an edge on the grid [cells], per edge, as counted areas of Hertzian contacts show.
-_SCATTER = 0.2
 
 #: Width [cells] over which the contact map is smoothed to find the direction of an edge.
 _SMOOTHING = 1.5
@@ -223,106 +217,6 @@ def _discretisation(result: ContactResult, known: Mapping[str, object], name: st
     return told
 
 
-@dataclass(frozen=True, kw_only=True)
-class Limit:
-    """An area extrapolated to vanishing spacing.
-
-    Attributes
-    ----------
-    value : float
-        A/A0 in the limit.
-    uncertainty : float
-        Its standard error, from the scatter of the grids about the fit.
-    edge_constant : float
-        Fitted excess per edge fraction; of the located area, on the coarsest grid.
-    grids : int
-        Number of areas that went into the fit.
-    definition : str
-        Which area was extrapolated: "pixel" or "subcell".
-    doubt : str
-        Why there is no limit, in words, with NaN as its value and uncertainty; empty where there is one.
-    """
-
-    value: float
-    uncertainty: float
-    edge_constant: float
-    grids: int
-    definition: str = "pixel"
-    doubt: str = ""
-
-    @property
-    def determinable(self) -> bool:
-        """Whether there is a limit."""
-        return not self.doubt
-
-
-def limit_area(
-    areas: Sequence[ContactAreas],
-    *,
-    definition: Literal["pixel", "subcell"] = "pixel",
-    known_constant: tuple[float, float] | None = None,
-) -> Limit:
-    """Limit of the contact area of one surface over its grids, by regression of fixed order.
-
-    The pixel area is fitted as A + c (P_edge dx), the located one as A + c (P_edge dx) dx; the order is not
-    fitted, since the order observed on a few grids scatters too much to extrapolate with. Where an edge falls
-    between grid points is random, so the area of one grid scatters like (number of edges)^(1/2) dx dy, and
-    each grid is weighted accordingly.
-
-    Parameters
-    ----------
-    areas : sequence of ContactAreas
-        Of one surface at one load, on at least three grids, not all of one spacing; several shifts of a grid
-        may appear.
-    definition : {"pixel", "subcell"}
-        Which area is extrapolated.
-    known_constant : tuple of float, optional
-        What is known of c beforehand, and its standard deviation, as ``(EDGE_CONSTANTS["bem"], 0.01)``. It
-        enters like a measurement, and steadies the limit of a few coarse grids. Pixel areas only.
-
-    Raises
-    ------
-    InvalidInput
-        For fewer than three areas, areas of a single spacing, or a definition that was not measured.
-    """
-    listed("areas", areas, ContactAreas, what="`ContactAreas`")
-    choice("definition", definition, ("pixel", "subcell"))
-    if known_constant is not None:
-        known, spread = pair("known_constant", known_constant, what="a constant and its deviation")
-        known_constant = finite("known_constant", known), positive("known_constant", spread)
-    sizes = {area.spacing for area in areas}
-    if len(areas) < 3 or len(sizes) < 2:
-        raise InvalidInput(
-            f"{len(areas)} areas on {len(sizes)} spacings: a limit needs three areas on at least two spacings"
-        )
-    if definition == "subcell" and (
-        known_constant is not None or any(area.subcell is None for area in areas)
-    ):
-        raise InvalidInput("definition = 'subcell': not measured by contact_areas, or given a constant")
-    fraction = np.array([area.edge_fraction for area in areas])
-    cell = np.array([area.spacing[0] * area.spacing[1] for area in areas])
-    value = np.array([area.pixel if definition == "pixel" else area.subcell for area in areas], dtype=float)
-    if not np.any(fraction):
-        mean = float(value.mean())
-        return Limit(value=mean, uncertainty=0.0, edge_constant=0.0, grids=len(areas), definition=definition)
-    size = np.sqrt(cell / cell.max())
-    deviation = np.sqrt(fraction) * size
-    deviation = np.maximum(deviation / deviation.max(), 1e-3)
-    excess = fraction if definition == "pixel" else fraction * size
-    design = np.stack([np.ones_like(excess), excess], axis=1) / deviation[:, None]
-    target = value / deviation
-    if known_constant is not None:
-        # In units of the scatter of the coarsest grid: .2 cells per edge, as Hertzian contacts show.
-        coarsest = int(np.argmax(np.sqrt(fraction) * size))
-        scatter = _SCATTER * np.sqrt(fraction[coarsest] * areas[coarsest].cell_share)
-        design = np.vstack([design, [0.0, scatter / known_constant[1]]])
-        target = np.append(target, known_constant[0] * scatter / known_constant[1])
-    limit, constant, error = _least_squares(design, target)
-    return Limit(
-        value=limit, uncertainty=error, edge_constant=constant, grids=len(areas), definition=definition
-    )
-
-
 def subgrid_shifts(per_axis: int = 2) -> list[tuple[float, float]]:
     """Shifts of a grid, in parts of a cell, that fill the cell evenly.
 
@@ -361,15 +255,6 @@ def mean_areas(areas: Sequence[ContactAreas]) -> ContactAreas:
         cells=areas[0].cells,
         alignment=float(np.mean([area.alignment for area in areas])),
     )
-
-
-def _least_squares(design: NDArray[np.float64], target: NDArray[np.float64]) -> tuple[float, float, float]:
-    """Intercept and slope of equations of equal weight, and the standard error of the intercept."""
-    (intercept, slope), *_ = np.linalg.lstsq(design, target)
-    rest = target - design @ np.array([intercept, slope])
-    variance = float(rest @ rest) / (target.size - 2)
-    covariance = variance * np.linalg.pinv(design.T @ design)
-    return float(intercept), float(slope), float(np.sqrt(covariance[0, 0]))
 
 
 @dataclass(frozen=True, kw_only=True)

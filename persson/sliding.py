@@ -151,11 +151,13 @@ def friction_of_waves(
     """
     x, y = np.atleast_1d(real("qx", qx, unit="1/m")), np.atleast_1d(real("qy", qy, unit="1/m"))
     weight = np.atleast_1d(non_negative("power", power, unit="m^2", power=2, vanishing=True))
-    q = np.hypot(x, y)
-    if not x.shape == y.shape == weight.shape or x.ndim != 1 or not np.all(q > 0):
+    if not x.shape == y.shape == weight.shape or x.ndim != 1:
         raise InvalidInput(
-            f"qx, qy, power of shapes {x.shape}, {y.shape}, {weight.shape}: must be alike and flat, q not 0"
+            f"qx, qy, power of shapes {x.shape}, {y.shape}, {weight.shape}: must be alike and flat"
         )
+    q = np.hypot(x, y)
+    if not np.all(q > 0):
+        raise InvalidInput("qx, qy: no wavevector must be 0")
     load = positive("pressure", pressure, unit="Pa")
     ratio = within("energy_ratio", energy_ratio, 0, 1, interval="(0, 1]")
     omega = np.abs(x) * abs(scalar("velocity", velocity, unit="m/s"))

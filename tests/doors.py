@@ -255,7 +255,7 @@ def solver_doors() -> dict[str, Door]:
             {"result": result, "edge_constant": 0.1, "subcell": True, "edge_map": area.EDGE_MAPS["bem"]},
         ),
         "limit_area": (
-            area.limit_area,
+            extrapolation.limit_area,
             {"areas": areas, "definition": "pixel", "known_constant": (0.1, 0.01)},
         ),
         "subgrid_shifts": (area.subgrid_shifts, {"per_axis": 2}),

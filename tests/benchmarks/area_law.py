@@ -26,9 +26,9 @@ import scipy.optimize
 from numpy.typing import NDArray
 
 from fem_contact import bem, block
-from fem_contact.area import EDGE_MAPS, ContactAreas, Limit, contact_areas, contact_edges, subgrid_shifts
+from fem_contact.area import EDGE_MAPS, ContactAreas, contact_areas, contact_edges, subgrid_shifts
 from fem_contact.contact import ContactResult
-from fem_contact.extrapolation import _LOCATED, located_limit, perimeter_limit
+from fem_contact.extrapolation import _LOCATED, Limit, located_limit, perimeter_limit
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface

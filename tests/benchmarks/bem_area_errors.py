@@ -12,8 +12,9 @@ import sys
 
 import numpy as np
 
-from fem_contact.area import EDGE_CONSTANTS, contact_areas, limit_area, subcell_area, subgrid_shifts
+from fem_contact.area import EDGE_CONSTANTS, contact_areas, subcell_area, subgrid_shifts
 from fem_contact.bem import solve
+from fem_contact.extrapolation import limit_area
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface

@@ -13,7 +13,6 @@ from fem_contact.area import (
     ContactAreas,
     contact_areas,
     contact_edges,
-    limit_area,
     mean_areas,
     subcell_area,
     subgrid_shifts,
@@ -21,6 +20,7 @@ from fem_contact.area import (
 from fem_contact.bem import solve
 from fem_contact.contact import ContactResult, Cost, Residuals, Status
 from fem_contact.errors import InvalidInput
+from fem_contact.extrapolation import limit_area
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField

@@ -14,9 +14,9 @@ from fem_contact.adhesion.descent import Minimum
 from fem_contact.adhesion.laws import Exponential
 from fem_contact.adhesion.path import _Walk
 from fem_contact.adhesion.state import AdhesionProblem, Stability
-from fem_contact.area import ContactAreas, limit_area
+from fem_contact.area import ContactAreas
 from fem_contact.contact import Status
-from fem_contact.extrapolation import located_limit
+from fem_contact.extrapolation import limit_area, located_limit
 from fem_contact.graded import ExponentialSolid, LayeredSolid
 from fem_contact.response import HalfSpace
 from fem_contact.settings import Settings

@@ -9,6 +9,7 @@ import shutil
 import numpy as np
 import pytest
 import xarray as xr
+from small_scene import small_scene
 from typer.testing import CliRunner
 
 from validation.audit import audit
@@ -262,23 +263,7 @@ def test_a_study_nobody_computes_again_and_a_store_that_is_gone_are_listed(copie
     assert "sentence: x" in unread
 
 
-_SCENE = """
-[surface]
-kind = "self-affine"
-length = "10 um"
-hurst = 0.7
-lambda_long = "5 um"
-lambda_short = "2.5 um"
-rms_gradient = 0.05
-seed = 77
-[solid]
-young = "2 MPa"
-poisson = 0.3
-[load]
-reduced_pressure = 0.1
-[methods.bem]
-grids = [24, 36, 48]
-"""
+_SCENE = small_scene()
 
 
 def test_a_study_on_a_scene_is_listed_not_taken_for_the_one_on_its_own_surfaces(tmp_path):

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from fem_contact import bem
-from fem_contact.area import ContactAreas, Limit
-from fem_contact.extrapolation import located_limit
+from fem_contact.area import ContactAreas
+from fem_contact.extrapolation import Limit, located_limit
 from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField

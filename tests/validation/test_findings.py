@@ -7,7 +7,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from fem_contact.area import Limit
+from fem_contact.extrapolation import Limit
 from validation.comparison.compare import compare
 from validation.comparison.compared import Scatter
 from validation.comparison.figure_data import pressure_at_zero_data

@@ -3,6 +3,7 @@
 import itertools
 
 import pytest
+from small_scene import OBLONG
 
 from fem_contact import bem, block
 from fem_contact.response import HalfSpace
@@ -18,23 +19,6 @@ from validation.scenes.scene import load_scene
 from validation.scenes.sweep import load_asked
 from validation.solves.press import solves_of
 
-SCENE = """
-[surface]
-kind = "self-affine"
-length = ["10 um", "5 um"]
-hurst = 0.7
-lambda_long = "5 um"
-lambda_short = "2.5 um"
-rms_gradient = 0.05
-seed = 77
-[solid]
-young = "2 MPa"
-poisson = 0.3
-[load]
-pressure = "10 kPa"
-[methods.bem]
-grids = [[24, 12], [32, 16], [48, 24]]
-"""
 SOLID = Solid(young=2e6, poisson=0.3)
 YIELDS = '\n[[effects]]\nkind = "hardness"\nhardness = "60 kPa"\n'
 STICKS = '\n[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "20 nm"\n'
@@ -43,7 +27,7 @@ STICKS = '\n[[effects]]\nkind = "adhesion"\nwork = "1 mJ/m^2"\nreach = "20 nm"\n
 @pytest.fixture
 def scene(tmp_path):
     def read(load='pressure = "10 kPa"', *, more="", solid=""):
-        text = SCENE.replace('pressure = "10 kPa"', load).replace("poisson = 0.3", f"poisson = 0.3\n{solid}")
+        text = OBLONG.replace('pressure = "10 kPa"', load).replace("poisson = 0.3", f"poisson = 0.3\n{solid}")
         (tmp_path / "mine.toml").write_text(text + more)
         return load_scene(str(tmp_path / "mine.toml"))
 
@@ -174,7 +158,7 @@ def test_a_load_that_cannot_be_is_refused_by_name(scene, monkeypatch, load, more
 
 
 def test_the_theory_alone_is_told_a_load(tmp_path):
-    text = SCENE.partition("[methods.bem]")[0].replace('pressure = "10 kPa"', 'offset = "1 nm"')
+    text = OBLONG.partition("[methods.bem]")[0].replace('pressure = "10 kPa"', 'offset = "1 nm"')
     (tmp_path / "mine.toml").write_text(text + "[methods.theory]\n")
     with pytest.raises(
         SceneError, match=r"load.offset: the theory is told a load; add a method that presses"

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from small_scene import OBLONG
 
 from fem_contact import HalfSpace, flow_conductance, frozen_contact, open_gap
 from fem_contact.solid import Solid
@@ -17,23 +18,6 @@ from validation.scenes.sweep import load_asked
 from validation.solves.press import solves_of
 from validation.solves.running import Solves
 
-SCENE = """
-[surface]
-kind = "self-affine"
-length = ["10 um", "5 um"]
-hurst = 0.7
-lambda_long = "5 um"
-lambda_short = "2.5 um"
-rms_gradient = 0.05
-seed = 77
-[solid]
-young = "2 MPa"
-poisson = 0.3
-[load]
-pressure = "10 kPa"
-[methods.bem]
-grids = [[24, 12], [32, 16], [48, 24]]
-"""
 ELECTRICAL = '[quantities.electrical]\nresistivity = ["17 nohm m", "0.4 uohm m"]\n'
 THERMAL = '[quantities.thermal]\nconductivity = "4 W/(cm K)"\n'
 LEAK = '[quantities.leak]\nviscosity = "2 mPa s"\npressure_drop = "3 kPa"\n'
@@ -43,7 +27,7 @@ ENSEMBLE = "[ensemble]\nrealisations = 3\ngrids = [[24, 12], [32, 16]]\n"
 @pytest.fixture
 def written(tmp_path):
     def write(more="", *, pressure="10 kPa"):
-        text = SCENE.replace("10 kPa", pressure) + more
+        text = OBLONG.replace("10 kPa", pressure) + more
         (tmp_path / "mine.toml").write_text(text)
         return str(tmp_path / "mine.toml")
 
@@ -163,7 +147,7 @@ def test_a_table_that_says_too_little_or_something_else_is_refused(written, more
 
 
 def test_the_theory_alone_has_no_contact_to_read_them_off(written, tmp_path):
-    text = SCENE.replace("[methods.bem]\ngrids = [[24, 12], [32, 16], [48, 24]]", "[methods.theory]")
+    text = OBLONG.replace("[methods.bem]\ngrids = [[24, 12], [32, 16], [48, 24]]", "[methods.theory]")
     (tmp_path / "alone.toml").write_text(text + THERMAL)
     with pytest.raises(SceneError, match="quantities: are read off a contact"):
         load_scene(str(tmp_path / "alone.toml"))

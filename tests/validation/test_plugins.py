@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from small_scene import small_scene
 
 from validation.errors import UsageError
 from validation.studies import find_study
@@ -161,23 +162,7 @@ descent = toy_method:Descent
 toy = toy_study
 """
 
-SCENE = """
-[surface]
-kind = "self-affine"
-length = "10 um"
-hurst = 0.7
-lambda_long = "5 um"
-lambda_short = "2.5 um"
-rms_gradient = 0.05
-seed = 77
-[solid]
-young = "2 MPa"
-poisson = 0.3
-[load]
-reduced_pressure = 0.1
-[methods.bem]
-grids = [12, 24]
-"""
+SCENE = small_scene(grids="[12, 24]")
 SKIN = '[[effects]]\nkind = "skin"\nyoung = "20 MPa"\nthickness = "0.5 um"\n'
 DESCENT = "[methods.descent]\ngrids = [12, 24]\n"
 

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from small_scene import small_scene
 
 from fem_contact import bem
 from fem_contact.area import contact_areas
@@ -38,27 +39,7 @@ pressure = "8 MPa"
 [methods.bem]
 grids = [[96, 72], [120, 90], [144, 108]]
 """
-YIELDING = """
-[surface]
-kind = "self-affine"
-length = "10 um"
-hurst = 0.7
-lambda_long = "5 um"
-lambda_short = "2.5 um"
-rms_gradient = 0.05
-seed = 77
-[solid]
-young = "2 MPa"
-poisson = 0.3
-[load]
-reduced_pressure = 0.1
-[methods.bem]
-grids = [24, 36, 48]
-tolerance = 1e-9
-[[effects]]
-kind = "hardness"
-hardness = "30 kPa"
-"""
+YIELDING = small_scene('tolerance = 1e-9\n[[effects]]\nkind = "hardness"\nhardness = "30 kPa"\n')
 
 
 @pytest.fixture

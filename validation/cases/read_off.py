@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact import bem, block
-from fem_contact.area import ContactAreas, contact_areas, limit_area
+from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult, Residuals, Status, measure_residuals
 from fem_contact.errors import NotConverged
-from fem_contact.extrapolation import located_limit
+from fem_contact.extrapolation import limit_area, located_limit
 from fem_contact.patches import find_patches
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid

@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.area import ContactAreas, Limit, contact_areas
+from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
-from fem_contact.extrapolation import located_limit, perimeter_limit
+from fem_contact.extrapolation import Limit, located_limit, perimeter_limit
 from fem_contact.stress import density_at_zero
 from validation.comparison.below import below
 from validation.comparison.compared import Comparison, CrossCheck, Row, Scatter, is_adhesive

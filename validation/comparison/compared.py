@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.area import Limit
+from fem_contact.extrapolation import Limit
 from validation.comparison.below import Below
 from validation.effects.base import Effect
 from validation.methods.theory import Prediction

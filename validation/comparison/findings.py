@@ -12,7 +12,7 @@ from validation.methods import find_method, find_solver
 from validation.report.words import significant, with_error
 
 if TYPE_CHECKING:
-    from fem_contact.area import Limit
+    from fem_contact.extrapolation import Limit
     from validation.comparison.compared import Comparison, CrossCheck, Row
 
 __all__ = ["findings", "layered", "percent", "yielded_row"]

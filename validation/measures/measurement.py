@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_contact.area import EDGE_CONSTANTS, ContactAreas, Limit, contact_areas, subgrid_shifts
+from fem_contact.area import EDGE_CONSTANTS, ContactAreas, contact_areas, subgrid_shifts
 from fem_contact.contact import ContactResult
-from fem_contact.extrapolation import located_limit, perimeter_limit
+from fem_contact.extrapolation import Limit, located_limit, perimeter_limit
 from fem_contact.patches import find_patches
 from fem_contact.stress import density_at_zero, elastic_energy
 from fem_contact.surface import HeightField

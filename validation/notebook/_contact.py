@@ -9,8 +9,9 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from fem_contact.area import ContactAreas, Limit, contact_areas
+from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
+from fem_contact.extrapolation import Limit
 from validation.comparison.compare import compare
 from validation.comparison.compared import Comparison, CrossCheck
 from validation.effects.base import Slots

@@ -174,6 +174,7 @@ def solve_finite_strain(
     NotConverged
         Where Newton's method does not settle, however small the steps from the flat surface.
     """
+    instance("surface", surface, HeightField, what="a `HeightField`")
     return next(
         solve_slopes(
             surface,

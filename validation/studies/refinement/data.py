@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_contact.area import ContactAreas, limit_area
+from fem_contact.area import ContactAreas
+from fem_contact.extrapolation import limit_area
 from validation.measures.budget import grid_drift
 from validation.measures.distributions import PATCH_EDGES, STRESS_EDGES, weighted_percentile
 from validation.measures.measurement import area_limits, limit_over

@@ -1,0 +1,36 @@
+"""A small scene as text: one rough surface on one solid, to which a test adds what it is about."""
+
+__all__ = ["OBLONG", "small_scene"]
+
+
+def small_scene(
+    more: str = "",
+    *,
+    length: str = '"10 um"',
+    load: str = "reduced_pressure = 0.1",
+    grids: str = "[24, 36, 48]",
+) -> str:
+    """Return the scene, with further tables after it."""
+    return f"""
+[surface]
+kind = "self-affine"
+length = {length}
+hurst = 0.7
+lambda_long = "5 um"
+lambda_short = "2.5 um"
+rms_gradient = 0.05
+seed = 77
+[solid]
+young = "2 MPa"
+poisson = 0.3
+[load]
+{load}
+[methods.bem]
+grids = {grids}
+{more}"""
+
+
+#: Twice as long as wide.
+OBLONG = small_scene(
+    length='["10 um", "5 um"]', load='pressure = "10 kPa"', grids="[[24, 12], [32, 16], [48, 24]]"
+)
