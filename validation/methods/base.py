@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, StrictBool
 
+from fem_contact import contact
 from fem_contact.contact import ContactResult, Status
 from fem_contact.response import Response
 from fem_contact.solid import Solid
@@ -101,6 +102,17 @@ class Claim:
             cpu_seconds=contact.cost.cpu_seconds,
             peak_bytes=contact.cost.peak_bytes,
             converged=contact.status is Status.CONVERGED,
+        )
+
+    @property
+    def cost(self) -> contact.Cost:
+        """Return what it took, as results have it."""
+        return contact.Cost(
+            wall_seconds=self.wall_seconds,
+            cpu_seconds=self.cpu_seconds,
+            iterations=self.iterations,
+            unknowns=self.pressure.size,
+            peak_bytes=self.peak_bytes,
         )
 
 

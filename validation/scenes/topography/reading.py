@@ -18,7 +18,7 @@ from validation.scenes.topography.patch import Topography
 from validation.scenes.topography.raw import MOST_POINTS
 from validation.units import LARGEST, metres
 
-__all__ = ["FileSays", "digest_of", "file_says", "read_topography"]
+__all__ = ["FileSays", "file_says", "read_topography"]
 
 Array = NDArray[np.float64]
 Lengths = tuple[float, float]
@@ -162,11 +162,6 @@ def _spikes(heights: Array) -> tuple[str, ...]:
         f"{far} of {known.size} heights lie more than {_FAR:.0f} times the height of the middle half away "
         "from it: spikes, or a damaged file",
     )
-
-
-def digest_of(path: Path) -> str:
-    """Return the SHA-256 of a file of heights, of the very bytes that were read."""
-    return file_says(path).digest
 
 
 def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float | None = None) -> Topography:
