@@ -21,7 +21,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from fem_contact.area import EDGE_CONSTANTS
@@ -31,6 +30,7 @@ from fem_contact.response import BondedLayer, Response
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation import bounded
+from validation.arrays import Array
 from validation.effects.base import Effect, Slots
 from validation.methods.base import (
     Claim,
@@ -50,8 +50,6 @@ if TYPE_CHECKING:
     from validation.scenes.realised import Realised
 
 __all__ = ["Foreign", "ForeignOptions", "claimed_in_own_process", "judged"]
-
-Array = NDArray[np.float64]
 
 #: Pairs of real 256 x 256 transforms per pair on the grid: a guess, as nobody here knows the algorithm.
 _PAIRS = 1000.0

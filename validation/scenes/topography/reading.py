@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from validation import bounded
+from validation.arrays import Array
 from validation.errors import UsageError
 from validation.scenes.topography.formats import one_line, read_plain
 from validation.scenes.topography.patch import Topography
@@ -20,7 +20,6 @@ from validation.units import LARGEST, metres
 
 __all__ = ["FileSays", "file_says", "read_topography"]
 
-Array = NDArray[np.float64]
 Lengths = tuple[float, float]
 
 #: Time to read a file, and bytes of it that are read in a further second [s, 1/s].
