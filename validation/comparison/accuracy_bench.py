@@ -1,4 +1,4 @@
-"""A bench that keeps account: what solves were predicted to take, what they took, and whether more may be done."""
+"""A bench that keeps account of what solves take, and refuses what would not end in time."""
 
 from __future__ import annotations
 
@@ -76,11 +76,15 @@ class Metered(Bench):
         """Seconds since the clock was started."""
         return time.perf_counter() - self.clock
 
-    def seconds(self, solves: Iterable[Solve]) -> float:
-        """Predict what solves take one after the other, on a machine as slow as the solves so far showed."""
+    @property
+    def slowness(self) -> float:
+        """How much longer than predicted solves took here; a second of them tells."""
         account = self.account
-        slowness = min(max(account.solving / account.predicted, 0.2), 5.0) if account.solving > 1 else 1.0
-        return slowness * sum(solve.predict(pair_seconds=self.pair).seconds for solve in solves)
+        return min(max(account.solving / account.predicted, 0.2), 5.0) if account.solving > 1 else 1.0
+
+    def seconds(self, solves: Iterable[Solve]) -> float:
+        """Predict what solves take one after the other."""
+        return self.slowness * sum(solve.predict(pair_seconds=self.pair).seconds for solve in solves)
 
     def affordable(self, seconds: float, peak_bytes: int = 0) -> bool:
         """Whether solves of so many seconds in all would end in time, and the largest fits into memory."""
@@ -110,8 +114,9 @@ class Metered(Bench):
             return super().solve(wanted)
         if not self.affordable(self.seconds(missing)):
             raise RunFailed(
-                f"{self.wanted}: solves take longer here than predicted, {missing[0].describe()} would not end "
-                f"in time, and {self.means()}; all finished solves are stored: allow more with --time-limit"
+                f"{self.wanted}: solves take longer here than predicted, {missing[0].describe()} would not "
+                f"end in time, and {self.means()}; all finished solves are stored: allow more with "
+                f"--time-limit"
             )
         start = time.perf_counter()
         results = super().solve(wanted)

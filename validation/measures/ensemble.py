@@ -39,6 +39,8 @@ _FIRST, _ROUNDS = (16, 6, 2), 8
 _FIRST_UNSOLVED = 64
 #: Between the first surfaces that end with different grids, and the first that are not solved.
 _APART = 1_000_000
+#: Largest factor of Student's that numbers are first chosen with.
+_STUDENT = 2.1
 #: Share of an interval that the grids may take; with more, surfaces that make up for it are too many.
 _GRID_SHARE = 0.9
 
@@ -244,6 +246,8 @@ class MeanArea:
         Further pairs that are only looked at.
     scatter : float
         Standard deviation of single surfaces over the mean, on the coarsest grid.
+    peak_bytes : int
+        Largest memory of the arrays of any solve.
     samples : Chained
     """
 
@@ -253,7 +257,13 @@ class MeanArea:
     pairs: tuple[int, ...]
     unsolved: int
     scatter: float
+    peak_bytes: int
     samples: Chained
+
+    @property
+    def surfaces(self) -> int:
+        """Surfaces that were solved."""
+        return 2 * sum(self.pairs)
 
     @property
     def half_width(self) -> float:
@@ -317,9 +327,14 @@ def mean_area(
         enough = found.estimate.half_width <= left or found.grid >= _GRID_SHARE * asked
         if enough or rounds == _ROUNDS:
             break
-        aim = left * found.estimate.standard_error / found.estimate.half_width
-        drawn.grow(allocation(found.samples.parts(chain), aim))
+        factor = found.estimate.half_width / found.estimate.standard_error
+        parts = found.samples.parts(chain)
+        # What Student's factor of few pairs adds goes with more of them.
+        drawn.grow(allocation(parts, left / min(factor, _STUDENT)))
         missing = {name: case for name, case in drawn.cases().items() if name not in solved}
+        if not missing:
+            drawn.grow(allocation(parts, left / factor))
+            missing = {name: case for name, case in drawn.cases().items() if name not in solved}
         if watch is not None:
             watch(found, tuple(missing.values()))
         solved |= results_of(bench, missing)
@@ -340,6 +355,7 @@ def _found(drawn: _Drawn, solved: Mapping[_Name, xr.Dataset]) -> tuple[MeanArea,
             pairs=tuple(drawn.counts),
             unsolved=len(samples.further),
             scatter=float(coarse.std(ddof=1) / coarse.mean()),
+            peak_bytes=max(areas.peak_bytes for areas in samples.ending),
             samples=samples,
         ),
         chain,
