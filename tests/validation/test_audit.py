@@ -155,20 +155,21 @@ def test_a_sweep_is_read_case_by_case(write_scene, tmp_path):
 
 def test_what_a_run_to_an_accuracy_claims_follows_from_its_fields(write_scene, tmp_path):
     scene = write_scene(
-        ("[methods.theory]", "[ensemble]\nrealisations = 2\ngrids = [12, 24]\n\n[methods.theory]"), fem=False
+        ("[methods.theory]", "[ensemble]\nrealisations = 2\ngrids = [12, 24]\n\n[methods.theory]")
     )
     run_accurate(load_scene(str(scene)), tmp_path / "results", target=0.3, report=False)
     ledger = audit(tmp_path / "results")
     assert [str(entry) for entry in ledger.wrong] == []
     judged = {entry.name for entry in ledger.entries if entry.place == "accuracy.json"}
-    assert {"A/A0", "relative error", "mean of A/A0", "error of the mean"} <= judged
+    assert {"A/A0", "relative error", "FEM beside it", "FEM beside it, relative error"} <= judged
+    assert "mean distance from the theory" in {entry.name for entry in ledger.entries}
+    assert "accuracy.json: mean" in ledger.unread
     path = tmp_path / "results" / "accuracy.json"
     said = json.loads(path.read_text())
-    path.write_text(
-        json.dumps(said | {"error": said["error"] / 2, "statistical": 1.01 * said["statistical"]})
-    )
+    said["beside"][0]["area"] *= 1.001
+    path.write_text(json.dumps(said | {"error": said["error"] / 2}))
     wrong = {entry.name for entry in audit(tmp_path / "results").wrong}
-    assert wrong == {"relative error", "scatter in the error of the mean"}
+    assert wrong == {"relative error", "FEM beside it"}
 
 
 _ROW = "summary.json"
