@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -34,7 +34,11 @@ _TOO_FEW_GRIDS = (
 
 
 def compare(
-    scene: Scene, realised: Realised, results: Mapping[Press, ContactResult], *, accurate: bool = False
+    scene: Scene,
+    realised: Realised,
+    results: Mapping[Press, ContactResult],
+    *,
+    accurate: Mapping[str, Any] | None = None,
 ) -> Comparison:
     """Put all solves of a scene beside the theory.
 
@@ -45,8 +49,8 @@ def compare(
         What the scene asks for.
     results : mapping
         Result of each of its solves, which is read once.
-    accurate : bool
-        Whether its grids were chosen for an accuracy of the limit.
+    accurate : mapping, optional
+        What was reached, where its grids were chosen for an accuracy.
     """
     asked = {name: scene.methods.options(name).grids for name in scene.methods.solvers}
     readings = [
