@@ -146,7 +146,6 @@ def _stability() -> list[Check]:
     source="conservation of energy",
 )
 def _loop() -> list[Check]:
-    """Bring surfaces together and take them apart: the work of the loop is what its jumps lose."""
     # One peak in a period: two alike would leave it to rounding which of them snaps first.
     x = np.cos(2 * math.pi * np.arange(64) / 64)
     surface = HeightField(heights=0.01 * (x[:, None] + x[None, :]), lengths=(1.0, 1.0))

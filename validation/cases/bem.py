@@ -139,7 +139,6 @@ def _layers() -> list[Check]:
     source="self-consistency over nested grids",
 )
 def _grids() -> list[Check]:
-    """Refine one surface: pressure and mean gap converge."""
     sizes = (64, 128, 256)
     finest = solve(_rough(768), _SOFT, mean_pressure=0.1).checked()
     pressures, gaps = [], []
@@ -163,7 +162,6 @@ def _grids() -> list[Check]:
     source="conservation of energy",
 )
 def _energy() -> list[Check]:
-    """Work of loading against the energy stored."""
     misses = []
     for count in (9, 17, 33):
         path = solve_path(_rough(96), _SOFT, mean_pressures=np.geomspace(0.02, 0.5, count), tolerance=1e-10)
@@ -181,7 +179,6 @@ def _energy() -> list[Check]:
     source="uniqueness of the elastic solution",
 )
 def _controls() -> list[Check]:
-    """Load, gap and offset control meet at the same state."""
     surface = _rough(96)
     by_load = solve(surface, _SOFT, mean_pressure=0.2, tolerance=1e-10).checked()
     gap, offset = float(np.mean(by_load.gap)), by_load.offset
@@ -233,7 +230,6 @@ def _miss(value: float, true: float) -> float:
     source="symmetry",
 )
 def _symmetries() -> list[Check]:
-    """Move, turn and mirror the surface."""
     surface = _rough(80)
 
     def pressure(heights: Array) -> Array:

@@ -36,7 +36,6 @@ def _felt(response: Response, q: float) -> float:
     source="K. L. Johnson, Contact Mechanics, Sec. 13.2",
 )
 def _oblong() -> list[Check]:
-    """Press waves flat, along either side of an oblong period: p = p0 + (E* q / 2) h."""
     solid, lengths, n = Solid(young=2.0, poisson=0.3), (3.0, 0.5), 16
     checks = []
     x = np.cos(2 * math.pi * np.arange(n) / n)
@@ -62,7 +61,6 @@ def _oblong() -> list[Check]:
     source="K. L. Johnson, Contact Mechanics, Sec. 5.8",
 )
 def _layers() -> list[Check]:
-    """Thin layers give by their confined modulus, thick ones are half-spaces."""
     solid, thickness = Solid(young=2.0, poisson=0.3), 0.1
     confined = 2.0 * 0.7 / (1.3 * 0.4)
     checks = []
@@ -126,7 +124,6 @@ def _depth() -> list[Check]:
     source="exact",
 )
 def _yields() -> list[Check]:
-    """Load a surface up to its hardness: it yields everywhere, by as little as that takes."""
     x = np.cos(2 * math.pi * np.arange(24) / 24)
     surface = HeightField(heights=0.01 * x[:, None] * np.ones(8), lengths=(1.0, 1.0))
     body = HalfSpace(solid=Solid(young=1.0, poisson=0.0))

@@ -97,7 +97,6 @@ def _areas() -> list[Check]:
     source="closed forms; Persson 2006, Eq. 43 for the energy",
 )
 def _numbers() -> list[Check]:
-    """P(0+), stored energy, work and stiffness, each of fields with a known answer."""
     surface = _rough()
     full = bem.solve(surface, _SOFT, mean_pressure=10.0).checked()
     stored = surface.spectral_sum(lambda q: q / 4)

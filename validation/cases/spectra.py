@@ -188,7 +188,6 @@ def _generator() -> list[Check]:
     source="trigonometric interpolation; exact",
 )
 def _between() -> list[Check]:
-    """Move a grid by a fraction of a cell: the surface is where it was."""
     surface = _drawn((40, 32))
     finer = surface.resampled((160, 128)).heights
     miss = surface.shifted((0.25, 0.75)).heights - finer[1::4, 3::4]

@@ -32,7 +32,6 @@ _MODULUS = 4e6
     source="Persson 2006, Eqs. 15 and 20",
 )
 def _magnification() -> list[Check]:
-    """See the area through a microscope: at each magnification the error function of its own waves."""
     pressure, zeta = 5e4, np.array([2.0, 10.0, 100.0])
     found = elastic.area_against_magnification(
         _ROUGH, pressure=pressure, contact_modulus=_MODULUS, magnification=zeta, q_reference=1e5
@@ -196,7 +195,6 @@ def _ends() -> list[Check]:
     source="J. A. Greenwood, K. L. Johnson, J. Phys. D 31, 3279 (1998)",
 )
 def _double_hertz() -> list[Check]:
-    """Integrate the pressures of a double Hertz contact."""
     contact = spheres.DoubleHertz(peak_pressure=1.0, tensile_limit=0.3, eta=1.2)
 
     def force(low: float, high: float) -> float:
