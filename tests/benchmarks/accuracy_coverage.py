@@ -116,7 +116,7 @@ def main(arguments: Sequence[str]) -> None:
     kinds = ("elastic", "hardness", "thickness", "coating", "graded") if kind == "all" else (kind,)
     for name in kinds:
         held, distances, spent = 0, [], 0.0
-        for seed in range(first, first + cases):
+        for done, seed in enumerate(range(first, first + cases), start=1):
             case = Case.drawn(seed, name)
             reached, distance, holds = judged(case)
             assert reached.error <= case.target
@@ -124,11 +124,13 @@ def main(arguments: Sequence[str]) -> None:
             distances.append(distance)
             if not holds:
                 print(f"  {name} {seed}: {distance:+.2f} half-widths, asked {case.target:.2%}", flush=True)
-        print(
-            f"{name}: {held} of {cases} hold ({held / cases:.1%}), mean {np.mean(distances):+.2f} and rms "
-            f"{np.std(distances):.2f} half-widths off, {spent / cases:.2f} s each",
-            flush=True,
-        )
+            if done % 10 == 0 or done == cases:
+                print(
+                    f"{name}: {held} of {done} hold ({held / done:.1%}), mean "
+                    f"{np.mean(distances):+.2f} and rms "
+                    f"{np.std(distances):.2f} half-widths off, {spent / done:.2f} s each",
+                    flush=True,
+                )
 
 
 if __name__ == "__main__":

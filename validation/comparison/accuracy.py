@@ -28,10 +28,9 @@ from validation.report.words import json_ready
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import realise
 from validation.scenes.scene import Scene
-from validation.solves.attempt import Progress, Silent, warm_up
+from validation.solves.attempt import Progress, Silent
 from validation.solves.bench import Bench
 from validation.solves.cost import memory_words
-from validation.solves.press import solves_of
 from validation.solves.running import Execution
 from validation.solves.store import Store
 
@@ -271,8 +270,6 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
     realised = realise(scene)
     check_scene(scene, realised)
     _check_law(scene)
-    # Not charged to the solves, whose time tells how fast the machine is.
-    warm_up(solves_of(scene, realised))
     metered = Metered.on(bench, wanted=f"--accuracy = {100 * target:g} %", time_limit=time_limit)
     search = Search(scene=scene, realised=realised, target=target, bench=metered)
     search.reserve()
