@@ -172,9 +172,10 @@ class Reached:
                 f"scatter between "
                 f"surfaces; {self._pairs()}."
             )
+        counted = ", blocks of pairs counted as one" if self.pairs else ""
         yield (
-            f"It cost {self.solves} solves, {self.seconds:.2g} s ({self.predicted_seconds:.2g} s of solving "
-            f"were predicted) and {memory_words(self.peak_bytes)} for the largest."
+            f"It cost {self.solves} solves{counted}, {self.seconds:.2g} s ({self.predicted_seconds:.2g} s of "
+            f"solving were predicted) and {memory_words(self.peak_bytes)} for the largest."
         )
 
     def _pairs(self) -> str:
