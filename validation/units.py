@@ -7,6 +7,7 @@ import functools
 import math
 import re
 import typing
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated
 
@@ -250,7 +251,15 @@ Lengths = Annotated[tuple[Length, Length], BeforeValidator(pair_of)]
 
 
 class Table(BaseModel):
-    """A table of the scene file: unknown keys are errors that name the known ones."""
+    """A table of the scene file: unknown keys are errors that name the known ones.
+
+    Attributes
+    ----------
+    meant : mapping of str to str
+        Which key is meant by another word for it.
+    """
+
+    meant: typing.ClassVar[Mapping[str, str]] = {}
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -260,8 +269,8 @@ class Table(BaseModel):
         if isinstance(data, dict):
             for key in data:
                 if key not in cls.model_fields:
-                    close = difflib.get_close_matches(str(key), cls.model_fields, n=1)
-                    hint = f"; did you mean {close[0]!r}?" if close else ""
+                    close = difflib.get_close_matches(str(key), (*cls.model_fields, *cls.meant), n=1)
+                    hint = f"; did you mean {cls.meant.get(close[0], close[0])!r}?" if close else ""
                     raise wrong(f"unknown key {key!r}{hint} Allowed: {', '.join(cls.model_fields)}")
         return data
 

@@ -26,7 +26,6 @@ from fem_contact._checks import (
     within,
 )
 from fem_contact.block.elements import element_for
-from fem_contact.block.full.multigrid import has_stencil
 from fem_contact.block.mesh import BlockMesh, MeshOptions, nodal_pressure, node_weights, plan_mesh
 from fem_contact.block.problem import Found, Problem
 from fem_contact.block.reduced.fields import FourierSource
@@ -116,7 +115,7 @@ def needed_bytes(mesh: BlockMesh, method: Method, *, lateral: bool = False) -> i
     """Estimate the memory of a solve."""
     order = mesh.element.order
     if method == "full":
-        each = _BYTES_PER_GRID_UNKNOWN if has_stencil(mesh, lateral=lateral) else _BYTES_PER_UNKNOWN[order]
+        each = _BYTES_PER_GRID_UNKNOWN if order == 1 else _BYTES_PER_UNKNOWN[order]
         return _BASE_BYTES + each * mesh.unknowns
     if lateral:
         return _BYTES_PER_FREE_UNKNOWN * mesh.unknowns

@@ -1,10 +1,10 @@
 """Fit the second part of the edge map and the law of error of the limits, and see whether they hold.
 
 Random surfaces of H = .1 to 1, lambda_long/lambda_short = 4 to 32, at p* = .01 to .6, pressed from coarse
-grids to fine: elastic ones; with a hardness of .1 to 1.5 E* h'_rms; on trilinear hexahedra, nu = 0 to .4.
+grids to fine: elastic ones; on trilinear hexahedra, nu = 0 to .4; and with every effect of a scene (`KINDS`).
 
-Run as ``python tests/benchmarks/area_law.py fit`` (some five minutes) or ``... check [elastic | hardness |
-elements] [surfaces] [first seed]``.
+Run as ``python tests/benchmarks/area_law.py fit`` (some five minutes) or ``... check [kind] [surfaces] [first
+seed]``.
 
 `fit` gives the second part of the edge map of `fem_contact.area`: coefficients within .011, and areas within
 2e-5 of themselves from 4 points per shortest wave on. The monomials nearly depend on each other, so that
@@ -18,23 +18,30 @@ import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import Any
 
 import numpy as np
 import scipy.fft
 import scipy.optimize
 from numpy.typing import NDArray
 
-from fem_contact import bem, block
+from fem_contact import adhesion, bem, block
 from fem_contact.area import EDGE_MAPS, ContactAreas, contact_areas, contact_edges, subgrid_shifts
 from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import _LOCATED, Limit, located_limit, perimeter_limit
-from fem_contact.response import HalfSpace
+from fem_contact.graded import ExponentialSolid, LayeredSolid
+from fem_contact.response import BondedLayer, FreeHalfSpace, FrictionlessLayer, HalfSpace, Response
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField, random_surface
+from fem_contact.surface import HeightField, Patch, random_surface
 
 Array = NDArray[np.float64]
-Kind = Literal["elastic", "hardness", "elements"]
+
+#: What surfaces are pressed on.
+KINDS = (
+    *("elastic", "hardness", "bonded", "frictionless", "coating", "graded"),
+    *("adhesion", "adhesion-hardness", "ball", "patch"),
+    *("elements", "elements-hardness", "elements-layer", "elements-graded"),
+)
 
 #: Seeds of the surfaces that are fitted.
 FITTED = range(1, 141)
@@ -56,19 +63,38 @@ LADDERS = (
 
 @dataclass(frozen=True, kw_only=True)
 class Case:
-    """A surface of unit rms gradient on a unit square, what it is pressed on, and how hard."""
+    """A surface of unit rms gradient on a unit square, what it is pressed on, and how hard; E* = 1.
+
+    Attributes
+    ----------
+    depth : float
+        Of a layer, a coating, or over which a modulus relaxes: half the shortest to the longest wave.
+    stiffness : float
+        Modulus of a coating over that below it, or of a graded solid far below over that at its surface.
+    work : float
+        Of adhesion, over the elastic energy of full contact.
+    zone : float
+        Length over which adhesion acts beside an edge, over the shortest wave.
+    radius : float
+        Hertz's contact radius of a ball under the roughness.
+    """
 
     seed: int
-    kind: Kind
+    kind: str
     hurst: float
     ratio: float
     periods: float
     load: float
     poisson: float = 0.0
     hardness: float | None = None
+    depth: float = 0.0
+    stiffness: float = 1.0
+    work: float = 0.0
+    zone: float = 0.0
+    radius: float = 0.0
 
     @classmethod
-    def drawn(cls, seed: int, *, kind: Kind = "elastic", waves: float = 32) -> Case:
+    def drawn(cls, seed: int, *, kind: str = "elastic", waves: float = 32) -> Case:
         """Draw a spectrum of at most so many shortest waves on the period, and a load."""
         generator, further = (np.random.default_rng([seed, key]) for key in (20261122, 7))
         hurst = generator.uniform(0.1, 1.0)
@@ -76,13 +102,26 @@ class Case:
         most = min(4.0, waves / ratio)
         periods = float(np.exp(generator.uniform(0, np.log(most)))) if most > 1 else 1.0
         load = float(np.exp(generator.uniform(np.log(0.01), np.log(0.6))))
-        told = {"seed": seed, "kind": kind, "hurst": hurst, "ratio": ratio, "periods": periods}
-        if kind == "elements":
-            return cls(**told, load=load, poisson=float(further.choice([0.0, 0.2, 0.3, 0.3, 0.4])))
-        if kind == "hardness":
-            hardness = float(np.exp(further.uniform(np.log(0.1), np.log(1.5))))
-            return cls(**told, load=min(load, 0.5 * hardness), hardness=hardness)
-        return cls(**told, load=load)
+        told: dict[str, Any] = {}
+
+        def between(low: float, high: float) -> float:
+            return float(np.exp(further.uniform(np.log(low), np.log(high))))
+
+        if kind.startswith("elements"):
+            told["poisson"] = float(further.choice([0.0, 0.2, 0.3, 0.3, 0.4]))
+        if kind.endswith("hardness"):
+            told["hardness"] = between(0.1, 1.5)
+            load = min(load, 0.5 * told["hardness"])
+        if kind in ("bonded", "frictionless", "coating", "graded", "elements-layer", "elements-graded"):
+            told["depth"] = between(0.5 / (periods * ratio), 1 / periods)
+            told["stiffness"] = between(0.1, 10)
+        if kind in ("bonded", "frictionless"):
+            told["poisson"] = float(further.choice([0.0, 0.3, 0.45]))
+        if kind.startswith("adhesion"):
+            told |= {"work": between(0.003, 0.1), "zone": between(0.75, 3)}
+        if kind == "ball":
+            told["radius"] = between(0.15, 0.35)
+        return cls(seed=seed, kind=kind, hurst=hurst, ratio=ratio, periods=periods, load=load, **told)
 
     @cached_property
     def surface(self) -> HeightField:
@@ -98,20 +137,65 @@ class Case:
         return HeightField(heights=surface.heights / surface.rms_gradient, lengths=(1.0, 1.0))
 
     def pressed(self, level: int, shift: tuple[float, float]) -> ContactResult:
-        """Press on a grid of at least so many points per shortest wave; E* = 1."""
+        """Press on a grid of at least so many points per shortest wave."""
         n = 2 * scipy.fft.next_fast_len(int(np.ceil(level * self.periods * self.ratio / 2)), real=True)
         field = self.surface.resampled((n, n)).shifted(shift)
         solid = Solid(young=1 - self.poisson**2, poisson=self.poisson)
-        if self.kind == "elements":
-            found = block.solve(field, solid, mean_pressure=self.load, method="reduced")
+        if self.kind.startswith("elements"):
+            depth = {"depth": self.depth} if self.kind == "elements-layer" else {}
+            found = block.solve(
+                field,
+                solid,
+                mean_pressure=self.load,
+                pressure_bound=self.hardness,
+                modulus=self._graded if self.kind == "elements-graded" else None,
+                **depth,
+            )
             return found.contact.checked()
+        if self.kind.startswith("adhesion"):
+            return self._attracted(field, solid)
+        load = self.load
+        if self.kind in ("ball", "patch"):
+            field, load = self._alone(n)
         return bem.solve(
-            field,
-            HalfSpace(solid=solid),
-            mean_pressure=self.load,
-            pressure_bound=self.hardness,
-            threads=1,
+            field, self._response(solid), mean_pressure=load, pressure_bound=self.hardness, threads=1
         ).checked()
+
+    def _graded(self, x: Array, y: Array, z: Array) -> Array:
+        return np.asarray(self.stiffness + (1 - self.stiffness) * np.exp(-z / self.depth) + 0 * (x + y))
+
+    def _response(self, solid: Solid) -> Response:
+        if self.kind in ("bonded", "frictionless"):
+            layer = BondedLayer if self.kind == "bonded" else FrictionlessLayer
+            return layer(solid=solid, thickness=self.depth)
+        if self.kind == "coating":
+            base = Solid(young=1 / self.stiffness, poisson=0.0)
+            return LayeredSolid(layers=[solid], thicknesses=[self.depth], base=base)
+        if self.kind == "graded":
+            return ExponentialSolid(surface=solid, bulk_young=self.stiffness, depth=self.depth)
+        return FreeHalfSpace(solid=solid) if self.kind in ("ball", "patch") else HalfSpace(solid=solid)
+
+    def _attracted(self, field: HeightField, solid: Solid) -> ContactResult:
+        work = self.work * self.surface.spectral_sum(lambda q: 0.25 * q)
+        # The zone is E* w / sigma_th^2, and sigma_th is w over the reach.
+        law = adhesion.Exponential(
+            work=work, reach=float(np.sqrt(self.zone * work / (self.periods * self.ratio)))
+        )
+        found = adhesion.solve(
+            field, HalfSpace(solid=solid), law=law, mean_pressure=self.load, hardness=self.hardness, threads=1
+        )
+        return found.contact.checked()
+
+    def _alone(self, n: int) -> tuple[HeightField, float]:
+        """Return one period with free surroundings, on a ball or flat, and what presses it."""
+        middles = self.surface.resampled((n, n)).shifted((0.5, 0.5)).heights
+        if self.kind == "patch":
+            return Patch(heights=middles, lengths=(1.0, 1.0)), self.load
+        # The reduced load is that under the ball: R = 4 E* a^3 / 3 F.
+        load = self.load * np.pi * self.radius**2
+        x = (np.arange(n) + 0.5) / n - 0.5
+        sag = (x[:, None] ** 2 + x**2) * 3 * load / (8 * self.radius**3)
+        return Patch(heights=middles - sag, lengths=(1.0, 1.0)), load
 
 
 def measured(case: Case, levels: Mapping[int, int]) -> dict[int, list[ContactAreas]]:
@@ -140,7 +224,7 @@ def limit_of(
     return off, found.uncertainty / found.value
 
 
-def check(kind: Kind, surfaces: int, first: int = 1001) -> None:
+def check(kind: str, surfaces: int, first: int = 1001) -> None:
     """Print how far limits are off on surfaces that were not fitted, over what they claim."""
     limit = located_limit if kind == "elastic" else perimeter_limit
     misses = []

@@ -213,15 +213,15 @@ def test_contacts_that_were_missed_are_found(seed: int) -> None:
     assert outcome(seed) == "converged"
 
 
-def test_a_draft_in_single_precision_leaves_nothing_behind(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fem_contact.complementarity.solve._DRAFTED", 1)
+def test_steps_in_single_precision_leave_nothing_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fem_contact.complementarity.solve._SINGLE", 1)
     assert searched(range(200, 350))["converged"] > 105
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("drafted", [1, 10**9])
+@pytest.mark.parametrize("single", [1, 10**9])
 def test_ten_thousand_random_contacts_meet_their_conditions(
-    drafted: int, monkeypatch: pytest.MonkeyPatch
+    single: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("fem_contact.complementarity.solve._DRAFTED", drafted)
+    monkeypatch.setattr("fem_contact.complementarity.solve._SINGLE", single)
     assert searched(range(1000, 11_000))["converged"] > 9000

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from types import SimpleNamespace
 
@@ -14,6 +15,11 @@ from validation.measures.distributions import PATCH_EDGES, STRESS_EDGES
 STUDENT = {2: 12.7062047364, 3: 4.30265272991, 4: 3.18244630528}
 #: Edges over cells, times points along a side, of every planted contact.
 EDGES = 2.0
+
+SMALL = {"periods": 2.0, "bandwidth": 2.0, "points_per_wave": (4.0, 6.0, 8.0)}
+
+#: Planted over three surfaces: mean 1, standard error 0.01, standard deviation 0.01 sqrt(3).
+THREE = 1 + 0.01 * np.sqrt(3) * np.array([-1.0, 0.0, 1.0])
 
 
 class PlantedBench:
@@ -128,3 +134,8 @@ def column(table, title: str) -> list:
     """The cells of a column of a table."""
     k = table.columns.index(title)
     return [row[k] for row in table.rows]
+
+
+def numbers(text: str) -> list[float]:
+    """All numbers of a sentence."""
+    return [float(found) for found in re.findall(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?", text)]

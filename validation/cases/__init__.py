@@ -47,23 +47,27 @@ class Check:
     @classmethod
     def relative(cls, quantity: str, computed: float, reference: float, tolerance: float) -> Check:
         """Return a check whose tolerance is a part of the reference."""
+        return cls.near(quantity, computed, reference, abs(float(reference)) * tolerance)
+
+    @classmethod
+    def near(cls, quantity: str, computed: float, reference: float, tolerance: float) -> Check:
+        """Return a check whose tolerance is in the unit of the quantity."""
         return cls(
             quantity=quantity,
             computed=float(computed),
             reference=float(reference),
-            tolerance=abs(float(reference)) * tolerance,
+            tolerance=float(tolerance),
         )
 
     @classmethod
     def below(cls, quantity: str, computed: float, bound: float) -> Check:
         """Return a check that a size does not exceed a bound: reference 0, tolerance the bound."""
-        return cls(quantity=quantity, computed=float(computed), reference=0.0, tolerance=float(bound))
+        return cls.near(quantity, computed, 0.0, bound)
 
     @classmethod
     def within(cls, quantity: str, computed: float, low: float, high: float) -> Check:
         """Return a check that a number lies between two."""
-        middle = (low + high) / 2
-        return cls(quantity=quantity, computed=float(computed), reference=middle, tolerance=(high - low) / 2)
+        return cls.near(quantity, computed, (low + high) / 2, (high - low) / 2)
 
     @classmethod
     def order(

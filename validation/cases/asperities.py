@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import quad
 
 from persson import spheres
@@ -17,11 +16,10 @@ from persson.asperities import (
     ring_asperities,
 )
 from persson.spectrum import Moments
+from validation.arrays import Array
 from validation.cases import Case, Check
 
 __all__ = ["CASES"]
-
-Array = NDArray[np.float64]
 
 _RADIUS, _MODULUS, _WORK = 2e-3, 3e6, 0.05
 
@@ -106,12 +104,7 @@ def _summits() -> list[Check]:
         Check.relative(
             "scatter of heights, counted above planes [m]", math.sqrt(second - first**2), deviation, 1e-3
         ),
-        Check(
-            quantity="n_0 / q^2 of one wavelength",
-            computed=ring.density / 1e10,
-            reference=0.029,
-            tolerance=5e-4,
-        ),
+        Check.near("n_0 / q^2 of one wavelength", ring.density / 1e10, 0.029, 5e-4),
         Check.relative("1/R of one wavelength [1/m]", 1 / ring.radius, math.sqrt(2) * 1e10 * 1e-6, 1e-12),
         Check.relative("h* of one wavelength [m]", ring.rms_height, 0.6e-6, 1e-12),
     ]

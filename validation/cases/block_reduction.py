@@ -6,19 +6,17 @@ import math
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact import block
 from fem_contact.area import contact_areas
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 from persson.spectrum import SelfAffine
+from validation.arrays import Array
 from validation.cases import Case, Check
 from validation.cases._closed_forms import HertzInPeriod
 
 __all__ = ["CASES"]
-
-Array = NDArray[np.float64]
 
 _LAYER = "K. L. Johnson, Contact Mechanics, Sec. 5.8: an elastic layer bonded to a rigid base"
 _SAME = "code verification: two ways to solve one discrete system"

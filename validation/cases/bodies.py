@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact import bem
 from fem_contact.graded import ExponentialSolid, LayeredSolid
@@ -26,8 +25,6 @@ from validation.scenes.realised import realise
 from validation.scenes.scene import Scene
 
 __all__ = ["CASES"]
-
-Array = NDArray[np.float64]
 
 
 def _felt(response: Response, q: float) -> float:

@@ -102,20 +102,15 @@ def _wave() -> list[Check]:
         Check.relative("theory, erf(sqrt 2 p*)", said["theory"]["area"], theory, 1e-12),
         # The law of error counts on edges that fall anywhere between grid points; those of a wave run along
         # the grid, two in all, and are placed to a tenth of a cell.
-        Check(
-            quantity="limit of A/A0",
-            computed=limit["value"],
-            reference=area,
-            tolerance=0.2 / _WAVE_GRIDS[-1],
-        ),
+        Check.near("limit of A/A0", limit["value"], area, 0.2 / _WAVE_GRIDS[-1]),
         Check.below("error of the limit", limit["uncertainty"], 0.02 * area),
         Check.relative("BEM solves of the limit", limit["grids"], 3, 0.0),
         # Two digits are printed, and the limit is known as above.
-        Check(
-            quantity="sentence: limit below the theory [%]",
-            computed=float(distance[1]) * (1 if distance[2] == "below" else -1),
-            reference=100 * (1 - area / theory),
-            tolerance=20 / _WAVE_GRIDS[-1] / theory + 0.05,
+        Check.near(
+            "sentence: limit below the theory [%]",
+            float(distance[1]) * (1 if distance[2] == "below" else -1),
+            100 * (1 - area / theory),
+            20 / _WAVE_GRIDS[-1] / theory + 0.05,
         ),
         Check.relative(
             "FEM / BEM - 1 of the counted area", cross["pixel"], counted[0] / counted[1] - 1, 1e-9
@@ -137,13 +132,11 @@ def _wave_row(found: _Written, method: str, n: int, reduced: float) -> list[Chec
     share = 2 * (_HALF_WIDTH - float(x[np.argmax(p < window)]))
     density = found.column(method, grid, "density_at_zero")
     return [
-        Check(quantity=f"{name}: pixel", computed=pixel, reference=2 * _HALF_WIDTH, tolerance=2 / n),
+        Check.near(f"{name}: pixel", pixel, 2 * _HALF_WIDTH, 2 / n),
         Check.relative(f"{name}: perimeter", perimeter, pixel - 2 * _EDGE[method] / n, 1e-12),
         Check.relative(f"{name}: kappa", found.column(method, grid, "kappa"), perimeter / reduced, 1e-12),
         # A point more or less on either edge.
-        Check(
-            quantity=f"{name}: P(0+)", computed=density, reference=share / window, tolerance=2 / n / window
-        ),
+        Check.near(f"{name}: P(0+)", density, share / window, 2 / n / window),
     ]
 
 
@@ -226,17 +219,17 @@ def _ensemble() -> list[Check]:
         Check.within(
             "theories of the others, apart by [%]", 100 * float(np.ptp(spread) / spread[0]), 0.1, 50
         ),
-        Check(
-            quantity="sentence: mean above the theory [%]",
-            computed=float(standing[1]) * (1 if standing[2] == "above" else -1),
-            reference=100 * (float(ratios.mean()) - 1),
-            tolerance=0.5,
+        Check.near(
+            "sentence: mean above the theory [%]",
+            float(standing[1]) * (1 if standing[2] == "above" else -1),
+            100 * (float(ratios.mean()) - 1),
+            0.5,
         ),
-        Check(
-            quantity="sentence: standard error of the mean [%]",
-            computed=float(standing[3]),
-            reference=100 * float(np.sqrt(np.sum((ratios - ratios.mean()) ** 2) / 2 / 3)),
-            tolerance=0.05,
+        Check.near(
+            "sentence: standard error of the mean [%]",
+            float(standing[3]),
+            100 * float(np.sqrt(np.sum((ratios - ratios.mean()) ** 2) / 2 / 3)),
+            0.05,
         ),
     ]
 
@@ -256,14 +249,7 @@ def _intervals() -> list[Check]:
     claims = [mean_over_surfaces(rng.normal(3.0, 0.4, 4)) for _ in range(trials)]
     held = sum(abs(claim.value - 3.0) <= claim.half_width for claim in claims)
     # Four deviations of the binomial; 1.96 in place of Student's 3.18 would hold 86 %.
-    checks.append(
-        Check(
-            quantity="share of 95 % intervals that hold",
-            computed=held / trials,
-            reference=0.95,
-            tolerance=0.02,
-        )
-    )
+    checks.append(Check.near("share of 95 % intervals that hold", held / trials, 0.95, 0.02))
     checks.append(Check.relative("independent errors of 3, 4 and 12", combined(3.0, 4.0, 12.0), 13.0, 1e-12))
     spacing = np.array([0.4, 0.2, 0.1])
     order = order_of_convergence(spacing, -0.3 * spacing**1.5)

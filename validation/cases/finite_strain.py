@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from fem_contact import block
@@ -14,8 +13,6 @@ from fem_contact.surface import HeightField
 from validation.cases import Case, Check
 
 __all__ = ["CASES"]
-
-Array = NDArray[np.float64]
 
 _SOLID = Solid(young=2.0, poisson=0.3)
 _SHEAR, _BULK = 1 / 1.3, 2 / (3 * 0.4)

@@ -84,18 +84,8 @@ def _cylinder() -> list[Check]:
             Check.relative(
                 f"friction, {said}", float(np.sum(x * pressure) / np.sum(pressure)), friction, 0.01
             ),
-            Check(
-                quantity=f"half width, {said}",
-                computed=float(touched[-1] - touched[0]) / 2,
-                reference=a,
-                tolerance=1 / n,
-            ),
-            Check(
-                quantity=f"centre, {said}",
-                computed=float(touched[-1] + touched[0]) / 2,
-                reference=centre,
-                tolerance=1 / n,
-            ),
+            Check.near(f"half width, {said}", float(touched[-1] - touched[0]) / 2, a, 1 / n),
+            Check.near(f"centre, {said}", float(touched[-1] + touched[0]) / 2, centre, 1 / n),
         ]
     return checks
 

@@ -7,18 +7,16 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import quad
 
 from fem_contact.surface import HeightField, estimate_spectrum, radial_spectrum, random_surface
 from persson.capillary import CapillaryWaves, maximum_height
 from persson.spectrum import SelfAffine, Spectrum
 from persson.tabulated import Tabulated
+from validation.arrays import Array
 from validation.cases import Case, Check
 
 __all__ = ["CASES"]
-
-Array = NDArray[np.float64]
 
 
 def _moment(power: Callable[[float], float], order: int, edges: tuple[float, ...]) -> float:

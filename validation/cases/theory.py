@@ -88,12 +88,7 @@ def _area_factor() -> list[Check]:
     found = float(area_factor(0.99))
     return [
         Check.relative("A*/A0 at <|grad h|^2> = 0.99", found, average, 1e-9),
-        Check(
-            quantity="increase of the area that the paper prints [%]",
-            computed=100 * (found - 1),
-            reference=38,
-            tolerance=0.5,
-        ),
+        Check.near("increase of the area that the paper prints [%]", 100 * (found - 1), 38, 0.5),
     ]
 
 

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import quad
 
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
@@ -35,8 +34,6 @@ from persson.variants import (
 from validation.cases import Case, Check
 
 __all__ = ["CASES"]
-
-Array = NDArray[np.float64]
 
 
 def _elastic() -> list[Check]:
@@ -82,24 +79,12 @@ def _hardness() -> list[Check]:
         ).checked()
         name = f"p0/H = {x}, V/H^2 = {v}"
         checks += [
-            Check(
-                quantity=f"A_el/A0, {name}", computed=float(found.elastic), reference=elastic, tolerance=1e-10
+            Check.near(f"A_el/A0, {name}", float(found.elastic), elastic, 1e-10),
+            Check.near(f"A_pl/A0, {name}", float(found.plastic), plastic, 1e-10),
+            Check.near(
+                f"sum of the areas, {name}", float(found.elastic + found.plastic + found.detached), 1.0, 1e-10
             ),
-            Check(
-                quantity=f"A_pl/A0, {name}", computed=float(found.plastic), reference=plastic, tolerance=1e-10
-            ),
-            Check(
-                quantity=f"sum of the areas, {name}",
-                computed=float(found.elastic + found.plastic + found.detached),
-                reference=1.0,
-                tolerance=1e-10,
-            ),
-            Check(
-                quantity=f"A_pl/A0 by diffusion, {name}",
-                computed=float(solved.area_plastic[0]),
-                reference=plastic,
-                tolerance=1e-6,
-            ),
+            Check.near(f"A_pl/A0 by diffusion, {name}", solved.area_plastic[0], plastic, 1e-6),
         ]
     return checks
 
@@ -259,12 +244,7 @@ def _adhesion() -> list[Check]:
     bounded = _rim(replace(_RIM_INTERFACE, ideal_strength=weak))
     most = math.erf((_RIM_PRESSURE + weak) / math.sqrt(2 * variance))
     return [
-        Check(
-            quantity="A/A0 of the rim with adhesion",
-            computed=printed.real_area,
-            reference=0.44,
-            tolerance=0.005,
-        ),
+        Check.near("A/A0 of the rim with adhesion", printed.real_area, 0.44, 0.005),
         Check.relative("A/A0 with vanishing adhesion", vanishing.real_area, plain, 1e-4),
         Check.relative("A/A0 with great adhesion", strong.real_area, 1.0, 1e-6),
         Check.relative(
@@ -352,7 +332,7 @@ def _energies() -> list[Check]:
         for place, one, other in zip(q[some], work, left, strict=True):
             name = f"gamma_eff / gamma at {place:g} 1/m, {energy} energy"
             # Interpolation between nodes .12 apart in ln V, and the trapezoidal rule.
-            checks.append(Check(quantity=name, computed=float(one), reference=float(other), tolerance=2e-4))
+            checks.append(Check.near(name, one, float(other), 2e-4))
     return checks
 
 

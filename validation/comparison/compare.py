@@ -8,13 +8,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.extrapolation import Limit, located_limit, perimeter_limit
 from fem_contact.stress import density_at_zero
+from validation.arrays import Array
 from validation.comparison.below import below
 from validation.comparison.compared import Comparison, CrossCheck, Row, Scatter, is_adhesive
 from validation.errors import RunFailed
@@ -31,9 +31,6 @@ __all__ = ["compare"]
 _TOO_FEW_GRIDS = (
     "it needs two resolved grids of boundary elements with square cells, or three solves on two grids"
 )
-
-
-Array = NDArray[np.float64]
 
 
 def compare(

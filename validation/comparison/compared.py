@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact.extrapolation import Limit
 from validation.comparison.below import Below
@@ -23,8 +22,6 @@ if TYPE_CHECKING:
     from validation.effects.base import Judgement
 
 __all__ = ["Comparison", "CrossCheck", "Row", "Scatter", "is_adhesive"]
-
-Array = NDArray[np.float64]
 
 
 def is_adhesive(effects: Sequence[Effect]) -> bool:

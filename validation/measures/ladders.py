@@ -12,7 +12,7 @@ import scipy.special
 from numpy.typing import ArrayLike, NDArray
 
 from validation.errors import RunFailed
-from validation.measures.common import SHIFTS, base_case, base_surface
+from validation.measures.common import SHIFTS, base_case, base_surface, named
 from validation.measures.measurement import Measurement, area_limits, grid_for
 from validation.measures.statistics import combined, mean_over_surfaces, pair_means
 from validation.scenes.realised import Realised
@@ -245,10 +245,10 @@ class Ladders:
             [self._case(h, periods=self.periods, bandwidth=b).field.nayak for b in self.bandwidths]
             for h in self.hursts
         ]
-        data["bandwidth_nayak"] = (
+        data["bandwidth_nayak"] = named(
             ("ladder", "bandwidth_rung"),
             np.array(nayak).reshape(len(self.hursts), len(self.bandwidths)),
-            {"long_name": "Nayak parameter of the realised surfaces"},
+            "Nayak parameter of the realised surfaces",
         )
         steps_of = {f"{kind}_step": (f"{kind}_rung", steps) for kind, steps in self._steps.items()}
         return xr.Dataset(data, coords={"ladder_hurst": ("ladder", list(self.hursts)), **steps_of})

@@ -15,8 +15,9 @@ from fem_contact.extrapolation import Limit, located_limit, perimeter_limit
 from fem_contact.patches import find_patches
 from fem_contact.stress import density_at_zero, elastic_energy
 from fem_contact.surface import HeightField
+from validation.arrays import Grid
 from validation.effects.base import Slots
-from validation.measures.common import LEAST_POINTS_PER_WAVE, SHIFTS, reduced_load
+from validation.measures.common import LEAST_POINTS_PER_WAVE, SHIFTS, named, reduced_load
 from validation.methods import find_solver
 from validation.scenes.realised import Realised
 from validation.scenes.scene import EffectSpec, FileSurface, SelfAffineSurface
@@ -37,8 +38,6 @@ __all__ = [
     "limit_over",
     "without_waves_beyond",
 ]
-
-Grid = tuple[int, int]
 
 #: How far the sides of a cell may differ for edges to be located inside it.
 _SQUARE = 0.05
@@ -196,7 +195,7 @@ class Measurement(NumbersSolve):
         import xarray as xr
 
         data: dict[str, Any] = {
-            name: (("grid", "shift", "load"), values[name], {"units": unit, "long_name": words})
+            name: named(("grid", "shift", "load"), values[name], words, unit=unit)
             for name, (unit, words) in self.quantities.items()
         }
         for name, profile in profiles.items():
@@ -208,8 +207,8 @@ class Measurement(NumbersSolve):
             coords={
                 "points": ("grid", [nx for nx, _ in self.grids]),
                 "cells": ("grid", [nx * ny for nx, ny in self.grids]),
-                "points_per_wave": ("grid", per_wave, {"long_name": "lambda_short / dx"}),
-                "reduced_pressure": ("load", list(self.loads), {"long_name": "p0 / (E* h'_rms)"}),
+                "points_per_wave": named("grid", per_wave, "lambda_short / dx"),
+                "reduced_pressure": named("load", list(self.loads), "p0 / (E* h'_rms)"),
             },
             attrs={
                 "rms_height": own.field.rms_height,

@@ -7,11 +7,11 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from persson import elastic
 from persson.errors import PerssonError
+from validation.arrays import Array
 from validation.effects.base import Effect, Told, effect_key
 from validation.errors import UsageError
 from validation.methods.base import Method
@@ -37,7 +37,6 @@ __all__ = [
     "with_effects",
 ]
 
-Array = NDArray[np.float64]
 Modulus = float | Callable[[Any], Array]
 
 
@@ -120,7 +119,8 @@ class Prediction:
 
     def summary(self) -> dict[str, Any]:
         """Return everything as JSON-ready data, null where there is no answer."""
-        return json_ready(asdict(self))
+        said: dict[str, Any] = json_ready(asdict(self))
+        return said
 
 
 def predict(

@@ -36,13 +36,17 @@ _SYMBOLS = (
 )
 
 
-def json_ready(values: dict[str, Any]) -> dict[str, Any]:
-    """Return values with None for NaN, which JSON does not know.
+def json_ready(value: Any) -> Any:
+    """Return data, nested or not, with None for NaN and infinity, which JSON does not know.
 
-    >>> json_ready({"area": float("nan"), "grid": (2, 3)})
-    {'area': None, 'grid': (2, 3)}
+    >>> json_ready({"area": float("nan"), "grid": (2, 3), "errors": [0.1, float("inf")]})
+    {'area': None, 'grid': (2, 3), 'errors': [0.1, None]}
     """
-    return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in values.items()}
+    if isinstance(value, dict):
+        return {key: json_ready(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return type(value)(map(json_ready, value))
+    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 #: The same symbols, as figures set them.

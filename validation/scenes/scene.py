@@ -6,7 +6,7 @@ import math
 import os
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import reduce
 from importlib import resources
 from operator import or_
@@ -243,11 +243,6 @@ class Scene(_Table):
         """The listed method that further realisations are solved by: the first that is quick enough."""
         return next((method for method in self.methods.solvers.values() if method.for_ensembles), None)
 
-    @property
-    def is_random(self) -> bool:
-        """Whether the surface is a realisation of a spectrum C(q), rather than read from a file."""
-        return isinstance(self.surface, RandomSurface)
-
 
 #: Points along a side beyond which a resolving grid is taken for a mistake in a length.
 _LARGEST_GRID = 2**17
@@ -411,7 +406,18 @@ def scene_problems(error: ValidationError) -> list[str]:
     """List one line for each mistake; an array with a wrong item is not also called too short."""
     items = error.errors()
     within = {item["loc"][:depth] for item in items for depth in range(len(item["loc"]))}
-    return [_problem(item) for item in items if item["loc"] not in within]
+    return [_problem(item) for item in _told_once(item for item in items if item["loc"] not in within)]
+
+
+def _told_once(items: Iterable[Any]) -> Iterator[Any]:
+    """Yield mistakes; one of a value that stands for several items of an array is told of the array."""
+    alike: dict[tuple[Any, ...], list[Any]] = {}
+    for item in items:
+        *array, last = item["loc"] or ("",)
+        place = (*array, last if isinstance(last, str) else None)
+        alike.setdefault((place, item["msg"], _short(item["input"])), []).append(item)
+    for first, *others in alike.values():
+        yield {**first, "loc": first["loc"][:-1]} if others else first
 
 
 #: What stands in pydantic's locations without being a key: values of `kind`, one load or several.

@@ -10,13 +10,13 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Annotated, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from fem_contact.graded import ExponentialSolid, LayeredSolid
 from fem_contact.response import Response
 from fem_contact.solid import Solid
 from persson.graded import ExponentialLayers, SurfaceLayer
+from validation.arrays import Array
 from validation.solves.bench import Bench
 from validation.studies._study import StudyOptions
 from validation.units import Positive, wrong
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from validation.report.drawing import Drawing
 
 __all__ = ["Options", "figures", "findings", "run"]
-
-Array = NDArray[np.float64]
 
 
 class Options(StudyOptions):

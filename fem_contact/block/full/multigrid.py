@@ -15,12 +15,14 @@ from numpy.typing import NDArray
 
 from fem_contact.block.elements import ELEMENTS
 from fem_contact.block.full.block import AssembledBlock, Block, SetPreconditioner
+from fem_contact.block.full.cells import BlockFactors, corner_coefficients, overlap_means
+from fem_contact.block.full.levels import CellLevel, Level, StencilLevel, Transfer
 from fem_contact.block.full.stencil import LineFactors, stencil
 
 if TYPE_CHECKING:
     from fem_contact.block.mesh import BlockMesh
 
-__all__ = ["Hierarchy", "Level", "RefinedBlock", "StencilBlock", "Transfer", "build_hierarchy", "has_stencil"]
+__all__ = ["Hierarchy", "Level", "RefinedBlock", "StencilBlock", "Transfer", "build_hierarchy"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -33,83 +35,6 @@ _CARRYING = 1.01
 
 #: A coarse node is tied where this share of its weight lies on tied nodes.
 _TIED_SHARE = 0.25
-
-
-@dataclass(frozen=True, kw_only=True)
-class Transfer:
-    """Linear interpolation along one axis, from a periodic grid of fewer nodes.
-
-    Attributes
-    ----------
-    low : (n,) array of int
-        Coarse node at or before each fine node.
-    weight : (n,) array
-        Share of the coarse node after it.
-    size : int
-        Coarse nodes.
-    """
-
-    low: NDArray[np.int64]
-    weight: Array
-    size: int
-
-    @classmethod
-    def between(cls, fine: int, coarse: int) -> Transfer:
-        """Lay both grids over the same period with a node in common."""
-        place = np.arange(fine) * coarse
-        return cls(low=place // fine, weight=(place % fine) / fine, size=coarse)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Level:
-    """One grid of the hierarchy.
-
-    Attributes
-    ----------
-    shape : tuple of int
-        Columns along both axes.
-    area : float
-        Of the cell, over the square of the finest cell width along x.
-    coefficients : (nz, 3, 22) array
-        `stencil`, over E times the finest cell width.
-    lines : LineFactors
-    down : tuple of Transfer or None
-        Interpolation from the next coarser grid; None on the last.
-    """
-
-    shape: tuple[int, int]
-    area: float
-    coefficients: Array
-    lines: LineFactors
-    down: tuple[Transfer, Transfer] | None
-
-    @property
-    def field_shape(self) -> tuple[int, int, int, int]:
-        """Shape of a displacement."""
-        return *self.shape, len(self.coefficients), 3
-
-    def prolonged(self, coarse: Array) -> Array:
-        """Interpolate an array over the next coarser grid's columns to this one."""
-        from fem_contact.block.full.kernels import prolong
-
-        assert self.down is not None
-        fine = np.zeros((*self.shape, coarse[0, 0].size))
-        prolong(coarse.reshape(*coarse.shape[:2], -1), *_tables(self.down), fine)
-        return fine.reshape(*self.shape, *coarse.shape[2:])
-
-    def restricted(self, fine: Array) -> Array:
-        """Gather an array over this grid's columns on the next coarser one: the transpose of `prolonged`."""
-        from fem_contact.block.full.kernels import restrict
-
-        assert self.down is not None
-        coarse = np.zeros((self.down[0].size, self.down[1].size, fine[0, 0].size))
-        restrict(fine.reshape(*self.shape, -1), *_tables(self.down), coarse)
-        return coarse.reshape(*coarse.shape[:2], *fine.shape[2:])
-
-
-def _tables(down: tuple[Transfer, Transfer]) -> tuple[NDArray[np.int64], Array, NDArray[np.int64], Array]:
-    x, y = down
-    return x.low, x.weight, y.low, y.weight
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,35 +66,24 @@ class Hierarchy:
 
     def cycle(self, residual: Array, tied: tuple[Mask, ...], depth: int = 0) -> Array:
         """Approximate the displacement under a residual: a V-cycle, symmetric and positive."""
-        from fem_contact.block.full import kernels
-
         level, held = self.levels[depth], tied[depth]
-        factors = level.lines.low, level.lines.reciprocal
         u = np.zeros(level.field_shape)
-        kernels.relax(level.coefficients, *factors, residual, held, u, False)
+        level.relax(residual, held, u, backward=False)
         if level.down is None:
             return u
-        left = np.empty_like(u)
-        kernels.apply_stencil(level.coefficients, u, left)
+        left = level.apply(u)
         np.subtract(residual, left, out=left)
         left[held, -1, 2] = 0
+        following = level.following(held)
         # The transpose of what the correction is kept to below.
-        left[held, -1, 2] = -(left[held, :, 2] @ level.lines.tied)
+        left[held, -1, 2] = -np.sum(left[held] * following, axis=(1, 2))
         coarse = level.restricted(left)
         del left
-        correction = self.cycle(coarse, tied, depth + 1)
-        kernels.prolong(
-            correction.reshape(*correction.shape[:2], -1), *_tables(level.down), u.reshape(*level.shape, -1)
-        )
+        level.prolonged(self.cycle(coarse, tied, depth + 1), onto=u)
         # A column whose top is held yields to it all the way down: thin layers would be torn otherwise.
-        u[held, :, 2] -= u[held, -1, 2][:, None] * level.lines.tied
-        kernels.relax(level.coefficients, *factors, residual, held, u, True)
+        u[held] -= u[held, -1, 2][:, None, None] * following
+        level.relax(residual, held, u, backward=True)
         return u
-
-
-def has_stencil(mesh: BlockMesh, *, lateral: bool) -> bool:
-    """Whether a block can be solved on these grids: trilinear cells, a material that varies in depth only."""
-    return mesh.element.order == 1 and not lateral
 
 
 def build_hierarchy(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Hierarchy:
@@ -180,28 +94,42 @@ def build_hierarchy(mesh: BlockMesh, *, poisson: float, modulus: Array | None = 
     mesh : BlockMesh
         Of trilinear cells; any number of them.
     poisson : float
-    modulus : (nz,) array, optional
-        Young's modulus of each layer over E, from the bottom upwards.
+    modulus : (nz,) or (nx, ny, nz) array, optional
+        Young's modulus of each layer, from the bottom upwards, or of each cell, over E.
+
+    Notes
+    -----
+    The modulus of a coarser cell is the mean over its volume.
     """
-    levels, shape = [], mesh.shape
-    while True:
+    levels: list[Level] = []
+    shape, coarser = (0, 0), mesh.shape
+    while coarser != shape:
+        shape = coarser
         width, across = mesh.cells[0] / shape[0], mesh.aspect * mesh.cells[1] / shape[1]
         cells = replace(mesh, cells=shape, aspect=across / width, layers=mesh.layers / width)
-        coefficients = width * stencil(cells, poisson=poisson, modulus=modulus)
         coarser = _coarser(shape, (width, across))
         down = None
         if coarser != shape:
-            down = (
-                Transfer.between(shape[0], coarser[0]),
-                Transfer.between(shape[1], coarser[1]),
+            down = Transfer.between(shape[0], coarser[0]), Transfer.between(shape[1], coarser[1])
+        if modulus is None or modulus.ndim == 1:
+            rows = width * stencil(cells, poisson=poisson, modulus=modulus)
+            lines = LineFactors.of(rows, shape)
+            level: Level = StencilLevel(
+                shape=shape, area=width * across, coefficients=rows, lines=lines, down=down
             )
-        lines = LineFactors.of(coefficients, shape)
-        levels.append(
-            Level(shape=shape, area=width * across, coefficients=coefficients, lines=lines, down=down)
-        )
-        if coarser == shape:
-            return Hierarchy(levels=tuple(levels), depth=float(-mesh.planes[0]))
-        shape = coarser
+        else:
+            modulus = overlap_means(modulus, shape)
+            corners = width * corner_coefficients(cells, poisson=poisson)
+            level = CellLevel(
+                shape=shape,
+                area=width * across,
+                coefficients=corners.reshape(mesh.nz, -1),
+                modulus=modulus,
+                lines=BlockFactors.of(corners, modulus),
+                down=down,
+            )
+        levels.append(level)
+    return Hierarchy(levels=tuple(levels), depth=float(-mesh.planes[0]))
 
 
 def _coarser(shape: tuple[int, int], spacings: tuple[float, float]) -> tuple[int, int]:
@@ -244,12 +172,8 @@ class StencilBlock(Block):
 
     def apply(self, field: Array) -> Array:
         """Sum the forces of the cells."""
-        from fem_contact.block.full.kernels import apply_stencil
-
         level = self.hierarchy.levels[0]
-        forces = np.empty(level.field_shape)
-        apply_stencil(level.coefficients, field.reshape(level.field_shape), forces)
-        return forces.ravel()
+        return level.apply(field.reshape(level.field_shape)).ravel()
 
     def preconditioner(self, nodes: Mask) -> SetPreconditioner:
         """Tie the nodes on all grids."""
@@ -311,9 +235,9 @@ class _CyclePreconditioner:
         coupling[held] = 0
         answer, share = self._free(coupling), 1.0
         moment = float(coupling @ answer)
-        if isinstance(block, RefinedBlock):
-            # A cycle on other cells may overestimate the inverse; scaled to the least energy, the answer
-            # still leaves a positive complement. On the cells themselves it never does.
+        if isinstance(block, RefinedBlock) or isinstance(self.hierarchy.levels[0], CellLevel):
+            # A cycle on other cells or mean moduli may overestimate the inverse; scaled to the least energy,
+            # the answer still leaves a positive complement. On the same cells it never does.
             image = block.apply(answer)
             image[held] = 0
             energy = float(answer @ image)

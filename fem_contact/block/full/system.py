@@ -17,7 +17,6 @@ from fem_contact.block.full.multigrid import (
     RefinedBlock,
     StencilBlock,
     build_hierarchy,
-    has_stencil,
     refined_hierarchy,
 )
 from fem_contact.block.mesh import plan_mesh
@@ -64,11 +63,10 @@ _PATIENCE = 150
 def prepared(problem: Problem) -> Hierarchy | sp.bsr_array:
     """Return what all solves on one block share: the grids of the multigrid, or the assembled stiffness."""
     mesh, modulus = problem.mesh, problem.modulus
-    if has_stencil(mesh, lateral=problem.lateral):
-        return build_hierarchy(
-            mesh, poisson=problem.poisson, modulus=None if modulus is None else modulus[0, 0]
-        )
     moduli = None if modulus is None else np.broadcast_to(modulus, (*mesh.cells, mesh.nz))
+    if mesh.element.order == 1:
+        modulus = moduli if moduli is None or problem.lateral else moduli[0, 0]
+        return build_hierarchy(mesh, poisson=problem.poisson, modulus=modulus)
     return assemble(mesh, poisson=problem.poisson, modulus=moduli).free()
 
 

@@ -42,7 +42,7 @@ def most_steps(solution: BlockSolution) -> int:
 
 
 @pytest.mark.parametrize("contrast", [0.1, 10.0])
-def test_particle_under_a_contact_agrees_with_the_assembled_system(contrast: float) -> None:
+def test_particle_under_a_contact_agrees_with_the_full_system(contrast: float) -> None:
     surface = rough(16)
     full = press(surface, contrast, method="full", tolerance=1e-11)
     free = press(surface, contrast, tolerance=1e-11)

@@ -7,6 +7,7 @@ from surfaces import rough_surface
 from fem_contact.block import ELEMENTS, estimate, plan_mesh, solve, solve_displacement, solve_path
 from fem_contact.block.full import kernels
 from fem_contact.block.full.assembly import assemble
+from fem_contact.block.full.cells import overlap_means
 from fem_contact.block.full.linear import conjugate_gradients
 from fem_contact.block.full.multigrid import (
     Hierarchy,
@@ -147,9 +148,72 @@ def test_a_coarser_grid_is_what_interpolation_makes_of_the_finer_one():
     np.testing.assert_allclose(twin_apply(coarse.coefficients, u), exact, atol=1e-12 * np.abs(exact).max())
 
 
+def cell_moduli(mesh, contrast, *, seed=15):
+    """Moduli of the cells, each for itself."""
+    return contrast ** (np.random.default_rng(seed).random((*mesh.cells, mesh.nz)) - 0.5)
+
+
+@pytest.mark.parametrize(("shape", "element"), [((6, 8), "Hex1"), ((5, 7), "Hex1/P0"), ((3, 4), "Hex1")])
+def test_cells_of_a_modulus_each_sum_to_the_assembled_matrix(shape, element):
+    mesh = plan_mesh(shape, (1.0, 1.1), element=ELEMENTS[element])
+    modulus = cell_moduli(mesh, 100.0)
+    matrix = assemble(mesh, poisson=0.41, modulus=modulus).free()
+    u = np.random.default_rng(9).standard_normal(matrix.shape[0])
+    exact = matrix @ u
+    level = build_hierarchy(mesh, poisson=0.41, modulus=modulus).levels[0]
+    found = level.apply(u.reshape(level.field_shape)).ravel()
+    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-14 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("backward", [False, True])
+def test_relaxing_cells_of_a_modulus_each_solves_one_column_after_the_other(backward):
+    mesh = plan_mesh((4, 6), (1.0, 1.1))
+    modulus = cell_moduli(mesh, 100.0)
+    matrix = assemble(mesh, poisson=0.3, modulus=modulus).free().toarray()
+    level = build_hierarchy(mesh, poisson=0.3, modulus=modulus).levels[0]
+    u, f = np.random.default_rng(32).standard_normal((2, *level.field_shape))
+    tied = some_tied((4, 6))
+    exact, numbers = u.copy().ravel(), np.arange(u.size).reshape(4, 6, -1)
+    for colour in (3, 2, 1, 0) if backward else (0, 1, 2, 3):
+        for i in range(colour // 2, 4, 2):
+            for j in range(colour % 2, 6, 2):
+                free = numbers[i, j][: -1 if tied[i, j] else None]
+                left = f.ravel()[free] - matrix[free] @ exact
+                exact[free] += np.linalg.solve(matrix[np.ix_(free, free)], left)
+    level.relax(f, tied, u, backward=backward)
+    np.testing.assert_allclose(u.ravel(), exact, atol=1e-12 * np.abs(exact).max())
+
+
+@pytest.mark.parametrize("shape", [(8, 6), (7, 5), (2, 1)])
+def test_moduli_that_are_the_same_sideways_make_the_same_cycle(shape):
+    mesh, layered, modulus = hierarchy_of(shape, layered=True)
+    cells = build_hierarchy(mesh, poisson=0.3, modulus=np.broadcast_to(modulus, (*shape, mesh.nz)))
+    assert [level.shape for level in cells.levels] == [level.shape for level in layered.levels]
+    forces = np.random.default_rng(37).standard_normal(layered.levels[0].field_shape)
+    held = np.random.default_rng(5).random(shape) < 0.3
+    forces[held, -1, 2] = 0
+    exact, found = (grids.cycle(forces, grids.tied(held)) for grids in (layered, cells))
+    np.testing.assert_allclose(found, exact, atol=1e-11 * np.abs(exact).max())
+
+
+def test_moduli_of_a_coarser_grid_are_means_over_its_cells():
+    modulus = np.random.default_rng(38).random((6, 5, 3))
+    halved = modulus.reshape(3, 2, 5, 3).mean(axis=1)
+    np.testing.assert_allclose(overlap_means(modulus, (3, 5)), halved, rtol=1e-14)
+    # Five cells on three: each takes one cell and two thirds of the next, or of both beside it one third.
+    odd = overlap_means(modulus, (6, 3))
+    np.testing.assert_allclose(odd[:, 0], 0.6 * modulus[:, 0] + 0.4 * modulus[:, 1], rtol=1e-14)
+    thirds = 0.2 * modulus[:, 1] + 0.6 * modulus[:, 2] + 0.2 * modulus[:, 3]
+    np.testing.assert_allclose(odd[:, 1], thirds, rtol=1e-14)
+    np.testing.assert_allclose(odd.mean(axis=(0, 1)), modulus.mean(axis=(0, 1)), rtol=1e-14)
+
+
 @pytest.mark.parametrize("shape", [(8, 6), (7, 5)])
-def test_the_cycle_is_symmetric_and_positive(shape):
-    _, hierarchy, _ = hierarchy_of(shape)
+@pytest.mark.parametrize("contrast", [1.0, 1e4])
+def test_the_cycle_is_symmetric_and_positive(shape, contrast):
+    mesh, hierarchy, _ = hierarchy_of(shape)
+    if contrast > 1:
+        hierarchy = build_hierarchy(mesh, poisson=0.3, modulus=cell_moduli(mesh, contrast))
     tied = hierarchy.tied(some_tied(shape))
     x, y = np.random.default_rng(35).standard_normal((2, *hierarchy.levels[0].field_shape))
     x[tied[0], -1, 2] = y[tied[0], -1, 2] = 0
@@ -223,6 +287,23 @@ def test_steps_depend_neither_on_the_grid_nor_on_the_shape_of_cells(shape, lengt
     """The limits are the steps that were counted, and some one in eight more."""
     planned = plan_mesh(shape, lengths, **mesh)
     assert steps_of(build_hierarchy(planned, poisson=poisson), patches(shape)) <= most
+
+
+@pytest.mark.parametrize(("n", "contrast", "most"), [(16, 10.0, 14), (32, 10.0, 14), (32, 100.0, 18)])
+def test_steps_grow_slowly_with_the_contrast_of_the_cells(n, contrast, most):
+    """12, 12 and 16 were counted."""
+    mesh = plan_mesh((n, n), (1.0, 1.0))
+    hierarchy = build_hierarchy(mesh, poisson=0.3, modulus=cell_moduli(mesh, contrast))
+    assert steps_of(hierarchy, patches((n, n))) <= most
+
+
+@pytest.mark.parametrize(("contrast", "most"), [(10.0, 18), (100.0, 37)])
+def test_steps_across_stripes(contrast, most):
+    """Stripes of four cells, the hardest pattern found: 16 and 32 were counted."""
+    mesh = plan_mesh((32, 32), (1.0, 1.0))
+    stripes = np.where(np.arange(32) % 8 < 4, contrast, 1.0)[:, None, None]
+    modulus = np.broadcast_to(stripes, (32, 32, mesh.nz))
+    assert steps_of(build_hierarchy(mesh, poisson=0.3, modulus=modulus), patches((32, 32))) <= most
 
 
 @pytest.mark.parametrize(("cells", "poisson"), [(4, 0.3), (10, 0.3), (8, 0.45)])
@@ -312,9 +393,11 @@ def test_each_solver_of_the_full_system_is_named():
         assert "geometric multigrid" in told(element=element)["method"]
         assert "pyamg" not in told(element=element)
     assert "trilinear cells between the nodes" in told(element="Hex2")["method"]
-    lateral = told(modulus=lambda x, y, z: 1 + 0.1 * np.cos(2 * np.pi * x) + 0 * z)
-    assert "smoothed aggregation" in lateral["method"]
-    assert "pyamg" in lateral
+    lateral = {"modulus": lambda x, y, z: 1 + 0.1 * np.cos(2 * np.pi * x) + 0 * z}
+    assert "geometric multigrid" in told(**lateral)["method"]
+    quadratic = told(element="Hex2", **lateral)
+    assert "smoothed aggregation" in quadratic["method"]
+    assert "pyamg" in quadratic
 
 
 def test_the_estimate_holds_the_memory_that_is_used():

@@ -1,0 +1,127 @@
+r"""The stiffness of trilinear cells with a modulus each, column by column.
+
+Where the modulus varies sideways, no two columns of nodes have the same rows, and a cell's element matrix
+times its modulus is all that can be shared. A column meets four stacks of cells, mirror images of each other.
+On one of them the sums and differences of the values above and below a cell decouple by parity: 2 x 3 x 12
+coefficients for each layer, which `cell_kernels` multiplies by. No matrix is stored but that of a column's
+coupling to itself, which is factorised to relax it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.block.elements import element_matrices
+
+if TYPE_CHECKING:
+    from fem_contact.block.mesh import BlockMesh
+
+__all__ = ["BlockFactors", "corner_coefficients", "overlap_means"]
+
+Array = NDArray[np.float64]
+
+#: Neighbours of a column on the stack of cells towards +x and +y: itself, along x, along y, the diagonal one.
+_SIDES = ((0, 0), (1, 0), (0, 1), (1, 1))
+
+#: Sign of the cells on the four sides of a column, in x and in y.
+_QUADRANTS = ((1, 1), (-1, 1), (1, -1), (-1, -1))
+
+
+def corner_coefficients(mesh: BlockMesh, *, poisson: float) -> Array:
+    """Forces on the two nodes of one vertical edge of a cell of modulus 1.
+
+    With t and b the values above and below, the components (t + b of x and y, t - b of z) cause half the
+    sum of the forces along x and y and half the difference of those along z; this is parity 0. Parity 1 is
+    the rest.
+
+    Returns
+    -------
+    (nz, 2, 3, 4, 3) array
+        Layer from the bottom upwards, parity, component of the force, column `_SIDES` of nodes, component
+        of the displacement, over E times the cell width.
+    """
+    matrices, offsets = element_matrices(mesh, poisson, condensed=True)
+    number = {tuple(int(n) for n in corner // 2): 3 * place for place, corner in enumerate(offsets)}
+    found = np.empty((mesh.nz, 2, 3, 4, 3))
+    for side, (x, y) in enumerate(_SIDES):
+        for a in range(3):
+            for b in range(3):
+                # By symmetry what acts on the upper node is enough.
+                above, below = (matrices[:, number[0, 0, 1] + a, number[x, y, z] + b] for z in (1, 0))
+                even, odd = 0.5 * (above + below), 0.5 * (above - below)
+                # z_d and z_s: differences and sums change places.
+                found[:, 0, a, side, b], found[:, 1, a, side, b] = (odd, even) if b == 2 else (even, odd)
+    return found
+
+
+def overlap_means(modulus: Array, shape: tuple[int, int]) -> Array:
+    """Mean modulus of the cells of a coarser grid over the same periods, from (nx, ny, nz)."""
+    for axis, coarse in enumerate(shape):
+        fine = modulus.shape[axis]
+        if coarse == fine:
+            continue
+        edges = np.arange(fine + 1) / fine
+        share = np.empty((coarse, fine))
+        for cell in range(coarse):
+            inside = np.clip(edges, cell / coarse, (cell + 1) / coarse)
+            share[cell] = np.diff(inside) * coarse
+        modulus = np.moveaxis(np.tensordot(share, modulus, axes=(1, axis)), 0, axis)
+    return np.ascontiguousarray(modulus)
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlockFactors:
+    """Every column's coupling to itself, factorised: L S L' in blocks of 3 x 3 per plane.
+
+    Attributes
+    ----------
+    low : (nx, ny, nz, 3, 3) array
+        Below the diagonal of L; zero on the lowest plane.
+    inverse : (nx, ny, nz, 3, 3) array
+        Of the pivots S.
+    follow : (nx, ny, nz, 3) array
+        Displacement of a column whose top is moved by one upwards, its neighbours held.
+    """
+
+    low: Array
+    inverse: Array
+    follow: Array
+
+    @classmethod
+    def of(cls, coefficients: Array, modulus: Array) -> BlockFactors:
+        """Factorise; where a grid is one node wide, a column is its own neighbour."""
+        own, below = _self_coupling(coefficients, modulus)
+        low, inverse = np.zeros_like(own), np.empty_like(own)
+        inverse[:, :, 0] = np.linalg.inv(own[:, :, 0])
+        for k in range(1, own.shape[2]):
+            low[:, :, k] = below[:, :, k] @ inverse[:, :, k - 1]
+            inverse[:, :, k] = np.linalg.inv(own[:, :, k] - low[:, :, k] @ below[:, :, k].swapaxes(2, 3))
+        follow = np.empty(own.shape[:-1])
+        # The answer to a vertical force on the top, scaled.
+        follow[:, :, -1] = inverse[:, :, -1, :, 2] / inverse[:, :, -1, 2:, 2]
+        for k in range(own.shape[2] - 2, -1, -1):
+            follow[:, :, k] = -np.einsum("xyab,xya->xyb", low[:, :, k + 1], follow[:, :, k + 1])
+        return cls(low=low, inverse=inverse, follow=follow)
+
+
+def _self_coupling(coefficients: Array, modulus: Array) -> tuple[Array, Array]:
+    """Blocks (nx, ny, nz, 3, 3) of a column's planes with themselves and with the planes below."""
+    nx, ny, nz = modulus.shape
+    sides = [side for side, (x, y) in enumerate(_SIDES) if not (x and nx > 1) and not (y and ny > 1)]
+    even, odd = (coefficients[:, parity][:, :, sides].sum(axis=2) for parity in (0, 1))
+    # Back from sums and differences: the upper node's answer to the upper and to the lower one.
+    flip = np.array([1.0, 1.0, -1.0])
+    up, across = even + odd, (even - odd) * flip
+    own, below = np.zeros((nx, ny, nz, 3, 3)), np.zeros((nx, ny, nz, 3, 3))
+    for x, y in _QUADRANTS:
+        stack = np.roll(modulus, (x < 0, y < 0), axis=(0, 1))[:, :, :, None, None]
+        signs = np.outer((x, y, 1.0), (x, y, 1.0))
+        own += stack * (up * signs)
+        below += stack * (across * signs)
+        # The lower node is the mirror image of the upper one.
+        own[:, :, :-1] += stack[:, :, 1:] * (up[1:] * signs * np.outer(flip, flip))
+    return own, below

@@ -1,0 +1,170 @@
+"""The grids of the multigrid: forces of the cells, relaxation of vertical lines, and transfer between grids."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.block.full.cells import BlockFactors
+from fem_contact.block.full.stencil import LineFactors
+
+__all__ = ["CellLevel", "Level", "StencilLevel", "Transfer"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Transfer:
+    """Linear interpolation along one axis, from a periodic grid of fewer nodes.
+
+    Attributes
+    ----------
+    low : (n,) array of int
+        Coarse node at or before each fine node.
+    weight : (n,) array
+        Share of the coarse node after it.
+    size : int
+        Coarse nodes.
+    """
+
+    low: NDArray[np.int64]
+    weight: Array
+    size: int
+
+    @classmethod
+    def between(cls, fine: int, coarse: int) -> Transfer:
+        """Lay both grids over the same period with a node in common."""
+        place = np.arange(fine) * coarse
+        return cls(low=place // fine, weight=(place % fine) / fine, size=coarse)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Level(ABC):
+    """One grid of the hierarchy.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Columns along both axes.
+    area : float
+        Of the cell, over the square of the finest cell width along x.
+    coefficients : (nz, ...) array
+        What the cells of each layer do, over E times the finest cell width.
+    down : tuple of Transfer or None
+        Interpolation from the next coarser grid; None on the last.
+    """
+
+    shape: tuple[int, int]
+    area: float
+    coefficients: Array
+    down: tuple[Transfer, Transfer] | None
+
+    @abstractmethod
+    def apply(self, u: Array) -> Array:
+        """Sum the forces of the cells."""
+
+    @abstractmethod
+    def relax(self, forces: Array, held: Mask, u: Array, *, backward: bool) -> None:
+        """Solve every column for its own unknowns, in place; the tops of some are held."""
+
+    @abstractmethod
+    def following(self, held: Mask) -> Array:
+        """Displacement of columns whose top is moved by one upwards, their neighbours held; (m or 1, nz, 3)."""
+
+    @property
+    def field_shape(self) -> tuple[int, int, int, int]:
+        """Shape of a displacement."""
+        return *self.shape, len(self.coefficients), 3
+
+    def prolonged(self, coarse: Array, onto: Array | None = None) -> Array:
+        """Interpolate an array over the next coarser grid's columns to this one, and add it onto another."""
+        from fem_contact.block.full.kernels import prolong
+
+        assert self.down is not None
+        fine = np.zeros((*self.shape, *coarse.shape[2:])) if onto is None else onto
+        prolong(coarse.reshape(*coarse.shape[:2], -1), *_tables(self.down), fine.reshape(*self.shape, -1))
+        return fine
+
+    def restricted(self, fine: Array) -> Array:
+        """Gather an array over this grid's columns on the next coarser one: the transpose of `prolonged`."""
+        from fem_contact.block.full.kernels import restrict
+
+        assert self.down is not None
+        coarse = np.zeros((self.down[0].size, self.down[1].size, fine[0, 0].size))
+        restrict(fine.reshape(*self.shape, -1), *_tables(self.down), coarse)
+        return coarse.reshape(*coarse.shape[:2], *fine.shape[2:])
+
+
+def _tables(down: tuple[Transfer, Transfer]) -> tuple[NDArray[np.int64], Array, NDArray[np.int64], Array]:
+    x, y = down
+    return x.low, x.weight, y.low, y.weight
+
+
+@dataclass(frozen=True, kw_only=True)
+class StencilLevel(Level):
+    """A grid whose columns all have the same rows: the coefficients are those of `stencil`.
+
+    Attributes
+    ----------
+    lines : LineFactors
+    """
+
+    lines: LineFactors
+
+    def apply(self, u: Array) -> Array:
+        """Sum the forces of the cells."""
+        from fem_contact.block.full.kernels import apply_stencil
+
+        forces = np.empty(self.field_shape)
+        apply_stencil(self.coefficients, u, forces)
+        return forces
+
+    def relax(self, forces: Array, held: Mask, u: Array, *, backward: bool) -> None:
+        """Solve every column for its own unknowns, in place."""
+        from fem_contact.block.full.kernels import relax
+
+        relax(self.coefficients, self.lines.low, self.lines.reciprocal, forces, held, u, backward)
+
+    def following(self, held: Mask) -> Array:
+        """Displacement of a column whose top is moved by one."""
+        field = np.zeros((1, len(self.coefficients), 3))
+        field[0, :, 2] = self.lines.tied
+        return field
+
+
+@dataclass(frozen=True, kw_only=True)
+class CellLevel(Level):
+    """A grid whose cells have a modulus each: the coefficients are those of `corner_coefficients`, (nz, 72).
+
+    Attributes
+    ----------
+    modulus : (nx, ny, nz) array
+        Young's modulus of the cells over E.
+    lines : BlockFactors
+    """
+
+    modulus: Array
+    lines: BlockFactors
+
+    def apply(self, u: Array) -> Array:
+        """Sum the forces of the cells."""
+        from fem_contact.block.full.cell_kernels import apply_cells
+
+        forces = np.empty(self.field_shape)
+        apply_cells(self.coefficients, self.modulus, u, forces)
+        return forces
+
+    def relax(self, forces: Array, held: Mask, u: Array, *, backward: bool) -> None:
+        """Solve every column for its own unknowns, in place."""
+        from fem_contact.block.full.cell_kernels import relax_cells
+
+        lines = self.lines.low, self.lines.inverse, self.lines.follow
+        relax_cells(self.coefficients, self.modulus, *lines, forces, held, u, backward)
+
+    def following(self, held: Mask) -> Array:
+        """Displacement of the held columns where their top is moved by one."""
+        return self.lines.follow[held]
