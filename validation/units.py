@@ -56,6 +56,15 @@ _LONGEST = 100
 _QUANTITY = re.compile(
     r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*([^\d\s][^\s]*(?:\s+[^\d\s][^\s]*)*)?\s*"
 )
+#: Units that most scenes name, over SI: read without the registry of all units, which takes half a second
+#: to load.
+_PLAIN = {
+    unit: {
+        prefix + unit: Fraction(10) ** power
+        for prefix, power in {"n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6, "G": 9}.items()
+    }
+    for unit in ("m", "Pa", "N")
+}
 #: Words for powers, which may be piled up as powers themselves may not.
 _POWER_WORDS = frozenset({"square", "squared", "sq", "cubic", "cubed"})
 _UNIT_TOKEN = re.compile(
@@ -100,6 +109,8 @@ def _read(value: object, *, unit: str, kind: str, example: str) -> float:
     number, symbol = found[1], found[2]
     if symbol is None:
         raise wrong(f"has no unit; {allowed} without quotes")
+    if symbol in _PLAIN.get(unit, ()):
+        return _in_bounds(Fraction(number) * _PLAIN[unit][symbol], unit)
     import pint
 
     try:

@@ -12,7 +12,7 @@ from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from validation.comparison import accuracy_search
 from validation.comparison.accuracy import parse_accuracy, reach
 from validation.comparison.accuracy_search import Search
-from validation.errors import RunFailed, UsageError
+from validation.errors import RunFailed, SceneError, UsageError
 from validation.measures.common import base_surface
 from validation.measures.ensemble import mean_area
 from validation.measures.measurement import Measurement, area_limits, grid_for, limit_over
@@ -21,6 +21,7 @@ from validation.measures.statistics import mean_over_surfaces, pair_means
 from validation.methods.bem import BemOptions
 from validation.scenes.realised import Realised, realise
 from validation.scenes.scene import Load, Methods, Scene, SolidSpec, load_scene
+from validation.scenes.sweep import load_asked
 from validation.solves.bench import Bench
 from validation.solves.press import solves_of
 from validation.solves.running import Execution, solve_all
@@ -229,3 +230,21 @@ def test_claims_hold_as_often_as_they_say_on_surfaces_and_loads_of_many_kinds(ta
         held += abs(reached.area / truth - 1) <= math.hypot(reached.error, 2 * uncertainty / truth)
     # 20 of 24 or more are right in 99.7 of 100 cases if each is with 95 %.
     assert held >= 20
+
+
+def test_grids_that_will_be_chosen_may_be_missing_or_too_coarse(write_scene, bench):
+    extra = "shifts = 2\n\n[ensemble]"
+    path = str(write_scene(("grids = [12, 24, 48]\n", ""), ("shifts = 2", extra), fem=False))
+    scenes = [
+        load_asked(path, ["methods.bem.grids=[3]", "ensemble.grids=[2, 3]"], grids_chosen=True),
+        load_asked(path, grids_chosen=True),
+    ]
+    first, second = (reach(scene, bench, target=0.2) for scene in scenes)
+    assert (first.area, first.mean, second.solves) == (second.area, second.mean, 0)
+    assert all(realise(scenes[0]).resolved_by(grid) for grid in first.grids)
+    with pytest.raises(SceneError, match=r"methods\.bem\.grids = \[3, 3\]: too coarse"):
+        load_asked(path, ["methods.bem.grids=[3]", "ensemble.grids=[12, 24]", "ensemble.realisations=2"])
+    # Those of another method are solved as they stand.
+    beside = str(write_scene(("grids = [12, 24]", "grids = [3]")))
+    with pytest.raises(SceneError, match=r"methods\.fem\.grids = \[3, 3\]: too coarse"):
+        load_asked(beside, grids_chosen=True)

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from validation import units
 from validation.errors import SceneError, UsageError
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import realise
@@ -166,3 +168,10 @@ def test_the_scene_in_the_first_page_is_a_scene(tmp_path):
     scene = load_scene(str(tmp_path / "mine.toml"))
     assert (scene.name, scene.surface.length) == ("mine", (1e-4, 1e-4))
     check_scene(scene, realise(scene))
+
+
+@pytest.mark.parametrize("unit", sorted(units._PLAIN))
+def test_units_that_are_read_without_the_registry_are_those_of_the_registry(unit):
+    assert len(units._PLAIN[unit]) == 7
+    for symbol, factor in units._PLAIN[unit].items():
+        assert factor == units._converted(Fraction(1), symbol, unit), symbol

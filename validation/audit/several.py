@@ -54,9 +54,10 @@ def _beside(said: list[dict[str, Any]], run: Run, ledger: Ledger) -> None:
     """Judge what the other methods say of the same surface."""
     for other in said:
         found = run.limit(other["method"], 0)
-        if found is None or other["doubt"]:
-            continue
         name = f"{other['label']} beside it"
+        if found is None or other["doubt"] or other["located"]:
+            ledger.unread.append(f"accuracy.json: {name}")
+            continue
         ledger.number("accuracy.json", name, other["area"], found.value, rtol=1e-7)
         error = 2 * found.error / found.value
         ledger.number("accuracy.json", f"{name}, relative error", other["error"], error, rtol=1e-4)

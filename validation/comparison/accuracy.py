@@ -28,10 +28,9 @@ from validation.report.words import json_ready
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import realise
 from validation.scenes.scene import Scene
-from validation.solves.attempt import Progress, Silent, warm_up
+from validation.solves.attempt import Progress, Silent
 from validation.solves.bench import Bench
 from validation.solves.cost import memory_words
-from validation.solves.press import solves_of
 from validation.solves.running import Execution
 from validation.solves.store import Store
 
@@ -173,9 +172,10 @@ class Reached:
                 f"scatter between "
                 f"surfaces; {self._pairs()}."
             )
+        counted = ", blocks of pairs counted as one" if self.pairs else ""
         yield (
-            f"It cost {self.solves} solves, {self.seconds:.2g} s ({self.predicted_seconds:.2g} s of solving "
-            f"were predicted) and {memory_words(self.peak_bytes)} for the largest."
+            f"It cost {self.solves} solves{counted}, {self.seconds:.2g} s ({self.predicted_seconds:.2g} s of "
+            f"solving were predicted) and {memory_words(self.peak_bytes)} for the largest."
         )
 
     def _pairs(self) -> str:
@@ -271,8 +271,6 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
     realised = realise(scene)
     check_scene(scene, realised)
     _check_law(scene)
-    # Not charged to the solves, whose time tells how fast the machine is.
-    warm_up(solves_of(scene, realised))
     metered = Metered.on(bench, wanted=f"--accuracy = {100 * target:g} %", time_limit=time_limit)
     search = Search(scene=scene, realised=realised, target=target, bench=metered)
     search.reserve()

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from validation.errors import RunFailed
+from validation.solves.attempt import warm_up
 from validation.solves.bench import Bench
 from validation.solves.cost import available_memory, memory_words, transform_seconds
 from validation.solves.running import Solves
@@ -31,6 +32,8 @@ class Account:
         Wanted so far: found finished when they were first wanted, and done now.
     reserved : float
         Seconds that are kept for what is solved last.
+    warm : bool
+        Whether compiled passes are loaded.
     """
 
     solving: float = 0.0
@@ -39,6 +42,7 @@ class Account:
     found: set[Solve] = field(default_factory=set)
     done: set[Solve] = field(default_factory=set)
     reserved: float = 0.0
+    warm: bool = False
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -118,6 +122,10 @@ class Metered(Bench):
                 f"end in time, and {self.means()}; all finished solves are stored: allow more with "
                 f"--time-limit"
             )
+        if not account.warm:
+            # Not charged to the solves, whose time tells how fast the machine is.
+            warm_up(missing)
+            account.warm = True
         start = time.perf_counter()
         results = super().solve(wanted)
         account.solves += len(missing)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import scipy.fft
@@ -126,7 +127,7 @@ class Search:
         """Tolerance whose error is a hundredth of the one asked for."""
         return float(np.clip(_SOLVER_SHARE * self.target, *_TOLERANCES))
 
-    @property
+    @cached_property
     def others(self) -> dict[str, tuple[Press, ...]]:
         """Solves of the other methods that the scene lists, by method."""
         names = [name for name in self.scene.methods.solvers if name != "bem"]
@@ -136,7 +137,7 @@ class Search:
             for name, table in tables.items()
         }
 
-    @property
+    @cached_property
     def shared(self) -> tuple[Grid, ...]:
         """Grids of other methods, on which boundary elements are solved, too, to compare point by point."""
         grids = {solve.grid for solves in self.others.values() for solve in solves}
@@ -263,7 +264,9 @@ class Search:
         spans = [levels[i : i + n] for n in (2, 3) for i in range(len(levels) - n + 1)]
         spans += [()] if self.shared else []
         for span, shifts in itertools.product(spans, (1, 2)):
-            yield self._planned(tuple(sorted({*span, *self.shared})), shifts, known)
+            grids = tuple(sorted({*span, *self.shared}))
+            if len(grids) > 1:
+                yield self._planned(grids, shifts, known)
 
     def _chains(self, known: ContactAreas) -> Iterator[Ladder]:
         """List three grids each for a mean: most surfaces are solved on the coarsest, few on the finest."""

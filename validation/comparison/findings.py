@@ -190,9 +190,10 @@ def _passing(c: Comparison) -> list[str]:
 def _mean(c: Comparison, reached: Mapping[str, Any]) -> str:
     """Say what the mean over all surfaces of the spectrum is, and how far from the theory."""
     mean, error = reached["mean"], reached["mean_error"]
+    how = "located inside the cells" if reached["located"] else "corrected at its edge"
     text = (
         f"Over the surfaces of this spectrum the mean is A/A0 = {mean:.6g} +- {percent(error)} (95 %: surfaces, grid "
-        f"and solver), from {reached['surfaces']} solved in pairs h, -h; single ones scatter by "
+        f"and solver; of the limit of the area {how}), from {reached['surfaces']} solved in pairs h, -h; single ones scatter by "
         f"{percent(reached['scatter'])} (standard deviation)"
     )
     theory = c.theory_of_all

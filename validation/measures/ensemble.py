@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.stats
+import scipy.special
 from numpy.typing import NDArray
 
 from validation.errors import RunFailed
@@ -132,7 +132,7 @@ class Chained(ABC):
         coarse = self.values("area", 0, 0)
         seconds = [self.seconds(ending) for ending in range(self.levels)]
         found = [chain[-1].estimate for chain in chains]
-        asked = np.array([one.half_width / one.value for one in found]) / scipy.stats.norm.ppf(0.975)
+        asked = np.array([one.half_width / one.value for one in found]) / scipy.special.ndtri(0.975)
         plain = (coarse.std(axis=1, ddof=1) / coarse.mean(axis=1) / asked) ** 2 * seconds[-1].mean(axis=0)
         spent = sum(group.sum(axis=0) for group in seconds) + self.unsolved_seconds
         return np.asarray(plain / spent)

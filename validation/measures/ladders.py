@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy.stats
+import scipy.special
 from numpy.typing import ArrayLike, NDArray
 
 from validation.errors import RunFailed
@@ -142,7 +142,7 @@ def _line(
     solve = np.linalg.pinv(np.stack([np.ones_like(x), x], axis=1) * weight[:, None]) * weight
     values = solve @ np.array([rung.mean() for rung in samples])
     freedom = min(rung.size for rung in samples) - 1
-    factor = float(scipy.stats.t.ppf(0.975, freedom))
+    factor = float(scipy.special.stdtrit(freedom, 0.975))
     if common:
         spread = (solve @ np.stack(samples)).std(axis=1, ddof=1) / np.sqrt(samples[0].size)
     else:

@@ -149,6 +149,6 @@ class UnsolvedPairs(NumbersSolve):
         values = np.array([list(one.values()) for one in found])
         return xr.Dataset(
             {"value": (("surface", "statistic"), values)},
-            coords={"statistic": list(found[0])},
-            attrs={"seconds": time.process_time() - began},
+            # Not a coordinate: to read one of text, xarray loads dask.
+            attrs={"seconds": time.process_time() - began, "statistics": "; ".join(found[0])},
         )
