@@ -181,6 +181,31 @@ class ContactResult:
         """Grid spacing (dx, dy) [m]."""
         return self.lengths[0] / self.shape[0], self.lengths[1] / self.shape[1]
 
+    @property
+    def area_interval(self) -> tuple[float, float]:
+        """Counted area A/A0 if all points that the tolerance leaves undecided are apart, and if all touch.
+
+        Undecided is a point in contact that a lift by ten times the tolerance times h_rms would free, and one
+        apart whose gap is less than that. The lift frees a point whose pressure is below E*/2 times the mean
+        wavevector of the grid times the lift. Measured, not proved: docs/bem.md.
+
+        Raises
+        ------
+        InvalidInput
+            For a result that has no tolerance.
+        """
+        if self.tolerance is None:
+            raise InvalidInput("area_interval: this result was not solved to a tolerance and has none")
+        lift = _UNDECIDED * self.tolerance * float(np.std(self.heights))
+        middles = (np.arange(32) + 0.5) / 32
+        dx, dy = self.spacing
+        mean_wavevector = float(np.mean(np.hypot(np.pi / dx * middles[:, None], np.pi / dy * middles)))
+        least = 0.5 * self.contact_modulus * mean_wavevector * lift
+        weights = 1.0 if self.weights is None else self.weights
+        surely = self.in_contact & ((self.pressure > least) | self.at_bound)
+        maybe = self.in_contact | (self.gap < lift)
+        return float(np.mean(weights * surely)), float(np.mean(weights * maybe))
+
     def checked(self) -> ContactResult:
         """Return this result if its solver converged and its residuals say the same.
 
@@ -197,6 +222,10 @@ class ContactResult:
                 f"called converged, but its worst residual is {worst:.3g}: check units and magnitudes"
             )
         return self
+
+
+#: Gaps, in tolerances times h_rms, within which a point may change sides before the solve is exact.
+_UNDECIDED = 10.0
 
 
 def _rebuilt(values: dict[str, Any]) -> ContactResult:
