@@ -215,9 +215,13 @@ def _afresh(passes: Passes, vanishing: float, *, roughly: bool = False) -> tuple
 
 def _set_start(passes: Passes, start: Array | None, mean_force: float) -> None:
     xp, force, bound = passes.xp, passes.force, passes.bound
-    force[...] = mean_force
-    if start is not None:
-        force[...] = xp.where(start > 0, start, xp.zeros_like(start))
+    if start is None:
+        force[...] = mean_force
+    else:
+        if xp is np:
+            np.maximum(start, 0.0, out=force)
+        else:
+            force[...] = xp.where(start > 0, start, xp.zeros_like(start))
         force *= mean_force / float(xp.mean(force))
     if bound is not None:
         force[...] = xp.where(force < bound, force, bound)
