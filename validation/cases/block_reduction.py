@@ -44,6 +44,25 @@ def _both_ways(element: str, shape: tuple[int, int], poisson: float) -> list[Che
     ]
 
 
+def _assembled() -> list[Check]:
+    checks = []
+    for element, poisson, shape in (("Hex1", 0.3, (24, 24)), ("Hex2/P1disc", 0.45, (16, 16))):
+        surface, solid = _rough(shape), Solid(young=1.0, poisson=poisson)
+        found = block.solve(
+            surface,
+            solid,
+            mean_pressure=0.05 * solid.contact_modulus * surface.rms_gradient,
+            method="full",
+            element=element,
+            modulus=partial(_particle, surface, 10.0),
+            tolerance=1e-11,
+        )
+        again = block.assembled_field(found, tolerance=1e-11)
+        difference = np.max(np.abs(again - found.field)) / np.max(np.abs(found.field))
+        checks.append(Check.below(f"largest difference of displacement, {element}", difference, 1e-9))
+    return checks
+
+
 #: Element, Poisson ratio, growth, nodes per wave, bounds on the errors along the axis and the diagonal.
 _WAVES = (
     ("Hex1", 0.3, 1.2, 12, 3e-3, 1.5e-2),
@@ -148,6 +167,12 @@ CASES = (
             ("p0", "Hex1/P0", (16, 16), 0.4999, False),
             ("p1disc", "Hex2/P1disc", (12, 12), 0.4999, True),
         )
+    ),
+    Case(
+        name="block-assembled",
+        claim="scikit-fem's assembled matrix and pyamg find the same field under the contact forces.",
+        run=_assembled,
+        source=_SAME,
     ),
     Case(
         name="block-waves",
