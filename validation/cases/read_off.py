@@ -161,7 +161,7 @@ _ODD, _NOISE = 0.0005, (0.006, 0.026)
 
 def _spread(patches: float) -> Array:
     """Deviations of the orders, and last what each grid is off by anew, for so many patches of contact."""
-    return np.array([*_SIZES, _ODD]) * np.array([1.0, *[(80 / patches) ** 0.25] * len(_SIZES)])
+    return np.asarray(np.array([*_SIZES, _ODD]) * np.array([1.0, *[(80 / patches) ** 0.25] * len(_SIZES)]))
 
 
 @case(
