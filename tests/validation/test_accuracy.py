@@ -157,9 +157,12 @@ def test_an_effect_without_a_law_of_error_is_refused_by_name(write_scene, bench)
         reach(load_scene(str(path)), bench, target=0.01)
 
 
-def test_a_yielding_surface_is_claimed_by_its_corrected_area(write_scene, bench, tmp_path):
-    hard = "[[effects]]\nkind = 'hardness'\nhardness = '60 kPa'\n\n[solid]"
-    scene = load_scene(str(write_scene(("[solid]", hard), fem=False)))
+@pytest.mark.parametrize(
+    "effect", ["'hardness'\nhardness = '60 kPa'", "'coating'\nyoung = '4 MPa'\nthickness = '1 um'"]
+)
+def test_with_an_effect_the_corrected_area_is_claimed(effect, write_scene, bench, tmp_path):
+    listed = f"[[effects]]\nkind = {effect}\n\n[solid]"
+    scene = load_scene(str(write_scene(("[solid]", listed), fem=False)))
     reached = reach(scene, bench, target=0.05)
     assert not reached.located
     assert reached.error <= 0.05

@@ -135,7 +135,7 @@ class Reached:
 
     def summary(self) -> dict[str, Any]:
         """Return everything as JSON-ready data."""
-        return json_ready(asdict(self))
+        return dict(json_ready(asdict(self)))
 
     def chosen(self, scene: Scene) -> Scene:
         """Return the scene with the grids that were chosen for its own surface."""

@@ -210,19 +210,17 @@ class Search:
             self.bench.account.reserved += seconds / self.bench.execution.workers
 
     def _beside(self, name: str, solves: Sequence[Press]) -> Beside:
-        grids = tuple(dict.fromkeys(solve.grid for solve in solves))
         resolved = [solve for solve in solves if self.realised.resolved_by(solve.grid)]
-        said = {"method": name, "label": solves[0].solver.label, "grids": grids}
-        if not resolved:
-            nan = float("nan")
-            return Beside(**said, area=nan, error=nan, located=False, doubt="no grid resolves the surface")
-        limit = limit_over([self._areas(solve) for solve in resolved])
+        limit = limit_over([self._areas(solve) for solve in resolved]) if resolved else None
+        nan = float("nan")
         return Beside(
-            **said,
-            area=limit.value,
-            error=2 * limit.uncertainty / limit.value,
-            located=limit.definition == "subcell",
-            doubt=limit.doubt,
+            method=name,
+            label=solves[0].solver.label,
+            grids=tuple(dict.fromkeys(solve.grid for solve in solves)),
+            area=nan if limit is None else limit.value,
+            error=nan if limit is None else 2 * limit.uncertainty / limit.value,
+            located=limit is not None and limit.definition == "subcell",
+            doubt="no grid resolves the surface" if limit is None else limit.doubt,
         )
 
     def _watch(self, found: MeanArea, solves: Sequence[Solve]) -> None:
