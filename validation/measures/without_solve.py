@@ -106,8 +106,13 @@ class UnsolvedPairs(NumbersSolve):
         return {name: value for name, value in made.items() if name != "load"} | {
             "grid": list(self.grid),
             "count": self.count,
-            "version": 1,
+            "version": 2 if self._gradient_differs else 1,
         }
+
+    @property
+    def _gradient_differs(self) -> bool:
+        """Whether the gradient is a statistic: not where all surfaces of the spectrum have the same."""
+        return getattr(self.realised.surface, "amplitudes", "exact") == "gaussian"
 
     @property
     def prefix(self) -> str:
@@ -137,13 +142,18 @@ class UnsolvedPairs(NumbersSolve):
         import xarray as xr
 
         began = time.process_time()
-        found = [
-            unsolved_statistics(self.realised.further(k).heights(self.grid))
-            for k in range(self.first, self.first + self.count)
-        ]
+        found = [self._told(k) for k in range(self.first, self.first + self.count)]
         values = np.array([list(one.values()) for one in found])
         return xr.Dataset(
             {"value": (("surface", "statistic"), values)},
             coords={"statistic": list(found[0])},
             attrs={"seconds": time.process_time() - began},
         )
+
+    def _told(self, realisation: int) -> dict[str, float]:
+        made = self.realised.further(realisation)
+        field = made.heights(self.grid)
+        found = unsolved_statistics(field)
+        if self._gradient_differs:
+            found["ln h'_rms"] = float(np.log(field.rms_gradient))
+        return found
