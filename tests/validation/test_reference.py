@@ -348,7 +348,7 @@ def test_fewer_waves_take_more_surfaces_and_finer_grids():
     options = study.Options(pairs=(80, 30, 6, 2), points_per_wave=(3, 6, 12, 24), largest=1000)
     assert options.pairs_of(16.0) == (80, 30, 6)
     assert options.pairs_of(4.0) == (320, 120, 24, 8)
-    assert options.pairs_of(32.0) == (40, 15, 4)
+    assert options.pairs_of(32.0) == (40, 4, 4)
     with pytest.raises(ValueError, match="one for each"):
         study.Options(pairs=(80, 30), points_per_wave=(3, 6, 12))
 

@@ -25,6 +25,7 @@ from validation.measures.measurement import grid_for
 from validation.measures.without_solve import UnsolvedPairs
 from validation.scenes.realised import Realised
 from validation.scenes.scene import SelfAffineSurface
+from validation.scenes.surfaces import spectrum_of
 from validation.solves.bench import Bench
 from validation.studies._options import Periods, Seed
 from validation.studies._study import StudyOptions
@@ -83,6 +84,9 @@ class Options(StudyOptions):
         description="pairs +h, -h at bandwidth 16 that end with each of the grids, coarsest first; elsewhere in "
         "proportion to 1/bandwidth, at least 4",
     )
+    wide_pairs: tuple[Annotated[int, Field(ge=2)], ...] = Field(
+        default=(40, 4, 4, 2), description="the same beyond bandwidth 16, as they stand, at least 4"
+    )
     unsolved: int = Field(
         default=10,
         ge=1,
@@ -107,6 +111,10 @@ class Options(StudyOptions):
     def _pairs_for_each_grid(self) -> Self:
         if len(self.pairs) != len(self.points_per_wave):
             raise wrong(f"pairs has {len(self.pairs)} numbers: needs one for each of points_per_wave")
+        if len(self.wide_pairs) < len(self.points_per_wave):
+            raise wrong(
+                f"wide_pairs has {len(self.wide_pairs)} numbers: needs one for each of points_per_wave"
+            )
         return self
 
     def ladder_of(self, bandwidth: float) -> tuple[float, ...]:
@@ -117,8 +125,9 @@ class Options(StudyOptions):
 
     def pairs_of(self, bandwidth: float) -> tuple[int, ...]:
         """Return how many pairs end with each grid of the ladder."""
-        more = _USUAL_BANDWIDTH / bandwidth
-        counts = self.pairs[: len(self.ladder_of(bandwidth))]
+        wide = bandwidth > _USUAL_BANDWIDTH
+        counts, more = (self.wide_pairs, 1.0) if wide else (self.pairs, _USUAL_BANDWIDTH / bandwidth)
+        counts = counts[: len(self.ladder_of(bandwidth))]
         return tuple(max(_LEAST_PAIRS, int(np.ceil(more * count - 1e-9))) for count in counts)
 
     def part(self, hursts: tuple[float, ...], bandwidths: tuple[float, ...]) -> Self | None:
@@ -136,6 +145,7 @@ class Options(StudyOptions):
             update={
                 "periods": 2 * self.periods,
                 "pairs": tuple(-(-count // 4) for count in self.pairs),
+                "wide_pairs": tuple(-(-count // 4) for count in self.wide_pairs),
                 "seed": self.seed + _APART,
             }
         )
@@ -216,7 +226,7 @@ def _samples(
         unsolved_seconds=sum(float(data.attrs["seconds"]) for data in statistics.values()),
         periods=options.periods,
         loads=np.array(options.reduced_pressures),
-        gradient=_surface(options, hurst, bandwidth).rms_gradient,
+        gradient=float(spectrum_of(_surface(options, hurst, bandwidth)).m2() ** 0.5),
     )
 
 

@@ -53,18 +53,18 @@ def with_size(table: xr.Dataset, larger: xr.Dataset) -> xr.Dataset:
     `_error`.
     """
     whole, cells = table.copy(), ("hurst", "bandwidth")
-    own = table.sel({name: larger[name] for name in cells})
+    same = table.sel({name: larger[name] for name in cells})
     for name in QUANTITIES:
+        own, other, width = same[name], larger[name], same[f"{name}_half_width"]
         # Nothing gives way in full contact, on samples of any size.
-        scale = np.abs(own[name]).where(own[name] != 0, 1.0)
-        width = np.hypot(own[f"{name}_half_width"], larger[f"{name}_half_width"]) / scale
-        weight = np.maximum(width, _SURE) ** -2
-        mean = (weight * (larger[name] - own[name]) / scale).sum(cells) / weight.sum(cells)
-        size = np.abs(table[name]) * np.maximum(np.abs(mean), weight.sum(cells) ** -0.5)
-        whole[f"{name}_size"] = size.transpose(*table[name].dims).assign_attrs(
+        scale = abs(own).where(own != 0, 1.0)
+        weight = ((width**2 + larger[f"{name}_half_width"] ** 2) / scale**2).clip(min=_SURE**2) ** -1.0
+        mean = (weight * (other - own) / scale).sum(cells) / weight.sum(cells)
+        share = np.maximum(abs(mean), weight.sum(cells) ** -0.5)
+        size = (abs(table[name]) * share).transpose(*table[name].dims)
+        total = (table[f"{name}_error"] ** 2 + size**2) ** 0.5
+        whole[f"{name}_size"] = size.assign_attrs(
             long_name="half of the 95 % interval of the size of the sample"
         )
-        whole[f"{name}_error"] = np.hypot(table[f"{name}_error"], whole[f"{name}_size"]).assign_attrs(
-            table[f"{name}_error"].attrs
-        )
+        whole[f"{name}_error"] = total.assign_attrs(table[f"{name}_error"].attrs)
     return whole.assign_attrs(larger_periods=larger.attrs["periods"])

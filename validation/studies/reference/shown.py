@@ -32,7 +32,7 @@ _ALPHAS, _MIDDLING = (3.0, 4.0, 6.0, 10.0, 16.0), 0.3
 
 def table(dataset: xr.Dataset) -> ResultTable:
     """Return one row for each spectrum and load, those of exact amplitudes first."""
-    rows = []
+    rows: list[tuple[float | str, ...]] = []
     for at in itertools.product(*(range(dataset.sizes[name]) for name in _AXES)):
         here = dataset.isel(dict(zip(_AXES, at, strict=True)))
         if not np.isfinite(here.area):
@@ -186,7 +186,7 @@ def _alpha_figure(dataset: xr.Dataset) -> Figure:
     found = at_equal_alpha(dataset, _ALPHAS)
     loads = _some_loads(dataset)
     figure, panels = new_figure(width=4.0 * len(loads), columns=len(loads))
-    for axes, j in zip(np.ravel(panels), loads, strict=True):
+    for axes, j in zip(panels, loads, strict=True):
         here, load = found.isel(reduced_pressure=j), float(found.reduced_pressure[j])
         for h, hurst in enumerate(here.hurst.values):
             own = here.isel(hurst=h)
@@ -199,7 +199,7 @@ def _alpha_figure(dataset: xr.Dataset) -> Figure:
         axes.minorticks_off()
         axes.set_xlabel(r"Nayak's $\alpha$ of $C(q)$")
         axes.legend(fontsize=7)
-    np.ravel(panels)[0].set_ylabel(r"$\kappa = (A/A_0) / p^*$")
+    panels[0].set_ylabel(r"$\kappa = (A/A_0) / p^*$")
     return figure
 
 
