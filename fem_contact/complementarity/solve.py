@@ -215,14 +215,17 @@ def _afresh(passes: Passes, vanishing: float, *, roughly: bool = False) -> tuple
 
 def _set_start(passes: Passes, start: Array | None, mean_force: float) -> None:
     xp, force, bound = passes.xp, passes.force, passes.bound
-    if start is None:
-        force[...] = mean_force
-    else:
+    if start is not None:
         if xp is np:
             np.maximum(start, 0.0, out=force)
         else:
             force[...] = xp.where(start > 0, start, xp.zeros_like(start))
-        force *= mean_force / float(xp.mean(force))
+    mean = 0.0 if start is None else float(xp.mean(force))
+    if mean > 0:
+        force *= mean_force / mean
+    else:
+        # Nor is a coarse solve of which nothing is left a start.
+        force[...] = mean_force
     if bound is not None:
         force[...] = xp.where(force < bound, force, bound)
         _restore_load(passes, mean_force)
