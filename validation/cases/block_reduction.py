@@ -154,7 +154,7 @@ CASES = (
     *(
         Case(
             name=f"block-reduction-{name}",
-            claim=f"The reduced and the assembled block have one solution: {element}, nu = {nu}.",
+            claim=f"The reduced and the full block have one solution: {element}, nu = {nu}.",
             run=partial(_both_ways, element, shape, nu),
             source=_SAME,
             quick=quick,
