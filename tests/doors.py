@@ -351,6 +351,10 @@ def block_doors() -> dict[str, Door]:
             block.BlockResponse(mesh=planned, solid=held["solid"], width=1 / 12).compliance,
             {"qx": np.array([1.0, 2.0]), "qy": np.array([1.0, 2.0])},
         ),
+        "block.assembled_field": (
+            block.assembled_field,
+            {"solution": block.solve(**held, mean_pressure=0.01), "tolerance": 1e-8},
+        ),
         "block.graded_layers": (block.graded_layers, {"depth": 8.0, "first": 1.0, "growth": 1.2}),
         "block.wave_errors": (
             block.wave_errors,

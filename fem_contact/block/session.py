@@ -39,9 +39,8 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 
 if TYPE_CHECKING:
-    import scipy.sparse as sp
-
-    from fem_contact.block.full.multigrid import Hierarchy
+    from fem_contact.block.full.multigrid import StencilBlock
+    from fem_contact.block.full.quadratic import QuadraticBlock
     from fem_contact.block.reduced.heterogeneous import HeterogeneousBlock
     from fem_contact.block.reduced.surface import SurfaceOperator
 
@@ -56,16 +55,14 @@ _METHODS = {
     "multigrid": "finite elements, full system: active set, conjugate gradients with geometric multigrid",
     "refined": "finite elements, full system: active set, conjugate gradients with multigrid of the "
     "trilinear cells between the nodes",
-    "assembled": "finite elements, full system: active set, conjugate gradients with smoothed aggregation",
     "reduced": "finite elements, reduced exactly to the surface nodes by Fourier transform",
     "heterogeneous": "finite elements, all unknowns: active set, matrix-free conjugate gradients, "
     "preconditioned by Fourier solves of a layered block",
 }
 
-#: Peak bytes per unknown of the full system that is assembled, by order: stiffness, its reduced copy,
-#: hierarchy, assembly; and of the one on the grids of the multigrid: some nineteen fields.
-_BYTES_PER_UNKNOWN = {1: 5100, 2: 11_500}
-_BYTES_PER_GRID_UNKNOWN = 158
+#: Peak bytes per unknown of the full system: some nineteen fields; where the modulus varies sideways, nine
+#: more for the factors of every column.
+_BYTES_PER_UNKNOWN, _BYTES_OF_FACTORS = 158, 80
 
 #: Libraries, and what does not grow with the block.
 _BASE_BYTES = 250_000_000
@@ -113,18 +110,16 @@ def planned_mesh(
 
 def needed_bytes(mesh: BlockMesh, method: Method, *, lateral: bool = False) -> int:
     """Estimate the memory of a solve."""
-    order = mesh.element.order
     if method == "full":
-        each = _BYTES_PER_GRID_UNKNOWN if order == 1 else _BYTES_PER_UNKNOWN[order]
-        return _BASE_BYTES + each * mesh.unknowns
+        return _BASE_BYTES + (_BYTES_PER_UNKNOWN + lateral * _BYTES_OF_FACTORS) * mesh.unknowns
     if lateral:
         return _BYTES_PER_FREE_UNKNOWN * mesh.unknowns
-    return _BYTES_PER_NODE[order] * mesh.shape[0] * mesh.shape[1]
+    return _BYTES_PER_NODE[mesh.element.order] * mesh.shape[0] * mesh.shape[1]
 
 
 @dataclass(kw_only=True)
 class Session:
-    """What all solves of one surface on one block share: the assembled matrix or the surface's operator."""
+    """What all solves of one surface on one block share: the block's grids or its surface's operator."""
 
     surface: HeightField
     solid: Solid
@@ -237,8 +232,8 @@ class Session:
         return solve_reduced_offset(problem, self.response, self.operator)
 
     @cached_property
-    def shared(self) -> Hierarchy | sp.bsr_array:
-        """What all full solves share: the grids of the multigrid, or the assembled stiffness."""
+    def shared(self) -> StencilBlock | QuadraticBlock:
+        """What all full solves share: the block with the grids of its multigrid."""
         from fem_contact.block.full.system import prepared
 
         return prepared(self.problem)
@@ -364,7 +359,7 @@ def _provenance(problem: Problem, *, width: float, found: Found) -> dict[str, st
     mesh = problem.mesh
     widest = float(np.max(mesh.layers[:-1] / mesh.layers[1:])) if mesh.nz > 1 else 1.0
     share = "cell area" if mesh.element.order == 1 else "node area (corner : edge : centre = 1 : 2 : 4)"
-    text = {
+    return {
         "method": _METHODS[found.method],
         "element": mesh.element.name,
         "mesh": f"{mesh.cells[0]} x {mesh.cells[1]} x {mesh.nz} cells, {mesh.unknowns} unknowns",
@@ -374,9 +369,6 @@ def _provenance(problem: Problem, *, width: float, found: Found) -> dict[str, st
         "tolerance": f"{problem.tolerance:.3g} (reached: {found.note})",
         "scikit-fem": version("scikit-fem"),
     }
-    if found.method == "assembled":
-        text["pyamg"] = version("pyamg")
-    return text
 
 
 def _cell_moduli(modulus: Modulus | None, mesh: BlockMesh, width: float) -> Array | None:

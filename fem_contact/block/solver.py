@@ -89,10 +89,8 @@ def solve(
         p0 [Pa], positive.
     method : {"reduced", "full"}
         "full" solves for all unknowns of the block: an active set, conjugate gradients with geometric
-        multigrid (pyamg's smoothed aggregation where the modulus varies sideways, or triquadratic cells are
-        nearly incompressible; the provenance names it). "reduced" eliminates the inside exactly, wavevector
-        by wavevector, and solves for the surface by FFT: the same discrete solution at a small part of the
-        cost.
+        multigrid and no matrix. "reduced" eliminates the inside exactly, wavevector by wavevector, and solves
+        for the surface by FFT: the same discrete solution at a small part of the cost.
     modulus : callable, optional
         Young's modulus of the block over `solid.young`, evaluated at the cells' centres x (nx, 1, 1), y (1,
         ny, 1), z (1, 1, nz) [m]. Where it varies sideways, the reduced method keeps the whole block, with a

@@ -215,10 +215,17 @@ def _afresh(passes: Passes, vanishing: float, *, roughly: bool = False) -> tuple
 
 def _set_start(passes: Passes, start: Array | None, mean_force: float) -> None:
     xp, force, bound = passes.xp, passes.force, passes.bound
-    force[...] = mean_force if start is None else start
     if start is not None:
-        force[force < 0] = 0
-        force *= mean_force / float(xp.mean(force))
+        if xp is np:
+            np.maximum(start, 0.0, out=force)
+        else:
+            force[...] = xp.where(start > 0, start, xp.zeros_like(start))
+    mean = 0.0 if start is None else float(xp.mean(force))
+    if mean > 0:
+        force *= mean_force / mean
+    else:
+        # Nor is a coarse solve of which nothing is left a start.
+        force[...] = mean_force
     if bound is not None:
         force[...] = xp.where(force < bound, force, bound)
         _restore_load(passes, mean_force)
@@ -346,17 +353,19 @@ def solve_nested(
     if start is not None and not given:
         start = refined(start, heights.shape)
         start = start if weights is None else start * weights
-    solution = _placed(
-        device,
-        operator,
-        heights,
-        mean_force=mean_force,
-        length_scale=length_scale,
-        settings=settings.remaining(began),
-        start=start,
-        bound=bound,
-        single=not double and heights.size >= _SINGLE,
-    )
+    options: dict[str, Any] = {
+        "mean_force": mean_force,
+        "length_scale": length_scale,
+        "settings": settings.remaining(began),
+        "start": start,
+        "bound": bound,
+    }
+    single = not double and heights.size >= _SINGLE
+    solution = _placed(device, operator, heights, single=single, **options)
+    if solution.status is Status.STAGNATED and single:
+        # Next to a bound that leaves hardly a choice the digits of a step may be too few.
+        options["start"], pairs = solution.force, pairs + solution.fft_pairs
+        solution = _placed(device, operator, heights, **options)
     return replace(solution, fft_pairs=solution.fft_pairs + pairs)
 
 

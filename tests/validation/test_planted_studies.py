@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
-from planted import SMALL, STUDENT, THREE, PlantedBench, block, column, contact, measurement
+from planted import SMALL, STUDENT, THREE, PlantedBench, block, column, contact, located, measurement
 
 from fem_contact.area import ContactAreas
 from fem_contact.surface import HeightField
@@ -48,7 +48,7 @@ def grown():
             edge_fraction=2 / n,
             edge_constant=0.103,
             spacing=(1 / n, 1 / n),
-            subcell=value,
+            subcell=located(value, 2 / n),
             cells=n * n,
         )
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from validation.audit import audit
-from validation.cases import Case, Check
+from validation.cases import Check, case
 from validation.cases._closed_forms import westergaard_mean_pressure, westergaard_pressure
 from validation.comparison.compared import Scatter
 from validation.comparison.run import run_scene
@@ -22,8 +22,6 @@ from validation.measures.budget import Budget, budget_table, grid_share
 from validation.measures.ladders import rungs_limit
 from validation.measures.statistics import combined, mean_over_surfaces, order_of_convergence
 from validation.scenes.scene import Scene
-
-__all__ = ["CASES"]
 
 _YOUNG, _POISSON = 1e6, 0.3
 _MODULUS = _YOUNG / (1 - _POISSON**2)
@@ -65,6 +63,11 @@ _HALF_WIDTH, _AMPLITUDE = 0.3, 1e-3
 _WAVE_GRIDS = (64, 128, 256)
 
 
+@case(
+    "comparison-wave",
+    "Of a wave pressed as a scene, every number of table, summary and sentences is Westergaard's.",
+    source="H. M. Westergaard, J. Appl. Mech. 6, 49 (1939); Persson 2006, Eq. 20",
+)
 def _wave() -> list[Check]:
     """Press a cosine of period 1 until it touches over 60 %; its file holds 32 x 4 points."""
     load = westergaard_mean_pressure(_AMPLITUDE, half_width=_HALF_WIDTH, contact_modulus=_MODULUS)
@@ -151,6 +154,11 @@ _ROUGH = {
 }
 
 
+@case(
+    "comparison-full-contact",
+    "Of a surface in full contact, every number of the table is exact.",
+    source="Persson 2006, Eq. 20; exact",
+)
 def _full() -> list[Check]:
     """Press a rough surface with eight deviations of its full-contact stress."""
     reduced = 4.0
@@ -188,6 +196,11 @@ def _full() -> list[Check]:
     return checks
 
 
+@case(
+    "comparison-ensemble",
+    "Each surface of an ensemble is compared with the theory of its own gradient.",
+    source="Persson 2006, Eq. 20; exact",
+)
 def _ensemble() -> list[Check]:
     """Press three surfaces of one spectrum with one pressure: each has its own gradient and theory."""
     with tempfile.TemporaryDirectory() as name:
@@ -234,6 +247,11 @@ def _ensemble() -> list[Check]:
     ]
 
 
+@case(
+    "comparison-intervals",
+    "Intervals that claim 95 % hold in 95 of 100 trials, and shares of a budget add up.",
+    source="Student, Biometrika 6, 1 (1908)",
+)
 def _intervals() -> list[Check]:
     """Plant means and scatters, and see what intervals are claimed and how often they hold."""
     checks = []
@@ -275,31 +293,3 @@ def _intervals() -> list[Check]:
     )
     checks.append(Check.relative("standard error of the mean", scatter.mean_error, 0.1 / math.sqrt(3), 1e-12))
     return checks
-
-
-CASES = (
-    Case(
-        name="comparison-wave",
-        claim="Of a wave pressed as a scene, every number of table, summary and sentences is Westergaard's.",
-        run=_wave,
-        source="H. M. Westergaard, J. Appl. Mech. 6, 49 (1939); Persson 2006, Eq. 20",
-    ),
-    Case(
-        name="comparison-full-contact",
-        claim="Of a surface in full contact, every number of the table is exact.",
-        run=_full,
-        source="Persson 2006, Eq. 20; exact",
-    ),
-    Case(
-        name="comparison-ensemble",
-        claim="Each surface of an ensemble is compared with the theory of its own gradient.",
-        run=_ensemble,
-        source="Persson 2006, Eq. 20; exact",
-    ),
-    Case(
-        name="comparison-intervals",
-        claim="Intervals that claim 95 % hold in 95 of 100 trials, and shares of a budget add up.",
-        run=_intervals,
-        source="Student, Biometrika 6, 1 (1908)",
-    ),
-)

@@ -14,9 +14,7 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from persson.leakage import effective_medium
 from validation.arrays import Array
-from validation.cases import Case, Check
-
-__all__ = ["CASES"]
+from validation.cases import Check, case
 
 _SOLID = Solid(young=1.0, poisson=0.2)
 _HALF_SPACE = HalfSpace(solid=_SOLID)
@@ -41,6 +39,11 @@ def _spot(n: int, radius: float) -> float:
     return 1 / conductance / (holm + neighbours)
 
 
+@case(
+    "flow-spot",
+    "The contact resistance of a circular spot is Holm's, with the field of its neighbours.",
+    source="R. Holm (1967); J. R. Barber, Proc. R. Soc. A 459, 53 (2003)",
+)
 def _spots() -> list[Check]:
     """Resistance of a circular spot, and stiffness of a layer in full contact."""
     coarse, fine = _spot(96, 0.1), _spot(192, 0.1)
@@ -61,6 +64,11 @@ def _spots() -> list[Check]:
     ]
 
 
+@case(
+    "flow-stiffness",
+    "The stiffness of the frozen contact set is the slope of the load over the approach.",
+    source="exact: without friction the area changes in the second order alone",
+)
 def _slope() -> list[Check]:
     """Slope of the load over the approach between two solves close to one another."""
     x = 2 * np.pi * np.arange(64) / 64
@@ -88,6 +96,11 @@ def _grooved(n: int, phase: Array) -> Array:
     return 1 + 0.6 * np.cos(phase) + np.zeros((n, n))
 
 
+@case(
+    "flow-channel",
+    "The conductance of a gap is that of its channels and grooves.",
+    source="O. Reynolds (1886); oblique grooves: the mean of both conductances",
+)
 def _channels() -> list[Check]:
     """Let fluid along a channel, along grooves, across them, and along oblique ones."""
     gap = np.zeros((9, 7))
@@ -115,6 +128,11 @@ def _channels() -> list[Check]:
     ]
 
 
+@case(
+    "flow-percolation",
+    "A pressed wave leaks along its valleys alone; Bruggeman's medium closes at one half.",
+    source="exact; D. A. G. Bruggeman, Ann. Phys. 416, 636 (1935)",
+)
 def _percolation() -> list[Check]:
     """Let fluid along the valleys of a pressed wave, and through patchworks of two halves."""
     wave = 0.01 * np.cos(2 * np.pi * (np.arange(48) + 0.5) / 48)[:, None] * np.ones(4)
@@ -139,31 +157,3 @@ def _percolation() -> list[Check]:
             "Bruggeman's conductance of .51 without any", effective_medium([0.0, 1.0], [0.51, 0.49]), 0.0
         ),
     ]
-
-
-CASES = (
-    Case(
-        name="flow-spot",
-        claim="The contact resistance of a circular spot is Holm's, with the field of its neighbours.",
-        run=_spots,
-        source="R. Holm (1967); J. R. Barber, Proc. R. Soc. A 459, 53 (2003)",
-    ),
-    Case(
-        name="flow-stiffness",
-        claim="The stiffness of the frozen contact set is the slope of the load over the approach.",
-        run=_slope,
-        source="exact: without friction the area changes in the second order alone",
-    ),
-    Case(
-        name="flow-channel",
-        claim="The conductance of a gap is that of its channels and grooves.",
-        run=_channels,
-        source="O. Reynolds (1886); oblique grooves: the mean of both conductances",
-    ),
-    Case(
-        name="flow-percolation",
-        claim="A pressed wave leaks along its valleys alone; Bruggeman's medium closes at one half.",
-        run=_percolation,
-        source="exact; D. A. G. Bruggeman, Ann. Phys. 416, 636 (1935)",
-    ),
-)

@@ -27,9 +27,7 @@ from fem_contact.stress import (
 )
 from fem_contact.surface import HeightField, random_surface
 from validation.arrays import Array
-from validation.cases import Case, Check
-
-__all__ = ["CASES"]
+from validation.cases import Check, case
 
 _SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
@@ -59,6 +57,11 @@ def _planted() -> ContactResult:
     return replace(plain, in_contact=contact, pressure=pressure, gap=gap, weights=weights)
 
 
+@case(
+    "results-areas",
+    "Areas, edges, patches and distributions count what was planted, periodic and weighted.",
+    source="counting",
+)
 def _areas() -> list[Check]:
     """Count what was planted: 6 + 3 + 2 cells of .2 x .05, 9 edges across x each side's worth of its own."""
     result = _planted()
@@ -88,8 +91,12 @@ def _areas() -> list[Check]:
     ]
 
 
+@case(
+    "results-numbers",
+    "P(0+), energy, work and stiffness of fields with a known answer are that answer.",
+    source="closed forms; Persson 2006, Eq. 43 for the energy",
+)
 def _numbers() -> list[Check]:
-    """P(0+), stored energy, work and stiffness, each of fields with a known answer."""
     surface = _rough()
     full = bem.solve(surface, _SOFT, mean_pressure=10.0).checked()
     stored = surface.spectral_sum(lambda q: q / 4)
@@ -154,9 +161,15 @@ _ODD, _NOISE = 0.0005, (0.006, 0.026)
 
 def _spread(patches: float) -> Array:
     """Deviations of the orders, and last what each grid is off by anew, for so many patches of contact."""
-    return np.array([*_SIZES, _ODD]) * np.array([1.0, *[(80 / patches) ** 0.25] * len(_SIZES)])
+    few = (80 / patches) ** 0.25
+    return np.array([_SIZES[0], *(few * size for size in (*_SIZES[1:], _ODD))])
 
 
+@case(
+    "results-limits",
+    "Limits over grids are off by what they claim, and twice that holds.",
+    source="generalised least squares; docs/uncertainty.md",
+)
 def _limits() -> list[Check]:
     """Draw areas from the law of their error, and see how far limits are off over what they claim."""
     rng, area = np.random.default_rng(2_203), 0.2
@@ -218,6 +231,11 @@ def _best(values: list[float]) -> tuple[float, float]:
     return best, math.sqrt(max(1.0, float(rest @ weight @ rest)) / weight.sum())
 
 
+@case(
+    "results-residuals",
+    "Residuals measure by how much each condition is missed, and what exceeds them is refused.",
+    source="definition",
+)
 def _residuals() -> list[Check]:
     """Miss every condition by a planted amount, and see it measured and refused."""
     surface = _rough(16)
@@ -270,6 +288,11 @@ def _residuals() -> list[Check]:
     ]
 
 
+@case(
+    "results-status",
+    "A solve that ends early says so, and what converged meets its tolerance.",
+    source="definition",
+)
 def _status() -> list[Check]:
     """Stop solves early, and ask the impossible; look at converged ones with plain sums."""
     surface, solid, load = _rough(), Solid(young=1.0, poisson=0.0), 0.01
@@ -302,37 +325,3 @@ def _status() -> list[Check]:
                 Check.below(f"its load, {tolerance:g}", p.mean() / load - 1, 10 * tolerance),
             ]
     return checks
-
-
-CASES = (
-    Case(
-        name="results-areas",
-        claim="Areas, edges, patches and distributions count what was planted, periodic and weighted.",
-        run=_areas,
-        source="counting",
-    ),
-    Case(
-        name="results-numbers",
-        claim="P(0+), energy, work and stiffness of fields with a known answer are that answer.",
-        run=_numbers,
-        source="closed forms; Persson 2006, Eq. 43 for the energy",
-    ),
-    Case(
-        name="results-limits",
-        claim="Limits over grids are off by what they claim, and twice that holds.",
-        run=_limits,
-        source="generalised least squares; docs/uncertainty.md",
-    ),
-    Case(
-        name="results-residuals",
-        claim="Residuals measure by how much each condition is missed, and what exceeds them is refused.",
-        run=_residuals,
-        source="definition",
-    ),
-    Case(
-        name="results-status",
-        claim="A solve that ends early says so, and what converged meets its tolerance.",
-        run=_status,
-        source="definition",
-    ),
-)

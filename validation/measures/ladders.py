@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from validation.errors import RunFailed
 from validation.measures.common import SHIFTS, base_case, base_surface, named
-from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.measures.measurement import Measurement, area_limits, grid_for, grid_tolerance
 from validation.measures.statistics import combined, mean_over_surfaces, pair_means
 from validation.scenes.realised import Realised
 
@@ -216,7 +216,10 @@ class Ladders:
         grids = tuple(grid_for(case, points) for points in self.points_per_wave)
         return tuple(
             Measurement(
-                realised=replace(case.further(pair), inverted=inverted), grids=grids, shifts=self.shifts
+                realised=replace(case.further(pair), inverted=inverted),
+                grids=grids,
+                shifts=self.shifts,
+                tolerance=grid_tolerance(case, grids),
             )
             for pair in range(pairs)
             for inverted in (False, True)

@@ -34,6 +34,7 @@ __all__ = [
     "area_limits",
     "areas_of",
     "grid_for",
+    "grid_tolerance",
     "has_square_cells",
     "limit_over",
     "without_waves_beyond",
@@ -67,6 +68,21 @@ def grid_for(realised: Realised, points_per_wave: float) -> Grid:
         for length in realised.lengths
     )
     return nx, ny
+
+
+#: Tolerance whose effect on the located area is below a hundredth of what its grids leave, at 8 points per
+#: shortest wave; that falls with the cube of the spacing (docs/bem.md).
+_TOLERANCE, _AT_POINTS, _LEAST_TOLERANCE = 1e-5, 8, 1e-8
+
+
+def grid_tolerance(realised: Realised, grids: Sequence[Grid]) -> float:
+    """Tolerance that areas on such grids deserve: below it, digits are computed that the grids do not have."""
+    points = max(
+        n * realised.shortest / length
+        for grid in grids
+        for n, length in zip(grid, realised.lengths, strict=True)
+    )
+    return max(_TOLERANCE * min(1.0, (_AT_POINTS / points) ** 3), _LEAST_TOLERANCE)
 
 
 def has_square_cells(realised: Realised, grid: Grid) -> bool:

@@ -119,8 +119,7 @@ class Prediction:
 
     def summary(self) -> dict[str, Any]:
         """Return everything as JSON-ready data, null where there is no answer."""
-        said: dict[str, Any] = json_ready(asdict(self))
-        return said
+        return json_ready(asdict(self))
 
 
 def predict(

@@ -63,7 +63,7 @@ class Picture:
 
 def versions() -> dict[str, str]:
     """Versions of everything that shapes a result."""
-    names = ("fem-contact", "numpy", "scipy", "numba", "scikit-fem", "pyamg")
+    names = ("fem-contact", "numpy", "scipy", "numba", "scikit-fem")
     return {"Python": platform.python_version(), **{name: metadata.version(name) for name in names}}
 
 

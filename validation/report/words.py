@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -36,6 +36,10 @@ _SYMBOLS = (
 )
 
 
+@overload
+def json_ready(value: dict[str, Any]) -> dict[str, Any]: ...
+@overload
+def json_ready(value: Any) -> Any: ...
 def json_ready(value: Any) -> Any:
     """Return data, nested or not, with None for NaN and infinity, which JSON does not know.
 

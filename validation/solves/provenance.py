@@ -18,7 +18,7 @@ __all__ = ["SOLVES_MADE", "Made", "made_words"]
 SOLVES_MADE = "solves_made"
 
 #: Packages whose version may change a result.
-_SHAPING = ("fem-contact", "numpy", "scipy", "numba", "ducc0", "scikit-fem", "pyamg")
+_SHAPING = ("fem-contact", "numpy", "scipy", "numba", "ducc0", "scikit-fem")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -50,8 +50,10 @@ _QUANTITIES = {
     "effective_medium": "Bruggeman's K / mean gap^3 of the same gaps",
     "constriction": "narrowest place of the widest path / mean gap",
     "balance": "deviation of the flux between sections, relative",
+    "gap_density": "P(u) h_rms, without the contact",
+    "contact_threshold": "A/A0 where the contact begins to percolate",
+    "gap_threshold": "A/A0 where the gap ceases to percolate",
 }
-
 
 _MIDDLES = (GAP_EDGES[1:] + GAP_EDGES[:-1]) / 2
 #: Energies of the theory of gaps, by their g.
@@ -115,12 +117,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         "P(u) h_rms of the theory, without the contact",
         unit="1",
     )
-    data["gap_density"].attrs = {"units": "1", "long_name": "P(u) h_rms, without the contact"}
-    data["contact_threshold"].attrs = {
-        "units": "1",
-        "long_name": "A/A0 where the contact begins to percolate",
-    }
-    data["gap_threshold"].attrs = {"units": "1", "long_name": "A/A0 where the gap ceases to percolate"}
     data.attrs = {
         "study": "leak",
         "methods": "theory bem",

@@ -17,7 +17,7 @@ from pydantic import Field
 
 from validation.measures.common import Rising, base_case, base_surface, named, results_of
 from validation.measures.controlled import allocation as least_cost
-from validation.measures.measurement import Measurement, grid_for
+from validation.measures.measurement import Measurement, grid_for, grid_tolerance
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.solves.bench import Bench
@@ -152,6 +152,7 @@ def _solved(options: Options, counts: Sequence[int], *, bench: Bench) -> list[li
                 realised=first.further(k + _APART * level),
                 grids=tuple(grids[max(level - 1, 0) : level + 1]),
                 shifts=1,
+                tolerance=grid_tolerance(first, grids),
             )
             for level, count in enumerate(counts)
             for k in range(count)

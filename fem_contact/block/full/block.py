@@ -5,20 +5,15 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.full.linear import factorised, rigid_modes, smoothed_aggregation
-
 if TYPE_CHECKING:
-    import scipy.sparse as sp
-
     from fem_contact.block.mesh import BlockMesh
 
-__all__ = ["AssembledBlock", "Block", "MeshedBlock", "SetPreconditioner"]
+__all__ = ["Block", "MeshedBlock", "SetPreconditioner"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -120,92 +115,3 @@ class MeshedBlock(Block):
     def depth(self) -> float:
         """Thickness over the cell width."""
         return float(-self.mesh.planes[0])
-
-
-@dataclass(frozen=True, kw_only=True)
-class AssembledBlock(MeshedBlock):
-    """The assembled stiffness.
-
-    Attributes
-    ----------
-    matrix : scipy.sparse.bsr_array
-        Stiffness above the clamped plane, over E.
-    direct : bool
-        Precondition by a factorisation, which takes smoothed aggregation's place where that crawls and the
-        block is small.
-    """
-
-    matrix: sp.bsr_array
-    direct: bool = False
-
-    def apply(self, field: Array) -> Array:
-        """Multiply by the matrix."""
-        forces: Array = self.matrix @ field
-        return forces
-
-    def preconditioner(self, nodes: Mask) -> SetPreconditioner:
-        """Take the tied unknowns out of the matrix and precondition the rest."""
-        return _AssembledPreconditioner(self, nodes)
-
-    @cached_property
-    def modes(self) -> Array:
-        """Rigid-body modes at the free nodes."""
-        (nx, ny), z = self.mesh.shape, self.mesh.planes[1:]
-        order = self.mesh.element.order
-        grid = np.meshgrid(np.arange(nx) / order, np.arange(ny) * self.mesh.aspect / order, z, indexing="ij")
-        return rigid_modes(np.stack(grid, axis=-1).reshape(-1, 3))
-
-    @cached_property
-    def rows(self) -> NDArray[np.int64]:
-        """Block row of every stored block."""
-        return np.repeat(np.arange(self.matrix.indptr.size - 1), np.diff(self.matrix.indptr))
-
-    def without(self, tied: NDArray[np.int64]) -> tuple[sp.bsr_array, Mask]:
-        """Return the matrix with rows and columns of some unknowns emptied, and their mask."""
-        import scipy.sparse as sp
-
-        matrix, rows = self.matrix, self.rows
-        fixed: Mask = np.zeros(matrix.shape[0], dtype=bool)
-        fixed[tied] = True
-        per_node = np.reshape(fixed, (-1, 3))
-        node = np.asarray(per_node.any(axis=1))
-        data = matrix.data.copy()
-        touched = np.flatnonzero(node[rows] | node[matrix.indices])
-        data[touched] *= ~per_node[rows[touched]][:, :, None]
-        data[touched] *= ~per_node[matrix.indices[touched]][:, None, :]
-        own = touched[rows[touched] == matrix.indices[touched]]
-        # The diagonal stays, so that every row of the reduced matrix has the size of its neighbours.
-        kept = matrix.data[own].diagonal(axis1=1, axis2=2) * per_node[rows[own]]
-        data[own] += kept[:, :, None] * np.eye(3)
-        return sp.bsr_array((data, matrix.indices, matrix.indptr), shape=matrix.shape), fixed
-
-
-class _AssembledPreconditioner:
-    """Smoothed aggregation on the free unknowns; the offset by its Schur complement."""
-
-    def __init__(self, block: AssembledBlock, nodes: Mask) -> None:
-        self.tied = block.vertical(nodes)
-        matrix, fixed = block.without(self.tied)
-        modes = block.modes * ~fixed[:, None]
-        self.inverse = factorised(matrix) if block.direct else smoothed_aggregation(matrix, modes)
-        self.nbytes = int(matrix.data.nbytes) + self.inverse.nbytes
-        unit = np.zeros(matrix.shape[0])
-        unit[self.tied] = 1
-        coupling = block.apply(unit)
-        diagonal = float(coupling[self.tied].sum())
-        coupling[self.tied] = 0
-        self.answer = self._free(coupling)
-        # One cycle never overestimates the inverse, so the Schur complement stays positive.
-        self.schur = diagonal - float(coupling @ self.answer)
-
-    def _free(self, residual: Array) -> Array:
-        result = self.inverse.apply(residual)
-        result[self.tied] = 0
-        return result
-
-    def apply(self, residual: Array, load: float | None) -> tuple[Array, float]:
-        free = self._free(residual)
-        if load is None:
-            return free, 0.0
-        shift = (load - float(self.answer @ residual)) / self.schur
-        return free - shift * self.answer, shift

@@ -32,7 +32,7 @@ _QUADRANTS = ((1, 1), (-1, 1), (1, -1), (-1, -1))
 
 
 def corner_coefficients(mesh: BlockMesh, *, poisson: float) -> Array:
-    """Forces on the two nodes of one vertical edge of a cell of modulus 1.
+    """Return the forces on the two nodes of one vertical edge of a cell of modulus 1.
 
     With t and b the values above and below, the components (t + b of x and y, t - b of z) cause half the
     sum of the forces along x and y and half the difference of those along z; this is parity 0. Parity 1 is

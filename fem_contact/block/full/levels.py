@@ -1,4 +1,4 @@
-"""The grids of the multigrid: forces of the cells, relaxation of vertical lines, and transfer between grids."""
+"""Grids of the multigrid: forces of the cells, relaxation of vertical lines, transfer between grids."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class Level(ABC):
 
     @abstractmethod
     def following(self, held: Mask) -> Array:
-        """Displacement of columns whose top is moved by one upwards, their neighbours held; (m or 1, nz, 3)."""
+        """Displacement (m or 1, nz, 3) of held columns whose top is moved by one, their neighbours fixed."""
 
     @property
     def field_shape(self) -> tuple[int, int, int, int]:

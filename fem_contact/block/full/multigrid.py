@@ -13,16 +13,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.elements import ELEMENTS
-from fem_contact.block.full.block import AssembledBlock, Block, SetPreconditioner
+from fem_contact.block.full.block import Block, SetPreconditioner
 from fem_contact.block.full.cells import BlockFactors, corner_coefficients, overlap_means
 from fem_contact.block.full.levels import CellLevel, Level, StencilLevel, Transfer
 from fem_contact.block.full.stencil import LineFactors, stencil
 
 if TYPE_CHECKING:
+    from fem_contact.block.full.quadratic import QuadraticBlock
     from fem_contact.block.mesh import BlockMesh
 
-__all__ = ["Hierarchy", "Level", "RefinedBlock", "StencilBlock", "Transfer", "build_hierarchy"]
+__all__ = ["CyclePreconditioner", "Hierarchy", "Level", "StencilBlock", "Transfer", "build_hierarchy"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -177,7 +177,7 @@ class StencilBlock(Block):
 
     def preconditioner(self, nodes: Mask) -> SetPreconditioner:
         """Tie the nodes on all grids."""
-        return _CyclePreconditioner(self, nodes)
+        return CyclePreconditioner(self, nodes)
 
 
 def _sampled(values: Array, shape: tuple[int, int]) -> Array:
@@ -190,41 +190,10 @@ def _sampled(values: Array, shape: tuple[int, int]) -> Array:
     return np.ascontiguousarray(values)
 
 
-@dataclass(frozen=True, kw_only=True)
-class RefinedBlock(AssembledBlock):
-    """The assembled stiffness of triquadratic cells, preconditioned by the trilinear cells between its nodes.
-
-    Attributes
-    ----------
-    hierarchy : Hierarchy
-        As `refined_hierarchy` builds it.
-    """
-
-    hierarchy: Hierarchy
-
-    def preconditioner(self, nodes: Mask) -> SetPreconditioner:
-        """Tie the nodes on all grids."""
-        return _CyclePreconditioner(self, nodes)
-
-
-def refined_hierarchy(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Hierarchy:
-    """Build the grids of trilinear cells whose nodes are those of triquadratic ones, in the latter's units.
-
-    Both stiffnesses are spectrally equivalent: their ratio has bounds that do not depend on the grid.
-    """
-    nx, ny = mesh.shape
-    cells = replace(mesh, cells=(nx, ny), layers=np.repeat(mesh.layers, 2), element=ELEMENTS["Hex1"])
-    # A cell has half the width, and so half the stiffness.
-    half = np.full(cells.nz, 0.5)
-    return build_hierarchy(
-        cells, poisson=poisson, modulus=half if modulus is None else half * np.repeat(modulus, 2)
-    )
-
-
-class _CyclePreconditioner:
+class CyclePreconditioner:
     """One cycle on the free unknowns; the offset by its Schur complement."""
 
-    def __init__(self, block: StencilBlock | RefinedBlock, nodes: Mask) -> None:
+    def __init__(self, block: StencilBlock | QuadraticBlock, nodes: Mask) -> None:
         self.hierarchy, self.tied = block.hierarchy, block.hierarchy.tied(nodes)
         self.field_shape = self.hierarchy.levels[0].field_shape
         held = block.vertical(nodes)
@@ -235,7 +204,7 @@ class _CyclePreconditioner:
         coupling[held] = 0
         answer, share = self._free(coupling), 1.0
         moment = float(coupling @ answer)
-        if isinstance(block, RefinedBlock) or isinstance(self.hierarchy.levels[0], CellLevel):
+        if not (isinstance(block, StencilBlock) and isinstance(self.hierarchy.levels[0], StencilLevel)):
             # A cycle on other cells or mean moduli may overestimate the inverse; scaled to the least energy,
             # the answer still leaves a positive complement. On the same cells it never does.
             image = block.apply(answer)
@@ -250,6 +219,7 @@ class _CyclePreconditioner:
         return self.hierarchy.cycle(residual.reshape(self.field_shape), self.tied).ravel()
 
     def apply(self, residual: Array, load: float | None) -> tuple[Array, float]:
+        """Displacement and offset answering a residual; the offset is held where the load is None."""
         free = self._free(residual)
         if load is None:
             return free, 0.0

@@ -41,7 +41,7 @@ def most_steps(solution: BlockSolution) -> int:
     return int(text.split("at most ")[1].split(" steps")[0])
 
 
-@pytest.mark.parametrize("contrast", [0.1, 10.0])
+@pytest.mark.parametrize("contrast", [0.1, 10.0, 100.0])
 def test_particle_under_a_contact_agrees_with_the_full_system(contrast: float) -> None:
     surface = rough(16)
     full = press(surface, contrast, method="full", tolerance=1e-11)

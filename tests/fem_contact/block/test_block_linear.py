@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from fem_contact.block.full.linear import conjugate_gradients, rigid_modes
+from fem_contact.block.full.linear import conjugate_gradients
 
 
 def laplacian(n: int) -> np.ndarray:
@@ -86,14 +86,3 @@ def test_indefinite_operator_ends_unconverged() -> None:
         max_iterations=500,
     )
     assert not found.converged
-
-
-def test_rigid_modes_strain_nothing() -> None:
-    points = np.random.default_rng(8).random((7, 3))
-    modes = rigid_modes(points).reshape(7, 3, 6)
-    centred = points - points.mean(axis=0)
-    for mode in np.moveaxis(modes, -1, 0):
-        # Distances between points do not change to first order.
-        for a in range(7):
-            stretch = (centred - centred[a]) * (mode - mode[a])
-            np.testing.assert_allclose(stretch.sum(axis=1), 0, atol=1e-15)

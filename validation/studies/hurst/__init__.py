@@ -18,7 +18,7 @@ from validation.errors import UsageError
 from validation.measures.budget import Budget, budget_table, grid_drift, grid_share, solver_error
 from validation.measures.common import SHIFTS, Ladder, Rising, base_case, base_surface, named, persson_area
 from validation.measures.ladders import LADDERS, Ladders, rungs_of, spectral_share
-from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.measures.measurement import Measurement, area_limits, grid_for, grid_tolerance
 from validation.measures.statistics import Estimate, mean_over_surfaces, pair_means
 from validation.measures.theory import RANKED, VARIANTS, ensemble_area
 from validation.report.drawing import Drawing
@@ -165,12 +165,14 @@ def _cases(options: Options, spectra: Sequence[_Spectrum]) -> dict[_Case, Measur
     found = {}
     for i, spectrum in enumerate(spectra):
         base = base_case(spectrum.surface, reduced_pressure=options.reduced_pressures[0])
+        grids = tuple(grid_for(base, points) for points in options.points_per_wave)
         for pair, inverted in itertools.product(range(options.pairs), (False, True)):
             found[i, 2 * pair + inverted] = Measurement(
                 realised=replace(base.further(pair), inverted=inverted),
                 reduced_pressures=options.reduced_pressures,
-                grids=tuple(grid_for(base, points) for points in options.points_per_wave),
+                grids=grids,
                 shifts=options.shifts,
+                tolerance=grid_tolerance(base, grids),
             )
     return found
 

@@ -1,0 +1,122 @@
+r"""The stiffness of triquadratic cells by the parity of what deforms them.
+
+A box is symmetric under its three mirrors. Along each axis the three nodes a, m, c of a cell hold two even
+combinations, a + c and m, and an odd one, c - a. Sorted by how the mirrors turn their sign, the 81 unknowns
+of a cell fall into eight classes, of 12, 12, 12, 12, 9, 9, 9 and 6, that do not know of each other: 855 of
+the 6561 entries of the element matrix are left. `quadratic_kernels` multiplies by them; no matrix is stored.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_contact.block.elements import ELEMENTS, element_matrices
+from fem_contact.block.full.block import MeshedBlock, SetPreconditioner
+from fem_contact.block.full.multigrid import CyclePreconditioner, Hierarchy, build_hierarchy
+
+if TYPE_CHECKING:
+    from fem_contact.block.mesh import BlockMesh
+
+__all__ = ["QuadraticBlock", "parity_blocks", "refined_hierarchy"]
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+
+#: a + c, m and c - a from the nodes a, m, c of one axis, and whether they are odd.
+_COMBINATIONS = np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])
+_ODD = (0, 0, 1)
+
+#: Poisson ratio of the trilinear cells where the solid's is larger: 0, .2, .4 and .45 take more steps.
+_COMPRESSIBLE = 0.3
+
+
+@dataclass(frozen=True, kw_only=True)
+class ParityBlocks:
+    """Element matrices of the layers, class by class.
+
+    Attributes
+    ----------
+    entries : (nz, 855) array
+        The blocks, row by row, one after the other, over E times the cell width.
+    sizes : (8,) array of int
+    places : (3, 3, 3, 3) array of int
+        Row of each combination (x, y, z) of each component, classes one after the other.
+    """
+
+    entries: Array
+    sizes: NDArray[np.int64]
+    places: NDArray[np.int64]
+
+
+def parity_blocks(mesh: BlockMesh, *, poisson: float) -> ParityBlocks:
+    """Sort the element matrices of triquadratic cells by parity."""
+    matrices, offsets = element_matrices(mesh, poisson, condensed=True)
+    nodes = offsets @ np.array([9, 3, 1])
+    unknowns = (3 * np.argsort(nodes)[:, None] + np.arange(3)).ravel()
+    back = np.linalg.inv(_COMBINATIONS)
+    change = np.kron(np.kron(np.kron(back, back), back), np.eye(3))
+    folded = change.T @ matrices[:, unknowns[:, None], unknowns] @ change
+    # A component changes sign under its own mirror.
+    parity = [
+        4 * (_ODD[x] ^ (t == 0)) + 2 * (_ODD[y] ^ (t == 1)) + (_ODD[z] ^ (t == 2))
+        for x, y, z, t in np.ndindex(3, 3, 3, 3)
+    ]
+    order = np.argsort(parity, kind="stable")
+    sizes, places = np.bincount(parity), np.empty(81, dtype=np.int64)
+    places[order] = np.arange(81)
+    classes = np.split(order, np.cumsum(sizes)[:-1])
+    blocks = [folded[:, rows[:, None], rows].reshape(mesh.nz, -1) for rows in classes]
+    return ParityBlocks(
+        entries=np.concatenate(blocks, axis=1), sizes=sizes, places=places.reshape(3, 3, 3, 3)
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class QuadraticBlock(MeshedBlock):
+    """Triquadratic cells, preconditioned by the trilinear cells between their nodes.
+
+    Attributes
+    ----------
+    cells : ParityBlocks
+    modulus : (nx, ny, nz) array
+        Young's modulus of the cells over E.
+    hierarchy : Hierarchy
+        As `refined_hierarchy` builds it.
+    """
+
+    cells: ParityBlocks
+    modulus: Array
+    hierarchy: Hierarchy
+
+    def apply(self, field: Array) -> Array:
+        """Sum the forces of the cells."""
+        from fem_contact.block.full.quadratic_kernels import apply_quadratic
+
+        cells, u = self.cells, field.reshape(*self.shape, self.levels, 3)
+        forces = np.zeros_like(u)
+        apply_quadratic(cells.entries, cells.sizes, cells.places, self.modulus, u, forces)
+        return forces.ravel()
+
+    def preconditioner(self, nodes: Mask) -> SetPreconditioner:
+        """Tie the nodes on all grids."""
+        return CyclePreconditioner(self, nodes)
+
+
+def refined_hierarchy(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Hierarchy:
+    """Build the grids of trilinear cells whose nodes are those of triquadratic ones, in the latter's units.
+
+    Both stiffnesses are spectrally equivalent: their ratio has bounds that do not depend on the grid. Near
+    nu = 1/2 trilinear cells lock where ``Hex2/P1disc`` does not: those of a compressible solid serve it.
+    """
+    nx, ny = mesh.shape
+    poisson = min(poisson, _COMPRESSIBLE) if mesh.element.pressures else poisson
+    cells = replace(mesh, cells=(nx, ny), layers=np.repeat(mesh.layers, 2), element=ELEMENTS["Hex1"])
+    # A cell has half the width, and so half the stiffness.
+    halved = np.full(mesh.nz, 0.5) if modulus is None else 0.5 * modulus
+    for axis in range(halved.ndim):
+        halved = np.repeat(halved, 2, axis=axis)
+    return replace(build_hierarchy(cells, poisson=poisson, modulus=halved), depth=float(-mesh.planes[0]))
