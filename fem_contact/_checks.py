@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import numbers
 from collections.abc import Iterable
@@ -211,10 +212,18 @@ def listed(name: str, value: object, kind: type, *, what: str) -> None:
         raise InvalidInput(f"{name} = {shown(value)}: must be a list of {what}")
 
 
-def function(name: str, value: object) -> None:
-    """Refuse what cannot be called."""
+def function(name: str, value: object, *, of: tuple[str, ...] = ()) -> None:
+    """Refuse what cannot be called with the arguments named."""
+    wanted = f"a function of {' and '.join(of)}" if of else "a function"
     if not callable(value):
-        raise InvalidInput(f"{name} = {shown(value)}: must be a function")
+        raise InvalidInput(f"{name} = {shown(value)}: must be {wanted}")
+    if of:
+        try:
+            inspect.signature(value).bind(*of)
+        except ValueError:  # compiled functions may tell no signature
+            return
+        except TypeError:
+            raise InvalidInput(f"{name} = {shown(value)}: must be {wanted}") from None
 
 
 def alike(**arrays: Array) -> None:

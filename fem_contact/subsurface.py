@@ -20,7 +20,7 @@ from fem_contact._checks import room_for, samples, shown
 from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput, UnsupportedEffect
 from fem_contact.response import Response, check_response
-from fem_contact.settings import available_processors
+from fem_contact.settings import Settings
 from fem_contact.sheets import Exponential, Layered, body_of
 from fem_contact.stress import von_mises
 
@@ -290,7 +290,7 @@ class _Fields:
 
     def __init__(self, contact: ContactResult, body: Layered | Exponential, threads: int | None) -> None:
         self.body, self.shape = body, contact.shape
-        self.threads = available_processors() if threads is None else threads
+        self.threads = Settings(threads=threads).workers
         (nx, ny), (dx, dy) = contact.shape, contact.spacing
         qx = 2 * np.pi * scipy.fft.fftfreq(nx, dx)[:, None]
         qy = 2 * np.pi * scipy.fft.rfftfreq(ny, dy)[None, :]

@@ -16,10 +16,7 @@ import numpy as np
 
 from persson._checks import Array
 
-__all__ = ["STAGES", "advance", "matrices"]
-
-#: Abscissae of the stages.
-STAGES = np.array([0.25, 0.75, 0.55, 0.5, 1.0])
+__all__ = ["advance", "matrices"]
 
 #: Coefficients below the diagonal; the diagonal is 1/4, the weights are the last row.
 _LOWER = np.array(

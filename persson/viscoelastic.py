@@ -116,21 +116,12 @@ def crack_dissipation(
     size = math.inf if endless else positive("contact_size", contact_size, unit="m")
     if size <= radius:
         return 0.0
-    # With z = ln(r/a), r = 2 pi v / omega, the weight sqrt(1 - (a/r)^2) starts like a root: z = y^2.
-    points, weights = np.polynomial.legendre.leggauss(6)
-    panel = math.sqrt(_SPAN) / _PANELS
-    y = (panel * (np.arange(_PANELS)[:, None] + (1 + points) / 2)).ravel()
-    weights = np.tile(weights * panel / 2, _PANELS)
 
     def missing(blunt: float) -> float:
         """1 + f that the integral gives for a tip of radius a_0 (1 + f), less that factor, in logarithms."""
         tip = radius * math.exp(blunt)
-        end = math.sqrt(min(_SPAN, max(math.log(size / tip), 0.0))) if size < math.inf else math.sqrt(_SPAN)
-        share = end / math.sqrt(_SPAN)
-        z = (y * share) ** 2
-        loss = returned("loss_compliance", loss_compliance(speed / tip * np.exp(-z)), z.shape, unit="1/Pa")
-        root = np.sqrt(-np.expm1(-2 * z))
-        taken = 2 / math.pi * low * float(np.sum(weights * share * 2 * y * share * root * np.abs(loss)))
+        extent = _SPAN if endless else min(_SPAN, max(math.log(size / tip), 0.0))
+        taken = low * _compliance_taken(loss_compliance, highest=speed / tip, extent=extent)
         if not taken < 1:
             raise InvalidInput(
                 "loss_compliance: takes more than 1 / relaxed; the two do not belong to one solid"
@@ -144,3 +135,21 @@ def crack_dissipation(
         while missing(top) > 0:
             top *= 2
         return math.expm1(brentq(missing, 0.0, top, xtol=1e-12))
+
+
+def _compliance_taken(loss_compliance: Callable[[Array], Array], *, highest: float, extent: float) -> float:
+    r"""Return what the losses of a crack take of its compliance 1/E_0 [1/Pa].
+
+    .. math:: \frac{2}{\pi}\int \frac{d\omega}{\omega} \sqrt{1 - (\omega/\omega_1)^2}\;
+              \Bigl|\operatorname{Im}\frac{1}{E(\omega)}\Bigr|
+
+    over `extent` e-folds of frequency below the `highest`, omega_1 [1/s].
+    """
+    # With z = ln(omega_1 / omega) the weight sqrt(1 - exp(-2 z)) starts like a root: z = y^2.
+    points, weights = np.polynomial.legendre.leggauss(6)
+    panel = math.sqrt(extent) / _PANELS
+    y = (panel * (np.arange(_PANELS)[:, None] + (1 + points) / 2)).ravel()
+    weights = np.tile(weights * panel / 2, _PANELS)
+    z = y**2
+    loss = returned("loss_compliance", loss_compliance(highest * np.exp(-z)), z.shape, unit="1/Pa")
+    return 2 / math.pi * float(np.sum(weights * 2 * y * np.sqrt(-np.expm1(-2 * z)) * np.abs(loss)))

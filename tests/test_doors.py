@@ -4,23 +4,20 @@ import importlib.util
 import math
 import signal
 from contextlib import contextmanager
-from pathlib import Path
 
 import numpy as np
 import pytest
+from doors import block_doors, solver_doors
+from doors_of_theory import theory_doors
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from fem_contact.errors import FemContactError
 from persson.errors import PerssonError
 
-_SPEC = importlib.util.spec_from_file_location("doors", Path(__file__).with_name("doors.py"))
-_DOORS = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(_DOORS)
-
 #: Modules whose public names are all doors, or results, constants and types that need none.
-FEM = _DOORS.solver_doors() | _DOORS.block_doors()
-THEORY = _DOORS.theory_doors()
+FEM = solver_doors() | block_doors()
+THEORY = theory_doors()
 
 #: Processor seconds: more than the slowest sensible call takes, less than a hang.
 PATIENCE = 60
@@ -204,4 +201,4 @@ def test_every_public_function_is_among_the_doors(package):
             or (isinstance(value, type) and (issubclass(value, Exception) or hasattr(value, "__members__")))
         ):
             continue
-        assert id(value) in known, f"{package}.{name} is behind no door of tests/doors.py"
+        assert id(value) in known, f"{package}.{name} is behind no door of tests/doors*.py"

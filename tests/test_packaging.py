@@ -20,6 +20,7 @@ HEAVY = {
         "numba",
         "llvmlite",
         "skfem",
+        "pyamg",
         "meshio",
         "pyvista",
         "vtkmodules",
@@ -109,7 +110,7 @@ def test_the_console_command_is_declared(distribution):
 
 def test_the_command_line_starts_without_solvers_and_pictures(tmp_path):
     libraries = imported_libraries(["validation.cli"], tmp_path)
-    assert not libraries & {"numba", "skfem", "meshio", "pyvista", "matplotlib"}
+    assert not libraries & {"numba", "skfem", "pyamg", "meshio", "pyvista", "matplotlib"}
 
 
 def test_scenes_are_found_from_any_directory(tmp_path):

@@ -7,6 +7,7 @@ import functools
 import math
 import re
 import typing
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated
 
@@ -55,6 +56,15 @@ _LONGEST = 100
 _QUANTITY = re.compile(
     r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d{1,3})?)\s*([^\d\s][^\s]*(?:\s+[^\d\s][^\s]*)*)?\s*"
 )
+#: Units that most scenes name, over SI: read without the registry of all units, which takes half a second
+#: to load.
+_PLAIN = {
+    unit: {
+        prefix + unit: Fraction(10) ** power
+        for prefix, power in {"n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6, "G": 9}.items()
+    }
+    for unit in ("m", "Pa", "N")
+}
 #: Words for powers, which may be piled up as powers themselves may not.
 _POWER_WORDS = frozenset({"square", "squared", "sq", "cubic", "cubed"})
 _UNIT_TOKEN = re.compile(
@@ -99,6 +109,8 @@ def _read(value: object, *, unit: str, kind: str, example: str) -> float:
     number, symbol = found[1], found[2]
     if symbol is None:
         raise wrong(f"has no unit; {allowed} without quotes")
+    if symbol in _PLAIN.get(unit, ()):
+        return _in_bounds(Fraction(number) * _PLAIN[unit][symbol], unit)
     import pint
 
     try:
@@ -239,7 +251,15 @@ Lengths = Annotated[tuple[Length, Length], BeforeValidator(pair_of)]
 
 
 class Table(BaseModel):
-    """A table of the scene file: unknown keys are errors that name the known ones."""
+    """A table of the scene file: unknown keys are errors that name the known ones.
+
+    Attributes
+    ----------
+    meant : mapping of str to str
+        Which key is meant by another word for it.
+    """
+
+    meant: typing.ClassVar[Mapping[str, str]] = {}
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
 
@@ -249,8 +269,8 @@ class Table(BaseModel):
         if isinstance(data, dict):
             for key in data:
                 if key not in cls.model_fields:
-                    close = difflib.get_close_matches(str(key), cls.model_fields, n=1)
-                    hint = f"; did you mean {close[0]!r}?" if close else ""
+                    close = difflib.get_close_matches(str(key), (*cls.model_fields, *cls.meant), n=1)
+                    hint = f"; did you mean {cls.meant.get(close[0], close[0])!r}?" if close else ""
                     raise wrong(f"unknown key {key!r}{hint} Allowed: {', '.join(cls.model_fields)}")
         return data
 

@@ -42,7 +42,7 @@ SHOWN = {
     "conductance": ("conductance",),
     "leak": ("leak", "gap-distribution"),
     "macroasperities": ("macroasperity-pressure", "percolation"),
-    "reference": ("reference", "reference-verdict"),
+    "reference": ("reference", "reference-verdict", "reference-alpha"),
     "sliding": ("sliding",),
 }
 

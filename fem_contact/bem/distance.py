@@ -96,6 +96,8 @@ class LoadSearch:
         low, high, best, mark = 0.0, upper, np.inf, np.inf
         growth = float(np.exp(np.clip(self.gap / slope, -100.0, 100.0)))
         load = min(0.4 * modulus * gradient * growth, 0.5 * upper)
+        # A flat surface has no gradient to guess from.
+        load = load if load > 0 else 0.5 * upper
         start: Array | None = None
         pairs, iterations, loosest = 0.0, 0, 1e-3
         miss, previous, began = np.inf, (0.0, 0.0), time.monotonic()

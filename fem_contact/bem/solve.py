@@ -60,8 +60,8 @@ def solve(
     threads : int, optional
         Threads of transforms and of the passes between them; all available processors if not given.
     method : {"preconditioned", "double", "polonsky-keer"}
-        "preconditioned" solves grids of 256 x 256 points and more in single precision first, to residuals of
-        1e-6, and to the tolerance in double precision; "double" does without. "polonsky-keer" is slow,
+        "preconditioned" computes the steps of grids of 256 x 256 points and more in single precision, and the
+        gap afresh in double precision, by which it is judged; "double" does without. "polonsky-keer" is slow,
         plain, and there to check the others; it knows no bound.
     device : str or array, optional
         Where to iterate by plain array operations in double precision: a device of PyTorch, such as "cuda",

@@ -3,6 +3,7 @@
 from fem_contact.block.accuracy import WaveError, wave_errors
 from fem_contact.block.elements import ELEMENTS, Element
 from fem_contact.block.equilibrium import Equilibrium
+from fem_contact.block.full.assembled import assembled_field
 from fem_contact.block.hyperelastic.solver import FiniteStrain, solve_finite_strain, solve_slopes
 from fem_contact.block.mesh import BlockMesh, MeshOptions, graded_layers, plan_mesh
 from fem_contact.block.reduced.surface import BlockResponse
@@ -21,6 +22,7 @@ __all__ = [
     "FiniteStrain",
     "MeshOptions",
     "WaveError",
+    "assembled_field",
     "estimate",
     "graded_layers",
     "plan_mesh",

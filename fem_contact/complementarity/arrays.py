@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact._checks import shown
-from fem_contact.complementarity.passes import Errors, Passes, Slopes
+from fem_contact.complementarity.passes import Errors, Passes
 from fem_contact.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -123,20 +123,22 @@ class ArrayOperator:
 class ArrayPasses(Passes):
     """What `Passes` does, in plain array operations; the same names mean the same."""
 
-    def __init__(self, heights: Values, *, bound: Values | None, stiffness: float) -> None:
+    def __init__(self, operator: Operator, heights: Values, *, bound: Values | None, caution: float) -> None:
         self.xp = xp = namespace(heights)
-        self.heights, self.bound, self.stiffness = heights, bound, stiffness
-        self.force, self.displacement, self.step, self.image, self.buffer = (
-            xp.zeros_like(heights) for _ in range(5)
+        self.operator = self.quick = operator
+        self.heights, self.bound, self.stiffness = heights, bound, caution * operator.stiffness
+        self.single, self.force_unit, self.length_unit = False, 1.0, 1.0
+        self.force, self.displacement, self.gap, self.step, self.image, self.buffer = (
+            xp.zeros_like(heights) for _ in range(6)
         )
         self.working = xp.zeros_like(heights, dtype=xp.bool)
         self.count = heights.shape[0] * heights.shape[1]
-        self.share, self.pull_back, self._trial = 1.0, 0.0, None
+        self.slope = 0.0
 
     @property
     def nbytes(self) -> int:
         """Memory of the arrays, the heights included."""
-        return 8 * self.count * (6 if self.bound is None else 7) + self.count
+        return 8 * self.count * (7 if self.bound is None else 8) + self.count
 
     def _sum(self, values: Values) -> float:
         return float(self.xp.sum(values))
@@ -145,26 +147,27 @@ class ArrayPasses(Passes):
     def _phi(self) -> Values:
         return self.force if self.bound is None else self.force * (1 - self.force / self.bound)
 
-    def start(self, operator: Operator) -> tuple[float, float, float]:
-        """Apply the response afresh; sum phi, phi (u - h) and x u."""
-        operator.apply(self.force, self.displacement)
-        return self._weighed()
+    def start(self, *, roughly: bool = False) -> tuple[float, float]:
+        """Apply the response afresh; sum phi and phi (u - h)."""
+        self.operator.apply(self.force, self.displacement)
+        phi = self._phi
+        return self._sum(phi), self._sum(phi * (self.displacement - self.heights))
 
-    def _weighed(self) -> tuple[float, float, float]:
-        level, phi = self.displacement - self.heights, self._phi
-        return self._sum(phi), self._sum(phi * level), self._sum(self.force * self.displacement)
+    def place(self, offset: float) -> Errors:
+        """Write the gap at an offset, of the response just applied."""
+        self.gap[...] = self.displacement - self.heights + offset
+        return self.move(0.0, 0.0)
 
-    def residual(self, offset: float) -> Errors:
-        """Write the residual and the working set; measure by how much the conditions are missed."""
+    def move(self, factor: float, shift: float) -> Errors:
+        """Move the gap by `factor` steps and a change of offset, and measure the conditions there."""
         xp, x = self.xp, self.force
-        gap = self.displacement - self.heights + offset
+        self.gap[...] = gap = self.gap + factor * self.image + shift
         aim = x - self.stiffness * gap
         free = xp.ones_like(self.working) if self.bound is None else x < self.bound
         self.working = (
             aim > 0 if self.bound is None else xp.where(x < 0.5 * self.bound, aim > 0, aim < self.bound)
         )
         nothing = xp.zeros_like(gap)
-        self.buffer[...] = xp.where(self.working, -gap, nothing)
         borne = xp.where(free, x, nothing)
         inside = xp.where(self.working, self._phi, nothing)
         highest = -np.inf if self.bound is None else float(xp.max(xp.where(free, nothing - np.inf, gap)))
@@ -178,11 +181,12 @@ class ArrayPasses(Passes):
             image=self._sum(inside * self.image),
         )
 
-    def precondition(self, operator: Operator) -> tuple[float, float]:
+    def precondition(self) -> tuple[float, float]:
         """Turn the residual into z = E' M E residual; sum z, and z times the image of the last step."""
         xp = self.xp
         one, nothing = xp.ones_like, xp.zeros_like
-        counts, values = [xp.where(self.working, one(self.buffer), nothing(self.buffer))], [self.buffer]
+        counts = [xp.where(self.working, one(self.gap), nothing(self.gap))]
+        values = [-self.gap * counts[0]]
         while max(values[-1].shape) > 4 or len(values) < 2:
             summed = self._summed(xp.where(counts[-1] > 0, one(counts[-1]), nothing(counts[-1])))
             values.append(self._summed(values[-1]) / xp.where(summed > 0, summed, one(summed)))
@@ -190,7 +194,7 @@ class ArrayPasses(Passes):
         for k in range(len(values) - 2, -1, -1):
             spread = DECAY * self._spread(values[k + 1], values[k].shape)
             values[k] = xp.where(counts[k] > 0, values[k], spread)
-        operator.precondition(values[0], self.buffer)
+        self.operator.precondition(values[0], self.buffer)
         levels = [self.buffer]
         for k in range(len(values) - 1):
             rest = xp.where(counts[k] > 0, nothing(levels[k]), levels[k])
@@ -244,55 +248,55 @@ class ArrayPasses(Passes):
             )
         return fine
 
-    def trial(self, mean_force: float, *, offset: float, length: float, beta: float, shift: float) -> None:
-        """Write the step to the clipped trial force of the prescribed load."""
-        xp, x, target = self.xp, self.force, mean_force * self.count
+    def trial(self, load: float, *, length: float, beta: float, shift: float) -> None:
+        """Write the step to the clipped trial force of the prescribed sum."""
+        xp, x = self.xp, self.force
         nothing = xp.zeros_like(x)
         y = x + length * (self.buffer + beta * self.step - shift * self._phi)
         y = xp.where(self.working & (y > 0), y, nothing)
         if self.bound is None:
             total = self._sum(y)
             if total > 0:
-                y = y * (target / total)
-            self.step[...] = y - x
+                y = y * (load / total)
+            self._step_to(y)
             return
         y = xp.where(~self.working & (x >= 0.5 * self.bound), self.bound, y)
         y = xp.where(y < self.bound, y, self.bound)
         between = (y > 0) & (y < self.bound)
-        missing = target - self._sum(y)
+        missing = load - self._sum(y)
         room = xp.where(between, self.bound - y if missing > 0 else y, nothing)
         limit = self._sum(room)
         if abs(missing) > limit:
-            self.project(mean_force, offset)
+            self.project(load)
             return
-        self.step[...] = y + (missing / limit if limit > 0 else 0.0) * room - x
+        self._step_to(y + (missing / limit if limit > 0 else 0.0) * room)
 
-    def project(self, mean_force: float, offset: float) -> None:
-        """Write the step of the projected gradient: to the forces of that load nearest to x - stiffness g."""
-        xp = self.xp
-        aim = self.force - self.stiffness * (self.displacement - self.heights + offset)
+    def _step_to(self, force: Values) -> None:
+        self.step[...] = force - self.force
+        self.slope = self._sum(self.gap * self.step)
+
+    def project(self, load: float) -> None:
+        """Write the step of the projected gradient: to the forces of that sum nearest to x - stiffness g."""
+        xp, mean = self.xp, load / self.count
+        aim = self.force - self.stiffness * self.gap
 
         def clipped(shift: float) -> Values:
             moved = xp.where(aim + shift > 0, aim + shift, xp.zeros_like(aim))
             return moved if self.bound is None else xp.where(moved < self.bound, moved, self.bound)
 
-        low = mean_force - float(xp.max(aim))
-        high = (mean_force if self.bound is None else float(xp.max(self.bound))) - float(xp.min(aim))
+        low = mean - float(xp.max(aim))
+        high = (mean if self.bound is None else float(xp.max(self.bound))) - float(xp.min(aim))
         for _ in range(200):
             middle = 0.5 * (low + high)
             if not low < middle < high:
                 break
-            low, high = (
-                (middle, high) if self._sum(clipped(middle)) < mean_force * self.count else (low, middle)
-            )
-        self.step[...] = clipped(high) - self.force
+            low, high = (middle, high) if self._sum(clipped(middle)) < load else (low, middle)
+        self._step_to(clipped(high))
 
-    def search(self, offset: float, energy: float) -> Slopes:
-        """Slope and curvature of the elastic energy less work along the step."""
-        gap = self.displacement - self.heights + offset
-        bend = self._sum(self.step * self.image)
-        lift = self._sum(self.displacement * self.step)
-        return Slopes(slope=self._sum(gap * self.step), curvature=bend, lift=lift, plain=bend)
+    def bend(self) -> float:
+        """Apply the response to the step; its curvature, sum s v."""
+        self.operator.apply(self.step, self.image)
+        return self._sum(self.step * self.image)
 
     def room(self) -> float:
         """How many steps the bounds leave room for."""
@@ -304,20 +308,13 @@ class ArrayPasses(Passes):
             down = xp.where((s > 0) & (up < down), up, down)
         return float(xp.min(down))
 
-    def advance_residual(self, factor: float, offset: float) -> tuple[Errors, float, float]:
-        """Move by `factor` steps and write the residual for that offset; sum x (u - h) and x u."""
-        self.advance(factor)
-        _, moment, energy = self._weighed()
-        return self.residual(offset), moment, energy
-
     def advance(self, factor: float) -> tuple[float, float]:
-        """Move by `factor` steps; sum phi and phi (u - h) there."""
+        """Move the force by `factor` steps; sum phi, and phi times the gap there before the offset moves."""
         xp = self.xp
         moved = self.force + factor * self.step
         moved = xp.where(moved > 0, moved, xp.zeros_like(moved))
         if self.bound is not None:
             moved = xp.where(moved < self.bound * (1 - 1e-14), moved, self.bound)
         self.force[...] = moved
-        self.displacement[...] = self.displacement + factor * self.image
-        total, moment, _ = self._weighed()
-        return total, moment
+        phi = self._phi
+        return self._sum(phi), self._sum(phi * (self.gap + factor * self.image))

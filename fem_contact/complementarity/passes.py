@@ -8,46 +8,27 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.rows import Rows
 
 if TYPE_CHECKING:
     from fem_contact.complementarity.operator import Operator
 
-__all__ = ["Errors", "Passes", "Slopes"]
+__all__ = ["Errors", "Passes"]
 
 Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Slopes:
-    """The energy along the step.
-
-    Attributes
-    ----------
-    slope, curvature : float
-        First and second derivative per step.
-    lift : float
-        Sum of displacement times step.
-    plain : float
-        Curvature along the trial step, before it was scaled to the load.
-    """
-
-    slope: float
-    curvature: float
-    lift: float
-    plain: float
-
-
-@dataclass(frozen=True, kw_only=True)
 class Errors:
-    """By how much an iterate misses the contact conditions.
+    """By how much an iterate misses the contact conditions, in the units of the iteration.
 
     Attributes
     ----------
     moment, total : float
         sum x |g| and sum x over points below the bound.
     lowest, highest : float
-        Least gap of these points, greatest gap of points at the bound [m].
+        Least gap of these points, greatest gap of points at the bound.
     free, last, image : float
         Sums over the working set of phi (x, or x (1 - x / bound)), of the last step, and of phi times the
         image of that step.
@@ -62,7 +43,7 @@ class Errors:
     image: float
 
     def within(self, tolerance: float, *, least: float) -> bool:
-        """Whether complementarity, of `least` as sum x at least, and penetration meet a tolerance [m]."""
+        """Whether complementarity, of `least` as sum x at least, and penetration meet a tolerance."""
         return (
             self.moment <= tolerance * max(self.total, least)
             and max(-self.lowest, self.highest) <= 10 * tolerance
@@ -70,7 +51,7 @@ class Errors:
 
     @property
     def size(self) -> float:
-        """Mean |g| under the load [m]."""
+        """Mean |g| under the load."""
         return self.moment / self.total if self.total > 0 else 0.0
 
 
@@ -92,25 +73,56 @@ def _staggered(shape: tuple[int, int], place: int, dtype: type[np.floating[Any]]
 class Passes:
     """The arrays of one problem and the compiled passes over them, shared out over threads.
 
-    All are of the precision of the heights.
+    Force, displacement, heights and bound are double and in Pa and m. Gap, step and image are of the
+    precision and the units of the iteration: rounded, they are so to their own size, which falls with the
+    error, and what the rounding of images leaves in the gap goes when `start` applies the response afresh.
+
+    Parameters
+    ----------
+    operator : Operator
+    heights : (nx, ny) array
+        h [m].
+    bound : (nx, ny) array or None
+        Upper bound of the force [Pa].
+    caution : float
+        Share of the operator's stiffness by which the working set is told; see `solve`.
+    units : tuple of float, optional
+        Force [Pa] and length [m] in units of which the iteration runs in single precision; double precision
+        in Pa and m if not given.
+    threads : int
     """
 
     def __init__(
-        self, heights: NDArray[Any], *, bound: NDArray[Any] | None, stiffness: float, threads: int
+        self,
+        operator: Operator,
+        heights: Array,
+        *,
+        bound: Array | None,
+        caution: float,
+        units: tuple[float, float] | None = None,
+        threads: int,
     ) -> None:
         from fem_contact.complementarity import kernels
 
-        self.kernels, self.heights, self.bound, self.stiffness = kernels, heights, bound, stiffness
+        self.kernels, self.operator, self.quick = kernels, operator, operator
+        self.heights, self.bound = heights, bound
+        self.single = units is not None
+        self.force_unit, self.length_unit = (1.0, 1.0) if units is None else units
+        if units is not None:
+            assert isinstance(operator, FourierOperator)
+            self.quick = operator.single(self.force_unit / self.length_unit)
+        self.stiffness = caution * self.quick.stiffness
         self.xp: Any = np
         self.count = heights.size
         nx, ny = heights.shape
-        precision = heights.dtype.type
-        fields = (_staggered((nx, ny), place, precision) for place in range(1, 6))
-        self.force, self.displacement, self.step, self.image, self.buffer = fields
+        precision = np.float32 if self.single else np.float64
+        self.force, self.displacement = (_staggered((nx, ny), place, np.float64) for place in (1, 2))
+        self.gap, self.step, self.image, self.buffer = (
+            _staggered((nx, ny), place, precision) for place in (3, 4, 5, 6)
+        )
         self.step[:] = self.image[:] = 0
         self.working = np.zeros((nx, ny), dtype=bool)
-        self.share, self.pull_back = 1.0, 0.0
-        self._trial: tuple[float, float] | None = None
+        self.slope, self.most = 0.0, 0.0
         self.sums: list[NDArray[Any]] = []
         self.counts: list[NDArray[np.uint8]] = []
         while max(nx, ny) > 4 or not self.sums:
@@ -127,6 +139,7 @@ class Passes:
             self.heights,
             self.force,
             self.displacement,
+            self.gap,
             self.step,
             self.image,
             self.buffer,
@@ -134,32 +147,56 @@ class Passes:
         )
         return sum(array.nbytes for array in (*fields, *self.sums, *self.counts))
 
-    def start(self, operator: Operator) -> tuple[float, float, float]:
-        """Apply the response afresh; sum phi, phi (u - h) and x u."""
-        operator.apply(self.force, self.displacement)
-        total, moment, energy = self.rows.add(
-            self.kernels.weigh, self.force, self.displacement, self.heights, self.bound
-        )
-        return total, moment, energy
+    @property
+    def load_unit(self) -> float:
+        """One over the unit of force [1/Pa]."""
+        return 1 / self.force_unit
 
-    def residual(self, offset: float) -> Errors:
-        """Write the residual and the working set; measure by how much the conditions are missed."""
-        if self.bound is None:
-            return self._move(0.0, 0.0, offset)[0]
-        parts = self.coarse_rows.run(
-            self.kernels.residual_bounded,
+    def start(self, *, roughly: bool = False) -> tuple[float, float]:
+        """Apply the response afresh, in double precision unless `roughly`; sum phi and phi (u - h)."""
+        if roughly and self.single:
+            np.multiply(self.force, self.load_unit, out=self.step, casting="same_kind")
+            self.quick.apply(self.step, self.image)
+            self.step[:] = 0
+            self._afresh = self.image, 1.0
+        else:
+            self.operator.apply(self.force, self.displacement)
+            self._afresh = self.displacement, 1 / self.length_unit
+        u, per_u = self._afresh
+        total, moment = self.rows.add(
+            self.kernels.weigh,
             self.force,
-            self.displacement,
+            u,
             self.heights,
-            offset,
             self.bound,
+            self.load_unit,
+            per_u,
+            1 / self.length_unit,
+        )
+        return total, moment
+
+    def place(self, offset: float) -> Errors:
+        """Write the gap at an offset, of the response just applied."""
+        u, per_u = self._afresh
+        self.rows.run(self.kernels.place, self.gap, u, self.heights, per_u, 1 / self.length_unit, offset)
+        return self.move(0.0, 0.0)
+
+    def move(self, factor: float, shift: float) -> Errors:
+        """Move the gap by `factor` steps and a change of offset, and measure the conditions there."""
+        parts = self.coarse_rows.run(
+            self.kernels.move,
+            self.force,
+            self.gap,
+            self.step,
+            self.image,
+            self.bound,
+            factor,
+            shift,
+            self.load_unit,
             self.stiffness,
-            self.buffer,
             self.working,
             self.sums[0],
             self.counts[0],
-            self.step,
-            self.image,
         )
         moments, totals, lowest, highest, free, last, images = zip(*parts, strict=True)
         return Errors(
@@ -172,7 +209,7 @@ class Passes:
             image=sum(images),
         )
 
-    def precondition(self, operator: Operator) -> tuple[float, float]:
+    def precondition(self) -> tuple[float, float]:
         """Turn the residual into z = E' M E residual; sum z, and z times the image of the last step."""
         k, sums, counts = self.kernels, self.sums, self.counts
         for fine in range(len(sums) - 1):
@@ -180,8 +217,8 @@ class Passes:
         sums[-1] /= np.maximum(counts[-1], 1)
         for fine in range(len(sums) - 2, -1, -1):
             k.push(0, sums[fine].shape[0], sums[fine], counts[fine], sums[fine + 1], k.DECAY)
-        self.rows.run(k.push, self.buffer, self.working, sums[0], k.DECAY)
-        operator.precondition(self.buffer, self.buffer)
+        self.rows.run(k.extend, self.buffer, self.gap, self.working, sums[0], k.DECAY)
+        self.quick.precondition(self.buffer, self.buffer)
         self.coarse_rows.run(k.push_transposed, self.buffer, self.working, sums[0], k.DECAY)
         for fine in range(len(sums) - 1):
             rows = sums[fine + 1].shape[0]
@@ -192,129 +229,82 @@ class Passes:
         total, image = self.rows.add(k.finish, self.buffer, self.working, sums[0], self.image)
         return total, image
 
-    def trial(self, mean_force: float, *, offset: float, length: float, beta: float, shift: float) -> None:
-        """Write the step to the clipped trial force of the prescribed load."""
-        k, target = self.kernels, mean_force * self.count
-        self.share, self.pull_back, self._trial = 1.0, 0.0, None
-        if self.bound is None:
-            total, slope, lift = self.rows.add(
-                k.trial,
-                self.force,
-                self.buffer,
-                self.step,
-                self.working,
-                self.displacement,
-                self.heights,
-                offset,
-                length,
-                beta,
-                shift,
-            )
-            self._trial = slope, lift
-            # The trial force times `share` carries the load; its step is share * step - pull_back * force.
-            if total > 0 and abs(target / total - 1) > 1e-13:
-                self.share, self.pull_back = target / total, 1 - target / total
-            return
-        inside, rest, room = self.rows.add(
-            k.trial_bounded, self.force, self.buffer, self.step, self.working, self.bound, length, beta, shift
+    def trial(self, load: float, *, length: float, beta: float, shift: float) -> None:
+        """Write the step to the clipped trial force of the prescribed sum."""
+        total, above, below = self.rows.add(
+            self.kernels.trial,
+            self.force,
+            self.buffer,
+            self.step,
+            self.working,
+            self.bound,
+            self.load_unit,
+            length,
+            beta,
+            shift,
         )
-        missing = target - inside - rest
-        limit = room if missing > 0 else inside
-        if abs(missing) > limit:
-            self.project(mean_force, offset)
+        missing = load - total
+        limit = total if self.bound is None else above if missing > 0 else below
+        if self.bound is not None and abs(missing) > limit:
+            self.project(load)
             return
-        toward = missing / limit if limit > 0 and abs(missing) > 1e-13 * target else 0.0
-        self.rows.run(k.subtract_bounded, self.step, self.force, self.bound, toward)
+        self._restore(missing / limit if limit > 0 and abs(missing) > 1e-13 * load else 0.0)
 
-    def project(self, mean_force: float, offset: float) -> None:
-        """Write the step of the projected gradient: to the forces of that load nearest to x - stiffness g.
+    def _restore(self, toward: float) -> None:
+        parts = self.rows.run(
+            self.kernels.restore,
+            self.force,
+            self.gap,
+            self.step,
+            self.bound,
+            self.load_unit,
+            toward,
+        )
+        slopes, most = zip(*parts, strict=True)
+        self.slope, self.most = sum(slopes), max(most)
+
+    def project(self, load: float) -> None:
+        """Write the step of the projected gradient: to the forces of that sum nearest to x - stiffness g.
 
         Whatever the state, it is a direction of descent; it is slow and used where the other is none.
         """
-        self.share, self.pull_back, self._trial = 1.0, 0.0, None
-        aim = self.force - self.stiffness * (self.displacement - self.heights + offset)
-        top = np.inf if self.bound is None else self.bound
-        low = mean_force - float(np.max(aim))
-        high = (mean_force if self.bound is None else float(np.max(self.bound))) - float(np.min(aim))
+        force = self.force * self.load_unit
+        aim = force - self.stiffness * self.gap
+        top = np.inf if self.bound is None else self.bound * self.load_unit
+        mean = load / self.count
+        low = mean - float(np.max(aim))
+        high = (mean if self.bound is None else float(np.max(top))) - float(np.min(aim))
         for _ in range(200):
             middle = 0.5 * (low + high)
             if not low < middle < high:
                 break
-            if float(np.mean(np.clip(aim + middle, 0.0, top))) < mean_force:
+            if float(np.mean(np.clip(aim + middle, 0.0, top))) < mean:
                 low = middle
             else:
                 high = middle
-        np.subtract(np.clip(aim + high, 0.0, top), self.force, out=self.step)
+        self.step[...] = np.clip(aim + high, 0.0, top) - force
+        self._restore(0.0)
 
-    def search(self, offset: float, energy: float) -> Slopes:
-        """Slope and curvature of the elastic energy less work along the step; `energy` is sum x u."""
-        k = self.kernels
-        if self._trial is None:
-            slope, bend, lift = self.rows.add(
-                k.line, self.force, self.displacement, self.heights, offset, self.step, self.image
-            )
-            return Slopes(slope=slope, curvature=bend, lift=lift, plain=bend)
-        (bend,) = self.rows.add(k.bend, self.step, self.image)
-        slope, lift = self._trial
-        share, back = self.share, self.pull_back
-        # The offset makes sum g x vanish, and x times the image of s is s times that of x.
-        return Slopes(
-            slope=share * slope,
-            curvature=share**2 * bend - 2 * share * back * lift + back**2 * energy,
-            lift=share * lift - back * energy,
-            plain=bend,
-        )
+    def bend(self) -> float:
+        """Apply the response to the step; its curvature, sum s v."""
+        self.quick.apply(self.step, self.image)
+        (bend,) = self.rows.add(self.kernels.bend, self.step, self.image)
+        return bend
 
     def room(self) -> float:
         """How many steps the bounds leave room for; never less than one, since the trial force keeps them."""
-        parts = self.rows.run(
-            self.kernels.room, self.force, self.step, self.bound, self.share, self.pull_back
-        )
-        return min(most for (most,) in parts)
-
-    def advance_residual(self, factor: float, offset: float) -> tuple[Errors, float, float]:
-        """Move by `factor` steps and write the residual for that offset; sum x (u - h) and x u; no bound."""
-        return self._move(factor * self.share, factor * self.pull_back, offset)
-
-    def _move(self, share: float, pull_back: float, offset: float) -> tuple[Errors, float, float]:
-        parts = self.coarse_rows.run(
-            self.kernels.advance_residual,
-            self.force,
-            self.displacement,
-            self.heights,
-            self.step,
-            self.image,
-            share,
-            pull_back,
-            offset,
-            self.stiffness,
-            self.buffer,
-            self.working,
-            self.sums[0],
-            self.counts[0],
-        )
-        moments, totals, torques, energies, lowest, free, last, images = zip(*parts, strict=True)
-        errors = Errors(
-            moment=sum(moments),
-            total=sum(totals),
-            lowest=min(lowest),
-            highest=-np.inf,
-            free=sum(free),
-            last=sum(last),
-            image=sum(images),
-        )
-        return errors, sum(torques), sum(energies)
+        return max(1.0, 1 / self.most) if self.most > 0 else np.inf
 
     def advance(self, factor: float) -> tuple[float, float]:
-        """Move by `factor` steps; sum phi and phi (u - h) there; under a bound."""
+        """Move the force by `factor` steps; sum phi, and phi times the gap there before the offset moves."""
         total, moment = self.rows.add(
-            self.kernels.advance_bounded,
+            self.kernels.advance,
             self.force,
-            self.displacement,
-            self.heights,
+            self.gap,
             self.step,
             self.image,
-            factor,
             self.bound,
+            self.load_unit,
+            factor,
         )
         return total, moment

@@ -33,6 +33,7 @@ def solve_bounded(
     start: Array | None = None,
     bound: Array | None = None,
     draft: bool = False,
+    single: bool = False,
 ) -> Solution:
     """Preconditioned conjugate gradients under bounds; two operator applications per step.
 
@@ -57,6 +58,9 @@ def solve_bounded(
     draft : bool
         Return the first forces that meet the tolerance, not settled and not applied afresh, or those at which
         the residual stops falling: they only start another solve.
+    single : bool
+        Compute steps, their images and the gap in single precision, where its range holds the problem. The
+        gap is computed afresh in double precision on the way and at the end, where it is judged.
 
     Notes
     -----
@@ -70,15 +74,25 @@ def solve_bounded(
     inverse (a half derivative) answers with a logarithm of the resolution; extended, the number of steps
     hardly depends on the grid.
     """
-    stiffness = _CAUTION * operator.stiffness
     if isinstance(operator, ArrayOperator):
-        passes: Passes = ArrayPasses(heights, bound=bound, stiffness=stiffness)
+        passes: Passes = ArrayPasses(operator, heights, bound=bound, caution=_CAUTION)
     else:
-        passes = Passes(heights, bound=bound, stiffness=stiffness, threads=settings.workers)
+        units = _units(operator, mean_force=mean_force, length_scale=length_scale) if single else None
+        passes = Passes(
+            operator, heights, bound=bound, caution=_CAUTION, units=units, threads=settings.workers
+        )
     _set_start(passes, start, mean_force)
-    return _iterate(
-        operator, passes, mean_force=mean_force, length_scale=length_scale, settings=settings, draft=draft
-    )
+    return _iterate(passes, mean_force=mean_force, length_scale=length_scale, settings=settings, draft=draft)
+
+
+def _units(operator: Operator, *, mean_force: float, length_scale: float) -> tuple[float, float] | None:
+    """Force and length in units of which single precision holds a problem; None where it does not."""
+    if not (isinstance(operator, FourierOperator) and length_scale > 0):
+        return None
+    factor, range_ = mean_force / length_scale, np.finfo(np.float32)
+    sizes = operator.compliance.ravel()[1:]
+    least, most = float(np.min(sizes)) * factor, float(np.max(sizes)) * factor
+    return (mean_force, length_scale) if range_.tiny * 1e6 < least and most < range_.max * 1e-6 else None
 
 
 #: Trial length of the first step, and the range it may move in; the preconditioner is scaled like the inverse
@@ -104,45 +118,36 @@ _PATIENCE = 60
 _DRAFT_PATIENCE = 4
 
 
+#: Fall of the error after which the gap is computed afresh in double precision, where steps are single.
+_AFRESH = 1e-3
+
+
 def _iterate(
-    operator: Operator,
-    passes: Passes,
-    *,
-    mean_force: float,
-    length_scale: float,
-    settings: Settings,
-    draft: bool,
+    passes: Passes, *, mean_force: float, length_scale: float, settings: Settings, draft: bool
 ) -> Solution:
-    began, tolerance = time.monotonic(), settings.tolerance
+    began, tolerance = time.monotonic(), settings.tolerance * length_scale / passes.length_unit
     enough = _DRAFT_PATIENCE if draft else _PATIENCE
-    total, moment, energy = passes.start(operator)
-    applications, iteration, length, curvature = 1, 0, _FIRST, 0.0
-    least, patience, status = np.inf, enough, Status.ITERATION_LIMIT
-    verified, plain = draft, False
-    errors: Errors | None = None
+    load = mean_force / passes.force_unit * passes.count
     # Where all that bear have yielded but for rounding, the points between say nothing of the offset.
-    load = mean_force * passes.count
     vanishing = 0.0 if passes.bound is None else _VANISHING * load
+    offset, errors = _afresh(passes, vanishing, roughly=True)
+    applications, iteration, length, curvature = 1, 0, _FIRST, 0.0
+    least, patience, status, renewed = np.inf, enough, Status.ITERATION_LIMIT, errors.size
+    exact, verified, plain = not passes.single, draft, False
     while True:
-        if not total > 0 and passes.bound is None:
-            # At vanishing load a step may round every force away: the closest point carries it.
-            _settle(passes, mean_force)
-            total, moment, energy = passes.start(operator)
-            applications, curvature, errors = applications + 1, 0.0, None
-        if errors is None:
-            # phi . g = 0: the offset is the gap below the load, so that scaling phi is no descent.
-            offset = -moment / total if total > vanishing else _offset_between(passes)
-            errors = passes.residual(offset)
-        if errors.within(tolerance * length_scale, least=_BELOW * load):
+        if errors.within(tolerance, least=_BELOW * load):
             if verified:
                 status = Status.CONVERGED
                 break
             # Forces that were on their way out are taken away, and the displacement, so far carried along by
             # additions, is computed afresh: the answer is judged by what is returned.
             _settle(passes, mean_force)
-            total, moment, energy = passes.start(operator)
-            applications, verified, errors = applications + 1, True, None
+            offset, errors = _afresh(passes, vanishing)
+            applications, verified, exact, renewed = applications + 1, True, True, errors.size
             continue
+        if passes.single and not draft and errors.size < _AFRESH * renewed:
+            offset, errors = _afresh(passes, vanishing)
+            applications, exact, renewed = applications + 1, True, errors.size
         patience = enough if errors.size < 0.9 * least else patience - 1
         least = min(least, errors.size)
         if patience == 0:
@@ -155,49 +160,72 @@ def _iterate(
             break
         iteration += 1
         if plain:
-            passes.project(mean_force, offset)
+            passes.project(load)
         else:
-            z_sum, z_image = passes.precondition(operator)
+            z_sum, z_image = passes.precondition()
             free, beta = errors.free, 0.0
             if curvature > 0 and free > 0:
                 beta = max(0.0, -(z_image - z_sum / free * errors.image) / curvature)
             shift = (z_sum + beta * errors.last) / free if free > 0 else 0.0
-            passes.trial(mean_force, offset=offset, length=length, beta=beta, shift=shift)
-        operator.apply(passes.step, passes.image)
+            passes.trial(load, length=length, beta=beta, shift=shift)
+        curvature = passes.bend()
         applications += 1 if plain else 2
-        verified = draft
-        along = passes.search(offset, energy)
-        best = -along.slope / along.curvature if along.curvature > 0 else 0.0
+        verified, exact = draft, False
+        best = -passes.slope / curvature if curvature > 0 else 0.0
         # The trial force keeps the bounds: a single step does.
         room = passes.room() if best > 1 else 1.0
         factor = min(best, room)
         plain = best <= 0
         if plain:
             # Clipping has turned the direction uphill: the plain projected gradient points down.
-            curvature, errors = 0.0, passes.residual(offset)
+            curvature, errors = 0.0, passes.move(0.0, 0.0)
             continue
-        curvature = along.plain
-        if passes.bound is None:
-            # The load is kept, so the next offset follows from sums along the step: one pass does for two.
-            moment += factor * (along.slope + along.lift) + factor**2 * along.curvature
-            offset = -moment / total
-            errors, moment, energy = passes.advance_residual(factor, offset)
-            total = errors.total
+        total, moment = passes.advance(factor)
+        if total > vanishing:
+            # phi . g = 0: the offset is the gap below the load, so that scaling phi is no descent.
+            errors = passes.move(factor, -moment / total)
+            offset -= moment / total
+        elif passes.bound is None:
+            # At vanishing load a step may round every force away: the closest point carries it.
+            passes.move(factor, 0.0)
+            _settle(passes, mean_force)
+            offset, errors = _afresh(passes, vanishing)
+            applications, curvature = applications + 1, 0.0
         else:
-            total, moment = passes.advance(factor)
-            errors = None
+            passes.move(factor, 0.0)
+            between = _offset_between(passes)
+            errors = passes.move(0.0, between)
+            offset += between
         length = min(max(length * (best if best <= room else 0.9 * best), _LEAST), _GREATEST)
-    return _solution(
-        operator, passes, offset=offset, status=status, iterations=iteration, applications=applications
-    )
+    if not (draft or exact):
+        offset, errors = _afresh(passes, vanishing)
+        applications += 1
+    return _solution(passes, offset=offset, status=status, iterations=iteration, applications=applications)
+
+
+def _afresh(passes: Passes, vanishing: float, *, roughly: bool = False) -> tuple[float, Errors]:
+    """Apply the response afresh; the offset and the errors there."""
+    total, moment = passes.start(roughly=roughly)
+    if total > vanishing:
+        return -moment / total, passes.place(-moment / total)
+    passes.place(0.0)
+    offset = _offset_between(passes)
+    return offset, passes.move(0.0, offset)
 
 
 def _set_start(passes: Passes, start: Array | None, mean_force: float) -> None:
     xp, force, bound = passes.xp, passes.force, passes.bound
-    force[...] = mean_force if start is None else start
     if start is not None:
-        force[force < 0] = 0
-        force *= mean_force / float(xp.mean(force))
+        if xp is np:
+            np.maximum(start, 0.0, out=force)
+        else:
+            force[...] = xp.where(start > 0, start, xp.zeros_like(start))
+    mean = 0.0 if start is None else float(xp.mean(force))
+    if mean > 0:
+        force *= mean_force / mean
+    else:
+        # Nor is a coarse solve of which nothing is left a start.
+        force[...] = mean_force
     if bound is not None:
         force[...] = xp.where(force < bound, force, bound)
         _restore_load(passes, mean_force)
@@ -210,7 +238,7 @@ def _settle(passes: Passes, mean_force: float) -> None:
         force[~passes.working] = 0
         if not float(xp.mean(force)) > 0:
             # At vanishing load the gap's rounding may leave no point in the set: the closest one carries it.
-            closest = int(xp.argmin(passes.displacement - passes.heights))
+            closest = int(xp.argmin(passes.gap))
             force[closest // force.shape[1], closest % force.shape[1]] = mean_force
         force *= mean_force / float(xp.mean(force))
     else:
@@ -233,12 +261,12 @@ def _restore_load(passes: Passes, mean_force: float) -> None:
 
 
 def _offset_between(passes: Passes) -> float:
-    """Offset where every loaded point is at its bound and none lies between.
+    """Change of offset where every loaded point is at its bound and none lies between.
 
     Any offset that opens no loaded point and closes no other is right; the one of least indentation is meant.
     Short of the solution there is none, and the middle leaves both kinds of points something to do.
     """
-    xp, level = passes.xp, passes.displacement - passes.heights
+    xp, level = passes.xp, passes.gap
     # Forces of the size of rounding are none.
     loaded = passes.force > (0.0 if passes.bound is None else 1e-14 * passes.bound)
     endless = xp.zeros_like(level) + math.inf
@@ -248,18 +276,18 @@ def _offset_between(passes: Passes) -> float:
 
 
 def _solution(
-    operator: Operator, passes: Passes, *, offset: float, status: Status, iterations: int, applications: int
+    passes: Passes, *, offset: float, status: Status, iterations: int, applications: int
 ) -> Solution:
     force, bound = passes.force, passes.bound
     return Solution(
         force=force,
         displacement=passes.displacement,
-        offset=offset,
+        offset=offset * passes.length_unit,
         in_contact=force > 0,
         at_bound=force < 0 if bound is None else force >= bound,
         status=status,
         iterations=iterations,
-        fft_pairs=applications * operator.pairs,
+        fft_pairs=applications * passes.operator.pairs,
         peak_bytes=passes.nbytes,
     )
 
@@ -290,7 +318,7 @@ def solve_nested(
     weights : (nx, ny) array, optional
         Weights of the nodes of the finest grid, where they differ.
     double : bool
-        Never draft in single precision.
+        No single precision anywhere.
     device : Device, optional
         Where each grid is solved by plain array operations, all in double precision.
     operator, heights, mean_force, length_scale, settings, bound
@@ -301,7 +329,7 @@ def solve_nested(
     The heights of a coarse grid are freed of the waves it cannot carry. `Solution.fft_pairs` counts the pairs
     of all grids, each by its share of points.
     """
-    given, pairs, steps, began = start is not None, 0.0, 0, time.monotonic()
+    given, pairs, began = start is not None, 0.0, time.monotonic()
     coarsely = replace(settings, tolerance=max(settings.tolerance, _COARSE))
     levels = [heights]
     for shape in [] if given else _coarse_shapes(heights.shape):
@@ -318,38 +346,27 @@ def solve_nested(
             start=None if start is None else refined(start, shape),
             bound=None if bound is None else _nearest(bound if weights is None else bound / weights, shape),
             draft=True,
+            single=not double and smooth.size >= _SINGLE,
         )
         start = solution.force
         pairs += solution.fft_pairs * start.size / heights.size
     if start is not None and not given:
         start = refined(start, heights.shape)
         start = start if weights is None else start * weights
-    double = double or device is not None or heights.size < _DRAFTED
-    if not double and isinstance(operator, FourierOperator):
-        first = _drafted(
-            operator,
-            heights,
-            mean_force=mean_force,
-            length_scale=length_scale,
-            settings=settings.remaining(began),
-            start=start,
-            bound=bound,
-        )
-        if first is not None:
-            start, steps, pairs = first.force, first.iterations, pairs + first.fft_pairs
-            settings = replace(settings, max_iterations=max(settings.max_iterations - steps, 1))
-            del first
-    solution = _placed(
-        device,
-        operator,
-        heights,
-        mean_force=mean_force,
-        length_scale=length_scale,
-        settings=settings.remaining(began),
-        start=start,
-        bound=bound,
-    )
-    return replace(solution, fft_pairs=solution.fft_pairs + pairs, iterations=solution.iterations + steps)
+    options: dict[str, Any] = {
+        "mean_force": mean_force,
+        "length_scale": length_scale,
+        "settings": settings.remaining(began),
+        "start": start,
+        "bound": bound,
+    }
+    single = not double and heights.size >= _SINGLE
+    solution = _placed(device, operator, heights, single=single, **options)
+    if solution.status is Status.STAGNATED and single:
+        # Next to a bound that leaves hardly a choice the digits of a step may be too few.
+        options["start"], pairs = solution.force, pairs + solution.fft_pairs
+        solution = _placed(device, operator, heights, **options)
+    return replace(solution, fft_pairs=solution.fft_pairs + pairs)
 
 
 def _placed(
@@ -374,45 +391,8 @@ def _placed(
     return device.fetched(solution)
 
 
-def _drafted(
-    operator: FourierOperator,
-    heights: Array,
-    *,
-    mean_force: float,
-    length_scale: float,
-    settings: Settings,
-    start: Array | None,
-    bound: Array | None,
-) -> Solution | None:
-    """Solve in single precision as far as its digits go; None for scales that it cannot hold.
-
-    Forces are in units of the load, lengths of `length_scale`, so that no unit system leaves its range.
-    """
-    if not length_scale > 0:
-        return None
-    factor = mean_force / length_scale
-    range_ = np.finfo(np.float32)
-    sizes = operator.compliance.ravel()[1:]
-    if not (np.min(sizes) * factor > range_.tiny * 1e6 and np.max(sizes) * factor < range_.max * 1e-6):
-        return None
-    solution = solve_bounded(
-        operator.single(factor),
-        ((heights - np.mean(heights)) / length_scale).astype(np.float32),
-        mean_force=1.0,
-        length_scale=1.0,
-        settings=replace(settings, tolerance=max(settings.tolerance, _SINGLE)),
-        start=None if start is None else (start / np.mean(start)).astype(np.float32),
-        bound=None if bound is None else np.minimum(bound / mean_force, 1e30).astype(np.float32),
-        draft=True,
-    )
-    return solution if np.all(np.isfinite(solution.force)) and np.mean(solution.force) > 0 else None
-
-
-#: Tolerance to which single precision is free: its digits hold the gap to some 1e-7 of the roughness.
-_SINGLE = 1e-6
-
-#: Grids with fewer points are solved in double precision at once.
-_DRAFTED = 256**2
+#: Grids with fewer points are solved in double precision.
+_SINGLE = 256**2
 
 #: Tolerance of the coarse grids: their answer is off by the discretisation anyway.
 _COARSE = 1e-2

@@ -164,10 +164,10 @@ def random_waves(
     """Draw the waves of one realisation; parameters and errors as of `random_surface`."""
     lengths = checked_lengths(lengths)
     q_short = positive("q_short", q_short, unit="1/m")
-    function("spectrum", spectrum)
+    truth("isotropic", isotropic)
+    function("spectrum", spectrum, of=("q",) if isotropic else ("qx", "qy"))
     choice("amplitudes", amplitudes, ("exact", "gaussian"))
     m, n, q = _half_plane(lengths, q_short)
-    truth("isotropic", isotropic)
     if isotropic:
         power = array("spectrum(q)", spectrum(q), power=4)
     else:

@@ -61,10 +61,6 @@ def test_each_pass_is_the_twin_of_the_compiled_one(shape: tuple[int, int], bound
     bound = 1 + generator.random(shape) if bounded else None
     fields = [generator.standard_normal(shape) for _ in range(4)]
     fields[0] = np.minimum(np.maximum(fields[0], 0), 1.5 if bound is None else bound)
-    both = (
-        Passes(heights, bound=bound, stiffness=0.1, threads=1),
-        ArrayPasses(heights, bound=bound, stiffness=0.1),
-    )
 
     class Echo:
         """An operator that returns what it is given, twice."""
@@ -76,20 +72,26 @@ def test_each_pass_is_the_twin_of_the_compiled_one(shape: tuple[int, int], bound
 
         precondition = apply
 
+    both = (
+        Passes(Echo(), heights, bound=bound, caution=0.1, threads=1),
+        ArrayPasses(Echo(), heights, bound=bound, caution=0.1),
+    )
     answers = []
     for passes in both:
         passes.force[...], passes.displacement[...], passes.step[...], passes.image[...] = fields
-        found = [np.array(list(vars(passes.residual(0.2)).values()))]
-        found.append(passes.precondition(Echo()))
-        found.append(passes.buffer.copy())
-        passes.trial(0.4, offset=0.2, length=0.7, beta=0.4, shift=0.2)
-        found.append(passes.share * passes.step - passes.pull_back * passes.force)
-        passes.project(0.4, 0.2)
-        found.append(passes.step.copy())
-        found.append(np.array(list(vars(passes.search(0.2, 0.3)).values())))
+        found: list[Any] = [passes.start()]
+        found.append(np.array(list(vars(passes.place(0.2)).values())))
+        found.append(np.array(list(vars(passes.move(0.3, 0.1)).values())))
+        found.append(passes.precondition())
+        found.append(np.where(passes.working, passes.buffer, 0))
+        passes.trial(0.4 * heights.size, length=0.7, beta=0.4, shift=0.2)
+        found.extend((passes.step.copy(), passes.slope))
+        passes.project(0.4 * heights.size)
+        found.extend((passes.step.copy(), passes.slope))
+        found.append(passes.bend())
         found.append(passes.room())
-        found.append(passes.advance(0.8) if bounded else passes.advance_residual(0.8, 0.4)[1:])
-        found.extend((passes.force.copy(), passes.displacement.copy()))
+        found.append(passes.advance(0.8))
+        found.extend((passes.force.copy(), passes.displacement.copy(), passes.gap.copy()))
         answers.append(found)
     for compiled, plain in zip(*answers, strict=True):
         np.testing.assert_allclose(plain, compiled, rtol=1e-10, atol=1e-12)

@@ -1,5 +1,7 @@
 """The boundary-element solver against closed forms, symmetries and changes of unit."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from surfaces import LATTICE_CUBE, rough_surface
@@ -496,3 +498,29 @@ def test_two_equal_peaks_that_have_yielded_bear_one_load_over_a_range_of_offsets
     assert result.offset == pytest.approx(offset, rel=1e-7)
     assert result.mean_pressure == pytest.approx(bound / 18, rel=1e-9)
     assert result.at_bound.sum() == 2
+
+
+def test_points_that_a_loose_solve_leaves_on_the_wrong_side_are_in_its_area_interval() -> None:
+    """No interval of a rough solve misses the strict area, and it narrows in proportion to the tolerance."""
+    moved, widths = 0, []
+    for seed in (7, 11):
+        for load in (3e-3, 0.05, 0.4):
+            surface = rough((96, 96), seed=seed)
+            strict = solve(surface, SOFT, mean_pressure=load, tolerance=1e-11).checked()
+            area = float(np.mean(strict.in_contact))
+            assert strict.area_interval == (area, area)
+            for tolerance in (2e-3, 1e-4):
+                loose = solve(surface, SOFT, mean_pressure=load, tolerance=tolerance).checked()
+                least, most = loose.area_interval
+                moved += int(np.count_nonzero(loose.in_contact != strict.in_contact))
+                assert least <= np.mean(loose.in_contact & strict.in_contact)
+                assert np.mean(loose.in_contact | strict.in_contact) <= most
+                widths.append((most - least) / area)
+    assert moved > 10
+    assert max(widths[1::2]) < 0.1 * max(widths[::2])
+
+
+def test_a_result_without_tolerance_has_no_area_interval() -> None:
+    result = solve(rough(), SOFT, mean_pressure=0.1)
+    with pytest.raises(InvalidInput, match="area_interval"):
+        _ = replace(result, tolerance=None).area_interval

@@ -73,106 +73,113 @@ def extension(occupied: Array, levels: int) -> Array:
 @pytest.mark.parametrize("shape", [(16, 16), (13, 10), (9, 16), (1, 12), (5, 2)])
 def test_extension_and_its_transpose_are_the_matrix_they_should_be(shape: tuple[int, int]) -> None:
     generator = np.random.default_rng(17)
-    heights = generator.standard_normal(shape)
-    passes = Passes(heights, bound=None, stiffness=0.1, threads=1)
-    passes.force[:] = generator.random(shape) < 0.3
-    passes.displacement[:] = generator.standard_normal(shape)
-    passes.step[:] = passes.image[:] = 0
-    passes.residual(0.2)
-    working, residual = passes.working.copy(), passes.buffer.copy()
-    gap = passes.displacement - heights + 0.2
-    assert np.array_equal(working, passes.force - 0.1 * gap > 0)
-    np.testing.assert_allclose(residual, np.where(working, -gap, 0), rtol=1e-15)
     operator = Recorder(generator.standard_normal(shape))
-    passes.precondition(operator)
+    passes = Passes(operator, generator.standard_normal(shape), bound=None, caution=0.1 / 3, threads=1)
+    passes.force[:] = generator.random(shape) < 0.3
+    passes.start()
+    passes.place(0.2)
+    working = passes.working.copy()
+    gap = operator.answer - passes.heights + 0.2
+    np.testing.assert_allclose(passes.gap, gap, atol=1e-15)
+    assert np.array_equal(working, passes.force - 0.1 * gap > 0)
+    passes.precondition()
     matrix = extension(working, len(passes.sums))
+    residual = np.where(working, -gap, 0)
     np.testing.assert_allclose(operator.given.ravel(), matrix @ residual.ravel(), atol=1e-13)
-    np.testing.assert_allclose(passes.buffer.ravel(), matrix.T @ operator.answer.ravel(), atol=1e-13)
+    np.testing.assert_allclose(
+        np.where(working, passes.buffer, 0).ravel(), matrix.T @ operator.answer.ravel(), atol=1e-13
+    )
 
 
 @pytest.mark.parametrize("bounded", [False, True])
-def test_passes_of_one_step_agree_with_numpy(bounded: bool) -> None:
+@pytest.mark.parametrize("single", [False, True])
+def test_passes_of_one_step_agree_with_numpy(bounded: bool, single: bool) -> None:
     generator = np.random.default_rng(23)
-    shape = (70, 33)
+    shape, force_unit, length_unit = (70, 33), 3.0, 0.25
     heights = generator.standard_normal(shape)
     bound = 1 + generator.random(shape) if bounded else None
-    passes = Passes(heights, bound=bound, stiffness=0.1, threads=2)
-    x, u = passes.force, passes.displacement
+    operator = FourierOperator(SOFT, shape, (1.0, 33 / 70), threads=1)
+    units, digits = ((force_unit, length_unit), 2e-6) if single else (None, 1e-13)
+    passes = Passes(operator, heights, bound=bound, caution=0.1 / operator.stiffness, units=units, threads=2)
+    f, length = passes.force_unit, passes.length_unit
+    near = {"rel": 10 * digits, "abs": 10 * digits}
+    x, s, v = passes.force, passes.step, passes.image
     x[:] = np.maximum(generator.standard_normal(shape), 0)
     if bound is not None:
         np.minimum(x, bound, out=x)
-    operator = FourierOperator(SOFT, shape, (1.0, 33 / 70), threads=1)
-    passes.step[:] = generator.standard_normal(shape)
-    operator.apply(passes.step, passes.image)
+    s[:] = generator.standard_normal(shape)
+    assert passes.bend() == pytest.approx(np.sum(s * v), **near)
+    np.testing.assert_allclose(v * length, applied(operator, s * f), atol=10 * digits)
     phi = x if bound is None else x * (1 - x / bound)
     below = np.ones(shape, dtype=bool) if bound is None else x < bound
-    total, moment, energy = passes.start(operator)
-    assert total == pytest.approx(phi.sum())
-    assert moment == pytest.approx(np.sum(phi * (u - heights)))
-    assert energy == pytest.approx(np.sum(x * u))
-    offset = -moment / total
-    gap = u - heights + offset
-    errors = passes.residual(offset)
-    assert errors.moment == pytest.approx(np.sum((x * np.abs(gap))[below]))
-    assert errors.total == pytest.approx(x[below].sum())
-    assert errors.lowest == pytest.approx(gap[below].min())
-    assert errors.highest == (pytest.approx(gap[~below].max()) if bounded else -np.inf)
+    u = applied(operator, x)
+    roughly = passes.start(roughly=True)
+    s[:], v[:] = generator.standard_normal(shape), generator.standard_normal(shape)
+    total, moment = passes.start()
+    assert total * f == pytest.approx(phi.sum())
+    assert moment * f * length == pytest.approx(np.sum(phi * (u - heights)))
+    assert roughly == pytest.approx((total, moment), **near)
+    errors = passes.place(-moment / total)
+    gap = u - heights - moment / total * length
+    np.testing.assert_allclose(passes.gap * length, gap, atol=digits)
+    errors = passes.move(0.3, 0.1)
+    gap = gap + 0.3 * v * length + 0.1 * length
+    np.testing.assert_allclose(passes.gap * length, gap, atol=digits)
+    assert errors.moment * f * length == pytest.approx(np.sum((x * np.abs(gap))[below]), **near)
+    assert errors.total * f == pytest.approx(x[below].sum(), **near)
+    assert errors.lowest * length == pytest.approx(gap[below].min(), **near)
+    assert errors.highest * length == (pytest.approx(gap[~below].max(), **near) if bounded else -np.inf)
     aim = x - 0.1 * gap
     working = aim > 0 if bound is None else np.where(x < bound / 2, aim > 0, aim < bound)
     assert np.array_equal(passes.working, working)
-    assert errors.free == pytest.approx(phi[working].sum())
-    assert errors.last == pytest.approx(passes.step[working].sum())
-    assert errors.image == pytest.approx((phi * passes.image)[working].sum())
+    assert errors.free * f == pytest.approx(phi[working].sum(), **near)
+    assert errors.last == pytest.approx(s[working].sum(), **near)
+    assert errors.image * f == pytest.approx((phi * v)[working].sum(), **near)
     z = np.where(working, generator.standard_normal(shape), 0)
     passes.buffer[:] = z
-    before, step = x.copy(), passes.step.copy()
-    passes.trial(0.5, offset=offset, length=0.7, beta=0.4, shift=0.2)
-    trial = np.maximum(before + 0.7 * (z + 0.4 * step * working - 0.2 * phi), 0)
+    before, last = x.copy(), s * 1.0
+    load = 0.5 * x.size
+    passes.trial(load / f, length=0.7, beta=0.4, shift=0.2)
+    trial = np.maximum(before + 0.7 * (z * f + 0.4 * last * f * working - 0.2 * phi), 0)
     stay = np.zeros(shape) if bound is None else np.where(before < bound / 2, 0, bound)
     trial = np.where(working, trial if bound is None else np.minimum(trial, bound), stay)
     if bound is None:
-        trial *= 0.5 * x.size / trial.sum()
+        trial *= load / trial.sum()
     else:
-        missing, free = 0.5 * x.size - trial.sum(), (trial > 0) & (trial < bound)
+        missing, free = load - trial.sum(), (trial > 0) & (trial < bound)
         share = missing / np.sum((bound - trial)[free]) if missing > 0 else missing / trial[free].sum()
         trial[free] += share * ((bound - trial)[free] if missing > 0 else trial[free])
-    s = trial - before
-    np.testing.assert_allclose(passes.share * passes.step - passes.pull_back * before, s, atol=1e-13)
-    image = np.empty(shape)
-    operator.apply(s, image)
-    operator.apply(passes.step, passes.image)
-    along = passes.search(offset, energy)
-    assert along.slope == pytest.approx(np.sum(gap * s))
-    assert along.curvature == pytest.approx(np.sum(s * image))
-    assert along.lift == pytest.approx(np.sum(u * s))
-    assert along.plain == pytest.approx(np.sum(passes.step * passes.image))
+    np.testing.assert_allclose(s * f, trial - before, atol=10 * digits)
+    assert passes.slope * f * length == pytest.approx(np.sum(gap * (trial - before)), **near)
     with np.errstate(divide="ignore", invalid="ignore"):
-        rooms = np.where(s < 0, before / -s, np.inf)
+        rooms = np.where(s < 0, before / -(s * f), np.inf)
         if bound is not None:
-            rooms = np.minimum(rooms, np.where(s > 0, (bound - before) / s, np.inf))
-    assert passes.room() == pytest.approx(rooms.min())
-    assert passes.room() >= 1 - 1e-12
-    u_before = u.copy()
-    if bound is not None:
-        total, moment = passes.advance(0.8)
-        phi = x * (1 - x / bound)
-        assert total == pytest.approx(phi.sum())
-        assert moment == pytest.approx(np.sum(phi * (u - heights)))
-    else:
-        errors, torque, energy = passes.advance_residual(0.8, 0.4)
-        assert errors.total == pytest.approx(x.sum())
-        assert torque == pytest.approx(np.sum(x * (u - heights)))
-        assert energy == pytest.approx(np.sum(x * u))
-        gap = u - heights + 0.4
-        assert np.array_equal(passes.working, x - 0.1 * gap > 0)
-        np.testing.assert_allclose(passes.buffer, np.where(passes.working, -gap, 0), atol=1e-14)
-    np.testing.assert_allclose(u, u_before + 0.8 * image, atol=1e-13)
-    np.testing.assert_allclose(x, before + 0.8 * s, atol=1e-13)
+            rooms = np.minimum(rooms, np.where(s > 0, (bound - before) / (s * f), np.inf))
+    assert passes.room() == pytest.approx(max(1.0, rooms.min()), **near)
+    for factor in (0.8, 1.0):
+        x[:] = before
+        total, moment = passes.advance(factor)
+        np.testing.assert_allclose(x, before + factor * (trial - before), atol=10 * digits)
+        # A whole step ends at its bounds, not beside them.
+        assert factor < 1 or np.array_equal(x == 0, trial == 0)
+        assert factor < 1 or bound is None or np.array_equal(x == bound, trial == bound)
+        phi = x if bound is None else x * (1 - x / bound)
+        assert total * f == pytest.approx(phi.sum(), **near)
+        moved = gap + factor * v * length
+        assert moment * f * length == pytest.approx(np.sum(phi * moved), rel=10 * digits, abs=1e4 * digits)
+
+
+def applied(operator: FourierOperator, force: Array) -> Array:
+    """Displacement under a force."""
+    out = np.empty(force.shape)
+    operator.apply(np.ascontiguousarray(force, dtype=float), out)
+    return out
 
 
 def test_number_of_threads_changes_no_bit_of_the_passes() -> None:
     heights = wavy((1024, 20))
-    counts = [len(Passes(heights, bound=None, stiffness=1.0, threads=k).rows.shares) for k in (1, 2, 3)]
+    still = Recorder(heights)
+    counts = [len(Passes(still, heights, bound=None, caution=1.0, threads=k).rows.shares) for k in (1, 2, 3)]
     assert counts == [1, 2, 3]
     answers = [run(heights, load=0.05, threads=threads) for threads in (1, 2, 3)]
     for other in answers[1:]:
@@ -328,20 +335,21 @@ def test_projected_gradient_keeps_load_and_bounds_and_points_down(bounded: bool)
     shape = (12, 9)
     heights = generator.standard_normal(shape)
     bound = 1 + generator.random(shape) if bounded else None
-    passes = Passes(heights, bound=bound, stiffness=0.5, threads=1)
+    passes = Passes(Recorder(heights), heights, bound=bound, caution=0.5 / 3, threads=1)
     passes.force[:] = generator.random(shape)
-    passes.displacement[:] = generator.standard_normal(shape)
+    passes.gap[:] = generator.standard_normal(shape)
     load = float(passes.force.mean())
-    passes.project(load, 0.1)
+    passes.project(passes.force.sum())
     after = passes.force + passes.step
     assert after.min() >= 0
     assert bound is None or np.all(after <= bound)
     assert after.mean() == pytest.approx(load, rel=1e-12)
-    assert np.sum((passes.displacement - heights) * passes.step) < 0
+    assert passes.slope == pytest.approx(np.sum(passes.gap * passes.step))
+    assert passes.slope < 0
 
 
 @pytest.mark.parametrize("bounded", [False, True])
-def test_a_draft_in_single_precision_changes_the_path_and_not_the_answer(bounded: bool) -> None:
+def test_steps_in_single_precision_change_the_path_and_not_the_answer(bounded: bool) -> None:
     heights = wavy((264, 257)) + 20.0
     lengths = (1.0, 257 / 264)
     operator = FourierOperator(SOFT, heights.shape, lengths, threads=1)
@@ -358,13 +366,13 @@ def test_a_draft_in_single_precision_changes_the_path_and_not_the_answer(bounded
             **options,
         )
 
-    double, drafted = solved(double=True), solved()
-    assert drafted.status is Status.CONVERGED
-    assert np.array_equal(drafted.in_contact, double.in_contact)
+    double, single = solved(double=True), solved()
+    assert single.status is Status.CONVERGED
+    assert np.array_equal(single.in_contact, double.in_contact)
     # Twice 11 tolerance h_rms load bounds the energy of the difference; stiffness turns it into force.
-    assert np.linalg.norm(drafted.force - double.force) < 1e-7 * np.linalg.norm(double.force)
-    assert drafted.iterations <= double.iterations + 8
-    assert drafted.force.dtype == drafted.displacement.dtype == np.float64
+    assert np.linalg.norm(single.force - double.force) < 1e-7 * np.linalg.norm(double.force)
+    assert single.iterations <= double.iterations + 8
+    assert single.force.dtype == single.displacement.dtype == np.float64
 
 
 @pytest.mark.parametrize("shape", [(64, 64), (70, 33), (200, 128)])

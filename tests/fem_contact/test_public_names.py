@@ -7,7 +7,7 @@ import fem_contact
 PROBE = """
 import sys, fem_contact
 dir(fem_contact)
-heavy = {"numpy", "numba", "scipy", "skfem", "pyvista"}
+heavy = {"numpy", "numba", "scipy", "skfem", "pyamg", "pyvista"}
 print(*(name for name in sys.modules if name.split(".")[0] in heavy))
 """
 

@@ -420,6 +420,7 @@ def test_scaling_all_lengths_by_a_power_of_two_changes_no_bit(amplitudes):
         ),
         ({"seed": 1.5}, r"seed = 1.5: must be a whole number"),
         ({"seed": None}, r"seed = None: must be a whole number"),
+        ({"isotropic": False}, r"spectrum = .*: must be a function of qx and qy"),
     ],
 )
 def test_bad_arguments_are_refused_with_name_value_and_what_is_allowed(change, message):

@@ -7,7 +7,7 @@ import persson
 PROBE = """
 import sys, persson
 dir(persson)
-heavy = {"numpy", "numba", "scipy", "skfem", "pyvista"}
+heavy = {"numpy", "numba", "scipy", "skfem", "pyamg", "pyvista"}
 print(*(name for name in sys.modules if name.split(".")[0] in heavy))
 """
 

@@ -5,36 +5,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from small_scene import small_scene
 
 from validation.comparison.run import Outputs, run_scene
 from validation.scenes.scene import load_scene
 
-_HEAD = """
-name = "small"
-title = "A small scene"
-
-[surface]
-kind = "self-affine"
-length = "10 um"
-hurst = 0.7
-lambda_long = "5 um"
-lambda_short = "2.5 um"
-rms_gradient = 0.05
-seed = 77
-
-[solid]
-young = "2 MPa"
-poisson = 0.3
-
-[load]
-reduced_pressure = 0.1
-
-[methods.theory]
-
-[methods.bem]
-grids = [12, 24, 48]
-shifts = 2
-"""
+_HEAD = 'name = "small"\ntitle = "A small scene"\n' + small_scene(
+    "shifts = 2\n\n[methods.theory]\n", grids="[12, 24, 48]"
+)
 _FEM = """
 [methods.fem]
 grids = [12, 24]

@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
-from fem_contact.area import contact_areas
-from fem_contact.extrapolation import located_limit
+from fem_contact.area import EDGE_CONSTANTS, contact_areas
+from validation.comparison import accuracy_search
 from validation.comparison.accuracy import parse_accuracy, reach
-from validation.errors import RunFailed, UsageError
+from validation.comparison.accuracy_search import Search
+from validation.errors import RunFailed, SceneError, UsageError
 from validation.measures.common import base_surface
-from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.measures.ensemble import mean_area
+from validation.measures.measurement import Measurement, area_limits, grid_for, limit_over
+from validation.measures.pairs import AreaPairs, Areas
+from validation.measures.statistics import mean_over_surfaces, pair_means
 from validation.methods.bem import BemOptions
-from validation.scenes.realised import realise
+from validation.scenes.realised import Realised, realise
 from validation.scenes.scene import Load, Methods, Scene, SolidSpec, load_scene
+from validation.scenes.sweep import load_asked
 from validation.solves.bench import Bench
 from validation.solves.press import solves_of
 from validation.solves.running import Execution, solve_all
@@ -40,13 +47,14 @@ def bench(tmp_path):
 
 
 def truth_of(scene, folder) -> tuple[float, float]:
-    """Limit of the located area over grids of 12 to 32 points per shortest wave, with its uncertainty."""
+    """Limit of the area over grids of 12 to 32 points per shortest wave, with its uncertainty."""
     bem = BemOptions(grids=((48, 48), (64, 64), (96, 96), (128, 128)), shifts=1)
     fine = scene.model_copy(update={"methods": scene.methods.model_copy(update={"bem": bem})})
     store, solves = Store(folder=folder), solves_of(fine)
     folder.mkdir()
     solve_all(solves, store)
-    limit = located_limit([contact_areas(store.load(solve), subcell=True) for solve in solves])
+    told = {"edge_constant": EDGE_CONSTANTS["bem"], "subcell": not scene.effects}
+    limit = limit_over([contact_areas(store.load(solve), **told) for solve in solves])
     return limit.value, limit.uncertainty
 
 
@@ -78,14 +86,37 @@ def test_the_claimed_error_holds_on_finer_grids(scene, bench, tmp_path):
 def test_the_mean_over_surfaces_is_as_accurate_as_asked(ensemble, bench):
     results = {}
     for target in (0.2, 0.1):
-        results[target] = reach(ensemble, bench, target=target)
-        assert results[target].mean_error <= target
-        assert results[target].error <= target
-        assert 0 < results[target].statistical < results[target].mean_error
-    assert results[0.1].surfaces > results[0.2].surfaces
+        found = results[target] = reach(ensemble, bench, target=target)
+        assert found.mean_error <= target
+        assert found.error <= target
+        assert 0 < found.statistical < found.mean_error
+        assert found.surfaces == 2 * sum(found.pairs)
+        assert len(found.pairs) == len(found.surface_grids) == 3
     # Both intervals hold the mean of the ensemble, each on 95 of 100 sets of seeds.
     distance = abs(results[0.1].mean / results[0.2].mean - 1)
     assert distance < results[0.1].mean_error + results[0.2].mean_error
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("amplitudes", "load"),
+    [("exact", "reduced_pressure"), ("gaussian", "reduced_pressure"), ("gaussian", "pressure")],
+)
+def test_the_controlled_mean_is_that_of_plain_surfaces_whatever_amplitudes_and_load(amplitudes, load, bench):
+    surface = base_surface(hurst=0.7, periods=2.0, bandwidth=4.0, seed=4711)
+    base = Realised(
+        surface=surface.model_copy(update={"amplitudes": amplitudes}),
+        solid=SolidSpec(young=0.91e9, poisson=0.3),
+        load=Load(reduced_pressure=0.1) if load == "reduced_pressure" else Load(pressure=0.01e9),
+    )
+    found = mean_area(base, half_width=0.01, bench=bench, tolerance=1e-5)
+    plain = AreaPairs(realised=base, grids=found.grids[1:], first=77_000_000, count=400, tolerance=1e-5)
+    areas = [limit.value for limit in Areas.joined(plain, [plain.measure()]).limits(1)]
+    own = mean_over_surfaces(pair_means(areas))
+    assert abs(found.estimate.value - own.value) < 1.5 * math.hypot(found.half_width, own.half_width)
+    if load == "pressure":
+        # h'_rms tells most of what scatters.
+        assert found.samples.chains("area")[0][0].left < 0.5 * np.var(pair_means(areas))
 
 
 def test_an_accuracy_beyond_memory_is_refused_with_the_one_within_reach(scene, tmp_path):
@@ -111,16 +142,67 @@ def test_a_time_limit_that_is_over_stops_the_run_by_name(scene, bench):
         reach(scene, bench, target=0.01, time_limit=1e-9)
 
 
-def test_a_scatter_that_too_few_surfaces_can_average_is_refused_with_what_is_known(ensemble, bench):
+def test_a_scatter_that_too_few_surfaces_can_average_is_refused_with_what_is_known(
+    ensemble, bench, monkeypatch
+):
+    monkeypatch.setattr(accuracy_search, "_MOST_SURFACES", 64)
     with pytest.raises(RunFailed, match=r"the mean over \d+ surfaces is known to .* all solves are stored"):
         reach(ensemble, bench, target=0.003)
 
 
 def test_an_effect_without_a_law_of_error_is_refused_by_name(write_scene, bench):
-    hard = "[[effects]]\nkind = 'hardness'\nhardness = '1 MPa'\n\n[solid]"
-    path = write_scene(("[solid]", hard), ("[methods.theory]\n", ""), fem=False)
-    with pytest.raises(UsageError, match=r"\[\[effects\]\] 1 kind = 'hardness'"):
+    sticky = "[[effects]]\nkind = 'adhesion'\nwork = '0.1 mJ/m^2'\nreach = '200 nm'\n\n[solid]"
+    path = write_scene(("[solid]", sticky), fem=False)
+    with pytest.raises(UsageError, match=r"\[\[effects\]\] 1 kind = 'adhesion'"):
         reach(load_scene(str(path)), bench, target=0.01)
+
+
+@pytest.mark.parametrize(
+    "effect", ["'hardness'\nhardness = '60 kPa'", "'coating'\nyoung = '4 MPa'\nthickness = '1 um'"]
+)
+def test_with_an_effect_the_corrected_area_is_claimed(effect, write_scene, bench, tmp_path):
+    listed = f"[[effects]]\nkind = {effect}\n\n[solid]"
+    scene = load_scene(str(write_scene(("[solid]", listed), fem=False)))
+    reached = reach(scene, bench, target=0.05)
+    assert not reached.located
+    assert reached.error <= 0.05
+    truth, uncertainty = truth_of(scene, tmp_path / "fine")
+    assert abs(reached.area / truth - 1) < reached.error + 2 * uncertainty / truth
+    assert "corrected at its edge" in next(iter(reached.sentences()))
+
+
+def test_finite_elements_are_put_beside_on_their_own_grids(write_scene, bench):
+    scene = load_scene(str(write_scene()))
+    reached = reach(scene, bench, target=0.05)
+    (other,) = reached.beside
+    grids = scene.methods.options("fem").grids
+    assert (other.method, other.grids) == ("fem", tuple(grids))
+    assert abs(other.area / reached.area - 1) < other.error + reached.error
+    # Point by point, too: boundary elements are solved on these grids.
+    assert set(grids) <= set(reached.grids)
+    assert set(reached.chosen(scene).methods.solvers) == {"bem", "fem"}
+    assert any(text.startswith("Beside it FEM") for text in reached.sentences())
+
+
+def test_finite_elements_that_do_not_fit_are_refused_before_anything_is_solved(write_scene, tmp_path):
+    small = Bench.at(tmp_path / "results", execution=Execution(memory=2 * MIB))
+    with pytest.raises(UsageError, match=r"methods\.fem needs about .* name coarser ones, or leave it out"):
+        reach(load_scene(str(write_scene())), small, target=0.05)
+    assert not small.store.folder.exists()
+
+
+@pytest.mark.parametrize("length", [(1.0, 1.0), (3.0, 2.0), (1.0, 1.0371), (1.0, 0.0913)])
+def test_a_grid_is_found_with_cells_that_are_nearly_square(length, bench):
+    surface = base_surface(hurst=0.7, periods=1.0, bandwidth=4.0, seed=3)
+    short = min(length) / 4
+    surface = surface.model_copy(update={"length": length, "lambda_long": min(length), "lambda_short": short})
+    base = Realised(surface=surface, solid=SolidSpec(young=1e9, poisson=0.3), load=Load(reduced_pressure=0.1))
+    search = Search(scene=SimpleNamespace(surface=surface), realised=base, target=0.1, bench=None)
+    for level in (3, 4, 12):
+        nx, ny = search._grid(level)
+        assert base.points_per_wave((nx, ny)) >= level * (1 - 1e-9)
+        assert nx * length[1] / (ny * length[0]) == pytest.approx(1, abs=0.0201)
+        assert (nx % 2, ny % 2) == (0, 0)
 
 
 def test_full_contact_is_exact_on_the_coarsest_grids(write_scene, bench):
@@ -151,3 +233,21 @@ def test_claims_hold_as_often_as_they_say_on_surfaces_and_loads_of_many_kinds(ta
         held += abs(reached.area / truth - 1) <= math.hypot(reached.error, 2 * uncertainty / truth)
     # 20 of 24 or more are right in 99.7 of 100 cases if each is with 95 %.
     assert held >= 20
+
+
+def test_grids_that_will_be_chosen_may_be_missing_or_too_coarse(write_scene, bench):
+    extra = "shifts = 2\n\n[ensemble]"
+    path = str(write_scene(("grids = [12, 24, 48]\n", ""), ("shifts = 2", extra), fem=False))
+    scenes = [
+        load_asked(path, ["methods.bem.grids=[3]", "ensemble.grids=[2, 3]"], grids_chosen=True),
+        load_asked(path, grids_chosen=True),
+    ]
+    first, second = (reach(scene, bench, target=0.2) for scene in scenes)
+    assert (first.area, first.mean, second.solves) == (second.area, second.mean, 0)
+    assert all(realise(scenes[0]).resolved_by(grid) for grid in first.grids)
+    with pytest.raises(SceneError, match=r"methods\.bem\.grids = \[3, 3\]: too coarse"):
+        load_asked(path, ["methods.bem.grids=[3]", "ensemble.grids=[12, 24]", "ensemble.realisations=2"])
+    # Those of another method are solved as they stand.
+    beside = str(write_scene(("grids = [12, 24]", "grids = [3]")))
+    with pytest.raises(SceneError, match=r"methods\.fem\.grids = \[3, 3\]: too coarse"):
+        load_asked(beside, grids_chosen=True)

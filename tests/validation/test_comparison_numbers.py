@@ -17,7 +17,6 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from persson import elastic
 from persson.spectrum import SelfAffine
-from validation.comparison import accuracy_search
 from validation.comparison.accuracy_search import Ladder, Search
 from validation.comparison.compare import _Reading
 from validation.comparison.compared import Scatter
@@ -28,7 +27,9 @@ from validation.effects.coating import Coating
 from validation.effects.graded import Graded
 from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
+from validation.measures import ensemble
 from validation.measures.budget import Budget, budget_table
+from validation.measures.pairs import Areas
 from validation.methods.theory import TheoryOptions, _realised_variance, with_effects
 from validation.scenes.realised import realise
 from validation.scenes.scene import Scene
@@ -162,49 +163,48 @@ def _areas(value, spacing):
     )  # fmt: skip
 
 
-def _search(monkeypatch, planted):
-    """A search whose solves give planted areas."""
-    search = Search(
-        scene=scene(),
-        realised=realise(scene()),
-        target=0.4,
-        bench=SimpleNamespace(),
-        time_limit=None,
-        pair=1.0,
-    )
+def _search(monkeypatch, target=0.4):
+    """A search that plans nothing."""
+    search = Search(scene=scene(), realised=realise(scene()), target=target, bench=SimpleNamespace())
     ladder = Ladder(grids=((64, 64),), shifts=1, error=0.1, seconds=0.0, peak_bytes=0)
-    monkeypatch.setattr(Search, "_solved", lambda self, ladder, **_: planted)
-    monkeypatch.setattr(Search, "_cheapest", lambda self, known, tried: ladder)
-    monkeypatch.setattr(Search, "_balanced", lambda self, *_: (ladder, len(planted)))
+    monkeypatch.setattr(Search, "_cheapest", lambda self, ladders, tried, *, share: ladder)
+    monkeypatch.setattr(Search, "_grid", lambda self, level: (64, 64))
     return search
 
 
 def test_an_accuracy_claims_twice_the_standard_error_of_the_grids_and_the_tolerance(monkeypatch):
-    planted = [[_areas(0.21, 1 / 32), _areas(0.2, 1 / 64)]]
-    limit = located_limit(planted[0])
-    search = _search(monkeypatch, planted)
-    monkeypatch.setattr(Search, "_grid", lambda self, level: (64, 64))
+    planted = [_areas(0.21, 1 / 32), _areas(0.2, 1 / 64)]
+    limit = located_limit(planted)
+    search = _search(monkeypatch)
     # The pilot solves one grid, the ladder both.
-    answers = iter([[[planted[0][1]]], planted])
-    monkeypatch.setattr(Search, "_solved", lambda self, ladder, **_: next(answers))
+    answers = iter([[planted[1]], planted])
+    monkeypatch.setattr(Search, "_solved", lambda self, ladder: next(answers))
     found = search.own_surface()
     assert found.area == pytest.approx(limit.value, rel=1e-12)
     assert found.error == pytest.approx(2 * limit.uncertainty / limit.value + search.tolerance, rel=1e-12)
 
 
-def test_the_mean_of_an_accuracy_claims_students_interval_and_the_grids_whole_error(monkeypatch):
-    planted = [[_areas(value, 1 / 64)] for value in (0.19, 0.21, 0.19, 0.21)]
-    search = _search(monkeypatch, planted)
-    found = search.ensemble(SimpleNamespace(finest=planted[0][0]))
-    limits = [located_limit(areas) for areas in planted]
-    values = [limit.value for limit in limits]
-    assert np.mean(values) == pytest.approx(0.2, rel=1e-12)
-    # Student's t of 3 degrees of freedom is 3.1824; the deviation of the four is .01 (4/3)^(1/2).
-    assert found.statistical == pytest.approx(3.1824 * 0.01 * math.sqrt(4 / 3) / 2 / 0.2, rel=1e-4)
-    grid = 2 * np.mean([limit.uncertainty for limit in limits]) / 0.2 + search.tolerance
-    assert found.grid == pytest.approx(grid, rel=1e-12)
-    assert found.error == pytest.approx(math.hypot(found.grid, found.statistical), rel=1e-12)
-    assert accuracy_search._student(4) == pytest.approx(3.1824, rel=1e-4)
+def test_the_mean_over_surfaces_claims_their_interval_the_grids_whole_error_and_the_tolerance():
+    read = np.empty((7, 64, 2))
+    read[:] = np.array([0.2, 0.2, 0.2, 0.02, 0.0, 1.0, 8.0])[:, None, None]
+    read[2, :, 0] = 0.2 + 0.01 * np.sin(np.arange(64.0))
+    read[2, :, 1] = read[2, :, 0] + 1e-3
+    ending = [Areas(grids=((32, 32), (64, 64))[:n], lengths=(1.0, 1.0), read=read[..., :n]) for n in (1, 2)]
+    told = np.cos(np.arange(64.0))[:, None]
+    samples = ensemble._Pressed(ending=ending, unsolved=told[:32], further=told, unsolved_seconds=1.0)
+    drawn = SimpleNamespace(
+        samples=lambda solved: samples, grids=ending[1].grids, counts=[32, 32], tolerance=1e-3
+    )
+    found, chain = ensemble._found(drawn, {})
+    limits = ending[1].limits(1)
+    assert found.estimate == chain[-1].estimate
+    # The difference between the grids is the same everywhere: only the coarse mean and its step are left.
+    assert found.estimate.value == pytest.approx(np.mean([one.value for one in limits]), rel=0.01)
+    grid = 1.96 * math.sqrt(np.mean([one.uncertainty**2 for one in limits]))
+    assert found.grid == pytest.approx(grid + 1e-3 * found.estimate.value, rel=1e-12)
+    assert found.half_width == pytest.approx(math.hypot(found.grid, found.estimate.half_width), rel=1e-12)
+    assert (found.surfaces, found.peak_bytes) == (128, 8)
+    assert found.scatter == pytest.approx(np.std(read[2, :, 0], ddof=1) / np.mean(read[2, :, 0]), rel=1e-12)
 
 
 def test_a_recipe_tells_tolerances_shifts_and_grids_apart():

@@ -68,7 +68,7 @@ BEYOND = [
     (
         ("surface", "length"),
         5e-324,
-        "surface.length (item 1) = 5e-324: is out of range; sizes from 1e-30",
+        "surface.length = 5e-324: is out of range; sizes from 1e-30",
     ),
     (("surface", "length"), "1 m**9**9**9", "has an unknown unit"),
     (("surface", "length"), "1 nm squared squared squared", "has an unknown unit"),

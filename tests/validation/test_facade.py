@@ -39,6 +39,7 @@ def test_its_numbers_are_those_of_a_run(tmp_path):
     )
     run = run_scene(scene, tmp_path, report=False).comparison
     contact = press(SURFACE, **SOLID, reduced_pressure=0.08, grid=32)
+    np.testing.assert_array_equal(contact.to_xarray().pressure, contact.result.pressure)
     assert contact.areas().perimeter == run.rows[0].perimeter
     assert contact.theory == run.theory
     assert contact.limit(grids) == run.limit

@@ -153,8 +153,19 @@ def test_the_yielded_area_stands_on_a_card(small_run):
 def test_a_run_to_an_accuracy_is_not_told_to_refine(small_run):
     c = _with_limit(small_run.comparison, 3 * small_run.comparison.rows[0].pixel)
     assert any("refine the grids" in text for text in findings(c))
-    accurate = dataclasses.replace(c, accurate=True)
+    accurate = dataclasses.replace(c, accurate={"mean": None})
     assert not any("refine the grids" in text for text in findings(accurate))
+
+
+@pytest.mark.parametrize(("error", "verdict"), [(0.05, "does not reach"), (0.2, "holds")])
+def test_the_mean_over_surfaces_is_put_beside_the_theory(small_run, error, verdict):
+    c = small_run.comparison
+    mean = 1.1 * c.theory.area
+    reached = {"mean": mean, "mean_error": error, "surfaces": 48, "scatter": 0.07, "located": True}
+    (said,) = [text for text in findings(dataclasses.replace(c, accurate=reached)) if "spectrum" in text]
+    assert f"A/A0 = {mean:.6g} +- {100 * error:.2g}" in said
+    assert "from 48 solved in pairs h, -h; single ones scatter by 7.0 %" in said
+    assert said.endswith(f"it lies 10 % above the theory, which its interval {verdict}.")
 
 
 def test_pulled_points_are_in_the_distribution_with_adhesion_alone(write_scene, tmp_path):

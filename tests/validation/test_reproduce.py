@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from validation.paper import reproduce
-from validation.paper.claims import Application, Convention, claim, judge
+from validation.paper.claims import Application, Convention, Stated, claim, judge
 from validation.paper.figures import FIGURES
 from validation.paper.page import paper_page
 from validation.paper.pmma import PMMA
@@ -47,11 +47,11 @@ TOY = Application(
     name="toy",
     conventions=(Convention(name="one", value=1.0), Convention(name="two", value=2.0)),
     claims=(
-        claim("a [nm]", "1", 2.0, within=(1.9, 2.1, "5 %"), under=lambda x: x),
-        claim("b", "1", 4.0, within=(3.9, 4.1, "5 %"), under=lambda x: 2 * x),
-        claim("c", "1", 1.0, within=(0.9, 1.1, "5 %"), under=lambda x: x, choice="chosen"),
-        claim("d", "1", 7.0, within=(6.9, 7.1, "5 %"), fixed=lambda: 7.0),
-        claim("e", "1", 7.0, within=(6.9, 7.1, "5 %"), fixed=lambda: 8.0, failure="it is 8"),
+        claim("a [nm]", "1", Stated(2.0, 1.9, 2.1, "5 %"), under=lambda x: x),
+        claim("b", "1", Stated(4.0, 3.9, 4.1, "5 %"), under=lambda x: 2 * x),
+        claim("c", "1", Stated(1.0, 0.9, 1.1, "5 %"), under=lambda x: x, choice="chosen"),
+        claim("d", "1", Stated(7.0, 6.9, 7.1, "5 %"), fixed=lambda: 7.0),
+        claim("e", "1", Stated(7.0, 6.9, 7.1, "5 %"), fixed=lambda: 8.0, failure="it is 8"),
     ),
 )
 
@@ -79,11 +79,11 @@ def test_the_literal_convention_wins_a_tie_and_a_choice_is_never_called_reproduc
 
 def test_a_claim_is_computed_once_where_no_convention_enters():
     calls = []
-    one = claim("f", "1", 1.0, within=(0, 2, "any"), fixed=lambda: calls.append(1) or 1.0)
+    one = claim("f", "1", Stated(1.0, 0, 2, "any"), fixed=lambda: calls.append(1) or 1.0)
     judge(replace(TOY, claims=(one,)))
     assert len(calls) == 1
     with pytest.raises(ValueError, match="fixed"):
-        claim("g", "1", 1.0, within=(0, 2, "any"))
+        claim("g", "1", Stated(1.0, 0, 2, "any"))
 
 
 def test_claims_of_the_rim_under_their_joint_convention_which_is_the_literal_one():

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import re
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from validation import units
 from validation.errors import SceneError, UsageError
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import realise
@@ -20,9 +22,15 @@ WRONG = [
         ("[load]", '[quantities.subsurface]\ndepths = "1 um"\n[load]'),
         ("depths = '1 um'", "a list in brackets"),
     ),
+    (
+        ("[load]", '[quantities.electrical]\nresistivity = "3 V"\n[load]'),
+        ("quantities.electrical.resistivity = '3 V': is not a resistivity",),
+    ),
     (("[load]", "[quantities.subsurface]\ndepths = []\n[load]"), ("depths = []", "at least 2 values")),
     (("hurst = 0.7", ""), ("surface.hurst: missing", "[0, 1]")),
     (("hurst = 0.7", "hurts = 0.7"), ("unknown key 'hurts'", "did you mean 'hurst'?")),
+    (("hurst = 0.7", "hurst = 0.7\nlay = 2"), ("unknown key 'lay'", "did you mean 'stretch'?")),
+    (("hurst = 0.7", "hurst = 0.7\nanisotropy = 2"), ("unknown key 'anisotropy'", "did you mean 'stretch'?")),
     (("hurst = 0.7", "hurst = 1.2"), ("surface.hurst = 1.2", "less than or equal to 1")),
     (("hurst = 0.7", "hurst = nan"), ("surface.hurst = nan", "finite")),
     (("hurst = 0.7", 'hurst = "0.7"'), ("surface.hurst = '0.7'", "number")),
@@ -160,3 +168,10 @@ def test_the_scene_in_the_first_page_is_a_scene(tmp_path):
     scene = load_scene(str(tmp_path / "mine.toml"))
     assert (scene.name, scene.surface.length) == ("mine", (1e-4, 1e-4))
     check_scene(scene, realise(scene))
+
+
+@pytest.mark.parametrize("unit", sorted(units._PLAIN))
+def test_units_that_are_read_without_the_registry_are_those_of_the_registry(unit):
+    assert len(units._PLAIN[unit]) == 7
+    for symbol, factor in units._PLAIN[unit].items():
+        assert factor == units._converted(Fraction(1), symbol, unit), symbol

@@ -26,10 +26,10 @@ from solving import Numbers, fields
 
 from validation import files
 from validation.errors import RunFailed
-from validation.files import NotWritten, atomic_path, prepare_folder, remove_drafts
+from validation.files import NotWritten, atomic_path
 from validation.solves.attempt import Outcome, Silent, attempt
 from validation.solves.provenance import Made, made_words
-from validation.solves.running import Execution, solve_all
+from validation.solves.running import solve_all
 from validation.solves.seal import Damaged, seal, unseal
 from validation.solves.store import Store, check_store, read_result
 
@@ -407,65 +407,6 @@ def test_limits_of_the_shell_end_in_one_line(tmp_path, limit):
     words = {"f": r"larger than files may be here (ulimit -f)", "n": r"too many open files (ulimit -n)"}
     assert words[limit.split()[1][1]] in said.stdout, said.stderr
     assert list(tmp_path.iterdir()) == []
-
-
-# Drafts
-
-
-def test_drafts_of_the_dead_are_cleared_and_those_of_the_living_are_not(tmp_path):
-    with subprocess.Popen(["true"]) as process:
-        process.wait()
-    place = files._place()
-    dead = f".{place}-{process.pid}-0123456789ab-a.nc"
-    alive = f".{place}-{os.getpid()}-0123456789ab-a.nc"
-    other = f".00000000-{process.pid}-0123456789ab-a.nc"
-    old = f".00000000-{process.pid}-ba9876543210-a.nc"
-    for folder in (tmp_path, tmp_path / "figures"):
-        folder.mkdir(exist_ok=True)
-        for name in (dead, alive, other, old):
-            (folder / name).write_text("")
-        os.utime(folder / old, (0, 0))
-    folder_like_a_draft = tmp_path / f".{place}-{process.pid}-ffffffffffff-a.nc"
-    folder_like_a_draft.mkdir()
-    prepare_folder(tmp_path)
-    assert {path.name for path in tmp_path.glob(".*")} == {alive, other, folder_like_a_draft.name}
-    assert {path.name for path in (tmp_path / "figures").glob(".*")} == {alive, other}
-
-
-def test_no_two_drafts_have_one_name(tmp_path, monkeypatch):
-    monkeypatch.setattr(files.os, "getpid", lambda: 7)  # as in two containers
-    assert len({files._draft_of(tmp_path / "a.nc") for _ in range(1000)}) == 1000
-    remove_drafts(tmp_path / "not there")
-
-
-def test_a_long_name_keeps_its_suffix(tmp_path):
-    with atomic_path(tmp_path / f"{'n' * 200}.nc") as draft:
-        assert draft.suffix == ".nc"
-        draft.write_text("")
-
-
-def _race(folder, first):
-    store = Store(folder=Path(folder))
-    order = [Numbers(k) for k in range(40)]
-    done = solve_all(order if first else order[::-1], store, execution=Execution())
-    assert len({done[solve].attrs["recipe"] for solve in order}) == 40
-
-
-@pytest.mark.parametrize("races", [2, pytest.param(20, marks=pytest.mark.slow)])
-def test_two_processes_on_one_store_do_not_harm_each_other(tmp_path, races):
-    code = (
-        "import sys; sys.path.insert(0, 'tests/validation'); import test_store\n"
-        "test_store._race(sys.argv[1], sys.argv[2] == '0')"
-    )
-    root = Path(__file__).parents[2]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(root), *filter(None, sys.path)])}
-    for race in range(races):
-        folder = tmp_path / str(race)
-        command = [sys.executable, "-c", code, str(folder)]
-        team = [subprocess.Popen([*command, str(k)], cwd=root, env=environment) for k in range(2)]
-        assert [process.wait(timeout=120) for process in team] == [0, 0]
-        assert len(list(folder.iterdir())) == 40
-        assert all(found.problem is None for found in check_store(folder))
 
 
 # Checking

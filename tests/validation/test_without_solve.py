@@ -1,12 +1,15 @@
 """What a surface tells of its contact without a solve: a wave by hand, signs, scales, what area follows."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from fem_contact import HalfSpace, HeightField, Solid, bem
 from fem_contact.surface import random_surface
 from persson.spectrum import SelfAffine
-from validation.measures.without_solve import unsolved_statistics
+from validation.measures.common import base_case, base_surface
+from validation.measures.without_solve import UnsolvedPairs, unsolved_statistics
 
 
 def rough(seed):
@@ -37,6 +40,19 @@ def test_they_are_the_same_of_minus_h_and_of_any_unit():
     for scale, length in ((-1.0, 1.0), (2.0**20, 2.0**20), (0.125, 1.0)):
         other = HeightField(heights=scale * field.heights, lengths=(length, length))
         assert unsolved_statistics(other) == pytest.approx(told, rel=1e-9, abs=1e-12)
+
+
+def test_the_gradient_is_told_and_differs_where_amplitudes_are_random():
+    base = base_case(base_surface(hurst=0.8, periods=2.0, bandwidth=2.0, seed=17), reduced_pressure=0.1)
+    gaussian = replace(base, surface=base.surface.model_copy(update={"amplitudes": "gaussian"}))
+    told, plain = (
+        UnsolvedPairs(realised=one, grid=(16, 16), first=3, count=4).measure() for one in (gaussian, base)
+    )
+    assert told.attrs["statistics"].split("; ")[-1] == "h'_rms"
+    own = [gaussian.further(k).field.rms_gradient for k in range(3, 7)]
+    assert told.value.values[:, -1] == pytest.approx(own, rel=1e-9)
+    assert np.std(own) > 0.02 * np.mean(own)
+    assert np.std(plain.value.values[:, -1]) < 1e-9 * np.mean(own)
 
 
 def test_the_mean_area_of_a_pair_follows_them():

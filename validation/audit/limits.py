@@ -44,13 +44,20 @@ class Areas(Protocol):
         """How far the contour runs in one direction."""
 
 
-#: Powers of the width in the error law, with the deviations of their coefficients; noise; least contact.
-_LAW = {1.0: 0.0004, 1.5: 0.0006, 2.0: 0.0004, 3.0: 0.0004}
-_GAP_POWER, _NOISE, _LEAST_POINTS = 1.25, (0.0046, 0.039), 16
-#: What each grid is off by anew, over edges times width squared.
-_ODD = 0.0006
+#: Powers of the width in the error law, means and deviations of their coefficients; noise; least contact.
+_LAW = {
+    0.0: (0.0, 0.00011),
+    1.0: (-0.00359, 0.0003),
+    1.5: (0.00919, 0.00055),
+    2.0: (-0.00678, 0.00015),
+    3.0: (0.00087, 0.00025),
+}
+_GAP_POWER, _NOISE, _LEAST_POINTS = 1.25, (0.006, 0.026), 16
+#: What each grid is off by anew, over edges times width squared; largest width of the means; patches to which
+#: the deviations belong, what one counts, and the power with which they fall.
+_ODD, _WIDEST, _PATCHES, _ROUND, _AVERAGING = 0.0005, 3.5, 80.0, 20.0, 0.25
 #: Likewise of the area that is corrected by a constant.
-_CORRECTED, _CORRECTED_NOISE = {0.0: 0.025, 1.0: 0.01}, (0.23, 0.0)
+_CORRECTED, _CORRECTED_NOISE = {0.0: (0.0, 0.025), 1.0: (0.0, 0.01)}, (0.23, 0.0)
 #: What edges that lie alike between the grid points are off by: on every grid, and anew on each, in cells.
 _ALIKE = (0.008, 0.012)
 
@@ -94,10 +101,18 @@ def _best(grids: Sequence[Sequence[Areas]], *, located: bool) -> tuple[float, fl
     z = fraction / (area[0] * (1 - area[0]) ** _GAP_POWER)
     count = np.array([len(grids[k]) * grids[k][0].cells for k in used])
     law, noise, odd = (_LAW, _NOISE, _ODD) if located else (_CORRECTED, _CORRECTED_NOISE, 0.0)
-    spread = np.diag(fraction * (noise[0] ** 2 + (noise[1] * z) ** 2) / count + (odd * fraction * z * z) ** 2)
-    for power, deviation in law.items():
-        term = deviation * fraction * z**power
+    few = 1.0
+    if located:
+        few = (_PATCHES / max(fraction[0] * z[0] * grids[0][0].cells / _ROUND, 1.0)) ** _AVERAGING
+    spread = np.diag(
+        fraction * (noise[0] ** 2 + (noise[1] * z) ** 2) / count + (odd * few * fraction * z * z) ** 2
+    )
+    own = np.array([float(np.mean([one.edges for one in grids[k]])) for k in used])
+    wide = np.minimum(own / (area * np.maximum(1 - area, 1e-9) ** _GAP_POWER), _WIDEST)
+    for power, (mean, deviation) in law.items():
+        term = (few if power else 1.0) * deviation * fraction * z**power
         spread = spread + np.outer(term, term)
+        area = area - mean * own * wide**power
     aligned = fraction * (float(np.mean([one.alignment for one in grids[0]])) if located else 0.0)
     shifts = np.array([len(grids[k]) for k in used])
     spread = (

@@ -141,6 +141,19 @@ def _alone(found: re.Match[str], run: Run, ledger: Ledger) -> None:
     ledger.same(_PLACE, "there is no ensemble", "ensemble" not in run.scene, True)
 
 
+def _mean(found: re.Match[str], run: Run, ledger: Ledger) -> None:
+    theory = run.theory()
+    if found["distance"] is None or theory is None:
+        return
+    # The mean itself is of areas whose fields are not kept; accuracy.json is told so.
+    distance = float(found["mean"]) / theory - 1
+    ledger.text(_PLACE, "mean distance from the theory", found["distance"], abs(distance))
+    ledger.same(_PLACE, "side of the mean", found["side"], _side(distance))
+    half = float(found["error"].removesuffix("%")) / 100 * float(found["mean"]) / theory
+    said = "does not reach" if abs(distance) > half else "holds"
+    ledger.same(_PLACE, "whether the interval of the mean holds the theory", found["verdict"], said)
+
+
 def _scatter(found: re.Match[str], run: Run, ledger: Ledger) -> None:
     if run.scatter is None:
         ledger.same(_PLACE, "scatter is determinable", True, False)
@@ -332,6 +345,14 @@ _FORMS: tuple[tuple[str, Reader], ...] = (
         _theory,
     ),
     (r"One surface proves little: .*", _alone),
+    (
+        rf"Over the surfaces of this spectrum the mean is A/A0 = (?P<mean>{_N}) \+- (?P<error>{_P}) "
+        rf"\(95 %: [^)]*\), from \d+ solved in pairs h, -h; single ones scatter by {_P} "
+        rf"\(standard deviation\)"
+        rf"(?:\.|; it lies (?P<distance>{_P}) (?P<side>above|below) the theory, which its interval "
+        rf"(?P<verdict>does not reach|holds)\.)",
+        _mean,
+    ),
     (
         rf"Between (?P<n>\d+) realisations of the same spectrum the area scatters by (?P<relative>{_P}) "
         rf"\(standard deviation, of which the grids explain (?P<grid>{_P})\)(?:\.|; their mean lies "

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.special import stdtrit
 
 from validation.audit.ledger import Ledger
 from validation.audit.recomputed import Run
@@ -19,6 +18,17 @@ __all__ = ["audit_accuracy", "audit_sweep"]
 
 #: Keys of accuracy.json that say what was asked and spent, and not what came out.
 _ASKED = ("predicted_seconds", "seconds", "solves", "reused", "peak_bytes", "target")
+#: Keys that say what was found over the surfaces of the spectrum.
+_OF_THE_MEAN = (
+    "surfaces",
+    "mean",
+    "mean_error",
+    "statistical",
+    "scatter",
+    "surface_grids",
+    "pairs",
+    "unsolved",
+)
 
 
 def audit_accuracy(folder: Path, run: Run, ledger: Ledger) -> None:
@@ -35,20 +45,22 @@ def audit_accuracy(folder: Path, run: Run, ledger: Ledger) -> None:
     bem = run.options["bem"]
     ledger.same(place, "grids", said["grids"], [list(grid) for grid in bem["grids"]])
     ledger.same(place, "shifts", said["shifts"], bem.get("shifts", 1))
-    ledger.same(place, "surfaces", said["surfaces"], run.realisations)
-    if said["mean"] is not None and run.scatter is not None:
-        areas = np.array(run.scatter[0])
-        n = areas.size
-        scatter = float(np.std(areas, ddof=1)) / float(areas.mean())
-        ledger.number(place, "mean of A/A0", said["mean"], float(areas.mean()), rtol=1e-7)
-        half = float(stdtrit(n - 1, 0.975)) * scatter / math.sqrt(n)
-        ledger.number(place, "scatter in the error of the mean", said["statistical"], half, rtol=1e-4)
-        grids = {(int(x), int(y)) for x, y in said["surface_grids"]}
-        limits = [run.limit("bem", k, grids) for k in range(n)]
-        errors = [found.error for found in limits if found is not None]
-        grid = 2 * float(np.mean(errors)) / float(areas.mean()) + said["tolerance"]
-        ledger.number(place, "error of the mean", said["mean_error"], math.hypot(grid, half), rtol=1e-4)
-    ledger.unread.extend(f"accuracy.json: {key}" for key in _ASKED)
+    _beside(said["beside"], run, ledger)
+    # The mean over surfaces is of areas whose fields are not kept.
+    ledger.unread.extend(f"accuracy.json: {key}" for key in (*_ASKED, *_OF_THE_MEAN))
+
+
+def _beside(said: list[dict[str, Any]], run: Run, ledger: Ledger) -> None:
+    """Judge what the other methods say of the same surface."""
+    for other in said:
+        found = run.limit(other["method"], 0)
+        name = f"{other['label']} beside it"
+        if found is None or other["doubt"] or other["located"]:
+            ledger.unread.append(f"accuracy.json: {name}")
+            continue
+        ledger.number("accuracy.json", name, other["area"], found.value, rtol=1e-7)
+        error = 2 * found.error / found.value
+        ledger.number("accuracy.json", f"{name}, relative error", other["error"], error, rtol=1e-4)
 
 
 def audit_sweep(folder: Path) -> Ledger:

@@ -88,7 +88,6 @@ class Stored:
         self.contact = fields["contacting_points"] == 1
         self.bound = fields["at_bound"] == 1
         self.weights = fields.get("weights", np.ones(self.p.shape))
-        self.uniform = "weights" not in fields
 
     @property
     def method(self) -> str:

@@ -1,8 +1,8 @@
 """Cases with a known answer: one module for each claim, found by name, checked by `fem-contact validate`.
 
-A module of this package names its cases in ``CASES``, a tuple of `Case`. A case says in ``claim`` what holds,
-and its ``run`` returns the checks that decide it: numbers beside a reference, with a tolerance that comes
-from an error estimate.
+A case says in ``claim`` what holds, and its ``run`` returns the checks that decide it: numbers beside a
+reference, with a tolerance that comes from an error estimate. A module of this package has each as a function
+under `case`, or, where several share one, in a tuple ``CASES``.
 """
 
 from __future__ import annotations
@@ -11,16 +11,16 @@ import importlib
 import math
 import pkgutil
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from validation.errors import UsageError
 from validation.solves.attempt import one_blas_thread
 
-__all__ = ["Case", "Check", "Verdict", "all_cases", "chosen_cases", "run_cases"]
+__all__ = ["Case", "Check", "Verdict", "all_cases", "case", "chosen_cases", "run_cases"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,23 +47,27 @@ class Check:
     @classmethod
     def relative(cls, quantity: str, computed: float, reference: float, tolerance: float) -> Check:
         """Return a check whose tolerance is a part of the reference."""
+        return cls.near(quantity, computed, reference, abs(float(reference)) * tolerance)
+
+    @classmethod
+    def near(cls, quantity: str, computed: float, reference: float, tolerance: float) -> Check:
+        """Return a check whose tolerance is in the unit of the quantity."""
         return cls(
             quantity=quantity,
             computed=float(computed),
             reference=float(reference),
-            tolerance=abs(float(reference)) * tolerance,
+            tolerance=float(tolerance),
         )
 
     @classmethod
     def below(cls, quantity: str, computed: float, bound: float) -> Check:
         """Return a check that a size does not exceed a bound: reference 0, tolerance the bound."""
-        return cls(quantity=quantity, computed=float(computed), reference=0.0, tolerance=float(bound))
+        return cls.near(quantity, computed, 0.0, bound)
 
     @classmethod
     def within(cls, quantity: str, computed: float, low: float, high: float) -> Check:
         """Return a check that a number lies between two."""
-        middle = (low + high) / 2
-        return cls(quantity=quantity, computed=float(computed), reference=middle, tolerance=(high - low) / 2)
+        return cls.near(quantity, computed, (low + high) / 2, (high - low) / 2)
 
     @classmethod
     def order(
@@ -139,6 +143,13 @@ class Case:
     quick: bool = True
 
 
+def case(
+    name: str, claim: str, *, source: str = "", quick: bool = True
+) -> Callable[[Callable[[], Sequence[Check]]], Case]:
+    """Make a `Case` of the function below, which returns the checks."""
+    return lambda run: Case(name=name, claim=claim, run=run, source=source, quick=quick)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
     """How a case ended.
@@ -175,7 +186,16 @@ def all_cases() -> tuple[Case, ...]:
     # A folder is no module of cases: a scorecard's are made for a solver.
     found = [info for info in pkgutil.iter_modules(__path__) if not info.ispkg]
     names = sorted(info.name for info in found if not info.name.startswith("_"))
-    return tuple(case for name in names for case in importlib.import_module(f"{__name__}.{name}").CASES)
+    modules = (importlib.import_module(f"{__name__}.{name}") for name in names)
+    return tuple(one for module in modules for one in _cases_of(vars(module)))
+
+
+def _cases_of(names: Mapping[str, object]) -> Iterator[Case]:
+    """Yield the cases of a module, in the order in which they stand there."""
+    for value in names.values():
+        if isinstance(value, Case):
+            yield value
+    yield from cast("tuple[Case, ...]", names.get("CASES", ()))
 
 
 def chosen_cases(names: Sequence[str], *, quick: bool) -> tuple[Case, ...]:

@@ -6,9 +6,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fem_contact.surface import HeightField
+from validation.arrays import Array
 
 __all__ = [
     "HertzInPeriod",
@@ -17,8 +18,6 @@ __all__ = [
     "westergaard_pressure",
     "westergaard_stress",
 ]
-
-Array = NDArray[np.float64]
 
 #: Sums over a square lattice of period 1 without its origin: of 1/R^3, and of 1/R less a uniform background.
 _LATTICE_CUBE, _LATTICE_MADELUNG = 9.03362168, -3.90026492

@@ -55,7 +55,7 @@ def validation_page(verdicts: Sequence[Verdict], *, asked: Mapping[str, Any], fi
         seeds="fixed in each case",
         papers=tuple(dict.fromkeys(verdict.source for verdict in verdicts if _is_paper(verdict.source))),
         records={"table": _record(verdicts)},
-        summary={"cases": [_finite(verdict.summary()) for verdict in verdicts], "findings": findings},
+        summary={"cases": [json_ready(verdict.summary()) for verdict in verdicts], "findings": findings},
     )
 
 
@@ -152,10 +152,6 @@ def _record(verdicts: Sequence[Verdict]) -> ResultTable:
         for c in v.checks
     ]
     return ResultTable.of(columns, rows)
-
-
-def _finite(summary: dict[str, Any]) -> dict[str, Any]:
-    return {**summary, "checks": [json_ready(check) for check in summary["checks"]]}
 
 
 def _figures(ladders: Sequence[tuple[str, Check]]) -> tuple[Drawing, ...]:

@@ -7,7 +7,6 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import quad
 
 from fem_contact import adhesion
@@ -16,15 +15,16 @@ from fem_contact.contact import Status
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
-from validation.cases import Case, Check
-
-__all__ = ["CASES"]
-
-Array = NDArray[np.float64]
+from validation.cases import Check, case
 
 _BODY = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
 
+@case(
+    "adhesion-laws",
+    "Attraction is the slope of the energy of the gap, and parting flat surfaces takes w.",
+    source="definition; D. Maugis, J. Colloid Interface Sci. 150, 243 (1992)",
+)
 def _laws() -> list[Check]:
     """Pull flat surfaces apart: attraction is the slope of the energy, and its work is w."""
     checks = []
@@ -65,6 +65,11 @@ def _wave(n: int = 24) -> HeightField:
 _LAW = Exponential(work=8e-4, reach=0.02)
 
 
+@case(
+    "adhesion-balance",
+    "In an adhesive state forces balance, the gap closes, and its energy is the sum of both parts.",
+    source="half-space, wave by wave",
+)
 def _balance() -> list[Check]:
     """Look at a state with plain sums: forces, gap and energy."""
     surface = _wave()
@@ -107,6 +112,11 @@ def _balance() -> list[Check]:
     ]
 
 
+@case(
+    "adhesion-stability",
+    "Flat surfaces are unstable where the law falls faster than the longest wave is stiff.",
+    source="E* q / 2 against -d tau / d g; exact",
+)
 def _stability() -> list[Check]:
     """Hold flat surfaces apart: the longest wave gives way where |d tau / d g| exceeds E* q / 2."""
     flat = HeightField(heights=np.zeros((16, 16)), lengths=(1.0, 1.0))
@@ -130,8 +140,12 @@ def _stability() -> list[Check]:
     return checks
 
 
+@case(
+    "adhesion-loop",
+    "The work of a loop of approach and retraction is what its jumps lose.",
+    source="conservation of energy",
+)
 def _loop() -> list[Check]:
-    """Bring surfaces together and take them apart: the work of the loop is what its jumps lose."""
     # One peak in a period: two alike would leave it to rounding which of them snaps first.
     x = np.cos(2 * math.pi * np.arange(64) / 64)
     surface = HeightField(heights=0.01 * (x[:, None] + x[None, :]), lengths=(1.0, 1.0))
@@ -158,39 +172,6 @@ def _loop() -> list[Check]:
         ),
         Check.below("energy stored by the loop over w", stored / law.work, 1e-6),
         # Losses that are no jumps, and the trapezoidal rule on the smooth branches, leave .001 w.
-        Check(
-            quantity="work of the loop over w",
-            computed=work / law.work,
-            reference=path.dissipated / law.work,
-            tolerance=0.0015,
-        ),
+        Check.near("work of the loop over w", work / law.work, path.dissipated / law.work, 0.0015),
         Check.within("loss of the loop over w", path.dissipated / law.work, 0.04, 0.08),
     ]
-
-
-CASES = (
-    Case(
-        name="adhesion-laws",
-        claim="Attraction is the slope of the energy of the gap, and parting flat surfaces takes w.",
-        run=_laws,
-        source="definition; D. Maugis, J. Colloid Interface Sci. 150, 243 (1992)",
-    ),
-    Case(
-        name="adhesion-balance",
-        claim="In an adhesive state forces balance, the gap closes, and its energy is the sum of both parts.",
-        run=_balance,
-        source="half-space, wave by wave",
-    ),
-    Case(
-        name="adhesion-stability",
-        claim="Flat surfaces are unstable where the law falls faster than the longest wave is stiff.",
-        run=_stability,
-        source="E* q / 2 against -d tau / d g; exact",
-    ),
-    Case(
-        name="adhesion-loop",
-        claim="The work of a loop of approach and retraction is what its jumps lose.",
-        run=_loop,
-        source="conservation of energy",
-    ),
-)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import quad
 
 from persson import spheres
@@ -17,15 +16,17 @@ from persson.asperities import (
     ring_asperities,
 )
 from persson.spectrum import Moments
-from validation.cases import Case, Check
-
-__all__ = ["CASES"]
-
-Array = NDArray[np.float64]
+from validation.arrays import Array
+from validation.cases import Check, case
 
 _RADIUS, _MODULUS, _WORK = 2e-3, 3e6, 0.05
 
 
+@case(
+    "spheres-hertz",
+    "Force, approach, radius and pressures of a Hertzian contact belong together.",
+    source="H. Hertz, J. reine angew. Math. 92, 156 (1882); Persson 2006, Eqs. 4-8 and 23",
+)
 def _hertz() -> list[Check]:
     force = 0.7
     contact = spheres.hertz(force, radius=_RADIUS, contact_modulus=_MODULUS)
@@ -49,6 +50,11 @@ def _hertz() -> list[Check]:
     ]
 
 
+@case(
+    "spheres-adhesive",
+    "An adhesive sphere comes off at 3/2 pi w R if soft, at 2 pi w R if stiff.",
+    source="K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971); D. Maugis (1992)",
+)
 def _jkr() -> list[Check]:
     def load(a: float | Array) -> Array:
         return spheres.jkr_load(a, radius=_RADIUS, contact_modulus=_MODULUS, work_of_adhesion=_WORK)
@@ -80,6 +86,11 @@ def _jkr() -> list[Check]:
 _MOMENTS = Moments(m0=4e-12, m2=1e-2, m4=1e-2**2 * 8 / 4e-12)
 
 
+@case(
+    "asperities-summits",
+    "Summits of a random surface have Nayak's density, curvature and heights.",
+    source="P. R. Nayak, J. Lubr. Technol. 93, 398 (1971); J. I. McCool, J. Tribol. 109, 264 (1987)",
+)
 def _summits() -> list[Check]:
     """Statistics of summits in the moments of a profile: mu0 = m0, mu2 = m2 / 2, mu4 = 3 m4 / 8."""
     mu2, mu4 = _MOMENTS.m2 / 2, 3 * _MOMENTS.m4 / 8
@@ -106,12 +117,7 @@ def _summits() -> list[Check]:
         Check.relative(
             "scatter of heights, counted above planes [m]", math.sqrt(second - first**2), deviation, 1e-3
         ),
-        Check(
-            quantity="n_0 / q^2 of one wavelength",
-            computed=ring.density / 1e10,
-            reference=0.029,
-            tolerance=5e-4,
-        ),
+        Check.near("n_0 / q^2 of one wavelength", ring.density / 1e10, 0.029, 5e-4),
         Check.relative("1/R of one wavelength [1/m]", 1 / ring.radius, math.sqrt(2) * 1e10 * 1e-6, 1e-12),
         Check.relative("h* of one wavelength [m]", ring.rms_height, 0.6e-6, 1e-12),
     ]
@@ -120,6 +126,11 @@ def _summits() -> list[Check]:
 _ASPERITIES = Asperities(density=1e10, radius=5e-6, rms_height=1e-7)
 
 
+@case(
+    "asperities-spheres",
+    "Equal spheres of Gaussian heights carry the sum of their Hertzian loads.",
+    source="J. A. Greenwood, J. B. P. Williamson, Proc. R. Soc. A 295, 300 (1966)",
+)
 def _spheres_on_a_plane() -> list[Check]:
     """Sum Hertz over Gaussian heights."""
     checks = []
@@ -153,6 +164,11 @@ def _spheres_on_a_plane() -> list[Check]:
     return checks
 
 
+@case(
+    "asperities-adhesive",
+    "Adhesive asperities of one height come off together; rough ones hardly stick.",
+    source="K. N. G. Fuller, D. Tabor, Proc. R. Soc. A 345, 327 (1975)",
+)
 def _sticking() -> list[Check]:
     """Asperities of almost one height pull off together, each with 3/2 pi w R."""
     big = _ASPERITIES.radius
@@ -171,37 +187,3 @@ def _sticking() -> list[Check]:
         Check.relative("pull-off of equal asperities [Pa]", pull.pull_off(), all_together, 0.03),
         Check.within("pull-off of rough ones over that", rough.pull_off() / all_together, 1e-9, 0.03),
     ]
-
-
-CASES = (
-    Case(
-        name="spheres-hertz",
-        claim="Force, approach, radius and pressures of a Hertzian contact belong together.",
-        run=_hertz,
-        source="H. Hertz, J. reine angew. Math. 92, 156 (1882); Persson 2006, Eqs. 4-8 and 23",
-    ),
-    Case(
-        name="spheres-adhesive",
-        claim="An adhesive sphere comes off at 3/2 pi w R if soft, at 2 pi w R if stiff.",
-        run=_jkr,
-        source="K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971); D. Maugis (1992)",
-    ),
-    Case(
-        name="asperities-summits",
-        claim="Summits of a random surface have Nayak's density, curvature and heights.",
-        run=_summits,
-        source="P. R. Nayak, J. Lubr. Technol. 93, 398 (1971); J. I. McCool, J. Tribol. 109, 264 (1987)",
-    ),
-    Case(
-        name="asperities-spheres",
-        claim="Equal spheres of Gaussian heights carry the sum of their Hertzian loads.",
-        run=_spheres_on_a_plane,
-        source="J. A. Greenwood, J. B. P. Williamson, Proc. R. Soc. A 295, 300 (1966)",
-    ),
-    Case(
-        name="asperities-adhesive",
-        claim="Adhesive asperities of one height come off together; rough ones hardly stick.",
-        run=_sticking,
-        source="K. N. G. Fuller, D. Tabor, Proc. R. Soc. A 345, 327 (1975)",
-    ),
-)

@@ -6,19 +6,17 @@ import math
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact import block
 from fem_contact.area import contact_areas
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 from persson.spectrum import SelfAffine
+from validation.arrays import Array
 from validation.cases import Case, Check
 from validation.cases._closed_forms import HertzInPeriod
 
 __all__ = ["CASES"]
-
-Array = NDArray[np.float64]
 
 _LAYER = "K. L. Johnson, Contact Mechanics, Sec. 5.8: an elastic layer bonded to a rigid base"
 _SAME = "code verification: two ways to solve one discrete system"
@@ -44,6 +42,25 @@ def _both_ways(element: str, shape: tuple[int, int], poisson: float) -> list[Che
         Check.below("largest difference of displacement in the block", fields, 1e-9),
         Check.below("forces that nothing balances, reduced", reduced.equilibrium().residual, 1e-9),
     ]
+
+
+def _assembled() -> list[Check]:
+    checks = []
+    for element, poisson, shape in (("Hex1", 0.3, (24, 24)), ("Hex2/P1disc", 0.45, (16, 16))):
+        surface, solid = _rough(shape), Solid(young=1.0, poisson=poisson)
+        found = block.solve(
+            surface,
+            solid,
+            mean_pressure=0.05 * solid.contact_modulus * surface.rms_gradient,
+            method="full",
+            element=element,
+            modulus=partial(_particle, surface, 10.0),
+            tolerance=1e-11,
+        )
+        again = block.assembled_field(found, tolerance=1e-11)
+        difference = np.max(np.abs(again - found.field)) / np.max(np.abs(found.field))
+        checks.append(Check.below(f"largest difference of displacement, {element}", difference, 1e-9))
+    return checks
 
 
 #: Element, Poisson ratio, growth, nodes per wave, bounds on the errors along the axis and the diagonal.
@@ -150,6 +167,12 @@ CASES = (
             ("p0", "Hex1/P0", (16, 16), 0.4999, False),
             ("p1disc", "Hex2/P1disc", (12, 12), 0.4999, True),
         )
+    ),
+    Case(
+        name="block-assembled",
+        claim="scikit-fem's assembled matrix and pyamg find the same field under the contact forces.",
+        run=_assembled,
+        source=_SAME,
     ),
     Case(
         name="block-waves",

@@ -14,12 +14,15 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.stress import elastic_energy, initial_slope
 from fem_contact.surface import HeightField, random_surface
-from validation.cases import Case, Check
+from validation.cases import Check, case
 from validation.cases._closed_forms import HertzInPeriod
 
-__all__ = ["CASES"]
 
-
+@case(
+    "block-inside",
+    "Stress, strain and energy inside the block are those of confined compression, and balance.",
+    source="S. P. Timoshenko, J. N. Goodier, Theory of Elasticity",
+)
 def _inside() -> list[Check]:
     """Press a block evenly, and a wave flat: confined compression, and equilibrium with the load above."""
     solid, load = Solid(young=2.0, poisson=0.3), 0.01
@@ -65,6 +68,11 @@ def _rough(n: int) -> HeightField:
     )
 
 
+@case(
+    "block-approach",
+    "The block pressed to an approach, or along a path, is the block under that load.",
+    source="uniqueness of the elastic solution",
+)
 def _approach() -> list[Check]:
     """Press to the approach at which a load stands, and follow a path of loads."""
     solid, surface = Solid(young=1.0, poisson=0.3), _rough(24)
@@ -88,6 +96,11 @@ def _approach() -> list[Check]:
     ]
 
 
+@case(
+    "yielding-unloading",
+    "What has yielded answers elastically up to the load that it yielded under.",
+    source="the smoothed surface pressed again",
+)
 def _unloading() -> list[Check]:
     """Press until something yields, take the load away, and press again: elastic up to the first load."""
     body, surface = HalfSpace(solid=Solid(young=1.0, poisson=0.3)), _rough(48)
@@ -120,6 +133,11 @@ def _unloading() -> list[Check]:
     ]
 
 
+@case(
+    "results-planned",
+    "Shifts are averaged, grids planned and slopes of P(sigma) read off as they should.",
+    source="Persson 2006, Eq. 23 for Hertz's contact",
+)
 def _planned() -> list[Check]:
     """Average shifts, plan grids, and start P(sigma): Hertz's contact has a slope in closed form."""
     case, n = HertzInPeriod(radius=0.2), 192
@@ -175,31 +193,3 @@ def _planned() -> list[Check]:
         Check.relative("limit of corrected areas, linear in the edges", corrected.value, 0.2, 2e-4),
         Check.relative("excess per edge that is left", corrected.edge_constant, 0.01, 0.05),
     ]
-
-
-CASES = (
-    Case(
-        name="block-inside",
-        claim="Stress, strain and energy inside the block are those of confined compression, and balance.",
-        run=_inside,
-        source="S. P. Timoshenko, J. N. Goodier, Theory of Elasticity",
-    ),
-    Case(
-        name="block-approach",
-        claim="The block pressed to an approach, or along a path, is the block under that load.",
-        run=_approach,
-        source="uniqueness of the elastic solution",
-    ),
-    Case(
-        name="yielding-unloading",
-        claim="What has yielded answers elastically up to the load that it yielded under.",
-        run=_unloading,
-        source="the smoothed surface pressed again",
-    ),
-    Case(
-        name="results-planned",
-        claim="Shifts are averaged, grids planned and slopes of P(sigma) read off as they should.",
-        run=_planned,
-        source="Persson 2006, Eq. 23 for Hertz's contact",
-    ),
-)

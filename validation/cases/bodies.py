@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact import bem
 from fem_contact.graded import ExponentialSolid, LayeredSolid
@@ -14,7 +13,7 @@ from fem_contact.solid import Solid, composite_modulus
 from fem_contact.surface import HeightField
 from persson.adhesion import Interface, solve_adhesion
 from persson.scale import Scale
-from validation.cases import Case, Check
+from validation.cases import Check, case
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import Roughness, Slots, Told, full_contact_energy
 from validation.effects.coating import Coating
@@ -25,18 +24,18 @@ from validation.methods.theory import TheoryOptions, predict
 from validation.scenes.realised import realise
 from validation.scenes.scene import Scene
 
-__all__ = ["CASES"]
-
-Array = NDArray[np.float64]
-
 
 def _felt(response: Response, q: float) -> float:
     """Return C(q) [m/Pa] along x."""
     return float(response.compliance(np.array([[q]]), np.zeros((1, 1)))[0, 0])
 
 
+@case(
+    "bodies-oblong",
+    "Waves along either side of an oblong period are pressed flat by (E* q / 2) h.",
+    source="K. L. Johnson, Contact Mechanics, Sec. 13.2",
+)
 def _oblong() -> list[Check]:
-    """Press waves flat, along either side of an oblong period: p = p0 + (E* q / 2) h."""
     solid, lengths, n = Solid(young=2.0, poisson=0.3), (3.0, 0.5), 16
     checks = []
     x = np.cos(2 * math.pi * np.arange(n) / n)
@@ -56,8 +55,12 @@ def _oblong() -> list[Check]:
     return checks
 
 
+@case(
+    "bodies-layers",
+    "Thin layers give by their confined modulus, and thick ones are half-spaces.",
+    source="K. L. Johnson, Contact Mechanics, Sec. 5.8",
+)
 def _layers() -> list[Check]:
-    """Thin layers give by their confined modulus, thick ones are half-spaces."""
     solid, thickness = Solid(young=2.0, poisson=0.3), 0.1
     confined = 2.0 * 0.7 / (1.3 * 0.4)
     checks = []
@@ -83,6 +86,11 @@ def _layers() -> list[Check]:
     return checks
 
 
+@case(
+    "bodies-graded",
+    "A modulus that relaxes with depth is that of many thin layers, to second order.",
+    source="exact layer matrices",
+)
 def _depth() -> list[Check]:
     """Set 400 thin layers beside an exponential profile, which sums 64 that follow the wave."""
     surface = Solid(young=1.0, poisson=0.3)
@@ -110,8 +118,12 @@ def _depth() -> list[Check]:
     return checks
 
 
+@case(
+    "bodies-yield",
+    "A load equal to the hardness yields everywhere, with the least indentation.",
+    source="exact",
+)
 def _yields() -> list[Check]:
-    """Load a surface up to its hardness: it yields everywhere, by as little as that takes."""
     x = np.cos(2 * math.pi * np.arange(24) / 24)
     surface = HeightField(heights=0.01 * x[:, None] * np.ones(8), lengths=(1.0, 1.0))
     body = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
@@ -129,6 +141,11 @@ _ROUGHNESS = Roughness(
 )
 
 
+@case(
+    "effects-slots",
+    "Effects of a scene give solver, mesh and theory the solid that they describe.",
+    source="Persson 2006, Secs. 5 and 6; K. L. Johnson, Contact Mechanics, Sec. 5.8",
+)
 def _effects() -> list[Check]:
     """Ask the effects of a scene what they give to solvers, meshes and the theory."""
     solid = Solid(young=2e9, poisson=0.3)
@@ -193,6 +210,11 @@ def _judged_adhesion() -> list[Check]:
     return [Check.relative("judgement of adhesion in other units is the same", one == two, 1, 0)]
 
 
+@case(
+    "effects-theory",
+    "The theory of a scene has its effects in it: contrasts, hardness, and readings of adhesion.",
+    source="Persson 2006, Secs. 5, 6 and 8",
+)
 def _told() -> list[Check]:
     """Ask the theory of a scene about effects, and about their limits."""
     realised = realise(
@@ -249,43 +271,3 @@ def _told() -> list[Check]:
     apart = min(abs(found["improved"].area - area) for area in (found["old"].area, flat.area, plain))
     checks.append(Check.within("these readings, apart by at least", apart, 1e-4, 1.0))
     return checks
-
-
-CASES = (
-    Case(
-        name="bodies-oblong",
-        claim="Waves along either side of an oblong period are pressed flat by (E* q / 2) h.",
-        run=_oblong,
-        source="K. L. Johnson, Contact Mechanics, Sec. 13.2",
-    ),
-    Case(
-        name="bodies-layers",
-        claim="Thin layers give by their confined modulus, and thick ones are half-spaces.",
-        run=_layers,
-        source="K. L. Johnson, Contact Mechanics, Sec. 5.8",
-    ),
-    Case(
-        name="bodies-graded",
-        claim="A modulus that relaxes with depth is that of many thin layers, to second order.",
-        run=_depth,
-        source="exact layer matrices",
-    ),
-    Case(
-        name="bodies-yield",
-        claim="A load equal to the hardness yields everywhere, with the least indentation.",
-        run=_yields,
-        source="exact",
-    ),
-    Case(
-        name="effects-theory",
-        claim="The theory of a scene has its effects in it: contrasts, hardness, and readings of adhesion.",
-        run=_told,
-        source="Persson 2006, Secs. 5, 6 and 8",
-    ),
-    Case(
-        name="effects-slots",
-        claim="Effects of a scene give solver, mesh and theory the solid that they describe.",
-        run=_effects,
-        source="Persson 2006, Secs. 5 and 6; K. L. Johnson, Contact Mechanics, Sec. 5.8",
-    ),
-)

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from validation.audit import audit
-from validation.cases import Case, Check
+from validation.cases import Check, case
 from validation.cases._closed_forms import westergaard_mean_pressure, westergaard_pressure
 from validation.comparison.compared import Scatter
 from validation.comparison.run import run_scene
@@ -22,8 +22,6 @@ from validation.measures.budget import Budget, budget_table, grid_share
 from validation.measures.ladders import rungs_limit
 from validation.measures.statistics import combined, mean_over_surfaces, order_of_convergence
 from validation.scenes.scene import Scene
-
-__all__ = ["CASES"]
 
 _YOUNG, _POISSON = 1e6, 0.3
 _MODULUS = _YOUNG / (1 - _POISSON**2)
@@ -65,6 +63,11 @@ _HALF_WIDTH, _AMPLITUDE = 0.3, 1e-3
 _WAVE_GRIDS = (64, 128, 256)
 
 
+@case(
+    "comparison-wave",
+    "Of a wave pressed as a scene, every number of table, summary and sentences is Westergaard's.",
+    source="H. M. Westergaard, J. Appl. Mech. 6, 49 (1939); Persson 2006, Eq. 20",
+)
 def _wave() -> list[Check]:
     """Press a cosine of period 1 until it touches over 60 %; its file holds 32 x 4 points."""
     load = westergaard_mean_pressure(_AMPLITUDE, half_width=_HALF_WIDTH, contact_modulus=_MODULUS)
@@ -102,20 +105,15 @@ def _wave() -> list[Check]:
         Check.relative("theory, erf(sqrt 2 p*)", said["theory"]["area"], theory, 1e-12),
         # The law of error counts on edges that fall anywhere between grid points; those of a wave run along
         # the grid, two in all, and are placed to a tenth of a cell.
-        Check(
-            quantity="limit of A/A0",
-            computed=limit["value"],
-            reference=area,
-            tolerance=0.2 / _WAVE_GRIDS[-1],
-        ),
+        Check.near("limit of A/A0", limit["value"], area, 0.2 / _WAVE_GRIDS[-1]),
         Check.below("error of the limit", limit["uncertainty"], 0.02 * area),
         Check.relative("BEM solves of the limit", limit["grids"], 3, 0.0),
         # Two digits are printed, and the limit is known as above.
-        Check(
-            quantity="sentence: limit below the theory [%]",
-            computed=float(distance[1]) * (1 if distance[2] == "below" else -1),
-            reference=100 * (1 - area / theory),
-            tolerance=20 / _WAVE_GRIDS[-1] / theory + 0.05,
+        Check.near(
+            "sentence: limit below the theory [%]",
+            float(distance[1]) * (1 if distance[2] == "below" else -1),
+            100 * (1 - area / theory),
+            20 / _WAVE_GRIDS[-1] / theory + 0.05,
         ),
         Check.relative(
             "FEM / BEM - 1 of the counted area", cross["pixel"], counted[0] / counted[1] - 1, 1e-9
@@ -137,13 +135,11 @@ def _wave_row(found: _Written, method: str, n: int, reduced: float) -> list[Chec
     share = 2 * (_HALF_WIDTH - float(x[np.argmax(p < window)]))
     density = found.column(method, grid, "density_at_zero")
     return [
-        Check(quantity=f"{name}: pixel", computed=pixel, reference=2 * _HALF_WIDTH, tolerance=2 / n),
+        Check.near(f"{name}: pixel", pixel, 2 * _HALF_WIDTH, 2 / n),
         Check.relative(f"{name}: perimeter", perimeter, pixel - 2 * _EDGE[method] / n, 1e-12),
         Check.relative(f"{name}: kappa", found.column(method, grid, "kappa"), perimeter / reduced, 1e-12),
         # A point more or less on either edge.
-        Check(
-            quantity=f"{name}: P(0+)", computed=density, reference=share / window, tolerance=2 / n / window
-        ),
+        Check.near(f"{name}: P(0+)", density, share / window, 2 / n / window),
     ]
 
 
@@ -158,6 +154,11 @@ _ROUGH = {
 }
 
 
+@case(
+    "comparison-full-contact",
+    "Of a surface in full contact, every number of the table is exact.",
+    source="Persson 2006, Eq. 20; exact",
+)
 def _full() -> list[Check]:
     """Press a rough surface with eight deviations of its full-contact stress."""
     reduced = 4.0
@@ -195,6 +196,11 @@ def _full() -> list[Check]:
     return checks
 
 
+@case(
+    "comparison-ensemble",
+    "Each surface of an ensemble is compared with the theory of its own gradient.",
+    source="Persson 2006, Eq. 20; exact",
+)
 def _ensemble() -> list[Check]:
     """Press three surfaces of one spectrum with one pressure: each has its own gradient and theory."""
     with tempfile.TemporaryDirectory() as name:
@@ -226,21 +232,26 @@ def _ensemble() -> list[Check]:
         Check.within(
             "theories of the others, apart by [%]", 100 * float(np.ptp(spread) / spread[0]), 0.1, 50
         ),
-        Check(
-            quantity="sentence: mean above the theory [%]",
-            computed=float(standing[1]) * (1 if standing[2] == "above" else -1),
-            reference=100 * (float(ratios.mean()) - 1),
-            tolerance=0.5,
+        Check.near(
+            "sentence: mean above the theory [%]",
+            float(standing[1]) * (1 if standing[2] == "above" else -1),
+            100 * (float(ratios.mean()) - 1),
+            0.5,
         ),
-        Check(
-            quantity="sentence: standard error of the mean [%]",
-            computed=float(standing[3]),
-            reference=100 * float(np.sqrt(np.sum((ratios - ratios.mean()) ** 2) / 2 / 3)),
-            tolerance=0.05,
+        Check.near(
+            "sentence: standard error of the mean [%]",
+            float(standing[3]),
+            100 * float(np.sqrt(np.sum((ratios - ratios.mean()) ** 2) / 2 / 3)),
+            0.05,
         ),
     ]
 
 
+@case(
+    "comparison-intervals",
+    "Intervals that claim 95 % hold in 95 of 100 trials, and shares of a budget add up.",
+    source="Student, Biometrika 6, 1 (1908)",
+)
 def _intervals() -> list[Check]:
     """Plant means and scatters, and see what intervals are claimed and how often they hold."""
     checks = []
@@ -256,14 +267,7 @@ def _intervals() -> list[Check]:
     claims = [mean_over_surfaces(rng.normal(3.0, 0.4, 4)) for _ in range(trials)]
     held = sum(abs(claim.value - 3.0) <= claim.half_width for claim in claims)
     # Four deviations of the binomial; 1.96 in place of Student's 3.18 would hold 86 %.
-    checks.append(
-        Check(
-            quantity="share of 95 % intervals that hold",
-            computed=held / trials,
-            reference=0.95,
-            tolerance=0.02,
-        )
-    )
+    checks.append(Check.near("share of 95 % intervals that hold", held / trials, 0.95, 0.02))
     checks.append(Check.relative("independent errors of 3, 4 and 12", combined(3.0, 4.0, 12.0), 13.0, 1e-12))
     spacing = np.array([0.4, 0.2, 0.1])
     order = order_of_convergence(spacing, -0.3 * spacing**1.5)
@@ -289,31 +293,3 @@ def _intervals() -> list[Check]:
     )
     checks.append(Check.relative("standard error of the mean", scatter.mean_error, 0.1 / math.sqrt(3), 1e-12))
     return checks
-
-
-CASES = (
-    Case(
-        name="comparison-wave",
-        claim="Of a wave pressed as a scene, every number of table, summary and sentences is Westergaard's.",
-        run=_wave,
-        source="H. M. Westergaard, J. Appl. Mech. 6, 49 (1939); Persson 2006, Eq. 20",
-    ),
-    Case(
-        name="comparison-full-contact",
-        claim="Of a surface in full contact, every number of the table is exact.",
-        run=_full,
-        source="Persson 2006, Eq. 20; exact",
-    ),
-    Case(
-        name="comparison-ensemble",
-        claim="Each surface of an ensemble is compared with the theory of its own gradient.",
-        run=_ensemble,
-        source="Persson 2006, Eq. 20; exact",
-    ),
-    Case(
-        name="comparison-intervals",
-        claim="Intervals that claim 95 % hold in 95 of 100 trials, and shares of a budget add up.",
-        run=_intervals,
-        source="Student, Biometrika 6, 1 (1908)",
-    ),
-)

@@ -11,9 +11,7 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import random_surface
 from persson.spectrum import SelfAffine
-from validation.cases import Case, Check
-
-__all__ = ["CASES"]
+from validation.cases import Check, case
 
 
 def _differences(n: int) -> tuple[float, float]:
@@ -28,6 +26,11 @@ def _differences(n: int) -> tuple[float, float]:
     return float(pressure), float(fem.in_contact.mean() / other.in_contact.mean() - 1)
 
 
+@case(
+    "fem-against-bem",
+    "Full finite elements and boundary elements approach each other as the grid is refined.",
+    source="code verification: no shared contact algorithm",
+)
 def _shrinking() -> list[Check]:
     sizes = (16, 32, 48)
     found = [_differences(n) for n in sizes]
@@ -40,13 +43,3 @@ def _shrinking() -> list[Check]:
         Check.below(f"relative difference in pixel area at n = {sizes[-1]}", areas[-1], 0.06),
         Check.below("difference in area, finest over coarsest grid", abs(areas[-1] / areas[0]), 1.0),
     ]
-
-
-CASES = (
-    Case(
-        name="fem-against-bem",
-        claim="Full finite elements and boundary elements approach each other as the grid is refined.",
-        run=_shrinking,
-        source="code verification: no shared contact algorithm",
-    ),
-)

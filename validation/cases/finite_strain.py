@@ -5,17 +5,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from fem_contact import block
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
-from validation.cases import Case, Check
-
-__all__ = ["CASES"]
-
-Array = NDArray[np.float64]
+from validation.cases import Check, case
 
 _SOLID = Solid(young=2.0, poisson=0.3)
 _SHEAR, _BULK = 1 / 1.3, 2 / (3 * 0.4)
@@ -28,6 +23,11 @@ def _wavy(amplitude: float, points: int) -> HeightField:
     return HeightField(heights=amplitude * waves, lengths=(1.0, 1.0))
 
 
+@case(
+    "finite-strain-flat",
+    "A neo-Hookean block pressed flat takes the closed form of confined compression.",
+    source="W = mu/2 (J^(-2/3) tr C - 3) + K/2 (J - 1)^2 with two stretches 1",
+)
 def _flat() -> list[Check]:
     """Press a block whose sides cannot move to half of Young's modulus, far from small strain."""
     load = 1.0
@@ -48,6 +48,11 @@ def _flat() -> list[Check]:
     ]
 
 
+@case(
+    "finite-strain-steep",
+    "Under steep waves forces balance, and the work of the load is the energy stored.",
+    source="equilibrium; a conservative body",
+)
 def _steep() -> list[Check]:
     """Press waves of h' = .5: equilibrium, the area of the surface, and the work of a little more load."""
     surface = _wavy(0.05, 8)
@@ -77,6 +82,11 @@ def _carried(found: block.FiniteStrain) -> float:
     return float(np.mean(found.pressure * found.shares))
 
 
+@case(
+    "finite-strain-limit",
+    "At small slopes the block of finite strain is the linear one, in first order.",
+    source="the full linear system on the same mesh",
+)
 def _limit() -> list[Check]:
     """Flatten waves at one reduced load: pressures go to those of the linear block in first order."""
     surface = _wavy(0.01, 8)
@@ -97,25 +107,3 @@ def _limit() -> list[Check]:
         ),
         Check.below("difference of pressure at h' = 1e-4", errors[0], 1e-3),
     ]
-
-
-CASES = (
-    Case(
-        name="finite-strain-flat",
-        claim="A neo-Hookean block pressed flat takes the closed form of confined compression.",
-        run=_flat,
-        source="W = mu/2 (J^(-2/3) tr C - 3) + K/2 (J - 1)^2 with two stretches 1",
-    ),
-    Case(
-        name="finite-strain-steep",
-        claim="Under steep waves forces balance, and the work of the load is the energy stored.",
-        run=_steep,
-        source="equilibrium; a conservative body",
-    ),
-    Case(
-        name="finite-strain-limit",
-        claim="At small slopes the block of finite strain is the linear one, in first order.",
-        run=_limit,
-        source="the full linear system on the same mesh",
-    ),
-)

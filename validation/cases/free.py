@@ -12,9 +12,7 @@ from fem_contact.conductance import frozen_contact
 from fem_contact.response import FreeHalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import Patch
-from validation.cases import Case, Check
-
-__all__ = ["CASES"]
+from validation.cases import Check, case
 
 _FREE = FreeHalfSpace(solid=Solid(young=1.0, poisson=0.3))
 #: Side of the patch over the contact radius: little more than the contact itself.
@@ -24,6 +22,11 @@ _SIDE = 2.5
 _SQUARE = 0.3667892
 
 
+@case(
+    "free-hertz",
+    "A ball on a patch hardly larger than its contact is Hertz's within .1 %: it has no images.",
+    source="H. Hertz, J. reine angew. Math. 92, 156 (1882); K. L. Johnson, Contact Mechanics, Sec. 4.2",
+)
 def _hertz() -> list[Check]:
     """Press a ball of radius 1 to a contact of radius .1; no grid point is its apex."""
     a, modulus = 0.1, _FREE.contact_modulus
@@ -48,6 +51,11 @@ def _hertz() -> list[Check]:
     ]
 
 
+@case(
+    "free-punch",
+    "A flat square patch has the stiffness of a punch, that is the capacitance of a square plate.",
+    source="F. H. Read, J. Comput. Phys. 133, 1 (1997): C = .3667892 x 4 pi eps L",
+)
 def _punch() -> list[Check]:
     """Pressures at the edges of a punch are infinite: first order."""
     sizes, errors, exact = (16, 32, 64), [], math.pi * _SQUARE * _FREE.contact_modulus
@@ -60,19 +68,3 @@ def _punch() -> list[Check]:
         Check.order("observed order of the stiffness", sizes, errors, expected=1, tolerance=0.2),
         Check.below("error of its limit over the grids", abs(limit), 2e-3),
     ]
-
-
-CASES = (
-    Case(
-        name="free-hertz",
-        claim="A ball on a patch hardly larger than its contact is Hertz's within .1 %: it has no images.",
-        run=_hertz,
-        source="H. Hertz, J. reine angew. Math. 92, 156 (1882); K. L. Johnson, Contact Mechanics, Sec. 4.2",
-    ),
-    Case(
-        name="free-punch",
-        claim="A flat square patch has the stiffness of a punch, that is the capacitance of a square plate.",
-        run=_punch,
-        source="F. H. Read, J. Comput. Phys. 133, 1 (1997): C = .3667892 x 4 pi eps L",
-    ),
-)

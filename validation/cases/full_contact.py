@@ -12,9 +12,7 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 from persson import elastic
 from persson.spectrum import SelfAffine
-from validation.cases import Case, Check
-
-__all__ = ["CASES"]
+from validation.cases import Check, case
 
 _SOLID = Solid(young=1.0, poisson=0.3)
 
@@ -26,6 +24,11 @@ def _rough(n: int, waves: float) -> HeightField:
     return random_surface(spectrum, q_short=spectrum.q_short, lengths=(1.0, 1.0), shape=(n, n), seed=2718)
 
 
+@case(
+    "full-contact-bem",
+    "Where everything touches, p-hat = (E* q / 2) h-hat wave by wave, and its variance is Persson's.",
+    source="Persson 2006, Sec. 3.4; exact",
+)
 def _boundary_elements() -> list[Check]:
     surface, modulus = _rough(64, 12), _SOLID.contact_modulus
     load = 6 * surface.rms_gradient * modulus
@@ -47,6 +50,11 @@ def _boundary_elements() -> list[Check]:
     ]
 
 
+@case(
+    "full-contact-fem",
+    "Where everything touches, the pressure of finite elements has Persson's variance.",
+    source="Persson 2006, Sec. 3.4; exact but for the grid",
+)
 def _finite_elements() -> list[Check]:
     surface, modulus = _rough(48, 4), _SOLID.contact_modulus
     load = 8 * surface.rms_gradient * modulus
@@ -60,20 +68,3 @@ def _finite_elements() -> list[Check]:
             "<(p - p0)^2> against E*^2 m2 / 4 [Pa^2]", float(np.var(result.pressure)), variance, 0.06
         ),
     ]
-
-
-CASES = (
-    Case(
-        name="full-contact-bem",
-        claim="Where everything touches, p-hat = (E* q / 2) h-hat wave by wave, and its variance is "
-        "Persson's.",
-        run=_boundary_elements,
-        source="Persson 2006, Sec. 3.4; exact",
-    ),
-    Case(
-        name="full-contact-fem",
-        claim="Where everything touches, the pressure of finite elements has Persson's variance.",
-        run=_finite_elements,
-        source="Persson 2006, Sec. 3.4; exact but for the grid",
-    ),
-)

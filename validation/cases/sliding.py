@@ -14,12 +14,15 @@ from fem_contact.sliding import SlidingContact, slide
 from fem_contact.surface import HeightField, random_surface
 from fem_contact.viscoelastic import PronySolid
 from persson.sliding import friction_of_waves
-from validation.cases import Case, Check
-
-__all__ = ["CASES"]
+from validation.cases import Check, case
 
 #: Of the rough cases: Poisson ratio and h'_rms.
 _POISSON, _GRADIENT = 0.3, 0.1
+
+
+_SOURCE = "S. C. Hunter, J. Appl. Mech. 28, 611 (1961)"
+_RESPONSE = "linear viscoelasticity: K. L. Johnson, Contact Mechanics, Sec. 6.5"
+_FRICTION = "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001)"
 
 
 def _standard(ratio: float, poisson: float = _POISSON) -> PronySolid:
@@ -66,6 +69,11 @@ def _hunter(load: float, *, ratio: float, drift: float) -> tuple[float, float, f
     return a, centre, moment / load
 
 
+@case(
+    "sliding-cylinder",
+    "A cylinder on a standard solid has Hunter's friction within 1 %, and his contact to a cell.",
+    source=_SOURCE,
+)
 def _cylinder() -> list[Check]:
     n, elastic, checks = 2048, 0.02, []
     load = math.pi * elastic**2 / 4
@@ -84,22 +92,17 @@ def _cylinder() -> list[Check]:
             Check.relative(
                 f"friction, {said}", float(np.sum(x * pressure) / np.sum(pressure)), friction, 0.01
             ),
-            Check(
-                quantity=f"half width, {said}",
-                computed=float(touched[-1] - touched[0]) / 2,
-                reference=a,
-                tolerance=1 / n,
-            ),
-            Check(
-                quantity=f"centre, {said}",
-                computed=float(touched[-1] + touched[0]) / 2,
-                reference=centre,
-                tolerance=1 / n,
-            ),
+            Check.near(f"half width, {said}", float(touched[-1] - touched[0]) / 2, a, 1 / n),
+            Check.near(f"centre, {said}", float(touched[-1] + touched[0]) / 2, centre, 1 / n),
         ]
     return checks
 
 
+@case(
+    "sliding-limits",
+    "Slow and fast sliding are elastic contacts, to 1e-6; waves along the motion stay relaxed.",
+    source=_RESPONSE,
+)
 def _limits() -> list[Check]:
     """Waves along the motion stay relaxed at any velocity: a point of a period never leaves them."""
     checks = []
@@ -123,6 +126,11 @@ def _limits() -> list[Check]:
     return checks
 
 
+@case(
+    "sliding-twice",
+    "Pressure on slopes and losses of the solid give one friction as the grid is refined.",
+    source=_RESPONSE,
+)
 def _twice() -> list[Check]:
     found = _slid(256, 10.0, 0.03)
     ratio = found.friction / found.dissipation
@@ -134,6 +142,11 @@ def _twice() -> list[Check]:
     return checks
 
 
+@case(
+    "sliding-full",
+    "In full contact solver and theory give the friction that the waves add up to.",
+    source=_FRICTION,
+)
 def _full() -> list[Check]:
     found = _slid(32, 50.0, 0.02, reduced=60.0)
     surface = _rough(32)
@@ -155,34 +168,3 @@ def _full() -> list[Check]:
         Check.relative("friction by slopes", found.friction, theory.friction, 1e-6),
         Check.relative("friction by losses", found.dissipation, theory.friction, 1e-6),
     ]
-
-
-_SOURCE = "S. C. Hunter, J. Appl. Mech. 28, 611 (1961)"
-_RESPONSE = "linear viscoelasticity: K. L. Johnson, Contact Mechanics, Sec. 6.5"
-_FRICTION = "B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001)"
-CASES = (
-    Case(
-        name="sliding-cylinder",
-        claim="A cylinder on a standard solid has Hunter's friction within 1 %, and his contact to a cell.",
-        run=_cylinder,
-        source=_SOURCE,
-    ),
-    Case(
-        name="sliding-limits",
-        claim="Slow and fast sliding are elastic contacts, to 1e-6; waves along the motion stay relaxed.",
-        run=_limits,
-        source=_RESPONSE,
-    ),
-    Case(
-        name="sliding-twice",
-        claim="Pressure on slopes and losses of the solid give one friction as the grid is refined.",
-        run=_twice,
-        source=_RESPONSE,
-    ),
-    Case(
-        name="sliding-full",
-        claim="In full contact solver and theory give the friction that the waves add up to.",
-        run=_full,
-        source=_FRICTION,
-    ),
-)

@@ -7,18 +7,14 @@ import math
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import quad
 
 from fem_contact.surface import HeightField, estimate_spectrum, radial_spectrum, random_surface
 from persson.capillary import CapillaryWaves, maximum_height
 from persson.spectrum import SelfAffine, Spectrum
 from persson.tabulated import Tabulated
-from validation.cases import Case, Check
-
-__all__ = ["CASES"]
-
-Array = NDArray[np.float64]
+from validation.arrays import Array
+from validation.cases import Check, case
 
 
 def _moment(power: Callable[[float], float], order: int, edges: tuple[float, ...]) -> float:
@@ -53,6 +49,11 @@ def _judged(
 _HURST, _LONG, _SHORT, _LEAST = 0.7, 3.0, 200.0, 0.5
 
 
+@case(
+    "spectra-self-affine",
+    "Self-affine spectra have the moments of their C(q), with each roll-off.",
+    source="Persson 2006, Sec. 2; quadrature over ln q",
+)
 def _self_affine() -> list[Check]:
     exponent = -2 * (1 + _HURST)
     shapes: dict[str, tuple[Callable[[float], float], tuple[float, ...]]] = {
@@ -81,6 +82,11 @@ def _self_affine() -> list[Check]:
     return checks
 
 
+@case(
+    "spectra-capillary",
+    "Frozen capillary waves have the C(q) of equipartition with gravity, tension and bending.",
+    source="Persson 2006, Eqs. 2 and 3, App. A",
+)
 def _capillary() -> list[Check]:
     """Freeze a polymer of .04 J/m^2 at 370 K, with gravity strong enough to matter."""
     temperature, tension, bend, gravity = 370.0, 0.04, 1.7e9, 3e6
@@ -109,6 +115,11 @@ def _capillary() -> list[Check]:
     return checks
 
 
+@case(
+    "spectra-table",
+    "A table of a power law is that power law, and areal PSDs are (2 pi)^2 C.",
+    source="quadrature over ln q",
+)
 def _tables() -> list[Check]:
     """Give a power law by its points; the areal PSD of others is (2 pi)^2 C."""
     q = np.geomspace(2.0, 300.0, 9)
@@ -138,6 +149,11 @@ def _power(q: Array) -> Array:
     return np.asarray(1e-6 * (1 + q * q / 400) ** -1.8)
 
 
+@case(
+    "surface-waves",
+    "A random surface carries |h(q)|^2 = (2 pi)^2 C(q) / A0 in each wave, whatever the grid.",
+    source="Persson 2006, Eq. 1; exact",
+)
 def _generator() -> list[Check]:
     """Draw a surface on an oblong period, and sum its waves as Eq. 1 has them."""
     surface = _drawn((40, 32))
@@ -166,8 +182,12 @@ def _generator() -> list[Check]:
     return checks
 
 
+@case(
+    "surface-shift",
+    "A surface seen by a shifted grid is the same surface.",
+    source="trigonometric interpolation; exact",
+)
 def _between() -> list[Check]:
-    """Move a grid by a fraction of a cell: the surface is where it was."""
     surface = _drawn((40, 32))
     finer = surface.resampled((160, 128)).heights
     miss = surface.shifted((0.25, 0.75)).heights - finer[1::4, 3::4]
@@ -192,6 +212,11 @@ def _between() -> list[Check]:
     return checks
 
 
+@case(
+    "surface-measured",
+    "The spectrum measured of a surface is the one it was made with.",
+    source="Parseval's theorem; F. J. Harris, Proc. IEEE 66, 51 (1978)",
+)
 def _measured() -> list[Check]:
     """Measure the spectrum of a surface whose C(q) is the same for all waves."""
     lengths = (1.0, 0.5)
@@ -215,43 +240,3 @@ def _measured() -> list[Check]:
         Check.below("error of C(q) of a periodic surface", worst, 1e-9),
         Check.relative("mean C(q) of a patch seen through a window [m^4]", mean, 2e-5, 4 * error),
     ]
-
-
-CASES = (
-    Case(
-        name="spectra-self-affine",
-        claim="Self-affine spectra have the moments of their C(q), with each roll-off.",
-        run=_self_affine,
-        source="Persson 2006, Sec. 2; quadrature over ln q",
-    ),
-    Case(
-        name="spectra-capillary",
-        claim="Frozen capillary waves have the C(q) of equipartition with gravity, tension and bending.",
-        run=_capillary,
-        source="Persson 2006, Eqs. 2 and 3, App. A",
-    ),
-    Case(
-        name="spectra-table",
-        claim="A table of a power law is that power law, and areal PSDs are (2 pi)^2 C.",
-        run=_tables,
-        source="quadrature over ln q",
-    ),
-    Case(
-        name="surface-waves",
-        claim="A random surface carries |h(q)|^2 = (2 pi)^2 C(q) / A0 in each wave, whatever the grid.",
-        run=_generator,
-        source="Persson 2006, Eq. 1; exact",
-    ),
-    Case(
-        name="surface-shift",
-        claim="A surface seen by a shifted grid is the same surface.",
-        run=_between,
-        source="trigonometric interpolation; exact",
-    ),
-    Case(
-        name="surface-measured",
-        claim="The spectrum measured of a surface is the one it was made with.",
-        run=_measured,
-        source="Parseval's theorem; F. J. Harris, Proc. IEEE 66, 51 (1978)",
-    ),
-)

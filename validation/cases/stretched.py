@@ -11,14 +11,17 @@ from fem_contact.surface import measured_lay, random_surface
 from persson.elastic import stress_variance
 from persson.spectrum import SelfAffine
 from persson.stretched import Stretched
-from validation.cases import Case, Check
-
-__all__ = ["CASES"]
+from validation.cases import Check, case
 
 _STRAIGHT = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=2 * np.pi * 8, q_short=2 * np.pi * 64)
 _HALF_SPACE = HalfSpace(solid=Solid(young=1.0, poisson=0.3))
 
 
+@case(
+    "stretched-moments",
+    "The average over directions of a stretched spectrum has its closed moments.",
+    source="Integrals of (cos^2/gamma^2 + sin^2)^k over the directions",
+)
 def _moments() -> list[Check]:
     checks = []
     for factor in (2.0, 5.0, 20.0):
@@ -34,6 +37,12 @@ def _moments() -> list[Check]:
     return checks
 
 
+@case(
+    "stretched-surfaces",
+    "Surfaces with a lay are the same on nested grids and have the slopes of their spectrum; full "
+    "contact knows their mean square slope alone.",
+    source="B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001): V = (E*/2)^2 <|grad h|^2>",
+)
 def _surfaces() -> list[Check]:
     factor, n = 4.0, 192
     lay = Stretched(spectrum=_STRAIGHT, factor=factor)
@@ -67,20 +76,3 @@ def _surfaces() -> list[Check]:
             "variance of p in full contact [Pa^2]", float(np.var(pressed.pressure)), variance, 1e-9
         ),
     ]
-
-
-CASES = (
-    Case(
-        name="stretched-moments",
-        claim="The average over directions of a stretched spectrum has its closed moments.",
-        run=_moments,
-        source="Integrals of (cos^2/gamma^2 + sin^2)^k over the directions",
-    ),
-    Case(
-        name="stretched-surfaces",
-        claim="Surfaces with a lay are the same on nested grids and have the slopes of their spectrum; full "
-        "contact knows their mean square slope alone.",
-        run=_surfaces,
-        source="B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001): V = (E*/2)^2 <|grad h|^2>",
-    ),
-)

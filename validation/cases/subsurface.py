@@ -6,7 +6,6 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import minimize_scalar
 
 from fem_contact import bem, block
@@ -17,6 +16,7 @@ from fem_contact.solid import Solid
 from fem_contact.stress import von_mises
 from fem_contact.subsurface import fields_below, planes_below, strongest_point
 from fem_contact.surface import HeightField
+from validation.arrays import Array
 from validation.cases import Case, Check
 from validation.cases._closed_forms import (
     HertzInPeriod,
@@ -27,7 +27,6 @@ from validation.cases._closed_forms import (
 
 __all__ = ["CASES"]
 
-Array = NDArray[np.float64]
 _NU = 0.3
 _HALF_SPACE = HalfSpace(solid=Solid(young=1.0, poisson=_NU))
 

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.integrate import quad
 
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
@@ -32,13 +31,14 @@ from persson.variants import (
     energy_share,
     light_load_kappa,
 )
-from validation.cases import Case, Check
-
-__all__ = ["CASES"]
-
-Array = NDArray[np.float64]
+from validation.cases import Check, case
 
 
+@case(
+    "theory-elastic",
+    "Area, its inverse, its secant slope and the slope of P(sigma) at zero belong together.",
+    source="Persson 2006, Eqs. 16-20",
+)
 def _elastic() -> list[Check]:
     """Beside the area itself: its inverse, its secant slope, and its loss to the wall at sigma = 0."""
     variance, pressure = 0.36, 0.5
@@ -71,6 +71,11 @@ def _eigenfunctions(x: float, v: float) -> tuple[float, float]:
     return float(2 * np.sum(decay[::2])), float(x + np.sum(np.where(n % 2 == 1, -decay, decay)))
 
 
+@case(
+    "theory-hardness",
+    "Elastic and yielded areas are those of diffusion between two absorbing walls.",
+    source="Persson 2006, Eqs. 27-32",
+)
 def _hardness() -> list[Check]:
     """Between both walls: few eigenfunctions at large V, images at small V, and the diffusion solver."""
     checks, hardness = [], 2.0
@@ -82,28 +87,21 @@ def _hardness() -> list[Check]:
         ).checked()
         name = f"p0/H = {x}, V/H^2 = {v}"
         checks += [
-            Check(
-                quantity=f"A_el/A0, {name}", computed=float(found.elastic), reference=elastic, tolerance=1e-10
+            Check.near(f"A_el/A0, {name}", float(found.elastic), elastic, 1e-10),
+            Check.near(f"A_pl/A0, {name}", float(found.plastic), plastic, 1e-10),
+            Check.near(
+                f"sum of the areas, {name}", float(found.elastic + found.plastic + found.detached), 1.0, 1e-10
             ),
-            Check(
-                quantity=f"A_pl/A0, {name}", computed=float(found.plastic), reference=plastic, tolerance=1e-10
-            ),
-            Check(
-                quantity=f"sum of the areas, {name}",
-                computed=float(found.elastic + found.plastic + found.detached),
-                reference=1.0,
-                tolerance=1e-10,
-            ),
-            Check(
-                quantity=f"A_pl/A0 by diffusion, {name}",
-                computed=float(solved.area_plastic[0]),
-                reference=plastic,
-                tolerance=1e-6,
-            ),
+            Check.near(f"A_pl/A0 by diffusion, {name}", solved.area_plastic[0], plastic, 1e-6),
         ]
     return checks
 
 
+@case(
+    "theory-diffusion",
+    "Diffusion before one tensile wall is the source less its image.",
+    source="Persson 2006, Eqs. 17 and 48",
+)
 def _diffusion() -> list[Check]:
     """One wall at -sigma_a: the image of the source in it; before any wall is felt, a Gaussian."""
     variance, pressure, wall = 5.0, 0.4, 1.5
@@ -129,6 +127,11 @@ def _diffusion() -> list[Check]:
     ]
 
 
+@case(
+    "theory-variants",
+    "Corrected theories solve dV = S(P) dV_full.",
+    source="C. Yang, B. N. J. Persson (2008); A. Wang, M. H. Mueser, Lubricants 5, 35 (2017)",
+)
 def _variants() -> list[Check]:
     """Invert dV = S(P) dV_full by a quadrature over V."""
     ratio = 0.45
@@ -168,6 +171,11 @@ def _variants() -> list[Check]:
 _ROUGH = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=1e8)
 
 
+@case(
+    "theory-graded",
+    "A wave feels the modulus of a graded solid weighted by q exp(-q z).",
+    source="Persson 2006, Sec. 5",
+)
 def _profile() -> list[Check]:
     """Weigh E(z) with q exp(-q z): both ends, closed forms, and what a quadrature makes of them."""
     poisson, thickness = 0.4, 2e-6
@@ -205,6 +213,11 @@ def _profile() -> list[Check]:
     return checks
 
 
+@case(
+    "theory-separation",
+    "The work of the load is the elastic energy, and at light load the separation is logarithmic.",
+    source="B. N. J. Persson, Phys. Rev. Lett. 99, 125502 (2007)",
+)
 def _separation() -> list[Check]:
     """Sum what the load stores: u(p1) - u(p2) = int dU/dp dp / p, summed over waves and loads."""
     modulus = 4e6
@@ -246,6 +259,11 @@ def _rim(interface: Interface, pressure: float = _RIM_PRESSURE) -> AdhesiveConta
     return solve_adhesion(scale, pressure=pressure, interface=interface).checked()
 
 
+@case(
+    "theory-adhesion",
+    "Adhesion brings the area of a tire rim to .44, and its limits are exact.",
+    source="Persson 2006, Secs. 8.2-8.4",
+)
 def _adhesion() -> list[Check]:
     variance = _RIM_MODULUS**2 / 4 * float(_RIM.m2())
     plain = math.erf(_RIM_PRESSURE / math.sqrt(2 * variance))
@@ -259,12 +277,7 @@ def _adhesion() -> list[Check]:
     bounded = _rim(replace(_RIM_INTERFACE, ideal_strength=weak))
     most = math.erf((_RIM_PRESSURE + weak) / math.sqrt(2 * variance))
     return [
-        Check(
-            quantity="A/A0 of the rim with adhesion",
-            computed=printed.real_area,
-            reference=0.44,
-            tolerance=0.005,
-        ),
+        Check.near("A/A0 of the rim with adhesion", printed.real_area, 0.44, 0.005),
         Check.relative("A/A0 with vanishing adhesion", vanishing.real_area, plain, 1e-4),
         Check.relative("A/A0 with great adhesion", strong.real_area, 1.0, 1e-6),
         Check.relative(
@@ -278,6 +291,11 @@ def _adhesion() -> list[Check]:
     ]
 
 
+@case(
+    "theory-adhesion-force",
+    "Stress in an adhesive contact adds up to its area and force, which grows by -sigma_a dA.",
+    source="Persson 2006, Eqs. 35, 38-40",
+)
 def _force() -> list[Check]:
     """Integrate P(sigma, zeta) with its tension, Eq. 40 over the nodes, and let adhesion vanish."""
     found = _rim(_RIM_INTERFACE)
@@ -320,6 +338,11 @@ def _force() -> list[Check]:
     ]
 
 
+@case(
+    "theory-adhesion-energy",
+    "The adhesive energy left at each scale is what the waves beyond it have not cost.",
+    source="Persson 2006, Eqs. 37, 43, 48 and 50",
+)
 def _energies() -> list[Check]:
     """Write Eq. 37 in wavevectors, with each elastic energy, and sum it from the solution's own areas."""
     checks = []
@@ -352,63 +375,5 @@ def _energies() -> list[Check]:
         for place, one, other in zip(q[some], work, left, strict=True):
             name = f"gamma_eff / gamma at {place:g} 1/m, {energy} energy"
             # Interpolation between nodes .12 apart in ln V, and the trapezoidal rule.
-            checks.append(Check(quantity=name, computed=float(one), reference=float(other), tolerance=2e-4))
+            checks.append(Check.near(name, one, float(other), 2e-4))
     return checks
-
-
-CASES = (
-    Case(
-        name="theory-elastic",
-        claim="Area, its inverse, its secant slope and the slope of P(sigma) at zero belong together.",
-        run=_elastic,
-        source="Persson 2006, Eqs. 16-20",
-    ),
-    Case(
-        name="theory-hardness",
-        claim="Elastic and yielded areas are those of diffusion between two absorbing walls.",
-        run=_hardness,
-        source="Persson 2006, Eqs. 27-32",
-    ),
-    Case(
-        name="theory-diffusion",
-        claim="Diffusion before one tensile wall is the source less its image.",
-        run=_diffusion,
-        source="Persson 2006, Eqs. 17 and 48",
-    ),
-    Case(
-        name="theory-variants",
-        claim="Corrected theories solve dV = S(P) dV_full.",
-        run=_variants,
-        source="C. Yang, B. N. J. Persson (2008); A. Wang, M. H. Mueser, Lubricants 5, 35 (2017)",
-    ),
-    Case(
-        name="theory-graded",
-        claim="A wave feels the modulus of a graded solid weighted by q exp(-q z).",
-        run=_profile,
-        source="Persson 2006, Sec. 5",
-    ),
-    Case(
-        name="theory-separation",
-        claim="The work of the load is the elastic energy, and at light load the separation is logarithmic.",
-        run=_separation,
-        source="B. N. J. Persson, Phys. Rev. Lett. 99, 125502 (2007)",
-    ),
-    Case(
-        name="theory-adhesion",
-        claim="Adhesion brings the area of a tire rim to .44, and its limits are exact.",
-        run=_adhesion,
-        source="Persson 2006, Secs. 8.2-8.4",
-    ),
-    Case(
-        name="theory-adhesion-energy",
-        claim="The adhesive energy left at each scale is what the waves beyond it have not cost.",
-        run=_energies,
-        source="Persson 2006, Eqs. 37, 43, 48 and 50",
-    ),
-    Case(
-        name="theory-adhesion-force",
-        claim="Stress in an adhesive contact adds up to its area and force, which grows by -sigma_a dA.",
-        run=_force,
-        source="Persson 2006, Eqs. 35, 38-40",
-    ),
-)

@@ -20,16 +20,18 @@ from persson.sine import sine_expansion
 from persson.spectrum import SelfAffine
 from persson.tabulated import smoothed
 from persson.variants import corrected_contact_area, energy_share
-from validation.cases import Case, Check
-
-__all__ = ["CASES"]
+from validation.cases import Check, case
 
 _ROUGH = SelfAffine.from_rms_gradient(0.1, hurst=0.8, q_long=1e5, q_short=1e7)
 _MODULUS = 4e6
 
 
+@case(
+    "theory-magnification",
+    "At each magnification the area is the error function of the load over the waves seen.",
+    source="Persson 2006, Eqs. 15 and 20",
+)
 def _magnification() -> list[Check]:
-    """See the area through a microscope: at each magnification the error function of its own waves."""
     pressure, zeta = 5e4, np.array([2.0, 10.0, 100.0])
     found = elastic.area_against_magnification(
         _ROUGH, pressure=pressure, contact_modulus=_MODULUS, magnification=zeta, q_reference=1e5
@@ -48,6 +50,11 @@ def _magnification() -> list[Check]:
     ]
 
 
+@case(
+    "theory-second-methods",
+    "Sines and diffusion agree between walls, and variants and energies by their own equations.",
+    source="Persson 2006, Sec. 9; Y. Xu, R. Xu, X. Chen (2024); C. Yang, B. N. J. Persson (2008)",
+)
 def _second_methods() -> list[Check]:
     """Expand in sines what diffusion solves, and invert the variant that needs no integration."""
     sine = sine_expansion(0.8, pressure=0.6, tensile_limit=0.5, yield_stress=2.0, modes=60)
@@ -116,6 +123,11 @@ def _energy_shares() -> list[Check]:
     return [*checks, Check.relative("P~ of Xu et al.", float(found), exact, 1e-6)]
 
 
+@case(
+    "theory-sizes",
+    "A hardness without size effect is the constant one, and interfaces hold what they should.",
+    source="Persson 2006, Secs. 7 and 8; W. D. Nix, H. Gao, J. Mech. Phys. Solids 46, 411 (1998)",
+)
 def _sizes() -> list[Check]:
     """Take effects of size to their limits, and interfaces to theirs."""
     pressure, hardness = 5e4, 3e5
@@ -149,6 +161,11 @@ def _sizes() -> list[Check]:
     ]
 
 
+@case(
+    "theory-pull-off",
+    "Nearly flat surfaces come off at the detachment stress; rougher than critical none sticks.",
+    source="Persson 2006, Secs. 8.3 and 10.2",
+)
 def _ends() -> list[Check]:
     """Pull off a nearly flat surface, and roughen one until it does not stick."""
     interface = Interface(work_of_adhesion=0.05)
@@ -172,8 +189,12 @@ def _ends() -> list[Check]:
     ]
 
 
+@case(
+    "theory-double-hertz",
+    "A double Hertz contact carries the integral of its pressures.",
+    source="J. A. Greenwood, K. L. Johnson, J. Phys. D 31, 3279 (1998)",
+)
 def _double_hertz() -> list[Check]:
-    """Integrate the pressures of a double Hertz contact."""
     contact = spheres.DoubleHertz(peak_pressure=1.0, tensile_limit=0.3, eta=1.2)
 
     def force(low: float, high: float) -> float:
@@ -196,6 +217,11 @@ def _double_hertz() -> list[Check]:
     ]
 
 
+@case(
+    "theory-smoothing",
+    "Plastic flow takes from each wave the share that has yielded at it.",
+    source="Persson 2006, Sec. 10.2",
+)
 def _smoothing() -> list[Check]:
     """Flatten short waves, gradually or at once."""
     q = np.geomspace(1e5, 1e7, 200)
@@ -209,43 +235,3 @@ def _smoothing() -> list[Check]:
         Check.relative("last wave where half has yielded [1/m]", sharp.q_short, cut, 1e-12),
         Check.relative("roughness cut there", float(sharp.m2()), float(_ROUGH.truncated(cut).m2()), 1e-3),
     ]
-
-
-CASES = (
-    Case(
-        name="theory-magnification",
-        claim="At each magnification the area is the error function of the load over the waves seen.",
-        run=_magnification,
-        source="Persson 2006, Eqs. 15 and 20",
-    ),
-    Case(
-        name="theory-second-methods",
-        claim="Sines and diffusion agree between walls, and variants and energies by their own equations.",
-        run=_second_methods,
-        source="Persson 2006, Sec. 9; Y. Xu, R. Xu, X. Chen (2024); C. Yang, B. N. J. Persson (2008)",
-    ),
-    Case(
-        name="theory-sizes",
-        claim="A hardness without size effect is the constant one, and interfaces hold what they should.",
-        run=_sizes,
-        source="Persson 2006, Secs. 7 and 8; W. D. Nix, H. Gao, J. Mech. Phys. Solids 46, 411 (1998)",
-    ),
-    Case(
-        name="theory-pull-off",
-        claim="Nearly flat surfaces come off at the detachment stress; rougher than critical none sticks.",
-        run=_ends,
-        source="Persson 2006, Secs. 8.3 and 10.2",
-    ),
-    Case(
-        name="theory-double-hertz",
-        claim="A double Hertz contact carries the integral of its pressures.",
-        run=_double_hertz,
-        source="J. A. Greenwood, K. L. Johnson, J. Phys. D 31, 3279 (1998)",
-    ),
-    Case(
-        name="theory-smoothing",
-        claim="Plastic flow takes from each wave the share that has yielded at it.",
-        run=_smoothing,
-        source="Persson 2006, Sec. 10.2",
-    ),
-)

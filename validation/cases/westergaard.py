@@ -36,7 +36,7 @@ def _wave(method: str, n: int, tolerance: float) -> list[Check]:
     return [
         Check.relative("peak pressure [Pa]", result.pressure.max(), exact.max(), tolerance),
         Check.below("largest error of p(x) over the peak, inside", worst, tolerance),
-        Check(quantity="contact width", computed=width, reference=2 * _HALF_WIDTH, tolerance=2 / n),
+        Check.near("contact width", width, 2 * _HALF_WIDTH, 2 / n),
     ]
 
 

@@ -50,7 +50,7 @@ def _wave(method: str, n: int, tolerance: float) -> list[Check]:
     return [
         Check.relative("lowest pressure [Pa]", contact.pressure.min(), hardness - missing.max(), tolerance),
         Check.below("largest error of p(x) over what the troughs lack, inside", worst, tolerance),
-        Check(quantity="yielded width", computed=width, reference=1 - 2 * _HALF_WIDTH, tolerance=2 / n),
+        Check.near("yielded width", width, 1 - 2 * _HALF_WIDTH, 2 / n),
         Check.below("open area", parts.open_area, 1e-12),
     ]
 

@@ -117,7 +117,7 @@ def run(
     from validation.solves.press import solves_of
     from validation.solves.store import Store
 
-    loaded = load_asked(scene, settings or ())
+    loaded = load_asked(scene, settings or (), grids_chosen=accuracy is not None)
     said = loaded.run
     folder, store_folder = _folders(loaded, output, store, accurate=accuracy is not None)
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)

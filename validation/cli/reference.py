@@ -19,6 +19,10 @@ def reference(
     pressure: Annotated[
         float, typer.Option("--pressure", "--reduced-pressure", help="p* = p0 / (E* h'_rms).")
     ],
+    amplitudes: Annotated[str, typer.Option("--amplitudes", help="Of the waves: exact, gaussian.")] = "exact",
+    gradient: Annotated[
+        str, typer.Option("--gradient", help="h'_rms that p* has: of each surface, of C(q) (spectrum).")
+    ] = "surface",
     as_json: JsonOption = False,
 ) -> None:
     """Look up contact area, gap, compliance, energy of self-affine surfaces, with their uncertainty."""
@@ -27,7 +31,14 @@ def reference(
     from validation.report.table import WordTable
     from validation.report.words import with_error
 
-    found = lookup(hurst=hurst, bandwidth=bandwidth, reduced_pressure=pressure)
+    found = lookup(
+        hurst=hurst,
+        bandwidth=bandwidth,
+        reduced_pressure=pressure,
+        amplitudes=amplitudes,
+        gradient=gradient,
+    )
+    size = ", size of the sample" if (amplitudes, gradient) == ("exact", "surface") else ""
     if as_json:
         typer.echo(json.dumps({name: asdict(value) for name, value in found.items()}, indent=2))
         return
@@ -48,6 +59,6 @@ def reference(
             left=frozenset({"quantity", "meaning"}),
             yielding=("meaning", "interpolation [%]"),
             note=f"Means over surfaces with L/lambda_long = {table().attrs['periods']:g}; the interval has "
-            "surfaces, grid, solver, size of the sample and interpolation.",
+            f"surfaces, grid, solver{size} and interpolation.",
         )
     )

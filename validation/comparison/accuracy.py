@@ -1,41 +1,45 @@
 """`run --accuracy`: the grids, solver tolerance and number of surfaces that an asked-for error of A/A0 takes.
 
 The claim is a 95 % interval. For a scene of one surface it is of that surface's limit of vanishing spacing;
-with an [ensemble], the mean over surfaces meets it, too, and the number of surfaces is chosen. A coarse solve
-says how large the contact is and how long its edges; the law of error of the located area
-(`fem_contact.extrapolation`) then says what every ladder of grids will claim, and the cheapest that is good
-enough is solved. If what it claims is not enough after all, the next is.
+with an [ensemble], the mean over surfaces meets it, too (`validation.measures.ensemble`), and the number of
+surfaces is chosen. A coarse solve says how large the contact is and how long its edges; the law of error of
+the area (`fem_contact.extrapolation`) then says what every ladder of grids will claim, and the cheapest that
+is good enough is solved. If what it claims is not enough after all, the next is.
 """
 
 from __future__ import annotations
 
-import json
+import math
 import re
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from validation.comparison.accuracy_search import Search, grid_words
+from validation.comparison.accuracy_bench import Metered
+from validation.comparison.accuracy_search import Beside, Search, grid_words
 from validation.comparison.findings import percent
-from validation.comparison.run import ACCURACY_FILE, Outputs, run_scene
+from validation.comparison.run import Outputs, run_scene
 from validation.effects.base import effect_key
 from validation.errors import UsageError
-from validation.files import atomic_path, prepare_folder
+from validation.files import prepare_folder
 from validation.methods.bem import BemOptions
+from validation.report.words import json_ready
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import realise
-from validation.scenes.scene import Ensemble, Methods, Scene
-from validation.solves.attempt import Progress, Silent, warm_up
+from validation.scenes.scene import Scene
+from validation.solves.attempt import Progress, Silent
 from validation.solves.bench import Bench
 from validation.solves.cost import memory_words
-from validation.solves.press import solves_of
 from validation.solves.running import Execution
 from validation.solves.store import Store
 
 __all__ = ["AccurateRun", "Reached", "parse_accuracy", "reach", "run_accurate"]
 
 Grid = tuple[int, int]
+
+#: Slots of effects with which the area corrected at its edge follows its law of error.
+_LAWFUL = frozenset({"pressure bound", "response"})
 
 
 def parse_accuracy(text: str) -> float:
@@ -74,18 +78,29 @@ class Reached:
     grids : tuple of (int, int)
         Solved for it, each on `shifts`^2 sub-grid shifts.
     shifts : int
+    located : bool
+        Whether the limit is that of the area with its edge located inside the cells, or corrected at its
+        edge.
     tolerance : float
         Of the solver, which bounds the relative error that it leaves in the area.
+    beside : tuple of Beside
+        What the other methods of the scene say of the same surface.
     surfaces : int
-        Surfaces of the mean; 1 without an ensemble.
+        Surfaces solved for the mean; 1 without an ensemble.
     mean, mean_error : float or None
-        Mean of A/A0 over the surfaces, and its relative error: scatter, grid and solver.
+        Mean of A/A0 over the surfaces of the spectrum, and its relative error: scatter, grid and solver.
     statistical : float or None
         Share of the scatter between surfaces in `mean_error`.
+    scatter : float or None
+        Standard deviation of A/A0 between single surfaces, relative.
     surface_grids : tuple of (int, int)
-        Solved for each surface of the mean.
+        Solved for the mean.
+    pairs : tuple of int
+        Pairs +h, -h that end with each of these grids; the coarser ones are control variates of the finer.
+    unsolved : int
+        Further pairs that were only looked at: controls of the coarsest grid.
     solves : int
-        Done now.
+        Done now, a block of pairs of surfaces counted as one.
     seconds : float
         Spent now, choosing included [s].
     predicted_seconds : float
@@ -101,12 +116,17 @@ class Reached:
     error: float
     grids: tuple[Grid, ...]
     shifts: int
+    located: bool = True
     tolerance: float
+    beside: tuple[Beside, ...] = ()
     surfaces: int = 1
     mean: float | None = None
     mean_error: float | None = None
     statistical: float | None = None
+    scatter: float | None = None
     surface_grids: tuple[Grid, ...] = ()
+    pairs: tuple[int, ...] = ()
+    unsolved: int = 0
     solves: int
     seconds: float
     predicted_seconds: float
@@ -115,34 +135,61 @@ class Reached:
 
     def summary(self) -> dict[str, Any]:
         """Return everything as JSON-ready data."""
-        return asdict(self)
+        return dict(json_ready(asdict(self)))
 
     def chosen(self, scene: Scene) -> Scene:
-        """Return the scene with the methods, grids and surfaces that were chosen for it."""
+        """Return the scene with the grids that were chosen for its own surface."""
         bem = BemOptions(grids=self.grids, shifts=self.shifts, tolerance=self.tolerance)
-        ensemble = None
-        if self.surfaces > 1:
-            ensemble = Ensemble(realisations=self.surfaces, grids=self.surface_grids)
-        methods = Methods(bem=bem, theory=scene.methods.theory)
-        return scene.model_copy(update={"methods": methods, "ensemble": ensemble})
+        methods = scene.methods.model_copy(update={"bem": bem})
+        return scene.model_copy(update={"methods": methods, "ensemble": None})
 
     def sentences(self) -> Iterator[str]:
         """Say what was reached, and what it cost."""
+        area = "located inside the cells" if self.located else "corrected at its edge"
         yield (
-            f"Asked for {100 * self.target:g} %: A/A0 = {self.area:.6g} +- {percent(self.error)} (95 %) in "
-            "the limit of vanishing grid spacing for this surface, by boundary elements on "
-            f"{grid_words(self.grids)}, "
+            f"Asked for {100 * self.target:g} %: A/A0 = {self.area:.6g} +- {percent(self.error)} "
+            f"(95 %: grid and "
+            f"solver) in the limit of vanishing grid spacing for this surface, of the area {area}, "
+            f"by boundary "
+            f"elements on {grid_words(self.grids)}, "
             f"{self.shifts**2} shift{'s' if self.shifts > 1 else ''} each, solved to {self.tolerance:g}."
         )
+        for other in self.beside:
+            area = "located inside the cells" if other.located else "corrected at its edge"
+            found = f"no limit: {other.doubt}"
+            if not other.doubt:
+                found = (
+                    f"A/A0 = {other.area:.6g} +- {percent(other.error)} (95 %: grid; limit of the "
+                    f"area {area}), "
+                    f"{100 * (other.area / self.area - 1):+.2g} % from it"
+                )
+            yield f"Beside it {other.label} on {grid_words(other.grids)}: {found}."
         if self.mean is not None and self.mean_error is not None and self.statistical is not None:
             yield (
-                f"Mean over {self.surfaces} surfaces: A/A0 = {self.mean:.6g} +- {percent(self.mean_error)} "
-                f"(95 %), of which {percent(self.statistical)} from the scatter between surfaces; each on "
-                f"{grid_words(self.surface_grids)}."
+                f"Mean over the surfaces of this spectrum: A/A0 = {self.mean:.6g} +- "
+                f"{percent(self.mean_error)} "
+                f"(95 %: surfaces, grid and solver), of which {percent(self.statistical)} from the "
+                f"scatter between "
+                f"surfaces; {self._pairs()}."
             )
+        counted = ", blocks of pairs counted as one" if self.pairs else ""
         yield (
-            f"It cost {self.solves} solves, {self.seconds:.2g} s ({self.predicted_seconds:.2g} s of solving "
-            f"were predicted) and {memory_words(self.peak_bytes)} for the largest."
+            f"It cost {self.solves} solves{counted}, {self.seconds:.2g} s ({self.predicted_seconds:.2g} s of "
+            f"solving were predicted) and {memory_words(self.peak_bytes)} for the largest."
+        )
+
+    def _pairs(self) -> str:
+        """Say from how many surfaces the mean is, and how many a plain one would take."""
+        assert self.scatter is not None
+        assert self.statistical is not None
+        ending = ", ".join(
+            f"{count} to {nx} x {ny}" for count, (nx, ny) in zip(self.pairs, self.surface_grids, strict=True)
+        )
+        plain = math.ceil((1.96 * self.scatter / self.statistical) ** 2) if self.statistical > 0 else 2
+        return (
+            f"from {sum(self.pairs)} pairs h, -h ({ending}) and {self.unsolved} that were not "
+            f"solved, where a plain "
+            f"mean of single surfaces, which scatter by {percent(self.scatter)}, would take about {plain}"
         )
 
 
@@ -192,22 +239,20 @@ def run_accurate(
         store_folder=store_folder,
         pictures=pictures,
         report=report,
-        accurate=True,
+        accurate=reached.summary(),
     )
-    with atomic_path(folder / ACCURACY_FILE) as draft:
-        draft.write_text(json.dumps(reached.summary(), indent=2) + "\n", encoding="utf-8")
-    outputs = replace(outputs, files=(*outputs.files, folder / ACCURACY_FILE))
     return AccurateRun(outputs=outputs, reached=reached)
 
 
 def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None = None) -> Reached:
-    """Solve a scene to an accuracy: its method, grids, tolerance and number of surfaces are chosen.
+    """Solve a scene to an accuracy: grids, tolerance and number of surfaces are chosen.
 
     Parameters
     ----------
     scene : Scene
-        Of a half-space without effects. Grids and tolerances it names are not used, its finite elements are
-        left out: boundary elements reach every accuracy at less cost.
+        The grids and tolerance of its boundary elements, and the grids and number of surfaces of its
+        ensemble,
+        are not used. Its other methods are solved on their own grids and put beside.
     bench : Bench
         Where solves are kept, and the memory they may take.
     target : float
@@ -218,45 +263,60 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
     Raises
     ------
     UsageError
-        For a scene whose areas cannot be located, and, before the main solves, for an accuracy that this
+        For an effect whose areas have no law of error, and, before the main solves, for an accuracy that this
         machine's memory or the time limit do not allow, with the one that they do.
     RunFailed
         When that is seen only later, or a solve fails; everything finished is stored.
     """
     realised = realise(scene)
     check_scene(scene, realised)
-    if not scene.methods.solvers:
-        raise UsageError("--accuracy: no solver is listed; add [methods.bem], whose grids are then chosen")
-    if scene.effects:
-        raise UsageError(
-            f"--accuracy: the law of error is known for the bare half-space, not with "
-            f"{effect_key(0, 'kind')} = {scene.effects[0].kind!r}; leave --accuracy out and refine by hand"
-        )
-    # Not charged to the solves, whose time tells how fast the machine is.
-    warm_up(solves_of(scene, realised))
-    search = Search(scene=scene, realised=realised, target=target, bench=bench, time_limit=time_limit)
+    _check_law(scene)
+    metered = Metered.on(bench, wanted=f"--accuracy = {100 * target:g} %", time_limit=time_limit)
+    search = Search(scene=scene, realised=realised, target=target, bench=metered)
+    search.reserve()
     single = search.own_surface()
+    beside = search.beside()
     mean = None if scene.ensemble is None else search.ensemble(single)
     said: dict[str, Any] = {}
     if mean is not None:
+        area = mean.estimate.value
         said = {
             "surfaces": mean.surfaces,
-            "mean": mean.area,
-            "mean_error": mean.error,
-            "statistical": mean.statistical,
-            "surface_grids": mean.ladder.grids,
+            "mean": area,
+            "mean_error": mean.half_width / area,
+            "statistical": mean.estimate.half_width / area,
+            "scatter": mean.scatter,
+            "surface_grids": mean.grids,
+            "pairs": mean.pairs,
+            "unsolved": mean.unsolved,
         }
+    account = metered.account
     return Reached(
         target=target,
         area=single.area,
         error=single.error,
         grids=single.ladder.grids,
         shifts=single.ladder.shifts,
+        located=single.finest.subcell is not None,
         tolerance=search.tolerance,
-        solves=search.solves,
-        seconds=search.spent,
-        predicted_seconds=search.predicted,
+        beside=beside,
+        solves=account.solves,
+        seconds=metered.spent,
+        predicted_seconds=account.predicted,
         peak_bytes=search.peak_bytes,
-        reused=search.reused,
+        reused=len(account.found),
         **said,
     )
+
+
+def _check_law(scene: Scene) -> None:
+    """Refuse a scene without a solver, and effects with which areas have no law of error."""
+    if not scene.methods.solvers:
+        raise UsageError("--accuracy: no solver is listed; add [methods.bem], whose grids are then chosen")
+    for k, effect in enumerate(scene.effects):
+        if effect.slot not in _LAWFUL:
+            raise UsageError(
+                f"--accuracy: the law of error is not known with {effect_key(k, 'kind')} = "
+                f"{effect.kind!r}; leave "
+                "--accuracy out and refine by hand"
+            )

@@ -3,51 +3,57 @@
 from __future__ import annotations
 
 import itertools
-import time
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 import scipy.fft
-import scipy.special
 
 from fem_contact.area import ContactAreas, contact_areas
-from fem_contact.extrapolation import PlannedGrid, located_limit, predicted_uncertainty
+from fem_contact.extrapolation import PlannedGrid, predicted_uncertainty
+from validation.comparison.accuracy_bench import Metered
 from validation.comparison.findings import percent
 from validation.errors import RunFailed, UsageError
+from validation.measures.ensemble import MeanArea, mean_area
+from validation.measures.measurement import has_square_cells, limit_over
+from validation.measures.pairs import AreaPairs
 from validation.methods.bem import BemOptions
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Methods, Scene
-from validation.solves.bench import Bench
-from validation.solves.cost import available_memory, memory_words, transform_seconds
+from validation.solves.cost import memory_words
 from validation.solves.press import Press, solves_of
-from validation.solves.running import Solves
+from validation.solves.solve import Prediction, Solve
 
-if TYPE_CHECKING:
-    pass
-
-__all__ = ["Ladder", "Mean", "Search", "Single", "grid_words"]
+__all__ = ["Beside", "Ladder", "Search", "Single", "grid_words"]
 
 Grid = tuple[int, int]
 
 #: Grids that are considered, as points per shortest wave.
 _LEVELS = (3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
+#: Points per shortest wave below which an area says little of its limit.
+_LEAST_LEVEL = 3
 
 #: The area of a solve is off by less than its tolerance at p* of .2 and above; below, by some 4 % of a point
 #: (docs/bem.md).
 _SOLVER_SHARE = 0.01
 _TOLERANCES = (1e-8, 1e-4)
 
-#: Surfaces from which their scatter is first estimated, and the least that a mean is taken over.
-_PILOT_SURFACES, _LEAST_SURFACES = 8, 4
-_MOST_SURFACES = 4096
+#: Surfaces solved for a mean, in all.
+_MOST_SURFACES = 65_536
 
 #: A claim is predicted from a coarser grid than it will be made from: some of the target is left for that.
 _SPARE = 0.9
+#: Share of the target that the grids of a mean may take: few surfaces are solved on the finest, many more are
+#: needed where it leaves less for their scatter.
+_GRID_SHARE = 0.4
 
-#: Scatter between surfaces, relative, until it has been measured.
-_USUAL_SCATTER = 0.1
+#: Points per shortest wave that the finest grid of a mean has unless memory or time forbid it: what is saved
+#: on coarser ones is lost to their scatter.
+_USUAL_LEVEL = 12
+
+#: How far the sides of the cells of a grid may differ.
+_OBLONG = 0.02
 
 
 def grid_words(grids: Sequence[Grid]) -> str:
@@ -77,15 +83,30 @@ class Single:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Mean:
-    """The ensemble, solved."""
+class Beside:
+    """What another method of the scene says of the same surface, on the grids that its table names.
 
-    ladder: Ladder
-    surfaces: int
+    Attributes
+    ----------
+    method : str
+    label : str
+        As tables call it.
+    grids : tuple of (int, int)
+    area, error : float
+        Limit over these grids, and half of its 95 % interval, relative; NaN where there is none.
+    located : bool
+        Whether it is that of the located area, or of the one corrected at its edge.
+    doubt : str
+        Why there is no limit; empty where there is one.
+    """
+
+    method: str
+    label: str
+    grids: tuple[Grid, ...]
     area: float
     error: float
-    grid: float
-    statistical: float
+    located: bool
+    doubt: str
 
 
 @dataclass(kw_only=True)
@@ -95,45 +116,48 @@ class Search:
     scene: Scene
     realised: Realised
     target: float
-    bench: Bench
-    time_limit: float | None
-    pair: float = field(default_factory=transform_seconds)
-    clock: float = field(default_factory=time.perf_counter)
-    solves: int = 0
-    #: Jobs wanted so far that were found finished when they were first wanted.
-    found: set[Press] = field(default_factory=set)
-    done: set[Press] = field(default_factory=set)
+    bench: Metered
     areas: dict[Press, ContactAreas] = field(default_factory=dict)
-    solving: float = 0.0
-    predicted: float = 0.0
+    costs: dict[Grid, Prediction] = field(default_factory=dict)
     peak_bytes: int = 0
     doubt: float = 1.0
-
-    @property
-    def reused(self) -> int:
-        """Solves that were found finished."""
-        return len(self.found)
 
     @property
     def tolerance(self) -> float:
         """Tolerance whose error is a hundredth of the one asked for."""
         return float(np.clip(_SOLVER_SHARE * self.target, *_TOLERANCES))
 
-    @property
-    def memory(self) -> int:
-        """Bytes that a solve may take."""
-        return available_memory() if self.bench.execution.memory is None else self.bench.execution.memory
+    @cached_property
+    def others(self) -> dict[str, tuple[Press, ...]]:
+        """Solves of the other methods that the scene lists, by method."""
+        names = [name for name in self.scene.methods.solvers if name != "bem"]
+        tables = {name: Methods(**{name: self.scene.methods.options(name)}) for name in names}
+        return {
+            name: solves_of(self.scene.model_copy(update={"methods": table, "ensemble": None}), self.realised)
+            for name, table in tables.items()
+        }
+
+    @cached_property
+    def shared(self) -> tuple[Grid, ...]:
+        """Grids of other methods, on which boundary elements are solved, too, to compare point by point."""
+        grids = {solve.grid for solves in self.others.values() for solve in solves}
+        return tuple(
+            grid
+            for grid in sorted(grids)
+            if self.realised.points_per_wave(grid) >= _LEAST_LEVEL and has_square_cells(self.realised, grid)
+        )
 
     def own_surface(self) -> Single:
         """Solve the scene's own surface to the accuracy."""
-        pilot = Ladder(grids=(self._grid(4),), shifts=1, error=np.inf, seconds=0.0, peak_bytes=0)
-        ((known,),) = self._solved(pilot)
+        first = self.shared or (self._grid(4),)
+        pilot = Ladder(grids=first, shifts=1, error=np.inf, seconds=0.0, peak_bytes=0)
+        known = min(self._solved(pilot), key=lambda area: area.spacing)
         tried: set[tuple[Grid, ...]] = set()
         while True:
-            ladder = self._cheapest(known, tried)
+            ladder = self._cheapest(self._ladders(known), tried, share=_SPARE)
             tried.add(ladder.grids)
-            (areas,) = self._solved(ladder)
-            limit = located_limit(areas)
+            areas = self._solved(ladder)
+            limit = limit_over(areas)
             error = 2 * limit.uncertainty / limit.value + self.tolerance if limit.determinable else np.inf
             known = min(areas, key=lambda area: area.spacing)
             # Where grids disagree by more than the law allows, they will again.
@@ -141,110 +165,150 @@ class Search:
             if error <= self.target:
                 return Single(ladder=ladder, area=limit.value, error=error, finest=known)
 
-    def ensemble(self, single: Single) -> Mean:
-        """Solve as many surfaces on the grids that together meet the accuracy of the mean at least cost."""
-        ladder, surfaces = self._balanced(single.finest, _USUAL_SCATTER, None)
+    def ensemble(self, single: Single) -> MeanArea:
+        """Solve the pairs of surfaces whose controlled mean meets the accuracy at least cost."""
+        tried: set[tuple[Grid, ...]] = set()
         while True:
-            solved = self._solved(ladder, realisations=range(surfaces))
-            limits = [located_limit(areas) for areas in solved]
-            for k, limit in enumerate(limits):
-                if not limit.determinable:
-                    raise RunFailed(
-                        f"--accuracy = {100 * self.target:g} %: realisation {k} has no limit: {limit.doubt}; "
-                        "all solves are stored"
-                    )
-            area = np.array([limit.value for limit in limits])
-            # The grids are off to the same side on all surfaces of a spectrum: this error does not average.
-            grid = 2 * float(np.mean([limit.uncertainty for limit in limits]) / area.mean()) + self.tolerance
-            scatter = float(area.std(ddof=1) / area.mean())
-            statistical = _student(surfaces) * scatter / float(np.sqrt(surfaces))
-            error = float(np.hypot(grid, statistical))
-            mean = Mean(
-                ladder=ladder,
-                surfaces=surfaces,
-                area=float(area.mean()),
-                error=error,
-                grid=grid,
-                statistical=statistical,
+            chains = list(self._chains(single.finest))
+            usual = [one for one in chains if self.realised.points_per_wave(one.grids[-1]) >= _USUAL_LEVEL]
+            possible = any(self.bench.affordable(one.seconds, one.peak_bytes) for one in usual)
+            ladder = self._cheapest(usual if possible else chains, tried, share=_GRID_SHARE)
+            tried.add(ladder.grids)
+            found = mean_area(
+                self.realised,
+                half_width=self.target,
+                bench=self.bench,
+                grids=ladder.grids,
+                effects=self.scene.effects,
+                tolerance=self.tolerance,
+                watch=self._watch,
             )
-            if error <= self.target:
-                return mean
-            ladder, surfaces = self._balanced(single.finest, scatter, mean)
+            self.peak_bytes = max(self.peak_bytes, found.peak_bytes)
+            if found.half_width <= self.target * found.estimate.value:
+                return found
+            grid = found.grid / found.estimate.value
+            if grid < _SPARE * self.target:
+                raise RunFailed(f"{self._known(found)}; all solves are stored: run it again, or ask for less")
+            self.doubt = max(self.doubt, grid / ladder.error) * self.doubt
 
-    def _balanced(self, known: ContactAreas, scatter: float, now: Mean | None) -> tuple[Ladder, int]:
-        """Choose grids and surfaces so that grid and scatter together meet the target at least cost."""
-        choices, least = [], np.inf
-        for ladder in self._ladders(known, shifts=(1,)):
-            done = now.surfaces if now is not None and ladder.grids == now.ladder.grids else 0
-            # What was measured of a ladder counts for more than what was predicted of it.
-            grid = now.grid if now is not None and done else ladder.error
-            if grid >= 0.95 * self.target:
-                continue
-            surfaces = max(_surfaces_for(np.sqrt(self.target**2 - grid**2), scatter), done + 1)
-            cost = (surfaces - done) * ladder.seconds
-            if now is None:
-                # The scatter is a guess that ranks the grids; a few surfaces then say how large it is.
-                surfaces = min(surfaces, _PILOT_SURFACES)
-            seconds = (surfaces - done) * ladder.seconds
-            least = min(least, seconds)
-            if surfaces <= _MOST_SURFACES and self._affordable(seconds, ladder.peak_bytes):
-                choices.append((cost, surfaces, ladder))
-        if not choices:
-            found = (
-                ""
-                if now is None
-                else f"the mean over {now.surfaces} surfaces is known to {percent(now.error)}; "
-            )
-            raise RunFailed(
-                f"--accuracy = {100 * self.target:g} %: {found}the mean over surfaces needs "
-                f"about {least:.2g} s more, or more than {_MOST_SURFACES} surfaces, and {self._means()}; "
-                "all solves are stored"
-            )
-        _, surfaces, ladder = min(choices, key=lambda choice: choice[0])
-        return ladder, surfaces
+    def beside(self) -> tuple[Beside, ...]:
+        """Solve what other methods the scene lists."""
+        self.bench.account.reserved = 0.0
+        self._solve([solve for solves in self.others.values() for solve in solves])
+        return tuple(self._beside(name, solves) for name, solves in self.others.items())
+
+    def reserve(self) -> None:
+        """Keep time for the methods beside, and refuse those that time or memory do not allow."""
+        for name, solves in self.others.items():
+            costs = [solve.predict(pair_seconds=self.bench.pair) for solve in solves]
+            seconds, peak = sum(cost.seconds for cost in costs), max(cost.peak_bytes for cost in costs)
+            if not self.bench.affordable(seconds, peak):
+                raise UsageError(
+                    f"{self.bench.wanted}: methods.{name} needs about {memory_words(peak)} and {seconds:.2g} "
+                    f"s on its own grids, and {self.bench.means()}; name coarser ones, or leave it out"
+                )
+            self.bench.account.reserved += seconds / self.bench.execution.workers
+
+    def _beside(self, name: str, solves: Sequence[Press]) -> Beside:
+        resolved = [solve for solve in solves if self.realised.resolved_by(solve.grid)]
+        limit = limit_over([self._areas(solve) for solve in resolved]) if resolved else None
+        nan = float("nan")
+        return Beside(
+            method=name,
+            label=solves[0].solver.label,
+            grids=tuple(dict.fromkeys(solve.grid for solve in solves)),
+            area=nan if limit is None else limit.value,
+            error=nan if limit is None else 2 * limit.uncertainty / limit.value,
+            located=limit is not None and limit.definition == "subcell",
+            doubt="no grid resolves the surface" if limit is None else limit.doubt,
+        )
+
+    def _watch(self, found: MeanArea, solves: Sequence[Solve]) -> None:
+        """Stop a mean that would take too long, with what is known."""
+        seconds = self.bench.seconds(solves)
+        surfaces = found.surfaces + 2 * sum(one.count for one in solves if isinstance(one, AreaPairs))
+        if self.bench.affordable(seconds) and surfaces <= _MOST_SURFACES:
+            return
+        raise RunFailed(
+            f"{self._known(found)}; it needs about {seconds:.2g} s more, or more than {_MOST_SURFACES} "
+            f"surfaces, and {self.bench.means()}; all solves are stored"
+        )
+
+    def _known(self, found: MeanArea) -> str:
+        error = percent(found.half_width / found.estimate.value)
+        return f"{self.bench.wanted}: the mean over {found.surfaces} surfaces is known to {error}"
 
     def _grid(self, per_wave: float) -> Grid:
         """Return an even grid of fast transforms and nearly square cells of at least that resolution."""
-        wave = self.realised.shortest
-        halves = (int(np.ceil(per_wave * x / wave / 2 - 1e-9)) for x in self.scene.surface.length)
-        nx, ny = (2 * scipy.fft.next_fast_len(n, real=True) for n in halves)
-        return nx, ny
+        wave, (long, wide) = self.realised.shortest, self.scene.surface.length
+        least = (
+            int(np.ceil(per_wave * long / wave / 2 - 1e-9)),
+            int(np.ceil(per_wave * wide / wave / 2 - 1e-9)),
+        )
+        fast = (
+            2 * scipy.fft.next_fast_len(least[0], real=True),
+            2 * scipy.fft.next_fast_len(least[1], real=True),
+        )
+        if abs(fast[0] * wide / (fast[1] * long) - 1) <= _OBLONG:
+            return fast
+        # Some number of points along x leaves cells that are nearly square.
+        along = (2 * n for n in itertools.count(least[0]))
+        pairs = ((n, 2 * round(n * wide / long / 2)) for n in along)
+        return next((nx, ny) for nx, ny in pairs if ny >= 2 and abs(nx * wide / (ny * long) - 1) <= _OBLONG)
 
-    def _ladders(self, known: ContactAreas, *, shifts: Sequence[int] = (1, 2)) -> Iterator[Ladder]:
-        """List ladders of two and three grids with what they will claim and cost."""
+    def _ladders(self, known: ContactAreas) -> Iterator[Ladder]:
+        """List ladders of two and three grids, with those that other methods share."""
         levels = tuple(dict.fromkeys(self._grid(level) for level in _LEVELS))
         spans = [levels[i : i + n] for n in (2, 3) for i in range(len(levels) - n + 1)]
-        lengths = self.scene.surface.length
-        for grids, shift in itertools.product(spans, shifts):
-            plan = [
-                PlannedGrid(spacing=(lengths[0] / nx, lengths[1] / ny), cells=nx * ny, solves=shift * shift)
-                for nx, ny in grids
-            ]
-            if any(abs(one.spacing[0] / one.spacing[1] - 1) > 0.05 for one in plan):
-                continue
-            area = known.pixel if known.subcell is None else known.subcell
-            claim = 2 * predicted_uncertainty(known, plan) / max(area, known.cell_share)
-            costs = [solve.predict(pair_seconds=self.pair) for solve in self._jobs(grids, shift)]
-            yield Ladder(
-                grids=grids,
-                shifts=shift,
-                error=self.doubt * claim + self.tolerance,
-                seconds=self._slowness * sum(cost.seconds for cost in costs),
-                peak_bytes=max(cost.peak_bytes for cost in costs),
-            )
+        spans += [()] if self.shared else []
+        for span, shifts in itertools.product(spans, (1, 2)):
+            grids = tuple(sorted({*span, *self.shared}))
+            if len(grids) > 1:
+                yield self._planned(grids, shifts, known)
 
-    def _cheapest(self, known: ContactAreas, tried: set[tuple[Grid, ...]]) -> Ladder:
-        ladders = [ladder for ladder in self._ladders(known) if ladder.grids not in tried]
-        good = [ladder for ladder in ladders if ladder.error <= _SPARE * self.target]
-        affordable = [ladder for ladder in good if self._affordable(ladder.seconds, ladder.peak_bytes)]
+    def _chains(self, known: ContactAreas) -> Iterator[Ladder]:
+        """List three grids each for a mean: most surfaces are solved on the coarsest, few on the finest."""
+        for last in range(2, len(_LEVELS)):
+            between = np.sqrt(_LEVELS[0] * _LEVELS[last])
+            middle = min(_LEVELS[1:last], key=lambda level: abs(level - between))
+            per_wave = (_LEVELS[0], middle, _LEVELS[last])
+            grids = tuple(dict.fromkeys(self._grid(level) for level in per_wave))
+            yield self._planned(grids, 1, known)
+
+    def _planned(self, grids: tuple[Grid, ...], shifts: int, known: ContactAreas) -> Ladder:
+        """Return what grids will claim and cost."""
+        lengths = self.scene.surface.length
+        plan = [
+            PlannedGrid(spacing=(lengths[0] / nx, lengths[1] / ny), cells=nx * ny, solves=shifts * shifts)
+            for nx, ny in grids
+        ]
+        area = known.pixel if known.subcell is None else known.subcell
+        claim = 2 * predicted_uncertainty(known, plan) / max(area, known.cell_share)
+        for grid in grids:
+            if grid not in self.costs:
+                (solve,) = self._jobs((grid,), 1)
+                self.costs[grid] = solve.predict(pair_seconds=self.bench.pair)
+        return Ladder(
+            grids=grids,
+            shifts=shifts,
+            error=self.doubt * claim + self.tolerance,
+            seconds=self.bench.slowness * shifts**2 * sum(self.costs[grid].seconds for grid in grids),
+            peak_bytes=max(self.costs[grid].peak_bytes for grid in grids),
+        )
+
+    def _cheapest(self, ladders: Iterable[Ladder], tried: set[tuple[Grid, ...]], *, share: float) -> Ladder:
+        """Return the cheapest ladder that will claim a share of the target."""
+        left = [ladder for ladder in ladders if ladder.grids not in tried]
+        good = [ladder for ladder in left if ladder.error <= share * self.target]
+        affordable = [ladder for ladder in good if self.bench.affordable(ladder.seconds, ladder.peak_bytes)]
         if affordable:
             return min(affordable, key=lambda ladder: ladder.seconds)
         reachable = [
             one.error
-            for one in ladders
-            if self._affordable(one.seconds, one.peak_bytes) and np.isfinite(one.error)
+            for one in left
+            if self.bench.affordable(one.seconds, one.peak_bytes) and np.isfinite(one.error)
         ]
-        best = f"about {percent(min(reachable) / _SPARE)}" if reachable else "nothing"
+        best = f"about {percent(min(reachable) / share)}" if reachable else "nothing"
         if good:
             least = min(good, key=lambda ladder: ladder.seconds)
             needs = (
@@ -254,81 +318,36 @@ class Search:
         else:
             needs = f"needs more than {_LEVELS[-1]} points per shortest wave"
         raise UsageError(
-            f"--accuracy = {100 * self.target:g} %: {needs}, and {self._means()}; {best} is within reach; "
+            f"{self.bench.wanted}: {needs}, and {self.bench.means()}; {best} is within reach; "
             "ask for less, allow more, or use a larger machine"
         )
-
-    def _means(self) -> str:
-        words = f"{memory_words(self.memory)} are free"
-        if self.time_limit is not None:
-            words += f" and {max(self.time_limit - self.spent, 0):.3g} s are left"
-        return words
-
-    @property
-    def spent(self) -> float:
-        """Seconds since the search began."""
-        return time.perf_counter() - self.clock
-
-    @property
-    def _slowness(self) -> float:
-        """How much longer than predicted solves of some size took here; a second of them tells."""
-        return min(max(self.solving / self.predicted, 0.2), 5.0) if self.solving > 1 else 1.0
-
-    def _affordable(self, seconds: float, peak_bytes: int) -> bool:
-        in_time = (
-            self.time_limit is None or self.spent + seconds / self.bench.execution.workers <= self.time_limit
-        )
-        return in_time and peak_bytes <= self.memory
 
     def _jobs(self, grids: Sequence[Grid], shifts: int) -> tuple[Press, ...]:
         method = BemOptions(grids=tuple(grids), shifts=shifts, tolerance=self.tolerance)
         chosen = self.scene.model_copy(update={"methods": Methods(bem=method), "ensemble": None})
         return solves_of(chosen, self.realised)
 
-    def _solved(self, ladder: Ladder, *, realisations: Sequence[int] = (0,)) -> list[list[ContactAreas]]:
-        """Solve a ladder of each surface, coarse grids first, and read the areas."""
-        own = self._jobs(ladder.grids, ladder.shifts)
-        surfaces = [self.realised.further(k) for k in realisations]
-        solves = [[replace(solve, realised=surface) for solve in own] for surface in surfaces]
-        for grid in ladder.grids:
-            self._solve([solve for one in solves for solve in one if solve.grid == grid])
-        return [[self._areas(solve) for solve in one] for one in solves]
-
-    def _areas(self, solve: Press) -> ContactAreas:
-        """Read the areas of a stored solve, once."""
-        if solve not in self.areas:
-            result = Solves(solves=(solve,), store=self.bench.store)[solve]
-            self.peak_bytes = max(self.peak_bytes, result.cost.peak_bytes)
-            self.areas[solve] = contact_areas(result, subcell=True)
-        return self.areas[solve]
+    def _solved(self, ladder: Ladder) -> list[ContactAreas]:
+        """Solve a ladder of the scene's own surface, and read the areas."""
+        solves = self._jobs(ladder.grids, ladder.shifts)
+        self._solve(solves)
+        return [self._areas(solve) for solve in solves]
 
     def _solve(self, solves: Sequence[Press]) -> None:
-        missing = [solve for solve in solves if not self.bench.store.path(solve).exists()]
-        self.found |= set(solves) - set(missing) - self.done
-        self.done |= set(missing)
-        if not missing:
-            return
-        predicted = sum(solve.predict(pair_seconds=self.pair).seconds for solve in missing)
-        if not self._affordable(self._slowness * predicted, 0):
-            raise RunFailed(
-                f"--accuracy = {100 * self.target:g} %: solves take longer here than predicted, "
-                f"{missing[0].describe()} would not end in time, and {self._means()}; all finished solves "
-                "are stored: allow more with --time-limit"
+        """Solve and read areas; what was read once is not read again."""
+        missing = [solve for solve in solves if solve not in self.areas]
+        results = self.bench.solve(missing)
+        for solve in missing:
+            result, solver = results[solve], solve.solver
+            self.peak_bytes = max(self.peak_bytes, result.cost.peak_bytes)
+            located = (
+                solver.locates_edges
+                and not self.scene.effects
+                and has_square_cells(self.realised, solve.grid)
             )
-        start = time.perf_counter()
-        self.bench.solve(missing)
-        self.solves += len(missing)
-        self.solving += time.perf_counter() - start
-        self.predicted += predicted
+            self.areas[solve] = contact_areas(
+                result, edge_constant=solver.edge_constant(result), subcell=located
+            )
 
-
-def _student(samples: int) -> float:
-    return float(scipy.special.stdtrit(samples - 1, 0.975))
-
-
-def _surfaces_for(error: float, scatter: float) -> int:
-    """Return how many surfaces bring half of the 95 % interval of the mean below `error`."""
-    surfaces = _LEAST_SURFACES
-    while surfaces <= _MOST_SURFACES and _student(surfaces) * scatter / np.sqrt(surfaces) > error:
-        surfaces = int(np.ceil(1.05 * surfaces))
-    return surfaces
+    def _areas(self, solve: Press) -> ContactAreas:
+        return self.areas[solve]

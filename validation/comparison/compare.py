@@ -5,16 +5,16 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.extrapolation import Limit, located_limit, perimeter_limit
 from fem_contact.stress import density_at_zero
+from validation.arrays import Array
 from validation.comparison.below import below
 from validation.comparison.compared import Comparison, CrossCheck, Row, Scatter, is_adhesive
 from validation.errors import RunFailed
@@ -33,11 +33,12 @@ _TOO_FEW_GRIDS = (
 )
 
 
-Array = NDArray[np.float64]
-
-
 def compare(
-    scene: Scene, realised: Realised, results: Mapping[Press, ContactResult], *, accurate: bool = False
+    scene: Scene,
+    realised: Realised,
+    results: Mapping[Press, ContactResult],
+    *,
+    accurate: Mapping[str, Any] | None = None,
 ) -> Comparison:
     """Put all solves of a scene beside the theory.
 
@@ -48,8 +49,8 @@ def compare(
         What the scene asks for.
     results : mapping
         Result of each of its solves, which is read once.
-    accurate : bool
-        Whether its grids were chosen for an accuracy of the limit.
+    accurate : mapping, optional
+        What was reached, where its grids were chosen for an accuracy.
     """
     asked = {name: scene.methods.options(name).grids for name in scene.methods.solvers}
     readings = [

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact.extrapolation import Limit
 from validation.comparison.below import Below
@@ -23,8 +22,6 @@ if TYPE_CHECKING:
     from validation.effects.base import Judgement
 
 __all__ = ["Comparison", "CrossCheck", "Row", "Scatter", "is_adhesive"]
-
-Array = NDArray[np.float64]
 
 
 def is_adhesive(effects: Sequence[Effect]) -> bool:
@@ -170,8 +167,9 @@ class Comparison:
         Why there is no limit, in words; empty where there is one.
     below : tuple of Below
         Where the solid below the contact is strained most, where the scene asks for it.
-    accurate : bool
-        Whether the grids were chosen for an accuracy of the limit.
+    accurate : mapping or None
+        What was reached, where the grids were chosen for an accuracy
+        (`validation.comparison.accuracy.Reached`).
     passing : tuple of Passing
         What passes through contact and gap, where the scene asks for it.
     """
@@ -192,7 +190,7 @@ class Comparison:
     scatter: Scatter | None
     no_limit: str = ""
     below: tuple[Below, ...] = ()
-    accurate: bool = False
+    accurate: Mapping[str, Any] | None = None
     passing: tuple[Passing, ...] = ()
 
     @property
@@ -206,6 +204,20 @@ class Comparison:
         from validation.comparison.explain import judgements
 
         return judgements(self.scene, self.realised)
+
+    @property
+    def mean(self) -> Mapping[str, Any] | None:
+        """What a run to an accuracy reached for the mean over surfaces; None where there is no such mean."""
+        return None if self.accurate is None or self.accurate["mean"] is None else self.accurate
+
+    @property
+    def theory_of_all(self) -> float | None:
+        """A/A0 of the theory where it is the same for all surfaces of the spectrum."""
+        surface, load = self.scene.surface, self.scene.load
+        alike = getattr(surface, "amplitudes", "") == "exact" or (
+            load.reduced_pressure is not None and not self.scene.effects
+        )
+        return self.theory.area if alike and self.theory is not None and self.theory.answers else None
 
     @property
     def reduced_pressure(self) -> float:

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact.stress import pressure_distribution
+from validation.arrays import Array
 from validation.methods.theory import stress_distribution
 
 if TYPE_CHECKING:
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from validation.comparison.compared import Comparison
 
 __all__ = ["area_data", "cost_data", "largest_pressure", "pressure_at_zero_data", "pressure_maps_data"]
-
-Array = NDArray[np.float64]
 
 #: Range of the figure of P(sigma), in E* h'_rms.
 NEAR_ZERO = 0.6

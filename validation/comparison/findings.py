@@ -12,6 +12,9 @@ from validation.methods import find_method, find_solver
 from validation.report.words import significant, with_error
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from typing import Any
+
     from fem_contact.extrapolation import Limit
     from validation.comparison.compared import Comparison, CrossCheck, Row
 
@@ -184,7 +187,26 @@ def _passing(c: Comparison) -> list[str]:
     return list(sentences(c.passing))
 
 
+def _mean(c: Comparison, reached: Mapping[str, Any]) -> str:
+    """Say what the mean over all surfaces of the spectrum is, and how far from the theory."""
+    mean, error = reached["mean"], reached["mean_error"]
+    how = "located inside the cells" if reached["located"] else "corrected at its edge"
+    text = (
+        f"Over the surfaces of this spectrum the mean is A/A0 = {mean:.6g} +- {percent(error)} (95 %: surfaces, grid "
+        f"and solver; of the limit of the area {how}), from {reached['surfaces']} solved in pairs h, -h; single ones scatter by "
+        f"{percent(reached['scatter'])} (standard deviation)"
+    )
+    theory = c.theory_of_all
+    if theory is None:
+        return text + "."
+    distance = mean / theory - 1
+    told = "its interval does not reach" if abs(distance) > error * mean / theory else "its interval holds"
+    return f"{text}; it lies {_side(distance)} the theory, which {told}."
+
+
 def _scatter(c: Comparison) -> list[str]:
+    if c.mean is not None:
+        return [_mean(c, c.mean)]
     if c.scatter is None and c.scene.ensemble is not None:
         return ["The scatter between realisations is not determinable: not every one of them has a limit."]
     if c.scatter is None:

@@ -199,6 +199,9 @@ def _how_sure(c: Comparison) -> Answer:
     if c.scatter is not None:
         said.append(f"surfaces +- {percent(c.scatter.relative)}")
         basis.append(f"surfaces: standard deviation of one among {len(c.scatter.areas)} of the same spectrum")
+    elif c.mean is not None:
+        said.append(f"surfaces +- {percent(c.mean['scatter'])}")
+        basis.append(f"surfaces: standard deviation of one among {c.mean['surfaces']} of the same spectrum")
     else:
         basis.append("scatter between surfaces unknown")
     return Answer(question="How sure?", answer=", ".join(said) or "unknown", basis="; ".join(basis))

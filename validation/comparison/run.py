@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from validation.comparison import theory_alone
 from validation.comparison.compare import compare
@@ -12,7 +15,7 @@ from validation.comparison.compared import Comparison
 from validation.comparison.report import write_outputs
 from validation.comparison.theory_alone import TheoryAlone
 from validation.errors import UsageError
-from validation.files import json_text, prepare_folder, read_record, record_of, write_record
+from validation.files import atomic_path, json_text, prepare_folder, read_record, record_of, write_record
 from validation.report.page import Page, clear_page
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import Realised, realise
@@ -65,7 +68,7 @@ def run_scene(
     store_folder: Path | None = None,
     pictures: bool = False,
     report: bool = True,
-    accurate: bool = False,
+    accurate: Mapping[str, Any] | None = None,
 ) -> Outputs:
     """Run a scene into a folder; finished solves found in the store are used, not repeated.
 
@@ -85,8 +88,9 @@ def run_scene(
         Whether the report gets 3-D pictures, rendered off screen in some seconds.
     report : bool
         Whether to draw figures and write the report, which `report_run` can do later.
-    accurate : bool
-        Whether the grids were chosen for an accuracy; a plain run removes what an earlier such run reached.
+    accurate : mapping, optional
+        What was reached where the grids were chosen for an accuracy, which is kept beside the report; a
+        plain run removes what an earlier such run reached.
 
     Raises
     ------
@@ -102,13 +106,16 @@ def run_scene(
     if not scene.methods.solvers:
         _record(scene, folder, store)
         return _without_solver(scene, realised, folder, report=report)
-    if not accurate:
-        # What an earlier run to an accuracy reached is not what this one finds.
-        (folder / ACCURACY_FILE).unlink(missing_ok=True)
+    # What an earlier run to an accuracy reached is not what this one finds.
+    (folder / ACCURACY_FILE).unlink(missing_ok=True)
     _record(scene, folder, store)
     results = solve_all(solves_of(scene, realised), store, progress=progress, execution=execution)
     comparison = compare(scene, realised, results, accurate=accurate)
     page, files = write_outputs(comparison, results, folder, pictures=pictures, report=report)
+    if accurate is not None:
+        with atomic_path(folder / ACCURACY_FILE) as draft:
+            draft.write_text(json.dumps(accurate, indent=2) + "\n", encoding="utf-8")
+        files = (*files, folder / ACCURACY_FILE)
     return Outputs(
         comparison=comparison,
         page=page,
@@ -140,13 +147,24 @@ def report_run(folder: Path, *, pictures: bool | None = None) -> Outputs:
     if not scene.methods.solvers:
         return _without_solver(scene, realised, prepare_folder(folder))
     results = Solves(solves=solves_of(scene, realised), store=store)
-    comparison = compare(scene, realised, results, accurate=(folder / ACCURACY_FILE).exists())
+    comparison = compare(scene, realised, results, accurate=_reached(folder))
     if pictures is None:
         pictures = scene.run.pictures or any(folder.glob("figures/*.png"))
     page, files = write_outputs(comparison, results, prepare_folder(folder), pictures=pictures)
     return Outputs(
         comparison=comparison, page=page, folder=folder, files=files, solved=0, reused=len(results)
     )
+
+
+def _reached(folder: Path) -> dict[str, Any] | None:
+    """Return what a run to an accuracy reached; None for a plain run."""
+    try:
+        found = json.loads((folder / ACCURACY_FILE).read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError):
+        raise UsageError(f"{folder / ACCURACY_FILE}: cannot be read; run the scene again") from None
+    return dict(found)
 
 
 def _without_solver(scene: Scene, realised: Realised, folder: Path, *, report: bool = True) -> Outputs:

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from validation.arrays import Array
 from validation.comparison.explain import judgements
 from validation.comparison.report import effects_note
 from validation.effects.base import Judgement, Told
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["TheoryAlone", "alone_page", "answer_alone", "write_outputs"]
-
-Array = NDArray[np.float64]
 
 _COLUMNS = ("p0 [Pa]", "p*", "A/A0", "A_pl/A0", "gamma_eff(1) [J/m^2]", "error of A/A0")
 

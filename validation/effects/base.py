@@ -7,22 +7,29 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self
 
-import numpy as np
-from numpy.typing import NDArray
-
 from fem_contact.response import Response
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
+from validation.arrays import Array, Grid
 from validation.units import Table
 
 if TYPE_CHECKING:
     from fem_contact.adhesion import GapLaw
     from validation.scenes.realised import Realised
 
-__all__ = ["Body", "Effect", "Judgement", "Roughness", "SlotName", "Slots", "Told", "clash", "effect_key"]
+__all__ = [
+    "Body",
+    "Effect",
+    "Grid",
+    "Judgement",
+    "Roughness",
+    "SlotName",
+    "Slots",
+    "Told",
+    "clash",
+    "effect_key",
+]
 
-Array = NDArray[np.float64]
-Grid = tuple[int, int]
 SlotName = Literal["response", "pressure bound", "gap law", "spectrum", "boundary"]
 
 

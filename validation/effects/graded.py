@@ -9,7 +9,8 @@ from typing import ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field
 
-from validation.effects.base import Array, Body, Effect, Judgement, Roughness, SlotName, Slots, Told
+from validation.arrays import Array
+from validation.effects.base import Body, Effect, Judgement, Roughness, SlotName, Slots, Told
 from validation.units import Length, Pressure
 
 __all__ = ["Graded"]

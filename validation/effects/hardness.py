@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from validation.effects.base import Array, Effect, Grid, Judgement, Roughness, SlotName, Slots, Told
+from validation.arrays import Array
+from validation.effects.base import Effect, Grid, Judgement, Roughness, SlotName, Slots, Told
 from validation.errors import UsageError
 from validation.units import Length, Number, Pressure, wrong
 

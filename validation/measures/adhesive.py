@@ -6,14 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
 from persson.errors import PerssonError
 from persson.scale import Scale
-from validation.measures.single_solve import SingleSolve
+from validation.arrays import Array
+from validation.measures.single_solve import SingleSolve, Takes
 from validation.scenes.realised import Realised
-from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,8 +20,6 @@ if TYPE_CHECKING:
     from fem_contact.contact import ContactResult
 
 __all__ = ["STRESS_EDGES", "StickyContact", "adhesive_theory"]
-
-Array = NDArray[np.float64]
 
 #: Edges of the bins of sigma / (E* h'_rms) in the contact; what lies outside counts in the first or last bin.
 STRESS_EDGES = np.linspace(-3.0, 5.0, 321)
@@ -65,33 +62,13 @@ class StickyContact(SingleSolve):
         Wavevectors [1/m], rising, between which the elastic energy is summed.
     """
 
+    kind, words = "sticky", "adhesion"
+    version = 1
+    takes = Takes(seconds=0.05, each_point=1.2e-5, bytes=400)  # some 500 pairs of transforms
+
     work: float
     reach: float
     shells: tuple[float, ...]
-
-    @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers."""
-        return super().recipe | {
-            "work": self.work,
-            "reach": self.reach,
-            "shells": list(self.shells),
-            "version": 1,
-        }
-
-    @property
-    def prefix(self) -> str:
-        """Readable start of the name on disk."""
-        return f"sticky-{self.size}"
-
-    def describe(self) -> str:
-        """Return a few words for a progress bar."""
-        return f"adhesion {self.where}"
-
-    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
-        """Predict the cost: some 500 pairs of transforms."""
-        n = self.points
-        return Prediction(seconds=0.05 + 1.2e-5 * n, peak_bytes=400 * n, unknowns=n)
 
     def measure(self) -> xr.Dataset:
         """Solve without attraction, then with it from there and from full contact."""

@@ -38,27 +38,13 @@ class BlockMeasurement(SingleSolve):
         Of the finite-element solve, if not its own.
     """
 
+    version = 2
+
     method: Literal["full", "reduced"] = "reduced"
     element: str = "Hex1"
     depth: float = 1.0
     growth: float = 1.2
     tolerance: float | None = None
-
-    @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers."""
-        said = {} if self.tolerance is None else {"tolerance": self.tolerance}
-        return (
-            super().recipe
-            | said
-            | {
-                "method": self.method,
-                "element": self.element,
-                "depth": self.depth,
-                "growth": self.growth,
-                "version": 2,
-            }
-        )
 
     @property
     def prefix(self) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import numpy as np
@@ -19,6 +19,7 @@ from validation.units import Positive, wrong
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
 
     from validation.solves.solve import Solve
@@ -33,7 +34,11 @@ __all__ = [
     "RisingOrNone",
     "base_case",
     "base_surface",
+    "draw_means",
+    "each",
     "in_rising_order",
+    "means_of",
+    "named",
     "over_surfaces",
     "persson_area",
     "reduced_load",
@@ -53,7 +58,13 @@ BASE_SOLID = SolidSpec(young=1e9, poisson=0.3)
 
 
 def base_surface(
-    *, hurst: float, periods: float, bandwidth: float, seed: int, length: float = 1e-3
+    *,
+    hurst: float,
+    periods: float,
+    bandwidth: float,
+    seed: int,
+    length: float = 1e-3,
+    gradient: float = 0.1,
 ) -> SelfAffineSurface:
     """Return the surface of a study from ratios of lengths.
 
@@ -68,11 +79,13 @@ def base_surface(
     seed : int
     length : float
         Period [m].
+    gradient : float
+        h'_rms of C(q).
 
     Notes
     -----
-    The gradient of C(q) is 0.1. It scales out of everything the studies report, and so does the period but
-    where something else has a length.
+    The gradient scales out of everything the studies report, and so does the period but where something else
+    has a length.
     """
     return SelfAffineSurface(
         kind="self-affine",
@@ -80,7 +93,7 @@ def base_surface(
         hurst=hurst,
         lambda_long=length / periods,
         lambda_short=length / periods / bandwidth,
-        rms_gradient=0.1,
+        rms_gradient=gradient,
         seed=seed,
     )
 
@@ -165,37 +178,50 @@ def over_surfaces(values: xr.DataArray) -> Estimate:
     return mean_over_surfaces(values.values)
 
 
-def truncated_surface(
-    seed: int, until: float, *, length: float, gradient: float, hurst: float, periods: float, bandwidth: float
-) -> SelfAffineSurface:
+def means_of(values: xr.DataArray) -> list[Estimate]:
+    """Mean over the surfaces at each place along the other dimension, the second."""
+    return [over_surfaces(values[:, k]) for k in range(values.shape[1])]
+
+
+def named(
+    dims: str | Sequence[str], values: Any, words: str, *, unit: str | None = None
+) -> tuple[Any, Any, Any]:
+    """Return a variable of a dataset with what it is in words, and its unit where it is said."""
+    return dims, values, ({} if unit is None else {"units": unit}) | {"long_name": words}
+
+
+def draw_means(axes: Axes, x: ArrayLike, means: Sequence[Estimate], **style: Any) -> None:
+    """Draw means with their 95 % intervals."""
+    axes.errorbar(x, [one.value for one in means], yerr=[one.half_width for one in means], **style)
+
+
+def each(dataset: xr.Dataset, *dims: str) -> Iterator[xr.Dataset]:
+    """Yield what a dataset holds at each place along some dimensions, the last one running first.
+
+    >>> import xarray as xr
+    >>> data = xr.Dataset({"area": (("surface", "load"), [[1.0, 2.0], [3.0, 4.0]])})
+    >>> [here.area.item() for here in each(data, "load", "surface")]
+    [1.0, 3.0, 2.0, 4.0]
+    """
+    for place in itertools.product(*(range(dataset.sizes[dim]) for dim in dims)):
+        yield dataset.isel(dict(zip(dims, place, strict=True)))
+
+
+def truncated_surface(until: float, *, gradient: float, bandwidth: float, **told: Any) -> SelfAffineSurface:
     """Return a surface with its waves up to q/q_long = until, unchanged by those that are left out.
 
     Parameters
     ----------
-    seed : int
     until : float
         At most `bandwidth`.
-    length : float
-        Period [m].
-    gradient : float
-        h'_rms of the whole surface.
-    hurst, periods, bandwidth : float
-        H, L / lambda_long, lambda_long / lambda_short of the whole surface.
+    gradient, bandwidth : float
+        h'_rms and lambda_long / lambda_short of the whole surface.
+    told
+        What else `base_surface` is told.
     """
-
-    def cut(ratio: float, slope: float) -> SelfAffineSurface:
-        return SelfAffineSurface(
-            kind="self-affine",
-            length=(length, length),
-            hurst=hurst,
-            lambda_long=length / periods,
-            lambda_short=length / periods / ratio,
-            rms_gradient=slope,
-            seed=seed,
-        )
-
-    whole = cut(bandwidth, gradient)
+    whole = base_surface(bandwidth=bandwidth, gradient=gradient, **told)
     if until == bandwidth:
         return whole
     spectrum = spectrum_of(whole)
-    return cut(until, gradient * float(spectrum.m2(until * spectrum.q_long) / spectrum.m2()) ** 0.5)
+    left = gradient * float(spectrum.m2(until * spectrum.q_long) / spectrum.m2()) ** 0.5
+    return base_surface(bandwidth=until, gradient=left, **told)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-import scipy.stats
+import scipy.special
 from numpy.typing import ArrayLike, NDArray
 
 from validation.measures.statistics import Estimate
@@ -145,7 +145,7 @@ def controlled_mean(
         estimate=Estimate(
             value=float(residuals.mean()),
             standard_error=error,
-            half_width=float(scipy.stats.t.ppf(0.975, freedom)) * error,
+            half_width=float(scipy.special.stdtrit(freedom, 0.975)) * error,
             samples=n,
         ),
         freedom=freedom,

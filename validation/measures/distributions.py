@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
+from validation.arrays import Array
 from validation.measures.measurement import Measurement
 
 __all__ = [
@@ -20,8 +20,6 @@ __all__ = [
     "largest_difference",
     "weighted_percentile",
 ]
-
-Array = NDArray[np.float64]
 
 #: Of surfaces, for the intervals of distances.
 _RESAMPLES = 1000

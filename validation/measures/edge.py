@@ -13,11 +13,10 @@ from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
 from fem_contact.stress import pressure_distribution
 from validation.effects.base import Slots
-from validation.measures.common import reduced_load
-from validation.measures.single_solve import SingleSolve
+from validation.measures.common import named, reduced_load
+from validation.measures.single_solve import SingleSolve, Takes
 from validation.methods import find_solver
 from validation.methods.base import Settings
-from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -44,29 +43,22 @@ class EdgeMeasurement(SingleSolve):
         What it is told.
     """
 
+    kind = "edge"
+    takes = Takes(seconds=5e-3, each_point=1.2e-6, bytes=160)
+
     method: str = "bem"
     settings: Settings = ()
 
     @property
     def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers."""
+        """Everything that determines the numbers; boundary elements as they are by themselves go without a name."""
+        made = {**super().recipe, "settings": dict(self.settings), "top": _TOP}
         plain = self.method == "bem" and not self.settings
-        said = {} if plain else {"method": self.method, "settings": dict(self.settings)}
-        return {**super().recipe, **said, "top": _TOP}
-
-    @property
-    def prefix(self) -> str:
-        """Readable start of the name on disk."""
-        return f"edge-{self.size}"
+        return {name: value for name, value in made.items() if not (plain and name in ("method", "settings"))}
 
     def describe(self) -> str:
         """Return a few words for a progress bar."""
         return f"edge of contact, {find_solver(self.method).label}, {self.where}"
-
-    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
-        """Predict the cost."""
-        n = self.points
-        return Prediction(seconds=5e-3 + 1.2e-6 * n, peak_bytes=160 * n, unknowns=n)
 
     @property
     def code_path(self) -> tuple[str, ...]:
@@ -98,19 +90,15 @@ class EdgeMeasurement(SingleSolve):
         contour = np.pi / 4 * areas.edge_length * wave
         return xr.Dataset(
             {
-                "density": ("bin", density, {"long_name": "P(sigma) E* h'_rms per nominal area"}),
-                "contour": (
-                    (),
-                    contour,
-                    {"long_name": "true contour length per nominal area times lambda_short"},
-                ),
+                "density": named("bin", density, "P(sigma) E* h'_rms per nominal area"),
+                "contour": named((), contour, "true contour length per nominal area times lambda_short"),
                 "inverse_square": ((), inverse_square_coefficient(result) * unit**2 / wave),
                 "patches": ((), find_patches(result.in_contact, result.spacing).count),
                 "area": ((), areas.perimeter),
-                "excess": (
+                "excess": named(
                     (),
                     areas.pixel - areas.perimeter,
-                    {"long_name": "counted area above the corrected one, per nominal area"},
+                    "counted area above the corrected one, per nominal area",
                 ),
                 "seconds": ((), result.cost.wall_seconds),
             },

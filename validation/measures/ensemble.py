@@ -3,38 +3,49 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.stats
+import scipy.special
 from numpy.typing import NDArray
 
+from validation.errors import RunFailed
 from validation.measures.common import results_of
 from validation.measures.controlled import Controlled, Known, Level, allocation, chained_mean
-from validation.measures.measurement import Grid, Measurement, area_limits, grid_for
+from validation.measures.measurement import Grid, area_limits, grid_for
+from validation.measures.pairs import AreaPairs, Areas
 from validation.measures.statistics import Estimate, pair_means
 from validation.measures.without_solve import UnsolvedPairs
 from validation.scenes.realised import Realised
+from validation.scenes.scene import EffectSpec
 from validation.solves.bench import Bench
+from validation.solves.solve import Solve
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["QUANTITIES", "MeanArea", "Samples", "mean_area"]
+__all__ = ["QUANTITIES", "Chained", "MeanArea", "Samples", "Watch", "mean_area"]
 
 Array = NDArray[np.float64]
 
-#: Pairs of a first look, by the grid they end with, and how often the numbers are chosen anew from what was found.
-_FIRST, _ROUNDS = (16, 6, 2), 6
+#: Pairs of a first look, by the grid they end with, which then grow by blocks of the same size; and how often the
+#: numbers are chosen anew from what was found.
+_FIRST, _ROUNDS = (16, 6, 2), 8
 #: Pairs that are not solved, of a first look.
 _FIRST_UNSOLVED = 64
 #: Between the first surfaces that end with different grids, and the first that are not solved.
 _APART = 1_000_000
+#: Largest factor of Student's that numbers are first chosen with.
+_STUDENT = 2.1
+#: Share of an interval that the grids may take; with more, surfaces that make up for it are too many.
+_GRID_SHARE = 0.9
 
-#: Last grid, number of the pair, sign; or first and count of those that are only looked at.
-_Name = tuple[int, ...]
+#: Last grid, or how many there are for pairs that are only looked at; and the first pair of a block.
+_Name = tuple[int, int]
 
 #: Name: unit, meaning. All means over the surfaces of a spectrum.
 QUANTITIES = {
@@ -48,34 +59,45 @@ QUANTITIES = {
 
 
 @dataclass(frozen=True, kw_only=True)
-class Samples:
-    """Surfaces of one spectrum, in pairs +h, -h.
+class Chained(ABC):
+    """Surfaces of one spectrum, in pairs +h, -h, some of which end with each grid.
 
     Attributes
     ----------
-    ending : sequence of sequences of xarray.Dataset
-        Measurements by the last grid they are solved on, coarsest first.
     unsolved : (n, k) array
         Statistics without a solve of the pairs that end with the coarsest grid.
     further : (m, k) array
         The same of pairs that are not solved at all.
     unsolved_seconds : float
         Processor time of the statistics of all these.
-    periods : float
-        L / lambda_long.
     """
 
-    ending: Sequence[Sequence[xr.Dataset]]
     unsolved: Array
     further: Array
     unsolved_seconds: float
-    periods: float
+
+    @property
+    @abstractmethod
+    def levels(self) -> int:
+        """Number of grids."""
+
+    @abstractmethod
+    def values(self, name: str, ending: int, grid: int) -> Array:
+        """Return a quantity on one grid, (load, surface), of the surfaces that end with another."""
+
+    @abstractmethod
+    def seconds(self, ending: int) -> Array:
+        """Processor time of each surface that ends with a grid, on all its grids, (surface, load)."""
+
+    @abstractmethod
+    def grid_errors(self, name: str) -> Array:
+        """Half of the 95 % interval of what the grids leave, (load,): alike on all surfaces, it does not average."""
 
     def chains(self, name: str) -> list[tuple[Controlled, ...]]:
         """Return the controlled means of a quantity on all grids, for each load; the last is the one that is asked for."""
-        numbers = [self._pairs(name, 0, 0)]
-        for last in range(1, len(self.ending)):
-            numbers += [self._pairs(name, last, last), self._pairs(name, last, last - 1)]
+        numbers = [pair_means(self.values(name, 0, 0))]
+        for last in range(1, self.levels):
+            numbers += [pair_means(self.values(name, last, grid)) for grid in (last, last - 1)]
         known = Known.of_samples(self.further)
         return [
             chained_mean(
@@ -88,34 +110,11 @@ class Samples:
             for first, *rest in zip(*numbers, strict=True)
         ]
 
-    def _pairs(self, name: str, ending: int, grid: int, *, paired: bool = True) -> Array:
-        """Return a quantity on one grid, (load, pair) or (load, surface), of the surfaces that end with another."""
-        read = np.array([self._read(data, name, grid) for data in self.ending[ending]]).T
-        return pair_means(read) if paired else read
-
-    def _read(self, data: xr.Dataset, name: str, grid: int) -> Array:
-        """Return a quantity of one surface over the loads on one grid; the area by its limit where the grids allow one."""
-        if name == "area" and (grid >= 2 or grid == len(self.ending) - 1):
-            return area_limits(data.isel(grid=slice(0, grid + 1)))[0]
-        return _on_grid(data, name, grid=grid, periods=self.periods)
-
-    def grid_errors(self, name: str) -> Array:
-        """Half of the 95 % interval of what the grids leave, (load,): alike on all surfaces, it does not average."""
-        if name == "area":
-            errors = np.array([area_limits(data)[1] for data in self.ending[-1]])
-        else:
-            finest, before = (
-                np.array([_on_grid(data, name, grid=g, periods=self.periods) for data in self.ending[-1]])
-                for g in (-1, -2)
-            )
-            errors = (finest - before) / 2
-        return np.asarray(1.96 * np.sqrt(np.mean(errors**2, axis=0)))
-
     def parts(self, chain: Sequence[Controlled]) -> list[tuple[float, float]]:
         """Return variance and processor time of one pair that ends with each grid, then of one that is not solved."""
         count = len(self.unsolved) + len(self.further)
         look = self.unsolved_seconds / count
-        times = [2 * float(np.mean([float(d.seconds.sum()) for d in group])) for group in self.ending]
+        times = [2 * float(self.seconds(ending).sum(axis=1).mean()) for ending in range(self.levels)]
         slopes = chain[0].coefficients
         told = float(slopes @ np.cov(self.further, rowvar=False) @ slopes)
         # The mean of a level is multiplied by the coefficients of those above it.
@@ -130,19 +129,89 @@ class Samples:
 
         The scatter of single surfaces is that of the coarsest grid, on which there are many; each takes all grids.
         """
-        coarse = self._pairs("area", 0, 0, paired=False)
-        seconds = [
-            np.array([data.seconds.sum(("grid", "shift")).values for data in group]) for group in self.ending
-        ]
+        coarse = self.values("area", 0, 0)
+        seconds = [self.seconds(ending) for ending in range(self.levels)]
         found = [chain[-1].estimate for chain in chains]
-        asked = np.array([one.half_width / one.value for one in found]) / scipy.stats.norm.ppf(0.975)
+        asked = np.array([one.half_width / one.value for one in found]) / scipy.special.ndtri(0.975)
         plain = (coarse.std(axis=1, ddof=1) / coarse.mean(axis=1) / asked) ** 2 * seconds[-1].mean(axis=0)
         spent = sum(group.sum(axis=0) for group in seconds) + self.unsolved_seconds
         return np.asarray(plain / spent)
 
 
-def _seconds(data: xr.Dataset, load: int) -> float:
-    return float(data.seconds.isel(load=load).sum())
+@dataclass(frozen=True, kw_only=True)
+class Samples(Chained):
+    """Surfaces of which many quantities were measured at several loads.
+
+    Attributes
+    ----------
+    ending : sequence of sequences of xarray.Dataset
+        Measurements by the last grid they are solved on, coarsest first.
+    periods : float
+        L / lambda_long.
+    """
+
+    ending: Sequence[Sequence[xr.Dataset]]
+    periods: float
+
+    @property
+    def levels(self) -> int:
+        """Number of grids."""
+        return len(self.ending)
+
+    def values(self, name: str, ending: int, grid: int) -> Array:
+        """Return a quantity on one grid; the area by its limit where the grids allow one."""
+        return np.array([self._read(data, name, grid) for data in self.ending[ending]]).T
+
+    def _read(self, data: xr.Dataset, name: str, grid: int) -> Array:
+        if name == "area" and (grid >= 2 or grid == self.levels - 1):
+            return area_limits(data.isel(grid=slice(0, grid + 1)))[0]
+        return _on_grid(data, name, grid=grid, periods=self.periods)
+
+    def seconds(self, ending: int) -> Array:
+        """Processor time of the solves."""
+        return np.array([data.seconds.sum(("grid", "shift")).values for data in self.ending[ending]])
+
+    def grid_errors(self, name: str) -> Array:
+        """Half of the 95 % interval of what the grids leave, (load,)."""
+        if name == "area":
+            errors = np.array([area_limits(data)[1] for data in self.ending[-1]])
+        else:
+            finest, before = (
+                np.array([_on_grid(data, name, grid=g, periods=self.periods) for data in self.ending[-1]])
+                for g in (-1, -2)
+            )
+            errors = (finest - before) / 2
+        return np.asarray(1.96 * np.sqrt(np.mean(errors**2, axis=0)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Pressed(Chained):
+    """Surfaces whose contact area alone was read off, at one load."""
+
+    ending: Sequence[Areas]
+
+    @property
+    def levels(self) -> int:
+        return len(self.ending)
+
+    def values(self, name: str, ending: int, grid: int) -> Array:
+        areas = self.ending[ending]
+        if grid >= 2 or grid == self.levels - 1:
+            return np.array([[limit.value for limit in areas.limits(grid)]])
+        return areas.on_grid(grid)[None]
+
+    def seconds(self, ending: int) -> Array:
+        return self.ending[ending].seconds[:, None]
+
+    def grid_errors(self, name: str) -> Array:
+        errors = [limit.uncertainty for limit in self.ending[-1].limits(self.levels - 1)]
+        return np.array([1.96 * float(np.sqrt(np.mean(np.square(errors))))])
+
+    @property
+    def doubt(self) -> str:
+        """Why a surface has no limit; empty where all have."""
+        limits = (limit for areas in self.ending for limit in areas.limits(len(areas.grids) - 1))
+        return next((limit.doubt for limit in limits if limit.doubt), "")
 
 
 def _on_grid(data: xr.Dataset, name: str, *, grid: int, periods: float) -> Array:
@@ -169,24 +238,41 @@ class MeanArea:
     estimate : Estimate
         Limit over grids, with what the scatter of surfaces leaves.
     grid : float
-        Half of the 95 % interval of what the grids leave.
+        Half of the 95 % interval of what grids and solver leave.
+    grids : tuple of (int, int)
     pairs : tuple of int
         Pairs +h, -h that end with each grid, coarsest first.
     unsolved : int
         Further pairs that are only looked at.
-    samples : Samples
+    scatter : float
+        Standard deviation of single surfaces over the mean, on the coarsest grid.
+    peak_bytes : int
+        Largest memory of the arrays of any solve.
+    samples : Chained
     """
 
     estimate: Estimate
     grid: float
+    grids: tuple[Grid, ...]
     pairs: tuple[int, ...]
     unsolved: int
-    samples: Samples
+    scatter: float
+    peak_bytes: int
+    samples: Chained
+
+    @property
+    def surfaces(self) -> int:
+        """Surfaces that were solved."""
+        return 2 * sum(self.pairs)
 
     @property
     def half_width(self) -> float:
-        """Half of the 95 % interval: surfaces and grids."""
+        """Half of the 95 % interval: surfaces, grids and solver."""
         return float(np.hypot(self.estimate.half_width, self.grid))
+
+
+#: Called with what was found so far and the solves that come next; raises to stop.
+Watch = Callable[[MeanArea, Sequence[Solve]], None]
 
 
 def mean_area(
@@ -194,101 +280,149 @@ def mean_area(
     *,
     half_width: float,
     bench: Bench,
-    points_per_wave: tuple[float, float, float] = (3.0, 6.0, 12.0),
+    grids: Sequence[Grid] = (),
+    effects: Sequence[EffectSpec] = (),
     tolerance: float = 1e-6,
+    watch: Watch | None = None,
 ) -> MeanArea:
     """Mean contact area of all surfaces of a spectrum to a given accuracy, from as few solves as it takes.
 
     Parameters
     ----------
     base : Realised
-        Surface, solid and one load.
+        Surface, solid and one load; each surface meets it as it is said, p* of its own gradient or one pressure for all.
     half_width : float
-        Half of the 95 % interval that is asked for, relative to the mean: surfaces and grids.
+        Half of the 95 % interval that is asked for, relative to the mean: surfaces, grids and solver.
     bench : Bench
-    points_per_wave : tuple of float
-        Three grids.
+    grids : sequence of (int, int)
+        Two or three, ascending; of 3, 6 and 12 points per shortest wave if not given.
+    effects : sequence
+        Of a scene: of those whose corrected area has a law of error (`fem_contact.extrapolation.perimeter_limit`).
     tolerance : float
-        Of the solver.
+        Of the solver, which bounds the relative error that it leaves.
+    watch : callable, optional
+        Called before each round but the first with what was found and the solves that come next; raises to stop.
 
     Returns
     -------
     MeanArea
-        Wider than asked where the grids leave more than that, or six rounds did not suffice.
+        Wider than asked where the grids leave nine tenths of that or more, or eight rounds did not suffice.
+
+    Raises
+    ------
+    RunFailed
+        For a surface without a limit, as a contact of too few points has none.
 
     Notes
     -----
     After a first look the numbers of pairs are those of least cost (`allocation`), from the variances and times found.
     """
-    grids = tuple(grid_for(base, points) for points in points_per_wave)
-    drawn = _Drawn(base=base, grids=grids, tolerance=tolerance)
-    solved: dict[_Name, xr.Dataset] = {}
-    for _ in range(_ROUNDS):
-        solved |= results_of(bench, {name: case for name, case in drawn.cases() if name not in solved})
-        samples = drawn.samples(solved)
-        (chain,) = samples.chains("area")
-        found = MeanArea(
-            estimate=chain[-1].estimate,
-            grid=float(samples.grid_errors("area")[0]),
-            pairs=tuple(drawn.counts),
-            unsolved=len(samples.further),
-            samples=samples,
-        )
-        asked = float(np.sqrt(max((half_width * found.estimate.value) ** 2 - found.grid**2, 0.0)))
-        if found.estimate.half_width <= asked or asked == 0:
+    grids = tuple(grids) or tuple(grid_for(base, points) for points in (3.0, 6.0, 12.0))
+    drawn = _Drawn(base=base, grids=grids, tolerance=tolerance, effects=tuple(effects))
+    solved: dict[_Name, xr.Dataset] = results_of(bench, drawn.cases())
+    for rounds in itertools.count(1):
+        found, chain = _found(drawn, solved)
+        asked = half_width * found.estimate.value
+        left = float(np.sqrt(max(asked**2 - found.grid**2, 0.0)))
+        enough = found.estimate.half_width <= left or found.grid >= _GRID_SHARE * asked
+        if enough or rounds == _ROUNDS:
             break
-        aim = asked * found.estimate.standard_error / found.estimate.half_width
-        drawn.grow(allocation(samples.parts(chain), aim))
+        factor = found.estimate.half_width / found.estimate.standard_error
+        parts = found.samples.parts(chain)
+        # What Student's factor of few pairs adds goes with more of them.
+        drawn.grow(allocation(parts, left / min(factor, _STUDENT)))
+        missing = {name: case for name, case in drawn.cases().items() if name not in solved}
+        if not missing:
+            drawn.grow(allocation(parts, left / factor))
+            missing = {name: case for name, case in drawn.cases().items() if name not in solved}
+        if watch is not None:
+            watch(found, tuple(missing.values()))
+        solved |= results_of(bench, missing)
     return found
 
 
+def _found(drawn: _Drawn, solved: Mapping[_Name, xr.Dataset]) -> tuple[MeanArea, tuple[Controlled, ...]]:
+    samples = drawn.samples(solved)
+    if samples.doubt:
+        raise RunFailed(f"a surface of the ensemble has no limit: {samples.doubt}; all solves are stored")
+    (chain,) = samples.chains("area")
+    estimate, coarse = chain[-1].estimate, samples.values("area", 0, 0)
+    return (
+        MeanArea(
+            estimate=estimate,
+            grid=float(samples.grid_errors("area")[0]) + drawn.tolerance * estimate.value,
+            grids=drawn.grids,
+            pairs=tuple(drawn.counts),
+            unsolved=len(samples.further),
+            scatter=float(coarse.std(ddof=1) / coarse.mean()),
+            peak_bytes=max(areas.peak_bytes for areas in samples.ending),
+            samples=samples,
+        ),
+        chain,
+    )
+
+
+@dataclass(kw_only=True)
 class _Drawn:
     """Surfaces of one spectrum that are solved or looked at so far; their numbers only grow."""
 
-    def __init__(self, *, base: Realised, grids: tuple[Grid, ...], tolerance: float) -> None:
-        self.base, self.grids, self.tolerance = base, grids, tolerance
-        self.counts = list(_FIRST)
-        # First and count of those that are looked at: of the coarsest grid, and of no grid.
-        self.told, self.further = [(0, _FIRST[0])], [(len(grids) * _APART, _FIRST_UNSOLVED)]
+    base: Realised
+    grids: tuple[Grid, ...]
+    tolerance: float
+    effects: tuple[EffectSpec, ...] = ()
+    counts: list[int] = field(init=False)
+    further: int = _FIRST_UNSOLVED
 
-    def cases(self) -> Iterator[tuple[_Name, Measurement | UnsolvedPairs]]:
+    def __post_init__(self) -> None:
+        self.counts = [self._block(last) for last in range(len(self.grids))]
+
+    def cases(self) -> dict[_Name, AreaPairs | UnsolvedPairs]:
+        """Return the blocks of pairs that end with each grid, and of those that are only looked at."""
+        found: dict[_Name, AreaPairs | UnsolvedPairs] = {}
         for last, count in enumerate(self.counts):
-            for k, sign in itertools.product(range(count), (0, 1)):
-                yield (
-                    (last, k, sign),
-                    Measurement(
-                        realised=replace(self.base.further(k + last * _APART), inverted=bool(sign)),
-                        grids=self.grids[: last + 1],
-                        shifts=1,
-                        tolerance=self.tolerance,
-                    ),
+            size = self._block(last)
+            for k in range(0, count, size):
+                found[last, k] = AreaPairs(
+                    realised=self.base,
+                    grids=self.grids[: last + 1],
+                    first=k + last * _APART,
+                    count=size,
+                    tolerance=self.tolerance,
+                    effects=self.effects,
                 )
-        for first, count in (*self.told, *self.further):
-            yield (
-                (first, count),
-                UnsolvedPairs(realised=self.base, grid=self.grids[0], first=first, count=count),
+        for k in range(0, self.further, _FIRST_UNSOLVED):
+            first = k + len(self.grids) * _APART
+            found[len(self.grids), k] = UnsolvedPairs(
+                realised=self.base, grid=self.grids[0], first=first, count=_FIRST_UNSOLVED
             )
+        return found
 
-    def samples(self, solved: Mapping[_Name, xr.Dataset]) -> Samples:
-        told, further = ([solved[part] for part in which] for which in (self.told, self.further))
-        return Samples(
-            ending=[
-                [solved[last, k, sign] for k in range(count) for sign in (0, 1)]
-                for last, count in enumerate(self.counts)
-            ],
-            unsolved=np.concatenate([data.value.values for data in told]),
-            further=np.concatenate([data.value.values for data in further]),
-            unsolved_seconds=sum(float(data.attrs["seconds"]) for data in (*told, *further)),
-            periods=min(self.base.lengths) / self.base.longest,
+    def _block(self, last: int) -> int:
+        return _FIRST[0] if last == 0 else _FIRST[len(_FIRST) - len(self.grids) + last]
+
+    def samples(self, solved: Mapping[_Name, xr.Dataset]) -> _Pressed:
+        cases = self.cases()
+        parts = [[name for name in cases if name[0] == last] for last in range(len(self.grids) + 1)]
+        ending = []
+        for names in parts[:-1]:
+            case = cases[names[0]]
+            assert isinstance(case, AreaPairs)
+            ending.append(Areas.joined(case, [solved[name] for name in names]))
+        looked = [solved[name] for name in parts[-1]]
+        return _Pressed(
+            ending=ending,
+            unsolved=np.concatenate([solved[name].value.values for name in parts[0]]),
+            further=np.concatenate([data.value.values for data in looked]),
+            # Of the pairs that are solved, too: as long for each as for those that are not.
+            unsolved_seconds=sum(float(data.attrs["seconds"]) for data in looked)
+            * (1 + self.counts[0] / self.further),
         )
 
     def grow(self, numbers: Sequence[int]) -> None:
-        """Take so many pairs that end with each grid, and so many that are only looked at."""
+        """Take at least so many pairs that end with each grid, and so many that are only looked at, in whole blocks."""
         *solves, unsolved = numbers
-        grown = [max(old, new) for old, new in zip(self.counts, solves, strict=True)]
-        known = sum(count for _, count in self.further)
-        if grown[0] > self.counts[0]:
-            self.told.append((self.counts[0], grown[0] - self.counts[0]))
-        if unsolved > known:
-            self.further.append((self.further[0][0] + known, unsolved - known))
-        self.counts = grown
+        self.counts = [
+            max(old, self._block(last) * math.ceil(new / self._block(last)))
+            for last, (old, new) in enumerate(zip(self.counts, solves, strict=True))
+        ]
+        self.further = max(self.further, _FIRST_UNSOLVED * math.ceil(unsolved / _FIRST_UNSOLVED))

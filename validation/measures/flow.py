@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 import numpy as np
 
@@ -15,8 +15,7 @@ from fem_contact.leak import critical_gap, flow_conductance, open_gap, percolate
 from fem_contact.stress import gap_distribution
 from persson.leakage import effective_medium
 from validation.measures.measurement import QUANTITIES, Measurement
-from validation.measures.single_solve import SingleSolve
-from validation.solves.solve import LOCATED_EDGES, Prediction
+from validation.measures.single_solve import SingleSolve, Takes
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -78,28 +77,16 @@ class LeakMeasurement(SingleSolve):
         A/A0, located inside the cells.
     """
 
+    kind, words = "leak", "leak"
+    located, version = True, 2
+    takes = Takes(seconds=2e-3, each_point=2e-6, bytes=2000)
+
     areas: tuple[float, ...]
 
     @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers."""
-        return super().recipe | {"areas": list(self.areas), "edges": LOCATED_EDGES, "version": 2}
-
-    @property
-    def prefix(self) -> str:
-        """Readable start of the name on disk."""
-        return f"leak-{self.size}"
-
-    def describe(self) -> str:
-        """Return a few words for a progress bar."""
-        return f"leak {self.where}"
-
-    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
-        """Predict the cost: some seven solves for each area and threshold, and direct solves of the flow."""
-        n = self.points
-        return Prediction(
-            seconds=7 * (len(self.areas) + 4) * (2e-3 + 2e-6 * n), peak_bytes=2000 * n, unknowns=n
-        )
+    def problems(self) -> int:
+        """Some seven for each area and threshold."""
+        return 7 * (len(self.areas) + 4)
 
     def measure(self) -> xr.Dataset:
         """Seek the loads, and keep what leaks there and how wide the gaps are; dimensions (area, axis), (area, gap_bin)."""

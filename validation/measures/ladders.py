@@ -8,12 +8,12 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy.stats
+import scipy.special
 from numpy.typing import ArrayLike, NDArray
 
 from validation.errors import RunFailed
-from validation.measures.common import SHIFTS, base_case, base_surface
-from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.measures.common import SHIFTS, base_case, base_surface, named
+from validation.measures.measurement import Measurement, area_limits, grid_for, grid_tolerance
 from validation.measures.statistics import combined, mean_over_surfaces, pair_means
 from validation.scenes.realised import Realised
 
@@ -142,7 +142,7 @@ def _line(
     solve = np.linalg.pinv(np.stack([np.ones_like(x), x], axis=1) * weight[:, None]) * weight
     values = solve @ np.array([rung.mean() for rung in samples])
     freedom = min(rung.size for rung in samples) - 1
-    factor = float(scipy.stats.t.ppf(0.975, freedom))
+    factor = float(scipy.special.stdtrit(freedom, 0.975))
     if common:
         spread = (solve @ np.stack(samples)).std(axis=1, ddof=1) / np.sqrt(samples[0].size)
     else:
@@ -216,7 +216,10 @@ class Ladders:
         grids = tuple(grid_for(case, points) for points in self.points_per_wave)
         return tuple(
             Measurement(
-                realised=replace(case.further(pair), inverted=inverted), grids=grids, shifts=self.shifts
+                realised=replace(case.further(pair), inverted=inverted),
+                grids=grids,
+                shifts=self.shifts,
+                tolerance=grid_tolerance(case, grids),
             )
             for pair in range(pairs)
             for inverted in (False, True)
@@ -245,10 +248,10 @@ class Ladders:
             [self._case(h, periods=self.periods, bandwidth=b).field.nayak for b in self.bandwidths]
             for h in self.hursts
         ]
-        data["bandwidth_nayak"] = (
+        data["bandwidth_nayak"] = named(
             ("ladder", "bandwidth_rung"),
             np.array(nayak).reshape(len(self.hursts), len(self.bandwidths)),
-            {"long_name": "Nayak parameter of the realised surfaces"},
+            "Nayak parameter of the realised surfaces",
         )
         steps_of = {f"{kind}_step": (f"{kind}_rung", steps) for kind, steps in self._steps.items()}
         return xr.Dataset(data, coords={"ladder_hurst": ("ladder", list(self.hursts)), **steps_of})

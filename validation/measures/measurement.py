@@ -15,8 +15,9 @@ from fem_contact.extrapolation import Limit, located_limit, perimeter_limit
 from fem_contact.patches import find_patches
 from fem_contact.stress import density_at_zero, elastic_energy
 from fem_contact.surface import HeightField
+from validation.arrays import Grid
 from validation.effects.base import Slots
-from validation.measures.common import LEAST_POINTS_PER_WAVE, SHIFTS, reduced_load
+from validation.measures.common import LEAST_POINTS_PER_WAVE, SHIFTS, named, reduced_load
 from validation.methods import find_solver
 from validation.scenes.realised import Realised
 from validation.scenes.scene import EffectSpec, FileSurface, SelfAffineSurface
@@ -33,12 +34,11 @@ __all__ = [
     "area_limits",
     "areas_of",
     "grid_for",
+    "grid_tolerance",
     "has_square_cells",
     "limit_over",
     "without_waves_beyond",
 ]
-
-Grid = tuple[int, int]
 
 #: How far the sides of a cell may differ for edges to be located inside it.
 _SQUARE = 0.05
@@ -68,6 +68,21 @@ def grid_for(realised: Realised, points_per_wave: float) -> Grid:
         for length in realised.lengths
     )
     return nx, ny
+
+
+#: Tolerance whose effect on the located area is below a hundredth of what its grids leave, at 8 points per
+#: shortest wave; that falls with the cube of the spacing (docs/bem.md).
+_TOLERANCE, _AT_POINTS, _LEAST_TOLERANCE = 1e-5, 8, 1e-8
+
+
+def grid_tolerance(realised: Realised, grids: Sequence[Grid]) -> float:
+    """Tolerance that areas on such grids deserve: below it, digits are computed that the grids do not have."""
+    points = max(
+        n * realised.shortest / length
+        for grid in grids
+        for n, length in zip(grid, realised.lengths, strict=True)
+    )
+    return max(_TOLERANCE * min(1.0, (_AT_POINTS / points) ** 3), _LEAST_TOLERANCE)
 
 
 def has_square_cells(realised: Realised, grid: Grid) -> bool:
@@ -196,7 +211,7 @@ class Measurement(NumbersSolve):
         import xarray as xr
 
         data: dict[str, Any] = {
-            name: (("grid", "shift", "load"), values[name], {"units": unit, "long_name": words})
+            name: named(("grid", "shift", "load"), values[name], words, unit=unit)
             for name, (unit, words) in self.quantities.items()
         }
         for name, profile in profiles.items():
@@ -208,8 +223,8 @@ class Measurement(NumbersSolve):
             coords={
                 "points": ("grid", [nx for nx, _ in self.grids]),
                 "cells": ("grid", [nx * ny for nx, ny in self.grids]),
-                "points_per_wave": ("grid", per_wave, {"long_name": "lambda_short / dx"}),
-                "reduced_pressure": ("load", list(self.loads), {"long_name": "p0 / (E* h'_rms)"}),
+                "points_per_wave": named("grid", per_wave, "lambda_short / dx"),
+                "reduced_pressure": named("load", list(self.loads), "p0 / (E* h'_rms)"),
             },
             attrs={
                 "rms_height": own.field.rms_height,

@@ -45,24 +45,12 @@ class SlopeMeasurement(SingleSolve):
         Of the layers with depth.
     """
 
+    kind, words = "slopes", "finite strain"
+    version = 1
+
     slopes: tuple[float, ...]
     depth: float = 1.0
     growth: float = 1.3
-
-    @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers."""
-        said = {"slopes": list(self.slopes), "depth": self.depth, "growth": self.growth, "version": 1}
-        return super().recipe | said
-
-    @property
-    def prefix(self) -> str:
-        """Readable start of the name on disk."""
-        return f"slopes-{self.size}"
-
-    def describe(self) -> str:
-        """Return a few words for a progress bar."""
-        return f"finite strain {self.where}"
 
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict the cost: some four Newton steps for each slope."""

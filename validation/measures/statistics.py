@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.stats
+import scipy.special
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = ["Estimate", "combined", "mean_over_surfaces", "order_of_convergence", "pair_means"]
@@ -88,11 +88,11 @@ def mean_over_surfaces(values: ArrayLike) -> Estimate:
     if array.size == 1:
         nan = float("nan")
         return Estimate(value=float(array[0]), standard_error=nan, half_width=nan, samples=1)
-    error = float(scipy.stats.sem(array))
+    error = float(array.std(ddof=1) / np.sqrt(array.size))
     return Estimate(
         value=float(array.mean()),
         standard_error=error,
-        half_width=float(scipy.stats.t.ppf(0.975, array.size - 1)) * error,
+        half_width=float(scipy.special.stdtrit(array.size - 1, 0.975)) * error,
         samples=array.size,
     )
 

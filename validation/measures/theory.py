@@ -11,6 +11,7 @@ from fem_contact.surface import HeightField
 from persson import elastic
 from persson.spectrum import Spectrum
 from persson.variants import EnergyReading, Variant, energy_share
+from validation.arrays import Array
 
 __all__ = [
     "RANKED",
@@ -21,8 +22,6 @@ __all__ = [
     "ensemble_stress_variance",
     "modes_sentence",
 ]
-
-Array = NDArray[np.float64]
 
 #: The theory and its variants, and how they are called.
 VARIANTS: dict[Variant, str] = {

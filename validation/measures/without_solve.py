@@ -18,7 +18,7 @@ from validation.solves.solve import NumbersSolve, Prediction
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["UnsolvedPairs", "unsolved_statistics"]
+__all__ = ["UnsolvedPairs", "statistics_of_pair", "unsolved_statistics"]
 
 Array = NDArray[np.float64]
 
@@ -71,6 +71,11 @@ def unsolved_statistics(field: HeightField) -> dict[str, float]:
     return found | {name: float(values.mean()) for name, values in moments.items()}
 
 
+def statistics_of_pair(field: HeightField) -> dict[str, float]:
+    """Return `unsolved_statistics`, and h'_rms: where amplitudes are random it says what one pressure for all is in p*."""
+    return unsolved_statistics(field) | {"h'_rms": field.rms_gradient}
+
+
 def _unit_fields(field: HeightField) -> tuple[Array, Array, Array]:
     """Return height, slope^2 and full-contact pressure, each over its rms, flat."""
     shape, (dx, dy) = field.shape, field.spacing
@@ -84,7 +89,7 @@ def _unit_fields(field: HeightField) -> tuple[Array, Array, Array]:
 
 @dataclass(frozen=True, kw_only=True)
 class UnsolvedPairs(NumbersSolve):
-    """`unsolved_statistics` of many surfaces of one spectrum.
+    """`statistics_of_pair` of many surfaces of one spectrum.
 
     Attributes
     ----------
@@ -106,7 +111,7 @@ class UnsolvedPairs(NumbersSolve):
         return {name: value for name, value in made.items() if name != "load"} | {
             "grid": list(self.grid),
             "count": self.count,
-            "version": 1,
+            "version": 2,
         }
 
     @property
@@ -138,12 +143,12 @@ class UnsolvedPairs(NumbersSolve):
 
         began = time.process_time()
         found = [
-            unsolved_statistics(self.realised.further(k).heights(self.grid))
+            statistics_of_pair(self.realised.further(k).heights(self.grid))
             for k in range(self.first, self.first + self.count)
         ]
         values = np.array([list(one.values()) for one in found])
         return xr.Dataset(
             {"value": (("surface", "statistic"), values)},
-            coords={"statistic": list(found[0])},
-            attrs={"seconds": time.process_time() - began},
+            # Not a coordinate: to read one of text, xarray loads dask.
+            attrs={"seconds": time.process_time() - began, "statistics": "; ".join(found[0])},
         )

@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import Field, StrictBool
 
+from fem_contact import contact
 from fem_contact.contact import ContactResult, Status
 from fem_contact.response import Response
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
+from validation.arrays import Grid
 from validation.effects.base import Effect, SlotName, Slots, effect_key
 from validation.errors import UsageError
 from validation.units import Grids, Number, Table
@@ -22,9 +24,8 @@ from validation.units import Grids, Number, Table
 if TYPE_CHECKING:
     from validation.scenes.realised import Realised
 
-__all__ = ["Claim", "Cost", "Gridded", "Method", "Settings", "Solved", "Solver", "example_field"]
+__all__ = ["Claim", "Cost", "Grid", "Gridded", "Method", "Settings", "Solved", "Solver", "example_field"]
 
-Grid = tuple[int, int]
 Shift = tuple[float, float]
 #: What a solver was told beyond surface, load and slots; only what was said, so that it is its own recipe.
 Settings = tuple[tuple[str, float | str], ...]
@@ -101,6 +102,17 @@ class Claim:
             cpu_seconds=contact.cost.cpu_seconds,
             peak_bytes=contact.cost.peak_bytes,
             converged=contact.status is Status.CONVERGED,
+        )
+
+    @property
+    def cost(self) -> contact.Cost:
+        """Return what it took, as results have it."""
+        return contact.Cost(
+            wall_seconds=self.wall_seconds,
+            cpu_seconds=self.cpu_seconds,
+            iterations=self.iterations,
+            unknowns=self.pressure.size,
+            peak_bytes=self.peak_bytes,
         )
 
 

@@ -17,7 +17,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from fem_contact.area import EDGE_CONSTANTS
@@ -26,6 +25,7 @@ from fem_contact.errors import NotConverged
 from fem_contact.response import Response
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
+from validation.arrays import Array
 from validation.effects.base import Effect, SlotName, Slots
 from validation.methods.base import Claim, Cost, Grid, Gridded, Settings, Solved, Solver, check_bodies
 from validation.methods.bem import FIXED_BYTES, FIXED_PAIRS
@@ -37,8 +37,6 @@ if TYPE_CHECKING:
     from validation.scenes.realised import Realised
 
 __all__ = ["Calculix", "CalculixOptions"]
-
-Array = NDArray[np.float64]
 
 #: Young's modulus in the deck: its criteria are absolute, and forces must be large beside them.
 _YOUNG = 1e12

@@ -7,14 +7,12 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from validation.arrays import Array
 from validation.effects.base import SlotName
 from validation.methods.foreign import Foreign
 
 __all__ = ["ContactMechanics", "solve"]
-
-Array = NDArray[np.float64]
 
 #: Its tolerance is the largest penetration, a length, and says nothing of the points that are pulled.
 _SAFETY = 0.1

@@ -21,10 +21,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
-from fem_contact import contact
 from fem_contact.area import EDGE_CONSTANTS
 from fem_contact.contact import ContactResult, Status, measure_residuals
 from fem_contact.errors import NotConverged
@@ -32,6 +30,7 @@ from fem_contact.response import BondedLayer, Response
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation import bounded
+from validation.arrays import Array
 from validation.effects.base import Effect, Slots
 from validation.methods.base import (
     Claim,
@@ -51,8 +50,6 @@ if TYPE_CHECKING:
     from validation.scenes.realised import Realised
 
 __all__ = ["Foreign", "ForeignOptions", "claimed_in_own_process", "judged"]
-
-Array = NDArray[np.float64]
 
 #: Pairs of real 256 x 256 transforms per pair on the grid: a guess, as nobody here knows the algorithm.
 _PAIRS = 1000.0
@@ -261,13 +258,8 @@ def judged(
     told = "pressure and displacement" if displacement is not None else "pressure alone"
     if displacement is None:
         displacement = felt_displacement(pressure, field, response=response)
-    at_bound = np.zeros(pressure.shape, dtype=bool)
-    if bound is not None:
-        at_bound = pressure >= bound * (1 - tolerance)
-    bearing = np.where(at_bound, 0.0, np.maximum(pressure, 0))
-    total = float(bearing.sum())
-    below = field.heights - displacement
-    offset = float((bearing * below).sum() / total) if total > 0 else float(below.max())
+    at_bound = np.zeros(pressure.shape, dtype=bool) if bound is None else pressure >= bound * (1 - tolerance)
+    offset = _offset(field.heights - displacement, np.where(at_bound, 0.0, np.maximum(pressure, 0)))
     gap = displacement - field.heights + offset
     residuals = measure_residuals(
         pressure=pressure,
@@ -279,15 +271,13 @@ def judged(
         target_pressure=mean_pressure,
         at_bound=at_bound,
     )
-    height, gradient = field.rms_height, field.rms_gradient
-    stiffness = modulus * gradient / height if height > 0 and gradient > 0 else modulus / max(field.lengths)
     good = np.isfinite(pressure).all() and residuals.within(tolerance)
     good = good and (bound is None or bool(pressure.max() <= bound * (1 + 10 * tolerance)))
     return ContactResult(
         pressure=pressure,
         gap=gap,
         displacement=displacement,
-        in_contact=(pressure > 0) & (pressure > stiffness * gap),
+        in_contact=(pressure > 0) & (pressure > _stiffness(field, modulus) * gap),
         at_bound=at_bound,
         heights=field.heights,
         lengths=field.lengths,
@@ -297,19 +287,25 @@ def judged(
         tolerance=tolerance,
         status=Status.CONVERGED if good else Status.NOT_CONFIRMED,
         residuals=residuals,
-        cost=contact.Cost(
-            wall_seconds=claim.wall_seconds,
-            cpu_seconds=claim.cpu_seconds,
-            iterations=claim.iterations,
-            unknowns=pressure.size,
-            peak_bytes=claim.peak_bytes,
-        ),
+        cost=claim.cost,
         provenance={
             "method": f"{method}, {told}; the rest recomputed",
             "element": element,
             "tolerance": repr(tolerance),
         },
     )
+
+
+def _offset(below: Array, bearing: Array) -> float:
+    """Offset [m] at which the gap vanishes in the mean over what bears; `below` is h - u."""
+    total = float(bearing.sum())
+    return float((bearing * below).sum() / total) if total > 0 else float(below.max())
+
+
+def _stiffness(field: HeightField, modulus: float) -> float:
+    """Pressure over gap [Pa/m] that tells contact: E* h'_rms / h_rms, of a flat surface E* / L."""
+    height, gradient = field.rms_height, field.rms_gradient
+    return modulus * gradient / height if height > 0 and gradient > 0 else modulus / max(field.lengths)
 
 
 def felt_displacement(pressure: Array, field: HeightField, *, response: Response) -> Array:

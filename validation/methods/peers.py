@@ -10,11 +10,10 @@ import warnings
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from validation.arrays import Array
 
 __all__ = ["contact_mechanics_by_default", "tamaas_by_gaps"]
-
-Array = NDArray[np.float64]
 
 
 def tamaas_by_gaps(

@@ -6,14 +6,12 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from validation.arrays import Array
 from validation.effects.base import SlotName
 from validation.methods.foreign import Foreign
 
 __all__ = ["Tamaas", "solve"]
-
-Array = NDArray[np.float64]
 
 #: What it adds up as its error is not what is asked for: it is asked for as much less.
 _SAFETY = 0.1

@@ -7,11 +7,11 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from persson import elastic
 from persson.errors import PerssonError
+from validation.arrays import Array
 from validation.effects.base import Effect, Told, effect_key
 from validation.errors import UsageError
 from validation.methods.base import Method
@@ -37,7 +37,6 @@ __all__ = [
     "with_effects",
 ]
 
-Array = NDArray[np.float64]
 Modulus = float | Callable[[Any], Array]
 
 

@@ -13,13 +13,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 __all__ = [
     "Application",
     "Claim",
     "ClaimRow",
     "Convention",
+    "Stated",
     "Unjudged",
     "claim",
     "digit",
@@ -202,27 +203,35 @@ def _row(
     )
 
 
-def digit(stated: float, last: float) -> tuple[float, float, str]:
-    """Range of numbers that round to the stated one."""
-    return stated - last / 2, stated + last / 2, "half of the last digit"
+class Stated(NamedTuple):
+    """A number that the paper states, the range that counts as the same, and on what grounds."""
+
+    value: float
+    low: float
+    high: float
+    basis: str
 
 
-def percent(stated: float, share: float = 5.0) -> tuple[float, float, str]:
-    """Range of numbers within so many per cent of the stated one."""
-    return stated * (1 - share / 100), stated * (1 + share / 100), f"{share:g} %"
+def digit(stated: float, last: float) -> Stated:
+    """Return a number with the range of those that round to it."""
+    return Stated(stated, stated - last / 2, stated + last / 2, "half of the last digit")
 
 
-def factor(stated: float, size: float, *, words: str) -> tuple[float, float, str]:
-    """Range of numbers within a factor of the stated one, for what the paper says in `words`."""
-    return stated / size, stated * size, f"a factor {size:g}, for '{words}'"
+def percent(stated: float, share: float = 5.0) -> Stated:
+    """Return a number with the range within so many per cent of it."""
+    return Stated(stated, stated * (1 - share / 100), stated * (1 + share / 100), f"{share:g} %")
+
+
+def factor(stated: float, size: float, *, words: str) -> Stated:
+    """Return a number with the range within a factor of it, for what the paper says in `words`."""
+    return Stated(stated, stated / size, stated * size, f"a factor {size:g}, for '{words}'")
 
 
 def claim(
     text: str,
     section: str,
-    stated: float,
+    stated: Stated,
     *,
-    within: tuple[float, float, str],
     fixed: Callable[[], float] | None = None,
     under: Callable[[Any], float] | None = None,
     choice: str = "",
@@ -233,16 +242,15 @@ def claim(
 
     `fixed` takes nothing, `under` the convention of its application.
     """
-    low, high, basis = within
     if (fixed is None) == (under is None):
         raise ValueError(f"{text}: must be computed with `fixed` or with `under`")
     return Claim(
         text=text,
         section=section,
-        stated=stated,
-        low=low,
-        high=high,
-        basis=basis,
+        stated=stated.value,
+        low=stated.low,
+        high=stated.high,
+        basis=stated.basis,
         value=under if under is not None else (lambda convention: fixed() if fixed else math.nan),
         fixed=under is None,
         choice=choice,

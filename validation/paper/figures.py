@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from persson import elastic
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
@@ -16,6 +15,7 @@ from persson.asperities import nayak_asperities, ring_asperities
 from persson.hardness import constant_hardness
 from persson.spectrum import Moments, Spectrum
 from persson.spheres import DoubleHertz, hertz_pressure_distribution
+from validation.arrays import Array
 from validation.paper import systems as s
 from validation.paper.pmma import rough_pmma
 from validation.paper.pyrex import smoothed_pyrex
@@ -23,7 +23,6 @@ from validation.paper.rim import EnergyName
 
 __all__ = ["FIGURES", "Curve", "Panel", "PaperFigure"]
 
-Array = NDArray[np.float64]
 Axis = Literal["linear", "log"]
 
 

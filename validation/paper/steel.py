@@ -9,7 +9,7 @@ from persson.hardness import constant_hardness
 from persson.percolation import SITE_THRESHOLD
 from persson.separation import macroasperity_magnification, macroasperity_pressure
 from validation.paper import systems as s
-from validation.paper.claims import Application, claim, percent
+from validation.paper.claims import Application, Stated, claim, percent
 
 __all__ = ["STEEL"]
 
@@ -40,16 +40,14 @@ STEEL = Application(
         claim(
             "roads: roll-off wavelength for q_0 = 1000 1/m [cm]",
             "2.1",
-            1.0,
-            within=percent(1.0, 10.0),
+            percent(1.0, 10.0),
             fixed=lambda: 2 * math.pi / 1000 * 100,
             failure="2 pi / q_0 is 6.3 mm",
         ),
         claim(
             "macroasperity magnification at 10 MPa, expected in 1 ... 5",
             "3.6",
-            3.0,
-            within=(1.0, 5.0, "the range the paper names"),
+            Stated(3.0, 1.0, 5.0, "the range the paper names"),
             fixed=_magnification,
             choice=_ROLL_OFF,
             failure="ln A bends most already below the roll-off",
@@ -57,16 +55,14 @@ STEEL = Application(
         claim(
             "A/A0 of the macroasperities, 'below the percolation threshold'",
             "3.6",
-            SITE_THRESHOLD,
-            within=(0.0, SITE_THRESHOLD, "below it"),
+            Stated(SITE_THRESHOLD, 0.0, SITE_THRESHOLD, "below it"),
             fixed=lambda: s.STEEL_PRESSURE / _pressure(s.STEEL_PRESSURE),
             choice=_ROLL_OFF,
         ),
         claim(
             "pressure in the macroasperities at 10 MPa over that at 1 MPa, 'independent of the load'",
             "3.7",
-            1.0,
-            within=percent(1.0, 2.0),
+            percent(1.0, 2.0),
             fixed=lambda: _pressure(10e6) / _pressure(1e6),
             choice=_ROLL_OFF,
             note=lambda: (
@@ -77,8 +73,7 @@ STEEL = Application(
         claim(
             "A_pl sigma_Y / (sigma_0 A_0) at the highest magnification",
             "6",
-            1.0,
-            within=percent(1.0, 1.0),
+            percent(1.0, 1.0),
             fixed=_plastic_limit,
             choice="q_0 and q_1 of the steel, sigma_Y = 2 GPa",
         ),

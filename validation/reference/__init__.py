@@ -3,53 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from importlib import resources
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
-
-from persson import elastic
 from validation.errors import UsageError
+from validation.reference.interpolation import ReferenceValue, interpolated
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["ReferenceValue", "lookup", "table"]
 
-Array = NDArray[np.float64]
-
-_AXES = {"hurst": "H", "bandwidth": "lambda_long/lambda_short", "reduced_pressure": "p*"}
-
-
-@dataclass(frozen=True, kw_only=True)
-class ReferenceValue:
-    """A number of the table, or between its nodes.
-
-    Attributes
-    ----------
-    quantity, meaning : str
-    value : float
-    uncertainty : float
-        Half of the 95 % interval: surfaces, grid, solver, and interpolation.
-    interpolation : float
-        Its part that interpolation has; 0 at a node.
-    """
-
-    quantity: str
-    meaning: str
-    value: float
-    uncertainty: float
-    interpolation: float
+_AMPLITUDES, _GRADIENTS = ("exact", "gaussian"), ("surface", "spectrum")
 
 
 def table() -> xr.Dataset:
     """Return the table as `fem-contact study reference` made it; its attributes and `pairs` say how.
 
-    Over (hurst, bandwidth, reduced_pressure): each quantity, its `_half_width` (surfaces), `_grid`, `_size`
-    (of the sample), and `_error`, the root of their squares and the solver's; NaN in cells not made.
+    Over (amplitudes, hurst, bandwidth, reduced_pressure): each quantity, its `_half_width` (surfaces),
+    `_grid`, `_size` (of the sample; exact amplitudes alone), and `_error`, the root of their squares and
+    the solver's; NaN in cells not made. `area_by_spectrum` is the area at p* by the gradient of C(q).
     """
     from validation.solves.netcdf import read_dataset
 
@@ -57,7 +30,14 @@ def table() -> xr.Dataset:
     return read_dataset(memoryview(content))
 
 
-def lookup(*, hurst: float, bandwidth: float, reduced_pressure: float) -> Mapping[str, ReferenceValue]:
+def lookup(
+    *,
+    hurst: float,
+    bandwidth: float,
+    reduced_pressure: float,
+    amplitudes: str = "exact",
+    gradient: str = "surface",
+) -> Mapping[str, ReferenceValue]:
     r"""Look contact area and its companions up, between the nodes of the table by interpolation.
 
     Monotone cubic in H, ln(lambda_long/lambda_short) and ln p*: the area over erf(sqrt(2) p*), the others by
@@ -71,11 +51,15 @@ def lookup(*, hurst: float, bandwidth: float, reduced_pressure: float) -> Mappin
         lambda_long / lambda_short.
     reduced_pressure : float
         p* = p0 / (E* h'_rms).
+    amplitudes : {"exact", "gaussian"}
+        Of the waves: sqrt(C(q)), or of that variance.
+    gradient : {"surface", "spectrum"}
+        Whose h'_rms p* has: that of each surface, or that of C(q).
 
     Returns
     -------
     mapping of str to ReferenceValue
-        By quantity: area, gap, compliance, energy, slope, patches.
+        By quantity: area, gap, compliance, energy, slope, patches; the area alone by the gradient of C(q).
 
     Raises
     ------
@@ -88,78 +72,23 @@ def lookup(*, hurst: float, bandwidth: float, reduced_pressure: float) -> Mappin
     >>> 0.105 < found.value < 0.115, found.uncertainty < 0.002
     (True, True)
     """
-    data = table()
+    for name, choice, known in (("amplitudes", amplitudes, _AMPLITUDES), ("gradient", gradient, _GRADIENTS)):
+        if choice not in known:
+            raise UsageError(f"{name} = {choice!r}: must be one of {', '.join(known)}")
+    data = _columns(table(), amplitudes, gradient)
+    names = [str(name) for name in data.data_vars if f"{name}_error" in data.data_vars]
     asked = {"hurst": hurst, "bandwidth": bandwidth, "reduced_pressure": reduced_pressure}
-    for name, value in asked.items():
-        low, high = float(data[name][0]), float(data[name][-1])
-        if not (isinstance(value, (int, float)) and low * (1 - 1e-12) <= value <= high * (1 + 1e-12)):
-            raise UsageError(
-                f"{name} = {value!r}: the table of {_AXES[name]} goes from {low:g} to {high:g}, "
-                "and is not extrapolated"
-            )
-    data = _whole_part(data, hurst=hurst, bandwidth=bandwidth)
-    names = [name for name in data.data_vars if f"{name}_error" in data.data_vars]
-    return {str(name): _looked_up(data, str(name), asked) for name in names}
+    try:
+        return {name: interpolated(data, name, asked) for name in names}
+    except UsageError as error:
+        raise UsageError(f"{error} (amplitudes = {amplitudes})") from None
 
 
-def _whole_part(data: xr.Dataset, *, hurst: float, bandwidth: float) -> xr.Dataset:
-    """Return the largest part of the table around a spectrum that lacks no cell: what is interpolated."""
-    there = np.isfinite(data.area.transpose(*_AXES).values).all(axis=2)
-    rows, columns = _around(data.hurst.values, hurst), _around(data.bandwidth.values, bandwidth)
-    needed = there[np.ix_(rows, columns)]
-    if not needed.all():
-        i, j = np.argwhere(~needed)[0]
-        raise UsageError(
-            f"hurst = {hurst:g}, bandwidth = {bandwidth:g}: the table has no cell at H = "
-            f"{float(data.hurst[rows[i]]):g}, lambda_long/lambda_short = "
-            f"{float(data.bandwidth[columns[j]]):g}, and is not extrapolated"
-        )
-    kept = there[rows].all(axis=0)
-    return data.isel(bandwidth=kept).isel(hurst=there[:, kept].all(axis=1))
-
-
-def _around(nodes: Array, at: float) -> list[int]:
-    """Return the node that a value is at, or the two that it is between."""
-    close = np.flatnonzero(np.abs(nodes - at) <= 1e-12 * np.abs(nodes))
-    if close.size:
-        return [int(close[0])]
-    above = int(np.searchsorted(nodes, at))
-    return [above - 1, above]
-
-
-def _looked_up(data: xr.Dataset, name: str, asked: Mapping[str, float]) -> ReferenceValue:
-    values = data[name].transpose(*_AXES).values
-    if name == "area":
-        smooth, straight = _both(data, values / _theory(data.reduced_pressure.values), asked)
-        value, other = (factor * float(_theory(asked["reduced_pressure"])) for factor in (smooth, straight))
-    else:
-        value, other = (float(np.exp(logarithm)) for logarithm in _both(data, np.log(values), asked))
-    relative = data[f"{name}_error"].transpose(*_AXES).values / values
-    interpolation = abs(value - other)
-    return ReferenceValue(
-        quantity=name,
-        meaning=str(data[name].attrs["long_name"]),
-        value=value,
-        uncertainty=float(np.hypot(value * _both(data, relative, asked)[1], interpolation)),
-        interpolation=interpolation,
-    )
-
-
-def _theory(reduced_pressure: float | Array) -> Array:
-    """A/A0 of Persson's theory at p*: smooth, and near enough that the rest is."""
-    return np.asarray(elastic.contact_area(reduced_pressure, stress_variance=0.25))
-
-
-def _both(data: xr.Dataset, values: Array, asked: Mapping[str, float]) -> tuple[float, float]:
-    """Interpolate by monotone cubics and by straight lines, along one axis after the other."""
-    smooth = straight = values
-    for name, at in asked.items():
-        nodes = data[name].values.astype(float)
-        if name != "hurst":
-            nodes, at = np.log(nodes), float(np.log(at))
-        at = float(np.clip(at, nodes[0], nodes[-1]))
-        smooth = PchipInterpolator(nodes, smooth, axis=0)(at) if nodes.size > 1 else smooth[0]
-        k = int(np.clip(np.searchsorted(nodes, at), 1, max(nodes.size - 1, 1)))
-        share = (at - nodes[k - 1]) / (nodes[k] - nodes[k - 1]) if nodes.size > 1 else 0.0
-        straight = (1 - share) * straight[k - 1] + (share * straight[k] if share else 0.0)
-    return float(smooth), float(straight)
+def _columns(data: xr.Dataset, amplitudes: str, gradient: str) -> xr.Dataset:
+    """Return the quantities at p* by one of the gradients; by that of C(q) the area alone."""
+    if amplitudes not in data.amplitudes.values:
+        raise UsageError(f"amplitudes = {amplitudes!r}: the table has {', '.join(data.amplitudes.values)}")
+    data, names = data.sel(amplitudes=amplitudes), ("area_by_spectrum", "area_by_spectrum_error")
+    if gradient == "surface":
+        return data.drop_vars(names)
+    return data[[*names]].rename({name: name.replace("_by_spectrum", "") for name in names})

@@ -59,7 +59,7 @@ def fitted_area(
 
 
 def fitted(table: xr.Dataset) -> tuple[tuple[float, ...], xr.DataArray]:
-    """Fit the closed form to a table: the constants, and its relative distance from each cell."""
+    """Fit the closed form to a table of one kind of amplitudes: constants, relative distances."""
     import xarray as xr
 
     alpha = xr.DataArray(

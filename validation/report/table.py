@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,6 +30,17 @@ class ResultTable:
     def of(cls, columns: Sequence[str], rows: Sequence[Sequence[float | str]]) -> ResultTable:
         """Build a table from sequences."""
         return cls(columns=tuple(columns), rows=tuple(tuple(row) for row in rows))
+
+    @classmethod
+    def of_rows(cls, rows: Iterable[Mapping[str, float | str]]) -> ResultTable:
+        """Build a table from rows by title: the first has every column, what others leave out is NaN.
+
+        >>> ResultTable.of_rows([{"grid": "64 x 64", "A/A0": 0.1}, {"grid": "limit"}]).rows
+        (('64 x 64', 0.1), ('limit', nan))
+        """
+        rows = list(rows)
+        titles = tuple(rows[0]) if rows else ()
+        return cls.of(titles, [[row.get(title, math.nan) for title in titles] for row in rows])
 
 
 @dataclass(frozen=True, kw_only=True)

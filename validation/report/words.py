@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
@@ -36,13 +36,21 @@ _SYMBOLS = (
 )
 
 
-def json_ready(values: dict[str, Any]) -> dict[str, Any]:
-    """Return values with None for NaN, which JSON does not know.
+@overload
+def json_ready(value: dict[str, Any]) -> dict[str, Any]: ...
+@overload
+def json_ready(value: Any) -> Any: ...
+def json_ready(value: Any) -> Any:
+    """Return data, nested or not, with None for NaN and infinity, which JSON does not know.
 
-    >>> json_ready({"area": float("nan"), "grid": (2, 3)})
-    {'area': None, 'grid': (2, 3)}
+    >>> json_ready({"area": float("nan"), "grid": (2, 3), "errors": [0.1, float("inf")]})
+    {'area': None, 'grid': (2, 3), 'errors': [0.1, None]}
     """
-    return {k: None if isinstance(v, float) and not np.isfinite(v) else v for k, v in values.items()}
+    if isinstance(value, dict):
+        return {key: json_ready(inner) for key, inner in value.items()}
+    if isinstance(value, list | tuple):
+        return type(value)(map(json_ready, value))
+    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 #: The same symbols, as figures set them.

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, RandomWaves, resolves
+from validation.arrays import Grid
 from validation.errors import UsageError
 from validation.scenes import surfaces
 from validation.scenes.scene import Scene
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
     from validation.scenes.topography import Measured, Topography
 
 __all__ = ["Realised", "Surveyed", "realise"]
-
-Grid = tuple[int, int]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ import math
 import os
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import reduce
 from importlib import resources
 from operator import or_
@@ -19,6 +19,7 @@ from pydantic import (
     Field,
     StrictInt,
     ValidationError,
+    ValidationInfo,
     create_model,
     model_validator,
 )
@@ -70,6 +71,9 @@ __all__ = [
 #: What a scene may be called, since a folder of results is named so.
 _NAME = r"^[A-Za-z0-9][A-Za-z0-9._-]{0,99}$"
 
+
+#: Tables whose grids `run --accuracy` chooses, and the context in which they are then read.
+_CHOSEN, _GRIDS_CHOSEN = ("methods.bem", "ensemble"), {"grids": "chosen"}
 
 #: Surfaces of one scene: the scatter between ten thousand is known to a percent of itself.
 _MOST_REALISATIONS = 10_000
@@ -215,15 +219,15 @@ class Scene(_Table):
         return self
 
     @model_validator(mode="after")
-    def _grids_resolve(self) -> Self:
-        surface = self.surface
+    def _grids_resolve(self, info: ValidationInfo) -> Self:
+        surface, chosen = self.surface, _CHOSEN if info.context == _GRIDS_CHOSEN else ()
         if isinstance(surface, FileSurface):
             if self.ensemble is not None:
                 raise _wrong("ensemble: a measured surface has one realisation; remove the table")
             return self
         tables = {f"methods.{name}": self.methods.options(name) for name in self.methods.solvers}
         for name, table in (*tables.items(), ("ensemble", self.ensemble)):
-            if table is None or getattr(table, "under_resolved", False):
+            if table is None or name in chosen or getattr(table, "under_resolved", False):
                 continue
             for grid in table.grids:
                 check_resolution(f"{name}.grids", grid, surface)
@@ -238,11 +242,6 @@ class Scene(_Table):
     def ensemble_solver(self) -> Solver | None:
         """The listed method that further realisations are solved by: the first that is quick enough."""
         return next((method for method in self.methods.solvers.values() if method.for_ensembles), None)
-
-    @property
-    def is_random(self) -> bool:
-        """Whether the surface is a realisation of a spectrum C(q), rather than read from a file."""
-        return isinstance(self.surface, RandomSurface)
 
 
 #: Points along a side beyond which a resolving grid is taken for a mistake in a length.
@@ -328,8 +327,20 @@ def load_scene(scene: str) -> Scene:
     return checked_scene(sized(data, folder, scene), folder, scene)
 
 
-def checked_scene(data: Mapping[str, Any], folder: Path, scene: str) -> Scene:
+def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_chosen: bool = False) -> Scene:
     """Return the scene that parsed tables say, with the path of a measured surface made absolute.
+
+    Parameters
+    ----------
+    data : mapping
+    folder : Path
+        That relative paths refer to.
+    scene : str
+        How messages name it.
+    grids_chosen : bool
+        Whether the grids of boundary elements and ensemble, and its number of surfaces, will be chosen:
+        they may
+        then be missing, or too coarse.
 
     Raises
     ------
@@ -337,7 +348,9 @@ def checked_scene(data: Mapping[str, Any], folder: Path, scene: str) -> Scene:
         With one line for each problem.
     """
     try:
-        checked = Scene.model_validate(_named(data, scene))
+        context = _GRIDS_CHOSEN if grids_chosen else None
+        named = _named(_filled(data) if grids_chosen else data, scene)
+        checked = Scene.model_validate(named, context=context)
     except ValidationError as error:
         raise SceneError(scene, scene_problems(error)) from None
     if isinstance(checked.surface, FileSurface) and not checked.surface.path.is_absolute():
@@ -346,6 +359,17 @@ def checked_scene(data: Mapping[str, Any], folder: Path, scene: str) -> Scene:
         surface = checked.surface.model_copy(update={"path": path})
         checked = checked.model_copy(update={"surface": surface})
     return checked
+
+
+def _filled(data: Mapping[str, Any]) -> dict[str, Any]:
+    """Fill in what will be chosen, where tables leave it out."""
+    filled, usual = dict(data), {"grids": [8, 16]}
+    if isinstance(filled.get("ensemble"), dict):
+        filled["ensemble"] = {"realisations": 2, **usual, **filled["ensemble"]}
+    methods = filled.get("methods")
+    if isinstance(methods, dict) and isinstance(methods.get("bem"), dict):
+        filled["methods"] = {**methods, "bem": {**usual, **methods["bem"]}}
+    return filled
 
 
 def _named(data: Mapping[str, Any], scene: str) -> Mapping[str, Any]:
@@ -382,7 +406,18 @@ def scene_problems(error: ValidationError) -> list[str]:
     """List one line for each mistake; an array with a wrong item is not also called too short."""
     items = error.errors()
     within = {item["loc"][:depth] for item in items for depth in range(len(item["loc"]))}
-    return [_problem(item) for item in items if item["loc"] not in within]
+    return [_problem(item) for item in _told_once(item for item in items if item["loc"] not in within)]
+
+
+def _told_once(items: Iterable[Any]) -> Iterator[Any]:
+    """Yield mistakes; one of a value that stands for several items of an array is told of the array."""
+    alike: dict[tuple[Any, ...], list[Any]] = {}
+    for item in items:
+        *array, last = item["loc"] or ("",)
+        place = (*array, last if isinstance(last, str) else None)
+        alike.setdefault((place, item["msg"], _short(item["input"])), []).append(item)
+    for first, *others in alike.values():
+        yield {**first, "loc": first["loc"][:-1]} if others else first
 
 
 #: What stands in pydantic's locations without being a key: values of `kind`, one load or several.

@@ -143,7 +143,7 @@ def value_words(value: Value, unit: str = "1") -> str:
     return text if unit == "1" else f"{text} {unit}"
 
 
-def load_asked(scene: str, settings: Sequence[str] = ()) -> Scene | Sweep:
+def load_asked(scene: str, settings: Sequence[str] = (), *, grids_chosen: bool = False) -> Scene | Sweep:
     """Read a scene with some keys set otherwise, and expand its table [sweep] if it has one.
 
     Parameters
@@ -152,6 +152,8 @@ def load_asked(scene: str, settings: Sequence[str] = ()) -> Scene | Sweep:
         Built-in by name, or a TOML file by path.
     settings : sequence of str
         Each ``key=value``, the value as in the file; quotes round a quantity may be left out.
+    grids_chosen : bool
+        As in `checked_scene`.
 
     Raises
     ------
@@ -165,7 +167,7 @@ def load_asked(scene: str, settings: Sequence[str] = ()) -> Scene | Sweep:
     for setting in settings:
         _set_from_outside(data, setting)
     if "sweep" not in data:
-        return checked_scene(sized(data, folder, scene), folder, scene)
+        return checked_scene(sized(data, folder, scene), folder, scene, grids_chosen=grids_chosen)
     try:
         mode, lists = _table(data.pop("sweep"), data)
     except UsageError as error:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import AfterValidator, Discriminator, Field, StrictInt, Tag, model_validator
 
@@ -78,6 +79,8 @@ class RandomSurface(Table):
 
 class SelfAffineSurface(RandomSurface):
     """A random periodic surface with C(q) ~ q^(-2(1+H)) between lambda_long and lambda_short."""
+
+    meant: ClassVar[Mapping[str, str]] = {"lay": "stretch", "anisotropy": "stretch"}
 
     kind: Literal["self-affine"]
     hurst: Number = Field(ge=0, le=1, description="Hurst exponent H, in [0, 1]")

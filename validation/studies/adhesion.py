@@ -15,7 +15,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from fem_contact.adhesion import CELLS_NEEDED
@@ -25,7 +24,7 @@ from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
 from validation.effects.hardness import Hardness
 from validation.measures.adhesive import adhesive_theory
-from validation.measures.common import truncated_surface
+from validation.measures.common import named, truncated_surface
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.solves.bench import Bench
@@ -42,7 +41,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Options", "figures", "findings", "run"]
 
-Array = NDArray[np.float64]
 _Positives = Annotated[tuple[Positive, ...], Field(min_length=1)]
 
 #: Tire rubber (Persson 2006, Sec. 8.3).
@@ -113,8 +111,10 @@ class Options(StudyOptions):
     def surface(self, magnification: float | None = None, *, number: int = 0) -> SelfAffineSurface:
         """Return a surface with its waves up to a magnification; all of them if not given."""
         until = self.bandwidth if magnification is None else magnification
-        shape = {"hurst": self.hurst, "periods": self.periods, "bandwidth": self.bandwidth}
-        return truncated_surface(self.seed + number, until, length=_LENGTH, gradient=_GRADIENT, **shape)
+        whole = {"length": _LENGTH, "gradient": _GRADIENT, "bandwidth": self.bandwidth}
+        return truncated_surface(
+            until, seed=self.seed + number, hurst=self.hurst, periods=self.periods, **whole
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -260,13 +260,13 @@ def _dataset(
         for name, words in _WORDS.items():
             if dial == "hardness" or not name.startswith("yielded"):
                 values = np.array([row.get(name, math.nan) for row in rows])
-                columns[_name(name, dial)] = (dial, values, {"units": "1", "long_name": words})
+                columns[_name(name, dial)] = named(dial, values, words, unit="1")
     reaches = np.array(
         [np.mean([c.reach / c.realised.field.rms_height for c in several]) for _, several in dials["work"]]
     )
-    columns["reach"] = ("work", reaches, {"units": "1", "long_name": "range of the attraction over h_rms"})
+    columns["reach"] = named("work", reaches, "range of the attraction over h_rms", unit="1")
     coords = {
-        dial: (dial, np.array([value for value, _ in turns]), {"units": "1", "long_name": _DIALS[dial]})
+        dial: named(dial, np.array([value for value, _ in turns]), _DIALS[dial], unit="1")
         for dial, turns in dials.items()
     }
     said = {"work": options.work, "reduced_pressure": options.reduced_pressure, "grids": list(options.grids)}

@@ -12,14 +12,24 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from fem_contact.response import HalfSpace
 from fem_contact.surface import HeightField
 from persson.archard import archard_hierarchy
-from validation.measures.common import BASE_SOLID, Rising, RisingGrids, over_surfaces, results_of
+from validation.arrays import Array
+from validation.measures.common import (
+    BASE_SOLID,
+    Rising,
+    RisingGrids,
+    draw_means,
+    each,
+    means_of,
+    named,
+    over_surfaces,
+    results_of,
+)
 from validation.measures.flow import located_area
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
@@ -34,8 +44,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["Hierarchy", "Options", "figures", "findings", "run", "table"]
-
-Array = NDArray[np.float64]
 
 #: Amplitude of the largest wave over the period: it scales out.
 _SLOPE = 0.01
@@ -198,19 +206,15 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     slope = np.log(area) @ x / (x @ x)
     return xr.Dataset(
         {
-            "area": (("level", "surface", "grid", "load"), area, {"long_name": "A/A0, located"}),
-            "exponent": (("level", "surface", "grid"), slope, {"long_name": "d ln A / d ln p0"}),
-            "theory": (("level", "load"), [one[0] for one in theory], {"long_name": "A/A0, Archard"}),
-            "theory_exponent": (
-                "level",
-                [one[1] for one in theory],
-                {"long_name": "power of the load, Archard"},
-            ),
+            "area": named(("level", "surface", "grid", "load"), area, "A/A0, located"),
+            "exponent": named(("level", "surface", "grid"), slope, "d ln A / d ln p0"),
+            "theory": named(("level", "load"), [one[0] for one in theory], "A/A0, Archard"),
+            "theory_exponent": named("level", [one[1] for one in theory], "power of the load, Archard"),
         },
         coords={
             "levels": ("level", np.arange(1, levels + 1)),
             "points": ("grid", list(options.grids)),
-            "reduced_pressure": ("load", loads, {"long_name": "p0 L / (E* H_0)"}),
+            "reduced_pressure": named("load", loads, "p0 L / (E* H_0)"),
         },
         attrs={"study": "archard", "methods": "theory bem", "shortest": options.waves[-1]},
     )
@@ -237,20 +241,19 @@ def _cases(options: Options) -> dict[tuple[int, int, int], Hierarchy]:
 def table(dataset: xr.Dataset) -> ResultTable:
     """Return one row for each number of levels and load, on the finest grid."""
     rows = []
-    for n, j in itertools.product(range(dataset.sizes["level"]), range(dataset.sizes["load"])):
-        area = over_surfaces(dataset.area[n, :, -1, j])
-        theory = float(dataset.theory[n, j])
+    for here in each(dataset.isel(grid=-1), "level", "load"):
+        area, theory = over_surfaces(here.area), float(here.theory)
         rows.append(
-            (
-                int(dataset.levels[n]),
-                float(dataset.reduced_pressure[j]),
-                area.value,
-                area.half_width,
-                theory,
-                area.value / theory,
-            )
+            {
+                "levels": int(here.levels),
+                "p0 L / (E* H_0)": float(here.reduced_pressure),
+                "A/A0": area.value,
+                "+- (95 %)": area.half_width,
+                "A/A0 Archard": theory,
+                "ratio": area.value / theory,
+            }
         )
-    return ResultTable.of(("levels", "p0 L / (E* H_0)", "A/A0", "+- (95 %)", "A/A0 Archard", "ratio"), rows)
+    return ResultTable.of_rows(rows)
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -306,10 +309,7 @@ def _figure(dataset: xr.Dataset) -> Figure:
     steps = np.diff(np.log(loads))
     for n, level in enumerate(dataset.levels.values):
         label = f"{level} level{'s' if level > 1 else ''}"
-        areas = [over_surfaces(dataset.area[n, :, -1, j]) for j in range(loads.size)]
-        left.errorbar(
-            loads, [a.value for a in areas], yerr=[a.half_width for a in areas], ls="", label=label, **look(n)
-        )
+        draw_means(left, loads, means_of(dataset.area[n, :, -1]), ls="", label=label, **look(n))
         left.plot(loads, dataset.theory[n], color=COLOURS[n], lw=0.9)
         for g, fill in ((0, "white"), (-1, COLOURS[n])):
             local = np.diff(np.log(dataset.area[n, :, g].values), axis=-1).mean(axis=0) / steps

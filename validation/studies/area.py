@@ -15,10 +15,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from fem_contact.area import ContactAreas, contact_areas
+from validation.arrays import Array
 from validation.effects.base import SlotName
 from validation.errors import UsageError
 from validation.measures.common import LEAST_POINTS_PER_WAVE
@@ -41,8 +41,6 @@ if TYPE_CHECKING:
     from validation.report.drawing import Drawing
 
 __all__ = ["Options", "figures", "findings", "run", "solve_of"]
-
-Array = NDArray[np.float64]
 
 
 class Options(PressedOptions):

@@ -6,14 +6,24 @@ in other units (Barber 2003). A light contact of few long waves stands on few sp
 
 from __future__ import annotations
 
-import itertools
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
-from validation.measures.common import SHIFTS, Rising, base_case, base_surface, over_surfaces, results_of
+from validation.arrays import Array
+from validation.measures.common import (
+    SHIFTS,
+    Rising,
+    base_case,
+    base_surface,
+    draw_means,
+    each,
+    means_of,
+    named,
+    over_surfaces,
+    results_of,
+)
 from validation.measures.flow import StiffMeasurement
 from validation.measures.measurement import grid_for
 from validation.measures.theory import VARIANTS, WITH_ENERGY, Waves
@@ -30,8 +40,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["Options", "figures", "findings", "run", "table"]
-
-Array = NDArray[np.float64]
 
 #: Loads between which the theory's gap is differentiated, relative.
 _STEP = 0.01
@@ -100,20 +108,20 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     }
     values = {"stiffness": stiffness, "grid_error": grid_error, "gap": gap, "area": pixel}
     return xr.Dataset(
-        {name: (dims, values[name], {"units": "1", "long_name": words[name]}) for name in words}
+        {name: named(dims, values[name], words[name], unit="1") for name in words}
         | {
-            "exponent": (("sample", "surface", "step"), exponent, {"long_name": "d ln K / d ln p0"}),
-            "theory": (
+            "exponent": named(("sample", "surface", "step"), exponent, "d ln K / d ln p0"),
+            "theory": named(
                 ("sample", "variant", "load"),
                 np.array(
                     [_theory([cases[i, k].realised for k in range(shape[1])], loads) for i in range(shape[0])]
                 ),
-                {"long_name": "K h_rms / p0, theory told the realised surfaces"},
+                "K h_rms / p0, theory told the realised surfaces",
             ),
         },
         coords={
-            "periods": ("sample", list(options.periods), {"long_name": "L / lambda_long"}),
-            "reduced_pressure": ("load", loads, {"long_name": "p0 / (E* h'_rms)"}),
+            "periods": named("sample", list(options.periods), "L / lambda_long"),
+            "reduced_pressure": named("load", loads, "p0 / (E* h'_rms)"),
             "step_pressure": ("step", np.sqrt(loads[1:] * loads[:-1])),
             "variant": list(WITH_ENERGY),
         },
@@ -157,26 +165,25 @@ def _theory(cases: list[Realised], loads: Array) -> Array:
 def table(dataset: xr.Dataset) -> ResultTable:
     """Return one row for each size and load."""
     rows = []
-    for i, j in itertools.product(range(dataset.sizes["sample"]), range(dataset.sizes["load"])):
-        mean = over_surfaces(dataset.stiffness[i, :, j])
+    for here in each(dataset, "sample", "load"):
+        mean = over_surfaces(here.stiffness)
         rows.append(
-            (
-                float(dataset.periods[i]),
-                float(dataset.reduced_pressure[j]),
-                float(dataset.area[i, :, j].mean()),
-                mean.value,
-                mean.half_width,
-                _grid_share(dataset, i, j),
-                *(float(value) for value in dataset.theory[i, :, j]),
-            )
+            {
+                "L/lambda_long": float(here.periods),
+                "p*": float(here.reduced_pressure),
+                "A/A0": float(here.area.mean()),
+                "K h_rms/p0": mean.value,
+                "+- surfaces (95 %)": mean.half_width,
+                "+- grid": _grid_share(here),
+                **{VARIANTS[name]: float(here.theory[v]) for v, name in enumerate(WITH_ENERGY)},
+            }
         )
-    columns = ("L/lambda_long", "p*", "A/A0", "K h_rms/p0", "+- surfaces (95 %)", "+- grid")
-    return ResultTable.of((*columns, *(VARIANTS[name] for name in WITH_ENERGY)), rows)
+    return ResultTable.of_rows(rows)
 
 
-def _grid_share(dataset: xr.Dataset, sample: int, load: int) -> float:
+def _grid_share(here: xr.Dataset) -> float:
     """Root mean square over the surfaces of the change from the grid before: grids are off in common."""
-    return float(np.sqrt(np.mean(dataset.grid_error.values[sample, :, load] ** 2)))
+    return float(np.sqrt(np.mean(here.grid_error.values**2)))
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -193,14 +200,15 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
             f"{power} (95 %, {power.samples} surfaces); proportional would be 1."
         )
     for j in sorted({0, dataset.sizes["load"] // 2, dataset.sizes["load"] - 1}):
-        mean, grid = over_surfaces(dataset.stiffness[last, :, j]), _grid_share(dataset, last, j)
-        sure = float(np.hypot(mean.half_width, grid))
+        here = dataset.isel(sample=last, load=j)
+        mean = over_surfaces(here.stiffness)
+        sure = float(np.hypot(mean.half_width, _grid_share(here)))
         ratios = ", ".join(
-            f"{VARIANTS[name]} {float(dataset.theory[last, v, j]) / mean.value:.3g} times that"
+            f"{VARIANTS[name]} {float(here.theory[v]) / mean.value:.3g} times that"
             for v, name in enumerate(WITH_ENERGY)
         )
         sentences.append(
-            f"p* = {float(dataset.reduced_pressure[j]):g}: K h_rms/p0 = {mean.value:.4g} +- {sure:.2g} "
+            f"p* = {float(here.reduced_pressure):g}: K h_rms/p0 = {mean.value:.4g} +- {sure:.2g} "
             f"(95 % over surfaces, and the grid); {ratios}."
         )
     return tuple(sentences)
@@ -226,19 +234,9 @@ def _figure(dataset: xr.Dataset) -> Figure:
     figure, (left, right) = new_figure(width=9.0, columns=2)
     loads = dataset.reduced_pressure.values
     for i, periods in enumerate(dataset.periods.values):
-        means = [over_surfaces(dataset.stiffness[i, :, j]) for j in range(loads.size)]
         label = rf"$L/\lambda_\mathrm{{long}}$ = {periods:g}"
-        left.errorbar(
-            loads, [m.value for m in means], yerr=[m.half_width for m in means], label=label, ls="", **look(i)
-        )
-        power = [over_surfaces(dataset.exponent[i, :, j]) for j in range(dataset.sizes["step"])]
-        right.errorbar(
-            dataset.step_pressure.values,
-            [m.value for m in power],
-            yerr=[m.half_width for m in power],
-            label=label,
-            **look(i),
-        )
+        draw_means(left, loads, means_of(dataset.stiffness[i]), label=label, ls="", **look(i))
+        draw_means(right, dataset.step_pressure, means_of(dataset.exponent[i]), label=label, **look(i))
     for v, name in enumerate(WITH_ENERGY):
         left.plot(loads, dataset.theory[-1, v], color="black", lw=1, ls=STYLES[v % 4], label=VARIANTS[name])
     right.axhline(1.0, color="black", lw=0.8)

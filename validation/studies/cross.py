@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 
 from validation.effects.base import SlotName
 from validation.measures.block import BlockMeasurement
-from validation.measures.common import BASE_SOLID, Rising, RisingOrNone, results_of
+from validation.measures.common import BASE_SOLID, Rising, RisingOrNone, each, results_of
 from validation.measures.measurement import grid_for
 from validation.measures.side_by_side import ByMethod
 from validation.measures.statistics import order_of_convergence
@@ -199,25 +199,14 @@ def _legs(dataset: xr.Dataset) -> list[str]:
 
 def table(dataset: xr.Dataset) -> ResultTable:
     """Return one row for each leg and grid, means over surfaces."""
-    names = (
-        "pressure_half_space",
-        "pressure_inside",
-        "area",
-        "area_corrected",
-        "gap",
-        "residual",
-        "seconds",
-        "seconds_bem",
+    return ResultTable.of_rows(
+        {
+            "leg": str(case.leg.item()),
+            "lambda_short/dx": float(case.points_per_wave),
+            **{words: float(case[name].mean()) for name, words in _NAMES.items() if name != "converged"},
+        }
+        for case in each(dataset, "case")
     )
-    rows: list[tuple[float | str, ...]] = [
-        (
-            str(dataset.leg.values[i]),
-            float(dataset.points_per_wave[i]),
-            *(float(dataset[name][i].mean()) for name in names),
-        )
-        for i in range(dataset.sizes["case"])
-    ]
-    return ResultTable.of(("leg", "lambda_short/dx", *(_NAMES[name] for name in names)), rows)
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import Field
 
 from validation.measures.block import BlockMeasurement
-from validation.measures.common import BASE_SOLID, Rising, base_case, base_surface, results_of
+from validation.measures.common import BASE_SOLID, Rising, base_case, base_surface, each, results_of
 from validation.measures.measurement import grid_for
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
@@ -131,30 +131,19 @@ def _dataset(found: Mapping[_Block, xr.Dataset], options: Options) -> xr.Dataset
 
 def table(dataset: xr.Dataset) -> ResultTable:
     """Return one row for each case."""
-    rows = [
-        (
-            str(dataset.varied.values[i]),
-            str(dataset.element.values[i]),
-            float(dataset.depth[i]),
-            float(dataset.growth[i]),
-            float(dataset.poisson[i]),
-            100 * float(dataset.pressure_half_space[i]),
-            100 * float(dataset.pressure_layer[i]),
-            100 * float(dataset.area[i]),
-        )
-        for i in range(dataset.sizes["case"])
-    ]
-    columns = (
-        "varied",
-        "element",
-        "depth/L",
-        "growth",
-        "nu",
-        "p - half-space [%]",
-        "p - layer [%]",
-        "A - half-space [%]",
+    return ResultTable.of_rows(
+        {
+            "varied": str(case.varied.item()),
+            "element": str(case.element.item()),
+            "depth/L": float(case.depth),
+            "growth": float(case.growth),
+            "nu": float(case.poisson),
+            "p - half-space [%]": 100 * float(case.pressure_half_space),
+            "p - layer [%]": 100 * float(case.pressure_layer),
+            "A - half-space [%]": 100 * float(case.area),
+        }
+        for case in each(dataset, "case")
     )
-    return ResultTable.of(columns, rows)
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:

@@ -10,13 +10,14 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Annotated, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from fem_contact.graded import ExponentialSolid, LayeredSolid
 from fem_contact.response import Response
 from fem_contact.solid import Solid
 from persson.graded import ExponentialLayers, SurfaceLayer
+from validation.arrays import Array
+from validation.measures.common import named
 from validation.solves.bench import Bench
 from validation.studies._study import StudyOptions
 from validation.units import Positive, wrong
@@ -27,8 +28,6 @@ if TYPE_CHECKING:
     from validation.report.drawing import Drawing
 
 __all__ = ["Options", "figures", "findings", "run"]
-
-Array = NDArray[np.float64]
 
 
 class Options(StudyOptions):
@@ -67,26 +66,18 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     if bench.plan_only:
         bench.solve([])
     q = np.geomspace(1 / options.shortest, options.shortest, options.waves)
-    words, one = "felt modulus over exact", {"units": "1"}
-    columns = {
-        "profile": (
-            [_profile(ratio, options, q) for ratio in options.ratios],
-            one | {"long_name": f"{words}, profile"},
-        ),
-        "coating": (
-            [_coating(ratio, options, q) for ratio in options.ratios],
-            one | {"long_name": f"{words}, coating"},
-        ),
-        "grading": (
-            [_grading(ratio, q) for ratio in options.ratios],
-            one | {"long_name": "largest E'/(E q)"},
-        ),
-    }
+    dims, ratios = ("ratio", "wave"), list(options.ratios)
+    profile, coating = ([felt(ratio, options, q) for ratio in ratios] for felt in (_profile, _coating))
+    grading = [_grading(ratio, q) for ratio in ratios]
     return xr.Dataset(
-        {name: (("ratio", "wave"), values, said) for name, (values, said) in columns.items()},
+        {
+            "profile": named(dims, profile, "felt modulus over exact, profile", unit="1"),
+            "coating": named(dims, coating, "felt modulus over exact, coating", unit="1"),
+            "grading": named(dims, grading, "largest E'/(E q)", unit="1"),
+        },
         coords={
-            "wave": ("wave", q, one | {"long_name": "q d"}),
-            "ratio": ("ratio", list(options.ratios), one | {"long_name": "modulus below over that on top"}),
+            "wave": named("wave", q, "q d", unit="1"),
+            "ratio": named("ratio", ratios, "modulus below over that on top", unit="1"),
         },
         attrs={"methods": "theory bem", "poisson": options.poisson},
     )

@@ -13,7 +13,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from fem_contact.hardness import yielded
@@ -22,8 +21,9 @@ from persson import elastic
 from persson.hardness import constant_hardness
 from persson.scale import Scale
 from persson.tabulated import smoothed
+from validation.arrays import Array
 from validation.effects.hardness import Hardness
-from validation.measures.common import truncated_surface
+from validation.measures.common import named, truncated_surface
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.solves.bench import Bench
@@ -40,7 +40,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Options", "figures", "findings", "run"]
 
-Array = NDArray[np.float64]
 _Positives = Annotated[tuple[Positive, ...], Field(min_length=1)]
 
 _SOLID = SolidSpec(young=1e9, poisson=0.3)
@@ -94,8 +93,8 @@ class Options(StudyOptions):
 
     def surface(self, k: int, *, until: float) -> SelfAffineSurface:
         """Return one surface with its waves up to a magnification."""
-        shape = {"hurst": self.hurst, "periods": self.periods, "bandwidth": self.bandwidth}
-        return truncated_surface(self.seed + k, until, length=_LENGTH, gradient=_GRADIENT, **shape)
+        whole = {"length": _LENGTH, "gradient": _GRADIENT, "bandwidth": self.bandwidth}
+        return truncated_surface(until, seed=self.seed + k, hurst=self.hurst, periods=self.periods, **whole)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,18 +170,11 @@ def _dataset(options: Options, columns: dict[str, Any], *, kept: _Kept) -> xr.Da
 
     ratio = {"units": "1", "long_name": "C(q) left by smoothing, over C(q)"}
     columns["kept"] = ("wave", kept.measured, ratio)
-    columns["kept_persson"] = (
-        "wave",
-        kept.theory,
-        {"units": "1", "long_name": "1 - A_pl(q)/A_pl, Persson"},
-    )
+    columns["kept_persson"] = named("wave", kept.theory, "1 - A_pl(q)/A_pl, Persson", unit="1")
     names = {"reduced_pressure": "p* = p0 / (E* h'_rms)", "magnification": "q / q_long of the last wave"}
     along = {"reduced_pressure": options.reduced_pressures, "magnification": options.magnifications}
-    coords = {
-        name: (name, np.asarray(values), {"units": "1", "long_name": names[name]})
-        for name, values in along.items()
-    }
-    coords["wave"] = ("wave", kept.q, {"units": "1", "long_name": "q / q_long"})
+    coords = {name: named(name, np.asarray(values), names[name], unit="1") for name, values in along.items()}
+    coords["wave"] = named("wave", kept.q, "q / q_long", unit="1")
     said = {
         "surfaces": options.surfaces,
         "hardness": options.hardness,

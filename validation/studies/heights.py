@@ -12,29 +12,31 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 from scipy.special import ndtr
 
 from fem_contact import bem
 from persson.heights import height_distribution
+from validation.arrays import Array
 from validation.measures.common import (
     Rising,
     base_case,
     base_surface,
+    draw_means,
+    means_of,
+    named,
     over_surfaces,
     persson_area,
     results_of,
 )
 from validation.measures.flow import located_area
 from validation.measures.measurement import grid_for
-from validation.measures.single_solve import SingleSolve
+from validation.measures.single_solve import SingleSolve, Takes
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.scenes.realised import Realised
 from validation.scenes.surfaces import spectrum_of
 from validation.solves.bench import Bench
-from validation.solves.solve import LOCATED_EDGES, Prediction
 from validation.studies._options import Bandwidth, Hurst, Seed, Surfaces
 from validation.studies._study import StudyOptions
 
@@ -43,8 +45,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["HeightStatistics", "Options", "figures", "findings", "run", "table"]
-
-Array = NDArray[np.float64]
 
 #: Edges of the bins of h/h_rms.
 _EDGES = np.linspace(-4.0, 4.0, 65)
@@ -106,29 +106,21 @@ class HeightStatistics(SingleSolve):
         p0 [Pa], rising; none for the heights alone.
     """
 
+    kind, words = "heights", "heights"
+    located, version = True, 1
+    takes = Takes(once=1e-2, seconds=2e-3, each_point=8e-7, bytes=200)
+
     pressures: tuple[float, ...] = ()
 
     @property
     def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers."""
-        made = {name: value for name, value in super().recipe.items() if name != "load"}
-        return made | {"pressures": list(self.pressures), "edges": LOCATED_EDGES, "version": 1}
+        """Everything that determines the numbers; the loads are its own."""
+        return {name: value for name, value in super().recipe.items() if name != "load"}
 
     @property
-    def prefix(self) -> str:
-        """Readable start of the name on disk."""
-        return f"heights-{self.size}"
-
-    def describe(self) -> str:
-        """Return a few words for a progress bar."""
-        return f"heights {self.where}"
-
-    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
-        """Predict the cost: a solve for each load."""
-        n = self.points
-        return Prediction(
-            seconds=1e-2 + len(self.pressures) * (2e-3 + 8e-7 * n), peak_bytes=200 * n, unknowns=n
-        )
+    def problems(self) -> int:
+        """One for each load."""
+        return len(self.pressures)
 
     def measure(self) -> xr.Dataset:
         """Read off the heights, and press; dimensions (bin) and (load)."""
@@ -187,20 +179,20 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     theory = persson_area(loads * (gradients[0] / gradients)[..., None])
     return xr.Dataset(
         {
-            "density": (("sample", "surface", "bin"), over("density"), {"long_name": "P_h h_rms"}),
-            **{name: (("sample", "surface"), over(name), {"long_name": _WORDS[name]}) for name in _WORDS},
-            "area": (
+            "density": named(("sample", "surface", "bin"), over("density"), "P_h h_rms"),
+            **{name: named(("sample", "surface"), over(name), _WORDS[name]) for name in _WORDS},
+            "area": named(
                 ("spectrum", "surface", "load"),
                 [[one.area.values for one in row] for row in pair],
-                {"long_name": "A/A0, located"},
+                "A/A0, located",
             ),
-            "theory": (("spectrum", "surface", "load"), theory, {"long_name": "A/A0, Persson"}),
+            "theory": named(("spectrum", "surface", "load"), theory, "A/A0, Persson"),
             **moments,
         },
         coords={
-            "periods": ("sample", list(options.periods), {"long_name": "L / lambda_0"}),
-            "height": ("bin", (_EDGES[1:] + _EDGES[:-1]) / 2, {"long_name": "h / h_rms"}),
-            "reduced_pressure": ("load", loads, {"long_name": "p* on the first spectrum"}),
+            "periods": named("sample", list(options.periods), "L / lambda_0"),
+            "height": named("bin", (_EDGES[1:] + _EDGES[:-1]) / 2, "h / h_rms"),
+            "reduced_pressure": named("load", loads, "p* on the first spectrum"),
         },
         attrs={"study": "heights", "methods": "theory bem", "longer": options.longer},
     )
@@ -302,11 +294,8 @@ def _figure(dataset: xr.Dataset) -> Figure:
     left.set_xlabel(r"$h / h_\mathrm{rms}$")
     left.set_ylabel(r"$P_h\, h_\mathrm{rms}$")
     ratio = dataset.area[1] / dataset.area[0]
-    each = [over_surfaces(ratio[:, j]) for j in range(dataset.sizes["load"])]
     loads = dataset.reduced_pressure.values
-    right.errorbar(
-        loads, [e.value for e in each], yerr=[e.half_width for e in each], label="contact area", **look(0)
-    )
+    draw_means(right, loads, means_of(ratio), label="contact area", **look(0))
     right.plot(loads, (dataset.theory[1] / dataset.theory[0]).mean("surface"), label="Persson", **THEORY)
     height = float((dataset.rms_height[1] / dataset.rms_height[0]).mean())
     right.axhline(height, color="black", lw=0.9, ls=":", label=r"$h_\mathrm{rms}$")

@@ -11,10 +11,18 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
-from validation.measures.common import BASE_SOLID, Rising, base_case, base_surface, over_surfaces, results_of
+from validation.arrays import Array
+from validation.measures.common import (
+    BASE_SOLID,
+    Rising,
+    base_case,
+    base_surface,
+    named,
+    over_surfaces,
+    results_of,
+)
 from validation.measures.measurement import grid_for
 from validation.measures.slopes import SlopeMeasurement
 from validation.measures.statistics import Estimate, mean_over_surfaces
@@ -30,8 +38,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["Options", "figures", "findings", "run", "table"]
-
-Array = NDArray[np.float64]
 
 #: What is compared with the linear block, and how sentences call it.
 _RATIOS = {
@@ -104,23 +110,19 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     path = ("nu", "load", "surface", "grid")
     return xr.Dataset(
         {
-            name: (
-                (*path, "slope"),
-                values[name],
-                {"long_name": f"{name} over that of the linear block, less 1"},
-            )
+            name: named((*path, "slope"), values[name], f"{name} over that of the linear block, less 1")
             for name in names
         }
         | {
-            "residual": ((*path, "slope"), residual, {"long_name": "unbalanced over contact forces"}),
-            "linear_area": (path, linear, {"long_name": "A/A0 of the linear block, nodes counted"}),
-            "ended": (path, ended, {"long_name": "whether the path ends before the steepest slope"}),
+            "residual": named((*path, "slope"), residual, "unbalanced over contact forces"),
+            "linear_area": named(path, linear, "A/A0 of the linear block, nodes counted"),
+            "ended": named(path, ended, "whether the path ends before the steepest slope"),
         },
         coords={
             "poisson": ("nu", list(options.poissons)),
-            "reduced_pressure": ("load", list(options.reduced_pressures), {"long_name": "p0 / (E* h'_rms)"}),
+            "reduced_pressure": named("load", list(options.reduced_pressures), "p0 / (E* h'_rms)"),
             "points_per_wave": ("grid", list(options.points_per_wave)),
-            "slope": ("slope", list(options.slopes), {"long_name": "h'_rms"}),
+            "slope": named("slope", list(options.slopes), "h'_rms"),
         },
         attrs={
             "study": "large-slope",

@@ -7,7 +7,6 @@ of the widest path; the distribution of gaps stands beside the theory's.
 
 from __future__ import annotations
 
-import itertools
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
@@ -17,7 +16,17 @@ from pydantic import Field
 from persson.gaps import gap_distribution
 from persson.percolation import SITE_THRESHOLD
 from persson.scale import Scale
-from validation.measures.common import Rising, base_case, base_surface, over_surfaces, results_of
+from validation.measures.common import (
+    Rising,
+    base_case,
+    base_surface,
+    draw_means,
+    each,
+    means_of,
+    named,
+    over_surfaces,
+    results_of,
+)
 from validation.measures.flow import GAP_EDGES, LeakMeasurement
 from validation.measures.measurement import grid_for
 from validation.measures.statistics import Estimate, mean_over_surfaces
@@ -41,8 +50,10 @@ _QUANTITIES = {
     "effective_medium": "Bruggeman's K / mean gap^3 of the same gaps",
     "constriction": "narrowest place of the widest path / mean gap",
     "balance": "deviation of the flux between sections, relative",
+    "gap_density": "P(u) h_rms, without the contact",
+    "contact_threshold": "A/A0 where the contact begins to percolate",
+    "gap_threshold": "A/A0 where the gap ceases to percolate",
 }
-
 
 _MIDDLES = (GAP_EDGES[1:] + GAP_EDGES[:-1]) / 2
 #: Energies of the theory of gaps, by their g.
@@ -94,7 +105,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data: xr.Dataset = xr.concat(rows, dim="spectrum")
     for name, words in _QUANTITIES.items():
         data[name].attrs = {"units": "1", "long_name": words}
-    data["theory_density"] = (
+    data["theory_density"] = named(
         ("variant", *data.gap_density.dims),
         [
             [
@@ -103,14 +114,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
             ]
             for ratio in _ENERGY_RATIOS.values()
         ],
-        {"units": "1", "long_name": "P(u) h_rms of the theory, without the contact"},
+        "P(u) h_rms of the theory, without the contact",
+        unit="1",
     )
-    data["gap_density"].attrs = {"units": "1", "long_name": "P(u) h_rms, without the contact"}
-    data["contact_threshold"].attrs = {
-        "units": "1",
-        "long_name": "A/A0 where the contact begins to percolate",
-    }
-    data["gap_threshold"].attrs = {"units": "1", "long_name": "A/A0 where the gap ceases to percolate"}
     data.attrs = {
         "study": "leak",
         "methods": "theory bem",
@@ -118,10 +124,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         "periods": options.periods,
         "points_per_wave": options.points_per_wave,
     }
-    bandwidth = ("spectrum", list(options.bandwidths), {"long_name": "lambda_long / lambda_short"})
+    bandwidth = named("spectrum", list(options.bandwidths), "lambda_long / lambda_short")
     return data.assign_coords(
         bandwidth=bandwidth,
-        gap=("gap_bin", _MIDDLES, {"units": "1", "long_name": "u / h_rms"}),
+        gap=named("gap_bin", _MIDDLES, "u / h_rms", unit="1"),
         variant=list(_ENERGY_RATIOS),
     )
 
@@ -158,32 +164,21 @@ def _surface_means(values: xr.DataArray) -> Estimate:
 def table(dataset: xr.Dataset) -> ResultTable:
     """Return one row for each spectrum and area."""
     rows = []
-    for s, a in itertools.product(range(dataset.sizes["spectrum"]), range(dataset.sizes["area"])):
-        here = dataset.isel(spectrum=s, area=a)
+    for here in each(dataset, "spectrum", "area"):
         leak, medium = _surface_means(here.conductance), _surface_means(here.effective_medium)
         rows.append(
-            (
-                float(dataset.bandwidth[s]),
-                float(dataset.area[a]),
-                leak.value,
-                leak.half_width,
-                medium.value,
-                leak.value / medium.value if medium.value else float("nan"),
-                float((here.constriction**3 / 12).mean()),
-                100 * float(here.closed.mean()),
-            )
+            {
+                "lambda_long/lambda_short": float(here.bandwidth),
+                "A/A0": float(here.area),
+                "K/gap^3": leak.value,
+                "+- (95 %)": leak.half_width,
+                "Bruggeman": medium.value,
+                "K/Bruggeman": leak.value / medium.value if medium.value else float("nan"),
+                "u_c^3/12": float((here.constriction**3 / 12).mean()),
+                "closed [%]": 100 * float(here.closed.mean()),
+            }
         )
-    columns = (
-        "lambda_long/lambda_short",
-        "A/A0",
-        "K/gap^3",
-        "+- (95 %)",
-        "Bruggeman",
-        "K/Bruggeman",
-        "u_c^3/12",
-        "closed [%]",
-    )
-    return ResultTable.of(columns, rows)
+    return ResultTable.of_rows(rows)
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:
@@ -306,21 +301,12 @@ def _figure(dataset: xr.Dataset) -> Figure:
     figure, (left, right) = new_figure(width=9.0, columns=2)
     for s, bandwidth in enumerate(dataset.bandwidth.values):
         label = rf"$\lambda_\mathrm{{long}}/\lambda_\mathrm{{short}}$ = {bandwidth:g}"
-        flows = [_surface_means(dataset.conductance[s, :, a]) for a in range(dataset.sizes["area"])]
-        media = [
-            _surface_means(dataset.effective_medium[s, :, a]).value for a in range(dataset.sizes["area"])
-        ]
-        left.errorbar(
-            dataset.area,
-            [m.value for m in flows],
-            yerr=[m.half_width for m in flows],
-            ls="-",
-            label=label,
-            **look(s),
+        draw_means(
+            left, dataset.area, means_of(dataset.conductance[s].mean("axis")), ls="-", label=label, **look(s)
         )
         left.plot(
             dataset.area,
-            media,
+            [medium.value for medium in means_of(dataset.effective_medium[s].mean("axis"))],
             ls="--",
             mfc="white",
             label="Bruggeman, same gaps" if s == 0 else None,

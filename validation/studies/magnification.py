@@ -7,18 +7,11 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from persson import elastic
-from validation.measures.common import (
-    SHIFTS,
-    Ladder,
-    Rising,
-    over_surfaces,
-    persson_area,
-    results_of,
-)
+from validation.arrays import Array
+from validation.measures.common import SHIFTS, Ladder, Rising, each, over_surfaces, persson_area, results_of
 from validation.measures.measurement import Measurement, area_limits
 from validation.measures.theory import modes_sentence
 from validation.report.drawing import Drawing
@@ -32,8 +25,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 __all__ = ["Options", "figures", "findings", "run", "table"]
-
-Array = NDArray[np.float64]
 
 
 class Options(PressedOptions):
@@ -129,32 +120,20 @@ def _cases(options: Options) -> dict[_Case, Measurement]:
 def table(dataset: xr.Dataset) -> ResultTable:
     """Return one row for each load and magnification."""
     rows = []
-    for j, i in itertools.product(range(dataset.sizes["load"]), range(dataset.sizes["magnification"])):
-        area = over_surfaces(dataset.area[:, i, j])
-        theory = float(dataset.theory[:, i, j].mean())
+    for here in each(dataset, "load", "magnification"):
+        area, theory = over_surfaces(here.area), float(here.theory.mean())
         rows.append(
-            (
-                float(dataset.reduced_pressure[j]),
-                float(dataset.magnification[i]),
-                area.value,
-                area.half_width,
-                theory,
-                float(dataset.theory_ensemble[:, i, j].mean()),
-                area.value / theory,
-            )
+            {
+                "p* (all waves)": float(here.reduced_pressure),
+                "zeta": float(here.magnification),
+                "A/A0 limit": area.value,
+                "+- (95 %)": area.half_width,
+                "A/A0 Persson, conditional": theory,
+                "A/A0 Persson, ensemble": float(here.theory_ensemble.mean()),
+                "ratio to the first": area.value / theory,
+            }
         )
-    return ResultTable.of(
-        (
-            "p* (all waves)",
-            "zeta",
-            "A/A0 limit",
-            "+- (95 %)",
-            "A/A0 Persson, conditional",
-            "A/A0 Persson, ensemble",
-            "ratio to the first",
-        ),
-        rows,
-    )
+    return ResultTable.of_rows(rows)
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:

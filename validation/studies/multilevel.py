@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from validation.measures.common import Rising, base_case, base_surface, results_of
+from validation.measures.common import Rising, base_case, base_surface, named, results_of
 from validation.measures.controlled import allocation as least_cost
-from validation.measures.measurement import Measurement, grid_for
+from validation.measures.measurement import Measurement, grid_for, grid_tolerance
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.solves.bench import Bench
@@ -152,6 +152,7 @@ def _solved(options: Options, counts: Sequence[int], *, bench: Bench) -> list[li
                 realised=first.further(k + _APART * level),
                 grids=tuple(grids[max(level - 1, 0) : level + 1]),
                 shifts=1,
+                tolerance=grid_tolerance(first, grids),
             )
             for level, count in enumerate(counts)
             for k in range(count)
@@ -170,14 +171,14 @@ def _dataset(found: Sequence[Sequence[xr.Dataset]], options: Options) -> xr.Data
     means = np.array([term.mean() for term in terms])
     return xr.Dataset(
         {
-            "mean": ("level", means, {"long_name": "mean area, then differences"}),
+            "mean": named("level", means, "mean area, then differences"),
             "variance": ("level", np.array([term.var(ddof=1) for term in terms])),
             "cost": ("level", np.array([level.cost for level in every[area]]), {"units": "s"}),
             "surfaces": ("level", np.array([len(part) for part in found])),
-            "saving": (
+            "saving": named(
                 "definition",
                 np.array(savings),
-                {"long_name": "cost of plain Monte Carlo on the finest grid over that of the levels"},
+                "cost of plain Monte Carlo on the finest grid over that of the levels",
             ),
         },
         coords={

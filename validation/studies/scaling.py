@@ -18,11 +18,10 @@ from pydantic import Field, model_validator
 
 from fem_contact.area import contact_areas
 from validation.measures.common import RisingGrids, base_case, base_surface, results_of
-from validation.measures.single_solve import SingleSolve
+from validation.measures.single_solve import SingleSolve, Takes
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
 from validation.solves.bench import Bench
-from validation.solves.solve import LOCATED_EDGES, Prediction
 from validation.studies._options import Hurst, Periods, ReducedPressure, Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import wrong
@@ -75,24 +74,9 @@ class Options(StudyOptions):
 class SolveCost(SingleSolve):
     """One cold solve by boundary elements on one thread, reduced to what it cost."""
 
-    @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers."""
-        return super().recipe | {"edges": LOCATED_EDGES}
-
-    @property
-    def prefix(self) -> str:
-        """Readable start of the name on disk."""
-        return f"cost-{self.size}"
-
-    def describe(self) -> str:
-        """Return a few words for a progress bar."""
-        return f"BEM {self.where}"
-
-    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
-        """Predict the cost."""
-        n = self.points
-        return Prediction(seconds=2e-3 + 1.2e-6 * n, peak_bytes=120 * n, unknowns=n)
+    kind, words = "cost", "BEM"
+    located = True
+    takes = Takes(seconds=2e-3, each_point=1.2e-6, bytes=120)
 
     def measure(self) -> xr.Dataset:
         """Return seconds, pairs of transforms, bytes, and the located area."""

@@ -14,7 +14,7 @@ from pydantic import Field
 
 from persson import elastic
 from validation.errors import UsageError
-from validation.measures.common import Rising, over_surfaces, results_of
+from validation.measures.common import Rising, each, over_surfaces, results_of
 from validation.measures.edge import EdgeMeasurement, window_slope
 from validation.measures.statistics import Estimate, combined, mean_over_surfaces
 from validation.report.drawing import Drawing
@@ -217,47 +217,29 @@ def exponent(dataset: xr.Dataset) -> float:
 
 def table(dataset: xr.Dataset) -> ResultTable:
     """Return one row for each method and grid."""
-    columns = (
-        "method",
-        "lambda_short/dx",
-        "P(0+) E*h'",
-        "+- (95 %)",
-        "mean slope in the window",
-        "+- (95 %)",
-        "slope from the contour",
-        "+- (95 %)",
-        "patches",
-    )
-    rows: list[tuple[float | str, ...]] = [
-        (name, *row) for name, own in by_method(dataset).items() for row in _rows(own)
-    ]
-    return ResultTable.of(columns, rows)
+    columns = ["method", "lambda_short/dx"]
+    for words in _MEANS.values():
+        columns += [words, "+- (95 %)"]
+    rows: list[list[float | str]] = []
+    for name, own in by_method(dataset).items():
+        for here in each(own, "grid"):
+            means = [over_surfaces(here[quantity]) for quantity in _MEANS]
+            numbers = [number for mean in means for number in (mean.value, mean.half_width)]
+            rows.append([name, 1 / float(here.spacing), *numbers, float(here.patches.mean())])
+    return ResultTable.of([*columns, "patches"], rows)
+
+
+#: What the table holds of each grid, and how it is called there.
+_MEANS = {
+    "density_at_zero": "P(0+) E*h'",
+    "slope": "mean slope in the window",
+    "contour_slope": "slope from the contour",
+}
 
 
 def by_method(dataset: xr.Dataset) -> dict[str, xr.Dataset]:
     """Return what each method found."""
     return {str(name): dataset.isel(method=m) for m, name in enumerate(dataset.method.values)}
-
-
-def _rows(dataset: xr.Dataset) -> list[tuple[float, ...]]:
-    """Return the numbers of one method on each grid."""
-    rows: list[tuple[float, ...]] = []
-    for i, spacing in enumerate(dataset.spacing.values):
-        density, slope = over_surfaces(dataset.density_at_zero[:, i]), over_surfaces(dataset.slope[:, i])
-        contour = over_surfaces(dataset.contour_slope[:, i])
-        rows.append(
-            (
-                1 / float(spacing),
-                density.value,
-                density.half_width,
-                slope.value,
-                slope.half_width,
-                contour.value,
-                contour.half_width,
-                float(dataset.patches[:, i].mean()),
-            )
-        )
-    return rows
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:

@@ -5,16 +5,14 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from persson.asperities import bush_gibson_thomas, nayak_asperities
 from persson.elastic import KAPPA_BGT
 from persson.errors import InvalidInput
+from validation.arrays import Array
 from validation.theories.base import Rough, Theory
 
 __all__ = ["BushGibsonThomas", "CarboneBottiglione", "GreenwoodWilliamson"]
-
-Array = NDArray[np.float64]
 
 #: Separations over h_rms between which pressures are sought, and how many.
 _SEPARATIONS = (-4.0, 7.0, 240)

@@ -6,18 +6,14 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
-from numpy.typing import NDArray
-
 from persson.spectrum import Moments, Spectrum
+from validation.arrays import Array
 from validation.measures.theory import Waves
 
 if TYPE_CHECKING:
     from validation.scenes.realised import Realised
 
 __all__ = ["Rough", "Theory"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -11,14 +11,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from validation.arrays import Array
 from validation.errors import UsageError
 from validation.theories.base import Rough, Theory
 
 __all__ = ["OwnTheory"]
-
-Array = NDArray[np.float64]
 
 #: What functions of a module are asked for, and by which keywords they say what they need.
 _QUANTITIES = ("area", "pressure_distribution", "mean_gap", "elastic_energy")

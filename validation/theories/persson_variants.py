@@ -5,17 +5,15 @@ from __future__ import annotations
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import erfinv
 
 from persson import elastic
 from persson.variants import Variant, corrected_contact_area
+from validation.arrays import Array
 from validation.measures.theory import VARIANTS, WITH_ENERGY
 from validation.theories.base import Rough, Theory
 
 __all__ = ["Persson", "WangMueser", "Xu", "YangPersson"]
-
-Array = NDArray[np.float64]
 
 
 class Persson(Theory):

@@ -74,7 +74,7 @@ def _dial(kept: Kept, dial: str, wholes: list[Stored]) -> None:
     options = kept.options
     rows: list[dict[str, float]] = []
     for value in options[_OPTION[dial]]:
-        turned = {**{"work": options["work"], "reduced_pressure": options["reduced_pressure"]}, dial: value}
+        turned = {"work": options["work"], "reduced_pressure": options["reduced_pressure"], dial: value}
         several = []
         for k, whole in enumerate(wholes):
             unit = whole.modulus * math.sqrt(whole.moments[1])

@@ -65,7 +65,7 @@ def judge(kept: Kept) -> None:
     if rows is None:
         kept.ledger.unread.append("numbers of the surfaces: the store lacks solves")
     else:
-        _solves(kept, rows, loads)
+        _solves(kept, rows)
         kept.array("theory_area", theory_areas(rows, loads), rtol=1e-6)
     kept.array("reduced_pressure", loads)
     kept.array("stress_upper", np.linspace(0, 4, 321)[1:])
@@ -78,7 +78,7 @@ def judge(kept: Kept) -> None:
     _sentences(kept, loads)
 
 
-def _solves(kept: Kept, rows: Sequence[Numbers], loads: Array) -> None:
+def _solves(kept: Kept, rows: Sequence[Numbers]) -> None:
     """Judge the dataset beside the stored measurements."""
     wave = 1e-3 / kept.options["periods"] / kept.options["bandwidth"]
     height = np.array([[float(one.attributes["rms_height"])] for one in rows])

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact.surface import HeightField
+from validation.arrays import Array
 from validation.cases.scorecard import Scorecard, ladder, rows, score
 from validation.cases.scorecard.subject import Subject, Unanswered
 from validation.effects.base import Slots
@@ -22,8 +22,6 @@ from validation.methods.base import Claim
 from validation.methods.bem import Bem
 
 __all__ = ["export", "score_folder"]
-
-Array = NDArray[np.float64]
 
 _FORMAT = "fem-contact challenge 1"
 _INDEX = "challenge.json"

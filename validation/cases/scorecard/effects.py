@@ -56,7 +56,7 @@ def yielding(subject: Subject) -> Sequence[Check]:
             float(np.abs(lacks - missing)[inside].mean() / missing.max()),
             0.01,
         ),
-        Check(quantity="yielded width", computed=width, reference=1 - 2 * _HALF_WIDTH, tolerance=2 / n),
+        Check.near("yielded width", width, 1 - 2 * _HALF_WIDTH, 2 / n),
         Check.below(
             "largest pressure above H, over H",
             max(float(found.claim.pressure.max()) / hardness - 1, 0.0),

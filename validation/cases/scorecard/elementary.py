@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact.surface import HeightField
+from validation.arrays import Array
 from validation.cases import Check
 from validation.cases.scorecard.subject import SOFT, Inconclusive, Pressed, Subject, rough
 from validation.effects.base import Slots
@@ -24,8 +25,6 @@ __all__ = [
     "place",
     "tension",
 ]
-
-Array = NDArray[np.float64]
 
 #: Waves of the full contact, and their amplitudes and phases: no symmetry is left.
 WAVES = ((1, 0, 1.0, 0.3), (0, 1, 0.8, 1.1), (1, 1, 0.5, 2.0), (2, 1, 0.3, 0.7))
@@ -147,12 +146,7 @@ def contact_set(subject: Subject) -> Sequence[Check]:
         # A point at an edge, whose pressure and gap are both within the tolerance, may be either.
         allowed = 0.02 + 2 / touching
         checks.append(
-            Check(
-                quantity=f"{words} over points that touch, p* = {p:g}",
-                computed=counted / touching,
-                reference=1.0,
-                tolerance=allowed,
-            )
+            Check.near(f"{words} over points that touch, p* = {p:g}", counted / touching, 1.0, allowed)
         )
     return checks
 

@@ -42,12 +42,7 @@ def near_full(subject: Subject) -> Sequence[Check]:
             float(np.abs(found.claim.pressure - exact).max()) / _FLAT,
             allowed,
         ),
-        Check(
-            quantity=f"A/A0 at {1 - miss:g} of it",
-            computed=float(below),
-            reference=1 - open_share,
-            tolerance=edge + miss * open_share,
-        ),
+        Check.near(f"A/A0 at {1 - miss:g} of it", below, 1 - open_share, edge + miss * open_share),
     ]
 
 
@@ -63,12 +58,7 @@ def one_cell(subject: Subject) -> Sequence[Check]:
             1.0,
             10 * subject.tolerance,
         ),
-        Check(
-            quantity="points that touch",
-            computed=float(np.count_nonzero(found.result.in_contact)),
-            reference=1.0,
-            tolerance=0.0,
-        ),
+        Check.near("points that touch", float(np.count_nonzero(found.result.in_contact)), 1.0, 0.0),
     ]
 
 

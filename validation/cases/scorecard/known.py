@@ -5,18 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
+from validation.arrays import Array
 from validation.cases import Check
 from validation.cases._closed_forms import HertzInPeriod, westergaard_mean_pressure, westergaard_pressure
 from validation.cases.scorecard.subject import SOFT, NotTried, Pressed, Subject, rough
 from validation.effects.base import Slots
 
 __all__ = ["hertz", "hertz_radius", "nested", "stress_near_zero", "symmetry", "units", "westergaard"]
-
-Array = NDArray[np.float64]
 
 #: Where the apex falls in a cell moves the count of one solve by more than the trend; not the mean over
 #: these.

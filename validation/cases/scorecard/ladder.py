@@ -189,12 +189,7 @@ def rough_surface(subject: Subject, width: int) -> Sequence[Check]:
     own = 2 * abs(fine.low - coarse.low)
     return [
         *checks,
-        Check(
-            quantity=low,
-            computed=fine.low,
-            reference=limit.values["low"],
-            tolerance=limit.errors["low"] + own,
-        ),
+        Check.near(low, fine.low, limit.values["low"], limit.errors["low"] + own),
     ]
 
 

@@ -11,6 +11,7 @@ from validation.cases.scorecard import Scorecard
 from validation.files import atomic_path, write_json
 from validation.report.page import Answer, Note, Page, render
 from validation.report.table import WordTable
+from validation.report.words import json_ready
 
 __all__ = ["scorecard_page", "write_scorecards"]
 
@@ -31,7 +32,7 @@ def write_scorecards(cards: Sequence[Scorecard], folder: Path) -> tuple[Path, Pa
     with atomic_path(html) as draft:
         draft.write_text(render(page), encoding="utf-8")
     return html, write_json(
-        folder / "scorecard.json", {"scorecards": [_finite(card.summary()) for card in cards]}
+        folder / "scorecard.json", {"scorecards": [json_ready(card.summary()) for card in cards]}
     )
 
 
@@ -197,14 +198,3 @@ def _notes(cards: Sequence[Scorecard]) -> tuple[Note, ...]:
         for card in cards
         if card.left_out
     )
-
-
-def _finite(value: object) -> object:
-    """Return data without numbers that JSON has no word for."""
-    if isinstance(value, dict):
-        return {key: _finite(inner) for key, inner in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(inner) for inner in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
+from validation.arrays import Array
 from validation.errors import UsageError
-from validation.scenes.topography.raw import Array, Raw, check_shape, even_steps, plain_attribute, real
+from validation.scenes.topography.raw import Raw, check_shape, even_steps, plain_attribute, real
 
 __all__ = ["read_netcdf"]
 

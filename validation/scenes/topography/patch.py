@@ -7,15 +7,14 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact.surface import HeightField
 from fem_contact.surface.spectra import window_weights
+from validation.arrays import Array
 from validation.errors import UsageError
 
 __all__ = ["Edges", "Missing", "Tilt", "Topography"]
 
-Array = NDArray[np.float64]
 Tilt = Literal["keep", "plane", "quadratic"]
 Missing = Literal["refuse", "nearest", "harmonic"]
 Edges = Literal["periodic", "tukey", "hann", "free"]

@@ -7,11 +7,10 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from validation.arrays import Array
 
 __all__ = ["MOST_BYTES", "MOST_POINTS", "Raw", "check_shape", "even_steps", "plain_attribute", "real"]
-
-Array = NDArray[np.float64]
 
 #: Heights that are read: 8192 x 8192, half a gigabyte as numbers.
 MOST_POINTS = 2**26

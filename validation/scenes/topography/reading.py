@@ -9,18 +9,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from validation import bounded
+from validation.arrays import Array
 from validation.errors import UsageError
 from validation.scenes.topography.formats import one_line, read_plain
 from validation.scenes.topography.patch import Topography
 from validation.scenes.topography.raw import MOST_POINTS
 from validation.units import LARGEST, metres
 
-__all__ = ["FileSays", "digest_of", "file_says", "read_topography"]
+__all__ = ["FileSays", "file_says", "read_topography"]
 
-Array = NDArray[np.float64]
 Lengths = tuple[float, float]
 
 #: Time to read a file, and bytes of it that are read in a further second [s, 1/s].
@@ -162,11 +161,6 @@ def _spikes(heights: Array) -> tuple[str, ...]:
         f"{far} of {known.size} heights lie more than {_FAR:.0f} times the height of the middle half away "
         "from it: spikes, or a damaged file",
     )
-
-
-def digest_of(path: Path) -> str:
-    """Return the SHA-256 of a file of heights, of the very bytes that were read."""
-    return file_says(path).digest
 
 
 def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float | None = None) -> Topography:

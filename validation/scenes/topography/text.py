@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from validation.scenes.topography.raw import MOST_POINTS, Array, Raw, check_shape, even_steps
+from validation.arrays import Array
+from validation.scenes.topography.raw import MOST_POINTS, Raw, check_shape, even_steps
 
 __all__ = ["read_text"]
 

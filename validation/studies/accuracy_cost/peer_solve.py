@@ -17,11 +17,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from validation.arrays import Array
 
 __all__ = ["OWN", "SOLVERS", "main"]
-
-Array = NDArray[np.float64]
 
 _TOLERANCES = tuple(10.0**-k for k in range(2, 12))
 

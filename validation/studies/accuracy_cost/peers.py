@@ -27,7 +27,7 @@ from validation.measures.common import reduced_load
 from validation.measures.single_solve import SingleSolve
 from validation.methods.base import Claim
 from validation.methods.foreign import judged
-from validation.solves.solve import LOCATED_EDGES, Prediction
+from validation.solves.solve import Prediction
 from validation.studies.accuracy_cost import peer_solve
 
 if TYPE_CHECKING:
@@ -77,13 +77,14 @@ class PeerMeasurement(SingleSolve):
     grid : tuple of int
     """
 
+    located = True
+
     code: str
 
     @property
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
-        said = {"code": self.code, "version": _version(self.code), "areas": "pressures"}
-        return super().recipe | said | {"edges": LOCATED_EDGES}
+        return super().recipe | {"version": _version(self.code), "areas": "pressures"}
 
     @property
     def prefix(self) -> str:

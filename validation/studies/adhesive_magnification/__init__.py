@@ -14,15 +14,15 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from persson.adhesion import AdhesiveContact
 from persson.elastic import contact_area, stress_variance
 from persson.interface import Interface, detachment_stress
+from validation.arrays import Array
 from validation.effects.base import full_contact_energy
 from validation.measures.adhesive import STRESS_EDGES, StickyContact, adhesive_theory
-from validation.measures.common import Rising, truncated_surface
+from validation.measures.common import Rising, named, truncated_surface
 from validation.report.drawing import Drawing
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
@@ -37,7 +37,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Options", "figures", "findings", "run", "table"]
 
-Array = NDArray[np.float64]
 _Reading = Literal["improved", "old"]
 
 _LENGTH, _GRADIENT = 1e-5, 0.1
@@ -139,13 +138,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         coords={
             "told": list(TOLD),
             "reading": list(_READINGS),
-            "magnification": ("magnification", zetas, {"long_name": "q / q_long of the last wave"}),
-            "stress_lower": (
-                "stress_bin",
-                STRESS_EDGES[:-1],
-                {"long_name": "sigma / (E* h'_rms), lower edge"},
-            ),
-            "shell_end": ("shell", zetas, {"long_name": "q / q_long where the shell ends"}),
+            "magnification": named("magnification", zetas, "q / q_long of the last wave"),
+            "stress_lower": named("stress_bin", STRESS_EDGES[:-1], "sigma / (E* h'_rms), lower edge"),
+            "shell_end": named("shell", zetas, "q / q_long where the shell ends"),
         },
         attrs={
             "study": "adhesive-magnification",
@@ -159,8 +154,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 
 def _surface(options: Options, k: int, zeta: float) -> SelfAffineSurface:
-    shape = {"hurst": options.hurst, "periods": options.periods, "bandwidth": options.magnifications[-1]}
-    return truncated_surface(options.seed + k, zeta, length=_LENGTH, gradient=_GRADIENT, **shape)
+    whole = {"length": _LENGTH, "gradient": _GRADIENT, "bandwidth": options.magnifications[-1]}
+    return truncated_surface(
+        zeta, seed=options.seed + k, hurst=options.hurst, periods=options.periods, **whole
+    )
 
 
 #: The theory's solution by reading; None where it has no answer.
@@ -273,20 +270,16 @@ def _numbers(
     dims = ("told", "surface", "magnification")
     words = {**QUANTITIES, "plain": "A/A0 without adhesion", "parted": "A/A0 parted from full contact"}
     return (
-        {name: (dims, value[name], {"units": "1", "long_name": words[name]}) for name in names}
-        | {f"{name}_error": (dims, error[name], {"long_name": "standard error, grids"}) for name in names}
+        {name: named(dims, value[name], words[name], unit="1") for name in names}
+        | {f"{name}_error": named(dims, error[name], "standard error, grids") for name in names}
         | {
-            f"theory_{name}": ((*dims, "reading"), theory[name], {"long_name": f"{QUANTITIES[name]}, theory"})
+            f"theory_{name}": named((*dims, "reading"), theory[name], f"{QUANTITIES[name]}, theory")
             for name in QUANTITIES
         }
         | {
-            "theory_plain": (dims, plain, {"long_name": "A/A0 without adhesion, theory"}),
-            "stress": ((*dims, "stress_bin"), stress, {"long_name": "share of the nominal area by stress"}),
-            "theory_stress": (
-                (*dims, "reading", "stress_bin"),
-                theory_stress,
-                {"long_name": "the same, theory"},
-            ),
+            "theory_plain": named(dims, plain, "A/A0 without adhesion, theory"),
+            "stress": named((*dims, "stress_bin"), stress, "share of the nominal area by stress"),
+            "theory_stress": named((*dims, "reading", "stress_bin"), theory_stress, "the same, theory"),
         }
     )
 
@@ -315,13 +308,9 @@ def _shares(
             if found is not None:
                 theory[r, k] = _theory_share(found, edges, realised)
     return {
-        "share": (
-            ("surface", "shell"),
-            share,
-            {"long_name": "P~, energy of these waves over that in full contact"},
-        ),
-        "beyond": ("surface", beyond, {"long_name": "share of the energy in waves shorter than the last"}),
-        "theory_share": (("reading", "surface", "shell"), theory, {"long_name": "P~, theory"}),
+        "share": named(("surface", "shell"), share, "P~, energy of these waves over that in full contact"),
+        "beyond": named("surface", beyond, "share of the energy in waves shorter than the last"),
+        "theory_share": named(("reading", "surface", "shell"), theory, "P~, theory"),
     }
 
 

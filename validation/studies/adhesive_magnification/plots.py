@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from validation.measures.adhesive import STRESS_EDGES
-from validation.measures.statistics import mean_over_surfaces
+from validation.measures.common import draw_means, means_of
 from validation.report.figure import COLOURS, new_figure
 from validation.studies.adhesive_magnification.words import TOLD, estimate, solved, theory
 
@@ -28,11 +28,10 @@ def by_magnification(dataset: xr.Dataset) -> Figure:
             at = [z for t, z in done if t == told]
             if not at:
                 continue
-            found = [estimate(dataset, name, told, z) for z in at]
-            axes.errorbar(
+            draw_means(
+                axes,
                 zetas[at],
-                [f.value for f in found],
-                yerr=[f.half_width for f in found],
+                [estimate(dataset, name, told, z) for z in at],
                 ls="",
                 marker="o",
                 color=COLOURS[told],
@@ -81,15 +80,7 @@ def stress(dataset: xr.Dataset) -> Figure:
         axes.set_xlim(seen.min() - 0.1, seen.max() + 0.1)
         axes.set_title(rf"$\zeta$ = {float(dataset.magnification[z]):g}", fontsize=9)
         axes.set_xlabel(r"$\sigma / (E^* h'_\mathrm{rms})$")
-    found = [mean_over_surfaces(dataset.share.values[:, s]) for s in range(dataset.sizes["shell"])]
-    waves.errorbar(
-        dataset.shell_end.values,
-        [f.value for f in found],
-        yerr=[f.half_width for f in found],
-        marker="o",
-        color=COLOURS[0],
-        lw=1,
-    )
+    draw_means(waves, dataset.shell_end, means_of(dataset.share), marker="o", color=COLOURS[0], lw=1)
     for r, ls in enumerate(("--", "-.")):
         waves.plot(
             dataset.shell_end.values, dataset.theory_share.values[r].mean(axis=0), color="black", ls=ls, lw=1

@@ -6,8 +6,8 @@ import math
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from validation.arrays import Array
 from validation.measures.distributions import largest_difference
 from validation.measures.statistics import Estimate, mean_over_surfaces
 from validation.report.table import ResultTable
@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["QUANTITIES", "TOLD", "estimate", "findings", "solved", "table", "theory"]
-
-Array = NDArray[np.float64]
 
 #: Which work the cut surface is given, in words.
 TOLD = {"own": "w", "effective": "effective work"}
@@ -64,20 +62,27 @@ def solved(dataset: xr.Dataset) -> list[tuple[int, int]]:
 
 def table(dataset: xr.Dataset) -> ResultTable:
     """Return one row for each work and magnification."""
-    rows: list[tuple[float | str, ...]] = []
+    rows: list[dict[str, float | str]] = []
+    short = ("A/A0", "F/F_load", "U_el/U_full", "share in tension")
     for told, z in solved(dataset):
-        row: list[float | str] = [list(TOLD.values())[told], float(dataset.magnification[z])]
-        row.append(estimate(dataset, "plain", told, z).value)
-        for name in QUANTITIES:
+        row: dict[str, float | str] = {
+            "work": list(TOLD.values())[told],
+            "zeta": float(dataset.magnification[z]),
+            "A/A0 without adhesion": estimate(dataset, "plain", told, z).value,
+        }
+        for name, words in zip(QUANTITIES, short, strict=True):
             found = estimate(dataset, name, told, z)
-            row += [found.value, found.half_width, *theory(dataset, name, told, z).tolist()]
-        row += [*distances(dataset, told, z).tolist(), estimate(dataset, "parted", told, z).value]
-        rows.append(tuple(row))
-    columns = ["work", "zeta", "A/A0 without adhesion"]
-    for words in ("A/A0", "F/F_load", "U_el/U_full", "share in tension"):
-        columns += [words, f"+- {words} (95 %)", f"{words}, theory (Eqs. 44-49)", f"{words}, theory (Eq. 43)"]
-    columns += ["distance of P(sigma) A0/A (Eqs. 44-49)", "distance of P(sigma) A0/A (Eq. 43)"]
-    return ResultTable.of((*columns, "A/A0 parted from full contact"), rows)
+            row |= {words: found.value, f"+- {words} (95 %)": found.half_width}
+            said = theory(dataset, name, told, z)
+            row |= {
+                f"{words}, theory (Eqs. 44-49)": float(said[0]),
+                f"{words}, theory (Eq. 43)": float(said[1]),
+            }
+        for reading, distance in zip(("Eqs. 44-49", "Eq. 43"), distances(dataset, told, z), strict=True):
+            row[f"distance of P(sigma) A0/A ({reading})"] = float(distance)
+        row["A/A0 parted from full contact"] = estimate(dataset, "parted", told, z).value
+        rows.append(row)
+    return ResultTable.of_rows(rows)
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:

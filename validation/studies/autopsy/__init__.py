@@ -13,10 +13,10 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import AfterValidator, Field
 
-from validation.measures.common import Rising, base_case, base_surface
+from validation.arrays import Array
+from validation.measures.common import Rising, base_case, base_surface, named
 from validation.measures.measurement import area_limits
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
@@ -38,8 +38,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Options", "figures", "findings", "run", "table"]
-
-Array = NDArray[np.float64]
 
 
 def _rough(magnifications: tuple[float, ...]) -> tuple[float, ...]:
@@ -144,12 +142,12 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         variable.attrs["long_name"] = _WORDS[str(name).removeprefix("probe_")]
     data = data.assign_coords(
         hurst=list(options.hursts),
-        reduced_pressure=("load", list(options.reduced_pressures), {"long_name": "p* = p0 / (E* h'_rms)"}),
-        zeta=("level", list(options.ends), {"long_name": "q / q_long of the last wave there is"}),
+        reduced_pressure=named("load", list(options.reduced_pressures), "p* = p0 / (E* h'_rms)"),
+        zeta=named("level", list(options.ends), "q / q_long of the last wave there is"),
         restart_zeta=("restart", list(options.octaves[:-1])),
         probe_zeta=("probe", list(options.probes)),
-        relative_step=("variance_step", list(options.variance_steps), {"long_name": "Delta V / V"}),
-        upper=("bin", PROFILE_EDGES[1:], {"long_name": "p / sqrt(V), upper edge"}),
+        relative_step=named("variance_step", list(options.variance_steps), "Delta V / V"),
+        upper=named("bin", PROFILE_EDGES[1:], "p / sqrt(V), upper edge"),
     )
     return data.assign_attrs(
         study="autopsy",
@@ -311,27 +309,25 @@ def table(dataset: xr.Dataset) -> ResultTable:
     }
     ends = np.asarray(dataset.attrs["octaves"], dtype=float)
     ratio = Spread.of(reading.over_persson(dataset))
-    rows: list[tuple[float | str, ...]] = []
+    rows: list[dict[str, float | str]] = []
     for h, j, k in itertools.product(
         range(dataset.sizes["hurst"]), range(dataset.sizes["load"]), range(ends.size - 1)
     ):
         at = {"hurst": h, "load": j, "octave": k}
         end = {"hurst": h, "load": j, "level": int(np.argmin(np.abs(dataset.zeta.values - ends[k + 1])))}
-        row: list[float | str] = [
-            float(dataset.hurst[h]),
-            float(dataset.reduced_pressure[j]),
-            f"{ends[k]:g}-{ends[k + 1]:g}",
-        ]
+        row: dict[str, float | str] = {
+            "H": float(dataset.hurst[h]),
+            "p*": float(dataset.reduced_pressure[j]),
+            "zeta": f"{ends[k]:g}-{ends[k + 1]:g}",
+        }
         for name, spread in columns.items():
-            row.append(float(spread.value.isel(at)))
+            row[name] = float(spread.value.isel(at))
             if name in _WITH_INTERVAL:
-                row.append(float(spread.half_width.isel(at)))
-        row += [float(ratio.value.isel(end)), float(ratio.half_width.isel(end))]
-        rows.append(tuple(row))
-    names = [["H"], ["p*"], ["zeta"]]
-    names += [[name, f"+- {name} (95 %)"] if name in _WITH_INTERVAL else [name] for name in columns]
-    names += [["A/Persson at its end", "+- A/Persson (95 %)"]]
-    return ResultTable.of(tuple(itertools.chain(*names)), rows)
+                row[f"+- {name} (95 %)"] = float(spread.half_width.isel(at))
+        row["A/Persson at its end"] = float(ratio.value.isel(end))
+        row["+- A/Persson (95 %)"] = float(ratio.half_width.isel(end))
+        rows.append(row)
+    return ResultTable.of_rows(rows)
 
 
 _WITH_INTERVAL = ("d<p^2>/(A dV)", "d ln A/d ln V", "restarted loss over true")

@@ -21,9 +21,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["BINS", "FLOWS", "PROFILES", "PROFILE_EDGES", "Pressed", "bins_of", "flows", "mean_of", "profile"]
+from validation.arrays import Array
 
-Array = NDArray[np.float64]
+__all__ = ["BINS", "FLOWS", "PROFILES", "PROFILE_EDGES", "Pressed", "bins_of", "flows", "mean_of", "profile"]
 
 #: What is read off a step, per nominal area, with pressures in units of sqrt(V) before it.
 FLOWS = {

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from persson import elastic
+from validation.arrays import Array
 from validation.studies.autopsy.books import Pressed, flows, mean_of, profile
 from validation.studies.autopsy.memory import Memory
-from validation.studies.autopsy.rings import Array, RingSolve, areas_of, book_dataset, pressed
+from validation.studies.autopsy.rings import RingSolve, areas_of, book_dataset, pressed
 
 if TYPE_CHECKING:
     import xarray as xr

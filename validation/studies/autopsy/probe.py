@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from validation.arrays import Array
 from validation.measures.common import reduced_load
 from validation.studies.autopsy.books import flows, mean_of, profile
-from validation.studies.autopsy.rings import Array, RingSolve, areas_of, book_dataset, pressed
+from validation.studies.autopsy.rings import RingSolve, areas_of, book_dataset, pressed
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.stats
-from numpy.typing import NDArray
 
 from persson import elastic
+from validation.arrays import Array
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,8 +39,6 @@ __all__ = [
     "two_steps",
     "within",
 ]
-
-Array = NDArray[np.float64]
 
 #: Terms of the book of the mean square: words, and how each is made of what is stored.
 TERMS: dict[str, tuple[str, str, float]] = {

@@ -8,11 +8,11 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from fem_contact.response import HalfSpace
 from fem_contact.surface import HeightField
+from validation.arrays import Array
 from validation.scenes import surfaces
 from validation.scenes.realised import Realised
 from validation.scenes.scene import SelfAffineSurface
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
     from fem_contact.surface import RandomWaves
 
 __all__ = ["AREAS", "RingSolve", "areas_of", "book_dataset", "pressed", "ring_ends"]
-
-Array = NDArray[np.float64]
 
 #: What limits of the area are made of, as `validation.measures.measurement` has them.
 AREAS = ("pixel", "perimeter", "edge_fraction", "subcell")

@@ -10,11 +10,11 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from persson.variants import EnergyReading
-from validation.measures.common import Rising
+from validation.arrays import Array
+from validation.measures.common import Rising, named
 from validation.measures.flow import StiffMeasurement
 from validation.measures.measurement import area_limits
 from validation.measures.theory import VARIANTS, Waves
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["THEORIES", "Options", "figures", "findings", "run", "table"]
-
-Array = NDArray[np.float64]
 
 #: Readings of the elastic energy, and how they are called; gap and stiffness follow from p du = -dU.
 THEORIES: dict[EnergyReading, str] = {
@@ -95,7 +93,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     return xr.Dataset(
         data,
         coords={
-            "reduced_pressure": ("load", loads, {"long_name": "p0 / (E* h'_rms)"}),
+            "reduced_pressure": named("load", loads, "p0 / (E* h'_rms)"),
             "theory": list(THEORIES.values()),
             "tolerance": list(_STRICT[:-1]),
         },
@@ -184,11 +182,11 @@ def _limits(measured: Sequence[xr.Dataset]) -> dict[str, Any]:
     dims = ("surface", "load")
     words = {"area": "A/A0", **QUANTITIES}
     values = {
-        name: (dims, np.array([one[0] for one in both]), {"units": "1", "long_name": words[name]})
+        name: named(dims, np.array([one[0] for one in both]), words[name], unit="1")
         for name, both in found.items()
     }
     errors = {
-        f"{name}_error": (dims, np.array([one[1] for one in both]), {"long_name": "standard error, grids"})
+        f"{name}_error": named(dims, np.array([one[1] for one in both]), "standard error, grids")
         for name, both in found.items()
     }
     return {**values, **errors}
@@ -206,11 +204,7 @@ def _theory(cases: Sequence[Realised], loads: Array) -> dict[str, Any]:
         for name in QUANTITIES:
             rows[name].append(np.array([one[name] for one in said]))
     return {
-        f"theory_{name}": (
-            ("theory", "load"),
-            np.mean(values, axis=0),
-            {"long_name": f"{QUANTITIES[name]}, theory"},
-        )
+        f"theory_{name}": named(("theory", "load"), np.mean(values, axis=0), f"{QUANTITIES[name]}, theory")
         for name, values in rows.items()
     }
 
@@ -243,18 +237,12 @@ def _checked(near: xr.Dataset, usual: xr.Dataset) -> dict[str, Any]:
     with np.errstate(divide="ignore", invalid="ignore"):
         gained = (stored - stored[0]) / path
     return {
-        "work": (
-            "load",
-            work,
-            {"long_name": "energy gained over the work of the load, between loads .2 % apart"},
-        ),
-        "path_work": ("load", gained, {"long_name": "the same from the lightest load on"}),
-        "stiffness_check": ("load", stiffness, {"long_name": "dp/du between those loads over the stiffness"}),
-        "first_energy": ("load", stored, {"long_name": "energy over that of full contact, first surface"}),
-        "first_gap": (
-            "load",
-            own.mean_gap.values / usual.attrs["rms_height"],
-            {"long_name": "gap / h_rms, first surface"},
+        "work": named("load", work, "energy gained over the work of the load, between loads .2 % apart"),
+        "path_work": named("load", gained, "the same from the lightest load on"),
+        "stiffness_check": named("load", stiffness, "dp/du between those loads over the stiffness"),
+        "first_energy": named("load", stored, "energy over that of full contact, first surface"),
+        "first_gap": named(
+            "load", own.mean_gap.values / usual.attrs["rms_height"], "gap / h_rms, first surface"
         ),
     }
 
@@ -274,10 +262,10 @@ def _left(measured: Sequence[xr.Dataset]) -> dict[str, Any]:
     values = {name: np.array([_read(data, name)[0] for data in measured]) for name in QUANTITIES}
     with np.errstate(divide="ignore", invalid="ignore"):
         return {
-            f"left_{name}": (
+            f"left_{name}": named(
                 ("tolerance", "load"),
                 np.abs(value[:-1] / value[-1] - 1),
-                {"long_name": "relative change to the strictest tolerance"},
+                "relative change to the strictest tolerance",
             )
             for name, value in values.items()
         }

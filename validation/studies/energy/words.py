@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.arrays import Array
 from validation.measures.common import over_surfaces
 from validation.report.table import ResultTable
 
@@ -15,8 +16,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["QUANTITIES", "Scored", "findings", "scored", "table"]
-
-Array = NDArray[np.float64]
 
 #: What is compared, and how it is called.
 QUANTITIES = {
@@ -80,27 +79,26 @@ def scored(dataset: xr.Dataset, name: str) -> Scored:
 def table(dataset: xr.Dataset) -> ResultTable:
     """Return one row for each quantity and load."""
     names = dataset.theory.values.tolist()
-    rows: list[tuple[float | str, ...]] = []
+    rows: list[dict[str, float | str]] = []
     for name, words in QUANTITIES.items():
         found = scored(dataset, name)
         for j in range(dataset.sizes["load"]):
             holds = [str(theory) for theory, yes in zip(names, found.holds[:, j], strict=True) if yes]
+            none = "none" if np.isfinite(found.ratio[0, j]) else "full contact"
             rows.append(
-                (
-                    words,
-                    float(dataset.reduced_pressure[j]),
-                    float(dataset.area[:, j].mean()),
-                    *(float(part[j]) for part in (found.value, found.surfaces, found.grid, found.solver)),
-                    *(float(ratio) for ratio in found.ratio[:, j]),
-                    "; ".join(holds)
-                    if holds
-                    else "none"
-                    if np.isfinite(found.ratio[0, j])
-                    else "full contact",
-                )
+                {
+                    "quantity": words,
+                    "p*": float(dataset.reduced_pressure[j]),
+                    "A/A0": float(dataset.area[:, j].mean()),
+                    "limit": float(found.value[j]),
+                    "+- surfaces (95 %)": float(found.surfaces[j]),
+                    "+- grid": float(found.grid[j]),
+                    "+- solver": float(found.solver[j]),
+                    **{f"over {name}": float(found.ratio[v, j]) for v, name in enumerate(names)},
+                    "within the interval": "; ".join(holds) or none,
+                }
             )
-    columns = ("quantity", "p*", "A/A0", "limit", "+- surfaces (95 %)", "+- grid", "+- solver")
-    return ResultTable.of((*columns, *(f"over {name}" for name in names), "within the interval"), rows)
+    return ResultTable.of_rows(rows)
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:

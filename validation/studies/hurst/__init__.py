@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 import scipy.optimize
-from numpy.typing import NDArray
 from pydantic import Field
 
 from persson import elastic
 from persson.variants import corrected_contact_area
+from validation.arrays import Array
 from validation.errors import UsageError
 from validation.measures.budget import Budget, budget_table, grid_drift, grid_share, solver_error
-from validation.measures.common import SHIFTS, Ladder, Rising, base_case, base_surface, persson_area
+from validation.measures.common import SHIFTS, Ladder, Rising, base_case, base_surface, named, persson_area
 from validation.measures.ladders import LADDERS, Ladders, rungs_of, spectral_share
-from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.measures.measurement import Measurement, area_limits, grid_for, grid_tolerance
 from validation.measures.statistics import Estimate, mean_over_surfaces, pair_means
 from validation.measures.theory import RANKED, VARIANTS, ensemble_area
 from validation.report.drawing import Drawing
@@ -33,8 +33,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Options", "budget", "figures", "findings", "run", "table"]
-
-Array = NDArray[np.float64]
 
 
 class Options(StudyOptions):
@@ -167,12 +165,14 @@ def _cases(options: Options, spectra: Sequence[_Spectrum]) -> dict[_Case, Measur
     found = {}
     for i, spectrum in enumerate(spectra):
         base = base_case(spectrum.surface, reduced_pressure=options.reduced_pressures[0])
+        grids = tuple(grid_for(base, points) for points in options.points_per_wave)
         for pair, inverted in itertools.product(range(options.pairs), (False, True)):
             found[i, 2 * pair + inverted] = Measurement(
                 realised=replace(base.further(pair), inverted=inverted),
                 reduced_pressures=options.reduced_pressures,
-                grids=tuple(grid_for(base, points) for points in options.points_per_wave),
+                grids=grids,
                 shifts=options.shifts,
+                tolerance=grid_tolerance(base, grids),
             )
     return found
 
@@ -220,21 +220,16 @@ def _kappas(
     dims = {4: ("spectrum", "surface", "grid", "load"), 3: ("spectrum", "surface", "load")}
     nayak = over(lambda case: measured[case].attrs["nayak"])
     return xr.Dataset(
-        {
-            name: (dims[area.ndim], area / pressure, {"long_name": _WORDS[name]})
-            for name, area in areas.items()
-        },
+        {name: named(dims[area.ndim], area / pressure, _WORDS[name]) for name, area in areas.items()},
         coords={
-            "nayak": (("spectrum", "surface"), nayak, {"long_name": "realised Nayak parameter"}),
-            "reduced_pressure": ("load", pressure, {"long_name": "p0 / (E* h'_rms)"}),
+            "nayak": named(("spectrum", "surface"), nayak, "realised Nayak parameter"),
+            "reduced_pressure": named("load", pressure, "p0 / (E* h'_rms)"),
             "hurst": ("spectrum", [spectrum.hurst for spectrum in spectra]),
-            "bandwidth": (
-                "spectrum",
-                [spectrum.bandwidth for spectrum in spectra],
-                {"long_name": "lambda_long / lambda_short"},
+            "bandwidth": named(
+                "spectrum", [spectrum.bandwidth for spectrum in spectra], "lambda_long / lambda_short"
             ),
             "family": ("spectrum", [spectrum.family for spectrum in spectra]),
-            "points_per_wave": ("grid", list(options.points_per_wave), {"long_name": "lambda_short / dx"}),
+            "points_per_wave": named("grid", list(options.points_per_wave), "lambda_short / dx"),
         },
     )
 
@@ -305,41 +300,27 @@ def budget(dataset: xr.Dataset) -> ResultTable:
 def table(dataset: xr.Dataset) -> ResultTable:
     """Return one row for each spectrum and load."""
     limits, pixels = estimates(dataset), estimates(dataset, "kappa_pixel")
+    coarsest, finest = dataset.points_per_wave.values[[0, -1]]
     rows = []
     for i, j in itertools.product(range(dataset.sizes["spectrum"]), range(dataset.sizes["load"])):
         pressure = float(dataset.reduced_pressure[j])
         rows.append(
-            (
-                float(dataset.hurst[i]),
-                float(dataset.bandwidth[i]),
-                float(dataset.nayak[i].mean()),
-                pressure,
-                limits[i][j].value,
-                limits[i][j].half_width,
-                limits[i][j].value * _grid_share(dataset, i, j),
-                pixels[i][j].value,
-                float(dataset.kappa_pixel[i, :, 0, j].mean()),
-                float(persson_area(pressure)) / pressure,
-                float(dataset.kappa_ensemble[i, :, j].mean()),
-                *variant_kappa(pressure).values(),
-            )
+            {
+                "H": float(dataset.hurst[i]),
+                "lambda_long/lambda_short": float(dataset.bandwidth[i]),
+                "Nayak (realised)": float(dataset.nayak[i].mean()),
+                "p*": pressure,
+                "kappa limit": limits[i][j].value,
+                "+- (95 %, surfaces)": limits[i][j].half_width,
+                "+- (95 %, grid)": limits[i][j].value * _grid_share(dataset, i, j),
+                f"counted at lambda_short/dx = {finest:g}": pixels[i][j].value,
+                f"counted at {coarsest:g}": float(dataset.kappa_pixel[i, :, 0, j].mean()),
+                "Persson, conditional": float(persson_area(pressure)) / pressure,
+                "Persson, ensemble": float(dataset.kappa_ensemble[i, :, j].mean()),
+                **variant_kappa(pressure),
+            }
         )
-    coarsest, finest = dataset.points_per_wave.values[[0, -1]]
-    columns = (
-        "H",
-        "lambda_long/lambda_short",
-        "Nayak (realised)",
-        "p*",
-        "kappa limit",
-        "+- (95 %, surfaces)",
-        "+- (95 %, grid)",
-        f"counted at lambda_short/dx = {finest:g}",
-        f"counted at {coarsest:g}",
-        "Persson, conditional",
-        "Persson, ensemble",
-        *variant_kappa(1.0),
-    )
-    return ResultTable.of(columns, rows)
+    return ResultTable.of_rows(rows)
 
 
 def findings(data: xr.Dataset) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from persson.elastic import KAPPA_BGT, KAPPA_PERSSON, persson_kappa
+from validation.measures.common import draw_means
 from validation.measures.references import ALPHA_LITERATURE, KAPPA_LITERATURE
 from validation.report.figure import COLOURS, STYLES, SYMBOLS, THEORY, look, new_figure
 from validation.studies.hurst.sentences import alpha_ratio
@@ -41,9 +42,8 @@ def kappa_against_hurst(
     hurst = dataset.hurst.values[rows]
     per_wave = dataset.points_per_wave.values
     for j, axes in enumerate(panels):
-        value = [limits[i][j].value for i in rows]
-        error = [limits[i][j].half_width for i in rows]
-        axes.errorbar(hurst, value, yerr=error, ls="-", label="limit over grids", **look(0))
+        found = [limits[i][j] for i in rows]
+        draw_means(axes, hurst, found, ls="-", label="limit over grids", **look(0))
         for g, style in ((-1, "-"), (0, ":")):
             axes.plot(
                 hurst,
@@ -59,7 +59,7 @@ def kappa_against_hurst(
         _theory_lines(axes, float(loads[j]), variants[j])
         ensemble = dataset.kappa_ensemble[rows, :, j].mean("surface")
         axes.plot(hurst, ensemble, lw=0.7, ls="--", color=THEORY["color"], label="Persson, from C(q) alone")
-        if np.mean(value) * loads[j] < _LIGHT:
+        if np.mean([one.value for one in found]) * loads[j] < _LIGHT:
             _literature(axes)
         axes.set_title(f"p* = {loads[j]:g}", fontsize=9)
         axes.set_xlabel("Hurst exponent H")
@@ -112,11 +112,8 @@ def kappa_against_nayak(dataset: xr.Dataset, limits: Sequence[Sequence[Estimate]
         rows = [int(i) for i in np.flatnonzero(dataset.family.values == family)]
         for j, pressure in enumerate(dataset.reduced_pressure.values):
             shape = {**look(j), "marker": SYMBOLS[f]}
-            value = [limits[i][j].value for i in rows]
-            error = [limits[i][j].half_width for i in rows]
-            axes.errorbar(
-                alpha[rows], value, yerr=error, ls="-", lw=0.7, label=f"{family}, p* = {pressure:g}", **shape
-            )
+            label = f"{family}, p* = {pressure:g}"
+            draw_means(axes, alpha[rows], [limits[i][j] for i in rows], ls="-", lw=0.7, label=label, **shape)
     for k in range(dataset.sizes.get("ladder", 0)):
         label = f"bandwidth at equal H = {float(dataset.ladder_hurst[k]):g}, p* = {dataset.attrs['ladder_reduced_pressure']:g}"
         style: dict[str, Any] = {

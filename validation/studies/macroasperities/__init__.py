@@ -6,21 +6,22 @@ contact break up, contact and gap join up, and the regions seen where ln A bends
 
 from __future__ import annotations
 
-import itertools
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
 from persson.errors import OutsideTheory
 from persson.percolation import SITE_THRESHOLD
 from persson.separation import macroasperity_magnification
+from validation.arrays import Array
 from validation.measures.common import (
     Rising,
     RisingOrNone,
     base_case,
     base_surface,
+    each,
+    named,
     over_surfaces,
     persson_area,
     results_of,
@@ -38,8 +39,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Options", "figures", "findings", "run", "table"]
-
-Array = NDArray[np.float64]
 
 
 class Options(StudyOptions):
@@ -103,13 +102,13 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         data[name].attrs = {"units": "1", "long_name": words}
     loads, zeta = np.array(options.reduced_pressures), np.array(options.magnifications)
     data = data.assign_coords(
-        reduced_pressure=("load", loads, {"long_name": "p0 / (E* h'_rms), all waves"}),
-        zeta=("magnification", zeta, {"long_name": "q / q_0 of the last wave"}),
+        reduced_pressure=named("load", loads, "p0 / (E* h'_rms), all waves"),
+        zeta=named("magnification", zeta, "q / q_0 of the last wave"),
         percolating_pressure=("percolating", list(options.percolating)),
         source=["theory", "bem"],
     )
     theory = persson_area(loads[None, :, None] / data.gradient.values[:, None, :])
-    data["theory"] = (("surface", "load", "magnification"), theory, {"long_name": "A/A0, Persson"})
+    data["theory"] = named(("surface", "load", "magnification"), theory, "A/A0, Persson")
     # Those of the simulation from the mean over the surfaces: the bend of a single one is noise.
     mean = data.area.mean("surface").values
     bends = np.array([[_of_theory(first, p) for p in loads], [_sharpest_bend(zeta, area) for area in mean]])
@@ -122,8 +121,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
             for k in range(options.surfaces)
         ]
     )
-    data["macro_zeta"] = (("source", "load"), bends, {"long_name": "zeta where ln A bends most"})
-    data["macro_area"] = (("surface", "source", "load"), areas, {"long_name": "A/A0 there"})
+    data["macro_zeta"] = named(("source", "load"), bends, "zeta where ln A bends most")
+    data["macro_area"] = named(("surface", "source", "load"), areas, "A/A0 there")
     data["macro_pressure"] = loads / data.macro_area
     data.attrs = {"study": "macroasperities", "methods": "theory bem", **_spectrum_words(options)}
     return data
@@ -174,36 +173,24 @@ def _between(zeta: Array, area: Array, at: float) -> float:
 def table(dataset: xr.Dataset) -> ResultTable:
     """Return one row for each load and magnification."""
     rows = []
-    for j, i in itertools.product(range(dataset.sizes["load"]), range(dataset.sizes["magnification"])):
-        here = dataset.isel(load=j, magnification=i)
+    for here in each(dataset, "load", "magnification"):
         area, inside = over_surfaces(here.area), over_surfaces(here.load_inside)
         rows.append(
-            (
-                float(here.reduced_pressure),
-                float(here.zeta),
-                area.value,
-                area.half_width,
-                float(here.theory.mean()),
-                float(here.reduced_pressure) / area.value,
-                *(over_surfaces(here[name]).value for name in ("patches", "patch_size", "largest")),
-                inside.value,
-                inside.half_width,
-            )
+            {
+                "p* (all waves)": float(here.reduced_pressure),
+                "zeta": float(here.zeta),
+                "A/A0": area.value,
+                "+- (95 %)": area.half_width,
+                "Persson": float(here.theory.mean()),
+                "p0 A0/A / (E* h'_rms)": float(here.reduced_pressure) / area.value,
+                "patches on lambda_0^2": over_surfaces(here.patches).value,
+                "mean patch / lambda_0^2": over_surfaces(here.patch_size).value,
+                "largest patch / A": over_surfaces(here.largest).value,
+                "load inside, all waves": inside.value,
+                "+- (95 %) of it": inside.half_width,
+            }
         )
-    columns = (
-        "p* (all waves)",
-        "zeta",
-        "A/A0",
-        "+- (95 %)",
-        "Persson",
-        "p0 A0/A / (E* h'_rms)",
-        "patches on lambda_0^2",
-        "mean patch / lambda_0^2",
-        "largest patch / A",
-        "load inside, all waves",
-        "+- (95 %) of it",
-    )
-    return ResultTable.of(columns, rows)
+    return ResultTable.of_rows(rows)
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:

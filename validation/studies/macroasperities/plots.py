@@ -6,12 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.measures.common import over_surfaces
+from validation.measures.common import draw_means, means_of
 from validation.report.figure import COLOURS, STYLES, look, new_figure, plain_look
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 __all__ = ["patches", "percolation", "pressure"]
@@ -22,26 +21,14 @@ _LOAD = r"$p_0 / (E^* h'_\mathrm{rms})$, all waves"
 _FIXED = (1.0, 2.0, 4.0)
 
 
-def _bars(axes: Axes, x: np.ndarray, values: xr.DataArray, **style: object) -> None:
-    """Mean and 95 % over surfaces along the last dimension."""
-    each = [over_surfaces(values[:, i]) for i in range(values.shape[1])]
-    axes.errorbar(x, [one.value for one in each], yerr=[one.half_width for one in each], **style)  # type: ignore[arg-type]
-
-
 def patches(dataset: xr.Dataset) -> Figure:
     """Area, number of patches and share of the largest, over the magnification."""
     figure, (left, middle, right) = new_figure(width=12.0, columns=3)
     zeta, loads = dataset.zeta.values, dataset.reduced_pressure.values
     for n, j in enumerate(range(0, loads.size, 2)):
         for axes, name in ((left, "area"), (middle, "patches"), (right, "largest")):
-            _bars(
-                axes,
-                zeta,
-                dataset[name][:, j],
-                ls="" if axes is left else "-",
-                label=f"p* = {loads[j]:g}",
-                **look(n),
-            )
+            style = {**look(n), "ls": "" if axes is left else "-"}
+            draw_means(axes, zeta, means_of(dataset[name][:, j]), label=f"p* = {loads[j]:g}", **style)
         left.plot(zeta, dataset.theory[:, j].mean("surface"), color=COLOURS[n], lw=0.9)
     for axes, words in (
         (left, r"$A(\zeta)/A_0$; lines: Persson"),
@@ -63,24 +50,9 @@ def pressure(dataset: xr.Dataset) -> Figure:
     loads, zeta = dataset.reduced_pressure.values, dataset.zeta.values
     for n, at in enumerate(_FIXED):
         i = int(np.argmin(np.abs(np.log(zeta / at))))
-        _bars(
-            left,
-            loads,
-            loads / dataset.area[:, :, i],
-            ls="-",
-            lw=0.8,
-            label=rf"$\zeta$ = {zeta[i]:g}",
-            **look(n),
-        )
-        _bars(
-            right,
-            loads,
-            dataset.load_inside[:, :, i],
-            ls="-",
-            lw=0.8,
-            label=rf"$\zeta$ = {zeta[i]:g}",
-            **look(n),
-        )
+        style = {**look(n), "ls": "-", "lw": 0.8, "label": rf"$\zeta$ = {zeta[i]:g}"}
+        draw_means(left, loads, means_of(loads / dataset.area[:, :, i]), **style)
+        draw_means(right, loads, means_of(dataset.load_inside[:, :, i]), **style)
     for n, source in enumerate(dataset.source.values.tolist()):
         left.plot(
             loads,

@@ -7,21 +7,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
 from validation.measures.flow import contact_is_apart, gap_is_open, located_area
 from validation.measures.measurement import without_waves_beyond
-from validation.measures.single_solve import SingleSolve
-from validation.solves.solve import LOCATED_EDGES, Prediction
+from validation.measures.single_solve import SingleSolve, Takes
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["QUANTITIES", "Magnified"]
-
-Array = NDArray[np.float64]
 
 #: What is read off every state: meaning.
 QUANTITIES = {
@@ -55,36 +51,23 @@ class Magnified(SingleSolve):
         p* at which the magnifications are sought where contact and gap join up.
     """
 
+    kind, words = "magnified", "magnified"
+    located, version = True, 1
+    takes = Takes(seconds=2e-3, each_point=8e-7, bytes=500)
+
     reduced_pressures: tuple[float, ...]
     magnifications: tuple[float, ...]
     percolating: tuple[float, ...] = ()
 
     @property
     def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers."""
-        made = {name: value for name, value in super().recipe.items() if name != "load"}
-        return made | {
-            "reduced_pressures": list(self.reduced_pressures),
-            "magnifications": list(self.magnifications),
-            "percolating": list(self.percolating),
-            "edges": LOCATED_EDGES,
-            "version": 1,
-        }
+        """Everything that determines the numbers; the loads are its own."""
+        return {name: value for name, value in super().recipe.items() if name != "load"}
 
     @property
-    def prefix(self) -> str:
-        """Readable start of the name on disk."""
-        return f"magnified-{self.size}"
-
-    def describe(self) -> str:
-        """Return a few words for a progress bar."""
-        return f"magnified {self.where}"
-
-    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
-        """Predict the cost: a solve for each load and magnification, some twenty for each pair of thresholds."""
-        solves = len(self.reduced_pressures) * len(self.magnifications) + 20 * len(self.percolating)
-        n = self.points
-        return Prediction(seconds=solves * (2e-3 + 8e-7 * n), peak_bytes=500 * n, unknowns=n)
+    def problems(self) -> int:
+        """One for each load and magnification, some twenty for each pair of thresholds."""
+        return len(self.reduced_pressures) * len(self.magnifications) + 20 * len(self.percolating)
 
     def measure(self) -> xr.Dataset:
         """Press everything and keep the numbers; dimensions (load, magnification) and (percolating, axis)."""

@@ -6,14 +6,14 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 from scipy.special import erf
 
 from persson import elastic
 from persson.variants import Variant, corrected_contact_area
+from validation.arrays import Array
 from validation.measures.budget import grid_drift
-from validation.measures.common import SHIFTS, Ladder, Rising, over_surfaces
+from validation.measures.common import SHIFTS, Ladder, Rising, named, over_surfaces
 from validation.measures.distributions import (
     PATCH_EDGES,
     STRESS_EDGES,
@@ -35,8 +35,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["LOADS", "Options", "figures", "findings", "independence", "reference_load", "run", "table"]
-
-Array = NDArray[np.float64]
 
 #: Reduced pressures from light load to full contact.
 LOADS = (0.001, 0.003, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2)
@@ -79,12 +77,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         .merge(_shares(measured))
         .merge(theory)
         .assign_coords(
-            stress_upper=("stress_bin", STRESS_EDGES[1:], {"long_name": "sigma / (E* h'_rms), upper edge"}),
-            patch_upper=(
-                "patch_area_bin",
-                PATCH_EDGES[1:],
-                {"long_name": "A_patch / lambda_short^2, upper edge"},
-            ),
+            stress_upper=named("stress_bin", STRESS_EDGES[1:], "sigma / (E* h'_rms), upper edge"),
+            patch_upper=named("patch_area_bin", PATCH_EDGES[1:], "A_patch / lambda_short^2, upper edge"),
             variant=list(VARIANTS),
             mode=["conditional", "ensemble"],
         )
@@ -133,8 +127,8 @@ def _numbers(options: Options, measured: Sequence[xr.Dataset]) -> xr.Dataset:
         "energy_error": _grid_change(measured, "energy", full[:, 0].tolist()),
     }
     return xr.Dataset(
-        {name: (("surface", "load"), values, {"long_name": _WORDS[name]}) for name, values in data.items()},
-        coords={"reduced_pressure": ("load", _loads(options), {"long_name": "p0 / (E* h'_rms)"})},
+        {name: named(("surface", "load"), values, _WORDS[name]) for name, values in data.items()},
+        coords={"reduced_pressure": named("load", _loads(options), "p0 / (E* h'_rms)")},
         attrs={"study": "pressure", "methods": RANKED, **options.spectrum_words},
     )
 
@@ -145,10 +139,10 @@ def _shares(measured: Sequence[xr.Dataset]) -> xr.Dataset:
 
     return xr.Dataset(
         {
-            f"{name}_share": (
+            f"{name}_share": named(
                 ("surface", "load", f"{name}_bin"),
                 np.array([data[f"{name}_profile"].values[-1] for data in measured]),
-                {"long_name": words},
+                words,
             )
             for name, words in _SHARES.items()
         }
@@ -196,10 +190,7 @@ def _theory(cases: Sequence[Realised], gradients: Sequence[float], loads: Array)
             values["gamma"][m, v] = _logarithmic_slope(gap, loads)
     dims = ("mode", "variant", "load")
     return xr.Dataset(
-        {
-            f"theory_{name}": (dims, value, {"long_name": f"{_WORDS[name]}, theory"})
-            for name, value in values.items()
-        }
+        {f"theory_{name}": named(dims, value, f"{_WORDS[name]}, theory") for name, value in values.items()}
     )
 
 

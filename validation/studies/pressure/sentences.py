@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from validation.arrays import Array
 from validation.measures.common import persson_area
 from validation.measures.theory import VARIANTS, WITH_ENERGY, modes_sentence
 
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from validation.measures.distributions import Distance
 
 __all__ = ["all_of"]
-
-Array = NDArray[np.float64]
 
 #: Distance of cumulated shares up to which two distributions are called the same.
 _SAME = 0.05

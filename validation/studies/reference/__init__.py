@@ -18,15 +18,19 @@ from pydantic import Field, model_validator
 
 from fem_contact.contact import ContactResult
 from fem_contact.stress import initial_slope
-from validation.measures.common import Ladder, Rising, base_case, base_surface, results_of
-from validation.measures.ensemble import QUANTITIES, Samples
+from validation.measures.common import Ladder, Rising, RisingOrNone, base_case, base_surface, results_of
+from validation.measures.ensemble import QUANTITIES
 from validation.measures.flow import StiffMeasurement
 from validation.measures.measurement import grid_for
 from validation.measures.without_solve import UnsolvedPairs
 from validation.scenes.realised import Realised
+from validation.scenes.scene import SelfAffineSurface
+from validation.scenes.surfaces import spectrum_of
 from validation.solves.bench import Bench
 from validation.studies._options import Periods, Seed
 from validation.studies._study import StudyOptions
+from validation.studies.reference.joining import joined, with_size
+from validation.studies.reference.loads import BY_SPECTRUM, LoadedSamples
 from validation.studies.reference.shown import figures, findings, table
 from validation.units import wrong
 
@@ -45,6 +49,12 @@ _TOLERANCE = 1e-6
 #: Grids that a limit takes at least, and pairs that tell a variance.
 _LEAST_GRIDS, _LEAST_PAIRS = 3, 4
 _GREW = (2, 0, 1)
+#: Between the seeds of the table and those of larger samples.
+_APART = 1_000_000
+
+#: What is a mean over surfaces, and its meaning.
+_WORDS = {**QUANTITIES, BY_SPECTRUM: f"{QUANTITIES['area']}, at p* by the gradient of C(q)"}
+_READING = f"{BY_SPECTRUM}_reading"
 
 
 class Options(StudyOptions):
@@ -67,18 +77,33 @@ class Options(StudyOptions):
         default=(3.0, 6.0, 12.0, 24.0), description="grids, as lambda_short/dx, rising"
     )
     largest: int = Field(
-        default=1000, ge=2, description="points along a side beyond which a fourth or later grid is left out"
+        default=500, ge=2, description="points along a side beyond which a fourth or later grid is left out"
     )
     pairs: Annotated[tuple[Annotated[int, Field(ge=2)], ...], Field(min_length=2)] = Field(
-        default=(80, 30, 6, 2),
+        default=(80, 18, 6, 2),
         description="pairs +h, -h at bandwidth 16 that end with each of the grids, coarsest first; elsewhere in "
         "proportion to 1/bandwidth, at least 4",
+    )
+    wide_pairs: tuple[Annotated[int, Field(ge=2)], ...] = Field(
+        default=(40, 4, 4, 2), description="the same beyond bandwidth 16, as they stand, at least 4"
     )
     unsolved: int = Field(
         default=10,
         ge=1,
         description="pairs that are not solved, only looked at, for each that ends with the coarsest grid",
     )
+    gaussian: RisingOrNone = Field(
+        default=(0.3, 0.8),
+        description="those Hurst exponents at which surfaces with Gaussian amplitudes are solved as well",
+    )
+    gaussian_bandwidths: RisingOrNone = Field(
+        default=(4.0, 8.0, 16.0), description="and the bandwidths of these"
+    )
+    larger: RisingOrNone = Field(
+        default=(0.3, 0.8),
+        description="those at which samples of twice the periods are solved as well, a quarter as many",
+    )
+    larger_bandwidths: RisingOrNone = Field(default=(4.0, 8.0), description="and the bandwidths of these")
     shifts: int = Field(default=1, ge=1, le=8, description="sub-grid shifts along each axis")
     seed: Seed = 2006
 
@@ -86,6 +111,10 @@ class Options(StudyOptions):
     def _pairs_for_each_grid(self) -> Self:
         if len(self.pairs) != len(self.points_per_wave):
             raise wrong(f"pairs has {len(self.pairs)} numbers: needs one for each of points_per_wave")
+        if len(self.wide_pairs) < len(self.points_per_wave):
+            raise wrong(
+                f"wide_pairs has {len(self.wide_pairs)} numbers: needs one for each of points_per_wave"
+            )
         return self
 
     def ladder_of(self, bandwidth: float) -> tuple[float, ...]:
@@ -96,9 +125,30 @@ class Options(StudyOptions):
 
     def pairs_of(self, bandwidth: float) -> tuple[int, ...]:
         """Return how many pairs end with each grid of the ladder."""
-        more = _USUAL_BANDWIDTH / bandwidth
-        counts = self.pairs[: len(self.ladder_of(bandwidth))]
+        wide = bandwidth > _USUAL_BANDWIDTH
+        counts, more = (self.wide_pairs, 1.0) if wide else (self.pairs, _USUAL_BANDWIDTH / bandwidth)
+        counts = counts[: len(self.ladder_of(bandwidth))]
         return tuple(max(_LEAST_PAIRS, int(np.ceil(more * count - 1e-9))) for count in counts)
+
+    def part(self, hursts: tuple[float, ...], bandwidths: tuple[float, ...]) -> Self | None:
+        """Return the options of those of its spectra that are among some; None where none is."""
+        own = {
+            "hursts": tuple(value for value in self.hursts if value in hursts),
+            "bandwidths": tuple(value for value in self.bandwidths if value in bandwidths),
+        }
+        return self.model_copy(update=own) if all(own.values()) else None
+
+    def larger_samples(self) -> Self | None:
+        """Return what makes the samples of twice the periods; None where nobody asks for one."""
+        part = self.part(self.larger, self.larger_bandwidths)
+        return part and part.model_copy(
+            update={
+                "periods": 2 * self.periods,
+                "pairs": tuple(-(-count // 4) for count in self.pairs),
+                "wide_pairs": tuple(-(-count // 4) for count in self.wide_pairs),
+                "seed": self.seed + _APART,
+            }
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,36 +177,46 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over (hurst, bandwidth, load), for each of `QUANTITIES`: the mean, `_half_width` (95 %, over surfaces), `_grid` (half
-        width of what the grids leave, common to all surfaces), and `_error`, the root of their squares and the solver's;
-        and `saving`, the time that as many fine surfaces as the same interval takes would cost over what was spent.
+        Over (amplitudes, hurst, bandwidth, load), NaN where nobody asked, for each of `QUANTITIES` and for `BY_SPECTRUM`:
+        the mean, `_half_width` (95 %, over surfaces), `_grid` (half width of what the grids leave, common to all
+        surfaces), `_size` where larger samples were asked for, `_reading` of `BY_SPECTRUM`, and `_error`, the root of
+        their squares and the solver's; and `saving`, the time that as many fine surfaces as the same interval takes would
+        cost over what was spent.
     """
-    solved = results_of(bench, {**_cases(options), **_unsolved(options)})
+    made = _means(options, "exact", bench)
+    if larger := options.larger_samples():
+        made = with_size(made, _means(larger, "exact", bench))
+    gaussian = options.part(options.gaussian, options.gaussian_bandwidths)
+    return joined([made, _means(gaussian, "gaussian", bench)]) if gaussian else made
+
+
+def _means(options: Options, amplitudes: str, bench: Bench) -> xr.Dataset:
+    """Return the controlled means over the surfaces with such amplitudes."""
+    solved = results_of(bench, {**_cases(options, amplitudes), **_unsolved(options, amplitudes)})
     shape = (len(options.hursts), len(options.bandwidths), len(options.reduced_pressures))
-    values = {name: np.empty((3, *shape)) for name in QUANTITIES}
-    saving = np.empty(shape)
+    values = {f"{name}{part}": np.empty(shape) for name in _WORDS for part in ("", "_half_width", "_grid")}
+    values |= {name: np.empty(shape) for name in ("saving", _READING)}
     for at in np.ndindex(shape[:2]):
         samples = _samples(solved, options, options.hursts[at[0]], options.bandwidths[at[1]])
-        for name in QUANTITIES:
-            chains, grid = samples.chains(name), samples.grid_errors(name)
+        for name in _WORDS:
+            chains = samples.chains(name)
             found = [chain[-1].estimate for chain in chains]
-            values[name][(slice(None), *at)] = (
-                [one.value for one in found],
-                [one.half_width for one in found],
-                grid,
-            )
+            values[name][at] = [one.value for one in found]
+            values[f"{name}_half_width"][at] = [one.half_width for one in found]
+            values[f"{name}_grid"][at] = samples.grid_errors(name)
             if name == "area":
-                saving[at] = samples.savings(chains)
-    return _dataset(options, values, saving)
+                values["saving"][at] = samples.savings(chains)
+        values[_READING][at] = samples.reading_errors()
+    return _dataset(options, values).expand_dims(amplitudes=[amplitudes])
 
 
 def _samples(
     solved: Mapping[_Case | _Name, xr.Dataset], options: Options, hurst: float, bandwidth: float
-) -> Samples:
+) -> LoadedSamples:
     """Sort what was solved of one spectrum."""
     own = {name[2:]: data for name, data in solved.items() if name[:2] == (hurst, bandwidth)}
     statistics = {name[0]: data for name, data in own.items() if len(name) == 1}
-    return Samples(
+    return LoadedSamples(
         ending=[
             [data for name, data in own.items() if name[0] == last and len(name) > 1]
             for last in range(len(options.ladder_of(bandwidth)))
@@ -165,30 +225,34 @@ def _samples(
         further=statistics["further"].value.values,
         unsolved_seconds=sum(float(data.attrs["seconds"]) for data in statistics.values()),
         periods=options.periods,
+        loads=np.array(options.reduced_pressures),
+        gradient=float(spectrum_of(_surface(options, hurst, bandwidth)).m2() ** 0.5),
     )
 
 
-def _dataset(options: Options, values: Mapping[str, Array], saving: Array) -> xr.Dataset:
+def _dataset(options: Options, values: dict[str, Array]) -> xr.Dataset:
     """Return all numbers with their names, and how they were made."""
     import xarray as xr
 
     dims = ("hurst", "bandwidth", "reduced_pressure")
-    data: dict[str, tuple[tuple[str, ...], NDArray[Any], dict[str, str]]] = {}
-    for name, words in QUANTITIES.items():
-        mean, half_width, grid = values[name]
-        total = np.sqrt(half_width**2 + grid**2 + (_TOLERANCE * mean) ** 2)
-        data[name] = (dims, mean, {"units": "1", "long_name": words})
-        for part, numbers, what in (
-            ("half_width", half_width, "interval over surfaces"),
-            ("grid", grid, "interval of the grid limit"),
-            ("error", total, "interval: surfaces, grid, solver"),
+    meanings = {"saving": "time of plain means of the same interval over the time spent"} | _WORDS
+    for name in _WORDS:
+        parts = [values[f"{name}{part}"] for part in ("_half_width", "_grid")]
+        if name == BY_SPECTRUM:
+            parts.append(values[_READING])
+        values[f"{name}_error"] = np.sqrt(sum(part**2 for part in parts) + (_TOLERANCE * values[name]) ** 2)
+        for part, what in (
+            ("half_width", "over surfaces"),
+            ("grid", "of the grid limit"),
+            ("reading", "of the interpolation to these loads"),
+            ("error", "of all parts"),
         ):
-            data[f"{name}_{part}"] = (dims, numbers, {"long_name": f"half of the 95 % {what}"})
-    data["saving"] = (
-        dims,
-        saving,
-        {"long_name": "time of plain means of the same interval over the time spent"},
-    )
+            meanings[f"{name}_{part}"] = f"half of the 95 % interval {what}"
+    data: dict[str, Any] = {
+        name: (dims, numbers, {"long_name": meanings[name]}) for name, numbers in values.items()
+    }
+    for name in _WORDS:
+        data[name][2]["units"] = "1"
     data["pairs"] = (dims[:2], _pairs_text(options), {"long_name": "pairs +h, -h that end with a grid"})
     axes = {"bandwidth": "lambda_long / lambda_short", "reduced_pressure": "p* = p0 / (E* h'_rms)"}
     return xr.Dataset(
@@ -221,8 +285,12 @@ def _pairs_text(options: Options) -> NDArray[np.str_]:
     return np.array([texts] * len(options.hursts))
 
 
-def _base(options: Options, hurst: float, bandwidth: float) -> Realised:
-    surface = base_surface(hurst=hurst, periods=options.periods, bandwidth=bandwidth, seed=options.seed)
+def _surface(options: Options, hurst: float, bandwidth: float) -> SelfAffineSurface:
+    return base_surface(hurst=hurst, periods=options.periods, bandwidth=bandwidth, seed=options.seed)
+
+
+def _base(options: Options, hurst: float, bandwidth: float, amplitudes: str) -> Realised:
+    surface = _surface(options, hurst, bandwidth).model_copy(update={"amplitudes": amplitudes})
     return base_case(surface, reduced_pressure=options.reduced_pressures[0])
 
 
@@ -233,11 +301,11 @@ def _lasts(options: Options, bandwidth: float) -> list[int]:
     return [last for last in order for _ in range(counts[last])]
 
 
-def _cases(options: Options) -> dict[_Case, _Rich]:
+def _cases(options: Options, amplitudes: str) -> dict[_Case, _Rich]:
     """List all surfaces of all spectra, each with the grids it is solved on."""
     found = {}
     for hurst, bandwidth in itertools.product(options.hursts, options.bandwidths):
-        base = _base(options, hurst, bandwidth)
+        base = _base(options, hurst, bandwidth, amplitudes)
         grids = tuple(grid_for(base, points) for points in options.ladder_of(bandwidth))
         pairs = enumerate(_lasts(options, bandwidth))
         for (k, last), inverted in itertools.product(pairs, (False, True)):
@@ -251,11 +319,11 @@ def _cases(options: Options) -> dict[_Case, _Rich]:
     return found
 
 
-def _unsolved(options: Options) -> dict[_Name, UnsolvedPairs]:
+def _unsolved(options: Options, amplitudes: str) -> dict[_Name, UnsolvedPairs]:
     """List the statistics without a solve: of the pairs that end with the coarsest grid, and of further ones."""
     found = {}
     for hurst, bandwidth in itertools.product(options.hursts, options.bandwidths):
-        base, lasts = _base(options, hurst, bandwidth), _lasts(options, bandwidth)
+        base, lasts = _base(options, hurst, bandwidth, amplitudes), _lasts(options, bandwidth)
         grid, coarsest = grid_for(base, options.points_per_wave[0]), lasts.count(0)
         for name, first, count in (
             ("coarsest", lasts.index(0), coarsest),

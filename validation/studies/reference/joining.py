@@ -43,46 +43,28 @@ def joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     return whole.sortby(["hurst", "bandwidth", "reduced_pressure"]).assign_attrs(parts[0].attrs)
 
 
-def with_size(table: xr.Dataset, others: Sequence[xr.Dataset]) -> xr.Dataset:
-    r"""Add what the size of the sample leaves to a table, from the same spectra on samples of another size.
+def with_size(table: xr.Dataset, larger: xr.Dataset) -> xr.Dataset:
+    r"""Add what the size of the sample leaves to a table, from some of its spectra on samples of another size.
 
-    .. math:: s = \max(|\bar d|, w), \qquad d = Q_\mathrm{other} / Q_\mathrm{table} - 1
+    .. math:: s = \max(|\bar d|, w), \qquad d = Q_\mathrm{larger} / Q_\mathrm{table} - 1
 
     The mean of d is over the cells that both have, weighed by the surfaces' variances, and w half of its 95 % interval;
-    the grids are off alike on both and leave d. One s for each quantity and load goes, in quadrature, into every
+    the grids are off alike on both and leave d. One s for each of `QUANTITIES` and load goes, in quadrature, into its
     `_error`.
-
-    Parameters
-    ----------
-    table : xarray.Dataset
-        Of `joined`.
-    others : sequence of xarray.Dataset
-        Cells on larger samples.
     """
-    whole = table.copy()
+    whole, cells = table.copy(), ("hurst", "bandwidth")
+    same = table.sel({name: larger[name] for name in cells})
     for name in QUANTITIES:
-        pairs = [_of_same_cell(table, other, name) for other in others]
-        change = np.array([one for one, _ in pairs])
-        weights = 1 / np.maximum(np.array([width for _, width in pairs]), _SURE) ** 2
-        mean = (weights * change).sum(axis=0) / weights.sum(axis=0)
-        share = np.maximum(np.abs(mean), 1 / np.sqrt(weights.sum(axis=0)))
-        size = np.abs(table[name]) * share
-        total = np.hypot(table[f"{name}_error"], size)
+        own, other, width = same[name], larger[name], same[f"{name}_half_width"]
+        # Nothing gives way in full contact, on samples of any size.
+        scale = abs(own).where(own != 0, 1.0)
+        weight = ((width**2 + larger[f"{name}_half_width"] ** 2) / scale**2).clip(min=_SURE**2) ** -1.0
+        mean = (weight * (other - own) / scale).sum(cells) / weight.sum(cells)
+        share = np.maximum(abs(mean), weight.sum(cells) ** -0.5)
+        size = (abs(table[name]) * share).transpose(*table[name].dims)
+        total = (table[f"{name}_error"] ** 2 + size**2) ** 0.5
         whole[f"{name}_size"] = size.assign_attrs(
             long_name="half of the 95 % interval of the size of the sample"
         )
-        whole[f"{name}_error"] = total.assign_attrs(
-            long_name="half of the 95 % interval: surfaces, grid, solver, size of the sample"
-        )
-    return whole.assign_attrs(sizes=", ".join(f"{n:g}" for n in sorted({o.attrs["periods"] for o in others})))
-
-
-def _of_same_cell(table: xr.Dataset, other: xr.Dataset, name: str) -> tuple[np.ndarray, np.ndarray]:
-    """Return the relative change from a cell of the table to that of another size, and half of its 95 % interval."""
-    other = other.squeeze(["hurst", "bandwidth"])
-    own = table.sel(hurst=float(other.hurst), bandwidth=float(other.bandwidth))
-    value = own[name].values
-    widths = np.hypot(own[f"{name}_half_width"].values, other[f"{name}_half_width"].values)
-    # Nothing gives way in full contact, on samples of any size.
-    scale = np.where(value == 0, 1.0, value)
-    return (other[name].values - value) / scale, widths / np.abs(scale)
+        whole[f"{name}_error"] = total.assign_attrs(table[f"{name}_error"].attrs)
+    return whole.assign_attrs(larger_periods=larger.attrs["periods"])

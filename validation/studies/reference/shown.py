@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,8 +12,10 @@ from persson.variants import corrected_contact_area
 from validation.measures.common import persson_area
 from validation.measures.ensemble import QUANTITIES
 from validation.measures.theory import VARIANTS
+from validation.reference.alpha import at_equal_alpha
 from validation.report.drawing import Drawing
 from validation.report.table import ResultTable
+from validation.studies.reference.loads import BY_SPECTRUM
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,22 +23,24 @@ if TYPE_CHECKING:
 
 __all__ = ["figures", "findings", "table"]
 
+_AXES = ("amplitudes", "hurst", "bandwidth", "reduced_pressure")
 #: Distance of a theory that is drawn in the strongest colour [%].
 _FAR = 35.0
+#: Nayak parameters at which Hurst exponents are compared, and the load up to which they are [p*].
+_ALPHAS, _MIDDLING = (3.0, 4.0, 6.0, 10.0, 16.0), 0.3
 
 
 def table(dataset: xr.Dataset) -> ResultTable:
-    """Return one row for each spectrum and load."""
-    rows = []
-    for h, b, j in itertools.product(
-        *(range(dataset.sizes[name]) for name in ("hurst", "bandwidth", "reduced_pressure"))
-    ):
-        here = dataset.isel(hurst=h, bandwidth=b, reduced_pressure=j)
+    """Return one row for each spectrum and load, those of exact amplitudes first."""
+    rows: list[tuple[float | str, ...]] = []
+    for at in itertools.product(*(range(dataset.sizes[name]) for name in _AXES)):
+        here = dataset.isel(dict(zip(_AXES, at, strict=True)))
         if not np.isfinite(here.area):
-            continue  # a table of parts
+            continue  # not made
         area, load = float(here.area), float(here.reduced_pressure)
         rows.append(
             (
+                str(here.amplitudes.values),
                 float(here.hurst),
                 float(here.bandwidth),
                 load,
@@ -45,11 +50,14 @@ def table(dataset: xr.Dataset) -> ResultTable:
                 100 * float(here.area_grid) / area,
                 area / load,
                 *(float(here[name]) for name in QUANTITIES if name != "area"),
+                float(here[BY_SPECTRUM]),
+                100 * float(here[f"{BY_SPECTRUM}_error"] / here[BY_SPECTRUM]),
                 area / float(persson_area(load)),
                 float(here.saving),
             )
         )
     columns = (
+        "amplitudes",
         "H",
         "lambda_long/lambda_short",
         "p*",
@@ -63,6 +71,8 @@ def table(dataset: xr.Dataset) -> ResultTable:
         "U/U_full",
         "P'(0)",
         "patches",
+        "A/A0 at p* by C(q)",
+        "+- [%]",
         "A/Persson",
         "saving",
     )
@@ -70,16 +80,18 @@ def table(dataset: xr.Dataset) -> ResultTable:
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:
-    """Say how sure the table is, what the control saved, and how far the theory is off."""
+    """Say how sure the table is, what the control saved, and how far the theory is off; of exact amplitudes."""
+    dataset = dataset.sel(amplitudes="exact")
     share = 100 * (dataset.area_error / dataset.area)
     light = share.sel(reduced_pressure=slice(None, 0.03))
     heavy = share.sel(reduced_pressure=slice(0.03, None))
+    size = ", size of the sample" if "area_size" in dataset else ""
     sentences = []
     for part, words in ((light, "p* below .03"), (heavy, "p* above .03")):
         if part.size:
             sentences.append(
                 f"A/A0 at {words}: half of the 95 % interval is {float(part.median()):.2g} % in the median and "
-                f"{float(part.max()):.2g} % at worst (surfaces, grid and solver; L/lambda_long = {dataset.attrs['periods']:g})."
+                f"{float(part.max()):.2g} % at worst (surfaces, grid, solver{size}; L/lambda_long = {dataset.attrs['periods']:g})."
             )
     saving = dataset.saving.median(("hurst", "reduced_pressure"))
     listed = ", ".join(
@@ -96,11 +108,12 @@ def findings(dataset: xr.Dataset) -> tuple[str, ...]:
             f"At p* = {float(dataset.reduced_pressure[j]):g} the area lies {float(here.min()):.3g} to {float(here.max()):.3g} % above Persson's, by "
             f"spectrum; +- {float(share.isel(reduced_pressure=j).max()):.2g} % at most."
         )
-    return tuple(sentences)
+    return (*sentences, *_alpha_sentences(dataset))
 
 
 def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
-    """Draw kappa over the load, and the theory over the table."""
+    """Draw kappa over the load, and the theory over the table; for exact amplitudes."""
+    dataset = dataset.sel(amplitudes="exact")
     return (
         Drawing(
             name="reference",
@@ -115,6 +128,13 @@ def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
             data=_theories(dataset),
             caption="Area of Persson's theory and of its variants over that of the table less one, in %, for every spectrum "
             "and load. White: cells that were not made.",
+        ),
+        Drawing(
+            name="reference-alpha",
+            figure=_alpha_figure(dataset),
+            data=at_equal_alpha(dataset, _ALPHAS),
+            caption="kappa over the Nayak parameter of C(q) for each Hurst exponent, at three loads, with the total 95 % "
+            "interval; interpolated along the bandwidth. Were alpha all that matters, the lines would be one.",
         ),
     )
 
@@ -158,6 +178,54 @@ def _verdict(dataset: xr.Dataset) -> Figure:
         axes.set_xlabel(r"$p^*$")
     panels[0].set_ylabel(r"$H$, $\lambda_\mathrm{long}/\lambda_\mathrm{short}$")
     return figure
+
+
+def _alpha_figure(dataset: xr.Dataset) -> Figure:
+    from validation.report.figure import look, new_figure
+
+    found = at_equal_alpha(dataset, _ALPHAS)
+    loads = _some_loads(dataset)
+    figure, panels = new_figure(width=4.0 * len(loads), columns=len(loads))
+    for axes, j in zip(panels, loads, strict=True):
+        here, load = found.isel(reduced_pressure=j), float(found.reduced_pressure[j])
+        for h, hurst in enumerate(here.hurst.values):
+            own = here.isel(hurst=h)
+            axes.errorbar(
+                own.alpha, own.area / load, yerr=own.area_error / load, label=f"H = {hurst:g}", **look(h)
+            )
+        axes.set_title(f"p* = {load:g}", fontsize=9)
+        axes.set_xscale("log")
+        axes.set_xticks(_ALPHAS, [f"{alpha:g}" for alpha in _ALPHAS])
+        axes.minorticks_off()
+        axes.set_xlabel(r"Nayak's $\alpha$ of $C(q)$")
+        axes.legend(fontsize=7)
+    panels[0].set_ylabel(r"$\kappa = (A/A_0) / p^*$")
+    return figure
+
+
+def _some_loads(dataset: xr.Dataset) -> list[int]:
+    """Return three loads, light to middling, or as many as there are."""
+    light = np.flatnonzero(dataset.reduced_pressure.values < _MIDDLING)
+    return sorted({int(light[0]), int(light[light.size // 2]), int(light[-1])}) if light.size else [0]
+
+
+def _alpha_sentences(dataset: xr.Dataset) -> Iterator[str]:
+    """Say what the Hurst exponent changes at equal Nayak parameter."""
+    found = at_equal_alpha(dataset, _ALPHAS).dropna("alpha", how="all", subset=["area"])
+    several = found.isel(alpha=(np.isfinite(found.area).sum("hurst") > 1).all("reduced_pressure").values)
+    if not several.sizes["alpha"]:
+        return
+    low, high = several.area.min("hurst"), several.area.max("hurst")
+    spread = (100 * (high / low - 1)).max("alpha")
+    sure = (100 * (several.area_error / several.area)).max(("alpha", "hurst"))
+    listed = "; ".join(
+        f"p* = {float(spread.reduced_pressure[j]):g}: {float(spread[j]):.2g} % (+- {float(sure[j]):.2g} % each)"
+        for j in _some_loads(dataset)
+    )
+    alphas = ", ".join(f"{alpha:g}" for alpha in several.alpha.values)
+    yield (
+        f"At equal Nayak parameter ({alphas}) the areas of the Hurst exponents that have it lie apart by at most: {listed}."
+    )
 
 
 def _figure(dataset: xr.Dataset) -> Figure:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
@@ -13,7 +13,7 @@ from pydantic import Field, model_validator
 from validation.effects.base import SlotName
 from validation.measures.block import BlockMeasurement
 from validation.measures.budget import Budget, budget_table, grid_share, solver_error
-from validation.measures.common import SHIFTS, Ladder, RisingOrNone, persson_area
+from validation.measures.common import SHIFTS, Ladder, RisingOrNone, each, over_surfaces, persson_area
 from validation.measures.distributions import Distributions
 from validation.measures.ladders import spectral_share, usual_ladders
 from validation.measures.measurement import Grid, grid_for
@@ -250,93 +250,71 @@ def _of_finite_elements(found: Mapping[_Case, xr.Dataset], options: Options, *, 
 
 
 def table(dataset: xr.Dataset) -> ResultTable:
-    """Return one row for each grid, then the limit, the theory and the grid-scale protocol."""
-    pressure = float(dataset.attrs["reduced_pressure"])
-    rows: list[tuple[float | str, ...]] = []
-    for i, per_wave in enumerate(dataset.points_per_wave.values):
-        label = "" if per_wave > 2 * (1 + 1e-9) else " (under-resolved)"
-        errors = []
-        for name in AREAS:
-            values = overestimate(dataset, name)[:, i].values
-            errors += [100 * float(values.mean()), 100 * mean_over_surfaces(values).half_width]
-        rows.append(
-            (
-                f"{int(dataset.points[i])}{label}",
-                float(per_wave),
-                float(dataset.cells_per_patch[:, i].mean()),
-                float(dataset.pixel[:, i].mean()) / pressure,
-                *errors,
-                float(dataset.first_moment[:, i].mean()),
-                float(dataset.density_at_zero[:, i].mean()),
-                float(dataset.patches[:, i].mean()),
-                *(float(dataset.cells[:, i, m].mean()) for m in range(dataset.sizes["part"])),
-                float(dataset.seconds[:, i].mean()),
-            )
-        )
+    """Return one row for each grid, then those of the finite elements and of other methods."""
+    rows = [*_grid_rows(dataset)]
     if "element" in dataset.dims:
         rows += _fem_rows(dataset)
     if "case" in dataset.dims:
         rows += _other_rows(dataset)
-    columns = (
-        "grid",
-        "lambda_short/dx",
-        "cells in the median patch",
-        "kappa, counted (zeroth moment / p*)",
-        *(f"{name} {what} [%]" for name in AREAS for what in ("- limit", "+- (95 %)")),
-        "first moment / p0",
-        "P(0+) E*h'",
-        "patches",
-        *(f"cells at {100 * float(part):g} % of the area" for part in dataset.part.values),
-        "seconds",
-    )
-    return ResultTable.of(columns, rows)
+    return ResultTable.of_rows(rows)
 
 
-def _fem_rows(dataset: xr.Dataset) -> list[tuple[float | str, ...]]:
-    """Rows of the finite elements, with both countings against the limit of the boundary elements."""
-    pressure, nan = float(dataset.attrs["reduced_pressure"]), float("nan")
-    rows: list[tuple[float | str, ...]] = []
-    for e, g in itertools.product(range(dataset.sizes["element"]), range(dataset.sizes["fem_grid"])):
-        counted = (dataset.fem_pixel[e, :, g] / dataset.limit - 1).values
-        corrected = (dataset.fem_perimeter[e, :, g] / dataset.limit - 1).values
-        errors = []
-        for values in (counted, corrected):
-            errors += [100 * float(values.mean()), 100 * mean_over_surfaces(values).half_width]
-        rows.append(
-            (
-                f"FEM {dataset.element.values[e]}",
-                float(dataset.fem_points_per_wave[g]),
-                nan,
-                float(dataset.fem_pixel[e, :, g].mean()) / pressure,
-                *errors,
-                *([nan] * (6 + dataset.sizes["part"])),
-            )
-        )
-    return rows
+def _grid_rows(dataset: xr.Dataset) -> Iterator[dict[str, float | str]]:
+    """Yield the rows of the boundary elements, which have every column."""
+    off = dataset.assign({f"{name}_off": overestimate(dataset, name) for name in AREAS})
+    for here in each(off, "grid"):
+        per_wave = float(here.points_per_wave)
+        label = "" if per_wave > 2 * (1 + 1e-9) else " (under-resolved)"
+        shares = zip(dataset.part.values, here.cells.transpose("part", ...), strict=True)
+        yield {
+            "grid": f"{int(here.points)}{label}",
+            "lambda_short/dx": per_wave,
+            "cells in the median patch": float(here.cells_per_patch.mean()),
+            _KAPPA: float(here.pixel.mean() / dataset.attrs["reduced_pressure"]),
+            **_from_limit({name: here[f"{name}_off"] for name in AREAS}),
+            "first moment / p0": float(here.first_moment.mean()),
+            "P(0+) E*h'": float(here.density_at_zero.mean()),
+            "patches": float(here.patches.mean()),
+            **{
+                f"cells at {100 * float(part):g} % of the area": float(cells.mean()) for part, cells in shares
+            },
+            "seconds": float(here.seconds.mean()),
+        }
 
 
-def _other_rows(dataset: xr.Dataset) -> list[tuple[float | str, ...]]:
-    """Rows of the other methods, against the limit of the boundary elements."""
-    pressure, nan = float(dataset.attrs["reduced_pressure"]), float("nan")
-    rows: list[tuple[float | str, ...]] = []
-    for c, name in enumerate(dataset.other.values):
-        at = dataset.isel(case=c)
-        errors = []
-        for area in AREAS:
-            values = (at[f"other_{area}"] / dataset.limit - 1).values
-            errors += [100 * float(values.mean()), 100 * mean_over_surfaces(values).half_width]
-        rows.append(
-            (
-                f"{name}, {at.other_grid.item()}",
-                float(at.other_points_per_wave),
-                nan,
-                float(at.other_pixel.mean()) / pressure,
-                *errors,
-                *([nan] * (3 + dataset.sizes["part"])),
-                float(at.other_seconds.mean()),
-            )
-        )
-    return rows
+_KAPPA = "kappa, counted (zeroth moment / p*)"
+
+
+def _from_limit(off: Mapping[str, xr.DataArray]) -> dict[str, float]:
+    """Distances of areas from the limit, means over the surfaces with their intervals, by title."""
+    found: dict[str, float] = {}
+    for name, values in off.items():
+        mean = over_surfaces(values)
+        found |= {f"{name} - limit [%]": 100 * mean.value, f"{name} +- (95 %) [%]": 100 * mean.half_width}
+    return found
+
+
+def _fem_rows(dataset: xr.Dataset) -> Iterator[dict[str, float | str]]:
+    """Yield the rows of the finite elements, with both countings against the limit of the boundary elements."""
+    for here in each(dataset, "element", "fem_grid"):
+        yield {
+            "grid": f"FEM {here.element.item()}",
+            "lambda_short/dx": float(here.fem_points_per_wave),
+            _KAPPA: float(here.fem_pixel.mean() / dataset.attrs["reduced_pressure"]),
+            **_from_limit({name: here[f"fem_{name}"] / here.limit - 1 for name in ("pixel", "perimeter")}),
+        }
+
+
+def _other_rows(dataset: xr.Dataset) -> Iterator[dict[str, float | str]]:
+    """Yield the rows of the other methods, against the limit of the boundary elements."""
+    for here in each(dataset, "case"):
+        yield {
+            "grid": f"{here.other.item()}, {here.other_grid.item()}",
+            "lambda_short/dx": float(here.other_points_per_wave),
+            _KAPPA: float(here.other_pixel.mean() / dataset.attrs["reduced_pressure"]),
+            **_from_limit({name: here[f"other_{name}"] / here.limit - 1 for name in AREAS}),
+            "seconds": float(here.other_seconds.mean()),
+        }
 
 
 def budget(dataset: xr.Dataset) -> ResultTable:

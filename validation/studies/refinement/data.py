@@ -11,6 +11,7 @@ import numpy as np
 from fem_contact.area import ContactAreas
 from fem_contact.extrapolation import limit_area
 from validation.measures.budget import grid_drift
+from validation.measures.common import named
 from validation.measures.distributions import PATCH_EDGES, STRESS_EDGES, weighted_percentile
 from validation.measures.measurement import area_limits, limit_over
 from validation.measures.side_by_side import areas_by_method
@@ -44,16 +45,16 @@ def on_grids(measured: Sequence[xr.Dataset]) -> xr.Dataset:
         name: (("surface", "grid"), np.array([d[name].mean("shift").values for d in first])) for name in names
     }
     data["seconds"] = (("surface", "grid"), np.array([d.seconds.sum("shift").values for d in first]))
-    data["first_moment"] = (
+    data["first_moment"] = named(
         ("surface", "grid"),
         np.array([d.load_profile.sum("load_bin").values for d in first]),
-        {"long_name": "first moment of P(sigma) over p0"},
+        "first moment of P(sigma) over p0",
     )
     width = float(np.diff(STRESS_EDGES)[0])
-    data["density"] = (
+    data["density"] = named(
         ("grid", "stress_bin"),
         np.mean([d.stress_profile.values for d in first], axis=0) / width,
-        {"long_name": "P(sigma) E* h'_rms per nominal area, mean over surfaces"},
+        "P(sigma) E* h'_rms per nominal area, mean over surfaces",
     )
     cells = [
         [
@@ -62,10 +63,10 @@ def on_grids(measured: Sequence[xr.Dataset]) -> xr.Dataset:
         ]
         for d in first
     ]
-    data["cells"] = (
+    data["cells"] = named(
         ("surface", "grid", "part"),
         np.array(cells),
-        {"long_name": "cells of the patch below which a part of the contact area lies"},
+        "cells of the patch below which a part of the contact area lies",
     )
     limits = [area_limits(d) for d in measured]
     data["limit"] = (("surface",), np.array([value[0] for value, _ in limits]))
@@ -74,17 +75,9 @@ def on_grids(measured: Sequence[xr.Dataset]) -> xr.Dataset:
     return xr.Dataset(
         data,
         coords={
-            "points_per_wave": (
-                "grid",
-                measured[0].points_per_wave.values,
-                {"long_name": "lambda_short / dx"},
-            ),
+            "points_per_wave": named("grid", measured[0].points_per_wave.values, "lambda_short / dx"),
             "points": ("grid", measured[0].points.values),
-            "stress": (
-                "stress_bin",
-                (STRESS_EDGES[1:] + STRESS_EDGES[:-1]) / 2,
-                {"long_name": "sigma / (E* h'_rms)"},
-            ),
+            "stress": named("stress_bin", (STRESS_EDGES[1:] + STRESS_EDGES[:-1]) / 2, "sigma / (E* h'_rms)"),
             "part": ("part", list(_PARTS)),
         },
     )
@@ -140,19 +133,11 @@ def finite_elements(
     dims = ("element", "surface", "fem_grid")
     return xr.Dataset(
         {
-            "fem_pixel": (dims, fields["pixel"], {"long_name": "A/A0, contact nodes counted"}),
-            "fem_perimeter": (
-                dims,
-                fields["perimeter"],
-                {"long_name": "A/A0, with the element's edge constant"},
-            ),
-            "fem_limit": (dims[:2], limit, {"long_name": "A/A0, limit over the grids of the element"}),
-            "fem_limit_error": (dims[:2], error, {"long_name": "standard error of that limit"}),
-            "depth_error": (
-                (),
-                depth,
-                {"long_name": "relative change of the area by a layer as deep as the block"},
-            ),
+            "fem_pixel": named(dims, fields["pixel"], "A/A0, contact nodes counted"),
+            "fem_perimeter": named(dims, fields["perimeter"], "A/A0, with the element's edge constant"),
+            "fem_limit": named(dims[:2], limit, "A/A0, limit over the grids of the element"),
+            "fem_limit_error": named(dims[:2], error, "standard error of that limit"),
+            "depth_error": named((), depth, "relative change of the area by a layer as deep as the block"),
         },
         coords={"element": list(elements), "fem_points_per_wave": ("fem_grid", list(per_wave))},
     )
@@ -197,12 +182,12 @@ def other_methods(
     limits = [[_limit(answers, asked, k) for k in range(surfaces)] for asked in others]
     grids = [asked.grids[g] for asked, g in cases]
     data: dict[str, Any] = {
-        f"other_{name}": (("case", "surface"), np.array(values), {"long_name": _OTHER[name]})
+        f"other_{name}": named(("case", "surface"), np.array(values), _OTHER[name])
         for name, values in rows.items()
     }
     found = np.array(limits).reshape(len(others), surfaces, 2)
-    data["other_limit"] = (("other_method", "surface"), found[..., 0], {"long_name": "its limit over grids"})
-    data["other_limit_error"] = (("other_method", "surface"), found[..., 1], {"long_name": "standard error"})
+    data["other_limit"] = named(("other_method", "surface"), found[..., 0], "its limit over grids")
+    data["other_limit_error"] = named(("other_method", "surface"), found[..., 1], "standard error")
     return xr.Dataset(
         data,
         coords={

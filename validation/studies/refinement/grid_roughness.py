@@ -10,10 +10,9 @@ import numpy as np
 from fem_contact.area import contact_areas
 from fem_contact.surface import HeightField, random_surface
 from validation.measures.common import reduced_load
-from validation.measures.single_solve import SingleSolve
+from validation.measures.single_solve import SingleSolve, Takes
 from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
-from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,26 +28,15 @@ class GridRoughness(SingleSolve):
     pressure is that of the spectral slope.
     """
 
+    kind, words = "grid-roughness", "roughness to the grid scale,"
+    takes = Takes(seconds=2e-3, each_point=4e-6, bytes=120)  # such roughness converges slowly
+
     @property
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
         recipe = super().recipe
         surface = {name: value for name, value in recipe["surface"].items() if name != "lambda_short"}
         return recipe | {"surface": surface}
-
-    @property
-    def prefix(self) -> str:
-        """Readable start of the name on disk."""
-        return f"grid-roughness-{self.size}"
-
-    def describe(self) -> str:
-        """Return a few words for a progress bar."""
-        return f"roughness to the grid scale, {self.where}"
-
-    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
-        """Predict the cost; roughness at the grid scale converges slowly."""
-        n = self.points
-        return Prediction(seconds=2e-3 + 4e-6 * n, peak_bytes=120 * n, unknowns=n)
 
     def measure(self) -> xr.Dataset:
         """Return kappa for the three slopes."""

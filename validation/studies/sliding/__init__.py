@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, model_validator
 
 from fem_contact.errors import InvalidInput
 from fem_contact.viscoelastic import PronySolid, TabulatedSolid
 from persson.sliding import friction_of_waves
 from persson.variants import corrected_contact_area
+from validation.arrays import Array
 from validation.errors import UsageError
 from validation.files import read_whole
 from validation.measures.common import (
@@ -27,6 +27,7 @@ from validation.measures.common import (
     base_case,
     base_surface,
     in_rising_order,
+    named,
     over_surfaces,
     results_of,
 )
@@ -48,8 +49,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Options", "figures", "findings", "run", "table"]
-
-Array = NDArray[np.float64]
 
 #: Largest file of a modulus [byte].
 _LARGEST = 10**7
@@ -167,13 +166,11 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data: xr.Dataset = xr.concat([found[k] for k in cases], dim="surface").drop_attrs()
     told = [_theory(case.realised, rubber, options.velocities) for case in cases.values()]
     friction, area = (np.array(list(column)).transpose(2, 0, 1) for column in zip(*told, strict=True))
-    data["theory"] = (("share", "surface", "velocity"), friction, {"long_name": "mu / h'_rms of the theory"})
-    data["theory_area"] = (("variant", "surface", "velocity"), area, {"long_name": "A/A0 of the theory"})
+    data["theory"] = named(("share", "surface", "velocity"), friction, "mu / h'_rms of the theory")
+    data["theory_area"] = named(("variant", "surface", "velocity"), area, "A/A0 of the theory")
     passing = 2 * np.pi * np.array(options.velocities) / options.length
-    data["memory"] = (
-        "velocity",
-        np.abs(rubber.modulus(passing)) / relaxed,
-        {"long_name": "|E| at the frequency of the period, over E_0"},
+    data["memory"] = named(
+        "velocity", np.abs(rubber.modulus(passing)) / relaxed, "|E| at the frequency of the period, over E_0"
     )
     for name, words in QUANTITIES.items():
         data[name].attrs = {"units": "1", "long_name": words}
@@ -184,8 +181,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         "reduced_pressure": options.reduced_pressure,
     }
     return data.assign_coords(
-        v=("velocity", list(options.velocities), {"units": "m/s", "long_name": "velocity"}),
-        points_per_wave=("grid", list(options.points_per_wave), {"long_name": "lambda_short/dx"}),
+        v=named("velocity", list(options.velocities), "velocity", unit="m/s"),
+        points_per_wave=named("grid", list(options.points_per_wave), "lambda_short/dx"),
         share=list(SHARES),
         variant=list(VARIANTS),
     )
@@ -254,33 +251,22 @@ def table(dataset: xr.Dataset) -> ResultTable:
     rows = []
     for k, velocity in enumerate(dataset.v.values):
         row = _Row.of(dataset, k)
+        friction, area = (said[:, :, k].mean("surface") for said in (dataset.theory, dataset.theory_area))
         rows.append(
-            (
-                float(velocity),
-                row.friction.value,
-                row.friction.half_width,
-                row.grid,
-                row.dissipation,
-                *(float(value) for value in dataset.theory[:, :, k].mean("surface")),
-                row.area.value,
-                row.area.half_width,
-                row.area_grid,
-                *(float(value) for value in dataset.theory_area[:, :, k].mean("surface")),
-            )
+            {
+                "v [m/s]": float(velocity),
+                "mu/h'_rms": row.friction.value,
+                "+- surfaces (95 %)": row.friction.half_width,
+                "+- grid": row.grid,
+                "by dissipation": row.dissipation,
+                **{name: float(friction[j]) for j, name in enumerate(SHARES.values())},
+                "A/A0": row.area.value,
+                "+- surfaces (95 %) ": row.area.half_width,
+                "+- grid ": row.area_grid,
+                **{name: float(area[j]) for j, name in enumerate(VARIANTS.values())},
+            }
         )
-    columns = (
-        "v [m/s]",
-        "mu/h'_rms",
-        "+- surfaces (95 %)",
-        "+- grid",
-        "by dissipation",
-        *SHARES.values(),
-        "A/A0",
-        "+- surfaces (95 %) ",
-        "+- grid ",
-        *VARIANTS.values(),
-    )
-    return ResultTable.of(columns, rows)
+    return ResultTable.of_rows(rows)
 
 
 def findings(dataset: xr.Dataset) -> tuple[str, ...]:

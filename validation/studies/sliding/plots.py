@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.measures.common import over_surfaces
+from validation.measures.common import draw_means, means_of
 from validation.measures.theory import VARIANTS
 from validation.studies.sliding.slides import REMEMBERED, SHARES
 
@@ -49,7 +49,7 @@ def _friction(axes: Axes, dataset: xr.Dataset) -> None:
     from validation.report.figure import STYLES, look, plain_look
 
     fine = dataset.isel(grid=-1)
-    means = [over_surfaces(fine.friction[:, k]) for k in range(dataset.sizes["velocity"])]
+    means = means_of(fine.friction)
     lost = fine.dissipation.mean("surface").values
     values = np.array([mean.value for mean in means])
     sure = np.hypot([mean.half_width for mean in means], values - lost)
@@ -65,15 +65,7 @@ def _area(axes: Axes, dataset: xr.Dataset) -> None:
     from validation.report.figure import STYLES, look
 
     fine = dataset.isel(grid=-1)
-    means = [over_surfaces(fine.area[:, k]) for k in range(dataset.sizes["velocity"])]
-    axes.errorbar(
-        dataset.v,
-        [mean.value for mean in means],
-        yerr=[mean.half_width for mean in means],
-        ls="",
-        label="boundary elements",
-        **look(0),
-    )
+    draw_means(axes, dataset.v, means_of(fine.area), ls="", label="boundary elements", **look(0))
     for j, name in enumerate(VARIANTS):
         values = dataset.theory_area[j].mean("surface")
         axes.plot(dataset.v, values, color="black", lw=1, ls=STYLES[j % 4], label=VARIANTS[name])

@@ -10,6 +10,7 @@ import numpy as np
 from fem_contact.area import contact_areas
 from fem_contact.sliding import SlidingContact, slide
 from fem_contact.viscoelastic import PronySolid, TabulatedSolid
+from validation.arrays import Grid
 from validation.scenes.realised import Realised
 from validation.solves.solve import LOCATED_EDGES, NumbersSolve, Prediction
 
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 
 __all__ = ["QUANTITIES", "REMEMBERED", "SHARES", "Rubber", "SlideSolve"]
 
-Grid = tuple[int, int]
 Rubber = PronySolid | TabulatedSolid
 
 #: Shares g of the full energy that the theory's friction stores at vanishing contact, S = g + (1 - g) P^2.

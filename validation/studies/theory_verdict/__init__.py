@@ -7,13 +7,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 from scipy.special import erf, erfinv
 
 from persson import elastic
 from persson.variants import corrected_contact_area
+from validation.arrays import Array
 from validation.measures.budget import Budget, budget_table, grid_share, solver_error
+from validation.measures.common import named
 from validation.measures.distributions import Distributions, distance_to_reference, largest_difference
 from validation.measures.ladders import spectral_share, usual_ladders
 from validation.measures.measurement import grid_for
@@ -33,8 +34,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Options", "budget", "figures", "findings", "run", "table", "verdict"]
-
-Array = NDArray[np.float64]
 
 #: Below this, over h_rms, two gaps are both closed.
 _CLOSED = 1e-6
@@ -104,21 +103,17 @@ def _scores(options: Options, data: xr.Dataset) -> xr.Dataset:
     )
     ratios, intervals = zip(*(_scored(data, name) for name in QUANTITIES), strict=True)
     dims = ("quantity", "variant", "load")
-    found["ratio"] = (dims, np.array(ratios), {"long_name": "simulated over predicted"})
-    found["interval"] = (dims, np.array(intervals), {"long_name": "95 % half width of that ratio"})
-    found["area"] = ("load", data.area.mean("surface").values, {"long_name": "A/A0, limit over grids"})
-    found["distance"] = (
+    found["ratio"] = named(dims, np.array(ratios), "simulated over predicted")
+    found["interval"] = named(dims, np.array(intervals), "95 % half width of that ratio")
+    found["area"] = named("load", data.area.mean("surface").values, "A/A0, limit over grids")
+    found["distance"] = named(
         ("variant", "load"),
         _pressure_distances(data),
-        {"long_name": "largest difference of the cumulated P(sigma) A0/A from the predicted one"},
+        "largest difference of the cumulated P(sigma) A0/A from the predicted one",
     )
     _add_claims(found, data)
     found["theory_area"] = data.theory_area
-    found["shares"] = (
-        ("load", "source"),
-        _shares(data),
-        {"long_name": "relative 95 % half widths of the area"},
-    )
+    found["shares"] = named(("load", "source"), _shares(data), "relative 95 % half widths of the area")
     return found.assign_coords(source=["grid", "surfaces"])
 
 

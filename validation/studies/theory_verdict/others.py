@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from validation.arrays import Array
 from validation.measures.distributions import largest_difference
 from validation.scenes.realised import Realised
 from validation.studies.theory_verdict.words import QUANTITIES
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["with_theories"]
-
-Array = NDArray[np.float64]
 
 #: Gauss points in each bin of the distribution of pressure.
 _POINTS = 8

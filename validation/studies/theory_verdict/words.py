@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from validation.arrays import Array
 from validation.measures.theory import VARIANTS, modes_sentence
 from validation.report.table import ResultTable
 
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
 
 __all__ = ["QUANTITIES", "findings", "labels", "range_verdict", "table", "verdict"]
 
-Array = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
 _RANGES = ((0.0, 0.03), (0.03, 0.1), (0.1, 0.3), (0.3, 0.7), (0.7, 0.99), (0.99, 1.001))

@@ -1,0 +1,138 @@
+"""How often `run --accuracy` keeps what it claims: surfaces, loads and targets drawn at random.
+
+H = .1 to 1, lambda_long/lambda_short = 2 to 8, at most 8 shortest waves on the period, exact or random
+amplitudes, p* = .01 to .6, and an accuracy of 5 % to .2 % that is asked for; with a hardness of .1 to
+1.5 E* h'_rms, or a layer of .05 to 1 periods on a rigid base, of 10 % to 1 %. The truth is the limit over 16,
+24 and 32 points per shortest wave (with effects 24, 32 and 48), whose own interval counts, too.
+
+Run as ``python tests/benchmarks/accuracy_coverage.py [elastic | hardness | thickness | coating | graded |
+all] [cases] [first seed]``; 100 elastic cases take about a minute.
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem_contact.area import EDGE_CONSTANTS, contact_areas
+from fem_contact.extrapolation import Limit
+from validation.comparison.accuracy import Reached, reach
+from validation.effects.base import Effect
+from validation.effects.coating import Coating
+from validation.effects.graded import Graded
+from validation.effects.hardness import Hardness
+from validation.effects.thickness import Thickness
+from validation.measures.measurement import grid_for, limit_over
+from validation.methods.bem import BemOptions
+from validation.scenes.realised import realise
+from validation.scenes.scene import Load, Methods, Scene, SelfAffineSurface, SolidSpec
+from validation.solves.bench import Bench
+from validation.solves.press import solves_of
+
+_TRUTH = {True: (16, 24, 32), False: (24, 32, 48)}
+_WAVES = 8
+_LENGTH = 1e-3
+
+
+def _log_uniform(generator: np.random.Generator, low: float, high: float) -> float:
+    return float(np.exp(generator.uniform(math.log(low), math.log(high))))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """A scene of one surface, and the accuracy that is asked for."""
+
+    scene: Scene
+    target: float
+
+    @classmethod
+    def drawn(cls, seed: int, kind: str) -> Case:
+        """Draw one."""
+        generator = np.random.default_rng([seed, 20261122])
+        ratio = _log_uniform(generator, 2, 8)
+        periods = _log_uniform(generator, 1, min(4.0, _WAVES / ratio))
+        surface = SelfAffineSurface(
+            kind="self-affine",
+            length=(_LENGTH, _LENGTH),
+            hurst=generator.uniform(0.1, 1.0),
+            lambda_long=_LENGTH / periods,
+            lambda_short=_LENGTH / periods / ratio,
+            rms_gradient=0.1,
+            amplitudes=str(generator.choice(["exact", "gaussian"])),
+            seed=seed,
+        )
+        load = _log_uniform(generator, 0.01, 0.6)
+        effects: tuple[Effect, ...] = ()
+        solid, scale = SolidSpec(young=0.91e9, poisson=0.3), 1e9 * 0.1
+        depth = _LENGTH * _log_uniform(generator, 0.05, 1.0)
+        if kind == "hardness":
+            hardness = _log_uniform(generator, 0.1, 1.5)
+            effects, load = (Hardness(hardness=hardness * scale),), min(load, 0.5 * hardness)
+        elif kind == "thickness":
+            effects = (Thickness(thickness=depth),)
+        elif kind == "coating":
+            effects = (Coating(young=0.91e9 * _log_uniform(generator, 0.2, 5), thickness=depth),)
+        elif kind == "graded":
+            effects = (Graded(bulk_young=0.91e9 * _log_uniform(generator, 0.2, 5), depth=depth),)
+        scene = Scene(
+            name="drawn",
+            surface=surface,
+            solid=solid,
+            load=Load(reduced_pressure=load),
+            methods=Methods(bem=BemOptions(grids=((512, 512),))),
+            effects=effects,
+        )
+        asked = (0.002, 0.05) if kind == "elastic" else (0.01, 0.1)
+        return cls(scene=scene, target=_log_uniform(generator, *asked))
+
+    def truth(self) -> Limit:
+        """Return the limit over fine grids."""
+        realised = realise(self.scene)
+        grids = tuple(grid_for(realised, level) for level in _TRUTH[not self.scene.effects])
+        fine = BemOptions(grids=grids, tolerance=1e-7)
+        solves = solves_of(self.scene.model_copy(update={"methods": Methods(bem=fine)}), realised)
+        results = [solve.do(threads=1).contact for solve in solves]
+        told = {"edge_constant": EDGE_CONSTANTS["bem"], "subcell": not self.scene.effects}
+        return limit_over([contact_areas(result, **told) for result in results])
+
+
+def judged(case: Case) -> tuple[Reached, float, bool]:
+    """Return what was reached, its error in claimed half-widths, and whether the interval holds the truth."""
+    with tempfile.TemporaryDirectory() as folder:
+        reached = reach(case.scene, Bench.at(folder), target=case.target)
+    truth = case.truth()
+    half = math.hypot(reached.error * reached.area, 2 * truth.uncertainty)
+    return reached, (reached.area - truth.value) / half, abs(reached.area - truth.value) <= half
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Print each case that fails, and the share that holds."""
+    kind = arguments[0] if arguments else "elastic"
+    cases, first = (int(text) for text in (*arguments[1:], *("100", "7001")[len(arguments[1:]) :]))
+    kinds = ("elastic", "hardness", "thickness", "coating", "graded") if kind == "all" else (kind,)
+    for name in kinds:
+        held, distances, spent = 0, [], 0.0
+        for done, seed in enumerate(range(first, first + cases), start=1):
+            case = Case.drawn(seed, name)
+            reached, distance, holds = judged(case)
+            assert reached.error <= case.target
+            held, spent = held + holds, spent + reached.seconds
+            distances.append(distance)
+            if not holds:
+                print(f"  {name} {seed}: {distance:+.2f} half-widths, asked {case.target:.2%}", flush=True)
+            if done % 10 == 0 or done == cases:
+                print(
+                    f"{name}: {held} of {done} hold ({held / done:.1%}), mean "
+                    f"{np.mean(distances):+.2f} and rms "
+                    f"{np.std(distances):.2f} half-widths off, {spent / done:.2f} s each",
+                    flush=True,
+                )
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,71 @@
+"""Areas of pairs of surfaces in blocks: those of single solves, under every load, located or corrected."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem_contact.area import EDGE_CONSTANTS, contact_areas
+from validation.effects.hardness import Hardness
+from validation.measures.common import base_surface
+from validation.measures.measurement import limit_over
+from validation.measures.pairs import AreaPairs, Areas
+from validation.measures.without_solve import UnsolvedPairs
+from validation.scenes.realised import Realised
+from validation.scenes.scene import Load, SolidSpec
+from validation.solves.press import Press
+
+GRIDS = ((24, 24), (36, 36))
+
+
+def base(load):
+    surface = base_surface(hurst=0.6, periods=2.0, bandwidth=3.0, seed=515)
+    surface = surface.model_copy(update={"amplitudes": "gaussian"})
+    return Realised(surface=surface, solid=SolidSpec(young=2e9, poisson=0.3), load=load)
+
+
+@pytest.mark.parametrize("load", [Load(reduced_pressure=0.2), Load(pressure=4e7), Load(force=40.0)])
+@pytest.mark.parametrize("effects", [(), (Hardness(hardness=1.5e8),)])
+def test_a_block_reads_the_areas_of_each_surface_and_its_mirror_image(load, effects):
+    case = AreaPairs(realised=base(load), grids=GRIDS, first=7, count=2, tolerance=1e-7, effects=effects)
+    areas = Areas.joined(case, [case.measure()])
+    limits = areas.limits(1)
+    for k, inverted in ((0, False), (1, True), (2, False), (3, True)):
+        surface = replace(base(load).further(7 + k // 2), inverted=inverted)
+        own = []
+        for i, grid in enumerate(GRIDS):
+            settings = (("tolerance", 1e-7),)
+            press = Press(method="bem", grid=grid, realised=surface, settings=settings, effects=effects)
+            told = {"edge_constant": EDGE_CONSTANTS["bem"], "subcell": not effects}
+            own.append(contact_areas(press.do(threads=1).contact, **told))
+            expected = own[-1].perimeter if effects else own[-1].subcell
+            assert areas.on_grid(i)[k] == pytest.approx(expected, rel=1e-9)
+        assert limits[k].value == pytest.approx(limit_over(own).value, rel=1e-9)
+        assert limits[k].definition == ("perimeter" if effects else "subcell")
+    # Neighbours in the list are no copies of each other.
+    assert len(set(np.round(areas.on_grid(1), 9))) == 4
+
+
+def test_the_statistics_of_a_block_are_those_of_the_same_surfaces_that_are_not_solved():
+    told = {"realised": base(Load(reduced_pressure=0.2)), "first": 3, "count": 3}
+    solved = AreaPairs(grids=GRIDS[:1], **told).measure().value.values
+    looked = UnsolvedPairs(grid=GRIDS[0], **told).measure()
+    np.testing.assert_allclose(solved, looked.value.values, rtol=1e-12)
+    names = looked.attrs["statistics"].split("; ")
+    assert (len(names), names[-1]) == (solved.shape[1], "h'_rms")
+    # Random amplitudes scatter it.
+    assert np.ptp(solved[:, -1]) > 0.005
+
+
+def test_the_name_of_a_block_tells_loads_effects_and_surfaces_apart():
+    usual = AreaPairs(realised=base(Load(reduced_pressure=0.2)), grids=GRIDS, first=0, count=2)
+    others = [
+        replace(usual, realised=base(Load(pressure=4e7))),
+        replace(usual, first=2),
+        replace(usual, count=4),
+        replace(usual, grids=GRIDS[:1]),
+        replace(usual, tolerance=1e-5),
+        replace(usual, effects=(Hardness(hardness=1.5e8),)),
+    ]
+    assert len({usual.key, *(other.key for other in others)}) == 1 + len(others)
+    assert 2 * usual.predict().seconds == pytest.approx(replace(usual, count=4).predict().seconds)

@@ -1,0 +1,122 @@
+"""Measured surfaces as text and as netCDF: however numbers are parted, points of a map, axes turned round."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from validation.errors import UsageError
+from validation.scenes.topography import (
+    file_says,
+    read_topography,
+)
+
+NUMBERS = np.round(np.random.default_rng(15).normal(size=(5, 4)), 3)
+
+
+def written(heights: np.ndarray, delimiter: str = " ", *, comma: bool = False, end: str = "\n") -> str:
+    """A matrix as text."""
+    text = end.join(delimiter.join(f"{h:.3f}" for h in row) for row in heights) + end
+    return text.replace(".", ",") if comma else text
+
+
+@pytest.mark.parametrize(
+    ("name", "raw"),
+    [
+        ("spaces.txt", written(NUMBERS).encode()),
+        ("tabs.dat", written(NUMBERS, "\t", end="\r\n").encode()),
+        ("commas.csv", written(NUMBERS, ", ").encode()),
+        ("semicolons.csv", written(NUMBERS, ";").encode()),
+        ("decimal-commas.csv", written(NUMBERS, ";", comma=True).encode()),
+        ("decimal-commas.txt", written(NUMBERS, "\t", comma=True).encode()),
+        ("closed.csv", written(NUMBERS, ";", end=";\r\n").encode()),
+        ("byte-order-mark.csv", "\ufeffa;b;c;d\n".encode() + written(NUMBERS, ";").encode()),
+        ("utf-16.txt", ("# µm\n" + written(NUMBERS)).encode("utf-16")),
+        ("old-mac.txt", written(NUMBERS, end="\r").encode()),
+    ],
+)
+def test_text_is_read_however_its_numbers_are_parted(tmp_path, name, raw):
+    path = tmp_path / name
+    path.write_bytes(raw)
+    np.testing.assert_array_equal(file_says(path).heights, NUMBERS)
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "latin-1"])
+def test_the_header_that_gwyddion_writes_says_size_and_unit(tmp_path, encoding):
+    path = tmp_path / "gwyddion.txt"
+    header = "# Channel: Topography\n# Width: 8,00 µm\n# Height: 10.0 µm\n# Value units: nm\n"
+    path.write_bytes((header + written(NUMBERS, "\t")).encode(encoding))
+    found = read_topography(path)
+    # Rows run down the page: five of them over the height.
+    np.testing.assert_allclose(found.lengths, (1e-5, 8e-6), rtol=1e-15)
+    np.testing.assert_allclose(found.heights, NUMBERS * 1e-9, rtol=1e-15)
+    assert found.unit == 1e-9
+
+
+def points(heights: np.ndarray, *, digits: int = 4, order: int = 3) -> str:
+    """Lines x y z of a map with steps of 1/3 and 1/7, in any order."""
+    i, j = np.indices(heights.shape)
+    rows = np.column_stack([i.ravel() / 3 + 2, j.ravel() / 7 - 1, heights.ravel()])
+    np.random.default_rng(order).shuffle(rows)
+    return "".join(f"{x:.{digits}f} {y:.{digits}f} {z:.3f}\n" for x, y, z in rows if np.isfinite(z))
+
+
+@pytest.mark.parametrize("suffix", ["txt", "xyz"])
+def test_three_columns_are_points_of_a_map(tmp_path, suffix):
+    path = tmp_path / f"points.{suffix}"
+    path.write_text("# x [um]  y [um]  z [nm]\n" + points(NUMBERS))
+    found = read_topography(path)
+    np.testing.assert_allclose(found.heights, NUMBERS * 1e-9, rtol=1e-15)
+    np.testing.assert_allclose(found.lengths, (5e-6 / 3, 4e-6 / 7), rtol=1e-3)
+    assert "three columns taken for x, y, z" in found.history[1]
+
+
+def test_three_columns_without_units_need_lengths_in_their_ratio(tmp_path):
+    path = tmp_path / "points.txt"
+    holed = NUMBERS.copy()
+    holed[1, 2] = holed[4, 0] = np.nan
+    path.write_text(points(holed))
+    with pytest.raises(UsageError, match="does not say how large"):
+        read_topography(path)
+    with pytest.raises(
+        UsageError, match=r"its sides are in the ratio 2\.91\d*, and length = .* says 1: give both"
+    ):
+        read_topography(path, lengths=(1e-5, 1e-5), unit=1e-9)
+    found = read_topography(path, lengths=(5e-6 / 3, 4e-6 / 7), unit=1e-9)
+    np.testing.assert_array_equal(np.isnan(found.heights), np.isnan(holed))
+
+
+def test_the_netcdf_that_surfacetopography_writes_says_size_and_unit(tmp_path):
+    from scipy.io import netcdf_file
+
+    # As its writer does it: one unit for all on the axes, the sizes beside it, missing points in a mask.
+    with netcdf_file(tmp_path / "map.nc", "w", version=2) as file:
+        for axis, count, size in (("x", 5, 10.0), ("y", 4, 8.0)):
+            file.createDimension(axis, count)
+            positions = file.createVariable(axis, "f8", (axis,))
+            positions.length, positions.periodic, positions.unit = size, 1, "um"
+            positions[:] = np.arange(count) * size / count
+        file.createVariable("heights", "f8", ("x", "y"))[:] = NUMBERS
+        mask = file.createVariable("mask", "b", ("x", "y"))
+        mask[:] = np.eye(5, 4)
+    found = read_topography(tmp_path / "map.nc")
+    np.testing.assert_allclose(found.lengths, (1e-5, 8e-6), rtol=1e-15)
+    np.testing.assert_allclose(found.heights, np.where(np.eye(5, 4) != 0, np.nan, NUMBERS * 1e-6), rtol=1e-15)
+
+
+def test_a_map_listed_against_its_axis_is_turned_round(tmp_path):
+    import netCDF4
+
+    for name, x in (("up.nc", np.arange(5.0)), ("down.nc", -np.arange(5.0))):
+        with netCDF4.Dataset(tmp_path / name, "w") as file:
+            for axis, positions in (("x", x), ("y", np.arange(4.0))):
+                file.createDimension(axis, positions.size)
+                variable = file.createVariable(axis, "f8", (axis,))
+                variable.units = "um"
+                variable[...] = positions
+            file.createVariable("heights", "f8", ("x", "y"))[...] = (
+                NUMBERS if name == "up.nc" else NUMBERS[::-1]
+            )
+    up, down = (read_topography(tmp_path / name, unit=1e-6) for name in ("up.nc", "down.nc"))
+    np.testing.assert_array_equal(up.heights, down.heights)
+    assert up.lengths == down.lengths

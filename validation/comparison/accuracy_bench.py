@@ -1,0 +1,134 @@
+"""A bench that keeps account of what solves take, and refuses what would not end in time."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from validation.errors import RunFailed
+from validation.solves.attempt import warm_up
+from validation.solves.bench import Bench
+from validation.solves.cost import available_memory, memory_words, transform_seconds
+from validation.solves.running import Solves
+from validation.solves.solve import Solve
+
+__all__ = ["Account", "Metered"]
+
+
+@dataclass(kw_only=True)
+class Account:
+    """What was spent so far.
+
+    Attributes
+    ----------
+    solving, predicted : float
+        Seconds that solves took, and were predicted to take.
+    solves : int
+        Done now.
+    found, done : set of Solve
+        Wanted so far: found finished when they were first wanted, and done now.
+    reserved : float
+        Seconds that are kept for what is solved last.
+    warm : bool
+        Whether compiled passes are loaded.
+    """
+
+    solving: float = 0.0
+    predicted: float = 0.0
+    solves: int = 0
+    found: set[Solve] = field(default_factory=set)
+    done: set[Solve] = field(default_factory=set)
+    reserved: float = 0.0
+    warm: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Metered(Bench):
+    """A bench that refuses what does not end within a time limit.
+
+    Attributes
+    ----------
+    wanted : str
+        What is asked for, as messages begin.
+    time_limit : float or None
+        Seconds from `clock` on.
+    pair : float
+        Time of a pair of transforms on this machine [s].
+    """
+
+    wanted: str = ""
+    time_limit: float | None = None
+    pair: float = field(default_factory=transform_seconds)
+    clock: float = field(default_factory=time.perf_counter)
+    account: Account = field(default_factory=Account)
+
+    @classmethod
+    def on(cls, bench: Bench, **said: Any) -> Metered:
+        """Return a bench that keeps account of another."""
+        return cls(store=bench.store, execution=bench.execution, progress=bench.progress, **said)
+
+    @property
+    def memory(self) -> int:
+        """Bytes that a solve may take."""
+        return available_memory() if self.execution.memory is None else self.execution.memory
+
+    @property
+    def spent(self) -> float:
+        """Seconds since the clock was started."""
+        return time.perf_counter() - self.clock
+
+    @property
+    def slowness(self) -> float:
+        """How much longer than predicted solves took here; a second of them tells."""
+        account = self.account
+        return min(max(account.solving / account.predicted, 0.2), 5.0) if account.solving > 1 else 1.0
+
+    def seconds(self, solves: Iterable[Solve]) -> float:
+        """Predict what solves take one after the other."""
+        return self.slowness * sum(solve.predict(pair_seconds=self.pair).seconds for solve in solves)
+
+    def affordable(self, seconds: float, peak_bytes: int = 0) -> bool:
+        """Whether solves of so many seconds in all would end in time, and the largest fits into memory."""
+        left = math.inf if self.time_limit is None else self.time_limit - self.spent - self.account.reserved
+        return seconds / self.execution.workers <= left and peak_bytes <= self.memory
+
+    def means(self) -> str:
+        """Say what memory and time are left."""
+        words = f"{memory_words(self.memory)} are free"
+        if self.time_limit is not None:
+            words += f" and {max(self.time_limit - self.spent, 0):.3g} s are left"
+        return words
+
+    def solve(self, solves: Iterable[Solve]) -> Solves:
+        """Solve what is not stored yet.
+
+        Raises
+        ------
+        RunFailed
+            For solves that would not end in time, before they begin, and as `Bench.solve`.
+        """
+        wanted, account = tuple(solves), self.account
+        missing = [solve for solve in wanted if not self.store.path(solve).exists()]
+        account.found |= set(wanted) - set(missing) - account.done
+        account.done |= set(missing)
+        if not missing:
+            return super().solve(wanted)
+        if not self.affordable(self.seconds(missing)):
+            raise RunFailed(
+                f"{self.wanted}: solves take longer here than predicted, {missing[0].describe()} would not "
+                f"end in time, and {self.means()}; all finished solves are stored: allow more with "
+                f"--time-limit"
+            )
+        if not account.warm:
+            # Not charged to the solves, whose time tells how fast the machine is.
+            warm_up(missing)
+            account.warm = True
+        start = time.perf_counter()
+        results = super().solve(wanted)
+        account.solves += len(missing)
+        account.solving += time.perf_counter() - start
+        account.predicted += sum(solve.predict(pair_seconds=self.pair).seconds for solve in missing)
+        return results

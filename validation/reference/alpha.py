@@ -1,0 +1,68 @@
+"""The reference table at equal Nayak parameter: whether the Hurst exponent matters beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.optimize
+
+from validation.reference.fit import nayak
+from validation.reference.interpolation import interpolated
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["at_equal_alpha", "bandwidth_at"]
+
+
+def bandwidth_at(*, hurst: float, alpha: float) -> float:
+    """lambda_long/lambda_short of the self-affine C(q) that has a Nayak parameter, which grows with it.
+
+    Examples
+    --------
+    >>> round(bandwidth_at(hurst=0.8, alpha=nayak(hurst=0.8, bandwidth=8.0)), 9)
+    8.0
+    """
+
+    def miss(logarithm: float) -> float:
+        return nayak(hurst=hurst, bandwidth=float(np.exp(logarithm))) - alpha
+
+    return float(np.exp(scipy.optimize.brentq(miss, 1e-3, np.log(1e4), xtol=1e-12)))
+
+
+def at_equal_alpha(table: xr.Dataset, alphas: Sequence[float]) -> xr.Dataset:
+    """Interpolate the areas of a table to equal Nayak parameters of C(q), along the bandwidth.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        Of one kind of amplitudes, over (hurst, bandwidth, reduced_pressure).
+    alphas : sequence of float
+
+    Returns
+    -------
+    xarray.Dataset
+        `area`, `area_error` and `bandwidth` over (alpha, hurst, reduced_pressure); NaN outside of the table.
+    """
+    import xarray as xr
+
+    hursts, loads = table.hurst.values, table.reduced_pressure.values
+    bandwidths = np.array([[bandwidth_at(hurst=h, alpha=a) for h in hursts] for a in alphas])
+    made = np.isfinite(table.area).all("reduced_pressure").transpose("hurst", "bandwidth").values
+    found = np.full((2, *bandwidths.shape, loads.size), np.nan)
+    for (i, j), bandwidth in np.ndenumerate(bandwidths):
+        nodes = table.bandwidth.values[made[j]]
+        if not (nodes.size and nodes[0] <= bandwidth <= nodes[-1]):
+            continue
+        own = table.isel(hurst=[j])
+        for k, load in enumerate(loads):
+            asked = {"hurst": float(hursts[j]), "bandwidth": bandwidth, "reduced_pressure": float(load)}
+            one = interpolated(own, "area", asked)
+            found[:, i, j, k] = one.value, one.uncertainty
+    dims = ("alpha", "hurst", "reduced_pressure")
+    return xr.Dataset(
+        {"area": (dims, found[0]), "area_error": (dims, found[1]), "bandwidth": (dims[:2], bandwidths)},
+        coords={"alpha": list(alphas), "hurst": hursts, "reduced_pressure": loads},
+    )

@@ -1,0 +1,140 @@
+"""Between the nodes of the reference table, and no farther."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import PchipInterpolator
+
+from persson import elastic
+from validation.errors import UsageError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["ReferenceValue", "interpolated"]
+
+Array = NDArray[np.float64]
+
+_AXES = {"hurst": "H", "bandwidth": "lambda_long/lambda_short", "reduced_pressure": "p*"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReferenceValue:
+    """A number of the table, or between its nodes.
+
+    Attributes
+    ----------
+    quantity, meaning : str
+    value : float
+    uncertainty : float
+        Half of the 95 % interval: surfaces, grid, solver, and interpolation.
+    interpolation : float
+        Its part that interpolation has; 0 at a node.
+    """
+
+    quantity: str
+    meaning: str
+    value: float
+    uncertainty: float
+    interpolation: float
+
+
+def interpolated(data: xr.Dataset, name: str, asked: Mapping[str, float]) -> ReferenceValue:
+    """Interpolate a quantity of a table of one kind of amplitudes, as `lookup` describes.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Over (hurst, bandwidth, reduced_pressure).
+    name : str
+        Of a variable that has one named `_error` beside it.
+    asked : mapping
+        hurst, bandwidth, reduced_pressure.
+
+    Raises
+    ------
+    UsageError
+        Outside of the table, and beside cells that it has not.
+    """
+    for axis, value in asked.items():
+        low, high = float(data[axis][0]), float(data[axis][-1])
+        if not (isinstance(value, (int, float)) and low * (1 - 1e-12) <= value <= high * (1 + 1e-12)):
+            raise UsageError(
+                f"{axis} = {value!r}: the table of {_AXES[axis]} goes from {low:g} to {high:g}, "
+                "and is not extrapolated"
+            )
+    return _looked_up(
+        _whole_part(data, **{axis: asked[axis] for axis in ("hurst", "bandwidth")}), name, asked
+    )
+
+
+def _whole_part(data: xr.Dataset, *, hurst: float, bandwidth: float) -> xr.Dataset:
+    """Return the largest part of the table around a spectrum that lacks no cell: what is interpolated."""
+    there = np.isfinite(data.area.transpose(*_AXES).values).all(axis=2)
+    rows, columns = _around(data.hurst.values, hurst), _around(data.bandwidth.values, bandwidth)
+    needed = there[np.ix_(rows, columns)]
+    if not needed.all():
+        i, j = np.argwhere(~needed)[0]
+        raise UsageError(
+            f"hurst = {hurst:g}, bandwidth = {bandwidth:g}: the table has no cell at H = "
+            f"{float(data.hurst[rows[i]]):g}, lambda_long/lambda_short = "
+            f"{float(data.bandwidth[columns[j]]):g}, and is not extrapolated"
+        )
+    kept = there[rows].all(axis=0)
+    return data.isel(bandwidth=kept).isel(hurst=there[:, kept].all(axis=1))
+
+
+def _around(nodes: Array, at: float) -> list[int]:
+    """Return the node that a value is at, or the two that it is between."""
+    close = np.flatnonzero(np.abs(nodes - at) <= 1e-12 * np.abs(nodes))
+    if close.size:
+        return [int(close[0])]
+    above = int(np.searchsorted(nodes, at))
+    return [above - 1, above]
+
+
+def _looked_up(data: xr.Dataset, name: str, asked: Mapping[str, float]) -> ReferenceValue:
+    values = data[name].transpose(*_AXES).values
+    if name == "area":
+        smooth, straight = _both(data, values / _theory(data.reduced_pressure.values), asked)
+        value, other = (factor * float(_theory(asked["reduced_pressure"])) for factor in (smooth, straight))
+    else:
+        value, other = (float(np.exp(logarithm)) for logarithm in _both(data, np.log(values), asked))
+    relative = data[f"{name}_error"].transpose(*_AXES).values / values
+    interpolation = abs(value - other)
+    return ReferenceValue(
+        quantity=name,
+        meaning=str(data[name].attrs["long_name"]),
+        value=value,
+        uncertainty=float(np.hypot(value * _both(data, relative, asked)[1], interpolation)),
+        interpolation=interpolation,
+    )
+
+
+def _theory(reduced_pressure: float | Array) -> Array:
+    """A/A0 of Persson's theory at p*: smooth, and near enough that the rest is."""
+    return np.asarray(elastic.contact_area(reduced_pressure, stress_variance=0.25))
+
+
+def _both(data: xr.Dataset, values: Array, asked: Mapping[str, float]) -> tuple[float, float]:
+    """Interpolate by monotone cubics and by straight lines, along one axis after the other.
+
+    Where an axis has two nodes, by a straight line and by the nearest node.
+    """
+    smooth = straight = values
+    for name, at in asked.items():
+        nodes = data[name].values.astype(float)
+        if name != "hurst":
+            nodes, at = np.log(nodes), float(np.log(at))
+        at = float(np.clip(at, nodes[0], nodes[-1]))
+        smooth = PchipInterpolator(nodes, smooth, axis=0)(at) if nodes.size > 1 else smooth[0]
+        k = int(np.clip(np.searchsorted(nodes, at), 1, max(nodes.size - 1, 1)))
+        share = (at - nodes[k - 1]) / (nodes[k] - nodes[k - 1]) if nodes.size > 1 else 0.0
+        share = round(share) if nodes.size == 2 else share
+        straight = (1 - share) * straight[k - 1] + (share * straight[k] if share else 0.0)
+    return float(smooth), float(straight)
