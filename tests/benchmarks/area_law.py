@@ -177,7 +177,7 @@ class Case:
         ).checked()
 
     def _graded(self, x: Array, y: Array, z: Array) -> Array:
-        return np.asarray(self.stiffness + (1 - self.stiffness) * np.exp(-z / self.depth) + 0 * (x + y))
+        return np.asarray(self.stiffness + (1 - self.stiffness) * np.exp(z / self.depth) + 0 * (x + y))
 
     def _response(self, solid: Solid) -> Response:
         if self.kind in ("bonded", "frictionless"):

@@ -27,15 +27,15 @@ def test_two_standard_errors_hold_the_limit_of_finer_grids_on_fresh_surfaces(kin
     surfaces, waves = _SURFACES.get(kind, (20, 8))
     cases = [Case.drawn(FRESH + k, kind=kind, waves=waves) for k in range(surfaces)]
     limit = located_limit if kind == "elastic" else perimeter_limit
+    # Where edges are corrected by a constant, scenes ask for two grids.
+    ladders = [ladder for ladder in LADDERS if kind == "elastic" or len(ladder) > 1]
     misses = []
     for case in cases:
         areas = measured(case, {3: 2, 4: 2, 6: 2, 8: 2, 12: 1, 16: 1} | dict.fromkeys(TRUTH, 1))
         truth = limit([area for level in TRUTH for area in areas[level]])
-        misses += [limit_of(areas, ladder, limit=limit, truth=truth)[0] for ladder in LADDERS]
-    # Ladders of one surface are not independent: the share of 100 surfaces has a deviation of 2 %, and where
-    # edges are corrected by a constant all but some patches are to be held.
+        misses += [limit_of(areas, ladder, limit=limit, truth=truth)[0] for ladder in ladders]
+    # Ladders of one surface are not independent: the share of 100 surfaces has a deviation of 2 %.
     held = np.mean(np.abs(misses) < 2)
     assert held >= 0.93
-    # Wide enough, and not wider: what is off is of the size that is claimed. Of one grid alone the law for
-    # edges that are corrected claims for all kinds what a hardness asks for.
-    assert (0.5 if kind in _SURFACES else 0.25) < np.sqrt(np.mean(np.square(misses))) < 1.15
+    # Wide enough, and not wider: what is off is of the size that is claimed.
+    assert 0.4 < np.sqrt(np.mean(np.square(misses))) < 1.15

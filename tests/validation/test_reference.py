@@ -229,7 +229,7 @@ def test_the_table_that_is_shipped_is_whole_and_says_how_it_was_made():
         assert data[f"{name}_error"].values[made] == pytest.approx(
             np.sqrt(squares + solver)[made], rel=1e-9
         ), name
-        assert np.all(squares[made] > 0), name
+        assert np.all(squares[exact] > 0), name
     assert np.all(np.diff(data.area.values, axis=3)[made[..., 1:]] > 0)
     assert data.attrs["study"] == "reference"
     assert {"seed", "periods", "tolerance", "larger_periods"} <= set(data.attrs)
@@ -238,7 +238,8 @@ def test_the_table_that_is_shipped_is_whole_and_says_how_it_was_made():
 
 def test_the_documentation_prints_the_areas_of_the_table_that_is_shipped():
     data = reference.table().sel(amplitudes="exact")
-    lines = (DOCS / "reference_table.md").read_text(encoding="utf-8").splitlines()
+    page = (DOCS / "reference_table.md").read_text(encoding="utf-8")
+    lines = page.partition("## The area")[2].splitlines()
     rows = [
         [cell.strip() for cell in line.strip("|").split("|")]
         for line in lines

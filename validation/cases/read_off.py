@@ -161,7 +161,8 @@ _ODD, _NOISE = 0.0005, (0.006, 0.026)
 
 def _spread(patches: float) -> Array:
     """Deviations of the orders, and last what each grid is off by anew, for so many patches of contact."""
-    return np.asarray(np.array([*_SIZES, _ODD]) * np.array([1.0, *[(80 / patches) ** 0.25] * len(_SIZES)]))
+    few = (80 / patches) ** 0.25
+    return np.array([_SIZES[0], *(few * size for size in (*_SIZES[1:], _ODD))])
 
 
 @case(

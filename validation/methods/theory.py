@@ -119,7 +119,8 @@ class Prediction:
 
     def summary(self) -> dict[str, Any]:
         """Return everything as JSON-ready data, null where there is no answer."""
-        return json_ready(asdict(self))
+        data: dict[str, Any] = json_ready(asdict(self))
+        return data
 
 
 def predict(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.optimize
 
+from validation.errors import UsageError
 from validation.reference.fit import nayak
 from validation.reference.interpolation import interpolated
 
@@ -50,17 +51,14 @@ def at_equal_alpha(table: xr.Dataset, alphas: Sequence[float]) -> xr.Dataset:
 
     hursts, loads = table.hurst.values, table.reduced_pressure.values
     bandwidths = np.array([[bandwidth_at(hurst=h, alpha=a) for h in hursts] for a in alphas])
-    made = np.isfinite(table.area).all("reduced_pressure").transpose("hurst", "bandwidth").values
     found = np.full((2, *bandwidths.shape, loads.size), np.nan)
-    for (i, j), bandwidth in np.ndenumerate(bandwidths):
-        nodes = table.bandwidth.values[made[j]]
-        if not (nodes.size and nodes[0] <= bandwidth <= nodes[-1]):
-            continue
-        own = table.isel(hurst=[j])
-        for k, load in enumerate(loads):
-            asked = {"hurst": float(hursts[j]), "bandwidth": bandwidth, "reduced_pressure": float(load)}
-            one = interpolated(own, "area", asked)
-            found[:, i, j, k] = one.value, one.uncertainty
+    for (i, j, k), _ in np.ndenumerate(found[0]):
+        asked = {"hurst": hursts[j], "bandwidth": bandwidths[i, j], "reduced_pressure": loads[k]}
+        try:
+            one = interpolated(table.isel(hurst=[j]), "area", asked)
+        except UsageError:
+            continue  # outside of the table, or beside a cell that it has not
+        found[:, i, j, k] = one.value, one.uncertainty
     dims = ("alpha", "hurst", "reduced_pressure")
     return xr.Dataset(
         {"area": (dims, found[0]), "area_error": (dims, found[1]), "bandwidth": (dims[:2], bandwidths)},

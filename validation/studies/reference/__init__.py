@@ -96,9 +96,7 @@ class Options(StudyOptions):
         default=(0.3, 0.8),
         description="those Hurst exponents at which surfaces with Gaussian amplitudes are solved as well",
     )
-    gaussian_bandwidths: RisingOrNone = Field(
-        default=(4.0, 8.0, 16.0), description="and the bandwidths of these"
-    )
+    gaussian_bandwidths: RisingOrNone = Field(default=(4.0, 8.0), description="and the bandwidths of these")
     larger: RisingOrNone = Field(
         default=(0.3, 0.8),
         description="those at which samples of twice the periods are solved as well, a quarter as many",
