@@ -82,7 +82,7 @@ class Reached:
         Whether the limit is that of the area with its edge located inside the cells, or corrected at its
         edge.
     tolerance : float
-        Of the solver, which bounds the relative error that it leaves in the area.
+        Of the solver, which leaves a relative error of at most seven times that in the area.
     beside : tuple of Beside
         What the other methods of the scene say of the same surface.
     surfaces : int

@@ -16,7 +16,7 @@ from validation.comparison.accuracy_bench import Metered
 from validation.comparison.findings import percent
 from validation.errors import RunFailed, UsageError
 from validation.measures.ensemble import MeanArea, mean_area
-from validation.measures.measurement import has_square_cells, limit_over
+from validation.measures.measurement import TOLERANCES_LEFT, has_square_cells, limit_over
 from validation.measures.pairs import AreaPairs
 from validation.methods.bem import BemOptions
 from validation.scenes.realised import Realised
@@ -34,9 +34,8 @@ _LEVELS = (3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)
 #: Points per shortest wave below which an area says little of its limit.
 _LEAST_LEVEL = 3
 
-#: The area of a solve is off by less than its tolerance at p* of .2 and above; below, by some 4 % of a point
-#: (docs/bem.md).
-_SOLVER_SHARE = 0.01
+#: Tolerance over the error asked for.
+_SOLVER_SHARE = 0.002
 _TOLERANCES = (1e-8, 1e-4)
 
 #: Surfaces solved for a mean, in all.
@@ -124,8 +123,13 @@ class Search:
 
     @property
     def tolerance(self) -> float:
-        """Tolerance whose error is a hundredth of the one asked for."""
+        """Tolerance whose error is little of the one asked for."""
         return float(np.clip(_SOLVER_SHARE * self.target, *_TOLERANCES))
+
+    @property
+    def left(self) -> float:
+        """Relative error that it leaves in an area."""
+        return TOLERANCES_LEFT * self.tolerance
 
     @cached_property
     def others(self) -> dict[str, tuple[Press, ...]]:
@@ -158,7 +162,7 @@ class Search:
             tried.add(ladder.grids)
             areas = self._solved(ladder)
             limit = limit_over(areas)
-            error = 2 * limit.uncertainty / limit.value + self.tolerance if limit.determinable else np.inf
+            error = 2 * limit.uncertainty / limit.value + self.left if limit.determinable else np.inf
             known = min(areas, key=lambda area: area.spacing)
             # Where grids disagree by more than the law allows, they will again.
             self.doubt = max(self.doubt, _SPARE * error / ladder.error) if np.isfinite(error) else self.doubt
@@ -291,7 +295,7 @@ class Search:
         return Ladder(
             grids=grids,
             shifts=shifts,
-            error=self.doubt * claim + self.tolerance,
+            error=self.doubt * claim + self.left,
             seconds=self.bench.slowness * shifts**2 * sum(self.costs[grid].seconds for grid in grids),
             peak_bytes=max(self.costs[grid].peak_bytes for grid in grids),
         )

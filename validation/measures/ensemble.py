@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from validation.errors import RunFailed
 from validation.measures.common import results_of
 from validation.measures.controlled import Controlled, Known, Level, allocation, chained_mean
-from validation.measures.measurement import Grid, area_limits, grid_for
+from validation.measures.measurement import TOLERANCES_LEFT, Grid, area_limits, grid_for
 from validation.measures.pairs import AreaPairs, Areas
 from validation.measures.statistics import Estimate, pair_means
 from validation.measures.without_solve import UnsolvedPairs
@@ -299,7 +299,7 @@ def mean_area(
     effects : sequence
         Of a scene: of those whose corrected area has a law of error (`fem_contact.extrapolation.perimeter_limit`).
     tolerance : float
-        Of the solver, which bounds the relative error that it leaves.
+        Of the solver, which leaves a relative error of at most seven times that.
     watch : callable, optional
         Called before each round but the first with what was found and the solves that come next; raises to stop.
 
@@ -350,7 +350,7 @@ def _found(drawn: _Drawn, solved: Mapping[_Name, xr.Dataset]) -> tuple[MeanArea,
     return (
         MeanArea(
             estimate=estimate,
-            grid=float(samples.grid_errors("area")[0]) + drawn.tolerance * estimate.value,
+            grid=float(samples.grid_errors("area")[0]) + TOLERANCES_LEFT * drawn.tolerance * estimate.value,
             grids=drawn.grids,
             pairs=tuple(drawn.counts),
             unsolved=len(samples.further),

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
+    "TOLERANCES_LEFT",
     "Grid",
     "Measurement",
     "area_limits",
@@ -73,6 +74,9 @@ def grid_for(realised: Realised, points_per_wave: float) -> Grid:
 #: Tolerance whose effect on the located area is below a hundredth of what its grids leave, at 8 points per
 #: shortest wave; that falls with the cube of the spacing (docs/bem.md).
 _TOLERANCE, _AT_POINTS, _LEAST_TOLERANCE = 1e-5, 8, 1e-8
+
+#: The located area of a solve is off by at most so many tolerances, relative, at any load (docs/bem.md).
+TOLERANCES_LEFT = 7.0
 
 
 def grid_tolerance(realised: Realised, grids: Sequence[Grid]) -> float:

@@ -21,7 +21,7 @@ from fem_contact.stress import initial_slope
 from validation.measures.common import Ladder, Rising, RisingOrNone, base_case, base_surface, results_of
 from validation.measures.ensemble import QUANTITIES
 from validation.measures.flow import StiffMeasurement
-from validation.measures.measurement import grid_for
+from validation.measures.measurement import TOLERANCES_LEFT, grid_for
 from validation.measures.without_solve import UnsolvedPairs
 from validation.scenes.realised import Realised
 from validation.scenes.scene import SelfAffineSurface
@@ -44,7 +44,7 @@ Array = NDArray[np.float64]
 #: Numbers of pairs are those of the options at this bandwidth, and in proportion to its inverse at others: surfaces with
 #: fewer waves scatter more and cost less.
 _USUAL_BANDWIDTH = 16.0
-#: Of the solver. At light load single points decide, by some 4 % of a point: below 1e-4 of the area on these grids.
+#: Of the solver.
 _TOLERANCE = 1e-6
 #: Grids that a limit takes at least, and pairs that tell a variance.
 _LEAST_GRIDS, _LEAST_PAIRS = 3, 4
@@ -238,7 +238,9 @@ def _dataset(options: Options, values: dict[str, Array]) -> xr.Dataset:
         parts = [values[f"{name}{part}"] for part in ("_half_width", "_grid")]
         if name == BY_SPECTRUM:
             parts.append(values[_READING])
-        values[f"{name}_error"] = np.sqrt(sum(part**2 for part in parts) + (_TOLERANCE * values[name]) ** 2)
+        values[f"{name}_error"] = np.sqrt(
+            sum(part**2 for part in parts) + (TOLERANCES_LEFT * _TOLERANCE * values[name]) ** 2
+        )
         for part, what in (
             ("half_width", "over surfaces"),
             ("grid", "of the grid limit"),
