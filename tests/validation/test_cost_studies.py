@@ -246,6 +246,7 @@ def test_levels_are_solved_as_often_as_is_cheapest():
 def test_equal_numbers_of_the_same_surfaces_would_give_the_mean_on_the_finest_grid(bench, monkeypatch):
     """The sum of the levels telescopes: on one set of surfaces nothing of the coarse grids is left."""
     monkeypatch.setattr(multilevel, "_APART", 0)
+    monkeypatch.setattr(multilevel, "grid_tolerance", lambda *_: 1e-8)
     options = multilevel.Options(points_per_wave=(4.0, 6.0, 8.0), error=0.5, pilot=4, seed=1707, **SMALL)
     data = multilevel.run(options, bench=bench)
     assert data.surfaces.values.tolist() == [4, 4, 4]

@@ -198,6 +198,7 @@ def full_contact_energy(surface: HeightField, *, modulus: float) -> float:
 
     Examples
     --------
+    >>> import numpy as np
     >>> x = np.arange(16) / 16
     >>> wave = HeightField(heights=np.cos(2 * np.pi * x)[:, None] * np.ones(4), lengths=(1.0, 0.25))
     >>> round(full_contact_energy(wave, modulus=8.0) / (2 * np.pi), 12)

@@ -13,6 +13,9 @@ __all__ = ["InMemory", "dataset_bytes", "read_dataset", "reading"]
 
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
+#: Bytes that HDF5 takes at most to open a file; where they are missing it crashes.
+_ROOM = 2**22
+
 
 class InMemory:
     """A netCDF file that is made in memory.
@@ -27,6 +30,7 @@ class InMemory:
         # netCDF4 itself: through xarray the same fields take five times as long.
         import netCDF4
 
+        bytearray(_ROOM)  # a MemoryError instead
         self.file: Any = netCDF4.Dataset("memory", "w", format="NETCDF4", memory=1)
 
     def close(self) -> memoryview:

@@ -12,7 +12,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from validation.audit.stored import Array
-from validation.audit.studies.kept import Kept, Numbers, base_surface, own_grid
+from validation.audit.studies.kept import Kept, Numbers, area_tolerance, base_surface, own_grid
 from validation.audit.studies.numbers import (
     VARIANTS,
     drift_of,
@@ -46,7 +46,7 @@ def judge(kept: Kept) -> None:
     _sentences(kept, theory)
 
 
-def _measured(kept: Kept, spectrum: int, surface: int, tolerance: float = 1e-8) -> Numbers | None:
+def _measured(kept: Kept, spectrum: int, surface: int, *, share: float = 1.0) -> Numbers | None:
     """Return the stored measurement of a surface; 2k and 2k + 1 are +h and -h of the k-th."""
     told = {
         "hurst": float(kept["hurst"][spectrum]),
@@ -62,7 +62,7 @@ def _measured(kept: Kept, spectrum: int, surface: int, tolerance: float = 1e-8) 
         reduced_pressures=kept.options["reduced_pressures"],
         grids=[[n, n] for n in grids],
         shifts=kept.options["shifts"],
-        tolerance=tolerance,
+        tolerance=share * area_tolerance(told, max(grids)),
         truncation=None,
     )
 
@@ -97,7 +97,7 @@ def _solves(kept: Kept) -> None:
     kept.array("bandwidth", np.concatenate([told, kept["bandwidth"][equal:]]))
     gradients = over(lambda one: float(one.attributes["rms_gradient"]))
     kept.array("kappa_ensemble", np.array([_from_spectrum(row, p) for row in gradients]) / p, rtol=1e-7)
-    strict = _measured(kept, 0, 0, tolerance=1e-10)
+    strict = _measured(kept, 0, 0, share=0.01)
     if strict is not None:
         kept.array("solver_error", solver_share(rows[0][0], strict), rtol=1e-6, atol=1e-12)
 
@@ -174,7 +174,7 @@ def _rung(kept: Kept, told: dict[str, Any], count: int) -> tuple[Array, float] |
             reduced_pressures=[load],
             grids=[[n, n] for n in grids],
             shifts=told["shifts"],
-            tolerance=1e-8,
+            tolerance=area_tolerance(told, max(grids)),
             truncation=None,
         )
         if one is None:

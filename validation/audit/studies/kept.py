@@ -16,7 +16,7 @@ import numpy as np
 from validation.audit.ledger import Ledger
 from validation.audit.stored import Array, Stored
 
-__all__ = ["Kept", "Numbers", "base_surface", "own_grid", "rows_of"]
+__all__ = ["Kept", "Numbers", "area_tolerance", "base_surface", "own_grid", "rows_of"]
 
 
 def rows_of(path: Path) -> list[list[str]]:
@@ -47,6 +47,12 @@ def own_grid(options: Mapping[str, Any], points_per_wave: float, **changes: floa
     told = {**options, **changes}
     waves = float(told["periods"] * told["bandwidth"])
     return 2 * math.ceil(points_per_wave * waves / 2 - 1e-9)
+
+
+def area_tolerance(options: Mapping[str, Any], finest: int) -> float:
+    """Return the tolerance of studies of areas: 1e-5 at 8 points on the shortest wave, less with their cube."""
+    points = finest / (options["periods"] * options["bandwidth"])
+    return float(max(1e-5 * min(1.0, (8 / points) ** 3), 1e-8))
 
 
 @dataclass(frozen=True)
