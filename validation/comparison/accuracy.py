@@ -147,30 +147,25 @@ class Reached:
         """Say what was reached, and what it cost."""
         area = "located inside the cells" if self.located else "corrected at its edge"
         yield (
-            f"Asked for {100 * self.target:g} %: A/A0 = {self.area:.6g} +- {percent(self.error)} "
-            f"(95 %: grid and "
-            f"solver) in the limit of vanishing grid spacing for this surface, of the area {area}, "
-            f"by boundary "
-            f"elements on {grid_words(self.grids)}, "
-            f"{self.shifts**2} shift{'s' if self.shifts > 1 else ''} each, solved to {self.tolerance:g}."
+            f"Asked for {100 * self.target:g} %: A/A0 = {self.area:.6g} +- {percent(self.error)} (95 %: grid "
+            f"and solver) in the limit of vanishing grid spacing for this surface, of the area {area}, by "
+            f"boundary elements on {grid_words(self.grids)}, {self.shifts**2} "
+            f"shift{'s' if self.shifts > 1 else ''} each, solved to {self.tolerance:g}."
         )
         for other in self.beside:
             area = "located inside the cells" if other.located else "corrected at its edge"
             found = f"no limit: {other.doubt}"
             if not other.doubt:
                 found = (
-                    f"A/A0 = {other.area:.6g} +- {percent(other.error)} (95 %: grid; limit of the "
-                    f"area {area}), "
-                    f"{100 * (other.area / self.area - 1):+.2g} % from it"
+                    f"A/A0 = {other.area:.6g} +- {percent(other.error)} (95 %: grid; limit of the area "
+                    f"{area}), {100 * (other.area / self.area - 1):+.2g} % from it"
                 )
             yield f"Beside it {other.label} on {grid_words(other.grids)}: {found}."
         if self.mean is not None and self.mean_error is not None and self.statistical is not None:
             yield (
                 f"Mean over the surfaces of this spectrum: A/A0 = {self.mean:.6g} +- "
-                f"{percent(self.mean_error)} "
-                f"(95 %: surfaces, grid and solver), of which {percent(self.statistical)} from the "
-                f"scatter between "
-                f"surfaces; {self._pairs()}."
+                f"{percent(self.mean_error)} (95 %: surfaces, grid and solver), of which "
+                f"{percent(self.statistical)} from the scatter between surfaces; {self._pairs()}."
             )
         counted = ", blocks of pairs counted as one" if self.pairs else ""
         yield (
@@ -187,9 +182,8 @@ class Reached:
         )
         plain = math.ceil((1.96 * self.scatter / self.statistical) ** 2) if self.statistical > 0 else 2
         return (
-            f"from {sum(self.pairs)} pairs h, -h ({ending}) and {self.unsolved} that were not "
-            f"solved, where a plain "
-            f"mean of single surfaces, which scatter by {percent(self.scatter)}, would take about {plain}"
+            f"from {sum(self.pairs)} pairs h, -h ({ending}) and {self.unsolved} that were not solved, where "
+            f"a plain mean of single surfaces, which scatter by {percent(self.scatter)}, would take about {plain}"
         )
 
 
