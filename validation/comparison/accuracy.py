@@ -183,7 +183,8 @@ class Reached:
         plain = math.ceil((1.96 * self.scatter / self.statistical) ** 2) if self.statistical > 0 else 2
         return (
             f"from {sum(self.pairs)} pairs h, -h ({ending}) and {self.unsolved} that were not solved, where "
-            f"a plain mean of single surfaces, which scatter by {percent(self.scatter)}, would take about {plain}"
+            f"a plain mean of single surfaces, which scatter by {percent(self.scatter)}, would take about "
+            f"{plain}"
         )
 
 
