@@ -270,7 +270,7 @@ class Table(BaseModel):
             for key in data:
                 if key not in cls.model_fields:
                     close = difflib.get_close_matches(str(key), (*cls.model_fields, *cls.meant), n=1)
-                    hint = f"; did you mean {cls.meant.get(close[0], close[0])!r}?" if close else ""
+                    hint = f"; did you mean {cls.meant.get(close[0], close[0])!r}?" if close else "."
                     raise wrong(f"unknown key {key!r}{hint} Allowed: {', '.join(cls.model_fields)}")
         return data
 

@@ -17,7 +17,7 @@ from validation.audit.recomputed import Run
 __all__ = ["audit_accuracy", "audit_sweep"]
 
 #: Keys of accuracy.json that say what was asked and spent, and not what came out.
-_ASKED = ("predicted_seconds", "seconds", "solves", "reused", "peak_bytes", "target")
+_ASKED = ("predicted_seconds", "solving_seconds", "seconds", "solves", "reused", "peak_bytes", "target")
 #: Keys that say what was found over the surfaces of the spectrum.
 _OF_THE_MEAN = (
     "surfaces",

@@ -38,7 +38,9 @@ def reference(
         amplitudes=amplitudes,
         gradient=gradient,
     )
-    size = ", size of the sample" if (amplitudes, gradient) == ("exact", "surface") else ""
+    sized = (amplitudes, gradient) == ("exact", "surface")
+    parts = "surfaces, grid, solver, size of the sample" if sized else "surfaces, grid, solver"
+    lacking = "" if sized else "; what the size of the sample does is not in it"
     if as_json:
         typer.echo(json.dumps({name: asdict(value) for name, value in found.items()}, indent=2))
         return
@@ -59,6 +61,6 @@ def reference(
             left=frozenset({"quantity", "meaning"}),
             yielding=("meaning", "interpolation [%]"),
             note=f"Means over surfaces with L/lambda_long = {table().attrs['periods']:g}; the interval has "
-            f"surfaces, grid, solver{size} and interpolation.",
+            f"{parts} and interpolation{lacking}.",
         )
     )

@@ -103,6 +103,8 @@ class Reached:
         Done now, a block of pairs of surfaces counted as one.
     seconds : float
         Spent now, choosing included [s].
+    solving_seconds : float
+        Of these, in solves [s].
     predicted_seconds : float
         What the plan said of the solves that were done [s].
     peak_bytes : int
@@ -129,6 +131,7 @@ class Reached:
     unsolved: int = 0
     solves: int
     seconds: float
+    solving_seconds: float
     predicted_seconds: float
     peak_bytes: int
     reused: int = 0
@@ -169,8 +172,9 @@ class Reached:
             )
         counted = ", blocks of pairs counted as one" if self.pairs else ""
         yield (
-            f"It cost {self.solves} solves{counted}, {self.seconds:.2g} s ({self.predicted_seconds:.2g} s of "
-            f"solving were predicted) and {memory_words(self.peak_bytes)} for the largest."
+            f"It cost {self.solves} solves{counted}, {self.seconds:.2g} s ({self.solving_seconds:.2g} s of "
+            f"solving, {self.predicted_seconds:.2g} s predicted) and {memory_words(self.peak_bytes)} for the "
+            "largest."
         )
 
     def _pairs(self) -> str:
@@ -297,6 +301,7 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
         beside=beside,
         solves=account.solves,
         seconds=metered.spent,
+        solving_seconds=account.solving,
         predicted_seconds=account.predicted,
         peak_bytes=search.peak_bytes,
         reused=len(account.found),

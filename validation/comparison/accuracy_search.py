@@ -203,7 +203,10 @@ class Search:
 
     def reserve(self) -> None:
         """Keep time for the methods beside, and refuse those that time or memory do not allow."""
-        for name, solves in self.others.items():
+        for name, listed in self.others.items():
+            solves = [solve for solve in listed if not self.bench.store.path(solve).exists()]
+            if not solves:
+                continue
             costs = [solve.predict(pair_seconds=self.bench.pair) for solve in solves]
             seconds, peak = sum(cost.seconds for cost in costs), max(cost.peak_bytes for cost in costs)
             if not self.bench.affordable(seconds, peak):

@@ -238,8 +238,8 @@ def _tables(c: Comparison) -> Iterator[WordTable]:
         yielding=("P(0+) E*h'", "lambda_short/dx", "seconds", "residual", "A/A0 perimeter", "kappa"),
         note="A/A0 pixel counts the points of the contact set (mean +- standard error over sub-grid shifts); "
         "perimeter subtracts the method's edge constant times edge length times dx; "
-        f"kappa = (A/A0 perimeter)/p*{which}; {density}residual is the largest of penetration/h_rms, "
-        "tension/(E* h'_rms), complementarity and load error.",
+        f"kappa = (A/A0 perimeter)/p*{which}, of the limit its own area over p*; {density}"
+        "residual is the largest of penetration/h_rms, tension/(E* h'_rms), complementarity and load error.",
     )
     if c.passing:
         from validation.comparison.passing import words_table

@@ -121,7 +121,7 @@ class UnsolvedPairs(NumbersSolve):
 
     def describe(self) -> str:
         """Return a few words for a progress bar."""
-        return f"{self.count} surfaces on {self.grid[0]}x{self.grid[1]}, not solved"
+        return f"what {self.count} surfaces on {self.grid[0]}x{self.grid[1]} tell without a contact"
 
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict the cost: five transforms and two sorts for each."""

@@ -83,10 +83,20 @@ def _whole_part(data: xr.Dataset, *, hurst: float, bandwidth: float) -> xr.Datas
         raise UsageError(
             f"hurst = {hurst:g}, bandwidth = {bandwidth:g}: the table has no cell at H = "
             f"{float(data.hurst[rows[i]]):g}, lambda_long/lambda_short = "
-            f"{float(data.bandwidth[columns[j]]):g}, and is not extrapolated"
+            f"{float(data.bandwidth[columns[j]]):g}, and is not extrapolated; it has {_cells(data, there)}"
         )
     kept = there[rows].all(axis=0)
     return data.isel(bandwidth=kept).isel(hurst=there[:, kept].all(axis=1))
+
+
+def _cells(data: xr.Dataset, there: Array) -> str:
+    """Say which spectra the table has."""
+    rows = [
+        (f"H = {h:g}", ", ".join(f"{b:g}" for b in data.bandwidth.values[has]))
+        for h, has in zip(data.hurst.values, there, strict=True)
+        if has.any()
+    ]
+    return "; ".join(f"{hurst} at {bandwidths}" for hurst, bandwidths in rows)
 
 
 def _around(nodes: Array, at: float) -> list[int]:
