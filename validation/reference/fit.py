@@ -19,7 +19,7 @@ __all__ = ["FIT", "fitted", "fitted_area", "nayak"]
 Array = NDArray[np.float64]
 
 #: c_0, c_1, p_1 and n of `fitted_area`: least squares of the relative distance from the table.
-FIT = (0.5649, 0.05502, 0.1883, 0.9736)
+FIT = (0.5651, 0.05505, 0.1882, 0.9733)
 
 
 def nayak(*, hurst: float, bandwidth: float) -> float:
