@@ -16,6 +16,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from validation.arrays import Grid
 from validation.comparison.accuracy_bench import Metered
 from validation.comparison.accuracy_search import Beside, Search, grid_words
 from validation.comparison.findings import percent
@@ -35,8 +36,6 @@ from validation.solves.running import Execution
 from validation.solves.store import Store
 
 __all__ = ["AccurateRun", "Reached", "parse_accuracy", "reach", "run_accurate"]
-
-Grid = tuple[int, int]
 
 #: Slots of effects with which the area corrected at its edge follows its law of error.
 _LAWFUL = frozenset({"pressure bound", "response"})

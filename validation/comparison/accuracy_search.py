@@ -12,6 +12,7 @@ import scipy.fft
 
 from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.extrapolation import PlannedGrid, predicted_uncertainty
+from validation.arrays import Grid
 from validation.comparison.accuracy_bench import Metered
 from validation.comparison.findings import percent
 from validation.errors import RunFailed, UsageError
@@ -26,8 +27,6 @@ from validation.solves.press import Press, solves_of
 from validation.solves.solve import Prediction, Solve
 
 __all__ = ["Beside", "Ladder", "Search", "Single", "grid_words"]
-
-Grid = tuple[int, int]
 
 #: Grids that are considered, as points per shortest wave.
 _LEVELS = (3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256)

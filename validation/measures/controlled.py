@@ -8,13 +8,12 @@ from typing import Self
 
 import numpy as np
 import scipy.special
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from validation.arrays import Array
 from validation.measures.statistics import Estimate
 
 __all__ = ["Controlled", "Known", "Level", "allocation", "chained_mean", "controlled_mean"]
-
-Array = NDArray[np.float64]
 
 #: Samples from which on the coefficient of a coarser grid is fitted; below it is 1.
 _FITTED = 10

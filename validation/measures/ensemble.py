@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.special
-from numpy.typing import NDArray
 
+from validation.arrays import Array
 from validation.errors import RunFailed
 from validation.measures.common import results_of
 from validation.measures.controlled import Controlled, Known, Level, allocation, chained_mean
@@ -29,8 +29,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["QUANTITIES", "Chained", "MeanArea", "Samples", "Watch", "mean_area"]
-
-Array = NDArray[np.float64]
 
 #: Pairs of a first look, by the grid they end with, which then grow by blocks of the same size; and how often the
 #: numbers are chosen anew from what was found.

@@ -7,10 +7,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact.area import EDGE_CONSTANTS, ContactAreas, contact_areas
 from fem_contact.extrapolation import Limit
+from validation.arrays import Array
 from validation.measures.measurement import Grid, has_square_cells, limit_over
 from validation.measures.without_solve import statistics_of_pair
 from validation.scenes.realised import Realised
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["AreaPairs", "Areas"]
-
-Array = NDArray[np.float64]
 
 #: What is read off every solve; the located area is NaN where edges cannot be located.
 _READ = ("pixel", "perimeter", "subcell", "edge_fraction", "alignment", "seconds", "peak_bytes")

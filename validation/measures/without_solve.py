@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.fft
-from numpy.typing import NDArray
 
 from fem_contact.surface import HeightField
+from validation.arrays import Array
 from validation.measures.measurement import Grid
 from validation.scenes.realised import Realised
 from validation.solves.solve import NumbersSolve, Prediction
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["UnsolvedPairs", "statistics_of_pair", "unsolved_statistics"]
-
-Array = NDArray[np.float64]
 
 #: Shares of the nominal area, for the highest heights and the highest pressures of full contact.
 _SHARES = (0.01, 0.03, 0.1, 0.3)

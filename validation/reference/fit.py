@@ -7,16 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.optimize
 import scipy.special
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from persson.spectrum import SelfAffine
+from validation.arrays import Array
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["FIT", "fitted", "fitted_area", "nayak"]
-
-Array = NDArray[np.float64]
 
 #: c_0, c_1, p_1 and n of `fitted_area`: least squares of the relative distance from the table.
 FIT = (0.5651, 0.05505, 0.1882, 0.9733)

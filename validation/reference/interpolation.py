@@ -7,18 +7,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
 
 from persson import elastic
+from validation.arrays import Array
 from validation.errors import UsageError
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["ReferenceValue", "interpolated"]
-
-Array = NDArray[np.float64]
 
 _AXES = {"hurst": "H", "bandwidth": "lambda_long/lambda_short", "reduced_pressure": "p*"}
 

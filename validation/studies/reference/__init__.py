@@ -18,6 +18,7 @@ from pydantic import Field, model_validator
 
 from fem_contact.contact import ContactResult
 from fem_contact.stress import initial_slope
+from validation.arrays import Array
 from validation.measures.common import Ladder, Rising, RisingOrNone, base_case, base_surface, results_of
 from validation.measures.ensemble import QUANTITIES
 from validation.measures.flow import StiffMeasurement
@@ -38,8 +39,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["QUANTITIES", "Options", "figures", "findings", "run", "table"]
-
-Array = NDArray[np.float64]
 
 #: Numbers of pairs are those of the options at this bandwidth, and in proportion to its inverse at others: surfaces with
 #: fewer waves scatter more and cost less.

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
+from validation.arrays import Array
 from validation.measures.common import persson_area
 from validation.measures.ensemble import Samples
 
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["BY_SPECTRUM", "LoadedSamples", "at_loads"]
-
-Array = NDArray[np.float64]
 
 #: A quantity beside those of `Samples`: the area at p* = p0 / (E* h'_rms) with the gradient of C(q).
 BY_SPECTRUM = "area_by_spectrum"
