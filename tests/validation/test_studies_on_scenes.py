@@ -135,7 +135,7 @@ def test_the_study_of_the_grid_takes_effects_grids_and_tolerance_from_a_scene(sc
 
 
 def test_a_measured_map_without_its_short_waves_is_a_lower_magnification(scene, tmp_path):
-    (case,) = magnification._cases(
+    (case,) = magnification.design(
         magnification.Options(scene=scene(MAP), magnifications=(3.0,), shifts=1)
     ).values()
     partial = case.heights(GRIDS[0])

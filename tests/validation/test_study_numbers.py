@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 import zipfile
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
+from planted import PlantedBench, measurement
 
 from fem_contact import bem
 from fem_contact.hardness import yielded
@@ -169,23 +169,20 @@ def test_waves_left_out_raise_the_reduced_pressure_of_the_rest():
         surfaces=2, magnifications=(2.0, 4.0), bandwidth=4.0, periods=2.0, points_per_wave=(3.0, 4.0),
         reduced_pressures=(0.1,), seed=71,
     )  # fmt: skip
-    cases = magnification._cases(options)
+    cases = magnification.design(options)
     part, whole = (cases[0, zeta].heights(cases[0, zeta].grids[0]).rms_gradient for zeta in (2.0, 4.0))
     assert part < 0.9 * whole
-    planted = {
-        case: xr.Dataset(attrs={"rms_gradient": solve.realised.field.rms_gradient})
-        for case, solve in cases.items()
-    }
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(magnification, "results_of", lambda bench, cases: planted)
-        patch.setattr(magnification, "area_limits", lambda data: (np.array([0.2]), np.array([0.01])))
-        data = magnification.run(options, bench=SimpleNamespace())
+
+    def planted(solve):
+        return measurement(solve, lambda p: 0.2).assign_attrs(rms_gradient=solve.realised.field.rms_gradient)
+
+    data = magnification.run(options, bench=PlantedBench(planted))
     exact = [math.erf(math.sqrt(2) * 0.1 * whole / slope) for slope in (part, whole)]
-    np.testing.assert_allclose(data.theory[0, :, 0], exact, rtol=1e-9)
+    np.testing.assert_allclose(data.area_persson_each[0, :, 0], exact, rtol=1e-9)
     spectrum = options.first.spectrum
     slopes = [math.sqrt(float(spectrum.m2(zeta * spectrum.q_long))) for zeta in (2.0, 4.0)]
     exact = [math.erf(math.sqrt(2) * 0.1 * whole / slope) for slope in slopes]
-    np.testing.assert_allclose(data.theory_ensemble[0, :, 0], exact, rtol=1e-9)
+    np.testing.assert_allclose(data.area_ensemble_each[0, :, 0], exact, rtol=1e-9)
 
 
 def test_levels_add_their_means_and_their_variances_over_the_surfaces():

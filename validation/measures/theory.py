@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +13,10 @@ from persson import elastic
 from persson.spectrum import Spectrum
 from persson.variants import EnergyReading, Variant, energy_share
 from validation.arrays import Array
+from validation.report.findings import Finding, finding, note
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = [
     "RANKED",
@@ -20,6 +25,7 @@ __all__ = [
     "Waves",
     "ensemble_area",
     "ensemble_stress_variance",
+    "modes_finding",
     "modes_sentence",
 ]
 
@@ -189,4 +195,20 @@ def modes_sentence(conditional: ArrayLike, ensemble: ArrayLike) -> str:
         "Told C(q) alone (ensemble) instead of the realised gradient (conditional), the theory predicts areas that differ by "
         f"{spread if change.size > 1 else f'{change.item():+.2f} %'}: the sum over the waves of a finite period against "
         "the integral, which is what a wrong generator would also change."
+    )
+
+
+def modes_finding(data: xr.Dataset) -> Finding:
+    """Say how far the two modes of the theory are apart over all of a dataset: ``area_ensemble``, ``area_persson``."""
+    change = (data.area_ensemble / data.area_persson - 1).values
+    if not np.isfinite(change).any():
+        return note(
+            "There is no C(q) but that of the measured period itself, which the theory is told (conditional)."
+        )
+    return finding(
+        "comparison",
+        "Told C(q) alone instead of the realised gradient, the theory's area changes by {low:+%} to {high:+%}: the sum "
+        "over the waves of a finite period against the integral.",
+        low=float(change.min()),
+        high=float(change.max()),
     )

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from validation.report.marks import Drawn
+
 __all__ = ["Drawing", "write_drawing"]
 
 
@@ -31,12 +33,15 @@ class Drawing:
         Every number that is drawn, with units.
     caption : str
         What is seen, in words.
+    drawn : tuple of Drawn
+        What was drawn of which slice of a dataset (`validation.report.marks`).
     """
 
     name: str
     figure: Figure
     data: xr.Dataset
     caption: str
+    drawn: tuple[Drawn, ...] = ()
 
     def _repr_html_(self) -> str:
         """Show the figure in a notebook, whatever draws figures there."""

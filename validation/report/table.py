@@ -1,22 +1,123 @@
-"""Tables: values for files, words for people, and how both are written."""
+"""Tables: which variables of a dataset by which rows, as values for files and as words for people."""
 
 from __future__ import annotations
 
 import csv
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.files import atomic_path
+from validation.report.estimates import SOURCES, SPECTRAL, combined, each, value_of
+from validation.report.quantities import place_words, quantity
+from validation.report.words import with_error
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ResultTable", "WordTable", "shown", "shown_dataset", "write_dataset", "write_table"]
+__all__ = [
+    "Column",
+    "ResultTable",
+    "Table",
+    "WordTable",
+    "budget_table",
+    "shown",
+    "shown_dataset",
+    "write_dataset",
+    "write_table",
+]
 
 _ROWS_SHOWN = 60
+
+#: What a column of half widths is called, behind the title of its values.
+INTERVAL = "+- (95 %)"
+
+
+@dataclass(frozen=True)
+class Column:
+    """A variable as a column, where it has more dimensions than the rows at one place along them.
+
+    Attributes
+    ----------
+    name : str
+    at : mapping
+        Position by dimension; it becomes part of the title.
+    """
+
+    name: str
+    at: Mapping[str, int] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Table:
+    """A table of a dataset: one row for each place along `rows`, the last one running first.
+
+    Attributes
+    ----------
+    rows : tuple of str
+        Dimensions.
+    columns : tuple of str or Column
+        Variables and coordinates. Titles and units are those of the registry, intervals stand behind their
+        values.
+    """
+
+    rows: tuple[str, ...]
+    columns: tuple[str | Column, ...]
+
+    def of(self, data: xr.Dataset) -> ResultTable:
+        """Return every number of it: a value with an interval takes two columns."""
+        made = [_place(column, data) for column in self.columns]
+        made = [(name, title, at) for name, title, at in made if name in data.variables]
+        rows = []
+        for here in each(data, *self.rows):
+            row: dict[str, float | str] = {}
+            for name, title, at in made:
+                value = value_of(here.isel({dim: k for dim, k in at.items() if dim in here.dims}), name)
+                row[title] = value.value
+                if value.error is not None:
+                    row[f"{title} {INTERVAL}"] = value.error
+            rows.append(row)
+        return ResultTable.of_rows(rows)
+
+
+def _place(column: str | Column, data: xr.Dataset) -> tuple[str, str, Mapping[str, int]]:
+    """Name, title and place of a column."""
+    if isinstance(column, str):
+        column = Column(column)
+    title = quantity(column.name).title
+    for dim, k in column.at.items():
+        if dim in data.dims:
+            title += f" at {place_words(data.isel({dim: k}), dim, data)}"
+    return column.name, title, column.at
+
+
+def budget_table(data: xr.Dataset, names: Sequence[str]) -> ResultTable:
+    """Return what is uncertain about some variables at every place, by source, in per cent of the value.
+
+    A source that was not measured leaves the totals that it enters empty.
+    """
+    rows: list[dict[str, float | str]] = []
+    for name in names:
+        errors = data[f"{name}_error"]
+        dims = [str(d) for d in errors.dims if d != "source"]
+        for here in each(data, *dims):
+            value, error = float(here[name]), here[f"{name}_error"]
+            places = [place_words(here, dim, data) for dim in dims]
+            row: dict[str, float | str] = {"number": ", ".join([quantity(name).title, *filter(None, places)])}
+            row["value"] = value
+            shares = {str(s): 100 * abs(float(e) / value) for s, e in zip(SOURCES, error, strict=True)}
+            own = [share for s, share in shares.items() if s not in SPECTRAL]
+            row["for this spectrum and period [%]"] = combined(*own)
+            row["for any [%]"] = combined(*shares.values())
+            for source, share in shares.items():
+                said = "does not enter" if source in error.attrs else share
+                row[f"{source} [%]"] = (
+                    "not measured" if isinstance(said, float) and math.isnan(said) else said
+                )
+            rows.append(row)
+    return ResultTable.of_rows(rows)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,8 +172,13 @@ class WordTable:
 
 
 def shown(table: ResultTable, *, title: str = "", note: str = "") -> WordTable:
-    """Return a table of values in words, numbers with five significant digits."""
-    return _in_words(table.columns, table.rows, title=title, note=note)
+    """Return a table of values in words, those with an interval in one cell, others with five digits."""
+    columns = [name for name in table.columns if not name.endswith(INTERVAL)]
+    rows = []
+    for row in table.rows:
+        cells = dict(zip(table.columns, row, strict=True))
+        rows.append([_with_interval(cells[name], cells.get(f"{name} {INTERVAL}")) for name in columns])
+    return _in_words(columns, rows, title=title, note=note)
 
 
 def shown_dataset(data: xr.Dataset, *, title: str = "") -> tuple[WordTable, ...]:
@@ -136,6 +242,12 @@ def _in_words(columns: Sequence[str], rows: Iterable[Sequence[Any]], *, title: s
 def _column(data: xr.Dataset, name: str) -> str:
     unit = data[name].attrs.get("units", "1") if name in data.variables else "1"
     return name if unit == "1" else f"{name} [{unit}]"
+
+
+def _with_interval(value: float | str, error: float | str | None) -> float | str:
+    if isinstance(value, str) or not isinstance(error, float) or math.isnan(error) or math.isnan(value):
+        return value
+    return with_error(value, error)
 
 
 def _cell(value: Any) -> str:

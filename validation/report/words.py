@@ -65,7 +65,8 @@ _DRAWN = (
     (r"\b([AU])_(pl|el|full|limit)(?![\w-])", r"$\1_{\2}$"),
     (r"\b([Ap])0(?![\w-])", r"$\1_0$"),
     (r"\bp\*", "$p^*$"),
-    (r"\bkappa(?![\w-])", r"$\\kappa$"),
+    (r"\bh'_?rms\(zeta\)", r"$h'_{rms}(\\zeta)$"),
+    (r"(?<![\w$\\{(-])(kappa|sigma|gamma|lambda|zeta|alpha|mu|nu)(?![\w-])", r"$\\\1$"),
 )
 
 
@@ -122,14 +123,11 @@ def with_error(value: float, error: float) -> str:
     >>> with_error(2.1e-5, 3.2e-8), with_error(13000.0, 420.0)
     ('(2.1000 +- 0.0032)e-05', '13000 +- 420')
     """
+    from uncertainties import ufloat
+
     if not np.isfinite(value):
         return "not determinable"
     if not (np.isfinite(error) and error > 0):
         return f"{significant(value, 5)} +- {'0' if error == 0 else 'unknown'}"
-    order = int(np.floor(np.log10(max(abs(value), error))))
-    power = 0 if -4 <= order < 5 else order
-    value, error = value / 10.0**power, error / 10.0**power
-    # 0.0996 is 0.10 to two digits: the order is that of the rounded error.
-    decimals = min(max(0, 1 - int(np.floor(np.log10(float(f"{error:.1e}"))))), 12)
-    text = f"{value:.{decimals}f} +- {error:.{decimals}f}"
-    return text if power == 0 else f"({text})e{power:+03d}"
+    plain = 1e-4 <= max(abs(value), error) < 1e5
+    return format(ufloat(value, error), ".2uf" if plain else ".2ue").replace("+/-", " +- ")

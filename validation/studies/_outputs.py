@@ -144,7 +144,13 @@ def study_page(
         papers=_papers(str(data.attrs.get("methods", "theory bem")).split()),
         records={} if table is None else {"table": table},
         data=data,
-        summary={"study": study.name, "options": dict(options), "findings": list(findings)},
+        summary={
+            "study": study.name,
+            "options": dict(options),
+            "findings": [one.as_json() for one in study.views(data).findings]
+            if study.generic
+            else list(findings),
+        },
     )
 
 

@@ -15,6 +15,8 @@ from pydantic.fields import FieldInfo
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
 from validation.errors import RunFailed, UsageError
+from validation.report.quantities import labelled
+from validation.report.table import budget_table
 from validation.scenes.scene import Scene, scene_problems
 from validation.units import Table, unit_of, wrong
 
@@ -23,6 +25,7 @@ if TYPE_CHECKING:
 
     from validation.report.drawing import Drawing
     from validation.report.table import ResultTable
+    from validation.report.views import Views
     from validation.solves.bench import Bench
 
 __all__ = ["Study", "StudyOptions"]
@@ -149,7 +152,17 @@ class Study:
             raise UsageError(f"study {self.name}: {error}") from None
         except (fem_errors.FemContactError, persson_errors.PerssonError) as error:
             raise RunFailed(f"study {self.name}: {error}") from error
-        return data
+        return labelled(data) if self.generic else data
+
+    @property
+    def generic(self) -> bool:
+        """Whether it declares its views, so that all it shows is made from the dataset."""
+        return hasattr(self.module, "views")
+
+    def views(self, data: xr.Dataset) -> Views:
+        """Return what is shown of a dataset."""
+        declared: Views = self.module.views(data)
+        return declared
 
     def parse(self, arguments: Sequence[str], *, scene: Scene | None = None) -> StudyOptions:
         """Read its options from the command line.
@@ -174,21 +187,33 @@ class Study:
 
     def figures(self, data: xr.Dataset) -> tuple[Drawing, ...]:
         """Return its figures of a dataset; none if it draws none."""
+        if self.generic:
+            from validation.report.marks import draw as drawn
+
+            return tuple(drawn(figure, data) for figure in self.views(data).figures)
         draw = getattr(self.module, "figures", None)
         return () if draw is None else tuple(draw(data))
 
     def table(self, data: xr.Dataset) -> ResultTable | None:
         """Return the table it makes of a dataset; None if it leaves that to the report."""
+        if self.generic:
+            declared = self.views(data).table
+            return None if declared is None else declared.of(data)
         make = getattr(self.module, "table", None)
         return None if make is None else make(data)
 
     def budget(self, data: xr.Dataset) -> ResultTable | None:
         """Return its uncertainties source by source; None if it lists none."""
+        if self.generic:
+            named = self.views(data).budget
+            return budget_table(data, named) if named else None
         make = getattr(self.module, "budget", None)
         return None if make is None else make(data)
 
     def findings(self, data: xr.Dataset) -> tuple[str, ...]:
         """Return its sentences on a dataset."""
+        if self.generic:
+            return tuple(one.text for one in self.views(data).findings)
         say = getattr(self.module, "findings", None)
         return () if say is None else tuple(say(data))
 

@@ -1,0 +1,391 @@
+"""A number with its 95 % interval by source: how a dataset holds it, how it is reduced, how it is read.
+
+A dataset keeps beside a variable ``x`` its errors as ``x_error`` with the further dimension ``source``:
+half widths of 95 % intervals by `SOURCES`. NaN there says *not measured*, 0 *does not enter*; an attribute
+named as the source says why. Half widths are kept and not standard errors, since Student's factor belongs
+to the sample: so what is stored is what is shown, everywhere. Values of single surfaces are ``x_each``, and
+how far they move without their coarsest grid is ``x_each_drift``. What a reduction made says how in its
+attributes, from which the audit makes it again.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import scipy.special
+
+from validation.report.words import significant, with_error
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "NORMAL",
+    "SOURCES",
+    "Value",
+    "claim",
+    "combined",
+    "derive",
+    "each",
+    "error_of",
+    "gather",
+    "mean",
+    "mean_of",
+    "total_error",
+    "value_of",
+    "values_of",
+]
+
+#: Where an error comes from, in the order in which it is listed.
+SOURCES = ("surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory")
+#: Those of the step from one spectrum and period to any: they are no part of the interval of a value for
+#: its own.
+SPECTRAL = ("size", "bandwidth")
+#: Half width of a 95 % interval over the standard error, where that is known and not estimated from a few
+#: samples.
+NORMAL = float(scipy.special.ndtri(0.975))
+
+_FUNCTIONS = {name: getattr(np, name) for name in ("abs", "exp", "log", "maximum", "minimum", "sqrt")}
+_FUNCTIONS["erf"] = scipy.special.erf
+
+
+@dataclass(frozen=True, kw_only=True)
+class Value:
+    """A number as it is said: with its 95 % interval where it has one.
+
+    Attributes
+    ----------
+    value : float or str
+    error : float or None
+        Half width of the 95 % interval; NaN where it was not measured, None for what is exact, such as a
+        load.
+    name : str
+        The variable it was read from.
+    at : mapping
+        Where, by dimension: the position.
+
+    Examples
+    --------
+    >>> kappa = Value(value=2.1563, error=0.019)
+    >>> f"{kappa}, {kappa:%}, {kappa:~}, {Value(value=0.05)}"
+    '2.156 +- 0.019, (215.6 +- 1.9) %, 2.156, 0.05'
+    """
+
+    value: float | str
+    error: float | None = None
+    name: str = ""
+    at: Mapping[str, int] | None = None
+
+    def __format__(self, spec: str) -> str:
+        """Return it in words: ``%`` in per cent, ``+`` with its sign, ``~`` without its error."""
+        if isinstance(self.value, str):
+            return self.value
+        factor, unit = (100.0, " %") if "%" in spec else (1.0, "")
+        value = factor * self.value
+        sign = "+" if "+" in spec and value > 0 else ""
+        if not math.isfinite(value):
+            return "not determinable"
+        if self.error is None:
+            return f"{sign}{value:.{'3' if unit else '6'}g}{unit}"
+        if not math.isfinite(self.error):
+            return f"{sign}{significant(value, 3)}{unit}"
+        text = with_error(value, factor * self.error)
+        if "~" in spec:
+            return sign + text.partition(" +- ")[0] + unit
+        return f"({sign}{text}){unit}" if unit else sign + text
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as data: value, error if it has one, and where it was read."""
+        said: dict[str, Any] = {"value": self.value}
+        if self.error is not None:
+            said["error"] = self.error
+        return said | ({"name": self.name, "at": dict(self.at or {})} if self.name else {})
+
+
+def combined(*errors: float) -> float:
+    """Root sum of squares of independent errors.
+
+    >>> combined(3.0, 4.0)
+    5.0
+    """
+    return float(np.sqrt(np.sum(np.square(errors))))
+
+
+# ---- cases -> one dataset ------------------------------------------------------------------------
+
+
+def gather(cases: Mapping[Any, xr.Dataset], **dims: Sequence[Any]) -> xr.Dataset:
+    """Stack datasets along new dimensions in front; a place that is in no case is NaN.
+
+    Parameters
+    ----------
+    cases : mapping
+        Dataset by place: a tuple with one value for each of `dims`, or the value itself where there is one.
+        All have the same variables on the same dimensions.
+    dims : sequences
+        Coordinates of the new dimensions.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> one = xr.Dataset({"area": ("load", [0.1, 0.2])})
+    >>> gather({0: one, 1: 2 * one}, surface=[0, 1, 2]).area.values.tolist()
+    [[0.1, 0.2], [0.2, 0.4], [nan, nan]]
+    """
+    import xarray as xr
+
+    first = next(iter(cases.values()))
+    shape = tuple(len(values) for values in dims.values())
+    names = [*first.data_vars, *(["solve"] if "solve" in first.attrs else [])]
+    stacked: dict[str, Any] = {}
+    for name in map(str, names):
+        like = first[name] if name in first else xr.DataArray(first.attrs[name])
+        kind = like.dtype if like.dtype.kind in "OU" else np.result_type(like.dtype, float)
+        empty = "" if like.dtype.kind in "OU" else np.nan
+        whole = np.full(shape + like.shape, empty, dtype=object if like.dtype.kind in "OU" else kind)
+        for place, index in zip(_places(dims), np.ndindex(shape), strict=True):
+            if place in cases:
+                case = cases[place]
+                whole[index] = case[name].values if name in case else case.attrs[name]
+        if whole.dtype == object:
+            whole = whole.astype(str)
+        stacked[name] = ((*dims, *like.dims), whole, like.attrs)
+    coordinates = {name: (c.dims, c.values, c.attrs) for name, c in first.coords.items()}
+    return xr.Dataset(stacked, coords={**coordinates, **{name: list(v) for name, v in dims.items()}})
+
+
+def _places(dims: Mapping[str, Sequence[Any]]) -> Iterator[Any]:
+    import itertools
+
+    for place in itertools.product(*dims.values()):
+        yield place[0] if len(dims) == 1 else place
+
+
+def each(data: xr.Dataset, *dims: str) -> Iterator[xr.Dataset]:
+    """Yield what a dataset holds at each place along some dimensions, the last one running first.
+
+    >>> import xarray as xr
+    >>> data = xr.Dataset({"area": (("surface", "load"), [[1.0, 2.0], [3.0, 4.0]])})
+    >>> [here.area.item() for here in each(data, "load", "surface")]
+    [1.0, 3.0, 2.0, 4.0]
+    """
+    for place in np.ndindex(*(data.sizes[dim] for dim in dims)):
+        here = data.isel(dict(zip(dims, place, strict=True)))
+        yield here.assign_attrs(at={**data.attrs.get("at", {}), **dict(zip(dims, place, strict=True))})
+
+
+# ---- errors --------------------------------------------------------------------------------------
+
+
+def error_of(value: xr.DataArray, **sources: xr.DataArray | float | str) -> xr.DataArray:
+    """Return the errors of a variable from what is known of each source.
+
+    Parameters
+    ----------
+    value : DataArray
+    sources : DataArray, float or str
+        Half width of the 95 % interval; or a text: why the source does not enter. Others are not measured.
+    """
+    import xarray as xr
+
+    parts, why = [], {}
+    for source in SOURCES:
+        told = sources.pop(source, math.nan)
+        if isinstance(told, str):
+            why[source] = f"does not enter: {told}"
+            told = 0.0
+        parts.append(xr.zeros_like(value, dtype=float).drop_attrs() + told)
+    assert not sources, f"no such source: {sources}"
+    # Coordinates of the parts are those of the value: there is nothing to align.
+    dims = (*value.dims, "source")
+    stack = np.stack([part.transpose(*value.dims).values for part in parts], axis=-1)
+    coords = {**{n: c for n, c in value.coords.items() if n not in ("source",)}, "source": list(SOURCES)}
+    return xr.DataArray(np.abs(stack), dims=dims, coords=coords, attrs=why)
+
+
+def claim(data: xr.Dataset, *names: str, **sources: xr.DataArray | float | str) -> xr.Dataset:
+    """Say more of the errors of variables: further sources, or why one does not enter; see `error_of`."""
+    for name in names:
+        more = error_of(data[name], **sources)
+        old = data.get(f"{name}_error")
+        if old is not None:
+            said = np.isin(SOURCES, list(sources))
+            more = more.copy(data=np.where(said, more.values, old.transpose(*more.dims).values))
+            more.attrs = {**old.attrs, **more.attrs}
+        data = data.assign({f"{name}_error": more})
+    return data
+
+
+def total_error(data: xr.Dataset, name: str, *, sources: Iterable[str] | None = None) -> xr.DataArray | None:
+    """Root sum of squares over the sources that were measured.
+
+    NaN where none was, None for what has no errors.
+
+    Size and bandwidth, which belong to the step to any spectrum, are left out unless they are named.
+    """
+    errors = data.get(f"{name}_error")
+    if errors is None:
+        return None
+    of = [s for s in SOURCES if s not in SPECTRAL] if sources is None else list(sources)
+    kept = errors.sel(source=of)
+    return (kept**2).sum("source").where(kept.notnull().any("source")) ** 0.5
+
+
+# ---- reductions ----------------------------------------------------------------------------------
+
+
+def mean(data: xr.Dataset, *names: str, over: str = "surface", pairs: bool = False) -> xr.Dataset:
+    """Add means over surfaces: ``x`` from ``x_each``, with Student's 95 % interval and what the grids leave.
+
+    Errors of single surfaces that are independent (``x_each_error`` of the grid) shrink like the root of
+    their number; drifts, with their sign, and errors of all other sources do not.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+    names : str
+        Of the means.
+    over : str
+        Dimension of the surfaces.
+    pairs : bool
+        Whether surfaces 2k and 2k + 1 are +h and -h: anti-correlated, and one sample together.
+    """
+    for name in names:
+        values = data[f"{name}_each"]
+        middle, half = mean_of(values, over=over, pairs=pairs)
+        sources: dict[str, Any] = {"surfaces": half}
+        of = data.get(f"{name}_each_error")
+        why: dict[str, Any] = {}
+        if of is not None:
+            grid = of.sel(source="grid", drop=True)
+            sources["grid"] = ((grid**2).mean(over, skipna=False) / values.sizes[over]) ** 0.5
+            sources |= {s: of.sel(source=s, drop=True).mean(over, skipna=False) for s in SOURCES[2:]}
+            why = dict(of.attrs)
+        drift = data.get(f"{name}_each_drift")
+        if drift is not None:
+            sources["grid"] = (sources.get("grid", 0.0) ** 2 + drift.mean(over, skipna=False) ** 2) ** 0.5
+        made = {"reduction": "mean", "of": f"{name}_each", "over": over, "pairs": int(pairs)}
+        error = error_of(middle, **sources)
+        error.attrs |= why
+        data = data.assign({name: middle.assign_attrs(made), f"{name}_error": error})
+    return data
+
+
+def mean_of(
+    values: xr.DataArray, *, over: str = "surface", pairs: bool = False
+) -> tuple[xr.DataArray, xr.DataArray]:
+    """Mean and half of its 95 % interval by Student's factor.
+
+    Where one surface has no value the mean has none: the others are not a fair sample. A single sample has
+    no interval.
+    """
+    if pairs:
+        first, second = (
+            values.isel({over: slice(k, None, 2)}).drop_vars(over, errors="ignore") for k in (0, 1)
+        )
+        values = (first + second) / 2
+    count, middle = values.sizes[over], values.mean(over, skipna=False)
+    if count < 2:
+        return middle, middle * math.nan
+    scatter = values.std(over, ddof=1, skipna=False)
+    # What is the same on every surface scatters by rounding alone.
+    scatter = scatter.where(~(scatter < 1e-14 * abs(middle)), 0.0)
+    return middle, scatter * (float(scipy.special.stdtrit(count - 1, 0.975)) / count**0.5)
+
+
+def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:
+    """Add variables by expressions of others, errors carried along to first order, source by source.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+    expressions : str
+        By name: sums, products, powers and ``abs, exp, log, sqrt, erf, maximum, minimum`` of variables and
+        numbers.
+
+    Examples
+    --------
+    >>> import xarray as xr
+    >>> data = xr.Dataset({"area": 0.1, "pressure": 0.05})
+    >>> data = claim(data, "area", grid=0.002)
+    >>> kappa = derive(data, kappa="area / pressure")
+    >>> kappa.kappa.item(), round(kappa.kappa_error.sel(source="grid").item(), 12)
+    (2.0, 0.04)
+    """
+    for name, expression in expressions.items():
+        names = {n.id for n in ast.walk(ast.parse(expression)) if isinstance(n, ast.Name)}
+        point = {str(n): data[n] for n in sorted(names & {str(n) for n in data.variables})}
+        value = _at(expression, point)
+        value = value.transpose(*(dim for dim in data.sizes if dim in value.dims))
+        made = {"reduction": "expression", "expression": expression}
+        added: dict[str, Any] = {name: value.drop_attrs().assign_attrs(made)}
+        errors = {n: data[f"{n}_error"] for n in point if f"{n}_error" in data}
+        if errors:
+            shifts = [
+                (_at(expression, point | {n: point[n] + e}) - _at(expression, point | {n: point[n] - e})) / 2
+                for n, e in errors.items()
+            ]
+            total = sum((shift**2 for shift in shifts[1:]), shifts[0] ** 2) ** 0.5
+            first, *others = (e.attrs for e in errors.values())
+            why = {s: words for s, words in first.items() if all(s in other for other in others)}
+            added[f"{name}_error"] = total.transpose(*value.dims, "source").drop_attrs().assign_attrs(why)
+        drifts = [
+            _at(expression, point | {n: point[n] + data[f"{n}_drift"]}) - value
+            for n in point
+            if f"{n}_drift" in data
+        ]
+        if drifts:
+            added[f"{name}_drift"] = sum(drifts[1:], drifts[0]).drop_attrs()
+        data = data.assign(added)
+    return data
+
+
+def _at(expression: str, values: Mapping[str, xr.DataArray]) -> xr.DataArray:
+    """Evaluate one of our own expressions; a number becomes an array, too."""
+    import xarray as xr
+
+    found = eval(expression, {"__builtins__": {}, **_FUNCTIONS}, dict(values))
+    return found if isinstance(found, xr.DataArray) else xr.DataArray(found)
+
+
+# ---- reading -------------------------------------------------------------------------------------
+
+
+def value_of(data: xr.Dataset, name: str) -> Value:
+    """Return one number of a dataset that has no dimension left there, with its error and where it stands.
+
+    Coordinates, texts and what has no errors are exact.
+    """
+    item = data[name].item()
+    if isinstance(item, str):
+        return Value(value=item, name=name, at=data.attrs.get("at"))
+    error = total_error(data, name)
+    return Value(
+        value=float(item),
+        error=None if error is None else float(error),
+        name=name,
+        at=data.attrs.get("at"),
+    )
+
+
+def values_of(data: xr.Dataset) -> dict[str, Value]:
+    """Return all numbers of a dataset without dimensions, by name."""
+    names = [str(n) for n, v in data.variables.items() if v.ndim == 0 and v.dtype.kind in "fiubUO"]
+    return {name: value_of(data, name) for name in names}
+
+
+def reasons(data: xr.Dataset, name: str) -> dict[str, str]:
+    """Say of each source of the error of a variable: does not enter and why, or nothing."""
+    attributes = data[f"{name}_error"].attrs
+    return {source: str(attributes[source]) for source in SOURCES if source in attributes}
+
+
+def as_attribute(value: Any) -> str:
+    """Return data as text for an attribute of a netCDF file."""
+    return json.dumps(value, sort_keys=True)

@@ -1,0 +1,241 @@
+"""What a study or a run found, as data: a form, named values with their intervals, and the rule that decides.
+
+A finding is kept in summary.json as it stands here; its text is made from it and never read back. Where
+something is decided (a trend, a ranking, an agreement) the deciding value is named by `by`, the rule
+belongs to the kind, and the form says ``{verdict}``: a claim that its interval does not support cannot be
+said.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from validation.report.estimates import Value, each, value_of, values_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["KINDS", "Finding", "finding", "note", "ranking"]
+
+
+def _sign(value: Value) -> str:
+    """Sign of what its interval excludes from zero; 0 where it does not, ? where there is none."""
+    number, error = float(value.value), value.error
+    if not math.isfinite(number) or error is None or not math.isfinite(error):
+        return "?"
+    return "0" if abs(number) <= error else ("+" if number > 0 else "-")
+
+
+def _within(value: Value) -> str:
+    return {"+": "differ", "-": "differ", "0": "agree", "?": "?"}[_sign(value)]
+
+
+_UNDECIDED = "not determinable"
+
+#: Kind: the rule from the deciding value to an outcome, and the words of each outcome unless a finding has
+#: its own.
+KINDS: dict[str, tuple[Callable[[Value], str] | None, dict[str, str]]] = {
+    "value": (None, {}),
+    "comparison": (
+        _sign,
+        {
+            "+": "above",
+            "-": "below",
+            "0": "statistically indistinguishable from",
+            "?": "not comparable, for lack of an interval, with",
+        },
+    ),
+    "trend": (
+        _sign,
+        {
+            "+": "rises",
+            "-": "falls",
+            "0": "shows no trend that its interval supports",
+            "?": f"has a trend that is {_UNDECIDED}",
+        },
+    ),
+    "agreement": (
+        _within,
+        {
+            "agree": "agree within their 95 % intervals",
+            "differ": "differ by more than their 95 % intervals",
+            "?": f"agree or not: {_UNDECIDED}",
+        },
+    ),
+    "order": (None, {}),
+    "ranking": (None, {}),
+    "threshold": (None, {}),
+    "share": (None, {}),
+    "cost": (None, {}),
+    "refusal": (None, {}),
+    "note": (None, {}),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """One thing found.
+
+    Attributes
+    ----------
+    kind : str
+        One of `KINDS`.
+    form : str
+        A sentence with names of values in braces (formats of `Value`), ``{verdict}`` and ``{each}``.
+    values : mapping of str to Value
+    item : str
+        Form of one row, of which ``{each}`` is the list.
+    rows : tuple of mappings of str to Value
+    by : str
+        Name of the value that decides; in a row where rows have it.
+    words : mapping of str to str
+        What outcomes are called here.
+
+    Examples
+    --------
+    >>> change = Value(value=-0.03, error=0.01)
+    >>> found = Finding(
+    ...     kind="trend", form="kappa {verdict} by {change:%}.", values={"change": change}, by="change"
+    ... )
+    >>> found.text
+    'kappa falls by (-3.0 +- 1.0) %.'
+    """
+
+    kind: str
+    form: str
+    values: Mapping[str, Value] = field(default_factory=dict)
+    item: str = ""
+    rows: tuple[Mapping[str, Value], ...] = ()
+    by: str = ""
+    words: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def text(self) -> str:
+        """The sentence."""
+        said: dict[str, Any] = dict(self.values)
+        if self.by in self.values:
+            said["verdict"] = self._verdict(self.values[self.by])
+        rows = []
+        for row in self.rows:
+            verdict = {"verdict": self._verdict(row[self.by])} if self.by in row else {}
+            rows.append(self.item.format(**{**said, **row, **verdict}))
+        return self.form.format(**said, each=_listed(rows))
+
+    @property
+    def outcomes(self) -> tuple[str, ...]:
+        """Outcome of the rule: of the finding, or of each row; empty where nothing is decided."""
+        rule = KINDS[self.kind][0]
+        if rule is None or not self.by:
+            return ()
+        if self.by in self.values:
+            return (rule(self.values[self.by]),)
+        return tuple(rule(row[self.by]) for row in self.rows)
+
+    def _verdict(self, value: Value) -> str:
+        rule, words = KINDS[self.kind]
+        assert rule is not None, f"a finding of the kind {self.kind!r} decides nothing"
+        return {**words, **self.words}[rule(value)]
+
+    def as_json(self) -> dict[str, Any]:
+        """Return it as data, with its text for those who read."""
+        said: dict[str, Any] = {"kind": self.kind, "text": self.text, "form": self.form}
+        if self.values:
+            said["values"] = {name: value.as_json() for name, value in self.values.items()}
+        if self.rows:
+            said["item"] = self.item
+            said["rows"] = [{name: value.as_json() for name, value in row.items()} for row in self.rows]
+        if self.by:
+            said |= {"by": self.by, "outcomes": list(self.outcomes)}
+        return said
+
+
+def _listed(rows: Sequence[str]) -> str:
+    """Return items with commas, semicolons where items have commas, and an "and" before the last."""
+    apart = "; " if any("," in row for row in rows) else ", "
+    return rows[0] if len(rows) == 1 else apart.join(rows[:-1]) + " and " + rows[-1] if rows else "none"
+
+
+def finding(
+    kind: str,
+    form: str,
+    data: xr.Dataset | None = None,
+    *,
+    item: str = "",
+    over: Sequence[str] | str = (),
+    by: str = "",
+    words: Mapping[str, str] | None = None,
+    **more: Value | float | str,
+) -> Finding:
+    """Return a finding whose values are those of a dataset that its forms name.
+
+    Parameters
+    ----------
+    kind, form, item, by, words
+        See `Finding`.
+    data : xarray.Dataset
+        Its numbers without dimensions are values; those along `over` are rows.
+    over : str or sequence of str
+        Dimensions of the rows.
+    more : Value, float or str
+        Further values; plain numbers are exact.
+    """
+    over = (over,) if isinstance(over, str) else tuple(over)
+    told = {n: v if isinstance(v, Value) else Value(value=v) for n, v in more.items()}
+    here = {} if data is None else {n: v for n, v in values_of(data).items() if _named(n, form, item, by)}
+    rows: list[dict[str, Value]] = []
+    if data is not None and item:
+        for place in each(data, *over):
+            names = [str(n) for n, v in place.variables.items() if v.ndim == 0 and _named(str(n), item, by)]
+            rows.append({n: value_of(place, n) for n in names if n not in here})
+    return Finding(
+        kind=kind,
+        form=form,
+        values={**here, **told},
+        item=item,
+        rows=tuple(rows),
+        by=by,
+        words=words or {},
+    )
+
+
+def _named(name: str, *forms: str) -> bool:
+    return any(f"{{{name}}}" in form or f"{{{name}:" in form or name == form for form in forms)
+
+
+def note(form: str, **values: Value | float | str) -> Finding:
+    """Return what a reader should know, such as what of a scene is not used."""
+    return Finding(
+        kind="note",
+        form=form,
+        values={n: v if isinstance(v, Value) else Value(value=v) for n, v in values.items()},
+    )
+
+
+def ranking(form: str, ranked: Mapping[str, Value]) -> Finding:
+    """Return an order of named values, smallest first, in which only what intervals separate is ranked.
+
+    ``{order}`` in the form becomes ``a < b = c``: "=" joins neighbours that differ by less than their joint
+    interval.
+
+    Examples
+    --------
+    >>> told = {"Xu": Value(value=0.13, error=0.02), "Persson": Value(value=0.3, error=0.02)}
+    >>> ranking("Distance to the simulation: {order}.", told).text
+    'Distance to the simulation: Xu 0.130 +- 0.020 < Persson 0.300 +- 0.020.'
+    """
+    order = sorted(ranked.items(), key=lambda one: float(one[1].value))
+    text = ""
+    for k, (name, value) in enumerate(order):
+        if k:
+            last = order[k - 1][1]
+            error = math.hypot(last.error or 0.0, value.error or 0.0)
+            apart = float(value.value) - float(last.value) > error
+            text += " < " if apart else " = "
+        text += f"{name} {value}"
+    rows = tuple({"name": Value(value=name), "value": value} for name, value in order)
+    return Finding(
+        kind="ranking", form=form, values={"order": Value(value=text)}, item="{name} {value}", rows=rows
+    )

@@ -1,0 +1,347 @@
+"""Figures as lists of marks: each knows the slice of the dataset it shows, and who draws it adds nothing.
+
+Axis labels, units, legends, error bars (95 %), the data file and the end of the caption follow from the
+marks. `draw` returns with the figure what was drawn of which slice, so that a test can read the picture back.
+"""
+
+from __future__ import annotations
+
+import itertools
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from validation.report.drawing import Drawing
+from validation.report.estimates import SOURCES, SPECTRAL, each, total_error
+from validation.report.quantities import place_words, prefixed_unit, quantity
+from validation.report.words import mathtext
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.axes import Axes
+
+__all__ = ["Band", "Drawn", "Figure", "Image", "Level", "Line", "Panel", "draw", "panels_along"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Mark:
+    """What all marks have.
+
+    Attributes
+    ----------
+    y : str
+        The variable.
+    x : str
+        Along the axis; that of the panel if not given.
+    by : tuple of str
+        Dimensions: one mark is drawn for each place along them.
+    at : mapping
+        Positions along other dimensions.
+    look : mapping
+        Overrides of how it is drawn.
+    label : str
+        Legend, with values in braces as in a finding; made from the registry and the place if not given.
+    """
+
+    y: str
+    x: str = ""
+    by: tuple[str, ...] | str = ()
+    at: Mapping[str, int] = field(default_factory=dict)
+    look: Mapping[str, Any] = field(default_factory=dict)
+    label: str | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Line(_Mark):
+    """Points with their 95 % intervals along `x`; joined or not, or as the ``steps`` of a histogram."""
+
+    joined: bool = True
+    steps: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Level(_Mark):
+    """A horizontal line: a number that does not depend on `x`; with an interval it is a band."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Band(_Mark):
+    """A range from `y` to `high` along `x`; a cross where it is a point."""
+
+    high: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Image(_Mark):
+    """A map over the two dimensions of `y`, with its colour bar; `x` and `rows` are its axes."""
+
+    rows: str = ""
+    cmap: str = "viridis"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Panel:
+    """Axes with marks on them.
+
+    Attributes
+    ----------
+    marks : sequence of marks
+    x : str
+        Quantity along the axis.
+    y : str
+        Quantity up the axis; that of the first mark if not given.
+    log : str
+        "x", "y", "xy" or none.
+    base : int
+        Of the logarithmic axes.
+    title : str
+    at : mapping
+        Positions along dimensions, for all marks.
+    bottom, top : float, optional
+    """
+
+    marks: Sequence[_Mark]
+    x: str
+    y: str = ""
+    log: str = ""
+    base: int = 10
+    title: str = ""
+    at: Mapping[str, int] = field(default_factory=dict)
+    bottom: float | None = None
+    top: float | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Figure:
+    """Panels side by side, and what is seen in a sentence; what bars mean is added when drawn."""
+
+    name: str
+    caption: str
+    panels: Sequence[Panel]
+    width: float = 5.0
+    height: float = 3.7
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Drawn:
+    """One thing that was drawn: artist, axes, mark, and the slice it shows."""
+
+    artist: Any
+    axes: Any
+    mark: _Mark
+    x: str
+    data: xr.Dataset
+    label: str
+    factors: tuple[float, float]
+
+
+def panels_along(data: xr.Dataset, dim: str, panel: Panel) -> tuple[Panel, ...]:
+    """Return the panel once for each place along a dimension, which is its title."""
+    return tuple(
+        replace(panel, at={**panel.at, dim: k}, title=place_words(data.isel({dim: k}), dim, data))
+        for k in range(data.sizes[dim])
+    )
+
+
+def draw(figure: Figure, data: xr.Dataset) -> Drawing:
+    """Draw a figure of a dataset."""
+    from validation.report.figure import new_figure
+
+    drawn: list[Drawn] = []
+    canvas, axes = new_figure(width=figure.width, height=figure.height, columns=len(figure.panels))
+    for panel, on in zip(figure.panels, axes, strict=True):
+        drawn += _draw_panel(panel, on, data)
+    bottoms = [on.get_ylim() for on in axes]
+    if len(axes) > 1 and len({panel.y or panel.marks[0].y for panel in figure.panels}) == 1:
+        for on, panel in zip(axes, figure.panels, strict=True):
+            low = min(b[0] for b in bottoms) if panel.bottom is None else panel.bottom
+            on.set_ylim(low, max(b[1] for b in bottoms) if panel.top is None else panel.top)
+    _legend(canvas, list(axes))
+    names = list(
+        dict.fromkeys(n for one in drawn for n in (one.mark.y, one.x, getattr(one.mark, "high", "")) if n)
+    )
+    names += [f"{n}_error" for n in names if f"{n}_error" in data]
+    shown = data[[n for n in names if n in data]]
+    return Drawing(
+        name=figure.name,
+        figure=canvas,
+        data=shown.drop_attrs(deep=False),
+        caption=_caption(figure.caption, drawn),
+        drawn=tuple(drawn),
+    )
+
+
+def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
+    """Draw the marks of one panel; units are chosen so that the largest number reads well."""
+    places = [
+        (mark, here, k)
+        for mark in panel.marks
+        for k, here in enumerate(_places(mark, data.isel(_known(panel.at, data))))
+    ]
+    y = panel.y or panel.marks[0].y
+    scale_x = _scale(panel.x, [here[m.x or panel.x] for m, here, _ in places if (m.x or panel.x) in here])
+    scale_y = _scale(y, [here[m.y] for m, here, _ in places])
+    colours = itertools.count()
+    drawn: list[Drawn] = []
+    for mark, here, k in places:
+        label = _label(mark, here, data)
+        numbers = _Numbers.of(mark, here, mark.x or panel.x, (scale_x[0], scale_y[0]))
+        look = _look(mark, k if mark.by else next(colours) if not quantity(mark.y).look else 0)
+        artist = _put(mark, axes, numbers, {**look, **mark.look, "label": mathtext(label)})
+        drawn.append(
+            Drawn(
+                artist=artist,
+                axes=axes,
+                mark=mark,
+                x=mark.x or panel.x,
+                data=here,
+                label=label,
+                factors=(scale_x[0], scale_y[0]),
+            )
+        )
+    for axis in panel.log:
+        getattr(axes, f"set_{axis}scale")("log", base=panel.base)
+    if isinstance(panel.marks[0], Image):
+        y = panel.marks[0].rows
+        scale_y = _scale(y, [data[y]])
+    axes.set_xlabel(_axis_label(panel.x, scale_x[1]))
+    axes.set_ylabel(_axis_label(y, scale_y[1]))
+    axes.set_title(mathtext(panel.title), fontsize=9)
+    axes.set_ylim(bottom=panel.bottom, top=panel.top)
+    return drawn
+
+
+def _known(at: Mapping[str, int], data: xr.Dataset) -> dict[str, int]:
+    return {dim: k for dim, k in at.items() if dim in data.dims}
+
+
+def _places(mark: _Mark, data: xr.Dataset) -> Iterable[xr.Dataset]:
+    by = (mark.by,) if isinstance(mark.by, str) else mark.by
+    return each(data.isel(_known(mark.at, data)), *by)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Numbers:
+    """What an artist is given: plain arrays in the units of the axes."""
+
+    x: Any
+    y: Any
+    error: Any = None
+    high: Any = None
+
+    @classmethod
+    def of(cls, mark: _Mark, here: xr.Dataset, x: str, factors: tuple[float, float]) -> _Numbers:
+        error = total_error(here, mark.y)
+        along = here[x].values if x in here.variables else None
+        if along is not None and along.dtype.kind not in "OU":
+            along = along * factors[0]
+        high, shown = None, here[mark.y]
+        if isinstance(mark, Band):
+            high = here[mark.high].values * factors[1]
+        elif isinstance(mark, Image):
+            high, shown = here[mark.rows].values, shown.transpose(*here[mark.rows].dims, *here[x].dims)
+        return cls(
+            x=along,
+            y=shown.values * factors[1],
+            error=None if error is None else error.values * factors[1],
+            high=high,
+        )
+
+
+def _put(mark: _Mark, axes: Axes, n: _Numbers, look: dict[str, Any]) -> Any:
+    """Hand the numbers of one mark to matplotlib."""
+    if isinstance(mark, Level):
+        plain = {k: v for k, v in look.items() if k in ("color", "ls", "lw", "label")}
+        line = axes.axhline(float(n.y), **{"lw": 1, **plain})
+        if n.error is not None and np.isfinite(n.error):
+            axes.axhspan(
+                float(n.y - n.error), float(n.y + n.error), color=plain.get("color"), alpha=0.12, lw=0
+            )
+        return line
+    if isinstance(mark, Band):
+        colour = look.get("color", "black")
+        if np.ndim(n.x) == 0 or np.size(n.x) == 1 or np.all(n.x == np.ravel(n.x)[0]):
+            return axes.plot(
+                np.ravel(n.x)[:1], np.ravel(n.y)[:1], marker="x", color=colour, ls="", label=look["label"]
+            )[0]
+        return axes.fill_between(n.x, n.y, n.high, color=colour, alpha=0.12, lw=0, label=look["label"])
+    if isinstance(mark, Image):
+        image = axes.pcolormesh(n.x, n.high, n.y, cmap=mark.cmap)
+        axes.figure.colorbar(image, ax=axes, label=look["label"])
+        return image
+    assert isinstance(mark, Line)
+    if not mark.joined:
+        look = {**look, "ls": ""}
+    if mark.steps:
+        look = {**look, "drawstyle": "steps-mid", "marker": ""}
+    bars = None if n.error is None or not np.nansum(n.error) > 0 else n.error
+    return axes.errorbar(n.x, n.y, yerr=bars, **{"ms": 5, "capsize": 2, **look})
+
+
+def _look(mark: _Mark, k: int) -> dict[str, Any]:
+    """Colour and symbol of the place; line and filling of what tells the quantity apart."""
+    from validation.report.figure import COLOURS, SYMBOLS
+
+    fixed = dict(quantity(mark.y).look)
+    if mark.by:
+        fixed.pop("color", None)
+    return {"color": COLOURS[k % 8], "marker": SYMBOLS[k % 8], **fixed}
+
+
+def _label(mark: _Mark, here: xr.Dataset, data: xr.Dataset) -> str:
+    """Legend: what tells the quantity apart, or its words, and where."""
+    from validation.report.estimates import values_of
+
+    if mark.label is not None:
+        values: dict[str, Any] = dict(values_of(here))
+        return mark.label.format(**values)
+    by = (mark.by,) if isinstance(mark.by, str) else mark.by
+    where = [words for dim in by if (words := place_words(here, dim, data))]
+    what = quantity(mark.y)
+    return ", ".join([what.which] * bool(what.which) + where) or what.words
+
+
+def _scale(name: str, values: Iterable[xr.DataArray]) -> tuple[float, str]:
+    unit = quantity(name).unit
+    numbers = [np.abs(v.values.astype(float)) for v in values if v.dtype.kind in "fiu"]
+    finite = [float(n[np.isfinite(n)].max()) for n in numbers if np.isfinite(n).any()]
+    return prefixed_unit(unit, max(finite, default=0.0))
+
+
+def _axis_label(name: str, unit: str) -> str:
+    """Words, symbol and unit of an axis."""
+    what = quantity(name)
+    words = what.words if what.symbol in what.words else f"{what.words}, {what.symbol}"
+    unit = "" if unit == "1" else f" [{unit}]"
+    return mathtext(textwrap.fill(f"{words}{unit}", 48))
+
+
+def _legend(canvas: Any, axes: list[Any]) -> None:
+    """One legend: in the axes where there is one, below all where all say the same, else in each."""
+    labels = [tuple(on.get_legend_handles_labels()[1]) for on in axes]
+    if len(axes) > 1 and len(set(labels)) == 1 and labels[0]:
+        handles, names = axes[0].get_legend_handles_labels()
+        canvas.legend(
+            handles, names, fontsize=7, ncols=min(4, len(names)), loc="outside lower center", frameon=False
+        )
+        return
+    for on, names in zip(axes, labels, strict=True):
+        if len(names) > 1 or (names and len(axes) == 1):
+            on.legend(fontsize=7)
+
+
+def _caption(text: str, drawn: Sequence[Drawn]) -> str:
+    """Return what the author says, then which measured sources the bars stand for."""
+    measured = set()
+    for one in drawn:
+        errors = one.data.get(f"{one.mark.y}_error")
+        if errors is not None:
+            kept = errors.sel(source=[s for s in SOURCES if s not in SPECTRAL])
+            there = (kept > 0).any([d for d in kept.dims if d != "source"])
+            measured |= {str(s) for s in there.source.values[there.values]}
+    if not measured:
+        return text
+    return f"{text} Bars: 95 % ({', '.join(s for s in SOURCES if s in measured)})."

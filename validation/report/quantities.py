@@ -1,0 +1,203 @@
+"""The one registry of quantities: symbol, unit and words of all that a dataset, axis, column or legend names.
+
+`quantities.toml` beside this file holds it. A variable is called by a quantity, then by what tells it from
+its like (``kappa_pixel``: kappa, counted), then by what it is of it (``_each``: of each surface, ``_error``:
+its 95 % interval).
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "Quantity",
+    "glossary",
+    "in_prefixed_unit",
+    "labelled",
+    "place_words",
+    "prefixed_unit",
+    "quantity",
+    "registry",
+]
+
+#: Engineering prefixes by power of a thousand, for units that take them.
+_PREFIXES = {-4: "p", -3: "n", -2: "u", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}
+_PREFIXED = ("m", "Pa", "s", "J", "N", "W", "V", "Ohm", "m/s", "J/m^2", "Pa m")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Quantity:
+    """What a variable is.
+
+    Attributes
+    ----------
+    name : str
+        Of the quantity itself.
+    symbol, words, unit : str
+        The symbol as it is typed (`validation.report.words` sets it), its meaning, its SI unit or "1".
+    which : str
+        What tells it from its like, such as "counted" or "Persson"; empty for the thing itself.
+    look : mapping
+        How it is drawn wherever it is drawn, where that is fixed.
+    """
+
+    name: str
+    symbol: str
+    words: str
+    unit: str = "1"
+    which: str = ""
+    look: Mapping[str, Any]
+
+    @property
+    def title(self) -> str:
+        """Symbol, what tells it apart, and unit: the title of a column."""
+        unit = "" if self.unit == "1" else f" [{self.unit}]"
+        return f"{self.symbol}{', ' if self.which else ''}{self.which}{unit}"
+
+    @property
+    def meaning(self) -> str:
+        """The same in words."""
+        return self.words + (f", {self.which}" if self.which else "")
+
+
+@cache
+def registry() -> Mapping[str, Mapping[str, Any]]:
+    """Return the tables of the registry: ``quantities`` and ``qualifiers``."""
+    text = resources.files(__package__).joinpath("quantities.toml").read_text(encoding="utf-8")
+    return tomllib.loads(text)
+
+
+@cache
+def quantity(name: str) -> Quantity:
+    """Return what a variable of this name is.
+
+    Raises
+    ------
+    KeyError
+        For a name that does not stand in the registry.
+
+    Examples
+    --------
+    >>> quantity("kappa_pixel").title, quantity("reduced_pressure").symbol
+    ('kappa, counted', 'p*')
+    """
+    tables = registry()
+    known, qualifiers = tables["quantities"], tables["qualifiers"]
+    parts = name.split("_")
+    for cut in range(len(parts), 0, -1):
+        start = "_".join(parts[:cut])
+        if start not in known:
+            continue
+        found = _qualifiers("_".join(parts[cut:]), qualifiers)
+        if found is not None:
+            look: dict[str, Any] = {}
+            for one in found:
+                look |= qualifiers[one].get("look", {})
+            words = [qualifiers[one]["words"] for one in found]
+            return Quantity(name=start, which=", ".join(words), look=look, **known[start])
+    raise KeyError(f"{name!r}: no such quantity; it belongs into validation/report/quantities.toml")
+
+
+def _qualifiers(text: str, known: Mapping[str, Any]) -> list[str] | None:
+    """Split what follows a quantity into qualifiers, longest first; None where that cannot be done."""
+    if not text:
+        return []
+    for name in sorted(known, key=len, reverse=True):
+        if text == name or text.startswith(f"{name}_"):
+            rest = _qualifiers(text[len(name) + 1 :], known)
+            if rest is not None:
+                return [name, *rest]
+    return None
+
+
+def labelled(data: xr.Dataset) -> xr.Dataset:
+    """Return a dataset whose variables have ``long_name`` and ``units`` of the registry.
+
+    Raises
+    ------
+    KeyError
+        For a variable whose name does not stand there.
+    """
+    data = data.copy()
+    for name in data.variables:
+        if name in ("source", "solve") or (name in data.dims and data[name].dtype.kind in "OU"):
+            continue
+        what = quantity(str(name))
+        data[name].attrs |= {"long_name": what.meaning, "units": what.unit}
+    return data
+
+
+def prefixed_unit(unit: str, largest: float) -> tuple[float, str]:
+    """Return a factor and an engineering unit in which a number of this size is read well.
+
+    >>> prefixed_unit("m", 3e-6)
+    (1000000.0, 'um')
+    """
+    import math
+
+    if unit not in _PREFIXED or not math.isfinite(largest) or largest <= 0:
+        return 1.0, unit
+    power = min(max(math.floor(math.log10(largest) / 3 + 1e-9), -4), 3)
+    return 1000.0**-power, _PREFIXES[power] + unit
+
+
+def in_prefixed_unit(value: float, unit: str, digits: int = 4) -> str:
+    """Return a number with its unit, prefixed: ``0.5684 MPa``.
+
+    >>> in_prefixed_unit(5.684e6, "Pa")
+    '5.684 MPa'
+    """
+    factor, named = prefixed_unit(unit, abs(value))
+    return f"{value * factor:.{digits}g}" + ("" if unit == "1" else f" {named}")
+
+
+def place_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> str:
+    """Say where one is along a dimension: its coordinate, ``p* = 0.05``.
+
+    The coordinate is that of its name, or else the first along it.
+    """
+    names = [dim] if dim in data.coords else [str(n) for n, c in data.coords.items() if c.dims == (dim,)]
+    if not names:
+        return ""
+    item = here[names[0]].item()
+    if isinstance(item, str):
+        return item
+    what = quantity(names[0])
+    factor, unit = prefixed_unit(what.unit, abs(float(item)))
+    return f"{what.symbol} = {float(item) * factor:.4g}" + ("" if what.unit == "1" else f" {unit}")
+
+
+def glossary() -> str:
+    """Return the page of the documentation that says what every name means."""
+    tables = registry()
+    rows = [
+        f"| `{name}` | {one['symbol']} | {one['words']} | {one.get('unit', '1')} |"
+        for name, one in sorted(tables["quantities"].items())
+    ]
+    ends = [f"| `_{name}` | {one['words']} |" for name, one in sorted(tables["qualifiers"].items())]
+    return "\n".join(
+        [
+            "# Glossary",
+            "",
+            "Names in datasets, tables, CSV files and on axes. An interval is always 95 %.",
+            "",
+            "| name | symbol | meaning | unit |",
+            "|---|---|---|---|",
+            *rows,
+            "",
+            "A name may end with",
+            "",
+            "| ending | meaning |",
+            "|---|---|",
+            *ends,
+            "",
+        ]
+    )

@@ -1,0 +1,32 @@
+"""What is shown of a result: table, budget, figures and findings, each a declaration over the dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from validation.report.findings import Finding
+from validation.report.marks import Figure
+from validation.report.table import Table
+
+__all__ = ["Views"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Views:
+    """Declarations that `validation.report` shows; nothing in them computes.
+
+    Attributes
+    ----------
+    table : Table, optional
+    budget : sequence of str
+        Variables whose intervals are listed source by source.
+    figures : sequence of Figure
+    findings : sequence of Finding
+        At most six, the most asked-for first.
+    """
+
+    table: Table | None = None
+    budget: Sequence[str] = ()
+    figures: Sequence[Figure] = ()
+    findings: Sequence[Finding] = ()
