@@ -29,6 +29,7 @@ __all__ = [
     "NORMAL",
     "SOURCES",
     "Value",
+    "change",
     "claim",
     "combined",
     "derive",
@@ -37,6 +38,8 @@ __all__ = [
     "gather",
     "mean",
     "mean_of",
+    "shown_sources",
+    "solved_places",
     "total_error",
     "value_of",
     "values_of",
@@ -45,8 +48,9 @@ __all__ = [
 #: Where an error comes from, in the order in which it is listed.
 SOURCES = ("surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory")
 #: Those of the step from one spectrum and period to any: they are no part of the interval of a value for
-#: its own.
+#: its own, but of one that is a limit in them (attribute `LIMIT` of its errors).
 SPECTRAL = ("size", "bandwidth")
+LIMIT = "limit_in"
 #: Half width of a 95 % interval over the standard error, where that is known and not estimated from a few
 #: samples.
 NORMAL = float(scipy.special.ndtri(0.975))
@@ -227,14 +231,19 @@ def total_error(data: xr.Dataset, name: str, *, sources: Iterable[str] | None = 
 
     NaN where none was, None for what has no errors.
 
-    Size and bandwidth, which belong to the step to any spectrum, are left out unless they are named.
+    Size and bandwidth, which belong to the step to any spectrum, are left out unless they are named, or the
+    variable is a limit in one of them.
     """
     errors = data.get(f"{name}_error")
     if errors is None:
         return None
-    of = [s for s in SOURCES if s not in SPECTRAL] if sources is None else list(sources)
-    kept = errors.sel(source=of)
+    kept = errors.sel(source=list(shown_sources(errors) if sources is None else sources))
     return (kept**2).sum("source").where(kept.notnull().any("source")) ** 0.5
+
+
+def shown_sources(errors: xr.DataArray) -> tuple[str, ...]:
+    """Return which sources are part of the interval of a value for its own spectrum and period."""
+    return tuple(s for s in SOURCES if s not in SPECTRAL or s == errors.attrs.get(LIMIT))
 
 
 # ---- reductions ----------------------------------------------------------------------------------
@@ -244,7 +253,8 @@ def mean(data: xr.Dataset, *names: str, over: str = "surface", pairs: bool = Fal
     """Add means over surfaces: ``x`` from ``x_each``, with Student's 95 % interval and what the grids leave.
 
     Errors of single surfaces that are independent (``x_each_error`` of the grid) shrink like the root of
-    their number; drifts, with their sign, and errors of all other sources do not.
+    their number; drifts, with their sign, and errors of all other sources do not. Places that were never
+    solved (`solved_places`) are no samples; one that was solved and has no value leaves the mean without one.
 
     Parameters
     ----------
@@ -258,18 +268,20 @@ def mean(data: xr.Dataset, *names: str, over: str = "surface", pairs: bool = Fal
     """
     for name in names:
         values = data[f"{name}_each"]
-        middle, half = mean_of(values, over=over, pairs=pairs)
+        there = solved_places(data, values, over=over)
+        middle, half = mean_of(values, over=over, pairs=pairs, there=there)
+        count = values.sizes[over] if there is None else there.sum(over)
         sources: dict[str, Any] = {"surfaces": half}
         of = data.get(f"{name}_each_error")
         why: dict[str, Any] = {}
         if of is not None:
             grid = of.sel(source="grid", drop=True)
-            sources["grid"] = ((grid**2).mean(over, skipna=False) / values.sizes[over]) ** 0.5
-            sources |= {s: of.sel(source=s, drop=True).mean(over, skipna=False) for s in SOURCES[2:]}
+            sources["grid"] = (_mean(grid**2, over, there) / count) ** 0.5
+            sources |= {s: _mean(of.sel(source=s, drop=True), over, there) for s in SOURCES[2:]}
             why = dict(of.attrs)
         drift = data.get(f"{name}_each_drift")
         if drift is not None:
-            sources["grid"] = (sources.get("grid", 0.0) ** 2 + drift.mean(over, skipna=False) ** 2) ** 0.5
+            sources["grid"] = (sources.get("grid", 0.0) ** 2 + _mean(drift, over, there) ** 2) ** 0.5
         made = {"reduction": "mean", "of": f"{name}_each", "over": over, "pairs": int(pairs)}
         error = error_of(middle, **sources)
         error.attrs |= why
@@ -278,25 +290,74 @@ def mean(data: xr.Dataset, *names: str, over: str = "surface", pairs: bool = Fal
 
 
 def mean_of(
-    values: xr.DataArray, *, over: str = "surface", pairs: bool = False
+    values: xr.DataArray,
+    *,
+    over: str = "surface",
+    pairs: bool = False,
+    there: xr.DataArray | None = None,
 ) -> tuple[xr.DataArray, xr.DataArray]:
     """Mean and half of its 95 % interval by Student's factor.
 
     Where one surface has no value the mean has none: the others are not a fair sample. A single sample has
-    no interval.
+    no interval. Where not all are `there`, the mean is over those that are.
     """
     if pairs:
         first, second = (
             values.isel({over: slice(k, None, 2)}).drop_vars(over, errors="ignore") for k in (0, 1)
         )
         values = (first + second) / 2
-    count, middle = values.sizes[over], values.mean(over, skipna=False)
-    if count < 2:
-        return middle, middle * math.nan
-    scatter = values.std(over, ddof=1, skipna=False)
+        if there is not None:
+            there = there.isel({over: slice(0, None, 2)}).drop_vars(over, errors="ignore")
+    if values.sizes[over] < 2:
+        return values.mean(over, skipna=False), values.mean(over, skipna=False) * math.nan
+    middle = _mean(values, over, there)
+    kept = values if there is None else values.where(there)
+    count = values.sizes[over] if there is None else there.sum(over).clip(min=2)
+    scatter = kept.std(over, ddof=1).where(middle.notnull())
     # What is the same on every surface scatters by rounding alone.
     scatter = scatter.where(~(scatter < 1e-14 * abs(middle)), 0.0)
-    return middle, scatter * (float(scipy.special.stdtrit(count - 1, 0.975)) / count**0.5)
+    return middle, scatter * (scipy.special.stdtrit(count - 1, 0.975) / count**0.5)
+
+
+def _mean(values: xr.DataArray, over: str, there: xr.DataArray | None) -> xr.DataArray:
+    """Mean over the samples that are there; NaN where one of them is."""
+    if there is None:
+        return values.mean(over, skipna=False)
+    return values.where(there).mean(over).where(~(values.isnull() & there).any(over))
+
+
+def solved_places(data: xr.Dataset, values: xr.DataArray, *, over: str) -> xr.DataArray | None:
+    """Return which places of a variable were solved: where its ``solve`` is named; None where all were.
+
+    The solves of a variable are in the one whose name begins with ``solve`` and whose dimensions it has all.
+    """
+    for name in data.data_vars:
+        named = data[name]
+        if str(name).startswith("solve") and over in named.dims and set(named.dims) <= set(values.dims):
+            there = named != ""
+            return None if bool(there.all()) else there
+    return None
+
+
+def change(data: xr.Dataset, name: str, *, along: str, first: int = 0, last: int = -1) -> xr.Dataset:
+    """Add ``x_change_each``: by how much ``x_each`` differs between two places, relative, surface by surface.
+
+    Errors of the two places are taken as independent.
+    """
+    values = data[f"{name}_each"]
+    end, start = (values.isel({along: k}, drop=True) for k in (last, first))
+    made = {"reduction": "change", "of": f"{name}_each", "along": along, "first": first, "last": last}
+    added: dict[str, Any] = {f"{name}_change_each": (end / start - 1).drop_attrs().assign_attrs(made)}
+    errors = data.get(f"{name}_each_error")
+    if errors is not None:
+        shares = (errors.isel({along: k}, drop=True) / v for k, v in ((last, end), (first, start)))
+        total = sum(share**2 for share in shares) ** 0.5 * abs(end / start)
+        added[f"{name}_change_each_error"] = total.transpose(*end.dims, "source").assign_attrs(errors.attrs)
+    drift = data.get(f"{name}_each_drift")
+    if drift is not None:
+        moved, before = (drift.isel({along: k}, drop=True) for k in (last, first))
+        added[f"{name}_change_each_drift"] = (moved - before * end / start) / start
+    return data.assign(added)
 
 
 def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:

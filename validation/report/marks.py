@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.report.drawing import Drawing
-from validation.report.estimates import SOURCES, SPECTRAL, each, total_error
+from validation.report.estimates import SOURCES, each, shown_sources, total_error
 from validation.report.quantities import place_words, prefixed_unit, quantity
 from validation.report.words import mathtext
 
@@ -339,7 +339,7 @@ def _caption(text: str, drawn: Sequence[Drawn]) -> str:
     for one in drawn:
         errors = one.data.get(f"{one.mark.y}_error")
         if errors is not None:
-            kept = errors.sel(source=[s for s in SOURCES if s not in SPECTRAL])
+            kept = errors.sel(source=list(shown_sources(errors)))
             there = (kept > 0).any([d for d in kept.dims if d != "source"])
             measured |= {str(s) for s in there.source.values[there.values]}
     if not measured:

@@ -128,7 +128,7 @@ def labelled(data: xr.Dataset) -> xr.Dataset:
     """
     data = data.copy()
     for name in data.variables:
-        if name in ("source", "solve") or (name in data.dims and data[name].dtype.kind in "OU"):
+        if str(name).startswith(("source", "solve")) or (name in data.dims and data[name].dtype.kind in "OU"):
             continue
         what = quantity(str(name))
         data[name].attrs |= {"long_name": what.meaning, "units": what.unit}
