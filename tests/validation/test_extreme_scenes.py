@@ -193,9 +193,7 @@ def test_extreme_scenes_are_refused_or_explained_thousands_of_times(changes):
         explained(changes)
 
 
-@pytest.mark.parametrize(
-    ("name", "flag"), [("multilevel", "--pilot"), ("scaling", "--surfaces"), ("hurst", "--pairs")]
-)
+@pytest.mark.parametrize(("name", "flag"), [("scaling", "--surfaces"), ("hurst", "--pairs")])
 def test_a_study_of_two_billion_surfaces_is_refused(name, flag):
     with pytest.raises(UsageError, match=r"= '?2147483648'?: must be (at most|less than or equal to) 10000"):
         find_study(name).options.parse([flag, "2147483648"])

@@ -31,13 +31,9 @@ from validation.scenes.topography import read_topography, write_topography
 from validation.studies import (
     adhesion,
     area,
-    cross,
-    depth,
     graded,
     hardness,
     magnification,
-    multilevel,
-    scaling,
     stress_near_zero,
 )
 from validation.studies.pressure import _logarithmic_slope
@@ -183,50 +179,6 @@ def test_waves_left_out_raise_the_reduced_pressure_of_the_rest():
     slopes = [math.sqrt(float(spectrum.m2(zeta * spectrum.q_long))) for zeta in (2.0, 4.0)]
     exact = [math.erf(math.sqrt(2) * 0.1 * whole / slope) for slope in slopes]
     np.testing.assert_allclose(data.area_ensemble_each[0, :, 0], exact, rtol=1e-9)
-
-
-def test_levels_add_their_means_and_their_variances_over_the_surfaces():
-    data = xr.Dataset(
-        {
-            "mean": ("level", [0.3, -0.02, 0.004]),
-            "variance": ("level", [4e-4, 1e-5, 1e-6]),
-            "surfaces": ("level", [40, 10, 4]),
-        }
-    )
-    mean, error = multilevel.estimate(data)
-    assert mean == pytest.approx(0.284, rel=1e-12)
-    assert error == pytest.approx(math.sqrt(4e-4 / 40 + 1e-5 / 10 + 1e-6 / 4), rel=1e-12)
-
-
-def test_terms_of_levels_are_the_finer_area_less_the_coarser():
-    first = xr.Dataset({"pixel": (("grid", "shift", "load"), np.array([0.31, 0.28]).reshape(2, 1, 1))})
-    np.testing.assert_allclose(multilevel._terms([first], "pixel"), [-0.03], rtol=1e-12)
-
-
-def test_a_cost_law_has_the_exponent_and_the_size_of_its_points():
-    points = np.array([64, 128, 256])
-    cost = 3e-6 * np.array([[n**2.2, n**2.2] for n in points.astype(float)])
-    data = xr.Dataset({"seconds": (("points", "surface"), cost)}, coords={"points": points})
-    law = scaling.power_law(data, "seconds")
-    assert law.exponent == pytest.approx(1.1, rel=1e-9)
-    assert law.coefficient == pytest.approx(3e-6, rel=1e-9)
-    assert law.points(3e-6 * 500.0**2.2) == pytest.approx(500.0**2, rel=1e-8)
-
-
-def test_finite_elements_are_compared_relative_to_boundary_elements():
-    numbers = {"pixel": 0.22, "pixel_bem": 0.20, "perimeter": 0.19, "perimeter_bem": 0.20}
-    found = cross._differences(xr.Dataset({name: ((), value) for name, value in numbers.items()}))
-    assert found["area"] == pytest.approx(0.1, rel=1e-12)
-    assert found["area_corrected"] == pytest.approx(-0.05, rel=1e-12)
-
-
-def test_the_area_of_a_block_is_told_relative_to_the_half_space():
-    options = depth.Options(elements=("Hex1",), depths=(1.0,), growths=(1.2,), poissons=(0.3,))
-    numbers = {"pixel": 0.22, "pixel_bem": 0.20, "pressure_half_space": 0.04, "pressure_layer": 0.03}
-    planted = xr.Dataset({name: ((), value) for name, value in numbers.items()})
-    data = depth._dataset(dict.fromkeys(depth._blocks(options), planted), options)
-    np.testing.assert_allclose(data.area, 0.1, rtol=1e-12)
-    assert [row[5:] for row in depth.table(data).rows] == [pytest.approx((4.0, 3.0, 10.0))] * 3
 
 
 def test_felt_over_exact_is_one_without_grading_and_grading_is_largest_where_the_profile_is_steepest():

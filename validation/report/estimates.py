@@ -19,7 +19,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.special
+import scipy.stats
 
+from validation.arrays import Array
 from validation.report.words import significant, with_error
 
 if TYPE_CHECKING:
@@ -38,6 +40,7 @@ __all__ = [
     "gather",
     "mean",
     "mean_of",
+    "power_law",
     "shown_sources",
     "solved_places",
     "total_error",
@@ -413,6 +416,52 @@ def _at(expression: str, values: Mapping[str, xr.DataArray]) -> xr.DataArray:
 
     found = eval(expression, {"__builtins__": {}, **_FUNCTIONS}, dict(values))
     return found if isinstance(found, xr.DataArray) else xr.DataArray(found)
+
+
+def power_law(data: xr.Dataset, name: str, *, of: str, x: str, along: Sequence[str]) -> xr.Dataset:
+    """Add the exponent of a power of `x`, by least squares of logarithms; ``NAME_factor`` is its value at 1.
+
+    The interval is Student's, of the scatter around the line; what is not positive or not there is left
+    out, and with less than three points the exponent has no interval.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+    name : str
+        Of the exponent.
+    of, x : str
+        Variables.
+    along : sequence of str
+        Dimensions that are fitted over.
+    """
+    import xarray as xr
+
+    def fit(y: Array, at: Array) -> tuple[float, float, float]:
+        kept = np.isfinite(y) & (y > 0) & np.isfinite(at)
+        if np.unique(at[kept]).size < 2:
+            return math.nan, math.nan, math.nan
+        line = scipy.stats.linregress(np.log(at[kept]), np.log(y[kept]))
+        free = np.count_nonzero(kept) - 2
+        student = float(scipy.special.stdtrit(free, 0.975)) if free else math.nan
+        return float(line.slope), student * float(line.stderr), float(np.exp(line.intercept))
+
+    values = data[of]
+    exponent, half, factor = xr.apply_ufunc(
+        lambda y, at: fit(y.ravel(), np.broadcast_to(at, y.shape).ravel()),
+        values,
+        data[x].broadcast_like(values),
+        input_core_dims=[list(along), list(along)],
+        output_core_dims=[[], [], []],
+        vectorize=True,
+    )
+    made = {"reduction": "power law", "of": of, "x": x, "along": " ".join(along)}
+    return data.assign(
+        {
+            name: exponent.assign_attrs(made),
+            f"{name}_error": error_of(exponent, surfaces=half),
+            f"{name}_factor": factor.assign_attrs(made),
+        }
+    )
 
 
 # ---- reading -------------------------------------------------------------------------------------

@@ -40,6 +40,8 @@ class _Mark:
         Dimensions: one mark is drawn for each place along them.
     at : mapping
         Positions along other dimensions.
+    where : mapping
+        Values of coordinates: only these cases are shown.
     look : mapping
         Overrides of how it is drawn.
     label : str
@@ -50,6 +52,7 @@ class _Mark:
     x: str = ""
     by: tuple[str, ...] | str = ()
     at: Mapping[str, int] = field(default_factory=dict)
+    where: Mapping[str, Any] = field(default_factory=dict)
     look: Mapping[str, Any] = field(default_factory=dict)
     label: str | None = None
 
@@ -203,15 +206,27 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
             )
         )
     for axis in panel.log:
-        getattr(axes, f"set_{axis}scale")("log", base=panel.base)
+        getattr(axes, f"set_{axis}scale")("log", base=panel.base if axis == "x" else 10)
     if isinstance(panel.marks[0], Image):
         y = panel.marks[0].rows
         scale_y = _scale(y, [data[y]])
     axes.set_xlabel(_axis_label(panel.x, scale_x[1]))
     axes.set_ylabel(_axis_label(y, scale_y[1]))
     axes.set_title(mathtext(panel.title), fontsize=9)
-    axes.set_ylim(bottom=panel.bottom, top=panel.top)
+    bottom = panel.bottom
+    if "y" in panel.log and bottom is None:
+        # Bars that reach beyond zero have no lower end on a logarithmic axis.
+        least = min((_least(one) for one in drawn), default=np.inf)
+        bottom = least if np.isfinite(least) else None
+    axes.set_ylim(bottom=bottom, top=panel.top)
     return drawn
+
+
+def _least(one: Drawn) -> float:
+    """Two thirds of the smallest positive number of a mark, in the unit of the axis."""
+    values = one.data[one.mark.y].values * one.factors[1]
+    positive = values[np.isfinite(values) & (values > 0)]
+    return float(positive.min()) / 1.5 if positive.size else np.inf
 
 
 def _known(at: Mapping[str, int], data: xr.Dataset) -> dict[str, int]:
@@ -220,7 +235,10 @@ def _known(at: Mapping[str, int], data: xr.Dataset) -> dict[str, int]:
 
 def _places(mark: _Mark, data: xr.Dataset) -> Iterable[xr.Dataset]:
     by = (mark.by,) if isinstance(mark.by, str) else mark.by
-    return each(data.isel(_known(mark.at, data)), *by)
+    data = data.isel(_known(mark.at, data))
+    for name, value in mark.where.items():
+        data = data.isel({data[name].dims[0]: np.flatnonzero(data[name].values == value)})
+    return each(data, *by)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -277,8 +295,10 @@ def _put(mark: _Mark, axes: Axes, n: _Numbers, look: dict[str, Any]) -> Any:
         look = {**look, "ls": ""}
     if mark.steps:
         look = {**look, "drawstyle": "steps-mid", "marker": ""}
-    bars = None if n.error is None or not np.nansum(n.error) > 0 else n.error
-    return axes.errorbar(n.x, n.y, yerr=bars, **{"ms": 5, "capsize": 2, **look})
+    # What was not measured there does not break the line.
+    there = np.isfinite(n.y)
+    bars = None if n.error is None or not np.nansum(n.error) > 0 else n.error[there]
+    return axes.errorbar(n.x[there], n.y[there], yerr=bars, **{"ms": 5, "capsize": 2, **look})
 
 
 def _look(mark: _Mark, k: int) -> dict[str, Any]:
@@ -316,7 +336,7 @@ def _axis_label(name: str, unit: str) -> str:
     what = quantity(name)
     words = what.words if what.symbol in what.words else f"{what.words}, {what.symbol}"
     unit = "" if unit == "1" else f" [{unit}]"
-    return mathtext(textwrap.fill(f"{words}{unit}", 48))
+    return "\n".join(mathtext(line) for line in textwrap.wrap(f"{words}{unit}", 38, break_on_hyphens=False))
 
 
 def _legend(canvas: Any, axes: list[Any]) -> None:

@@ -30,7 +30,7 @@ __all__ = [
 
 #: Engineering prefixes by power of a thousand, for units that take them.
 _PREFIXES = {-4: "p", -3: "n", -2: "u", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}
-_PREFIXED = ("m", "Pa", "s", "J", "N", "W", "V", "Ohm", "m/s", "J/m^2", "Pa m")
+_PREFIXED = ("m", "Pa", "s", "J", "N", "W", "V", "Ohm", "m/s", "J/m^2", "Pa m", "byte")
 
 
 @dataclass(frozen=True, kw_only=True)

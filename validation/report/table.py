@@ -57,7 +57,7 @@ class Table:
     Attributes
     ----------
     rows : tuple of str
-        Dimensions.
+        Dimensions; a place at which nothing but its coordinates is known has no row.
     columns : tuple of str or Column
         Variables and coordinates. Titles and units are those of the registry, intervals stand behind their
         values.
@@ -71,6 +71,7 @@ class Table:
         made = [_place(column, data) for column in self.columns]
         made = [(name, title, at) for name, title, at in made if name in data.variables]
         rows = []
+        places = {title for name, title, _ in made if name in data.coords}
         for here in each(data, *self.rows):
             row: dict[str, float | str] = {}
             for name, title, at in made:
@@ -78,7 +79,8 @@ class Table:
                 row[title] = value.value
                 if value.error is not None:
                     row[f"{title} {INTERVAL}"] = value.error
-            rows.append(row)
+            if any(isinstance(v, str) or not math.isnan(v) for k, v in row.items() if k not in places):
+                rows.append(row)
         return ResultTable.of_rows(rows)
 
 

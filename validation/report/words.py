@@ -62,6 +62,8 @@ _DRAWN = (
     (r"\bq_(short|long)(?![\w-])", r"$q_{\1}$"),
     (r"\bgamma_eff(?![\w-])", r"$\\gamma_{eff}$"),
     (r"\bA/A0(?![\w-])", "$A/A_0$"),
+    (r"\b([Ap])_bem(?![\w-])", r"$\1_{BEM}$"),
+    (r"\bdx(?![\w-])", r"$\\Delta x$"),
     (r"\b([AU])_(pl|el|full|limit)(?![\w-])", r"$\1_{\2}$"),
     (r"\b([Ap])0(?![\w-])", r"$\1_0$"),
     (r"\bp\*", "$p^*$"),

@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
+import xarray as xr
 from pydantic import Field, model_validator
 
 from validation.effects.base import SlotName
 from validation.measures.block import BlockMeasurement
-from validation.measures.common import BASE_SOLID, Rising, RisingOrNone, each, results_of
+from validation.measures.common import BASE_SOLID, Rising, RisingOrNone
+from validation.measures.limits import solved
 from validation.measures.measurement import grid_for
 from validation.measures.side_by_side import ByMethod
-from validation.measures.statistics import order_of_convergence
-from validation.report.drawing import Drawing
-from validation.report.table import ResultTable
+from validation.report.estimates import derive, gather, mean, power_law
+from validation.report.findings import finding
+from validation.report.marks import Figure, Line, Panel
+from validation.report.table import Table
+from validation.report.views import Views
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Scene, SolidSpec
 from validation.solves.bench import Bench
@@ -26,12 +29,9 @@ from validation.studies._scene import PressedOptions
 from validation.units import wrong
 
 if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.figure import Figure
-
     from validation.solves.solve import NumbersSolve
 
-__all__ = ["Options", "figures", "findings", "run", "table"]
+__all__ = ["Options", "design", "run", "views"]
 
 
 class Options(PressedOptions):
@@ -46,9 +46,9 @@ class Options(PressedOptions):
     periods: Periods = 2.0
     bandwidth: Bandwidth = 4.0
     poisson: Annotated[float, Field(gt=-1, le=0.49, description="Poisson ratio of the solid")] = 0.3
-    surfaces: Annotated[int, Field(ge=1, description="how many realisations")] = 2
+    surfaces: Annotated[int, Field(ge=1, description="how many realisations")] = 4
     full_points_per_wave: RisingOrNone = Field(
-        default=(3.0, 4.0, 6.0),
+        default=(3.0, 4.0, 6.0, 12.0, 24.0),
         description="grids of the full Hex1 system, as lambda_short/dx: the independent leg, which shares no contact "
         "algorithm with the boundary elements",
     )
@@ -79,55 +79,16 @@ class Options(PressedOptions):
         return {**super().taken(scene, first), "poisson": scene.solid.poisson}
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Leg:
-    """One way beside the boundary elements on one grid.
-
-    Attributes
-    ----------
-    name : str
-        What it is called.
-    per_wave : float
-        lambda_short / dx.
-    solve : callable
-        From `realised` to its solve.
-    """
-
-    name: str
-    per_wave: float
-    solve: Callable[..., NumbersSolve]
+def design(options: Options) -> dict[tuple[str, float, int], NumbersSolve]:
+    """Return the solves by leg, points per shortest wave, and surface."""
+    return {
+        (leg, per_wave, k): solve(realised=own)
+        for leg, per_wave, solve in (*_blocks(options), *_others(options))
+        for k, own in enumerate(options.pressed)
+    }
 
 
-_NAMES = {
-    "pressure_half_space": "||p - p_bem|| / ||p_bem||",
-    "pressure_inside": "the same, 1.5 cells and more from the edges",
-    "area": "A/A_bem - 1, points counted",
-    "area_corrected": "A/A_bem - 1, each with its perimeter correction",
-    "gap": "(mean gap - mean gap_bem) / h_rms: the offsets less C(0) p0",
-    "residual": "largest contact residual of the method",
-    "converged": "1 where its residuals are what it was asked for",
-    "seconds": "processor time of the method [s]",
-    "seconds_bem": "processor time of the boundary elements [s]",
-}
-
-
-def run(options: Options, *, bench: Bench) -> xr.Dataset:
-    """Press the same heights by both methods.
-
-    Returns
-    -------
-    xarray.Dataset
-        Differences with dimensions (case, surface); cases are labelled by leg.
-    """
-    legs = (*_block_legs(options), *_other_legs(options))
-    found = results_of(
-        bench, {(leg, k): leg.solve(realised=own) for leg in legs for k, own in enumerate(options.pressed)}
-    )
-    differences = {case: _differences(data) for case, data in found.items()}
-    return _dataset(differences, legs, options)
-
-
-def _block_legs(options: Options) -> Iterator[_Leg]:
+def _blocks(options: Options) -> Iterator[tuple[str, float, Any]]:
     """Yield the ways through the finite elements: the full system, and its exact reduction."""
     if options.scene is not None or "fem" not in options.methods:
         return
@@ -136,139 +97,143 @@ def _block_legs(options: Options) -> Iterator[_Leg]:
         *(("reduced", e, n) for e in options.elements for n in options.reduced_points_per_wave),
     ]
     for method, element, n in ways:
-        solve = partial(BlockMeasurement, grid=grid_for(options.first, n), method=method, element=element)
-        yield _Leg(name=f"{method} {element}", per_wave=n, solve=solve)
+        grid = grid_for(options.first, n)
+        yield f"{method} {element}", n, partial(BlockMeasurement, grid=grid, method=method, element=element)
 
 
-def _other_legs(options: Options) -> Iterator[_Leg]:
+def _others(options: Options) -> Iterator[tuple[str, float, Any]]:
     """Yield all other solvers that are asked for; on a scene the finite elements as its table has them."""
     own = ("bem",) if options.scene is not None else ("bem", "fem")
     for asked in options.others(options.method_points_per_wave, without=own):
+        told = {"method": asked.method, "settings": asked.settings, "effects": options.effects}
         for grid in asked.grids:
-            solve = partial(
-                ByMethod,
-                grid=grid,
-                method=asked.method,
-                settings=asked.settings,
-                effects=options.effects,
-            )
-            yield _Leg(name=asked.name, per_wave=options.first.points_per_wave(grid), solve=solve)
+            yield asked.name, options.first.points_per_wave(grid), partial(ByMethod, grid=grid, **told)
 
 
-def _differences(data: xr.Dataset) -> dict[str, float]:
-    """Return what is compared of one solve, by the names of the dataset."""
-    numbers = {"converged": 1.0} | {name: float(data[name]) for name in _NAMES if name in data}
-    area, corrected = data.pixel / data.pixel_bem, data.perimeter / data.perimeter_bem
-    return numbers | {"area": float(area) - 1, "area_corrected": float(corrected) - 1}
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Press the same heights by both methods.
+
+    Returns
+    -------
+    xarray.Dataset
+        Differences (leg, points_per_wave, surface), their means, and the order in dx of that of the pressure.
+    """
+    cases = design(options)
+    parts = {place: _differences(data) for place, data in solved(bench, cases).items()}
+    data = gather(
+        parts,
+        leg=list(dict.fromkeys(leg for leg, _, _ in cases)),
+        points_per_wave=sorted({per_wave for _, per_wave, _ in cases}),
+        surface=range(options.surfaces),
+    )
+    data["residual"] = data.residual_each.max("surface")
+    for cost in ("seconds", "seconds_bem"):
+        data[cost] = data[f"{cost}_each"].mean("surface")
+    data = power_law(
+        mean(data, *_COMPARED),
+        "exponent",
+        of="pressure_difference_each",
+        x="points_per_wave",
+        along=("points_per_wave", "surface"),
+    )
+    data = derive(data, order="-exponent", area_difference_size="abs(area_difference)")
+    asked = [one.method for one in options.others((), without=("bem",))]
+    cited = ["bem", *asked, *(effect.kind for effect in options.effects), "perimeter"]
+    return data.assign_attrs(
+        study="cross", reduced_pressure=options.reduced_pressure, methods=" ".join(cited)
+    )
 
 
-def _dataset(
-    differences: Mapping[tuple[_Leg, int], Mapping[str, float]], legs: tuple[_Leg, ...], options: Options
-) -> xr.Dataset:
-    import xarray as xr
+#: What is averaged over the surfaces.
+_COMPARED = (
+    "pressure_difference",
+    "pressure_difference_inside",
+    "area_difference",
+    "area_difference_perimeter",
+    "gap_difference",
+)
 
-    def rows(name: str) -> list[list[float]]:
-        return [[differences[leg, k][name] for k in range(options.surfaces)] for leg in legs]
 
+def _differences(one: xr.Dataset) -> xr.Dataset:
+    """Return what is compared of one solve."""
     return xr.Dataset(
         {
-            name: (("case", "surface"), np.array(rows(name)), {"long_name": words})
-            for name, words in _NAMES.items()
+            "pressure_difference_each": one.pressure_half_space,
+            "pressure_difference_inside_each": one.pressure_inside,
+            "area_difference_each": one.pixel / one.pixel_bem - 1,
+            "area_difference_perimeter_each": one.perimeter / one.perimeter_bem - 1,
+            "gap_difference_each": one.gap,
+            "residual_each": one.residual,
+            "converged_each": one.get("converged", xr.DataArray(1.0)),
+            "seconds_each": one.seconds,
+            "seconds_bem_each": one.seconds_bem,
         },
-        coords={
-            "leg": ("case", [leg.name for leg in legs]),
-            "points_per_wave": ("case", [leg.per_wave for leg in legs], {"long_name": "lambda_short / dx"}),
-        },
-        attrs={
-            "study": "cross",
-            "reduced_pressure": options.reduced_pressure,
-            "methods": " ".join(["bem", *_listed(options), "perimeter"]),
-        },
+        attrs={"solve": one.attrs["solve"]},
     )
 
 
-def _listed(options: Options) -> list[str]:
-    """Name the methods and effects whose papers are to be cited."""
-    asked = [one.method for one in options.others((), without=("bem",))]
-    return [*asked, *(effect.kind for effect in options.effects)]
-
-
-def _legs(dataset: xr.Dataset) -> list[str]:
-    return list(dict.fromkeys(dataset.leg.values.tolist()))
-
-
-def table(dataset: xr.Dataset) -> ResultTable:
-    """Return one row for each leg and grid, means over surfaces."""
-    return ResultTable.of_rows(
-        {
-            "leg": str(case.leg.item()),
-            "lambda_short/dx": float(case.points_per_wave),
-            **{words: float(case[name].mean()) for name, words in _NAMES.items() if name != "converged"},
-        }
-        for case in each(dataset, "case")
-    )
-
-
-def findings(dataset: xr.Dataset) -> tuple[str, ...]:
-    """Return how the differences fall for each leg, and what the agreement means."""
-    sentences = []
-    for leg in _legs(dataset):
-        part = dataset.isel(case=np.flatnonzero(dataset.leg.values == leg))
-        spacing = 1 / part.points_per_wave.values
-        pressure = part.pressure_half_space.mean("surface").values
-        area = np.abs(part.area.mean("surface").values)
-        text = (
-            f"{leg}: the pressures differ by {100 * pressure[0]:.2g} % at {part.points_per_wave.values[0]:g} points per shortest wave and by "
-            f"{100 * pressure[-1]:.2g} % at {part.points_per_wave.values[-1]:g}, the counted areas by {100 * area[0]:.2g} % and {100 * area[-1]:.2g} %"
-        )
-        if spacing.size > 1:
-            text += f" (fitted order of the pressure difference in dx: {order_of_convergence(spacing, pressure):.2f})"
-        missed = int((part.converged < 1).sum())
-        if missed:
-            text += f"; {missed} of its {part.converged.size} answers do not have the residuals asked for, the worst {float(part.residual.max()):.2g}"
-        sentences.append(text + ".")
-    if any(leg.startswith(("full ", "reduced ")) for leg in _legs(dataset)):
-        sentences.append(
-            "The full system shares no contact algorithm with the boundary elements: its agreement verifies both codes. The reduced one shares "
-            "it: its agreement verifies the discretisation. What remains in the finest reduced rows includes the finite depth of the block."
-        )
-    return tuple(sentences)
-
-
-def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
-    """Draw the differences against the grid."""
-    return (
-        Drawing(
-            name="fem-against-bem",
-            figure=_fem_against_bem(dataset),
-            data=dataset[["pressure_half_space", "area", "area_corrected"]],
-            caption="Difference of pressure (left) and of counted area (right) between other methods and boundary elements on "
-            "the same surface and points, by leg; dots, surfaces.",
-        ),
-    )
-
-
-def _fem_against_bem(dataset: xr.Dataset) -> Figure:
-    """Pressure and area differences from boundary elements against the grid, by leg."""
-    from validation.report.figure import COLOURS, new_figure, plain_look
-
-    figure, panels = new_figure(width=9.0, columns=2)
-    for axes, name, label in zip(
-        panels,
-        ("pressure_half_space", "area"),
-        (r"$\|p-p_{BEM}\|/\|p_{BEM}\|$ [%]", r"$|A/A_{BEM}-1|$, counted [%]"),
-        strict=True,
-    ):
-        for k, leg in enumerate(_legs(dataset)):
-            part = dataset.isel(case=np.flatnonzero(dataset.leg.values == leg))
-            mean = 100 * np.abs(part[name].mean("surface"))
-            axes.plot(part.points_per_wave, mean, label=leg, **plain_look(k))
-            axes.plot(
-                part.points_per_wave, 100 * np.abs(part[name]), ls="", marker=".", ms=3, color=COLOURS[k]
+def views(data: xr.Dataset) -> Views:
+    """Differences against the grid, leg by leg, and whether they vanish with it."""
+    legs = []
+    for k in range(data.sizes["leg"]):
+        here = data.isel(leg=k)
+        there = np.flatnonzero(np.isfinite(here.pressure_difference.values))
+        coarse, fine = (here.isel(points_per_wave=int(there[j])) for j in (0, -1))
+        legs.append(
+            finding(
+                "trend",
+                "{leg}: from {coarse} to {points_per_wave} points per shortest wave the difference of pressure to "
+                "boundary elements {verdict} from {first:%} to {pressure_difference:%}, fitted order in dx {order}; "
+                "the counted areas differ by {area_difference:%} on the finest grid.",
+                fine,
+                by="exponent",
+                coarse=float(coarse.points_per_wave),
+                first=float(coarse.pressure_difference),
             )
-        axes.set_xscale("log", base=2)
-        axes.set_yscale("log")
-        axes.set_xlabel(r"$\lambda_{short}/\Delta x$")
-        axes.set_ylabel(label)
-    panels[0].legend(fontsize=8)
-    return figure
+        )
+    missed = int((data.converged_each < 1).sum())
+    if missed:
+        legs.append(
+            finding(
+                "refusal",
+                "{missed} of {all} answers do not have the residuals asked for, the worst {worst}.",
+                missed=missed,
+                all=int(data.converged_each.notnull().sum()),
+                worst=float(data.residual_each.max()),
+            )
+        )
+    elif any(str(leg).startswith("full") for leg in data.leg.values):
+        legs.append(
+            finding(
+                "note",
+                "The full system shares no contact algorithm with the boundary elements: where its difference falls "
+                "with the grid, that verifies both. The reduced one shares it and verifies the discretisation.",
+            )
+        )
+    panels = [
+        Panel(marks=[Line(y=name, by="leg")], x="points_per_wave", log="xy", base=2)
+        for name in ("pressure_difference", "area_difference_size")
+    ]
+    return Views(
+        table=Table(
+            rows=("leg", "points_per_wave"),
+            columns=(
+                "leg",
+                "points_per_wave",
+                *_COMPARED,
+                "residual",
+                "seconds",
+                "seconds_bem",
+            ),
+        ),
+        figures=[
+            Figure(
+                name="fem-against-bem",
+                caption="Pressure (left) and counted area (right) of other methods beside boundary elements on the "
+                "same surfaces and points.",
+                panels=panels,
+                width=9.0,
+            )
+        ],
+        findings=legs[:6],
+    )

@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 from pydantic import Field
 
 from validation.measures.block import BlockMeasurement
-from validation.measures.common import BASE_SOLID, Rising, base_case, base_surface, each, results_of
+from validation.measures.common import BASE_SOLID, Rising, base_case, base_surface
+from validation.measures.limits import solved
 from validation.measures.measurement import grid_for
-from validation.report.drawing import Drawing
-from validation.report.table import ResultTable
+from validation.report.estimates import claim, derive, gather
+from validation.report.findings import Finding, finding
+from validation.report.marks import Figure, Line, Panel
+from validation.report.table import Table
+from validation.report.views import Views
 from validation.scenes.scene import SolidSpec
 from validation.solves.bench import Bench
 from validation.studies._options import Element, ReducedPressure, Seed
@@ -22,22 +25,12 @@ from validation.studies._study import StudyOptions
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
-__all__ = ["Options", "figures", "findings", "run", "table"]
-
-#: What is kept while another dial is turned.
-_DEPTH, _GROWTH, _POISSON = 1.0, 1.2, 0.3
-
-_NAMES = {
-    "pressure_half_space": "||p - p_half-space|| / ||p_half-space||",
-    "pressure_layer": "||p - p_layer|| / ||p_layer||, bonded layer of the same depth",
-    "area": "A/A_half-space - 1, points counted",
-}
+__all__ = ["Options", "design", "run", "views"]
 
 
 class Options(StudyOptions):
-    """Dials of the block, turned one at a time around depth L, growth 1.2 and nu = 0.3, for every element.
+    """Parameters of the block, varied one at a time around depth L, growth 1.2 and nu = 0.3, for every element.
 
     The surface has H = 0.8, L/lambda_long = 1, lambda_long/lambda_short = 4: its longest wave feels the bottom most.
     """
@@ -62,38 +55,31 @@ class Options(StudyOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Block:
-    """One block, and which of its dials is turned."""
+class Block:
+    """One block, and which of its parameters is varied."""
 
     varied: str
     element: str
-    depth: float = _DEPTH
-    growth: float = _GROWTH
-    poisson: float = _POISSON
+    depth: float = 1.0
+    growth: float = 1.2
+    poisson: float = 0.3
 
 
-def run(options: Options, *, bench: Bench) -> xr.Dataset:
-    """Turn every dial.
-
-    Returns
-    -------
-    xarray.Dataset
-        Pressure differences against the half-space and against the bonded layer of the same depth, by case.
-    """
-    blocks = tuple(_blocks(options))
-    return _dataset(results_of(bench, {block: _solve(block, options) for block in blocks}), options)
+def design(options: Options) -> dict[Block, BlockMeasurement]:
+    """Return the solve of each block."""
+    return {block: _solve(block, options) for block in _blocks(options)}
 
 
-def _blocks(options: Options) -> Iterator[_Block]:
+def _blocks(options: Options) -> Iterator[Block]:
     for element, depth in itertools.product(options.elements, options.depths):
-        yield _Block(varied="depth", element=element, depth=depth)
+        yield Block(varied="depth", element=element, depth=depth)
     for element, growth in itertools.product(options.elements, options.growths):
-        yield _Block(varied="growth", element=element, growth=growth)
+        yield Block(varied="growth", element=element, growth=growth)
     for element, poisson in itertools.product(options.elements, options.poissons):
-        yield _Block(varied="poisson", element=element, poisson=poisson)
+        yield Block(varied="poisson", element=element, poisson=poisson)
 
 
-def _solve(block: _Block, options: Options) -> BlockMeasurement:
+def _solve(block: Block, options: Options) -> BlockMeasurement:
     pressed = base_case(
         base_surface(hurst=0.8, periods=1.0, bandwidth=4.0, seed=options.seed),
         reduced_pressure=options.reduced_pressure,
@@ -108,106 +94,83 @@ def _solve(block: _Block, options: Options) -> BlockMeasurement:
     )
 
 
-def _dataset(found: Mapping[_Block, xr.Dataset], options: Options) -> xr.Dataset:
-    import xarray as xr
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Vary every parameter of the block.
 
-    values = {
-        name: [float(data[name]) for data in found.values()]
-        for name in ("pressure_half_space", "pressure_layer")
+    Returns
+    -------
+    xarray.Dataset
+        Pressure differences to the half-space and to the bonded layer of the same depth, by case.
+    """
+    parts = solved(bench, design(options))
+    numbers = {
+        block: one[["pressure_half_space", "pressure_layer", "pixel", "pixel_bem"]].assign_attrs(
+            solve=one.attrs["solve"]
+        )
+        for block, one in parts.items()
     }
-    values["area"] = [float(data.pixel / data.pixel_bem) - 1 for data in found.values()]
-    return xr.Dataset(
-        {name: ("case", array, {"long_name": _NAMES[name]}) for name, array in values.items()},
-        coords={
-            "element": ("case", [block.element for block in found]),
-            "depth": ("case", [block.depth for block in found], {"long_name": "depth / L"}),
-            "growth": ("case", [block.growth for block in found]),
-            "poisson": ("case", [block.poisson for block in found]),
-            "varied": ("case", [block.varied for block in found]),
-        },
-        attrs={"study": "depth", "points_per_wave": options.points_per_wave, "methods": "bem fem"},
+    data = gather(numbers, case=list(parts)).drop_vars("case")
+    data = data.rename(
+        pressure_half_space="pressure_difference",
+        pressure_layer="pressure_difference_layer",
+        pixel="area_pixel",
+        pixel_bem="area_pixel_bem",
     )
+    data = derive(data, area_difference="area_pixel / area_pixel_bem - 1")
+    data = claim(data, "pressure_difference", "pressure_difference_layer", "area_difference")
+    names = ("varied", "element", "depth", "growth", "poisson")
+    return data.assign_coords(
+        {name: ("case", [getattr(block, name) for block in parts]) for name in names}
+    ).assign_attrs(study="depth", points_per_wave=options.points_per_wave, methods="bem fem")
 
 
-def table(dataset: xr.Dataset) -> ResultTable:
-    """Return one row for each case."""
-    return ResultTable.of_rows(
-        {
-            "varied": str(case.varied.item()),
-            "element": str(case.element.item()),
-            "depth/L": float(case.depth),
-            "growth": float(case.growth),
-            "nu": float(case.poisson),
-            "p - half-space [%]": 100 * float(case.pressure_half_space),
-            "p - layer [%]": 100 * float(case.pressure_layer),
-            "A - half-space [%]": 100 * float(case.area),
-        }
-        for case in each(dataset, "case")
-    )
+def views(data: xr.Dataset) -> Views:
+    """Where the bottom is felt, and what the mesh alone is responsible for."""
+    elements = list(dict.fromkeys(data.element.values.tolist()))
+    names = ("pressure_difference", "pressure_difference_layer")
 
-
-def findings(dataset: xr.Dataset) -> tuple[str, ...]:
-    """Return where the bottom is felt, and what the mesh alone is responsible for."""
-    sentences = []
-    for element in dict.fromkeys(dataset.element.values.tolist()):
-        part = dataset.isel(
-            case=np.flatnonzero((dataset.element.values == element) & (dataset.varied.values == "depth"))
-        )
-        bottom = part.pressure_half_space.values - part.pressure_layer.values
-        deep = part.depth.values[np.abs(bottom) < 0.1 * part.pressure_layer.values]
-        felt = f"from depth {deep.min():g} L on" if deep.size else "at no depth tried"
-        sentences.append(
-            f"{element}: the mesh alone (against a layer of the same depth) costs {100 * part.pressure_layer.values[-1]:.2g} % in pressure at depth "
-            f"{part.depth.values[-1]:g} L; the bottom adds less than a tenth of that {felt}, and at {part.depth.values[0]:g} L the pressure is "
-            f"{100 * part.pressure_half_space.values[0]:.3g} % from the half-space."
-        )
-        for dial in ("growth", "poisson"):
-            part = dataset.isel(
-                case=np.flatnonzero((dataset.element.values == element) & (dataset.varied.values == dial))
+    def lines(varied: str) -> list[Line]:
+        return [
+            Line(y=name, where={"varied": varied, "element": element}, label=f"{element}, {words}", look=look)
+            for (name, words), (element, look) in itertools.product(
+                zip(names, ("half-space", "layer"), strict=True), zip(elements, _LOOKS, strict=False)
             )
-            words = ", ".join(
-                f"{100 * p:.2g} % at {v:g}"
-                for p, v in zip(part.pressure_layer.values, part[dial].values, strict=True)
-            )
-            sentences.append(f"{element}, error of the mesh by {dial}: {words}.")
-    return tuple(sentences)
+        ]
 
-
-def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
-    """Draw the pressure difference against depth and growth."""
-    return (
-        Drawing(
-            name="block-depth",
-            figure=_block_depth(dataset),
-            data=dataset[["pressure_half_space", "pressure_layer"]],
-            caption="Pressure of the block against depth (left) and growth of the layers (right): filled, against the "
-            "half-space; open, against the bonded layer of the same depth, which is the error of the mesh alone.",
+    return Views(
+        table=Table(
+            rows=("case",),
+            columns=("varied", "element", "depth", "growth", "poisson", *names, "area_difference"),
         ),
+        figures=[
+            Figure(
+                name="block-depth",
+                caption="Pressure of the block against depth (left) and growth of the layers (right), to the "
+                "half-space and to the bonded layer of the same depth, which is the error of the mesh alone.",
+                panels=[Panel(marks=lines(one), x=one, log="y") for one in ("depth", "growth")],
+                width=9.0,
+            )
+        ],
+        findings=[_said(data.isel(case=(data.element == e).values), str(e)) for e in elements],
     )
 
 
-def _block_depth(dataset: xr.Dataset) -> Figure:
-    """Pressure of the block against half-space and layer, over depth and over growth."""
-    from validation.report.figure import new_figure, plain_look
+_LOOKS = ({"color": "#0b5394", "marker": "o"}, {"color": "#b45f06", "marker": "s"})
 
-    figure, panels = new_figure(width=9.0, columns=2)
-    for axes, dial, label in zip(
-        panels, ("depth", "growth"), ("depth / L", "growth of successive layers"), strict=True
-    ):
-        for k, element in enumerate(dict.fromkeys(dataset.element.values.tolist())):
-            keep = (dataset.element.values == element) & (dataset.varied.values == dial)
-            part, style = dataset.isel(case=np.flatnonzero(keep)), plain_look(k)
-            axes.plot(part[dial], 100 * part.pressure_half_space, label=f"{element}, half-space", **style)
-            axes.plot(
-                part[dial],
-                100 * part.pressure_layer,
-                label=f"{element}, layer",
-                mfc="white",
-                ls="--",
-                **style,
-            )
-        axes.set_yscale("log")
-        axes.set_xlabel(label)
-        axes.set_ylabel("relative L2 difference of pressure [%]")
-    panels[0].legend(fontsize=8)
-    return figure
+
+def _said(data: xr.Dataset, element: str) -> Finding:
+    """Say what depth and mesh cost with one element."""
+    depths = data.isel(case=(data.varied == "depth").values)
+    first, last = depths.isel(case=0), depths.isel(case=-1)
+    bottom = abs(depths.pressure_difference - depths.pressure_difference_layer)
+    deep = depths.depth.values[(bottom < 0.1 * depths.pressure_difference_layer).values]
+    return finding(
+        "threshold",
+        f"{element}: the bottom costs less than a tenth of the mesh from depth {{deep}} L on; at {{shallow}} L the "
+        "pressure is {shallow_difference:%} off the half-space. The mesh alone costs "
+        "{pressure_difference_layer:%} at {depth} L.",
+        last,
+        deep=float(deep.min()) if deep.size else "nowhere tried",
+        shallow=float(first.depth),
+        shallow_difference=float(first.pressure_difference),
+    )

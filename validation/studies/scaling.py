@@ -8,19 +8,21 @@ bandwidth: each surface has waves down to the same number of grid spacings, so t
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Self
 
 import numpy as np
-import scipy.stats
 from pydantic import Field, model_validator
 
 from fem_contact.area import contact_areas
-from validation.measures.common import RisingGrids, base_case, base_surface, results_of
+from validation.measures.common import RisingGrids, base_case, base_surface
+from validation.measures.limits import solved
 from validation.measures.single_solve import SingleSolve, Takes
-from validation.report.drawing import Drawing
-from validation.report.table import ResultTable
+from validation.report.estimates import derive, gather, power_law
+from validation.report.findings import finding
+from validation.report.marks import Figure, Line, Panel
+from validation.report.table import Table
+from validation.report.views import Views
 from validation.solves.bench import Bench
 from validation.studies._options import Hurst, Periods, ReducedPressure, Seed, Surfaces
 from validation.studies._study import StudyOptions
@@ -28,12 +30,12 @@ from validation.units import wrong
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
-__all__ = ["Options", "PowerLaw", "SolveCost", "figures", "findings", "power_law", "run", "table"]
+__all__ = ["Options", "SolveCost", "design", "run", "views"]
 
-_COSTS = {"seconds": "s", "fft_pairs": "1", "peak_bytes": "byte"}
-_WORDS = {"seconds": "time", "fft_pairs": "pairs of transforms", "peak_bytes": "memory"}
+_COSTS = ("seconds", "fft_pairs", "peak_bytes")
+#: Points along a side from which on powers are fitted, where three grids are that fine.
+_LARGE = 256
 
 
 class Options(StudyOptions):
@@ -96,20 +98,8 @@ class SolveCost(SingleSolve):
         return xr.Dataset({name: ((), float(value)) for name, value in data.items()})
 
 
-def run(options: Options, *, bench: Bench) -> xr.Dataset:
-    """Solve surfaces whose bandwidth grows with the grid, and measure what that costs.
-
-    Returns
-    -------
-    xarray.Dataset
-        seconds, fft_pairs, peak_bytes and area with dimensions (points, surface); the attributes hold the memory that
-        was free [byte] when this was run.
-    """
-    return _dataset(results_of(bench, _cases(options)), options)
-
-
-def _cases(options: Options) -> dict[tuple[int, int], SolveCost]:
-    """List the solves by points along a side and number of the surface."""
+def design(options: Options) -> dict[tuple[int, int], SolveCost]:
+    """Return the solves by points along a side and number of the surface."""
     cases = {}
     for n, k in itertools.product(options.grids, range(options.surfaces)):
         surface = base_surface(
@@ -120,160 +110,106 @@ def _cases(options: Options) -> dict[tuple[int, int], SolveCost]:
     return cases
 
 
-def _dataset(found: Mapping[tuple[int, int], xr.Dataset], options: Options) -> xr.Dataset:
-    import xarray as xr
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Solve surfaces whose bandwidth grows with the grid, and measure what that costs.
 
+    Returns
+    -------
+    xarray.Dataset
+        Costs and located area (points, surface); the exponent of each cost in N, what one decade more costs, and how
+        far the memory that was free and an hour reach.
+    """
     from validation.solves.cost import available_memory
 
-    def rows(name: str) -> Any:
-        return np.array([[float(found[n, k][name]) for k in range(options.surfaces)] for n in options.grids])
-
-    bandwidth = [n / options.coarsest for n in options.grids]
-    return xr.Dataset(
-        {
-            name: (("points", "surface"), rows(name), {"units": unit})
-            for name, unit in {**_COSTS, "area": "1"}.items()
-        },
-        coords={
-            "points": ("points", list(options.grids), {"long_name": "points along each axis"}),
-            "bandwidth": ("points", bandwidth, {"long_name": "lambda_long / lambda_short"}),
-        },
-        attrs={
-            "study": "scaling",
-            "reduced_pressure": options.reduced_pressure,
-            "points_per_wave": options.points_per_wave,
-            "periods": options.periods,
-            "memory": available_memory(),
-            "methods": "bem",
-        },
+    parts = solved(bench, design(options))
+    each = {"area": "area_located_each"} | {name: f"{name}_each" for name in _COSTS}
+    data = gather(
+        {case: one.rename(each) for case, one in parts.items()},
+        points=list(options.grids),
+        surface=range(options.surfaces),
     )
-
-
-@dataclass(frozen=True, kw_only=True)
-class PowerLaw:
-    """cost = coefficient N^exponent.
-
-    Attributes
-    ----------
-    exponent, half_width : float
-        With half of its 95 % interval.
-    coefficient : float
-        Cost at N = 1, by the fit.
-    """
-
-    exponent: float
-    half_width: float
-    coefficient: float
-
-    def points(self, cost: float) -> float:
-        """Return the number of points N at which that cost is reached."""
-        return float((cost / self.coefficient) ** (1 / self.exponent))
-
-
-def power_law(dataset: xr.Dataset, name: str) -> PowerLaw:
-    """Fit a cost against N by least squares of logarithms; from grids of 256 points along each axis on, if three are."""
-    points = dataset.points.values
-    large = points >= 256 if np.count_nonzero(points >= 256) >= 3 else np.full(points.shape, True)
-    number = np.log(np.repeat(points[large] ** 2.0, dataset.sizes["surface"]))
-    fit = scipy.stats.linregress(number, np.log(dataset[name].values[large].ravel()))
-    width = float(scipy.stats.t.ppf(0.975, number.size - 2) * fit.stderr)
-    return PowerLaw(exponent=float(fit.slope), half_width=width, coefficient=float(np.exp(fit.intercept)))
-
-
-def table(dataset: xr.Dataset) -> ResultTable:
-    """Return the cost of each grid, and the fitted exponents."""
-    rows: list[tuple[float | str, ...]] = []
-    for i, n in enumerate(dataset.points.values):
-        mean = [float(dataset[name][i].mean()) for name in _COSTS]
-        rows.append(
-            (
-                f"{n} x {n}",
-                float(dataset.bandwidth[i]),
-                *mean[:2],
-                mean[2] / 2**20,
-                float(dataset.area[i].mean()),
-            )
+    data = data.assign_coords(bandwidth=("points", [n / options.coarsest for n in options.grids]))
+    data["number"] = data.points**2.0
+    for name in (*_COSTS, "area_located"):
+        data[name] = data[f"{name}_each"].mean("surface")
+    fine = data.points.values >= _LARGE
+    kept = data.isel(points=fine) if np.count_nonzero(fine) >= 3 else data
+    for name in _COSTS:
+        fit = power_law(kept, f"exponent_{name}", of=f"{name}_each", x="number", along=("points", "surface"))
+        data = data.assign({n: v for n, v in fit.data_vars.items() if str(n).startswith("exponent")})
+        data = derive(
+            data,
+            **{
+                f"decade_{name}": f"100**exponent_{name}",
+                f"{name}_fit": f"exponent_{name}_factor * number**exponent_{name}",
+            },
         )
-    laws = [power_law(dataset, name) for name in _COSTS]
-    rows.append(("exponent of N", "", *(law.exponent for law in laws), ""))
-    rows.append(("its +- (95 %)", "", *(law.half_width for law in laws), ""))
-    rows.append(("one decade of L/dx costs", "", *(100**law.exponent for law in laws), ""))
-    columns = ("grid", "lambda_long/lambda_short", "seconds", "FFT pairs", "MiB", "A/A0 subcell")
-    return ResultTable.of(columns, rows)
-
-
-def _round(value: float) -> int:
-    """Round to two digits.
-
-    >>> _round(18234.0)
-    18000
-    """
-    return int(float(f"{value:.2g}"))
-
-
-def findings(dataset: xr.Dataset) -> tuple[str, ...]:
-    """Return the exponents, what one more decade costs, and how many decades memory and an hour allow."""
-    from validation.solves.cost import memory_words
-
-    laws = {name: power_law(dataset, name) for name in _COSTS}
-    sentences = [
-        f"{_WORDS[name].capitalize()} grow{'' if name == 'fft_pairs' else 's'} like N^({law.exponent:.3f} +- {law.half_width:.2g}) "
-        f"(95 %); one decade more of L/dx costs a factor of {100**law.exponent:.3g}."
-        for name, law in laws.items()
-    ]
-    time = laws["seconds"]
-    below, above = time.exponent + time.half_width < 1, time.exponent - time.half_width > 1
-    verdict = "less than" if below else ("more than" if above else "within its uncertainty just")
-    sentences.append(
-        f"At least linear in N and 100 times per decade, says Sec. 12 of the paper: the time measured is {verdict} linear."
-    )
-    free = float(dataset.attrs["memory"])
-    most = {"memory": laws["peak_bytes"].points(free), "an hour": time.points(3600.0)}
-    limit = min(most, key=lambda name: most[name])
-    wave, periods = float(dataset.attrs["points_per_wave"]), float(dataset.attrs["periods"])
-    side = np.sqrt(most[limit])
-    sentences.append(
-        f"By these laws {memory_words(free)} and an hour on one thread allow {_round(side)} x {_round(side)} points ({limit} ends first): "
-        f"{np.log10(side):.2f} decades from L to the spacing, {np.log10(side / wave):.2f} from L to the shortest wave at "
-        f"{wave:g} points on it, {np.log10(side / wave / periods):.2f} of roughness at L/lambda_long = {periods:g}; the paper says 2 or at most 3."
-    )
-    return tuple(sentences)
-
-
-def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
-    """Draw seconds, transforms and memory against N."""
-    return (
-        Drawing(
-            name="cost-against-points",
-            figure=_cost_against_points(dataset),
-            data=dataset[list(_COSTS)],
-            caption="Processor time on one thread, pairs of transforms, and memory of a cold solve against the number of "
-            "grid points, for surfaces whose bandwidth grows with the grid; lines: fitted powers of N.",
-        ),
+    data["free_bytes"] = float(available_memory())
+    data["side_peak_bytes"] = _side(data, "peak_bytes", float(data.free_bytes))
+    data["side_seconds"] = _side(data, "seconds", 3600.0)
+    reach = min(float(data.side_peak_bytes), float(data.side_seconds))
+    data["decades"] = np.log10(reach / options.coarsest)
+    data = derive(data, excess_exponent="exponent_seconds - 1")
+    return data.assign_attrs(
+        study="scaling",
+        reduced_pressure=options.reduced_pressure,
+        points_per_wave=options.points_per_wave,
+        periods=options.periods,
+        methods="bem",
     )
 
 
-def _cost_against_points(dataset: xr.Dataset) -> Figure:
-    """Seconds, transforms and memory against N, with the powers fitted to them."""
-    from validation.report.figure import new_figure, plain_look
+def _side(data: xr.Dataset, name: str, cost: float) -> float:
+    """Points along a side at which a fitted cost is reached."""
+    factor, exponent = float(data[f"exponent_{name}_factor"]), float(data[f"exponent_{name}"])
+    return float((cost / factor) ** (0.5 / exponent))
 
-    figure, panels = new_figure(width=9.5, columns=3, height=3.4)
-    labels = {
-        "seconds": ("processor time [s]", 1.0),
-        "fft_pairs": ("pairs of transforms", 1.0),
-        "peak_bytes": ("memory [MiB]", 2.0**20),
-    }
-    number = dataset.points.values**2.0
-    for k, (axes, (name, (label, unit))) in enumerate(zip(panels, labels.items(), strict=True)):
-        for column in dataset[name].values.T:
-            axes.plot(number, column / unit, ls="", **plain_look(k))
-        law = power_law(dataset, name)
-        fitted = law.coefficient * number**law.exponent / unit
-        axes.plot(number, fitted, color="black", lw=0.8, label=f"$N^{{{law.exponent:.2f}}}$")
-        axes.set_xscale("log")
-        if name != "fft_pairs":
-            axes.set_yscale("log")
-        axes.set_xlabel("grid points N")
-        axes.set_ylabel(label)
-        axes.legend(fontsize=8)
-    return figure
+
+def views(data: xr.Dataset) -> Views:
+    """Exponents, what one more decade costs, and how many decades memory and an hour allow."""
+    return Views(
+        table=Table(rows=("points",), columns=("points", "bandwidth", *_COSTS, "area_located")),
+        figures=[
+            Figure(
+                name="cost-against-points",
+                caption="Processor time on one thread, pairs of transforms and memory of a cold solve, for surfaces "
+                "whose bandwidth grows with the grid; lines, fitted powers of the number of points.",
+                panels=[
+                    Panel(
+                        marks=[
+                            Line(y=f"{name}_each", by="surface", joined=False, label=""),
+                            Line(y=f"{name}_fit"),
+                        ],
+                        x="number",
+                        y=name,
+                        log="xy",
+                    )
+                    for name in _COSTS
+                ],
+                width=9.5,
+                height=3.4,
+            )
+        ],
+        findings=[
+            finding(
+                "value",
+                "Costs grow as powers of the number of points N: time {exponent_seconds}, pairs of transforms "
+                "{exponent_fft_pairs}, memory {exponent_peak_bytes}.",
+                data,
+            ),
+            finding(
+                "comparison",
+                "Persson (2006), Sec. 12: at least linear in N, 100 times per decade of L/dx. The exponent of the time "
+                "measured here is {verdict} 1; a decade costs {decade_seconds} times the time and "
+                "{decade_peak_bytes} times the memory.",
+                data,
+                by="excess_exponent",
+            ),
+            finding(
+                "cost",
+                "By these laws the free memory allows {side_peak_bytes} points along a side and an hour on one thread "
+                "{side_seconds}: {decades} decades of roughness; the paper says 2, at most 3.",
+                data,
+            ),
+        ],
+    )
