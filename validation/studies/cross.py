@@ -105,7 +105,11 @@ def _others(options: Options) -> Iterator[tuple[str, float, Any]]:
     """Yield all other solvers that are asked for; on a scene the finite elements as its table has them."""
     own = ("bem",) if options.scene is not None else ("bem", "fem")
     for asked in options.others(options.method_points_per_wave, without=own):
-        told: dict[str, Any] = {"method": asked.method, "settings": asked.settings, "effects": options.effects}
+        told: dict[str, Any] = {
+            "method": asked.method,
+            "settings": asked.settings,
+            "effects": options.effects,
+        }
         for grid in asked.grids:
             yield asked.name, options.first.points_per_wave(grid), partial(ByMethod, grid=grid, **told)
 
