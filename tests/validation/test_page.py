@@ -67,7 +67,8 @@ def test_a_run_and_a_study_leave_the_same_kind_of_page(outputs, kind):
     assert "Figures" in headings
     for words in (page.lead, *page.findings, *(column for t in page.tables for column in t.columns)):
         assert mathematics(words) in html
-    assert json.loads((folder / "summary.json").read_text())["findings"] == list(page.findings)
+    findings = json.loads((folder / "summary.json").read_text())["findings"]
+    assert [one if isinstance(one, str) else one["text"] for one in findings] == list(page.findings)
     for name, table in page.records.items():
         with (folder / f"{name}.csv").open(newline="") as file:
             assert len(list(csv.reader(file))) == 1 + len(table.rows)

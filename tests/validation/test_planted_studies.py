@@ -13,6 +13,7 @@ from planted import SMALL, STUDENT, THREE, PlantedBench, block, column, contact,
 
 from fem_contact.area import ContactAreas
 from fem_contact.surface import HeightField
+from validation.measures import limits
 from validation.measures.common import persson_area
 from validation.measures.theory import WITH_ENERGY, Waves
 from validation.report.estimates import total_error
@@ -53,29 +54,34 @@ def grown():
         )
 
     patched = pytest.MonkeyPatch()
-    patched.setattr(area, "contact_areas", lambda result, subcell: result)
+    patched.setattr(limits, "contact_areas", lambda result, subcell: result)
     options = area.Options(grids=(16, 32, 48), reduced_pressures=(0.05, 0.2), surfaces=3, seed=61)
     data = area.run(options, bench=PlantedBench(answer))
     patched.undo()
     return data
 
 
-def test_area_prints_the_planted_kappa_and_the_standard_error_of_three_surfaces(grown):
+def test_area_gives_the_planted_kappa_with_the_interval_of_three_surfaces_and_of_the_grids(grown):
     np.testing.assert_allclose(grown.kappa, 2.0, rtol=1e-12)
-    np.testing.assert_allclose(grown.scatter_error, 0.01 * grown.area, rtol=1e-12)
-    np.testing.assert_allclose(grown.area_error**2, grown.scatter_error**2 + grown.grid_error**2, rtol=1e-12)
-    np.testing.assert_allclose(grown.kappa_error / grown.kappa, grown.area_error / grown.area, rtol=1e-12)
-    np.testing.assert_allclose(grown.persson, [math.erf(math.sqrt(2) * p) for p in (0.05, 0.2)], rtol=1e-12)
+    surfaces, grid = (grown.area_error.sel(source=source) for source in ("surfaces", "grid"))
+    np.testing.assert_allclose(surfaces, 0.01 * STUDENT[3] * grown.area, rtol=1e-9)
+    # Off to the same side on all surfaces: the error of the grids does not shrink with their number.
+    each = grown.area_each_error.sel(source="grid")
+    np.testing.assert_allclose(grid, np.sqrt((each**2).mean("surface")), rtol=1e-12)
+    np.testing.assert_allclose(total_error(grown, "area"), np.hypot(surfaces, grid), rtol=1e-12)
+    np.testing.assert_allclose(grown.kappa_error, grown.area_error / grown.reduced_pressure, rtol=1e-12)
+    theory = [math.erf(math.sqrt(2) * p) for p in (0.05, 0.2)]
+    np.testing.assert_allclose(grown.area_persson, theory, rtol=1e-12)
+    np.testing.assert_allclose(grown.kappa_persson, np.divide(theory, (0.05, 0.2)), rtol=1e-12)
 
 
 def test_area_says_the_planted_distance_to_the_theory_and_its_side(grown):
-    sentence = area.findings(grown)[0]
-    away = 100 * (0.1 / math.erf(math.sqrt(2) * 0.05) - 1)
-    assert f"the area lies {away:.0f} % above Persson's theory" in sentence
-    assert sentence.startswith("At p* = 0.05 kappa = 2.000 +- 0.0")
-    below = area.findings(grown.assign(area=grown.area / 2))[0]
-    assert f"{100 - (100 + away) / 2:.0f} % below" in below
-    assert "left out of every limit: 16 x 16." in area.findings(grown)[-1]
+    found, coarse = area.views(grown).findings
+    assert found.outcomes == ("+", "+")
+    away = 0.1 / math.erf(math.sqrt(2) * 0.05) - 1
+    assert found.rows[0]["area_excess"].value == pytest.approx(away, rel=1e-9)
+    assert found.rows[0]["kappa"].value == pytest.approx(2.0, rel=1e-12)
+    assert coarse.values["grids"].value == "16 x 16"
 
 
 # pressure: area, gap, stiffness and energy against load -------------------------------------------------

@@ -119,7 +119,7 @@ def test_a_scene_that_yields_is_pressed_with_its_hardness_and_shares_solves_with
     assert own == asked
     # The theory is told the hardness, too.
     told = predict(realise(mine), mine.effects).area
-    assert float(data.persson.sel(reduced_pressure=0.1)) == pytest.approx(told, rel=1e-12)
+    assert float(data.area_persson.sel(reduced_pressure=0.1)) == pytest.approx(told, rel=1e-12)
 
 
 def test_the_study_of_the_grid_takes_effects_grids_and_tolerance_from_a_scene(scene):

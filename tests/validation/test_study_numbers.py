@@ -30,7 +30,6 @@ from validation.scenes.surfaces import spectrum_of
 from validation.scenes.topography import read_topography, write_topography
 from validation.studies import (
     adhesion,
-    area,
     graded,
     hardness,
     magnification,
@@ -87,22 +86,6 @@ def test_smoothing_in_the_theory_is_what_has_not_yielded_over_what_will():
     exact = 1 - plastic * limit / realised.pressure
     np.testing.assert_allclose(hardness._kept_by_theory(case, q), exact, atol=2e-3)
     assert exact[-1] < 0.9
-
-
-def test_kappa_of_the_area_study_is_area_over_load_with_the_error_of_surfaces_and_grids():
-    values = np.array([[0.10, 0.12, 0.11], [0.30, 0.31, 0.35]])
-    error = np.array([[0.003, 0.004, 0.005], [0.006, 0.006, 0.006]])
-    loads = np.array([0.05, 0.2])
-    data = area._dataset(values, error, 0.9 * values, loads=loads, attributes={})
-    mean = values.sum(axis=1) / 3
-    scatter = np.sqrt(((values - mean[:, None]) ** 2).sum(axis=1) / 2 / 3)
-    grids = np.sqrt((error**2).sum(axis=1) / 3)
-    both = np.sqrt(scatter**2 + grids**2)
-    np.testing.assert_allclose(data.area, mean, rtol=1e-12)
-    np.testing.assert_allclose(data.area_error, both, rtol=1e-12)
-    np.testing.assert_allclose(data.kappa, mean / loads, rtol=1e-12)
-    np.testing.assert_allclose(data.kappa_error, both / loads, rtol=1e-12)
-    np.testing.assert_allclose(data.persson, 0.9 * mean, rtol=1e-12)
 
 
 def test_the_slope_of_the_theory_near_zero_stress_is_its_closed_form():

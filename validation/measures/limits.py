@@ -2,19 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from fem_contact.area import contact_areas
+from validation.errors import UsageError
 from validation.measures.budget import grid_drift
-from validation.measures.measurement import area_limits
+from validation.measures.common import LEAST_POINTS_PER_WAVE
+from validation.measures.measurement import Grid, area_limits, has_square_cells, limit_over
 from validation.report.estimates import NORMAL, error_of
+from validation.scenes.realised import Realised
 from validation.solves.bench import Bench
+from validation.solves.press import Press
 from validation.solves.solve import Solve
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["limits_of", "solved"]
+    from fem_contact.contact import ContactResult
+
+__all__ = ["limit_of", "limits_of", "resolved_grids", "solved"]
 
 Case = TypeVar("Case")
 
@@ -61,6 +69,49 @@ def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
     data = xr.Dataset(made)
     kept = {name: measured.attrs[name] for name in ("solve",) if name in measured.attrs}
     return data.assign_attrs(kept)
+
+
+def limit_of(solved: Mapping[Press, ContactResult]) -> xr.Dataset:
+    """Reduce the fields of one surface at one load, coarse grid first, to A/A0 as `limits_of` does.
+
+    Edges are located inside the cells where their law is known: without effects, on square cells.
+    """
+    import xarray as xr
+
+    areas = [
+        contact_areas(result, subcell=not solve.effects and has_square_cells(solve.realised, solve.grid))
+        for solve, result in solved.items()
+    ]
+    limit = limit_over(areas)
+    value = xr.DataArray(limit.value, attrs={"reduction": "limit", "of": "fields"})
+    made: dict[str, Any] = {
+        "area_each": value,
+        "area_each_error": error_of(value, grid=NORMAL * limit.uncertainty, **_ABSENT),
+        "area_pixel_each": areas[-1].pixel,
+        "area_perimeter_each": areas[-1].perimeter,
+    }
+    return xr.Dataset(made).assign_attrs(solve=" ".join(solve.key for solve in solved))
+
+
+def resolved_grids(first: Realised, grids: Sequence[Grid], *, located: bool) -> tuple[Grid, ...]:
+    """Return the grids of at least 3 points per shortest wave.
+
+    Raises
+    ------
+    UsageError
+        Where they give no limit: two are needed where edges are `located` on square cells, else three.
+    """
+    least = LEAST_POINTS_PER_WAVE * (1 - 1e-9)
+    found = tuple(dict.fromkeys(grid for grid in grids if first.points_per_wave(grid) >= least))
+    located = located and all(has_square_cells(first, grid) for grid in grids)
+    if len(found) < (2 if located else 3):
+        side = max(first.lengths) / first.shortest * LEAST_POINTS_PER_WAVE
+        listed = ", ".join(f"{nx}" if nx == ny else f"{nx} x {ny}" for nx, ny in grids)
+        raise UsageError(
+            f"grids = {listed}: a limit needs {'two' if located else 'three'} grids of at least "
+            f"{LEAST_POINTS_PER_WAVE:g} points per shortest wave; here that is {math.ceil(side - 1e-9)} or more along a side"
+        )
+    return found
 
 
 #: What no area of a plain half-space depends on.

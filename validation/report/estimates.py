@@ -70,8 +70,8 @@ class Value:
     ----------
     value : float or str
     error : float or None
-        Half width of the 95 % interval; NaN where it was not measured, None for what is exact, such as a
-        load.
+        Half width of the 95 % interval; NaN where it was not measured, None or 0 for what is exact, such as
+        a load.
     name : str
         The variable it was read from.
     at : mapping
@@ -98,7 +98,7 @@ class Value:
         sign = "+" if "+" in spec and value > 0 else ""
         if not math.isfinite(value):
             return "not determinable"
-        if self.error is None:
+        if not self.error:
             return f"{sign}{value:.{'3' if unit else '6'}g}{unit}"
         if not math.isfinite(self.error):
             return f"{sign}{significant(value, 3)}{unit}"
@@ -252,7 +252,9 @@ def shown_sources(errors: xr.DataArray) -> tuple[str, ...]:
 # ---- reductions ----------------------------------------------------------------------------------
 
 
-def mean(data: xr.Dataset, *names: str, over: str = "surface", pairs: bool = False) -> xr.Dataset:
+def mean(
+    data: xr.Dataset, *names: str, over: str = "surface", pairs: bool = False, alike: bool = False
+) -> xr.Dataset:
     """Add means over surfaces: ``x`` from ``x_each``, with Student's 95 % interval and what the grids leave.
 
     Errors of single surfaces that are independent (``x_each_error`` of the grid) shrink like the root of
@@ -268,6 +270,8 @@ def mean(data: xr.Dataset, *names: str, over: str = "surface", pairs: bool = Fal
         Dimension of the surfaces.
     pairs : bool
         Whether surfaces 2k and 2k + 1 are +h and -h: anti-correlated, and one sample together.
+    alike : bool
+        Whether the grids are off to the same side on all surfaces, so that their error does not shrink.
     """
     for name in names:
         values = data[f"{name}_each"]
@@ -279,13 +283,14 @@ def mean(data: xr.Dataset, *names: str, over: str = "surface", pairs: bool = Fal
         why: dict[str, Any] = {}
         if of is not None:
             grid = of.sel(source="grid", drop=True)
-            sources["grid"] = (_mean(grid**2, over, there) / count) ** 0.5
+            sources["grid"] = (_mean(grid**2, over, there) / (1 if alike else count)) ** 0.5
             sources |= {s: _mean(of.sel(source=s, drop=True), over, there) for s in SOURCES[2:]}
             why = dict(of.attrs)
         drift = data.get(f"{name}_each_drift")
         if drift is not None:
             sources["grid"] = (sources.get("grid", 0.0) ** 2 + _mean(drift, over, there) ** 2) ** 0.5
-        made = {"reduction": "mean", "of": f"{name}_each", "over": over, "pairs": int(pairs)}
+        how = {"over": over, "pairs": int(pairs), "alike": int(alike)}
+        made = {"reduction": "mean", "of": f"{name}_each", **how}
         error = error_of(middle, **sources)
         error.attrs |= why
         data = data.assign({name: middle.assign_attrs(made), f"{name}_error": error})

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["Band", "Drawn", "Figure", "Image", "Level", "Line", "Panel", "draw", "panels_along"]
+__all__ = ["Band", "Drawn", "Figure", "Image", "Level", "Line", "Panel", "against", "draw", "panels_along"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -139,6 +139,11 @@ class Drawn:
     data: xr.Dataset
     label: str
     factors: tuple[float, float]
+
+
+def against(x: str, *names: str, by: tuple[str, ...] | str = (), log: str = "") -> Panel:
+    """Return the plainest panel: a line for each variable, or for each place along `by` in it."""
+    return Panel(marks=[Line(y=name, by=by) for name in names], x=x, log=log)
 
 
 def panels_along(data: xr.Dataset, dim: str, panel: Panel) -> tuple[Panel, ...]:

@@ -247,7 +247,7 @@ def _column(data: xr.Dataset, name: str) -> str:
 
 
 def _with_interval(value: float | str, error: float | str | None) -> float | str:
-    if isinstance(value, str) or not isinstance(error, float) or math.isnan(error) or math.isnan(value):
+    if isinstance(value, str) or not isinstance(error, float) or not error or math.isnan(error + value):
         return value
     return with_error(value, error)
 

@@ -120,6 +120,9 @@ class PressedOptions(StudyOptions):
             table = scene.methods.options(method)
             if table is not None:
                 found[option] = tuple(sorted(first.points_per_wave(grid) for grid in table.grids))
+        if "grids" in cls.model_fields:
+            grids = sorted(scene.methods.options("bem").grids, key=first.points_per_wave)
+            found["grids"] = tuple(nx for nx, _ in grids)
         if "methods" in cls.model_fields:
             tables = {name: scene.methods.options(name) for name in scene.methods.solvers}
             found["methods"] = tuple(getattr(table, "solver", name) for name, table in tables.items())
