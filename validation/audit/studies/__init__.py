@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from validation.audit.ledger import Ledger
-from validation.audit.studies import adhesion, area, hardness, hurst, pressure, refinement, verdict
+from validation.audit.studies import adhesion, hardness, hurst, pressure, refinement, verdict
 from validation.audit.studies.files import judge_files
 from validation.audit.studies.kept import Kept
 
@@ -17,7 +17,6 @@ __all__ = ["audit_study", "is_study"]
 
 #: What computes each study again.
 JUDGES: Mapping[str, Callable[[Kept], None]] = {
-    "area": area.judge,
     "pressure": pressure.judge,
     "hurst": hurst.judge,
     "refinement": refinement.judge,

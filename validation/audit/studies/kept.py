@@ -105,7 +105,9 @@ class Kept:
         self.options: dict[str, Any] = record["options"]
         self.data, self.along, self.said = _read(folder / "data.nc")
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        self.findings: list[str] = list(summary["findings"])
+        self.findings: list[str] = [
+            one if isinstance(one, str) else one["text"] for one in summary["findings"]
+        ]
         #: Sentences that nobody has read yet.
         self.unsaid = list(self.findings)
         #: Variables of the dataset that were computed again.
