@@ -1,14 +1,16 @@
-"""The study `macroasperities`: its instrument is the solver's, its sentences are the numbers'."""
+"""The study `macroasperities`: its instrument is the solver's, its outcomes are the numbers'."""
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from fem_contact import HalfSpace, bem, contact_areas
 from fem_contact.leak import percolates
+from validation.measures.magnified import at_magnification, sharpest_bend
 from validation.measures.measurement import grid_for, without_waves_beyond
+from validation.report.estimates import derive, mean, total_error
 from validation.solves.bench import Bench
-from validation.studies import macroasperities
-from validation.studies.macroasperities import _sharpest_bend, sentences
+from validation.studies import find_study, macroasperities
 
 ZETA = (0.5, 1.0, 2.0, 4.0)
 
@@ -43,79 +45,101 @@ def pressed(options, k, *, zeta, load):
 def test_areas_and_shares_are_those_of_the_surface_with_its_waves_up_to_zeta(options, data):
     seen, whole = (pressed(options, 2, zeta=zeta, load=0.05) for zeta in (1.0, 4.0))
     area = contact_areas(seen, subcell=True).subcell
-    assert float(data.area[2, 1, 1]) == pytest.approx(area, rel=1e-5)
+    assert float(data.area_each[2, 1, 1]) == pytest.approx(area, rel=1e-5)
     inside = whole.pressure[seen.in_contact].sum() / whole.pressure.sum()
-    assert float(data.load_inside[2, 1, 1]) == pytest.approx(inside, rel=1e-4)
-    assert data.load_inside.values[..., -1] == pytest.approx(1.0, abs=1e-12)
+    assert float(data.load_inside_each[2, 1, 1]) == pytest.approx(inside, rel=1e-4)
+    assert data.load_inside_each.values[..., -1] == pytest.approx(1.0, abs=1e-12)
 
 
 def test_the_gradient_of_the_waves_that_are_there_is_what_the_theory_is_told(data):
     # 1 - A/A0 = erfc(sqrt 2 p0 / (E* h'(zeta))): with fewer waves there is more contact.
-    assert np.all(np.diff(data.gradient) > 0)
-    assert data.gradient.values[:, -1] == pytest.approx(1.0)
-    assert np.all(np.diff(data.theory, axis=-1) <= 0)
-    light = data.theory[:, 0, -1].values / 0.01
+    assert np.all(np.diff(data.gradient_share_each) > 0)
+    assert data.gradient_share_each.values[:, -1] == pytest.approx(1.0)
+    assert np.all(np.diff(data.area_persson_each, axis=-1) <= 0)
+    light = data.area_persson_each[:, 0, -1].values / 0.01
     assert light == pytest.approx(np.sqrt(8 / np.pi), rel=1e-3)
 
 
 @pytest.mark.parametrize("axis", ["x", "y"])
 def test_the_gap_is_closed_before_its_threshold_and_open_behind_it(options, data, axis):
-    at = float(data.gap_zeta.sel(axis=axis)[1, 0])
+    gap = data.sel(axis=axis, phase="gap").isel(surface=1, percolating=0)
+    at = float(gap.percolation_magnification_axis_each)
     before, behind = (pressed(options, 1, zeta=at * by, load=0.1) for by in (0.99, 1.01))
     assert not percolates(~before.in_contact, axis)
     assert percolates(~behind.in_contact, axis)
     areas = [contact_areas(state, subcell=True).subcell for state in (behind, before)]
-    assert areas[0] < float(data.gap_threshold.sel(axis=axis)[1, 0]) < areas[1]
+    assert areas[0] < float(gap.percolation_area_axis_each) < areas[1]
 
 
-def test_the_sharpest_bend_of_a_curve_is_where_it_turns():
+def test_thesharpest_bend_of_a_curve_is_where_it_turns():
     x = np.linspace(-1, 3, 9)
     # d^2 y / dx^2 = sech^2(x - 1.1) is largest at x = 1.1.
-    found = _sharpest_bend(np.exp(x), np.exp(np.log(np.cosh(x - 1.1))))
+    found = sharpest_bend(np.exp(x), np.exp(np.log(np.cosh(x - 1.1))))
     assert np.log(found) == pytest.approx(1.1, abs=0.05)
-    assert np.isnan(_sharpest_bend(np.exp(x), np.exp(-np.cosh(x))))  # bends down everywhere
-    assert np.isnan(_sharpest_bend(np.exp(x), np.exp(np.exp(-x))))  # bends most at its beginning
+    assert np.isnan(sharpest_bend(np.exp(x), np.exp(-np.cosh(x))))  # bends down everywhere
+    assert np.isnan(sharpest_bend(np.exp(x), np.exp(np.exp(-x))))  # bends most at its beginning
 
 
-def planted(data, *, power):
-    """Contact seen at zeta = 1, and the macroasperities of the simulation, grow with a power of the load."""
+def planted(data, *, power, which):
+    """Mean pressures that grow with a power of the load, and scatter by half a per cent."""
     told = data.copy(deep=True)
-    loads = told.reduced_pressure.values
-    for k, scatter in enumerate((0.99, 1.0, 1.01)):
-        told["area"][k, :, 1] = scatter * loads**power
-        told["macro_pressure"][k, 1] = loads ** (1 - power)
-    return told
+    loads = told.reduced_pressure
+    scatter = 1 + 0.005 * (told.surface - 1)
+    told[f"{which}_ratio_each"][:] = (1 + (scatter - 1) * (loads > 0.01)) * (loads / 0.01) ** (1 - power)
+    told = mean(told, f"{which}_ratio")
+    return derive(told, **{f"{which}_shift": f"({which}_ratio - 1) / 0.1"})
 
 
-def test_a_pressure_that_stays_is_called_independent_and_one_that_rises_is_not(data):
-    level, rising = (list(sentences.all_of(planted(data, power=p), paper=0.3)) for p in (1.0, 0.5))
-    assert (
-        "it rises 1 +- 0 times while the load rises 20 times; it is the same within 10 % at every load"
-        in level[-3]
-    )
-    assert "it rises 4.472 +- 0 times" in rising[-3]
-    assert "the same within 10 % up to p* = 0.01, and not at p* =" in rising[-3]
-    assert "4.472 +- 0 at p* = 0.2" in rising[-2]
-    assert level[-2].endswith("it is the same within 10 % at every load.")
+@pytest.mark.parametrize("power", [1.0, 0.5])
+def test_a_pressure_that_stays_is_called_the_same_and_one_that_rises_is_not(data, power):
+    told = planted(data.isel(magnification=1), power=power, which="contact_pressure")
+    found = macroasperities._kept(told)
+    assert found.outcomes == (("within",) * 2 if power == 1 else ("beyond",) * 2)
+    half = 4.302652729911275 * 0.005 / np.sqrt(3) * 20 ** (1 - power)  # Student, two degrees of freedom
+    assert float(total_error(told, "contact_pressure_ratio")[2]) == pytest.approx(half)
+    told["macro_pressure"] = 1.0 + 0 * told.reduced_pressure
+    told = planted(told, power=power, which="macro_pressure")
+    found = macroasperities._macroasperities(told, "", "the simulation")
+    assert found.outcomes[1:] == (("within",) * 2 if power == 1 else ("beyond",) * 2)
+
+
+def test_macroasperities_are_where_ln_a_bends_most_and_their_pressure_is_that_of_the_area_there(data):
+    zeta = float(data.macro_magnification[1])
+    assert zeta == pytest.approx(sharpest_bend(np.array(ZETA), data.area[1].values), nan_ok=True)
+    for which in ("", "_persson"):
+        area = data[f"macro_area{which}_each"]
+        pressure = data.reduced_pressure / area
+        xr.testing.assert_allclose(data[f"macro_pressure{which}_each"], pressure.transpose(*area.dims))
+    assert at_magnification(np.array([1.0, 4.0]), np.array([0.4, 0.1]), 2.0) == pytest.approx(0.2)
 
 
 def test_thresholds_are_means_over_surfaces_of_both_directions(data):
     told = data.copy(deep=True)
-    told["contact_threshold"][:, 0] = [[0.30, 0.40], [0.36, 0.38], [0.38, 0.40]]
-    said = list(sentences.all_of(told, paper=0.3))
+    told["percolation_area_axis_each"].loc[{"phase": "contact"}] = np.array(
+        [[0.30, 0.40], [0.36, 0.38], [0.38, 0.40]]
+    )[:, None, :]
+    again = macroasperities._with_thresholds(told).sel(phase="contact")
     half = 4.302652729911275 * np.std([0.35, 0.37, 0.39], ddof=1) / np.sqrt(3)
-    assert f"at A/A0 = 0.37 +- {half:.2g} (located area, 95 % over 3 surfaces)" in said[1]
-    assert "The paper's 0.3 lies outside that interval." in said[1]
-    assert "The paper's 0.33 lies inside that interval." in list(sentences.all_of(told, paper=0.33))[1]
-    told["contact_threshold"][0, 0, 0] = np.nan
-    assert "not on every surface" in list(sentences.all_of(told, paper=0.3))[1]
+    assert float(again.percolation_area_pooled) == pytest.approx(0.37)
+    assert float(total_error(again, "percolation_area_pooled")) == pytest.approx(half)
+    assert macroasperities._thresholds(macroasperities._with_thresholds(told)).outcomes[0] == "+"
+    told["percolation_area_axis_each"][0, 0, 0, 0] = np.nan
+    assert macroasperities._thresholds(macroasperities._with_thresholds(told)).outcomes[0] == "?"
 
 
 def test_figures_and_table_hold_every_case(options, data):
-    names = {drawing.name for drawing in macroasperities.figures(data)}
+    found = find_study("macroasperities")
+    names = {drawing.name for drawing in found.figures(data)}
     assert names == {"patches-over-magnification", "macroasperity-pressure", "percolation"}
-    rows = macroasperities.table(data).rows
-    assert len(rows) == 3 * len(ZETA)
-    assert rows[4][2] == pytest.approx(float(data.area[:, 1, 0].mean()))
-    without = options.model_copy(update={"percolating": ()})
-    assert not without.percolating
+    table = found.table(data)
+    assert len(table.rows) == 3 * len(ZETA)
+    assert table.rows[4][2] == pytest.approx(float(data.area_each[:, 1, 0].mean()))
+    assert len(found.views(data).findings) == 6
+
+
+def test_without_loads_to_percolate_at_there_are_no_thresholds(options, tmp_path):
+    few = {"reduced_pressures": (0.05, 0.2), "magnifications": (0.5, 1.0, 4.0), "percolating": ()}
+    without = options.model_copy(update=few)
+    data = macroasperities.run(without, bench=Bench.at(tmp_path))
+    assert "percolation_area" not in data
+    assert len(macroasperities.views(data).figures) == 2

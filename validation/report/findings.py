@@ -33,6 +33,14 @@ def _within(value: Value) -> str:
     return {"+": "differ", "-": "differ", "0": "agree", "?": "?"}[_sign(value)]
 
 
+def _equivalent(value: Value) -> str:
+    """Whether a change, over the one that counts as none, lies within it with all of its interval."""
+    number, error = abs(float(value.value)), value.error or 0.0
+    if not math.isfinite(number) or not math.isfinite(error):
+        return "?"
+    return "within" if number + error < 1 else ("beyond" if number - error >= 1 else "undecided")
+
+
 _UNDECIDED = "not determinable"
 
 #: Kind: the rule from the deciding value to an outcome, and the words of each outcome unless a finding has
@@ -63,6 +71,15 @@ KINDS: dict[str, tuple[Callable[[Value], str] | None, dict[str, str]]] = {
             "agree": "agree within their 95 % intervals",
             "differ": "differ by more than their 95 % intervals",
             "?": f"agree or not: {_UNDECIDED}",
+        },
+    ),
+    "equivalence": (
+        _equivalent,
+        {
+            "within": "the same",
+            "beyond": "not the same",
+            "undecided": "the same or not: not decided",
+            "?": f"the same or not: {_UNDECIDED}",
         },
     ),
     "order": (None, {}),

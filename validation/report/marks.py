@@ -39,7 +39,7 @@ class _Mark:
     by : tuple of str
         Dimensions: one mark is drawn for each place along them.
     at : mapping
-        Positions along other dimensions.
+        Position along other dimensions, or several of them.
     where : mapping
         Values of coordinates: only these cases are shown.
     look : mapping
@@ -51,7 +51,7 @@ class _Mark:
     y: str
     x: str = ""
     by: tuple[str, ...] | str = ()
-    at: Mapping[str, int] = field(default_factory=dict)
+    at: Mapping[str, int | Sequence[int]] = field(default_factory=dict)
     where: Mapping[str, Any] = field(default_factory=dict)
     look: Mapping[str, Any] = field(default_factory=dict)
     label: str | None = None
@@ -102,7 +102,7 @@ class Panel:
         Of the logarithmic axes.
     title : str
     at : mapping
-        Positions along dimensions, for all marks.
+        Position along dimensions, or several of them, for all marks.
     bottom, top : float, optional
     """
 
@@ -112,7 +112,7 @@ class Panel:
     log: str = ""
     base: int = 10
     title: str = ""
-    at: Mapping[str, int] = field(default_factory=dict)
+    at: Mapping[str, int | Sequence[int]] = field(default_factory=dict)
     bottom: float | None = None
     top: float | None = None
 
@@ -216,7 +216,7 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
         y = panel.marks[0].rows
         scale_y = _scale(y, [data[y]])
     axes.set_xlabel(_axis_label(panel.x, scale_x[1]))
-    axes.set_ylabel(_axis_label(y, scale_y[1]))
+    axes.set_ylabel(_axis_label(y, scale_y[1], width=32))
     axes.set_title(mathtext(panel.title), fontsize=9)
     bottom = panel.bottom
     if "y" in panel.log and bottom is None:
@@ -234,7 +234,7 @@ def _least(one: Drawn) -> float:
     return float(positive.min()) / 1.5 if positive.size else np.inf
 
 
-def _known(at: Mapping[str, int], data: xr.Dataset) -> dict[str, int]:
+def _known(at: Mapping[str, int | Sequence[int]], data: xr.Dataset) -> dict[str, Any]:
     return {dim: k for dim, k in at.items() if dim in data.dims}
 
 
@@ -301,9 +301,10 @@ def _put(mark: _Mark, axes: Axes, n: _Numbers, look: dict[str, Any]) -> Any:
     if mark.steps:
         look = {**look, "drawstyle": "steps-mid", "marker": ""}
     # What was not measured there does not break the line.
-    there = np.isfinite(n.y)
-    bars = None if n.error is None or not np.nansum(n.error) > 0 else n.error[there]
-    return axes.errorbar(n.x[there], n.y[there], yerr=bars, **{"ms": 5, "capsize": 2, **look})
+    x, y = np.ravel(n.x), np.ravel(n.y)
+    there = np.isfinite(y)
+    bars = None if n.error is None or not np.nansum(n.error) > 0 else np.ravel(n.error)[there]
+    return axes.errorbar(x[there], y[there], yerr=bars, **{"ms": 5, "capsize": 2, **look})
 
 
 def _look(mark: _Mark, k: int) -> dict[str, Any]:
@@ -336,12 +337,14 @@ def _scale(name: str, values: Iterable[xr.DataArray]) -> tuple[float, str]:
     return prefixed_unit(unit, max(finite, default=0.0))
 
 
-def _axis_label(name: str, unit: str) -> str:
+def _axis_label(name: str, unit: str, *, width: int = 38) -> str:
     """Words, symbol and unit of an axis."""
     what = quantity(name)
     words = what.words if what.symbol in what.words else f"{what.words}, {what.symbol}"
     unit = "" if unit == "1" else f" [{unit}]"
-    return "\n".join(mathtext(line) for line in textwrap.wrap(f"{words}{unit}", 38, break_on_hyphens=False))
+    return "\n".join(
+        mathtext(line) for line in textwrap.wrap(f"{words}{unit}", width, break_on_hyphens=False)
+    )
 
 
 def _legend(canvas: Any, axes: list[Any]) -> None:

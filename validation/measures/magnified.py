@@ -1,4 +1,4 @@
-"""One surface pressed with its waves up to rising magnifications: patches, what joins up, what carries in the end."""
+"""One surface with its waves up to rising magnifications: patches, percolation, macroasperities."""
 
 from __future__ import annotations
 
@@ -10,26 +10,19 @@ import numpy as np
 
 from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
+from validation.arrays import Array
 from validation.measures.flow import contact_is_apart, gap_is_open, located_area
 from validation.measures.measurement import without_waves_beyond
 from validation.measures.single_solve import SingleSolve, Takes
+from validation.report.estimates import claim, derive, mean
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["QUANTITIES", "Magnified"]
+__all__ = ["Magnified", "at_magnification", "sharpest_bend", "with_macroasperities"]
 
-#: What is read off every state: meaning.
-QUANTITIES = {
-    "area": "A/A0, edge located inside the cells",
-    "patches": "contact patches on an area of the longest wave squared",
-    "patch_size": "mean patch size, sum A_i^2 / sum A_i, over the longest wave squared",
-    "largest": "largest patch over the contact area",
-    "area_inside": "share of the contact with all waves that lies in the contact seen here",
-    "load_inside": "share of the load that it carries",
-}
-#: Both thresholds: what joins up, and whether it does so below or above.
-_THRESHOLDS = ("contact", "gap")
+#: What is read off every state.
+_READ = ("area", "patch_density", "relative_patch_size", "largest_patch", "area_inside", "load_inside")
 #: Located area, and magnification, up to which a threshold is bracketed.
 _AREA, _ZETA = 2e-3, 1.002
 
@@ -52,7 +45,7 @@ class Magnified(SingleSolve):
     """
 
     kind, words = "magnified", "magnified"
-    located, version = True, 1
+    located, version = True, 2
     takes = Takes(seconds=2e-3, each_point=8e-7, bytes=500)
 
     reduced_pressures: tuple[float, ...]
@@ -73,7 +66,7 @@ class Magnified(SingleSolve):
         """Press everything and keep the numbers; dimensions (load, magnification) and (percolating, axis)."""
         import xarray as xr
 
-        values = {name: np.empty(self.shape) for name in QUANTITIES}
+        values = {name: np.empty(self.shape) for name in _READ}
         for j, load in enumerate(self.reduced_pressures):
             states = _States(self, load)
             last = states.at(self.magnifications[-1])
@@ -81,14 +74,13 @@ class Magnified(SingleSolve):
                 for name, value in self._read_off(states.at(self.magnifications[i]), last).items():
                     values[name][j, i] = value
         found = np.array([self._thresholds(load) for load in self.percolating]).reshape(-1, 2, 2, 2)
-        data: dict[str, Any] = {name: (("load", "magnification"), values[name]) for name in QUANTITIES}
-        for i, name in enumerate(_THRESHOLDS):
-            data[f"{name}_threshold"] = (("percolating", "axis"), found[:, :, i, 0])
-            data[f"{name}_zeta"] = (("percolating", "axis"), found[:, :, i, 1])
+        data: dict[str, Any] = {f"{name}_each": (("load", "magnification"), values[name]) for name in _READ}
+        for i, name in enumerate(("area", "magnification")):
+            data[f"percolation_{name}_axis_each"] = (("percolating", "axis", "phase"), found[..., i])
         whole, q_long = self.realised.field, 2 * np.pi / self.realised.longest
         gradients = [without_waves_beyond(whole, z * q_long).rms_gradient for z in self.magnifications]
-        data["gradient"] = ("magnification", np.array(gradients) / whole.rms_gradient)
-        return xr.Dataset(data, coords={"axis": ["x", "y"]})
+        data["gradient_share_each"] = ("magnification", np.array(gradients) / whole.rms_gradient)
+        return xr.Dataset(data, coords={"axis": ["x", "y"], "phase": ["contact", "gap"]})
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -96,15 +88,15 @@ class Magnified(SingleSolve):
         return len(self.reduced_pressures), len(self.magnifications)
 
     def _read_off(self, state: ContactResult, last: ContactResult) -> dict[str, float]:
-        """Return every one of `QUANTITIES` of one state; `last` has all waves."""
+        """Return every one of `_READ` of one state; `last` has all waves."""
         patches, unit = find_patches(state.in_contact, state.spacing), self.realised.longest**2
         nominal = state.lengths[0] * state.lengths[1]
         inside = last.in_contact & state.in_contact
         return {
             "area": located_area(state),
-            "patches": patches.count * unit / nominal,
-            "patch_size": patches.mean_size / unit,
-            "largest": float(patches.areas.max() / patches.areas.sum()),
+            "patch_density": patches.count * unit / nominal,
+            "relative_patch_size": patches.mean_size / unit,
+            "largest_patch": float(patches.areas.max() / patches.areas.sum()),
             "area_inside": float(inside.sum() / last.in_contact.sum()),
             "load_inside": float(last.pressure[inside].sum() / last.pressure.sum()),
         }
@@ -155,3 +147,68 @@ class _States:
             middle = float(np.sqrt(low * high))
             low, high = (low, middle) if passed(self.at(middle)) else (middle, high)
         return (located_area(self.at(low)) + located_area(self.at(high))) / 2, float(np.sqrt(low * high))
+
+
+def sharpest_bend(zeta: Array, area: Array) -> float:
+    """Magnification where ln A over ln zeta bends up most, by the parabola through three steps; NaN at an end.
+
+    Examples
+    --------
+    >>> x = np.linspace(-1, 3, 9)
+    >>> round(float(np.log(sharpest_bend(np.exp(x), np.cosh(x - 1.1)))), 1)
+    1.1
+    """
+    x, y = np.log(zeta), np.log(area)
+    slopes, middles = np.diff(y) / np.diff(x), (x[1:] + x[:-1]) / 2
+    bend = np.diff(slopes) / np.diff(middles)
+    top = int(np.argmax(bend))
+    if top in (0, bend.size - 1) or not bend[top] > 0:
+        return float("nan")
+    around = slice(top - 1, top + 2)
+    c2, c1, _ = np.polyfit(x[1:-1][around], bend[around], 2)
+    return float(np.exp(-c1 / (2 * c2)))
+
+
+def at_magnification(zeta: Array, area: Array, at: float) -> float:
+    """A/A0 between the magnifications, straight in the logarithms; NaN beyond them.
+
+    >>> round(at_magnification(np.array([1.0, 4.0]), np.array([0.4, 0.1]), 2.0), 12)
+    0.2
+    """
+    if not zeta[0] <= at <= zeta[-1]:
+        return float("nan")
+    return float(np.exp(np.interp(np.log(at), np.log(zeta), np.log(area))))
+
+
+def with_macroasperities(data: xr.Dataset, *, theory: Sequence[float], same: float) -> xr.Dataset:
+    """Add where ln A bends most, in simulation and theory (``_persson``), and area and pressure there.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        ``area_each`` and ``area_persson_each`` (surface, load, magnification), ``area``, p* as a coordinate.
+    theory : sequence of float
+        zeta_m of the theory at each load.
+    same : float
+        Relative change of the pressure, against the lightest load that has one, that counts as none.
+    """
+    import xarray as xr
+
+    along = [["magnification"], ["magnification"]]
+    # That of the simulation is of the mean over the surfaces: the bend of a single one is noise.
+    bend = xr.apply_ufunc(
+        sharpest_bend, data.magnification, data.area, input_core_dims=along, vectorize=True
+    ).assign_attrs(reduction="bend", of="area")
+    for which, zeta in {"": bend, "_persson": ("load", list(theory))}.items():
+        data[f"macro_magnification{which}"] = zeta
+        places = data.magnification, data[f"area{which}_each"], data[f"macro_magnification{which}"]
+        there = xr.apply_ufunc(at_magnification, *places, input_core_dims=[*along, []], vectorize=True)
+        pressure = f"macro_pressure{which}"
+        data = data.assign({f"macro_area{which}_each": there.transpose("surface", "load")})
+        data = derive(data, **{f"{pressure}_each": f"reduced_pressure / macro_area{which}_each"})
+        lightest = int(np.argmax(data[f"{pressure}_each"].notnull().all("surface").values))
+        ratio, shift = f"macro_pressure_ratio{which}", f"macro_pressure_shift{which}"
+        data = derive(data, **{f"{ratio}_each": f"{pressure}_each / {pressure}_each.isel(load={lightest})"})
+        data = mean(data, f"macro_area{which}", pressure, ratio)
+        data = derive(claim(data, f"macro_magnification{which}"), **{shift: f"({ratio} - 1) / {same}"})
+    return data

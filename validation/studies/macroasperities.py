@@ -1,0 +1,299 @@
+"""What are the macroasperities, do they carry the same pressure at every load, and at which area does contact percolate?
+
+One surface with a roll-off is pressed with its waves up to rising magnifications (Persson 2006, Secs. 3.6, 3.7): patches
+of contact break up, contact and gap join up, and the regions seen where ln A bends most are the macroasperities.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+from pydantic import Field
+
+from persson.errors import OutsideTheory
+from persson.percolation import SITE_THRESHOLD
+from persson.separation import macroasperity_magnification
+from validation.measures.common import Rising, RisingOrNone, base_case, base_surface
+from validation.measures.limits import solved
+from validation.measures.magnified import Magnified, with_macroasperities
+from validation.measures.measurement import grid_for
+from validation.report.estimates import claim, derive, gather, mean
+from validation.report.findings import Finding, finding
+from validation.report.marks import Figure, Level, Line, Panel
+from validation.report.table import Table
+from validation.report.views import Views
+from validation.scenes.realised import Realised
+from validation.solves.bench import Bench
+from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
+from validation.studies._study import StudyOptions
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Options", "run", "views"]
+
+
+class Options(StudyOptions):
+    """What is pressed, with which of its waves."""
+
+    own = "it asks about spectra with a roll-off, and makes a surface for each"
+
+    reduced_pressures: Rising = Field(
+        default=(0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0),
+        min_length=2,
+        description="p* = p0 / (E* h'_rms) with the gradient of all waves, rising",
+    )
+    magnifications: Annotated[Rising, Field(min_length=3)] = Field(
+        default=(0.5, 0.7, 1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0),
+        description="zeta = q/q_0 of the last wave there is, rising; the last is at most the bandwidth",
+    )
+    percolating: RisingOrNone = Field(
+        default=(0.05, 0.1, 0.15), description="p* at which contact and gap are followed to their thresholds"
+    )
+    hurst: Hurst = 0.8
+    periods: Periods = 8.0
+    bandwidth: Bandwidth = 8.0
+    surfaces: Surfaces = 16
+    points_per_wave: float = Field(default=4.0, ge=2, description="grid, as lambda_short/dx")
+    seed: Seed = 2006
+
+    @property
+    def first(self) -> Realised:
+        """The first surface: one C(q) up to q_0 = 2 pi / lambda_long, self-affine beyond."""
+        sharp = base_surface(hurst=self.hurst, periods=self.periods, bandwidth=self.bandwidth, seed=self.seed)
+        surface = sharp.model_copy(update={"rolloff": "smooth"})
+        return base_case(surface, reduced_pressure=self.reduced_pressures[0])
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Press every surface with its waves up to each magnification.
+
+    Returns
+    -------
+    xarray.Dataset
+        Area, patches and what lies in the contact seen at zeta over (surface, load, magnification); thresholds over
+        (surface, phase, percolating, axis); ``macro_magnification`` where ln A bends most, in simulation and theory,
+        and area and pressure there (surface, load).
+    """
+    first = options.first
+    cases = {
+        k: Magnified(
+            realised=first.further(k),
+            grid=grid_for(first, options.points_per_wave),
+            reduced_pressures=options.reduced_pressures,
+            magnifications=options.magnifications,
+            percolating=options.percolating,
+        )
+        for k in range(options.surfaces)
+    }
+    data = gather(solved(bench, cases), surface=range(options.surfaces)).assign_coords(
+        reduced_pressure=("load", list(options.reduced_pressures)),
+        magnification=list(options.magnifications),
+        percolating_pressure=("percolating", list(options.percolating)),
+    )
+    data = derive(
+        data,
+        area_persson_each="erf(2**.5 * reduced_pressure / gradient_share_each)",
+        contact_pressure_each="reduced_pressure / area_each",
+        contact_pressure_ratio_each="contact_pressure_each / contact_pressure_each.isel(load=0)",
+    )
+    data = mean(data, "area", "area_persson", "patch_density", "relative_patch_size", "largest_patch")
+    data = mean(data, "area_inside", "load_inside", "contact_pressure_ratio")
+    theory = [_of_theory(first, p) for p in options.reduced_pressures]
+    data = derive(
+        with_macroasperities(data, theory=theory, same=_SAME),
+        contact_pressure="reduced_pressure / area",
+        contact_pressure_shift=f"(contact_pressure_ratio - 1) / {_SAME}",
+        load_inside_excess=f"load_inside - {_DOMINANT}",
+    )
+    if options.percolating:
+        data = _with_thresholds(data)
+    stated = [name for name in ("area", "load_inside", "percolation_area_pooled") if name in data]
+    data = claim(data, *stated, depth="boundary elements press a half-space", theory="it is simulated")
+    spectrum = {name: getattr(options, name) for name in ("hurst", "periods", "bandwidth", "points_per_wave")}
+    return data.assign_attrs(study="macroasperities", methods="theory bem", **spectrum)
+
+
+#: How far a pressure may move and still be called the same.
+_SAME = 0.1
+#: Share of the load from which on most of it is carried.
+_DOMINANT = 0.5
+
+
+def _with_thresholds(data: xr.Dataset) -> xr.Dataset:
+    """Add the areas at which contact and gap percolate: of each load, and of all loads as one sample of a surface."""
+    data = derive(
+        data,
+        percolation_area_each="percolation_area_axis_each.mean('axis', skipna=False)",
+        percolation_magnification_each="percolation_magnification_axis_each.mean('axis', skipna=False)",
+        percolation_area_pooled_each="percolation_area_each.mean('percolating', skipna=False)",
+    )
+    data = mean(data, "percolation_area", "percolation_magnification", "percolation_area_pooled")
+    data["percolation_area_paper"] = SITE_THRESHOLD
+    return derive(data, percolation_area_excess="percolation_area_pooled - percolation_area_paper")
+
+
+def _of_theory(first: Realised, reduced: float) -> float:
+    """zeta_m of the theory; NaN where ln A bends most at an end of the spectrum."""
+    try:
+        return macroasperity_magnification(
+            first.own_spectrum,
+            pressure=reduced * first.pressure_scale,
+            contact_modulus=first.contact_modulus,
+            q_reference=2 * np.pi / first.longest,
+        )
+    except OutsideTheory:
+        return float("nan")
+
+
+def views(data: xr.Dataset) -> Views:
+    """Patches over zeta, the pressure in them over the load, and both thresholds."""
+    zeta = data.magnification.values
+    nearest = [int(np.argmin(np.abs(np.log(zeta / z)))) for z in (1.0, 2.0, 4.0)]
+    seen = {"magnification": sorted(set(nearest))}
+    few = {"load": sorted({round(j) for j in np.linspace(0, data.sizes["load"] - 1, 5)})}
+    told = Line(y="area_persson", by="load", label="")
+    patches = [
+        Panel(marks=[Line(y="area", by="load"), told], x="magnification", log="xy", at=few),
+        Panel(marks=[Line(y="patch_density", by="load")], x="magnification", log="xy", at=few),
+        Panel(marks=[Line(y="largest_patch", by="load")], x="magnification", log="x", at=few),
+    ]
+    plain = {"color": "black", "lw": 0.6, "ls": ":", "marker": ""}
+    pressures = [
+        Line(y="contact_pressure", by="magnification", at=seen),
+        Line(y="macro_pressure", label="at zeta_m", look={"color": "black", "marker": "*"}),
+        Line(y="macro_pressure_persson", label="at zeta_m, Persson"),
+        Line(y="reduced_pressure", label="p*: full contact", look=plain),
+    ]
+    inside = [Line(y="load_inside", by="magnification", at=seen)]
+    figures = [
+        Figure(
+            name="patches-over-magnification",
+            caption="Contact area, patches and the share of the largest patch as waves up to zeta are added.",
+            panels=patches,
+            width=12.0,
+        ),
+        Figure(
+            name="macroasperity-pressure",
+            caption="Mean pressure in the contact at fixed zeta and at zeta_m, and the load carried there in the end.",
+            panels=[
+                Panel(marks=pressures, x="reduced_pressure", log="xy"),
+                Panel(marks=inside, x="reduced_pressure", log="x", bottom=0.0),
+            ],
+            width=9.0,
+        ),
+    ]
+    percolates = "percolation_area" in data
+    roll_off = data.isel(magnification=nearest[0])
+    return Views(
+        table=Table(
+            rows=("load", "magnification"),
+            columns=(
+                *("reduced_pressure", "magnification", "area", "area_persson", "contact_pressure"),
+                *("patch_density", "relative_patch_size", "largest_patch", "area_inside", "load_inside"),
+            ),
+        ),
+        budget=("percolation_area_pooled" if percolates else "load_inside",),
+        figures=[*figures, _percolation()] if percolates else figures,
+        findings=[
+            *([_thresholds(data)] if percolates else []),
+            _macroasperities(data, "", "the simulation"),
+            _macroasperities(data, "_persson", "the theory"),
+            _kept(roll_off),
+            _inside(roll_off),
+            _break_up(data),
+        ],
+    )
+
+
+def _percolation() -> Figure:
+    paper = Level(y="percolation_area_paper")
+    scatter = Line(
+        y="percolation_area_axis_each",
+        x="percolation_magnification_axis_each",
+        by=("phase", "percolating"),
+        label="{phase}, p* = {percolating_pressure}",
+        joined=False,
+    )
+    return Figure(
+        name="percolation",
+        caption="Areas at which, as waves are added, the contact comes apart and the gap opens, by surface and axis over "
+        "the magnification where it happens, and means over the load.",
+        panels=[
+            Panel(marks=[scatter, paper], x="percolation_magnification", log="x"),
+            Panel(marks=[Line(y="percolation_area", by="phase"), paper], x="percolating_pressure"),
+        ],
+        width=9.0,
+    )
+
+
+def _thresholds(data: xr.Dataset) -> Finding:
+    return finding(
+        "comparison",
+        "As waves are added the contact comes apart and the gap opens along an axis at these areas A/A0: {each}.",
+        data,
+        item="{phase} {percolation_area_pooled} ({verdict} the {percolation_area_paper} of the paper)",
+        over="phase",
+        by="percolation_area_excess",
+    )
+
+
+_STAYS = {
+    "within": "within 10 %",
+    "beyond": "not within 10 %",
+    "undecided": "within 10 % or not: not decided",
+}
+
+
+def _macroasperities(data: xr.Dataset, which: str, of: str) -> Finding:
+    """Say where they are, and whether the pressure in them stays."""
+    return finding(
+        "equivalence",
+        "Pressure in the macroasperities of {of} over E* h'_rms, and whether it is that at the lightest load: {each}.",
+        data.isel(load=np.flatnonzero(data[f"macro_pressure{which}"].notnull().values)),
+        item=f"{{macro_pressure{which}}} at p* = {{reduced_pressure}} ({{verdict}}; "
+        f"zeta_m = {{macro_magnification{which}:~}}, A/A0 = {{macro_area{which}:~}})",
+        over="load",
+        by=f"macro_pressure_shift{which}",
+        words=_STAYS,
+        of=of,
+    )
+
+
+def _kept(data: xr.Dataset) -> Finding:
+    """Say up to which load the pressure in the contact seen at the roll-off stays."""
+    return finding(
+        "equivalence",
+        "In the contact seen at zeta = {magnification} the mean pressure, over that at the lightest load, is {each}.",
+        data.isel(load=slice(1, None)),
+        item="{contact_pressure_ratio} at p* = {reduced_pressure} ({verdict}; A/A0 = {area:~})",
+        over="load",
+        by="contact_pressure_shift",
+        words=_STAYS,
+    )
+
+
+def _inside(data: xr.Dataset) -> Finding:
+    """Say how much of the load is carried where a lower magnification sees contact."""
+    return finding(
+        "comparison",
+        "With all waves there, the contact seen at zeta = {magnification} carries of the load {each}; if regions only "
+        "broke up it would be 1.",
+        data,
+        item="{load_inside} at p* = {reduced_pressure} ({verdict})",
+        over="load",
+        by="load_inside_excess",
+        words={"+": "most", "-": "less than half", "0": "half or not: not decided"},
+    )
+
+
+def _break_up(data: xr.Dataset) -> Finding:
+    """Say how the patches of the middle one of the loads break up."""
+    return finding(
+        "value",
+        "At p* = {reduced_pressure}, with patches on and over the square of the roll-off wavelength: {each}.",
+        data.isel(load=data.sizes["load"] // 2, magnification=[0, -1]),
+        item="at zeta = {magnification} A/A0 = {area}, {patch_density} patches of the mean size {relative_patch_size}",
+        over="magnification",
+    )
