@@ -1,0 +1,340 @@
+"""What the gold numbers were asked with: small options of every study, small grids of every scene."""
+
+from __future__ import annotations
+
+from small_scene import OBLONG, small_scene
+
+__all__ = ["ACCURATE", "AREAS", "COMPARED", "LADDERS", "SCENES", "STUDIES", "UNSTEADY"]
+
+_ROUGH = {"periods": 2.0, "bandwidth": 2.0, "points_per_wave": (4.0, 6.0, 8.0), "seed": 61}
+_LADDERS = {
+    "ladder_hursts": (0.3, 0.8),
+    "ladder_bandwidths": (2.0, 2.5, 3.0),
+    "ladder_periods": (1.0, 1.25),
+    "ladder_pairs": 2,
+    "ladder_reduced_pressure": 0.2,
+    "ladder_points_per_wave": (4.0, 6.0),
+}
+_PLAIN = small_scene()
+_YIELDING = small_scene('tolerance = 1e-9\n[[effects]]\nkind = "hardness"\nhardness = "30 kPa"\n')
+_SURFACES = "[methods.theory]\n[ensemble]\nrealisations = 3\ngrids = [24, 36, 48]\n"
+_PASSING = """
+[quantities.electrical]
+resistivity = ["17 nohm m", "0.4 uohm m"]
+[quantities.thermal]
+conductivity = "4 W/(cm K)"
+[quantities.leak]
+viscosity = "2 mPa s"
+pressure_drop = "3 kPa"
+[quantities.subsurface]
+"""
+_BOTH = small_scene("[methods.fem]\ngrids = [12]\ngrowth = 1.5\n")
+
+#: Options by study and case; `scene` is the text of one.
+STUDIES: dict[str, dict[str, object]] = {
+    "accuracy-cost": {
+        "surfaces": 2,
+        "points_per_wave": (3.0, 4.0, 6.0),
+        "held_out_points_per_wave": (8.0, 12.0),
+        "fem_points_per_wave": (4.0,),
+        "peer_points_per_wave": (),
+        "periods": 2.0,
+        "bandwidth": 2.0,
+        "seed": 5106,
+    },
+    "adhesion": {
+        "works": (0.01, 0.1),
+        "reduced_pressures": (0.05, 0.2),
+        "magnifications": (1.5, 2.0),
+        "hardnesses": (0.6,),
+        "seed": 13,
+        "surfaces": 2,
+        "grids": (48, 64),
+        "bandwidth": 2.0,
+    },
+    "adhesive-magnification": {
+        "magnifications": (1.5, 3.0),
+        "periods": 1.0,
+        "surfaces": 2,
+        "seed": 31,
+        "work": 0.5,
+    },
+    "archard": {
+        "waves": (8,),
+        "heights": (0.2,),
+        "loads": (0.016, 0.032, 0.064),
+        "surfaces": 2,
+        "grids": (96, 128),
+        "seed": 17,
+    },
+    "area": {"grids": (16, 32, 48), "reduced_pressures": (0.05, 0.3), "surfaces": 2, "seed": 61},
+    "area on a scene": {"scene": _YIELDING, "reduced_pressures": (0.05,), "surfaces": 2},
+    "autopsy": {
+        "hursts": (0.3, 0.8),
+        "reduced_pressures": (0.1, 1.0),
+        "periods": 1,
+        "bandwidth": 4.0,
+        "surfaces": 2,
+        "points_per_wave": (4.0, 6.0),
+        "probes": (2.0, 4.0),
+        "probe_surfaces": 2,
+        "variance_steps": (0.01, 0.16),
+        "probe_points_per_wave": (6.0, 9.0),
+        "slope_points_per_wave": (4.0, 6.0, 8.0),
+        "seed": 17,
+    },
+    "conductance": {
+        "reduced_pressures": (0.01, 0.04, 0.16),
+        "periods": (1.0, 2.0),
+        "bandwidth": 3.0,
+        "surfaces": 2,
+        "shifts": 1,
+        "seed": 17,
+    },
+    "cross": {
+        "surfaces": 2,
+        "periods": 1.0,
+        "bandwidth": 2.0,
+        "full_points_per_wave": (4.0, 8.0),
+        "reduced_points_per_wave": (4.0, 8.0),
+        "elements": ("Hex1", "Hex2"),
+    },
+    "cross on a scene": {"scene": _BOTH, "surfaces": 2},
+    "depth": {
+        "points_per_wave": 4.0,
+        "depths": (0.25, 1.0),
+        "growths": (1.1, 1.5),
+        "elements": ("Hex1", "Hex2"),
+        "poissons": (0.3,),
+    },
+    "energy": {
+        "reduced_pressures": (0.05, 0.1, 0.2, 0.4, 4.0),
+        "periods": 2.0,
+        "bandwidth": 2.0,
+        "surfaces": 2,
+        "points_per_wave": (4.0, 8.0),
+        "seed": 23,
+    },
+    "energy on a scene": {"scene": _PLAIN, "reduced_pressures": (0.3,), "surfaces": 2},
+    "graded": {"ratios": (0.5, 2.0), "waves": 13},
+    "hardness": {
+        "reduced_pressures": (0.02, 0.2),
+        "magnifications": (1.5, 2.0),
+        "seed": 13,
+        "surfaces": 2,
+        "grids": (24, 32, 48),
+        "periods": 2.0,
+        "bandwidth": 2.0,
+        "hardness": 0.7,
+    },
+    "heights": {
+        "periods": (1.0, 3.0),
+        "reduced_pressures": (0.05, 0.2),
+        "bandwidth": 4.0,
+        "surfaces": 3,
+        "seed": 17,
+    },
+    "hurst": {
+        **_LADDERS,
+        "points_per_wave": (4.0, 6.0),
+        "seed": 61,
+        "periods": 1.0,
+        "hursts": (0.3, 0.8),
+        "bandwidths": (2.0,),
+        "reduced_pressures": (0.1, 0.2),
+        "pairs": 2,
+    },
+    "hurst of equal Nayak parameter": {
+        "hursts": (0.2, 0.8),
+        "bandwidths": (2.0,),
+        "equal_nayak": 2.2,
+        "reduced_pressures": (0.1,),
+        "periods": 2.0,
+        "pairs": 2,
+        "points_per_wave": (4.0, 6.0),
+        "ladder_hursts": (),
+        "seed": 61,
+    },
+    "large-slope": {
+        "slopes": (0.1, 0.2),
+        "reduced_pressures": (0.1,),
+        "poissons": (0.3,),
+        "surfaces": 2,
+        "points_per_wave": (4.0, 5.0),
+        "seed": 17,
+    },
+    "leak": {"areas": (0.1, 0.35), "bandwidths": (4.0,), "surfaces": 3, "seed": 17},
+    "macroasperities": {
+        "reduced_pressures": (0.01, 0.05, 0.2),
+        "magnifications": (0.5, 1.0, 2.0, 4.0),
+        "percolating": (0.1,),
+        "periods": 3.0,
+        "bandwidth": 4.0,
+        "surfaces": 3,
+        "seed": 17,
+    },
+    "magnification": {
+        "reduced_pressures": (0.05, 0.2),
+        "magnifications": (1.0, 2.0),
+        "surfaces": 2,
+        "points_per_wave": (4.0, 6.0),
+        "periods": 2.0,
+        "bandwidth": 2.0,
+        "seed": 61,
+    },
+    "magnification on a scene": {"scene": _PLAIN, "magnifications": (2.0,), "surfaces": 2, "shifts": 1},
+    # An error that the pilot reaches: how many more it takes depends on seconds.
+    "multilevel": {
+        "points_per_wave": (4.0, 6.0, 8.0),
+        "error": 0.5,
+        "pilot": 4,
+        "seed": 1707,
+        "periods": 2.0,
+        "bandwidth": 2.0,
+    },
+    "pressure": {**_ROUGH, "surfaces": 3, "shifts": 1, "reduced_pressures": (0.02, 0.03, 0.3, 4.0)},
+    "pressure on a scene": {"scene": _PLAIN, "reduced_pressures": (0.02, 0.3), "surfaces": 2},
+    "reference": {
+        "hursts": (0.3, 0.8),
+        "bandwidths": (8.0,),
+        "reduced_pressures": (0.05, 0.2),
+        "periods": 1.0,
+        "pairs": (4, 2),
+        "unsolved": 4,
+        "points_per_wave": (3.0, 6.0),
+        "seed": 31,
+        "larger": (0.8,),
+        "larger_bandwidths": (8.0,),
+        "gaussian": (0.8,),
+        "gaussian_bandwidths": (8.0,),
+    },
+    "refinement": {
+        **_ROUGH,
+        "points_per_wave": (2.0, 4.0, 6.0, 8.0),
+        "surfaces": 2,
+        "grid_scale_grids": (24, 32),
+        "ladders": False,
+        "elements": ("Hex1",),
+        "fem_points_per_wave": (4.0, 6.0, 8.0),
+    },
+    "refinement with ladders": {
+        **_ROUGH,
+        "periods": 1.0,
+        "reduced_pressure": 0.1,
+        "shifts": 1,
+        "surfaces": 2,
+        "grid_scale_grids": (24,),
+        "elements": (),
+    },
+    "refinement on a scene": {"scene": _YIELDING, "surfaces": 2},
+    "scaling": {"grids": (24, 32, 48), "points_per_wave": 4.0, "periods": 2.0, "surfaces": 2, "seed": 1306},
+    "sliding": {
+        "velocities": (0.05, 2.0),
+        "periods": 1.0,
+        "bandwidth": 3.0,
+        "surfaces": 2,
+        "points_per_wave": (4.0, 8.0),
+        "seed": 17,
+    },
+    "stability": {"cases": ("load", "gradient", "ties", "single"), "slowest": 600.0},
+    "stress-near-zero": {
+        "surfaces": 2,
+        "points_per_wave": (8.0, 16.0, 24.0),
+        "periods": 2.0,
+        "bandwidth": 2.0,
+        "seed": 61,
+    },
+    "theory-verdict": {
+        **_ROUGH,
+        "surfaces": 3,
+        "shifts": 1,
+        "reduced_pressures": (0.02, 0.03, 0.3, 4.0),
+        "edge": False,
+        "ladder_reduced_pressures": (),
+    },
+    # Its ladders are those of `refinement`.
+    "theory-verdict with ladders": {
+        **_ROUGH,
+        "periods": 1.0,
+        "surfaces": 2,
+        "shifts": 1,
+        "reduced_pressures": (0.1, 0.3),
+        "ladder_reduced_pressures": (0.1,),
+    },
+}
+#: Studies by the test file that computes them anew; what is left has one file, too.
+LADDERS = tuple(name for name in STUDIES if name.startswith(("refinement", "theory-verdict")))
+_FIRST = (
+    "accuracy-cost",
+    "area",
+    "cross",
+    "depth",
+    "hurst",
+    "reference",
+    "multilevel",
+    "scaling",
+    "stability",
+)
+AREAS = tuple(name for name in STUDIES if name.startswith(_FIRST))
+#: Scene, by its name in the library or its text, and the keys that are set: grids, numbers of surfaces.
+SCENES: dict[str, tuple[str, tuple[str, ...]]] = {
+    "scene adhesion": ("adhesion", ("methods.bem.grids=[48,64]",)),
+    "scene ground": (
+        "ground",
+        ("methods.bem.grids=[48,64,96]", "ensemble.realisations=2", "ensemble.grids=[48,64]"),
+    ),
+    "scene hardness": ("hardness", ("methods.bem.grids=[32,48,64]", "methods.fem.grids=[32]")),
+    "scene oxide-layer": ("oxide-layer", ("methods.bem.grids=[32,48,64]",)),
+    "scene pmma-silane": ("pmma-silane", ()),
+    "scene polished-steel": ("polished-steel", ()),
+    "scene pyrex": ("pyrex", ()),
+    "scene pyrex-squeezed": ("pyrex-squeezed", ()),
+    "scene quickstart": (
+        "quickstart",
+        (
+            "methods.bem.grids=[32,48,64]",
+            "methods.fem.grids=[32]",
+            "ensemble.realisations=3",
+            "ensemble.grids=[32,48,64]",
+        ),
+    ),
+    "scene rough-ball": ("rough-ball", ("methods.bem.grids=[128,192]",)),
+    "scene soft-layer": ("soft-layer", ("methods.bem.grids=[32,48,64]",)),
+    "scene tire-rim": ("tire-rim", ()),
+    "scene oblong": (OBLONG, ()),
+    "scene with quantities": (OBLONG + _PASSING, ()),
+    "scene of another Hurst exponent": (_PLAIN, ("surface.hurst=0.9",)),
+    "scene plain": (_PLAIN, ()),
+    "scene to an accuracy": (_PLAIN + _SURFACES, ()),
+    "sweep of Hurst exponents": (_PLAIN + _SURFACES, ("sweep.surface.hurst=[0.3,0.7]",)),
+    "sweep of load and hardness": (
+        _YIELDING,
+        ("sweep.load.pressure=['1 kPa','10 kPa']", "sweep.effects.hardness.hardness=['200 kPa',60e3]"),
+    ),
+    "sweep of the theory alone": ("polished-steel", ("sweep.load.pressure=['1 MPa','10 MPa']",)),
+}
+#: Run to this accuracy.
+ACCURATE = {"scene to an accuracy": 0.1}
+#: Runs put side by side.
+COMPARED = {
+    "compare of two runs": ("scene plain", "scene of another Hurst exponent"),
+}
+#: Places that two runs do not share, by entry: times, memory of the machine, and what follows from them.
+UNSTEADY: dict[str, tuple[str, ...]] = {
+    "*": (
+        *("*seconds*", "answers: What did it cost*", "findings: The cheapest way to*", "findings: It cost*"),
+        *("*@solves_made", "summary.results.*"),
+        "summary.findings",  # they are those of the page
+    ),
+    "accuracy-cost": (
+        *("table.cheapest way", "table.rms error*", "table.MiB", "table.leanest way", "table.its MiB"),
+        *("findings: * costs *", "findings: *cheapest*", "data@measured_by", "figure.*@measured_by"),
+    ),
+    "cross": ("table.processor time*",),
+    "multilevel": (
+        *("data.cost", "data.saving", "data@finest_cost", "table.s per surface"),
+        *("figure.*.cost", "figure.*.saving", "figure.*@finest_cost", "findings: *"),
+    ),
+    "reference": ("*.saving", "findings: Plain means*"),
+    "scaling": ("data@memory", "figure.*@memory", "findings: *"),
+}

@@ -1,0 +1,117 @@
+"""Gold numbers beside those of today: by meaning, through a map of names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from fnmatch import fnmatch
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from gold.make import Record, compute, machine, numbers_of, read
+from gold.names import CHANGED, NAMES, REWORDED, Look
+from validation.solves.bench import Bench
+
+__all__ = ["RTOL_ELSEWHERE", "RTOL_HERE", "differences", "disagreements"]
+
+#: On the machine of the gold files the same operations run in the same order.
+RTOL_HERE = 1e-12
+#: Elsewhere solves end where their residuals, 1e-8 of p |g| and below, are small enough, and areas,
+#: energies and differences of areas between grids follow: a hundred times that.
+RTOL_ELSEWHERE = 1e-6
+
+
+def disagreements(name: str, bench: Bench, folder: Path) -> list[str]:
+    """Compute an entry anew and say what differs from its gold file."""
+    gold = read(name)
+    here = gold["machine"] == machine()
+    new, data = compute(name, bench, folder)
+    rtol = RTOL_HERE if here else RTOL_ELSEWHERE
+    return list(differences(name, gold["record"], new, data, rtol=rtol, words=here))
+
+
+def differences(
+    name: str, gold: Record, new: Record, data: xr.Dataset, *, rtol: float, words: bool = True
+) -> Iterator[str]:
+    """Yield the gold places whose numbers are not there now, or are others.
+
+    Parameters
+    ----------
+    name : str
+        Of the entry.
+    gold, new : dict
+        Records by place: data.kappa, table.p*, budget.grid [%], figure.area.kappa, findings.
+    data : xarray.Dataset
+        Where renamed numbers are looked up.
+    rtol : float
+        Of each number, or of the largest of its array where that is more than a thousandth of it.
+    words : bool
+        Whether sentences and words in tables are compared, too.
+    """
+    study = name.partition(" ")[0]
+    names = {**NAMES.get(study, {}), **NAMES.get(name, {})}
+    changed = {**CHANGED.get(study, {}), **CHANGED.get(name, {})}
+    words = words and study not in REWORDED
+    for place, entry in gold.items():
+        if any(fnmatch(place, pattern) for pattern in changed) or ("printed" in entry and not words):
+            continue
+        found = _found(place, entry, names, new, data)
+        if found is None:
+            if words or "numbers" in entry:
+                yield f"{place}: is gone; say in gold/names.py where it is now"
+            continue
+        yield from (f"{place}: {why}" for why in _apart(entry, found, rtol=rtol, words=words))
+
+
+def _found(
+    place: str, entry: Mapping[str, Any], names: Mapping[str, Look], new: Record, data: xr.Dataset
+) -> Mapping[str, Any] | None:
+    """Look a gold place up: through the map, by its own name, and a figure's number in the dataset."""
+    look = next((names[key] for key in (place, *names) if key in names and fnmatch(place, key)), None)
+    if look is None and place in new:
+        return new[place]
+    variable = place.rpartition(".")[2]
+    if look is None and place.startswith(("figure.", "data.")):
+        look = names.get(f"data.{variable}", variable if variable in data.variables else None)
+    if look is None:
+        return None
+    if isinstance(look, str) and look in new:
+        return new[look]
+    value = look(data) if callable(look) else data[look]
+    if isinstance(value, xr.DataArray):
+        value = value.squeeze()
+        dims = [dim for dim in entry["dims"] if dim in value.dims]
+        if set(dims) == set(value.dims):
+            value = value.transpose(*dims)
+    flat = np.asarray(value).ravel()
+    return {"words": [str(item) for item in flat]} if flat.dtype.kind in "OUS" else numbers_of(flat)
+
+
+def _apart(gold: Mapping[str, Any], new: Mapping[str, Any], *, rtol: float, words: bool) -> Iterator[str]:
+    """Say how the numbers of two entries differ; NaN equals NaN."""
+    if words and gold.get("words") is not None and gold["words"] != new.get("words"):
+        pairs = zip(gold["words"], new.get("words") or (), strict=False)
+        first = next((f"{a!r}, now {b!r}" for a, b in pairs if a != b), "words are gone")
+        yield first
+    if "numbers" not in gold:
+        return
+    a, b = (np.array(entry.get("numbers", ()), dtype=float) for entry in (gold, new))
+    if a.shape != b.shape or gold.get("size") != new.get("size"):
+        yield f"{gold.get('size', a.size)} numbers, now {new.get('size', b.size)}"
+        return
+    # A number far below the others of its array has no more digits than they have.
+    finite = np.abs(a[np.isfinite(a)])
+    floor = 1e-3 * (finite.max() if finite.size else 0.0)
+    with np.errstate(invalid="ignore"):
+        same = (a == b) | (np.isnan(a) & np.isnan(b)) | (np.abs(a - b) <= rtol * np.maximum(np.abs(a), floor))
+    if not same.all():
+        k = int(np.flatnonzero(~same)[0])
+        yield f"{int((~same).sum())} of {a.size} numbers differ; number {k} was {a[k]!r}, is {b[k]!r}"
+    for was, now in zip(gold.get("sums", ()), new.get("sums", ()), strict=True):
+        # Rounding errs to both sides; what ends elsewhere may err to one.
+        alike = gold["sums"][1] * (1 if rtol <= RTOL_HERE else gold["size"])
+        scale = max(abs(was), np.sqrt(alike))
+        if abs(was - now) > rtol * scale:
+            yield f"the sums over all {gold['size']} numbers differ: {was!r}, now {now!r}"

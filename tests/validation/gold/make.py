@@ -1,0 +1,180 @@
+"""Gold numbers: what every study and scene gives at small options, computed, stored and read.
+
+``python -m gold NAME ...`` from ``tests/validation`` writes files again, all of them without a name.
+"""
+
+from __future__ import annotations
+
+import json
+import lzma
+import platform
+import re
+from collections.abc import Iterator, Mapping
+from fnmatch import fnmatch
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from gold.asked import STUDIES, UNSTEADY
+from validation.report.page import Page
+from validation.scenes.scene import load_scene
+from validation.solves.bench import Bench
+from validation.studies import Study, StudyOptions, find_study
+
+__all__ = ["FOLDER", "compute", "machine", "new_numbers", "numbers_of", "read", "write"]
+
+FOLDER = Path(__file__).parent / "stored"
+#: Longer arrays are stored as every k-th value, their sum and the sum of their squares.
+_WHOLE = 1000
+_KEPT = 300
+_NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
+
+#: A place such as "data.kappa" or "table.p*", and what is there: dims, numbers or words.
+Record = dict[str, dict[str, Any]]
+
+
+def machine() -> dict[str, str]:
+    """What the last digits depend on."""
+    text = Path("/proc/cpuinfo").read_text(encoding="utf-8") if Path("/proc/cpuinfo").exists() else ""
+    model = re.search(r"model name\s*:\s*(.*)", text)
+    libraries = {name: version(name) for name in ("numpy", "scipy", "numba", "ducc0")}
+    return {"processor": model[1] if model else platform.processor(), **libraries}
+
+
+def new_numbers(study: Study, options: StudyOptions, bench: Bench) -> xr.Dataset:
+    """Return the numbers of a study; views are made from them."""
+    return study.compute(options, bench=bench)
+
+
+def compute(name: str, bench: Bench, folder: Path) -> tuple[Record, xr.Dataset]:
+    """Compute an entry anew: its record, and the dataset in which renamed numbers are looked up."""
+    if name not in STUDIES:
+        from gold.scenes import of_scene
+
+        return of_scene(name, folder)
+    study, told = find_study(name.partition(" ")[0]), dict(STUDIES[name])
+    if "scene" in told:
+        path = folder / "mine.toml"
+        path.write_text(told["scene"], encoding="utf-8")
+        told["scene"] = load_scene(str(path))
+    data = new_numbers(study, study.options(**told), bench)
+    record = dict(_of_dataset("data", data))
+    for part, table in (("table", study.table(data)), ("budget", study.budget(data))):
+        record |= {} if table is None else _of_table(part, table.columns, table.rows)
+    for drawing in study.figures(data):
+        record |= _of_dataset(f"figure.{drawing.name}", drawing.data)
+    record |= _of_words("findings", study.findings(data))
+    return _steady(name, record), data
+
+
+def of_page(name: str, page: Page) -> Record:
+    """Record what the page of a run holds: summary.json, tables, budget, dataset, figures and words."""
+    record: Record = {}
+    for place, value in _leaves("summary", {k: v for k, v in (page.summary or {}).items() if k != "scene"}):
+        record[place] = _entry((), value)
+    if page.data is not None:
+        record |= _of_dataset("data", page.data)
+    for part, table in (*page.records.items(), *([] if page.budget is None else [("budget", page.budget)])):
+        record |= _of_table(part, table.columns, table.rows)
+    for drawing in page.figures:
+        record |= _of_dataset(f"figure.{drawing.name}", drawing.data)
+    for k, table in enumerate(page.tables):
+        record |= _of_table(f"shown.{k}", table.columns, (*table.rows, *table.sums))
+    record |= _of_words("findings", page.findings)
+    record |= _of_words("answers", [f"{a.question}: {a.answer}; {a.basis}" for a in page.answers])
+    return _steady(name, record)
+
+
+def _steady(name: str, record: Record) -> Record:
+    """Leave out what two runs do not share: times, and what follows from them."""
+    out = (*UNSTEADY["*"], *UNSTEADY.get(name.partition(" ")[0], ()))
+
+    def kept(place: str) -> bool:
+        return not any(fnmatch(place, pattern) for pattern in out)
+
+    steady = {place: entry for place, entry in record.items() if kept(place)}
+    for place, entry in steady.items():
+        if "printed" in entry:
+            said = zip(entry["words"], entry["printed"], strict=True)
+            pairs = [(text, printed) for text, printed in said if kept(f"{place}: {text}")]
+            entry["words"], entry["printed"] = [text for text, _ in pairs], [found for _, found in pairs]
+    return steady
+
+
+def _of_dataset(part: str, data: xr.Dataset) -> Iterator[tuple[str, dict[str, Any]]]:
+    for name, variable in data.variables.items():
+        yield f"{part}.{name}", _entry(variable.dims, variable.values, variable.attrs)
+    for name, value in data.attrs.items():
+        yield f"{part}@{name}", _entry((), value)
+
+
+def _of_table(part: str, columns: Any, rows: Any) -> Record:
+    return {f"{part}.{title}": _entry(("row",), [row[k] for row in rows]) for k, title in enumerate(columns)}
+
+
+def _of_words(part: str, sentences: Any) -> Record:
+    """Sentences as they are read; the numbers in them beside them, as printed."""
+    said = list(sentences)
+    found = [[float(number) for number in _NUMBER.findall(text)] for text in said]
+    return {part: {"dims": ["sentence"], "words": said, "printed": found}}
+
+
+def _leaves(place: str, value: Any) -> Iterator[tuple[str, Any]]:
+    """Yield the leaves of a summary; rows of one kind become columns."""
+    if isinstance(value, Mapping):
+        for key, item in value.items():
+            yield from _leaves(f"{place}.{key}", item)
+    elif isinstance(value, list | tuple) and value and all(isinstance(row, Mapping) for row in value):
+        for key in dict.fromkeys(key for row in value for key in row):
+            yield from _leaves(f"{place}.{key}", [row.get(key) for row in value])
+    else:
+        yield place, value
+
+
+def _entry(dims: Any, values: Any, attrs: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """Return numbers or words with their dims, ready for JSON; words among numbers are kept beside NaN."""
+    array = np.asarray(values, dtype=object) if isinstance(values, list | tuple) else np.asarray(values)
+    entry: dict[str, Any] = {"dims": list(dims), "shape": list(array.shape)}
+    if attrs:
+        entry["attrs"] = {key: value for key, value in attrs.items() if isinstance(value, str)}
+    flat = array.ravel()
+    if array.dtype.kind in "OUS":
+        words = [None if _is_number(item) else str(item) for item in flat]
+        if any(word is not None for word in words):
+            entry["words"] = words
+        flat = np.array([np.nan if item is None or not _is_number(item) else item for item in flat], float)
+    if entry.get("words") and None not in entry["words"]:
+        return entry
+    return entry | numbers_of(flat)
+
+
+def _is_number(item: Any) -> bool:
+    return item is None or (isinstance(item, float | int | np.number) and not isinstance(item, bool))
+
+
+def numbers_of(flat: Any) -> dict[str, Any]:
+    """Return numbers as they are stored: all of them, or every k-th with two sums."""
+    flat = np.asarray(flat, dtype=float).ravel()
+    if flat.size <= _WHOLE:
+        return {"numbers": flat.tolist()}
+    every = -(-flat.size // _KEPT)
+    sums = [float(np.nansum(flat)), float(np.nansum(flat**2)), int(np.isnan(flat).sum())]
+    return {"numbers": flat[::every].tolist(), "size": flat.size, "every": every, "sums": sums}
+
+
+def write(name: str, record: Record) -> Path:
+    """Store the record of an entry."""
+    FOLDER.mkdir(exist_ok=True)
+    path = FOLDER / f"{name.replace(' ', '-')}.json.xz"
+    text = json.dumps({"name": name, "machine": machine(), "record": record}, indent=0)
+    path.write_bytes(lzma.compress(text.encode(), preset=9 | lzma.PRESET_EXTREME))
+    return path
+
+
+def read(name: str) -> dict[str, Any]:
+    """Return the stored record of an entry, with the machine it was computed on."""
+    path = FOLDER / f"{name.replace(' ', '-')}.json.xz"
+    return dict(json.loads(lzma.decompress(path.read_bytes())))

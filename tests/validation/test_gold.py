@@ -1,0 +1,76 @@
+"""The gold numbers themselves: there is one of everything, a changed number is found, a renamed one again."""
+
+from __future__ import annotations
+
+import copy
+
+import numpy as np
+import pytest
+import xarray as xr
+from gold import check, make
+from gold.asked import COMPARED, SCENES, STUDIES
+
+from validation.scenes.scene import builtin_scenes
+from validation.studies import studies
+
+ALL = (*STUDIES, *SCENES, *COMPARED)
+DATA = xr.Dataset(
+    {"kappa": (("load", "surface"), [[2.0, 2.5, 1.5], [1.8, np.nan, 1.7]])}, coords={"load": [0.1, 0.2]}
+)
+
+
+@pytest.fixture(scope="module")
+def stored():
+    return {name: make.read(name)["record"] for name in ALL}
+
+
+def told(gold, new, data=DATA, rtol=check.RTOL_HERE):
+    return list(check.differences("area", gold, new, data, rtol=rtol))
+
+
+def test_every_study_and_every_scene_of_the_library_has_gold_numbers():
+    assert {name.partition(" ")[0] for name in STUDIES} == set(studies())
+    assert {scene for scene, _ in SCENES.values()} >= set(builtin_scenes())
+    assert {path.name.removesuffix(".json.xz") for path in make.FOLDER.iterdir()} == {
+        name.replace(" ", "-") for name in ALL
+    }
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_any_number_that_moves_by_a_billionth_or_goes_is_found(stored, name):
+    for place, entry in stored[name].items():
+        numbers = np.array(entry.get("numbers", ()), dtype=float)
+        assert told({place: entry}, {place: entry}) == []
+        assert len(told({place: entry}, {}, xr.Dataset())) == 1
+        if np.isfinite(numbers).any():
+            k = int(np.nanargmax(np.abs(np.where(np.isfinite(numbers), numbers, np.nan))))
+            for value in (numbers[k] * (1 + 1e-9) or 1e-9, np.nan):
+                moved = copy.deepcopy(entry)
+                moved["numbers"][k] = value
+                assert len(told({place: entry}, {place: moved})) == 1, place
+
+
+def test_a_number_that_is_not_stored_itself_is_found_by_the_sums():
+    values = np.sin(np.arange(5000.0))
+    moved = values.copy()
+    moved[7] += 1e-9
+    gold, new = ({"data.long": {"dims": ["x"], **make.numbers_of(one)}} for one in (values, moved))
+    assert 7 % gold["data.long"]["every"]
+    assert told(gold, gold) == []
+    assert len(told(gold, new)) >= 1
+
+
+def test_a_renamed_number_is_found_through_the_map_whatever_the_order_of_its_dimensions(monkeypatch):
+    gold = {
+        "data.kappa": {"dims": ["surface", "load"], **make.numbers_of(DATA.kappa.T)},
+        "figure.old.kappa": {"dims": ["load", "surface"], **make.numbers_of(DATA.kappa)},
+        "table.+- (95 %)": {"dims": ["row"], **make.numbers_of(1.96 * DATA.kappa.max("surface"))},
+    }
+    new = DATA.rename(kappa="secant")
+    assert len(told(gold, {}, new)) == 3
+    names = {"data.kappa": "secant", "table.+-*": lambda d: 1.96 * d.secant.max("surface")}
+    monkeypatch.setitem(check.NAMES, "area", names)
+    assert told(gold, {}, new) == []
+    assert len(told(gold, {}, new * (1 + 1e-9))) == 3
+    monkeypatch.setitem(check.CHANGED, "area", {"table.*": "Student's factor"})
+    assert len(told(gold, {}, new * (1 + 1e-9))) == 2
