@@ -176,10 +176,15 @@ def draw(figure: Figure, data: xr.Dataset) -> Drawing:
     return Drawing(
         name=figure.name,
         figure=canvas,
-        data=shown.drop_attrs(deep=False),
+        data=shown.drop_attrs(deep=False).assign_attrs(_asked(data)),
         caption=_caption(figure.caption, drawn),
         drawn=tuple(drawn),
     )
+
+
+def _asked(data: xr.Dataset) -> dict[str, Any]:
+    """Attributes that say what was asked, without those of the machine and of the place in the whole."""
+    return {name: value for name, value in data.attrs.items() if name not in ("at", "solves_made")}
 
 
 def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:

@@ -183,15 +183,6 @@ STUDIES: dict[str, dict[str, object]] = {
         "seed": 61,
     },
     "magnification on a scene": {"scene": _PLAIN, "magnifications": (2.0,), "surfaces": 2, "shifts": 1},
-    # An error that the pilot reaches: how many more it takes depends on seconds.
-    "multilevel": {
-        "points_per_wave": (4.0, 6.0, 8.0),
-        "error": 0.5,
-        "pilot": 4,
-        "seed": 1707,
-        "periods": 2.0,
-        "bandwidth": 2.0,
-    },
     "pressure": {**_ROUGH, "surfaces": 3, "shifts": 1, "reduced_pressures": (0.02, 0.03, 0.3, 4.0)},
     "pressure on a scene": {"scene": _PLAIN, "reduced_pressures": (0.02, 0.3), "surfaces": 2},
     "reference": {
@@ -271,7 +262,6 @@ _FIRST = (
     "depth",
     "hurst",
     "reference",
-    "multilevel",
     "scaling",
     "stability",
 )
@@ -331,10 +321,6 @@ UNSTEADY: dict[str, tuple[str, ...]] = {
         *("findings: * costs *", "findings: *cheapest*", "data@measured_by", "figure.*@measured_by"),
     ),
     "cross": ("table.processor time*",),
-    "multilevel": (
-        *("data.cost", "data.saving", "data@finest_cost", "table.s per surface"),
-        *("figure.*.cost", "figure.*.saving", "figure.*@finest_cost", "findings: *"),
-    ),
     "reference": ("*.saving", "findings: Plain means*"),
     "scaling": ("data@memory", "figure.*@memory", "findings: *"),
 }

@@ -12,7 +12,7 @@ import xarray as xr
 
 from gold.asked import ROUNDING
 from gold.make import Record, compute, machine, numbers_of, read
-from gold.names import CHANGED, NAMES, REWORDED, Look
+from gold.maps import Look, maps_of
 from validation.solves.bench import Bench
 
 __all__ = ["RTOL_ELSEWHERE", "RTOL_HERE", "differences", "disagreements"]
@@ -56,17 +56,19 @@ def differences(
     words : bool
         Whether sentences and words in tables are compared, too.
     """
-    study = name.partition(" ")[0]
-    names = {**NAMES.get(study, {}), **NAMES.get(name, {})}
-    changed = {**CHANGED.get(study, {}), **CHANGED.get(name, {})}
-    words = words and study not in REWORDED
+    names, changed, reworded = maps_of(name)
+    words = words and not reworded
     for place, entry in gold.items():
         if any(fnmatch(place, pattern) for pattern in changed) or ("printed" in entry and not words):
             continue
-        found = _found(place, entry, names, new, data)
+        # Figures of what was rebuilt show variables of the dataset: they are where those are.
+        at = place
+        if reworded and place.startswith("figure."):
+            at = f"data@{place.split('@')[1]}" if "@" in place else f"data.{place.rpartition('.')[2]}"
+        found = _found(place if place in names else at, entry, names, new, data)
         if found is None:
             if words or "numbers" in entry:
-                yield f"{place}: is gone; say in gold/names.py where it is now"
+                yield f"{place}: is gone; say in gold/maps where it is now"
             continue
         yield from (f"{place}: {why}" for why in _apart(entry, found, rtol=rtol, words=words))
 
