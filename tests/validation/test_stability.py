@@ -10,10 +10,10 @@ import pytest
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput
 from validation.errors import UsageError
+from validation.measures.hard_cases.cases import HardCase, Measured
 from validation.solves.bench import Bench
 from validation.solves.store import Store
 from validation.studies import find_study, stability
-from validation.studies.stability.cases import HardCase, Measured
 
 #: Cases of a second or less; the others run with the slow tests.
 QUICK = ("load", "gradient", "hurst", "ties", "precision", "hardness", "contrast", "depth", "single")
@@ -38,9 +38,9 @@ def check(data):
     wrong = data.isel(row=outcomes(data) == "WRONG")
     assert wrong.sizes["row"] == 0, list(zip(wrong["case"].values, wrong["value"].values, strict=True))
     right = data.isel(row=outcomes(data) == "right")
-    assert np.all(right["error"].values <= right["bound"].values)
+    assert np.all(right["deviation"].values <= right["bound"].values)
     refused = data.isel(row=outcomes(data) == "refused")
-    assert all(": must" in words or "need" in words for words in refused["words"].values)
+    assert all(": must" in words or "need" in words for words in refused["message"].values)
 
 
 @pytest.mark.parametrize("name", QUICK)
@@ -64,7 +64,7 @@ def fake(measure, *, refusable=lambda value: False):
     return HardCase(
         name="fake",
         method="bem",
-        dial="nothing",
+        varied="nothing",
         values=(1.0,),
         reference="nothing",
         bound=0.1,
@@ -97,8 +97,7 @@ def test_an_outcome_is_right_only_for_a_small_error_of_a_converged_solve(monkeyp
     monkeypatch.setattr(stability, "CASES", (case,))
     data = turned()
     assert list(outcomes(data)) == [outcome]
-    said = stability.findings(data)
-    assert (outcome == "WRONG") == ("gave a wrong number, a crash or a hang" in said[-1])
+    assert stability.views(data).findings[0].values["wrong"].value == (outcome == "WRONG")
 
 
 def test_a_hang_is_wrong(monkeypatch):
@@ -115,6 +114,8 @@ def test_the_study_is_found_by_name_with_its_options_and_draws_every_case():
         "stability-hardness",
         "stability-ties",
     ]
-    assert "refused at 0.99 (InvalidInput: pressure_bound" in study.findings(data)[0]
+    refused = data.isel(row=(data.outcome == "refused").values)
+    assert refused.value.values.tolist() == [0.99]
+    assert str(refused.message.values[0]).startswith("InvalidInput: pressure_bound")
     with pytest.raises(UsageError, match="no such case; one of: load"):
         study.parse(["--cases", "nonsense"])

@@ -13,8 +13,8 @@ from fem_contact import bem
 from fem_contact.contact import ContactResult, Status
 from fem_contact.surface import HeightField
 from validation.effects.base import Slots
+from validation.measures.hard_cases.cases import HALF_SPACE, HardCase, Measured, judged, rough, wave
 from validation.methods import chosen_solver
-from validation.studies.stability.cases import HALF_SPACE, HardCase, Measured, judged, rough, wave
 
 __all__ = ["ELASTIC", "SINGLE_PRECISION", "by_method"]
 
@@ -120,7 +120,7 @@ def elastic_cases(method: str, press: Pressing) -> tuple[HardCase, ...]:
         HardCase(
             name=f"load{ending}",
             method=method,
-            dial="p0 / p* of a wave, 1 is full contact",
+            varied="p0 / p* of a wave, 1 is full contact",
             values=(2.0, 1.0, 0.9999, 0.999, 0.99, 0.9, 0.5, 0.1, 0.01, 1e-3, 1e-4, 1e-6, 1e-9),
             reference="Westergaard's contact width; error in cells of 512",
             bound=2.5,
@@ -129,7 +129,7 @@ def elastic_cases(method: str, press: Pressing) -> tuple[HardCase, ...]:
         HardCase(
             name=f"gradient{ending}",
             method=method,
-            dial="h'_rms",
+            varied="h'_rms",
             values=(0.1, 1.0, 10.0, 1e4, 1e-3, 1e-6, 1e-12, 1e-100),
             reference="the same pressure over E* h'_rms as at 0.1; relative L2",
             bound=1e-5,
@@ -140,7 +140,7 @@ def elastic_cases(method: str, press: Pressing) -> tuple[HardCase, ...]:
         HardCase(
             name=f"hurst{ending}",
             method=method,
-            dial="H",
+            varied="H",
             values=(0.0, 0.1, 0.3, 0.5, 0.8, 0.95, 1.0),
             reference="Polonsky-Keer on the same grid; relative L2 of the pressure",
             bound=1e-4,
@@ -149,7 +149,7 @@ def elastic_cases(method: str, press: Pressing) -> tuple[HardCase, ...]:
         HardCase(
             name=f"scales{ending}",
             method=method,
-            dial="points along a side, lambda_short = 4 dx",
+            varied="points along a side, lambda_short = 4 dx",
             values=(16.0, 32.0, 64.0, 128.0, 256.0, 512.0),
             reference="Polonsky-Keer on the same grid; relative L2 of the pressure",
             bound=1e-4,
@@ -158,7 +158,7 @@ def elastic_cases(method: str, press: Pressing) -> tuple[HardCase, ...]:
         HardCase(
             name=f"ties{ending}",
             method=method,
-            dial="levels of quantised heights, from many to few",
+            varied="levels of quantised heights, from many to few",
             values=(1e6, 1e3, 100.0, 20.0, 5.0, 2.0),
             reference="Polonsky-Keer on the same heights; relative L2 of the pressure",
             bound=1e-4,
@@ -167,7 +167,7 @@ def elastic_cases(method: str, press: Pressing) -> tuple[HardCase, ...]:
         HardCase(
             name=f"precision{ending}",
             method=method,
-            dial="bits of the heights' mantissa, from double to a few",
+            varied="bits of the heights' mantissa, from double to a few",
             values=(52.0, 23.0, 16.0, 11.0, 8.0, 6.0),
             reference="offset of the heights in double; change over that of the heights",
             bound=1.0,
@@ -192,7 +192,7 @@ ELASTIC = (
     HardCase(
         name="path",
         method="bem",
-        dial="factor between successive loads, up and down over three decades",
+        varied="factor between successive loads, up and down over three decades",
         values=(1.5, 3.0, 10.0, 30.0, 1000.0),
         reference="the same pressures on the way down as on the way up; relative L2",
         bound=1e-4,
@@ -203,7 +203,7 @@ ELASTIC = (
 SINGLE_PRECISION = HardCase(
     name="single",
     method="bem",
-    dial="mean height over h_rms, heights in single precision",
+    varied="mean height over h_rms, heights in single precision",
     values=(0.0, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6),
     reference="offset of the heights in double; change over that of the heights",
     bound=1.0,

@@ -20,7 +20,7 @@ HALF_SPACE = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
 @dataclass(frozen=True, kw_only=True)
 class Measured:
-    """What one turn of a dial gave.
+    """What one value of the parameter gave.
 
     Attributes
     ----------
@@ -38,15 +38,15 @@ class Measured:
 
 @dataclass(frozen=True, kw_only=True)
 class HardCase:
-    """One difficulty with its dial.
+    """One difficulty with the parameter that is varied.
 
     Attributes
     ----------
     name, method : str
-    dial : str
-        What is turned, in words with its unit.
+    varied : str
+        Which parameter, in words with its unit.
     values : tuple of float
-        Where it is turned to, from easy to hard.
+        Its values, from easy to hard.
     reference : str
         What is right, in words.
     bound : float
@@ -60,7 +60,7 @@ class HardCase:
 
     name: str
     method: str
-    dial: str
+    varied: str
     values: tuple[float, ...]
     reference: str
     bound: float

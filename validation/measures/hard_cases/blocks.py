@@ -9,7 +9,7 @@ import numpy as np
 
 from fem_contact.response import BondedLayer
 from fem_contact.solid import Solid
-from validation.studies.stability.cases import HardCase, Measured, judged, load_errors, rough, wave
+from validation.measures.hard_cases.cases import HardCase, Measured, judged, load_errors, rough, wave
 
 __all__ = ["BLOCKS", "LARGE_BLOCK", "YIELDING_BLOCK"]
 
@@ -62,7 +62,7 @@ BLOCKS = (
     HardCase(
         name="poisson",
         method="fem",
-        dial="nu",
+        varied="nu",
         values=(-0.5, 0.0, 0.3, 0.45, 0.49, 0.499, 0.4999, 0.499999, 0.5, 0.51),
         limit="above 1/2 there is no such solid",
         refusable=lambda value: value > 0.5,
@@ -73,7 +73,7 @@ BLOCKS = (
     HardCase(
         name="aspect",
         method="fem",
-        dial="width of a surface cell over its height",
+        varied="width of a surface cell over its height",
         values=(1.0, 3.0, 10.0, 100.0, 1000.0, 1e4),
         reference="bonded layer, wave of 32 nodes in full contact; relative",
         bound=0.02,
@@ -82,7 +82,7 @@ BLOCKS = (
     HardCase(
         name="depth",
         method="fem",
-        dial="depth of the block over its period",
+        varied="depth of the block over its period",
         values=(10.0, 3.0, 1.0, 0.3, 0.1, 0.03, 0.01),
         reference="bonded layer of that depth, wave of 32 nodes in full contact; relative",
         bound=0.02,
@@ -93,7 +93,7 @@ BLOCKS = (
 YIELDING_BLOCK = HardCase(
     name="yielding-block",
     method="fem",
-    dial="H / p0, from hard to barely carrying",
+    varied="H / p0, from hard to barely carrying",
     values=(1e4, 100.0, 10.0, 3.0, 1.5, 1.1, 1.01, 1.001, 1.0, 0.99),
     reference="active set against reduction, relative L2 of the pressure; loads add up",
     bound=1e-6,
@@ -105,7 +105,7 @@ YIELDING_BLOCK = HardCase(
 LARGE_BLOCK = HardCase(
     name="memory",
     method="fem",
-    dial="points along a side of the full system",
+    varied="points along a side of the full system",
     values=(8.0, 16.0, 32.0, 4096.0, 8192.0),
     reference="bonded layer, one wave in full contact; error over 2 % (32/n)^2",
     bound=1.0,

@@ -9,7 +9,7 @@ import numpy as np
 from fem_contact import bem
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
-from validation.studies.stability.cases import HALF_SPACE, HardCase, Measured, judged, load_errors, rough
+from validation.measures.hard_cases.cases import HALF_SPACE, HardCase, Measured, judged, load_errors, rough
 
 __all__ = ["DIFFUSION", "EFFECTS", "YIELDING_UNDER_ADHESION"]
 
@@ -98,7 +98,7 @@ EFFECTS = (
     HardCase(
         name="hardness",
         method="bem",
-        dial="H / p0, from hard to barely carrying",
+        varied="H / p0, from hard to barely carrying",
         values=(1e4, 100.0, 10.0, 3.0, 1.5, 1.1, 1.01, 1.001, 1.0, 0.99),
         reference="loads add up, none above the bound; relative to the load",
         bound=1e-9,
@@ -109,7 +109,7 @@ EFFECTS = (
     HardCase(
         name="adhesion",
         method="bem",
-        dial="Maugis's lambda of a sphere, from weak and far to sticky and near",
+        varied="Maugis's lambda of a sphere, from weak and far to sticky and near",
         values=(0.1, 0.3, 1.0, 1.5, 1.9, 3.0),
         reference="Maugis's pull-off force; relative",
         bound=0.02,
@@ -120,7 +120,7 @@ EFFECTS = (
     HardCase(
         name="contrast",
         method="bem",
-        dial="modulus of a coating over the base's",
+        varied="modulus of a coating over the base's",
         values=(1.0, 0.1, 10.0, 0.01, 100.0, 1e-3, 1e3, 1e-4, 1e4, 1e-8, 1e8),
         reference="the same coating cut in three; relative change of the compliance",
         bound=1e-7,
@@ -131,7 +131,7 @@ EFFECTS = (
 DIFFUSION = HardCase(
     name="decades",
     method="theory",
-    dial="V / sigma_Y^2",
+    varied="V / sigma_Y^2",
     values=tuple(np.geomspace(1e-20, 1e20, 11).tolist()),
     reference="closed form of constant hardness; A_pl/A0",
     bound=1e-5,
@@ -141,7 +141,7 @@ DIFFUSION = HardCase(
 YIELDING_UNDER_ADHESION = HardCase(
     name="yielding-adhesion",
     method="bem",
-    dial="H / p0 under adhesion, from hard to barely carrying",
+    varied="H / p0 under adhesion, from hard to barely carrying",
     values=(1e4, 100.0, 10.0, 3.0, 1.5, 1.1, 1.01, 1.001, 1.0, 0.99),
     reference="loads add up, none above the bound; relative to load and bound",
     # The imbalance asked for is 1e-10 of the law's strength, which is some seven times the load.

@@ -1,0 +1,249 @@
+"""How far can each method be pushed before it breaks, and does it say so when it does?
+
+Every hard case varies one parameter. At each value a method may be right (its deviation below a bound written
+down beforehand), refuse by name, or say that it did not converge. Anything else - a wrong number that calls
+itself converged, a NaN, an exception that is no refusal - is a failure of the method.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+from pydantic import Field, ValidationInfo, field_validator
+
+from fem_contact.contact import Status
+from fem_contact.errors import FemContactError
+from persson.errors import PerssonError
+from validation.measures.hard_cases.blocks import BLOCKS, LARGE_BLOCK, YIELDING_BLOCK
+from validation.measures.hard_cases.cases import HardCase
+from validation.measures.hard_cases.effects import DIFFUSION, EFFECTS, YIELDING_UNDER_ADHESION
+from validation.measures.hard_cases.elastic import ELASTIC, SINGLE_PRECISION, by_method
+from validation.methods import chosen_solver
+from validation.report.estimates import gather
+from validation.report.findings import Finding, finding
+from validation.report.marks import Figure, Level, Line, Panel
+from validation.report.table import Table
+from validation.report.views import Views
+from validation.studies._options import AnyMethods
+from validation.studies._study import StudyOptions
+from validation.units import wrong
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from validation.solves.bench import Bench
+
+__all__ = ["CASES", "OUTCOMES", "Options", "run", "views"]
+
+CASES: tuple[HardCase, ...] = (
+    *ELASTIC,
+    *EFFECTS,
+    *BLOCKS,
+    DIFFUSION,
+    SINGLE_PRECISION,
+    YIELDING_BLOCK,
+    YIELDING_UNDER_ADHESION,
+    LARGE_BLOCK,
+)
+
+#: What can happen at one value, from good to bad.
+OUTCOMES = ("right", "refused", "not converged", "WRONG")
+#: Where deviations of rounding size are drawn, over the bound.
+_LEAST = 1e-9
+
+
+class Options(StudyOptions):
+    """Which cases, by which methods."""
+
+    own = "it asks about hard cases with known answers"
+
+    methods: AnyMethods = Field(
+        default=(),
+        description="solvers with commas; those of other packages and module:function of your own go through the "
+        "elastic cases; bem, fem and theory on all if empty",
+    )
+    cases: tuple[str, ...] = Field(default=(), description="names of cases; all if empty")
+    slowest: float = Field(
+        default=60.0, ge=0, description="seconds that one value may take; beyond it counts as a hang"
+    )
+
+    @field_validator("cases")
+    @classmethod
+    def _known(cls, names: tuple[str, ...], others: ValidationInfo) -> tuple[str, ...]:
+        known = [case.name for case in _cases_of(others.data.get("methods", ()))]
+        for name in names:
+            if name not in known:
+                raise wrong(f"{name!r}: no such case; one of: {', '.join(known)}")
+        return names
+
+    @property
+    def chosen(self) -> tuple[HardCase, ...]:
+        """Cases by name, or all."""
+        cases = _cases_of(self.methods)
+        known = {case.name: case for case in cases}
+        return tuple(known[name] for name in self.cases) or cases
+
+
+def _cases_of(names: Sequence[str]) -> tuple[HardCase, ...]:
+    """Return the cases of some methods; those of this package where none is named."""
+    own = {case.method for case in CASES}
+    if not names:
+        return CASES
+    found = tuple(case for case in CASES if case.method in names)
+    return (*found, *(case for name in names if name not in own for case in by_method(name)))
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Vary every parameter; the bench runs no solve, since how a solve ends is what is studied.
+
+    Returns
+    -------
+    xarray.Dataset
+        By (row): case, method, value, deviation, bound, residual, outcome, seconds.
+    """
+    if bench.plan_only:
+        bench.solve([])
+    rows = {
+        (case.name, turn): _outcome(case, value, options.slowest)
+        for case in options.chosen
+        for turn, value in enumerate(case.values, start=1)
+    }
+    data = gather(dict(enumerate(rows.values())), row=range(len(rows)))
+    places = {"case": [name for name, _ in rows], "turn": [turn for _, turn in rows]}
+    data = data.assign_coords({name: ("row", values) for name, values in places.items()})
+    data["deviation_ratio"] = np.maximum(data.deviation / data.bound, _LEAST).where(data.deviation.notnull())
+    data["bound_ratio"] = 1.0
+    used = [chosen_solver(name)[0].name for name in options.methods] or ["bem", "fem", "theory"]
+    return data.assign_attrs(study="stability", methods=" ".join(used))
+
+
+def _outcome(case: HardCase, value: float, slowest: float) -> xr.Dataset:
+    """Return what one value of the parameter came to."""
+    import xarray as xr
+
+    clock = time.perf_counter()
+    deviation, residual, message = math.nan, math.nan, ""
+    try:
+        measured = case.measure(value)
+    except (FemContactError, PerssonError) as refusal:
+        message = f"{type(refusal).__name__}: {refusal}"
+        outcome = "refused" if case.refusable(value) else "WRONG"
+    except Exception as crash:  # whatever it is, it is what this study looks for
+        outcome, message = "WRONG", f"{type(crash).__name__}: {crash}"
+    else:
+        deviation, residual = measured.error, measured.residual
+        outcome = "right" if deviation <= case.bound else "WRONG"
+        if measured.status is not Status.CONVERGED:
+            outcome, message = "not converged", measured.status.value
+    seconds = time.perf_counter() - clock
+    if seconds > slowest:
+        outcome, message = "WRONG", f"took {seconds:.0f} s. {message}"
+    return xr.Dataset(
+        {
+            "method": case.method,
+            "varied": case.varied,
+            "reference": case.reference,
+            "value": float(value),
+            "deviation": deviation,
+            "bound": case.bound,
+            "residual": residual,
+            "outcome": outcome,
+            "message": message,
+            "seconds": seconds,
+        }
+    )
+
+
+def views(data: xr.Dataset) -> Views:
+    """Show what each method does with hard cases: how often right, refused, unconverged, wrong."""
+    methods = list(dict.fromkeys(data.method.values.tolist()))
+    cases = list(dict.fromkeys(data.case.values.tolist()))
+    by_method = [
+        Panel(
+            marks=[
+                *(Line(y="deviation_ratio", where={"case": name}, label=name) for name in _of(data, method)),
+                Level(y="bound_ratio", look={"color": "black"}, label="allowed"),
+            ],
+            x="turn",
+            log="y",
+            title=method,
+        )
+        for method in methods
+    ]
+    alone = [
+        Figure(
+            name=f"stability-{name}",
+            caption=f"{name}: {data.varied.values[data.case.values == name][0]}.",
+            panels=[
+                Panel(
+                    marks=[Line(y=y, where={"case": name}, label=y) for y in ("deviation", "bound")],
+                    x="value",
+                    log="y",
+                )
+            ],
+        )
+        for name in cases
+        if np.isfinite(data.deviation.values[data.case.values == name]).any()
+    ]
+    wrong = int((data.outcome == "WRONG").sum())
+    return Views(
+        table=Table(
+            rows=("row",),
+            columns=(
+                "case",
+                "method",
+                "varied",
+                "value",
+                "deviation",
+                "bound",
+                "outcome",
+                "seconds",
+                "message",
+            ),
+        ),
+        figures=[
+            Figure(
+                name="stability",
+                caption="Deviation over what was allowed beforehand as each parameter goes from easy to hard; "
+                "values that were refused have none.",
+                panels=by_method,
+                width=11.0,
+                height=5.6,
+            ),
+            *alone,
+        ],
+        findings=[
+            finding(
+                "refusal",
+                "Of {all} values {wrong} gave a wrong number, a NaN, a crash or a hang that does not say so.",
+                wrong=wrong,
+                all=data.sizes["row"],
+            ),
+            *(_counted(data.isel(row=(data.method == method).values), method) for method in methods[:5]),
+        ],
+    )
+
+
+def _of(data: xr.Dataset, method: str) -> list[str]:
+    return list(dict.fromkeys(data.case.values[data.method.values == method].tolist()))
+
+
+def _counted(data: xr.Dataset, method: str) -> Finding:
+    """Say how often a method was right, refused or did not converge."""
+    counts = {outcome.replace(" ", "_"): int((data.outcome == outcome).sum()) for outcome in OUTCOMES}
+    right = data.isel(row=(data.outcome == "right").values)
+    worst = float((right.deviation / right.bound).max()) if right.sizes["row"] else math.nan
+    return finding(
+        "share",
+        "{name}, {cases} parameters: right at {right} of {all} values (largest deviation {worst:%} of what is "
+        "allowed), refused by name at {refused}, not converged at {not_converged}, wrong at {WRONG}.",
+        name=method,
+        cases=len(_of(data, method)),
+        all=data.sizes["row"],
+        worst=worst,
+        **counts,
+    )
