@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator
@@ -234,7 +234,7 @@ def _of(data: xr.Dataset, method: str) -> list[str]:
 
 def _counted(data: xr.Dataset, method: str) -> Finding:
     """Say how often a method was right, refused or did not converge."""
-    counts = {outcome.replace(" ", "_"): int((data.outcome == outcome).sum()) for outcome in OUTCOMES}
+    counts: dict[str, Any] = {outcome.replace(" ", "_"): int((data.outcome == outcome).sum()) for outcome in OUTCOMES}
     right = data.isel(row=(data.outcome == "right").values)
     worst = float((right.deviation / right.bound).max()) if right.sizes["row"] else math.nan
     return finding(
