@@ -234,7 +234,9 @@ def _of(data: xr.Dataset, method: str) -> list[str]:
 
 def _counted(data: xr.Dataset, method: str) -> Finding:
     """Say how often a method was right, refused or did not converge."""
-    counts: dict[str, Any] = {outcome.replace(" ", "_"): int((data.outcome == outcome).sum()) for outcome in OUTCOMES}
+    counts: dict[str, Any] = {
+        outcome.replace(" ", "_"): int((data.outcome == outcome).sum()) for outcome in OUTCOMES
+    }
     right = data.isel(row=(data.outcome == "right").values)
     worst = float((right.deviation / right.bound).max()) if right.sizes["row"] else math.nan
     return finding(
