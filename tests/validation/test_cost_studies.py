@@ -11,12 +11,12 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.errors import RunFailed, UsageError
+from validation.measures import peer_solve, peers, ways
 from validation.measures.common import base_case, base_surface
 from validation.measures.theory import RANKED
 from validation.solves.bench import Bench
 from validation.studies import accuracy_cost, find_study, scaling
 from validation.studies._outputs import study_page
-from validation.studies.accuracy_cost import peer_solve, peers
 
 SMALL = {"periods": 2.0, "bandwidth": 2.0}
 
@@ -44,63 +44,62 @@ def costs(bench):
 def test_every_way_has_a_time_a_memory_and_an_error(costs):
     assert np.all(costs.seconds > 0)
     assert np.all(costs.peak_bytes > 0)
-    assert np.all(np.isfinite(costs.error))
-    labels = costs.label.values.tolist()
-    coarse, fine = (labels.index(f"BEM pixel, {n} per wave") for n in (3, 6))
-    assert costs.peak_bytes[fine] > 3 * costs.peak_bytes[coarse]
-    assert abs(costs.error[fine]).max() < abs(costs.error[coarse]).max()
+    assert np.all(np.isfinite(costs.area_deviation_each))
+    coarse, fine = (costs.sel(way=f"BEM pixel, {n} per wave") for n in (3, 6))
+    assert fine.peak_bytes > 3 * coarse.peak_bytes
+    assert abs(fine.area_deviation_each).max() < abs(coarse.area_deviation_each).max()
 
 
 def test_a_front_in_time_and_one_in_memory_hold_no_beaten_way(costs):
-    error = accuracy_cost.root_mean_square(costs)
+    error = costs.area_deviation_rms.values
     for cost in ("seconds", "peak_bytes"):
-        front = accuracy_cost.front(costs, cost)
+        front = ways.pareto_front(costs, cost)
         price = costs[cost].values
         assert list(error[front]) == sorted(error[front], reverse=True)
         for k in front:
             assert not np.any((error < error[k]) & (price <= price[k]))
 
 
-def test_the_table_names_the_fastest_and_the_leanest_way(costs):
-    loose = accuracy_cost.table(costs).rows[0]
-    good = accuracy_cost.root_mean_square(costs) <= 0.1
-    assert loose[3] == pytest.approx(float(costs.seconds.values[good].min()))
-    assert loose[6] == pytest.approx(float(costs.peak_bytes.values[good].min()) / 2**20)
-    unknown = costs.assign(reference_error=costs.reference_error * 0 + 0.02)
-    assert "not determinable" in str(accuracy_cost.table(unknown).rows[-1][1])
+def test_the_fastest_and_the_leanest_way_are_named_where_the_reference_tells_them(costs):
+    good = costs.area_deviation_rms.values <= 0.1
+    loose = costs.isel(target=0)
+    assert float(loose.seconds_fastest) == pytest.approx(float(costs.seconds.values[good].min()))
+    assert float(loose.peak_bytes_leanest) == pytest.approx(float(costs.peak_bytes.values[good].min()))
+    plain = costs.drop_dims(["target", "front_seconds", "front_peak_bytes"])
+    unknown = ways.chosen_ways(plain.assign(reference_rms=0.02))
+    assert str(unknown.way_fastest[-1].item()).startswith("not determinable")
 
 
 def test_peers_that_are_not_installed_are_left_out_with_a_word(costs):
-    assert "Not compared, because not installed" in accuracy_cost.findings(costs)[-1]
-    assert "tamaas, ContactMechanics" in accuracy_cost.findings(costs)[-1]
+    last = accuracy_cost.views(costs).findings[-1]
+    assert last.values["it"].value == "tamaas, ContactMechanics"
 
 
 def _way(costs, of, label, **changed):
     """A way of the study under another name, measured as a process."""
-    labels = costs.label.values.tolist()
-    one = costs.isel(way=[labels.index(of)])
+    one = costs.sel(way=[of])
     values = {name: one[name] * 0 + value for name, value in changed.items()}
-    return one.assign_coords(label=("way", [label]), process=("way", [True])).assign(values)
+    return one.assign(values).assign_coords(way=[label], process=("way", [1]))
 
 
 def test_a_peer_is_held_against_the_same_area_and_the_same_measure_of_memory(costs):
     count = "BEM pixel, 6 per wave"
-    theirs = _way(costs, count, "tamaas pixel, 6 per wave", seconds=9.0, peak_bytes=3 * 2**20)
-    twin = _way(costs, count, "fem_contact pixel, 6 per wave", seconds=3.0, peak_bytes=2 * 2**20)
-    both = xr.concat([costs, theirs, twin], dim="way", data_vars="minimal")
-    both = both.assign_attrs(peers="tamaas", absent="", measured_by="tamaas 2, fem_contact 1, on a processor")
-    *_, text, how = accuracy_cost.findings(both)
-    assert text.startswith("tamaas: pixel, 6 per wave is off by ")
-    assert "after 9 s" in text
-    assert "in 3 times less time; its process grew by 3 MiB, ours by 2 MiB" in text
-    assert "tamaas 2, fem_contact 1, on a processor" in how
+    own = costs.drop_dims(["target", "front_seconds", "front_peak_bytes"])
+    theirs = _way(own, count, "tamaas pixel, 6 per wave", seconds=9.0, peak_bytes=3 * 2**20)
+    twin = _way(own, count, "fem_contact pixel, 6 per wave", seconds=3.0, peak_bytes=2 * 2**20)
+    both = xr.concat([own, theirs, twin], dim="way", data_vars="minimal", coords="minimal")
+    both = ways.chosen_ways(
+        both.assign_attrs(peers="tamaas", absent="", measured_by="tamaas 2, fem_contact 1")
+    )
+    *_, peer, how = accuracy_cost.views(both).findings
+    told = {name: value.value for name, value in peer.values.items()}
+    assert (told["code"], told["way"], told["seconds"]) == ("tamaas", "pixel, 6 per wave", 9.0)
+    assert told["ratio_twin"] == pytest.approx(1 / 3, rel=2e-3)
+    assert how.values["it"].value == "tamaas 2, fem_contact 1"
     # Arrays and processes are never ranked together.
-    labels = both.label.values
-    front = accuracy_cost.front(both, "peak_bytes")
-    assert {labels[k].split()[0] for k in front} <= {"tamaas", "fem_contact"}
-    assert all("BEM" in row[5] or "FEM" in row[5] for row in accuracy_cost.table(both).rows if row[5])
-    (drawing,) = accuracy_cost.figures(both)
-    assert "by how much its process grew" in drawing.caption
+    names = both.way.values[ways.pareto_front(both, "peak_bytes")]
+    assert {name.split()[0] for name in names} <= {"tamaas", "fem_contact"}
+    assert not any("tamaas" in name for name in both.way_leanest.values)
 
 
 def test_what_is_ranked_and_what_is_compared_is_cited(costs):

@@ -9,14 +9,15 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import xarray as xr
-from planted import SMALL, STUDENT, THREE, PlantedBench, block, column, contact, located, measurement
+from planted import EDGES, SMALL, STUDENT, THREE, PlantedBench, block, column, contact, located, measurement
 
 from fem_contact.area import ContactAreas
 from fem_contact.surface import HeightField
-from validation.measures import limits
+from validation.measures import limits, ways
 from validation.measures.common import persson_area
+from validation.measures.measurement import area_limits
 from validation.measures.theory import WITH_ENERGY, Waves
-from validation.report.estimates import total_error
+from validation.report.estimates import NORMAL, total_error
 from validation.studies import (
     accuracy_cost,
     adhesion,
@@ -425,37 +426,50 @@ def test_near_zero_prints_students_interval_of_three_surfaces():
     assert "4.0 +- 0.2 times less than simulated" in stress_near_zero.findings(named)[1]
 
 
-def test_ways_to_an_accuracy_are_off_by_the_planted_root_mean_square_and_claim_two_standard_errors():
+def test_ways_to_an_accuracy_are_ranked_by_what_they_are_off_and_cost():
+    labels = ["BEM pixel, 4 per wave", "BEM limit, 4 to 6 per wave", "other, 4 per wave"]
     data = xr.Dataset(
         {
-            "error": (("way", "surface"), np.array([[0.03, -0.04], [0.001, 0.001], [0.0005, 0.0005]])),
-            "seconds": ("way", np.array([1.0, 5.0, 0.5])),
-            "peak_bytes": ("way", np.array([2.0**20, 2.0**21, 2.0**10])),
-            # Measured by its process: another measure of memory, so that it is no way of ours.
-            "process": ("way", np.array([False, False, True])),
-            "reference_error": ("surface", np.array([1e-5, 1e-5])),
-            "claimed": ("surface", np.array([0.01, 0.01])),
-            "missed": ("surface", np.array([0.009, -0.011])),
+            "area_deviation_rms": ("way", [0.0354, 0.001, 0.0005]),
+            "seconds": ("way", [1.0, 5.0, 0.5]),
+            "peak_bytes": ("way", [2.0**20, 2.0**21, 2.0**10]),
+            "reference_rms": 1e-5,
+            "reference_each_error": (("surface", "source"), np.full((2, 1), 2e-5)),
+            "claimed_each": ("surface", [0.01, 0.01]),
+            "missed_each": ("surface", [0.009, -0.011]),
         },
-        coords={
-            "label": ("way", ["BEM pixel, 4 per wave", "BEM limit, 4 to 6 per wave", "other, 4 per wave"])
-        },
-        attrs={"peers": "", "absent": ""},
+        # Measured by its process: another measure of memory, so that it is no way of ours.
+        coords={"way": labels, "process": ("way", [0, 0, 1]), "source": ["grid"]},
     )
-    errors = [math.sqrt(12.5e-4), 0.001, 0.0005]
-    np.testing.assert_allclose(accuracy_cost.root_mean_square(data), errors, rtol=1e-12)
-    assert accuracy_cost.coverage(data) == (1, 2)
-    rows = {row[0]: row for row in accuracy_cost.table(data).rows}
-    assert rows["1 %"][1:5] == ("BEM limit, 4 to 6 per wave", pytest.approx(0.1), 5.0, 2.0)
-    assert rows["1 %"][5:] == ("BEM limit, 4 to 6 per wave", 2.0, 5.0)
-    half, missed = accuracy_cost._claims([_flat()], np.array([0.2]))
-    (value,), (error,) = accuracy_cost.area_limits(_flat())
-    assert half[0] == pytest.approx(2 * error / 0.2, rel=1e-12)
-    assert missed[0] == pytest.approx(value / 0.2 - 1, abs=1e-12)
+    data = ways.chosen_ways(ways.covered(data))
+    assert int(data.held) == 1
+    assert float(data.coverage) == 0.5
+    one = data.sel(target=2)
+    assert float(one.accuracy) == 0.01
+    assert (str(one.way_fastest.item()), float(one.seconds_fastest)) == (labels[1], 5.0)
+    assert (str(one.way_leanest.item()), float(one.peak_bytes_leanest)) == (labels[1], 2.0**21)
 
 
-def _flat() -> xr.Dataset:
-    """A measurement of A/A0 = 0.2 on three grids."""
-    options = pressure.Options(surfaces=2, reduced_pressures=(0.1,), seed=61, **SMALL)
-    (case, _) = pressure._cases(options)
-    return measurement(case, lambda p: 0.2)
+def test_deviations_of_ways_and_claims_are_those_of_planted_areas():
+    """The reference is 0.2; counts are off by the planted excess, and limits by nothing."""
+
+    def answer(solve):
+        return measurement(solve, lambda p: 0.2)
+
+    options = accuracy_cost.Options(
+        surfaces=2,
+        points_per_wave=(4.0, 6.0),
+        held_out_points_per_wave=(6.0, 8.0),
+        fem_points_per_wave=(),
+        peer_points_per_wave=(),
+        methods=("bem",),
+        periods=2.0,
+        bandwidth=2.0,
+    )
+    data = accuracy_cost.run(options, bench=PlantedBench(answer))
+    pixel = data.sel(way="BEM pixel, 4 per wave")
+    np.testing.assert_allclose(pixel.area_deviation_each, 0.1 * EDGES / 16 / 0.2, rtol=1e-9)
+    np.testing.assert_allclose(pixel.area_deviation_rms, 0.1 * EDGES / 16 / 0.2, rtol=1e-9)
+    np.testing.assert_allclose(data.missed_each, 0.0, atol=1e-12)
+    (value,), (error,) = area_limits(answer(next(iter(accuracy_cost.design(options).values()))))
+    np.testing.assert_allclose(data.claimed_each, NORMAL * error / value, rtol=1e-9)

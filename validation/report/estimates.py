@@ -22,6 +22,7 @@ import scipy.special
 import scipy.stats
 
 from validation.arrays import Array
+from validation.report.quantities import in_prefixed_unit, quantity
 from validation.report.words import significant, with_error
 
 if TYPE_CHECKING:
@@ -90,9 +91,11 @@ class Value:
     at: Mapping[str, int] | None = None
 
     def __format__(self, spec: str) -> str:
-        """Return it in words: ``%`` in per cent, ``+`` with its sign, ``~`` without its error."""
+        """Return it in words: ``%`` in per cent, ``+`` with sign, ``~`` without error, ``u`` with unit."""
         if isinstance(self.value, str):
             return self.value
+        if "u" in spec:
+            return in_prefixed_unit(self.value, quantity(self.name).unit, 3)
         factor, unit = (100.0, " %") if "%" in spec else (1.0, "")
         value = factor * self.value
         sign = "+" if "+" in spec and value > 0 else ""

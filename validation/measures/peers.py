@@ -23,12 +23,12 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.errors import RunFailed
+from validation.measures import peer_solve
 from validation.measures.common import reduced_load
 from validation.measures.single_solve import SingleSolve
 from validation.methods.base import Claim
 from validation.methods.foreign import judged
 from validation.solves.solve import Prediction
-from validation.studies.accuracy_cost import peer_solve
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -1,0 +1,307 @@
+"""What does each digit of the contact area cost, for which method and which definition, and do the claimed errors hold?"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+
+import numpy as np
+import xarray as xr
+from pydantic import Field
+
+from validation.measures.block import BlockMeasurement
+from validation.measures.common import Ladder, RisingOrNone
+from validation.measures.limits import solved
+from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.measures.peer_solve import OWN, SOLVERS
+from validation.measures.peers import PeerMeasurement, code_words, installed_peers
+from validation.measures.side_by_side import ByMethod
+from validation.measures.ways import AREAS, chosen_ways, covered, way, ways_of_bem
+from validation.report.estimates import NORMAL, error_of, gather
+from validation.report.findings import Finding, finding, note
+from validation.report.marks import Figure, Level, Line, Panel
+from validation.report.table import Table
+from validation.report.views import Views
+from validation.solves.bench import Bench
+from validation.studies._options import Methods, ReducedPressure, Seed, Surfaces
+from validation.studies._scene import Asked, PressedOptions
+
+if TYPE_CHECKING:
+    from validation.solves.solve import NumbersSolve
+
+__all__ = ["Options", "design", "run", "views"]
+
+_ELEMENTS = ("Hex1", "Hex2")
+
+#: Methods of this project by the packages that they call: what is to be cited for them.
+_METHODS = {"tamaas": "tamaas", "ContactMechanics": "contact_mechanics"}
+
+#: Of the solver: its error of the area is a tenth to a half of that, far below all that is to be told apart.
+_TOLERANCE, _FINE_TOLERANCE = 1e-5, 1e-8
+
+
+class Options(PressedOptions):
+    """Surfaces and grids. Times are of the processor; use one worker all the same."""
+
+    off: ClassVar[Mapping[str, Any]] = {"fem_points_per_wave": (), "peer_points_per_wave": ()}
+    plain = "what a digit costs is asked of the located area, which the bare half-space has"
+
+    methods: Methods = ("bem", "fem")
+    reduced_pressure: ReducedPressure = 0.05
+    surfaces: Annotated[
+        Surfaces,
+        Field(
+            description="how many; their claimed intervals are checked too, for which sixty are better than twelve"
+        ),
+    ] = 12
+    seed: Seed = 5006
+    points_per_wave: Ladder = Field(
+        default=(3.0, 4.0, 6.0, 8.0, 12.0, 16.0),
+        description="grids of the boundary elements, as lambda_short/dx, rising",
+    )
+    held_out_points_per_wave: Ladder = Field(
+        default=(16.0, 24.0, 32.0), description="finer grids whose limit is the reference"
+    )
+    fem_points_per_wave: RisingOrNone = Field(
+        default=(4.0, 8.0, 16.0), description="grids of the finite elements (exact reduction)"
+    )
+    peer_points_per_wave: RisingOrNone = Field(
+        default=(4.0, 8.0, 16.0),
+        description="grids of tamaas and ContactMechanics, where they are installed and no other methods are asked for, "
+        "at equal error; none: they are left out",
+    )
+    method_points_per_wave: RisingOrNone = Field(
+        default=(4.0, 8.0, 16.0),
+        description="grids of any other of the methods, which are asked for the same tolerance of their residuals",
+    )
+
+    @property
+    def peers(self) -> tuple[str, ...]:
+        """Codes that are compared at equal error: those that are installed, where nobody names methods."""
+        asked = "methods" not in self.model_fields_set and self.peer_points_per_wave
+        return installed_peers() if asked else ()
+
+
+#: A part of the study, then what is told apart in it: element or code, grid, number of the surface.
+_Case = tuple[str | float | int, ...]
+
+
+def _codes(options: Options) -> tuple[str, ...]:
+    """Codes that are solved in a process of their own: the peers, and ours beside them."""
+    return (*options.peers, OWN) if options.peers else ()
+
+
+def _others(options: Options) -> tuple[Asked, ...]:
+    """Return the solvers that are asked for by name."""
+    own = ("bem",) if options.scene is not None else ("bem", "fem")
+    return options.others(options.method_points_per_wave, without=own)
+
+
+def _blocks(options: Options) -> tuple[tuple[str, float], ...]:
+    """List element and grid of the study's own blocks."""
+    asked = options.fem_points_per_wave if "fem" in options.methods else ()
+    return tuple(itertools.product(_ELEMENTS, asked))
+
+
+def design(options: Options) -> dict[_Case, NumbersSolve]:
+    """Return the solves of each part: reference, boundary and finite elements, other codes."""
+    first, pressed = options.first, dict(enumerate(options.pressed))
+    cases: dict[_Case, NumbersSolve] = {}
+    held_out = tuple(grid_for(first, n) for n in options.held_out_points_per_wave)
+    for part, grids, tolerance in (
+        ("coarse", options.grids_for(options.points_per_wave), options.tolerance(_TOLERANCE)),
+        ("fine", held_out, _FINE_TOLERANCE),
+    ):
+        for k, own in pressed.items():
+            cases[part, k] = Measurement(realised=own, grids=grids, tolerance=tolerance)
+    for (element, n), k in itertools.product(_blocks(options), pressed):
+        cases["FEM", element, n, k] = BlockMeasurement(
+            realised=pressed[k], grid=grid_for(first, n), element=element
+        )
+    for code, n, k in itertools.product(_codes(options), options.peer_points_per_wave, pressed):
+        cases["peers", code, n, k] = PeerMeasurement(realised=pressed[k], grid=grid_for(first, n), code=code)
+    for asked, k in itertools.product(_others(options), pressed):
+        told = {"tolerance": _TOLERANCE, **dict(asked.settings)}
+        for g, grid in enumerate(asked.grids):
+            cases["others", asked.name, g, k] = ByMethod(
+                realised=pressed[k], grid=grid, method=asked.method, settings=tuple(told.items())
+            )
+    return cases
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Measure error and time of every way to an area, against limits from grids that no way has seen.
+
+    Returns
+    -------
+    xarray.Dataset
+        Deviation from the reference (way, surface), its root mean square, seconds and bytes (way); for each
+        accuracy the fastest and the leanest way; the coverage of the intervals claimed by the coarse grids.
+
+    Notes
+    -----
+    All run on one thread; seconds are of its processor. Memory is that of the arrays of a solve; of a peer, by how
+    much its process grew, and ours are solved in such a process, too, to be put beside it. The areas of all are
+    read off their pressures by one code. A peer's solver is stopped as soon as the area it counts is within a tenth of
+    its grid error of the converged count: equal error, not equal residual. A method that is asked for by name is told
+    the tolerance that the boundary elements are told.
+    """
+    found = solved(bench, design(options))
+    surfaces = range(options.surfaces)
+    fine = [area_limits(found["fine", k]) for k in surfaces]
+    reference = np.array([value[0] for value, _ in fine])
+    uncertainty = np.array([error[0] for _, error in fine]) / reference
+    ways = {one.attrs["way"]: one for one in _ways(options, found)}
+    data = gather(ways, way=list(ways)).set_coords(["kind", "process"])
+    data = data.assign_coords(surface=list(surfaces))
+    data = data.assign(area_deviation_each=data.area_each / reference - 1).drop_vars("area_each")
+    coarse = [area_limits(found["coarse", k]) for k in surfaces]
+    claimed = [NORMAL * error[0] / truth for (_, error), truth in zip(coarse, reference, strict=True)]
+    missed = [value[0] / truth - 1 for (value, _), truth in zip(coarse, reference, strict=True)]
+    data = data.assign(
+        reference_each_error=error_of(xr.DataArray(reference, dims="surface"), grid=NORMAL * uncertainty),
+        claimed_each=("surface", claimed),
+        missed_each=("surface", missed),
+        reference_rms=float(np.sqrt(np.mean(uncertainty**2))),
+    )
+    data["area_deviation_rms"] = (data.area_deviation_each**2).mean("surface") ** 0.5
+    codes, others = options.peers, _others(options)
+    cited = ["bem", *(["fem"] if _blocks(options) else []), *(a.method for a in others)]
+    return chosen_ways(covered(data)).assign_attrs(
+        study="accuracy-cost",
+        reduced_pressure=options.reduced_pressure,
+        peers=" ".join([*codes, *(asked.name for asked in others)]),
+        absent="" if others else ", ".join(n for n in SOLVERS if n not in (*codes, OWN)),
+        measured_by=code_words(_codes(options)) if codes else "",
+        unsettled=_unsettled(found),
+        methods=" ".join([*cited, *(_METHODS[code] for code in codes), "perimeter"]),
+    )
+
+
+def _ways(options: Options, found: Mapping[_Case, xr.Dataset]) -> Iterator[xr.Dataset]:
+    """Yield every way to an area: single grids, shifts, limits, finite elements, other codes."""
+    surfaces = range(options.surfaces)
+    yield from ways_of_bem([found["coarse", k] for k in surfaces])
+    singles: list[tuple[_Case, str, float, bool]] = [
+        *((("FEM", element, n), f"FEM {element}", n, False) for element, n in _blocks(options)),
+        *(
+            (("peers", code, n), code, n, True)
+            for code, n in itertools.product(_codes(options), options.peer_points_per_wave)
+        ),
+        *(
+            (
+                ("others", a.name, g),
+                a.name,
+                options.first.points_per_wave(grid),
+                a.method not in ("bem", "fem"),
+            )
+            for a in _others(options)
+            for g, grid in enumerate(a.grids)
+        ),
+    ]
+    for place, name, per_wave, process in singles:
+        part = [found[(*place, k)] for k in surfaces]
+        for area in AREAS:
+            if area in part[0] and np.isfinite([float(one[area]) for one in part]).all():
+                yield way(
+                    [float(one[area]) for one in part],
+                    label=f"{name} {area}, {per_wave:g} per wave",
+                    seconds=[float(one.seconds) for one in part],
+                    peak_bytes=[float(one.peak_bytes) for one in part],
+                    process=process,
+                )
+
+
+def _unsettled(found: Mapping[_Case, xr.Dataset]) -> str:
+    """Name the methods with answers whose residuals are not what was asked for, and count these."""
+    missed = [str(case[1]) for case, one in found.items() if case[0] == "others" and float(one.converged) < 1]
+    return ", ".join(f"{name} {missed.count(name)}" for name in dict.fromkeys(missed))
+
+
+def views(data: xr.Dataset) -> Views:
+    """Show what a digit costs, whether claimed intervals hold, and what other codes need for the same error."""
+    one = data.sel(target=int(np.argmin(abs(data.accuracy.values - 0.01))))
+    said = [
+        finding(
+            "cost",
+            "An area to {accuracy:%} (rms over the surfaces) costs {seconds_fastest:u}: {way_fastest}; with least "
+            "memory {peak_bytes_leanest:u}: {way_leanest}.",
+            one,
+        ),
+        finding(
+            "share",
+            "The 95 % intervals claimed by the coarse grids hold the reference on {held} of {all} surfaces, "
+            "a share of {coverage}; they are {claimed:%} wide to either side on average.",
+            data,
+            all=data.sizes["surface"],
+        ),
+        *(_against_peer(data, code) for code in data.attrs["peers"].split()),
+    ]
+    for name, words in _NOTES.items():
+        if data.attrs.get(name):
+            said.append(note(words, it=data.attrs[name]))
+    names = [f"{name}_{which}" for which in ("fastest", "leanest") for name in ("way", *_COSTS)]
+    return Views(
+        table=Table(rows=("target",), columns=("accuracy", *names)),
+        figures=[
+            Figure(
+                name="accuracy-cost",
+                caption="Error of the contact area of every way to it against processor time on one thread (left) and "
+                "memory (right) for one surface; lines, ways that no other beats; black, the reference.",
+                panels=[_panel(data, cost) for cost in ("seconds", "peak_bytes")],
+                width=9.5,
+                height=5.6,
+            )
+        ],
+        findings=said[:6],
+    )
+
+
+_COSTS = ("area_deviation_rms", "seconds", "peak_bytes")
+_NOTES = {
+    "measured_by": "Other codes and ours are solved alike, each in a process of its own: {it}.",
+    "unsettled": "Answers without the residuals that were asked for, counted all the same: {it}.",
+    "absent": "Not compared, because not installed (extra `peers`) or not asked for: {it}.",
+}
+
+
+def _panel(data: xr.Dataset, cost: str) -> Panel:
+    """One cost: a symbol for each kind of way, and the front."""
+    kinds = list(dict.fromkeys(data.kind.values.tolist()))
+    dots = [Line(y="area_deviation_rms", where={"kind": kind}, joined=False, label=kind) for kind in kinds]
+    look = {"color": "black", "marker": "", "lw": 0.8}
+    front = Line(
+        y=f"area_deviation_rms_front_{cost}", x=f"{cost}_front", label="no other is better", look=look
+    )
+    floor = Level(y="reference_rms", look={"color": "black", "ls": ":"}, label="reference")
+    return Panel(marks=[*dots, front, floor], x=cost, y="area_deviation_rms", log="xy")
+
+
+def _against_peer(data: xr.Dataset, code: str) -> Finding:
+    """Compare the most accurate solve of another code with the same area here, and with the cheapest as good."""
+    rms, labels = data.area_deviation_rms.values, data.way.values.tolist()
+    theirs = min((k for k, way in enumerate(labels) if way.startswith(f"{code} ")), key=lambda k: rms[k])
+    ours = [k for k, way in enumerate(labels) if way.startswith("BEM") and rms[k] <= rms[theirs]]
+    seconds = data.seconds.values
+    text = "{code}: {way} is off by {off:%} after {seconds} s"
+    told: dict[str, Any] = {
+        "code": code,
+        "way": labels[theirs].removeprefix(f"{code} "),
+        "off": float(rms[theirs]),
+        "seconds": float(f"{seconds[theirs]:.3g}"),
+    }
+    twin = f"{OWN} {told['way']}"
+    if twin in labels:
+        k = labels.index(twin)
+        text += (
+            "; the same area on the same grid is off by {off_here:%} here and takes {ratio_twin} of the time"
+        )
+        told |= {"off_here": float(rms[k]), "ratio_twin": float(f"{seconds[k] / seconds[theirs]:.3g}")}
+    if not ours:
+        return finding("cost", text + "; none of the ways here is as good.", **told)
+    best = min(ours, key=lambda k: float(seconds[k]))
+    told |= {"best": labels[best], "ratio": float(f"{seconds[best] / seconds[theirs]:.3g}")}
+    return finding(
+        "cost", text + "; the cheapest way here to that error takes {ratio} of it ({best}).", **told
+    )
