@@ -57,37 +57,6 @@ _SMALL = {
         },
         set(),
     ),
-    "hardness": (
-        {
-            "reduced_pressures": (0.02, 0.2),
-            "magnifications": (1.5,),
-            "seed": 13,
-            "surfaces": 2,
-            "grids": (24, 32, 48),
-            "periods": 2.0,
-            "bandwidth": 2.0,
-            "hardness": 0.7,
-        },
-        {"the smoothed surface", "data.nc: kept", "data.nc: kept_persson", "data.nc: wave"},
-    ),
-    "adhesion": (
-        {
-            "works": (0.1,),
-            "reduced_pressures": (0.2,),
-            "magnifications": (2.0,),
-            "hardnesses": (0.6,),
-            "seed": 13,
-            "grids": (48, 64),
-            "bandwidth": 2.0,
-        },
-        {
-            "theory with adhesion",
-            "data.nc: improved",
-            "data.nc: macroscopic",
-            "data.nc: old",
-            "data.nc: yielded",
-        },
-    ),
     "theory-verdict": (
         {
             **_ROUGH,
@@ -119,7 +88,7 @@ def results(tmp_path_factory):
             folder.mkdir()
             study = find_study(name)
             given = {key: value for key, value in _SMALL[name][0].items() if value is not None}
-            run_study(study, study.options(**given), folder, bench=bench, report=name == "hardness")
+            run_study(study, study.options(**given), folder, bench=bench, report=name == "pressure")
         return folder
 
     return left_by
@@ -203,12 +172,6 @@ _WRONG_DATA = {
         "limit_drift": ("drift of the finest grid", 0.5),
         "fem_limit_error": ("n for n - 2", np.sqrt(1 / 3)),
     },
-    "hardness": {"plastic": ("limit of second order", 0.97), "plastic_persson": ("another variance", 1.05)},
-    "adhesion": {
-        "interface": ("elastic energy without 1/2", 1.5),
-        "area_error": ("deviation of the surfaces", np.sqrt(3)),
-        "persson_plain": ("another gradient", 1.02),
-    },
     "theory-verdict": {"shares": ("one sigma", 0.5), "distance": ("another load", 1.1)},
 }
 
@@ -226,7 +189,6 @@ def test_mistakes_in_the_dataset_of_a_study_are_found_by_the_names_of_the_variab
     ("name", "words"),
     [
         ("hurst", ("not told from zero", "told from zero")),
-        ("hardness", ("above it", "below it")),
         ("refinement", ("can be neither confirmed nor ruled out by", "agree with")),
         ("refinement", ("are not told apart", "are told apart")),
         ("theory-verdict", ("is closest", "is not closest")),
@@ -243,14 +205,14 @@ def test_a_sentence_that_turns_the_other_way_is_found(copied, name, words):
 
 
 def test_a_study_nobody_computes_again_and_a_store_that_is_gone_are_listed(copied):
-    folder = copied("hardness")
+    folder = copied("pressure")
     path = folder / "study.json"
     said = json.loads(path.read_text())
     path.write_text(json.dumps({**said, "store": "nowhere"}))
     ledger = audit(folder)
     assert ledger.wrong == ()
     assert any("names no store that holds any" in line for line in ledger.unread)
-    assert "data.nc: elastic" in ledger.unread
+    assert "data.nc: area" in ledger.unread
     path.write_text(json.dumps({**said, "study": "scaling"}))
     (folder / "summary.json").write_text(
         json.dumps({"study": "scaling", "options": said["options"], "findings": ["x"]})

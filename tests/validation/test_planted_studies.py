@@ -189,10 +189,9 @@ def test_magnification_prints_the_planted_ratio_to_the_theory_of_the_waves_that_
 @pytest.fixture
 def yielded_lines(monkeypatch):
     """A_pl = p* (1 + 3 dx) and A_el = p*/2 (1 - 2 dx), by surface."""
-    nothing = hardness._Kept(
-        q=np.array([1.0, 2.0]), measured=np.array([1.0, 0.5]), theory=np.array([0.9, 0.1]), inside=0.25
-    )
-    monkeypatch.setattr(hardness, "_kept", lambda *told: nothing)
+    q = np.array([1.0, 2.0]) * 2 * math.pi * 2.0 / 1e-4
+    monkeypatch.setattr(hardness, "kept_waves", lambda *told: (q, np.array([1.0, 0.5]), 0.25))
+    monkeypatch.setattr(hardness, "kept_by_theory", lambda *told: np.array([0.9, 0.1]))
     monkeypatch.setattr(hardness, "yielded", lambda result: result.parts)
 
     def answer(solve):
@@ -214,23 +213,44 @@ def yielded_lines(monkeypatch):
     return hardness.run(options, bench=PlantedBench(answer))
 
 
-def test_hardness_takes_limits_linear_in_the_spacing_and_standard_errors_over_surfaces(yielded_lines):
+def test_hardness_takes_limits_linear_in_the_spacing_with_students_interval_over_surfaces(yielded_lines):
     data = yielded_lines
-    np.testing.assert_allclose(data.plastic, [0.1, 0.2], rtol=1e-9)
-    np.testing.assert_allclose(data.elastic, [0.05, 0.1], rtol=1e-9)
-    np.testing.assert_allclose(data.plastic_finest, np.array([0.1, 0.2]) * (1 + 3 / 96), rtol=1e-9)
+    assert data.varied.values.tolist() == ["load", "load", "waves"]
+    np.testing.assert_allclose(data.area_plastic, [0.1, 0.2, 0.1], rtol=1e-9)
+    np.testing.assert_allclose(data.area_elastic, [0.05, 0.1, 0.05], rtol=1e-9)
+    np.testing.assert_allclose(data.area_plastic_pixel[:, -1], data.area_plastic * (1 + 3 / 96), rtol=1e-9)
     # The three grids lie on one line: what is left is the scatter of three surfaces.
-    np.testing.assert_allclose(data.plastic_error, 0.01 * data.plastic, rtol=1e-6)
-    np.testing.assert_allclose(data.plastic_grown, 0.1, rtol=1e-9)
+    error = total_error(data, "area_plastic")
+    np.testing.assert_allclose(error, 0.01 * STUDENT[3] * data.area_plastic, rtol=1e-6)
+
+
+def test_the_step_to_a_limit_from_two_grids_is_its_error_and_shares_stay_within_one():
+    """A/A0 = .98 + 2 dx and .5 - 3 dx, on two grids and on three of which the coarsest is off by .1."""
+    points = np.array([20.0, 40.0, 100.0])
+    lines = np.array([0.98 + 2 / points, 0.5 - 3 / points])
+    lines[:, 0] += 0.1
+    data = xr.Dataset({"area_pixel_each": (("surface", "grid"), lines)}, coords={"points": ("grid", points)})
+    two = limits.straight_limit(data.isel(grid=slice(1, None)), "area")
+    np.testing.assert_allclose(two.area_each, [0.98, 0.5], rtol=1e-12)
+    np.testing.assert_allclose(two.area_each_drift, [-0.02, 0.03], rtol=1e-9)
+    three = limits.straight_limit(data, "area")
+    # The line of the two coarser grids, 20 and 40, ends where .1 less of the first would have been.
+    np.testing.assert_allclose(three.area_each_drift, 0.1, rtol=1e-9)
+    above = limits.straight_limit(data.assign(area_pixel_each=data.area_pixel_each + 0.1), "area", most=1.0)
+    np.testing.assert_allclose(above.area_each, [1.0, 0.6], rtol=1e-12)
 
 
 def test_hardness_says_the_planted_areas_and_what_smoothing_leaves(yielded_lines):
-    first, *_, last = hardness.findings(yielded_lines)
-    assert "A_pl/A0 = 0.1000 +- 0.0010 in the limit" in first
-    assert "A_el/A0 = 0.0500 +- 0.0005 in the limit" in first
-    assert "keeps 0.5 of C(q) at q = 2 q_long" in last
-    assert "(largest difference 0.4)" in last
-    assert "where 0.25 of the squared gradient is left" in last
+    plastic, elastic, *_, smoothing = hardness.views(yielded_lines).findings
+    assert plastic.rows[0]["area_plastic"].value == pytest.approx(0.1, rel=1e-9)
+    theory = float(yielded_lines.area_plastic_persson[0])
+    assert plastic.rows[0]["area_plastic_excess"].value == pytest.approx(0.1 / theory - 1, rel=1e-9)
+    assert plastic.outcomes == ("-" if theory > 0.1 else "+",) * 2
+    assert elastic.rows[1]["area_elastic"].value == pytest.approx(0.1, rel=1e-9)
+    said = {name: value.value for name, value in smoothing.values.items()}
+    assert (said["spectrum_kept"], said["wave"], said["gradient_kept"]) == (0.5, pytest.approx(2.0), 0.25)
+    assert said["spectrum_kept_excess_largest"] == pytest.approx(0.4)
+    assert smoothing.outcomes == ("+",)
 
 
 def _full_wave(solve):

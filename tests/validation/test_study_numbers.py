@@ -25,13 +25,13 @@ from validation.measures.edge import window_slope
 from validation.measures.ladders import rungs_limit
 from validation.measures.measurement import Measurement
 from validation.measures.theory import Waves, ensemble_stress_variance
+from validation.measures.yielding import kept_by_theory
 from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
 from validation.scenes.topography import read_topography, write_topography
 from validation.studies import (
     adhesion,
     graded,
-    hardness,
     magnification,
     stress_near_zero,
 )
@@ -67,16 +67,10 @@ def test_the_limit_of_adhesion_is_that_of_something_linear_in_the_spacing():
     assert adhesion._limit([0.2 + 3 / n for n in grids], grids) == pytest.approx(0.2, rel=1e-12)
 
 
-def test_the_limit_of_hardness_is_that_of_something_linear_in_the_spacing():
-    coarse, fine = (np.array([0.2 + 3 / n, 0.4 - 2 / n]) for n in (40, 100))
-    np.testing.assert_allclose(hardness._linear(coarse, fine, 40 / 100), [0.2, 0.4], rtol=1e-12)
-
-
 def test_smoothing_in_the_theory_is_what_has_not_yielded_over_what_will():
     surface = base_surface(hurst=0.7, periods=2.0, bandwidth=8.0, seed=83)
     realised = base_case(surface, reduced_pressure=0.2)
     limit = 0.8 * realised.pressure_scale
-    case = hardness._Case(realised=realised, hardness=limit)
     q = spectrum_of(surface).q_long * np.array([1.5, 3.0, 6.0])
     spectrum = realised.spectrum_shape
     factor = realised.field.moments[1] / float(spectrum.m2())
@@ -84,7 +78,7 @@ def test_smoothing_in_the_theory_is_what_has_not_yielded_over_what_will():
     plastic = constant_hardness(realised.pressure, stress_variance=variance, yield_stress=limit).plastic
     # Of the whole area p0 / H yields in the end. The table is joined by power laws over 400 points.
     exact = 1 - plastic * limit / realised.pressure
-    np.testing.assert_allclose(hardness._kept_by_theory(case, q), exact, atol=2e-3)
+    np.testing.assert_allclose(kept_by_theory(realised, limit, q), exact, atol=2e-3)
     assert exact[-1] < 0.9
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from fem_contact.contact import ContactResult
 
-__all__ = ["limit_of", "limits_of", "resolved_grids", "solved"]
+__all__ = ["limit_of", "limits_of", "resolved_grids", "solved", "straight_limit"]
 
 Case = TypeVar("Case")
 
@@ -112,6 +112,50 @@ def resolved_grids(first: Realised, grids: Sequence[Grid], *, located: bool) -> 
             f"{LEAST_POINTS_PER_WAVE:g} points per shortest wave; here that is {math.ceil(side - 1e-9)} or more along a side"
         )
     return found
+
+
+def straight_limit(
+    data: xr.Dataset, *names: str, of: str = "pixel", x: str = "points", most: float | None = None
+) -> xr.Dataset:
+    """Add limits of what is linear in the spacing, as counted areas are: ``<name>_each`` from ``<name>_<of>_each``.
+
+    They are those of the two finest grids; ``<name>_each_drift`` is how far each is from that of the two before, or from
+    the finer grid where there are but two.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Over (grid), coarse first.
+    names : str
+    of : str
+        What tells the values on each grid apart.
+    x : str
+        Coordinate over (grid) that goes as one over the spacing.
+    most : float, optional
+        What a share cannot exceed; nor can it be negative then.
+    """
+    for name in names:
+        values = data[f"{name}_{of}_each"]
+        limit = _straight(values, data[x], most=most)
+        finest = values.isel(grid=-1, drop=True)
+        before = {"grid": slice(None, -1)}
+        coarser = (
+            _straight(values.isel(before), data[x].isel(before), most=most)
+            if data.sizes["grid"] > 2
+            else finest
+        )
+        made: dict[str, Any] = {"reduction": "straight limit", "of": f"{name}_{of}_each", "x": x}
+        made |= {} if most is None else {"most": most}
+        added = {f"{name}_each": limit.assign_attrs(made), f"{name}_each_drift": limit - coarser}
+        data = data.assign({key: value.drop_vars(x, errors="ignore") for key, value in added.items()})
+    return data
+
+
+def _straight(values: xr.DataArray, x: xr.DataArray, *, most: float | None) -> xr.DataArray:
+    coarse, fine = (values.isel(grid=k, drop=True) for k in (-2, -1))
+    ratio = float(x[-2] / x[-1])
+    limit = (fine - ratio * coarse) / (1 - ratio)
+    return limit if most is None else limit.clip(0.0, most)
 
 
 #: What no area of a plain half-space depends on.

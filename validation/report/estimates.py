@@ -14,7 +14,7 @@ import ast
 import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -139,7 +139,7 @@ def gather(cases: Mapping[Any, xr.Dataset], **dims: Sequence[Any]) -> xr.Dataset
         Dataset by place: a tuple with one value for each of `dims`, or the value itself where there is one.
         All have the same variables on the same dimensions.
     dims : sequences
-        Coordinates of the new dimensions.
+        Coordinates of the new dimensions; where they are instances of a dataclass, its fields are.
 
     Examples
     --------
@@ -166,8 +166,16 @@ def gather(cases: Mapping[Any, xr.Dataset], **dims: Sequence[Any]) -> xr.Dataset
         if whole.dtype == object:
             whole = whole.astype(str)
         stacked[name] = ((*dims, *like.dims), whole, like.attrs)
-    coordinates = {name: (c.dims, c.values, c.attrs) for name, c in first.coords.items()}
-    return xr.Dataset(stacked, coords={**coordinates, **{name: list(v) for name, v in dims.items()}})
+    coordinates: dict[Any, Any] = {n: (c.dims, c.values, c.attrs) for n, c in first.coords.items()}
+    for name, values in dims.items():
+        coordinates |= _coordinates(name, values)
+    return xr.Dataset(stacked, coords=coordinates)
+
+
+def _coordinates(dim: str, values: Sequence[Any]) -> dict[str, Any]:
+    if not (len(values) and is_dataclass(values[0])):
+        return {dim: list(values)}
+    return {part.name: (dim, [getattr(v, part.name) for v in values]) for part in fields(values[0])}
 
 
 def _places(dims: Mapping[str, Sequence[Any]]) -> Iterator[Any]:

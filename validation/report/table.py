@@ -106,7 +106,7 @@ def budget_table(data: xr.Dataset, names: Sequence[str]) -> ResultTable:
         dims = [str(d) for d in errors.dims if d != "source"]
         for here in each(data, *dims):
             value, error = float(here[name]), here[f"{name}_error"]
-            places = [place_words(here, dim, data) for dim in dims]
+            places = [words for dim in dims for words in _all_words(here, dim, data)]
             row: dict[str, float | str] = {"number": ", ".join([quantity(name).title, *filter(None, places)])}
             row["value"] = value
             shares = {str(s): 100 * abs(float(e) / value) for s, e in zip(SOURCES, error, strict=True)}
@@ -120,6 +120,14 @@ def budget_table(data: xr.Dataset, names: Sequence[str]) -> ResultTable:
                 )
             rows.append(row)
     return ResultTable.of_rows(rows)
+
+
+def _all_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> list[str]:
+    """Say where one is along a dimension: by all that changes along it, where nothing has its name."""
+    along = [str(n) for n, c in data.coords.items() if c.dims == (dim,) and len(set(c.values.tolist())) > 1]
+    if dim in data.coords or not along:
+        return [place_words(here, dim, data)]
+    return [place_words(here[[name]], dim, data[[name]]) for name in along]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -109,7 +109,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         )
         for block, one in parts.items()
     }
-    data = gather(numbers, case=list(parts)).drop_vars("case")
+    data = gather(numbers, case=list(parts))
     data = data.rename(
         pressure_half_space="pressure_difference",
         pressure_layer="pressure_difference_layer",
@@ -118,10 +118,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     )
     data = derive(data, area_difference="area_pixel / area_pixel_bem - 1")
     data = claim(data, "pressure_difference", "pressure_difference_layer", "area_difference")
-    names = ("varied", "element", "depth", "growth", "poisson")
-    return data.assign_coords(
-        {name: ("case", [getattr(block, name) for block in parts]) for name in names}
-    ).assign_attrs(study="depth", points_per_wave=options.points_per_wave, methods="bem fem")
+    return data.assign_attrs(study="depth", points_per_wave=options.points_per_wave, methods="bem fem")
 
 
 def views(data: xr.Dataset) -> Views:

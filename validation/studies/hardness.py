@@ -1,29 +1,27 @@
 """How much of the contact has yielded, by boundary elements over grids and by Persson's theory?
 
-Surfaces of several seeds against a solid of given hardness, on a ladder of grids: elastic and plastic area in
-the limit over the grids against load, and against magnification as the same surfaces gain wave after wave,
-beside the closed form for constant hardness with the gradient of the same surfaces; and the spectrum of the
-smoothed surface left behind, beside Persson's.
+Surfaces of several seeds against a solid of given hardness: elastic and plastic area in the limit over grids against load,
+and against magnification as the same surfaces gain wave after wave, beside the closed form for constant hardness with the
+gradient of the same surfaces; and the spectrum of the smoothed surface left behind, beside Persson's.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Self
 
-import numpy as np
 from pydantic import Field, model_validator
 
 from fem_contact.hardness import yielded
-from fem_contact.surface import HeightField, radial_spectrum
-from persson import elastic
-from persson.hardness import constant_hardness
-from persson.scale import Scale
-from persson.tabulated import smoothed
-from validation.arrays import Array
 from validation.effects.hardness import Hardness
-from validation.measures.common import named, truncated_surface
+from validation.measures.common import truncated_surface
+from validation.measures.limits import straight_limit
+from validation.measures.yielding import kept_by_theory, kept_waves, yielded_by_theory
+from validation.report.estimates import claim, derive, gather, mean
+from validation.report.findings import Finding, finding
+from validation.report.marks import Figure, Line, Panel
+from validation.report.table import Column, Table
+from validation.report.views import Views
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.solves.bench import Bench
@@ -35,17 +33,16 @@ from validation.units import Positive, wrong
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.report.drawing import Drawing
     from validation.solves.running import Solves
 
-__all__ = ["Options", "figures", "findings", "run"]
+__all__ = ["Options", "design", "run", "views"]
 
 _Positives = Annotated[tuple[Positive, ...], Field(min_length=1)]
 
 _SOLID = SolidSpec(young=1e9, poisson=0.3)
 _MODULUS = _SOLID.young / (1 - _SOLID.poisson**2)
 _GRADIENT, _LENGTH = 0.1, 1e-4
-_PARTS = ("plastic", "elastic")
+_SETTINGS = (("tolerance", 1e-8),)
 
 
 class Options(StudyOptions):
@@ -87,6 +84,11 @@ class Options(StudyOptions):
         return self
 
     @property
+    def limit(self) -> float:
+        """Hardness [Pa]."""
+        return self.hardness * _MODULUS * _GRADIENT
+
+    @property
     def ladder(self) -> tuple[int, ...]:
         """Grids, rising, each once."""
         return tuple(sorted(set(self.grids)))
@@ -98,33 +100,39 @@ class Options(StudyOptions):
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Case:
-    """One surface with its waves up to some magnification, at one nominal pressure, on a solid of a hardness [Pa]."""
+class Case:
+    """A load, and the last wave there is; what is varied: one of both, or nothing for the surfaces that are smoothed."""
 
-    realised: Realised
-    hardness: float
+    varied: str = ""
+    reduced_pressure: float
+    magnification: float
 
-    def solve(self, n: int) -> Press:
-        return Press(
-            method="bem",
-            grid=(n, n),
-            realised=self.realised,
-            settings=(("tolerance", 1e-8),),
-            effects=(Hardness(hardness=self.hardness),),
+
+def design(options: Options) -> dict[tuple[Case, int], tuple[Press, ...]]:
+    """Return the solves by case and number of the surface, coarse grid first."""
+    smoothing, whole = options.smoothing_reduced_pressure, options.bandwidth
+    cases = [
+        *(Case(varied="load", reduced_pressure=p, magnification=whole) for p in options.reduced_pressures),
+        *(Case(varied="waves", reduced_pressure=smoothing, magnification=z) for z in options.magnifications),
+        Case(reduced_pressure=smoothing, magnification=whole),
+    ]
+    surfaces = range(options.surfaces)
+    effects = (Hardness(hardness=options.limit),)
+    wholes = [options.surface(k, until=whole) for k in surfaces]
+    units = [Realised(surface=s, solid=_SOLID, load=Load(pressure=1.0)).pressure_scale for s in wholes]
+
+    def realised(k: int, case: Case) -> Realised:
+        surface, load = options.surface(k, until=case.magnification), case.reduced_pressure * units[k]
+        return Realised(surface=surface, solid=_SOLID, load=Load(pressure=load))
+
+    return {
+        (case, k): tuple(
+            Press(method="bem", grid=(n, n), realised=realised(k, case), settings=_SETTINGS, effects=effects)
+            for n in (options.ladder if case.varied else options.ladder[-1:])
         )
-
-    def theory(self) -> Array:
-        """A_pl/A0 and A_el/A0 with the gradient of this very surface."""
-        realised = self.realised
-        variance = elastic.stress_variance(
-            realised.field.moments[1], contact_modulus=realised.contact_modulus
-        )
-        parts = constant_hardness(realised.pressure, stress_variance=variance, yield_stress=self.hardness)
-        return np.array([float(parts.plastic), float(parts.elastic)])
-
-
-#: Cases by load or magnification, one for each surface.
-_Rows = Sequence[Sequence[_Case]]
+        for case in cases
+        for k in surfaces
+    }
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
@@ -133,230 +141,143 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over `reduced_pressure` and over `magnification`: A_pl/A0 and A_el/A0 in the limit of the two finest grids,
-        linear in dx, averaged over the surfaces, with the uncertainty from grids and surfaces; the finest grid; the
-        theory. Over `wave`: share of C(q) that the smoothed surfaces keep, and Persson's.
+        A_pl/A0 and A_el/A0 (case, surface, grid), their limits linear in dx and means, and the theory with the gradient of
+        the same surfaces; share of C(q) (surface, wave) that the smoothed surfaces keep, and Persson's.
     """
-    by_load, by_wave, last = _cases(options)
-    every = [case for row in [*by_load, *by_wave, last] for case in row]
-    solved = bench.solve([case.solve(n) for case in every for n in options.ladder])
-    columns = _columns(by_load, options.ladder, solved, dimension="reduced_pressure")
-    columns |= _columns(by_wave, options.ladder, solved, dimension="magnification", suffix="_grown")
-    return _dataset(options, columns, kept=_kept(last, options.ladder[-1], solved))
-
-
-def _cases(options: Options) -> tuple[_Rows, _Rows, Sequence[_Case]]:
-    """List the cases by load, by magnification, and those that are smoothed, each surface after the other."""
-    hardness = options.hardness * _MODULUS * _GRADIENT
+    solves = design(options)
+    solved = bench.solve([solve for several in solves.values() for solve in several])
     surfaces = range(options.surfaces)
+    areas = {(c, k): _areas(several, options, solved) for (c, k), several in solves.items() if c.varied}
+    smoothed = {
+        k: _smoothed(several[0], options, solved) for (c, k), several in solves.items() if not c.varied
+    }
+    data = gather(areas, case=list(dict.fromkeys(case for case, _ in areas)), surface=surfaces)
+    data = data.merge(gather(smoothed, surface=surfaces).rename(solve="solve_smoothed"))
+    data = derive(
+        straight_limit(data, "area_plastic", "area_elastic"),
+        area_plastic_excess_each="area_plastic_each / area_plastic_persson_each - 1",
+        area_elastic_excess_each="area_elastic_each / area_elastic_persson_each - 1",
+        spectrum_kept_excess_each="spectrum_kept_each - spectrum_kept_persson_each",
+    )
+    areas_of = [f"area_{part}" for part in ("plastic", "elastic")]
+    data = mean(data, *(f"{name}{of}" for name in areas_of for of in ("", "_pixel", "_persson", "_excess")))
+    kept = ("spectrum_kept", "spectrum_kept_persson", "spectrum_kept_excess", "gradient_kept")
+    data = derive(mean(data, *kept), spectrum_kept_excess_largest="abs(spectrum_kept_excess).max('wave')")
+    simulated = {"depth": "boundary elements press a half-space", "theory": "it is simulated"}
+    data = claim(data, *areas_of, "spectrum_kept", "gradient_kept", **simulated)
+    said = {"hardness": options.hardness, "smoothing_reduced_pressure": options.smoothing_reduced_pressure}
+    return data.assign_attrs(study="hardness", methods="theory bem", **said)
 
-    def realised(k: int, until: float, pressure: float) -> Realised:
-        return Realised(surface=options.surface(k, until=until), solid=_SOLID, load=Load(pressure=pressure))
 
-    units = [realised(k, options.bandwidth, 1.0).pressure_scale for k in surfaces]
-
-    def row(load: float, until: float) -> list[_Case]:
-        return [_Case(realised=realised(k, until, load * units[k]), hardness=hardness) for k in surfaces]
-
-    smoothing = options.smoothing_reduced_pressure
-    by_load = [row(load, options.bandwidth) for load in options.reduced_pressures]
-    by_wave = [row(smoothing, zeta) for zeta in options.magnifications]
-    return by_load, by_wave, row(smoothing, options.bandwidth)
-
-
-def _dataset(options: Options, columns: dict[str, Any], *, kept: _Kept) -> xr.Dataset:
-    """Put areas and spectra together."""
+def _areas(solves: tuple[Press, ...], options: Options, solved: Solves) -> xr.Dataset:
+    """Return the areas of one surface in one case, on every grid, and Persson's."""
     import xarray as xr
 
-    ratio = {"units": "1", "long_name": "C(q) left by smoothing, over C(q)"}
-    columns["kept"] = ("wave", kept.measured, ratio)
-    columns["kept_persson"] = named("wave", kept.theory, "1 - A_pl(q)/A_pl, Persson", unit="1")
-    names = {"reduced_pressure": "p* = p0 / (E* h'_rms)", "magnification": "q / q_long of the last wave"}
-    along = {"reduced_pressure": options.reduced_pressures, "magnification": options.magnifications}
-    coords = {name: named(name, np.asarray(values), names[name], unit="1") for name, values in along.items()}
-    coords["wave"] = named("wave", kept.q, "q / q_long", unit="1")
-    said = {
-        "surfaces": options.surfaces,
-        "hardness": options.hardness,
-        "smoothing_reduced_pressure": options.smoothing_reduced_pressure,
-        "gradient_kept_inside": kept.inside,
-    }
-    return xr.Dataset(columns, coords=coords, attrs={"methods": "theory bem", **said})
-
-
-def _columns(
-    rows: _Rows,
-    ladder: tuple[int, ...],
-    solved: Solves,
-    *,
-    dimension: str,
-    suffix: str = "",
-) -> dict[str, tuple[str, Array, dict[str, str]]]:
-    """Limits, their uncertainty, finest grid and theory of both parts of the area."""
-    # row, surface, grid, part
-    found = np.array([[[_parts(solved[case.solve(n)]) for n in ladder] for case in row] for row in rows])
-    theory = np.array([[case.theory() for case in row] for row in rows])
-    limits = _linear(found[:, :, -2], found[:, :, -1], ladder[-2] / ladder[-1])
-    coarser = (
-        _linear(found[:, :, -3], found[:, :, -2], ladder[-3] / ladder[-2])
-        if len(ladder) > 2
-        else found[:, :, -1]
-    )
-    grid = np.abs(limits - coarser).mean(axis=1)
-    count = limits.shape[1]
-    scatter = limits.std(axis=1, ddof=1) / count**0.5 if count > 1 else np.zeros_like(grid)
-    columns = {}
-    for k, part in enumerate(_PARTS):
-        for name, values, words in (
-            ("", limits.mean(axis=1), "limit over grids"),
-            ("_finest", found[:, :, -1].mean(axis=1), "finest grid"),
-            ("_persson", theory.mean(axis=1), "Persson"),
-        ):
-            text = {"units": "1", "long_name": f"A_{part[:2]}/A0, {words}"}
-            columns[f"{part}{suffix}{name}"] = (dimension, values[:, k], text)
-        error = {"units": "1", "long_name": f"standard error of A_{part[:2]}/A0, grids and surfaces"}
-        columns[f"{part}{suffix}_error"] = (dimension, np.hypot(grid, scatter)[:, k], error)
-    return columns
-
-
-def _parts(contact: Any) -> tuple[float, float]:
-    found = yielded(contact.checked())
-    return found.plastic_area, found.elastic_area
-
-
-def _linear(coarse: Array, fine: Array, ratio: float) -> Array:
-    """Return the limit of something linear in dx; `ratio` is that of the spacings, fine over coarse."""
-    return np.asarray((fine - ratio * coarse) / (1 - ratio))
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Kept:
-    """What smoothing leaves, means over the surfaces.
-
-    Attributes
-    ----------
-    q : (n,) array
-        Over q_long.
-    measured, theory : (n,) arrays
-        Share of C(q) that is left.
-    inside : float
-        Share of <|grad h|^2> that is left where the surface yielded.
-    """
-
-    q: Array
-    measured: Array
-    theory: Array
-    inside: float
-
-
-def _kept(cases: Sequence[_Case], n: int, solved: Solves) -> _Kept:
-    """Read off the surfaces left behind what smoothing leaves, beside Persson's."""
-    q, measured, theory, inside = zip(*(_kept_of(case, n, solved) for case in cases), strict=True)
-    return _Kept(
-        q=q[-1],
-        measured=np.mean(measured, axis=0),
-        theory=np.mean(theory, axis=0),
-        inside=float(np.mean(inside)),
+    found = [yielded(solved[solve].checked()) for solve in solves]
+    plastic, elastic = yielded_by_theory(solves[0].realised, options.limit)
+    return xr.Dataset(
+        {
+            "area_plastic_pixel_each": ("grid", [one.plastic_area for one in found]),
+            "area_elastic_pixel_each": ("grid", [one.elastic_area for one in found]),
+            "area_plastic_persson_each": plastic,
+            "area_elastic_persson_each": elastic,
+            "solve": ("grid", [solve.key for solve in solves]),
+        },
+        coords={"points": ("grid", list(options.ladder))},
     )
 
 
-def _kept_of(case: _Case, n: int, solved: Solves) -> tuple[Array, Array, Array, float]:
-    """Waves over q_long, the share left at each, Persson's, and the share of the squared gradient."""
-    contact = solved[case.solve(n)].checked()
-    before = HeightField(heights=np.array(contact.heights), lengths=contact.lengths)
-    after = yielded(contact).surface
-    spectrum = case.realised.spectrum_shape
-    rings, left = radial_spectrum(before), radial_spectrum(after)
-    own = (rings.q >= spectrum.q_long) & (rings.q <= spectrum.q_short)
-    slopes = [_squared_gradient(field)[contact.at_bound].mean() for field in (before, after)]
-    measured, theory = left.power[own] / rings.power[own], _kept_by_theory(case, rings.q[own])
-    return rings.q[own] / spectrum.q_long, measured, theory, slopes[1] / slopes[0]
+def _smoothed(solve: Press, options: Options, solved: Solves) -> xr.Dataset:
+    """Return what yielding leaves of one surface, beside Persson's."""
+    import xarray as xr
 
-
-def _kept_by_theory(case: _Case, q: Array) -> Array:
-    """Share of C(q) that Persson's formula leaves at wavevectors (2006, Sec. 10.2)."""
-    realised, spectrum = case.realised, case.realised.spectrum_shape
-    scaled = spectrum.scaled(float(realised.field.rms_gradient**2 / spectrum.m2()))
-    fine = np.geomspace(spectrum.q_long, spectrum.q_short, 400)
-    variance = Scale(scaled, contact_modulus=realised.contact_modulus).variance(fine)
-    parts = constant_hardness(realised.pressure, stress_variance=variance, yield_stress=case.hardness)
-    share = np.minimum(parts.plastic * case.hardness / realised.pressure, 1.0)
-    return np.asarray(smoothed(scaled, wavevectors=fine, yielded=share)(q) / scaled(q))
-
-
-def _squared_gradient(field: HeightField) -> Array:
-    dx, dy = field.spacing
-    h = field.heights
-    gx = (np.roll(h, -1, axis=0) - np.roll(h, 1, axis=0)) / (2 * dx)
-    gy = (np.roll(h, -1, axis=1) - np.roll(h, 1, axis=1)) / (2 * dy)
-    return np.asarray(gx**2 + gy**2)
-
-
-def findings(data: xr.Dataset) -> tuple[str, ...]:
-    """Say how far the theory is from the limit, and how much of the spectrum is left."""
-    sentences = []
-    for dimension, suffix, words in (
-        ("reduced_pressure", "", "p*"),
-        ("magnification", "_grown", "magnification"),
-    ):
-        for k in sorted({0, data.sizes[dimension] - 1}):
-            point = data.isel({dimension: k})
-            parts = [_beside(point, part, suffix) for part in _PARTS]
-            at = f"{words} = {float(point[dimension]):.3g}"
-            if suffix:
-                at += f" (p* = {data.attrs['smoothing_reduced_pressure']:.3g} with all waves)"
-            sentences.append(f"At {at} and H = {data.attrs['hardness']:.3g} E* h'_rms: {'; '.join(parts)}.")
-    sentences.append(_smoothing(data))
-    return tuple(sentences)
-
-
-def _beside(point: xr.Dataset, part: str, suffix: str) -> str:
-    from validation.comparison.findings import percent
-
-    found, error = float(point[part + suffix]), float(point[f"{part}{suffix}_error"])
-    theory = float(point[f"{part}{suffix}_persson"])
-    where = "above" if theory > found else "below"
-    away = "" if found <= 0 else f", {percent(abs(theory / found - 1))} {where} it"
-    return f"A_{part[:2]}/A0 = {found:.4f} +- {error:.4f} in the limit and {theory:.4f} by Persson{away}"
-
-
-def _smoothing(data: xr.Dataset) -> str:
-    kept, theory = (float(data[name].values[-1]) for name in ("kept", "kept_persson"))
-    worst = float(np.max(np.abs(data["kept"].values - data["kept_persson"].values)))
-    return (
-        f"Smoothed at p* = {data.attrs['smoothing_reduced_pressure']:.3g}, the surface keeps {kept:.3g} of C(q) at "
-        f"q = {float(data['wave'].values[-1]):.3g} q_long, where Persson's formula leaves {theory:.3g} "
-        f"(largest difference {worst:.2g}): it smooths the whole surface, boundary elements only what has "
-        f"yielded, where {data.attrs['gradient_kept_inside']:.2g} of the squared gradient is left."
+    own = solve.realised
+    q, kept, gradient = kept_waves(solved[solve].checked(), own)
+    return xr.Dataset(
+        {
+            "spectrum_kept_each": ("wave", kept),
+            "spectrum_kept_persson_each": ("wave", kept_by_theory(own, options.limit, q)),
+            "gradient_kept_each": gradient,
+        },
+        coords={"wave": q / own.spectrum_shape.q_long},
+        attrs={"solve": solve.key},
     )
 
 
-def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
-    """Draw plastic and elastic area against load and magnification, and the spectrum that is left."""
-    from validation.report.drawing import Drawing
-    from validation.report.figure import lines_figure
+def views(data: xr.Dataset) -> Views:
+    """Plastic and elastic area against load and magnification, and the spectrum that is left."""
+    parts = ("plastic", "elastic")
+    spectrum = [Line(y=name) for name in ("spectrum_kept", "spectrum_kept_persson")]
+    finest = {"grid": data.sizes["grid"] - 1}
+    shown = [
+        column
+        for name in ("area_plastic", "area_elastic")
+        for column in (name, Column(f"{name}_pixel", finest), f"{name}_persson", f"{name}_excess")
+    ]
+    return Views(
+        table=Table(rows=("case",), columns=("varied", "reduced_pressure", "magnification", *shown)),
+        budget=("area_plastic", "area_elastic"),
+        figures=[
+            *(_figure(part, finest) for part in parts),
+            Figure(
+                name="smoothed-spectrum",
+                caption="Spectrum of the surface left after yielding and unloading, over that before, and Persson's formula, "
+                "which smooths the whole surface (2006, Sec. 10.2).",
+                panels=[Panel(marks=spectrum, x="wave", log="x")],
+            ),
+        ],
+        findings=[
+            *(_said(data, part, varied) for varied in ("load", "waves") for part in parts),
+            _left(data),
+        ],
+    )
 
-    drawings = []
-    for x, suffix, words in (("reduced_pressure", "", "load"), ("magnification", "_grown", "magnification")):
-        for part in _PARTS:
-            lines = (f"{part}{suffix}", f"{part}{suffix}_finest", f"{part}{suffix}_persson")
-            drawings.append(
-                Drawing(
-                    name=f"{part}-area" + ("-magnification" if suffix else ""),
-                    figure=lines_figure(data, x=x, lines=lines, logarithmic="x"),
-                    data=data[[*lines, f"{part}{suffix}_error"]],
-                    caption=f"Share of the nominal area in {part} contact against {words}: limit over the "
-                    "grids with its uncertainty from grids and surfaces, finest grid, and Persson's theory "
-                    "with the gradient of the same surfaces.",
-                )
-            )
-    drawings.append(
-        Drawing(
-            name="smoothed-spectrum",
-            figure=lines_figure(data, x="wave", lines=("kept", "kept_persson"), logarithmic="x"),
-            data=data[["kept", "kept_persson"]],
-            caption="Spectrum of the surface left after yielding and unloading, over that before: measured, "
-            "and Persson's formula, which smooths the whole surface (2006, Sec. 10.2).",
+
+def _figure(part: str, finest: dict[str, int]) -> Figure:
+    """Show one part of the area against load and against magnification."""
+    name = f"area_{part}"
+    panels = [
+        Panel(
+            marks=[
+                Line(y=name, where={"varied": varied}, label="limit over grids"),
+                Line(y=f"{name}_pixel", where={"varied": varied}, at=finest, label="finest grid"),
+                Line(y=f"{name}_persson", where={"varied": varied}),
+            ],
+            x=x,
+            log="x",
+            bottom=0.0,
         )
+        for varied, x in (("load", "reduced_pressure"), ("waves", "magnification"))
+    ]
+    words = "yielded" if part == "plastic" else "elastic contact"
+    caption = f"Share of the nominal area that is {words} against load (left) and as waves are added (right)."
+    return Figure(name=f"{part}-area", caption=caption, panels=panels, width=9.0)
+
+
+def _said(data: xr.Dataset, part: str, varied: str) -> Finding:
+    """Say how far Persson's area is from the limit at both ends."""
+    here = data.isel(case=(data.varied == varied).values)
+    at = "p* = {reduced_pressure}" + ("" if varied == "load" else ", zeta = {magnification}")
+    name = f"area_{part}"
+    return finding(
+        "comparison",
+        f"H = {{hardness}} E* h'_rms: A_{part[:2]}/A0 is {{each}}.",
+        here.isel(case=sorted({0, here.sizes["case"] - 1})),
+        item=f"{{{name}}} at {at}, {{verdict}} Persson's {{{name}_persson}}, {{{name}_excess:+%}} away",
+        over="case",
+        by=f"{name}_excess",
+        hardness=data.attrs["hardness"],
     )
-    return tuple(drawings)
+
+
+def _left(data: xr.Dataset) -> Finding:
+    """Say what of the shortest wave is left."""
+    return finding(
+        "comparison",
+        "Smoothed at p* = {load}, the surface keeps {spectrum_kept} of C(q) at q = {wave} q_long, {verdict} the "
+        "{spectrum_kept_persson:~} of Persson's formula (largest difference {spectrum_kept_excess_largest:~}): it smooths the whole "
+        "surface, boundary elements only what has yielded, where {gradient_kept} of the squared gradient is left.",
+        data.isel(wave=-1),
+        by="spectrum_kept_excess",
+        load=data.attrs["smoothing_reduced_pressure"],
+    )

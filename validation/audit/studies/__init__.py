@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from validation.audit.ledger import Ledger
-from validation.audit.studies import adhesion, hardness, hurst, pressure, refinement, verdict
+from validation.audit.studies import hurst, pressure, refinement, verdict
 from validation.audit.studies.files import judge_files
 from validation.audit.studies.kept import Kept
 
@@ -20,8 +20,6 @@ JUDGES: Mapping[str, Callable[[Kept], None]] = {
     "pressure": pressure.judge,
     "hurst": hurst.judge,
     "refinement": refinement.judge,
-    "hardness": hardness.judge,
-    "adhesion": adhesion.judge,
     "theory-verdict": verdict.judge,
 }
 
