@@ -21,41 +21,11 @@ from validation.studies import find_study
 from validation.studies._outputs import run_study
 
 _ROUGH = {"periods": 2.0, "bandwidth": 2.0, "points_per_wave": (4.0, 6.0, 8.0), "seed": 61}
-_LADDERS = {
-    "ladder_hursts": (0.3, 0.8),
-    "ladder_bandwidths": (2.0, 2.5, 3.0),
-    "ladder_periods": (1.0, 1.25),
-    "ladder_pairs": 2,
-    "ladder_reduced_pressure": 0.2,
-    "ladder_points_per_wave": (4.0, 6.0),
-}
 #: Options of small studies, and what is said of each not to be computed again.
 _SMALL = {
     "pressure": (
         {**_ROUGH, "surfaces": 3, "shifts": 1, "reduced_pressures": (0.02, 0.03, 0.3, 4.0)},
         {"theory of gap and energy", "data.nc: theory_gap", "data.nc: theory_energy"},
-    ),
-    "hurst": (
-        {
-            **{**_ROUGH, "bandwidth": None, "periods": 1.0, "points_per_wave": (4.0, 6.0)},
-            **_LADDERS,
-            "hursts": (0.3, 0.8),
-            "bandwidths": (2.0,),
-            "reduced_pressures": (0.1, 0.2),
-            "pairs": 2,
-        },
-        {"data.nc: bandwidth_nayak"},
-    ),
-    "refinement": (
-        {
-            **{**_ROUGH, "points_per_wave": (2.0, 4.0, 6.0, 8.0)},
-            "surfaces": 2,
-            "grid_scale_grids": (24,),
-            "ladders": False,
-            "elements": ("Hex1",),
-            "fem_points_per_wave": (4.0, 6.0, 8.0),
-        },
-        set(),
     ),
     "theory-verdict": (
         {
@@ -136,14 +106,7 @@ def _edited(folder, name, column, factor):
 
 #: Put into tables and budgets: one per cent, a deviation for a standard error, 1.96 for Student's factor.
 _WRONG_CELLS = {
-    "hurst": [
-        ("table.csv", "+- (95 %, surfaces)", 1.96 / 12.706),
-        ("table.csv", "Persson, conditional", 1.01),
-        ("budget.csv", "surfaces [%]", np.sqrt(2)),
-        ("budget.csv", "for this spectrum and period [%]", 0.98),
-    ],
     "pressure": [("table.csv", "kappa", 1.01), ("table.csv", "+- (95 %)", np.sqrt(3))],
-    "refinement": [("table.csv", "pixel - limit [%]", 1.01), ("budget.csv", "grid [%]", 0.5)],
     "theory-verdict": [("budget.csv", "value", 1.01)],
 }
 
@@ -164,14 +127,6 @@ _WRONG_DATA = {
         "gamma": ("log10 for ln", np.log(10)),
         "stress_share": ("share not normalised", 24.0**2),
     },
-    "hurst": {
-        "kappa_grid_error": ("two errors for one", 2.0),
-        "size_limit": ("limit of another order", 1.02),
-    },
-    "refinement": {
-        "limit_drift": ("drift of the finest grid", 0.5),
-        "fem_limit_error": ("n for n - 2", np.sqrt(1 / 3)),
-    },
     "theory-verdict": {"shares": ("one sigma", 0.5), "distance": ("another load", 1.1)},
 }
 
@@ -188,9 +143,6 @@ def test_mistakes_in_the_dataset_of_a_study_are_found_by_the_names_of_the_variab
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("hurst", ("not told from zero", "told from zero")),
-        ("refinement", ("can be neither confirmed nor ruled out by", "agree with")),
-        ("refinement", ("are not told apart", "are told apart")),
         ("theory-verdict", ("is closest", "is not closest")),
     ],
 )
@@ -239,18 +191,6 @@ def test_a_study_on_a_scene_is_listed_not_taken_for_the_one_on_its_own_surfaces(
     sentences = [one["text"] for one in json.loads((folder / "summary.json").read_text())["findings"]]
     assert sentences
     assert {f"sentence: {sentence}" for sentence in sentences} <= set(ledger.unread)
-
-
-def test_a_study_with_another_method_is_listed(copied):
-    folder = copied("refinement")
-    for name in ("study.json", "summary.json"):
-        said = json.loads((folder / name).read_text())
-        (folder / name).write_text(
-            json.dumps({**said, "options": {**said["options"], "methods": ["bem", "tamaas"]}})
-        )
-    assert any(
-        line.startswith("the numbers of the study refinement with tamaas") for line in audit(folder).unread
-    )
 
 
 def test_the_command_audits_a_study_and_exits_with_one_where_a_number_disagrees(copied):

@@ -7,10 +7,12 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
-from planted import SMALL, STUDENT, THREE, PlantedBench, block, column, measurement, numbers, realisation
+from planted import SMALL, STUDENT, THREE, PlantedBench, block, column, measurement, realisation
 
 from validation.measures.common import persson_area
+from validation.report.estimates import total_error
 from validation.studies import (
+    find_study,
     hurst,
     refinement,
     theory_verdict,
@@ -51,71 +53,92 @@ def exponents():
     return hurst.run(options, bench=PlantedBench(_kappa_of))
 
 
-def test_hurst_prints_the_planted_kappa_with_students_interval_over_pairs(exponents):
-    table = hurst.table(exponents)
-    np.testing.assert_allclose(column(table, "kappa limit"), [2.03, 2.03, 2.07, 2.07], rtol=1e-12)
+def test_hurst_finds_the_planted_kappa_with_students_interval_over_pairs(exponents):
+    np.testing.assert_allclose(exponents.kappa[0], [[2.03, 2.03], [2.07, 2.07]], rtol=1e-12)
     # Two pairs, 0 and .02: standard error .01.
-    np.testing.assert_allclose(column(table, "+- (95 %, surfaces)"), 0.01 * STUDENT[2], rtol=1e-9)
+    half = total_error(exponents, "kappa", sources=["surfaces"])
+    np.testing.assert_allclose(half, 0.01 * STUDENT[2], rtol=1e-9)
+    table = hurst.views(exponents).table.of(exponents)
+    np.testing.assert_allclose(column(table, "kappa"), [2.03, 2.03, 2.07, 2.07], rtol=1e-12)
 
 
-def test_hurst_prints_counted_kappa_on_the_coarsest_and_on_the_finest_grid(exponents):
-    table = hurst.table(exponents)
-    for title, n in (("counted at lambda_short/dx = 8", 32), ("counted at 4", 16)):
-        expected = [k + 0.1 * 2 / n / p for k, p in ((2.03, 0.05), (2.03, 0.1), (2.07, 0.05), (2.07, 0.1))]
-        np.testing.assert_allclose(column(table, title), expected, rtol=1e-12)
+def test_hurst_has_counted_kappa_on_every_grid_and_what_it_exceeds_the_limit_by(exponents):
+    for g, n in enumerate((16, 24, 32)):
+        expected = [[k + 0.1 * 2 / n / p for p in (0.05, 0.1)] for k in (2.03, 2.07)]
+        np.testing.assert_allclose(exponents.kappa_pixel.isel(family=0, grid=g), expected, rtol=1e-12)
+    each = [0.1 * 2 / 16 / p / (2 + h / 10 + PAIR) for h in (0.2, 0.6) for p in (0.05, 0.1)]
+    assert float(exponents.kappa_excess[0]) == pytest.approx(np.mean(each), rel=1e-9)
 
 
-def test_hurst_puts_each_theory_in_its_column(exponents):
-    table = hurst.table(exponents)
-    expected = [math.erf(math.sqrt(2) * p) / p for p in (0.05, 0.1)] * 2
-    np.testing.assert_allclose(column(table, "Persson, conditional"), expected, rtol=1e-12)
+def test_hurst_tells_each_theory_its_load(exponents):
+    expected = [math.erf(math.sqrt(2) * p) / p for p in (0.05, 0.1)]
+    np.testing.assert_allclose(exponents.kappa_persson, expected, rtol=1e-12)
     # The planted gradient is that of C(q): both ways of telling it agree.
-    np.testing.assert_allclose(column(table, "Persson, ensemble"), expected, rtol=1e-12)
+    np.testing.assert_allclose(exponents.kappa_ensemble[0], [expected] * 2, rtol=1e-12)
+    np.testing.assert_allclose(exponents.kappa_ratio, 2.05 / np.array(expected), rtol=1e-9)
 
 
 def test_hurst_ladders_lead_to_the_planted_limits_by_the_orders_of_their_laws(exponents):
-    for kind, order, start in (("bandwidth", 1.6, 0.4 * 0.5**1.6), ("size", 2.0, 0.4 * 0.5**2)):
-        assert float(exponents[f"{kind}_order"][0]) == pytest.approx(order, rel=1e-12)
+    for kind, order, start in (("by_bandwidth", 1.6, 0.4 * 0.5**1.6), ("by_size", 2.0, 0.4 * 0.5**2)):
+        assert float(exponents[f"order_{kind}"][0]) == pytest.approx(order, rel=1e-12)
         # The pairs repeat: each rung has the mean .01 of two of them.
-        assert float(exponents[f"{kind}_limit"][0]) == pytest.approx(2.03 - start, rel=1e-9)
-        assert float(exponents[f"{kind}_slope"][0]) == pytest.approx(0.4, rel=1e-9)
+        assert float(exponents[f"kappa_{kind}_limit"][0]) == pytest.approx(2.03 - start, rel=1e-9)
+        assert float(exponents[f"kappa_{kind}_slope"][0]) == pytest.approx(0.4, rel=1e-9)
 
 
-def test_hurst_says_by_how_much_kappa_changes_from_the_lowest_to_the_highest_exponent(exponents):
-    found = numbers(hurst.findings(exponents)[0].partition("changes by ")[2])
+def test_hurst_decides_whether_kappa_changes_with_the_exponent_by_the_interval_over_pairs(exponents):
     low, high = (np.array([2 + h / 10 + PAIR]) for h in (0.2, 0.6))
     ratio = (high / low - 1).reshape(2, 2).mean(axis=1)
-    error = abs(ratio[1] - ratio[0]) / 2
-    np.testing.assert_allclose(found[0], 100 * ratio.mean(), atol=0.0501)
-    np.testing.assert_allclose(found[1], 100 * STUDENT[2] * error, atol=0.0501)
+    np.testing.assert_allclose(exponents.kappa_change[0], ratio.mean(), rtol=1e-9)
+    half = STUDENT[2] * abs(ratio[1] - ratio[0]) / 2
+    found = total_error(exponents, "kappa_change", sources=["surfaces"])
+    np.testing.assert_allclose(found[0], half, rtol=1e-6)
+    error = total_error(exponents, "kappa_change")
+    for factor, outcome in ((0.9, "0"), (1.1, "+"), (-1.1, "-")):
+        trend = hurst.views(exponents.assign(kappa_change=factor * error)).findings[0]
+        assert trend.outcomes == (outcome,) * 2
 
 
-def test_hurst_puts_the_slope_over_the_load_beside_the_theory_and_what_was_published(exponents):
+def test_hurst_puts_the_slope_over_the_load_beside_what_was_published(exponents):
     theory = persson_area(0.05) / 0.05
-    assert exponents.attrs["ladder_reduced_pressure"] == 0.05
-    (said,) = (line for line in hurst.findings(exponents) if line.startswith("D_f = 2.8"))
-    first, last = (float(exponents.bandwidth_kappa[0, i]) / theory for i in (0, -1))
-    assert f"is {first:.3f} +- " in said
-    less = "less" if last > first else "more"
-    assert f"it falls {100 * abs(last / first - 1):.1f} % {less} than his." in said
-    told = exponents.copy(deep=True).assign_coords(ladder_hurst=("ladder", [0.8]))
-    told["bandwidth_kappa"][:], told["bandwidth_half_width"][:] = 1.12 * theory, 0.03 * theory
-    (said,) = (line for line in hurst.findings(told) if line.startswith("D_f = 2.2"))
-    assert "1.14 by molecular dynamics (Yang, Tartaglino, Persson 2006), 1.13 by finite elements" in said
-    assert said.endswith("0.8 by discretised continuum (Borri-Brunetto 2006) (outside the interval).")
+    assert float(exponents.reduced_pressure_ladder) == 0.05
+    ratio = exponents.kappa_by_bandwidth / theory
+    np.testing.assert_allclose(exponents.kappa_ratio_by_bandwidth, ratio, rtol=1e-12)
+    np.testing.assert_allclose(
+        exponents.kappa_ratio_difference[0], ratio[0, -1].item() - np.array([1.14, 1.13, 0.8]), rtol=1e-9
+    )
+    # Nothing was published for H = .2.
+    assert all(one.kind != "agreement" for one in hurst.views(exponents).findings)
+    error = float(total_error(exponents, "kappa_ratio_difference").values[0, 0])
+    told = exponents.assign_coords(hurst_ladder=("ladder", [0.8]))
+    told["kappa_ratio_difference"][0] = [0.9 * error, -0.9 * error, 1.1 * error]
+    (found,) = (one for one in hurst.views(told).findings if one.kind == "agreement")
+    assert found.outcomes == ("agree", "agree", "differ")
 
 
 def test_the_budget_of_hurst_adds_the_planted_half_widths_as_a_root_of_squares(exponents):
-    rows = hurst.budget(exponents)
+    rows = find_study("hurst").budget(exponents)
     surfaces = np.array(column(rows, "surfaces [%]"))
     np.testing.assert_allclose(surfaces[0], 100 * 0.01 * STUDENT[2] / 2.03, rtol=1e-9)
     parts = [np.array(column(rows, f"{name} [%]"), dtype=float) for name in ("grid", "solver", "surfaces")]
     own = np.sqrt(np.sum(np.square(parts), axis=0))
     np.testing.assert_allclose(column(rows, "for this spectrum and period [%]"), own, rtol=1e-12)
     # Shift along the ladder of samples at L/lambda_long = 2: slope/4 over the limit, and its uncertainty.
-    size = 0.4 + float(exponents.size_slope_half_width[0])
-    np.testing.assert_allclose(column(rows, "finite size [%]")[:2], 25 * size / 1.93, rtol=1e-9)
-    assert column(rows, "finite size [%]")[2:] == ["not determinable"] * 2
+    size = 0.4 + float(total_error(exponents, "kappa_by_size_slope").squeeze())
+    np.testing.assert_allclose(column(rows, "size [%]")[:2], 25 * size / 1.93, rtol=1e-9)
+    assert column(rows, "size [%]")[2:] == ["not measured"] * 2
+    assert all(math.isnan(total) for total in column(rows, "for any [%]")[2:])
+
+
+def test_without_ladders_size_and_bandwidth_are_not_measured_and_their_solves_not_asked_for():
+    options = find_study("hurst").parse(
+        ["--no-ladders", "--hursts", "0.2", "--pairs", "2", "--periods", "2", "--bandwidths", "2"]
+    )
+    cases = hurst.design(options)
+    assert len(cases) == 5
+    data = hurst.run(options, bench=PlantedBench(_kappa_of))
+    assert data.kappa_error.sel(source=["size", "bandwidth"]).isnull().all()
+    assert all(one.by != "kappa_by_bandwidth_slope" for one in hurst.views(data).findings)
 
 
 # refinement: counted areas against the limit ------------------------------------------------------------

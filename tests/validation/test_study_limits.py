@@ -20,7 +20,7 @@ from validation.measures.budget import Budget, budget_table, grid_drift, grid_sh
 from validation.measures.common import base_case, base_surface
 from validation.measures.distributions import Distributions, distance_to_reference
 from validation.measures.edge import inverse_square_coefficient, window_slope
-from validation.measures.ladders import bandwidth_order, rungs_limit
+from validation.measures.ladders import bandwidth_order, fitted_line, line
 from validation.measures.measurement import Measurement, grid_for
 from validation.measures.theory import WITH_ENERGY, Waves, ensemble_area, modes_sentence
 from validation.scenes.scene import SolidSpec
@@ -42,11 +42,13 @@ def measured():
 def test_rungs_of_common_surfaces_lead_to_the_law_they_follow_whatever_their_offsets():
     steps, order = (1 / 4, 1 / 8, 1 / 16, 1 / 32), bandwidth_order(0.7)
     offsets = np.random.default_rng(5).normal(scale=0.3, size=6)
-    found = rungs_limit([1.9 + offsets + 0.5 * s**order for s in steps], steps, order=order, common=True)
+    found = fitted_line(
+        [1.9 + offsets + 0.5 * s**order for s in steps], np.array(steps) ** order, common=True
+    )
     assert found.limit == pytest.approx(1.9 + offsets.mean(), abs=1e-12)
     assert found.slope == pytest.approx(0.5, abs=1e-12)
     # The offsets are common, so only the limit is uncertain, not the slope.
-    assert found.slope_half_width < 1e-12 < found.half_width
+    assert found.slope_scatter + found.slope_drift < 1e-12 < found.limit_scatter
 
 
 def test_the_interval_of_independent_rungs_covers_the_limit():
@@ -57,19 +59,39 @@ def test_the_interval_of_independent_rungs_covers_the_limit():
             rng.normal(2.0 + 0.8 * s**2, 0.05 * np.sqrt(n), size=n)
             for s, n in zip(steps, (64, 16, 4), strict=True)
         ]
-        found = rungs_limit(rungs, steps, order=2.0)
-        hits += abs(found.limit - 2.0) <= found.half_width
+        found = fitted_line(rungs, np.square(steps))
+        hits += abs(found.limit - 2.0) <= np.hypot(found.limit_scatter, found.limit_drift)
     # 95 % of 300, with the standard deviation of a count, 3.8; the drift only widens the interval.
     assert hits >= 0.95 * 300 - 3 * 3.8
 
 
 def test_a_limit_far_beyond_the_rungs_is_not_determinable():
-    steps = (1 / 4, 1 / 8, 1 / 16, 1 / 32)
-    near, far = (
-        rungs_limit([[2.0, 2.1]] * 4, steps, order=bandwidth_order(h), common=True) for h in (0.8, 0.95)
+    steps = np.array([1 / 4, 1 / 8, 1 / 16, 1 / 32])
+    orders = xr.DataArray([bandwidth_order(h) for h in (0.8, 0.95, 1.0)], dims="ladder")
+    pair = np.broadcast_to([2.0, 2.1], (3, 4, 2))
+    data = xr.Dataset({"kappa_each": (("ladder", "rung", "surface"), pair)})
+    data["step"] = xr.DataArray(steps, dims="rung") ** orders
+    found = line(data, "kappa", x="step", along="rung", common=True)
+    assert np.isfinite(found.kappa_limit).values.tolist() == [True, False, False]
+    assert np.isfinite(found.kappa_line).all("end").values.tolist() == [True, False, False]
+
+
+def test_a_line_takes_as_many_samples_of_each_group_as_were_solved():
+    rng = np.random.default_rng(8)
+    values, solve = np.full((2, 12), np.nan), np.full((2, 12), "", dtype=object)
+    values[0], values[1, :4], solve[0], solve[1, :4] = rng.normal(2, 0.1, 12), [1.9, 2.1, 2.2, 2.0], "a", "b"
+    data = xr.Dataset(
+        {"kappa_each": (("rung", "surface"), values), "solve": (("rung", "surface"), solve.astype(str))}
+    ).assign(step=("rung", [0.5, 0.1]))
+    found, exact = (
+        line(data, "kappa", x="step", along="rung"),
+        fitted_line([values[0], values[1, :4]], [0.5, 0.1]),
     )
-    assert near.determinable
-    assert not far.determinable
+    assert float(found.kappa_limit) == exact.limit
+    assert float(found.kappa_limit_error.sel(source="surfaces")) == exact.limit_scatter
+    # One that was solved and has no value is no sample less: there is no limit.
+    data.kappa_each[1, 2] = np.nan
+    assert np.isnan(line(data, "kappa", x="step", along="rung").kappa_limit)
 
 
 def test_a_budget_adds_its_shares_and_says_what_it_does_not_know():

@@ -22,10 +22,11 @@ from validation.effects.base import full_contact_energy
 from validation.measures.common import base_case, base_surface, persson_area
 from validation.measures.distributions import Distributions, largest_difference, weighted_percentile
 from validation.measures.edge import window_slope
-from validation.measures.ladders import rungs_limit
+from validation.measures.ladders import fitted_line, spectral_errors
 from validation.measures.measurement import Measurement
 from validation.measures.theory import Waves, ensemble_stress_variance
 from validation.measures.yielding import kept_by_theory
+from validation.report.estimates import claim
 from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
 from validation.scenes.topography import read_topography, write_topography
@@ -248,11 +249,27 @@ def test_the_theory_beside_a_study_is_the_error_function_of_the_reduced_pressure
 
 
 def test_rungs_of_a_known_order_lead_to_their_limit_and_a_shift_grows_with_it():
-    steps = (0.4, 0.2, 0.1)
-    found = rungs_limit([[2.0 + 0.5 * s**1.5] * 2 for s in steps], steps, order=1.5, common=True)
+    steps = np.array([0.4, 0.2, 0.1])
+    found = fitted_line([[2.0 + 0.5 * s**1.5] * 2 for s in steps], steps**1.5, common=True)
     assert found.limit == pytest.approx(2.0, rel=1e-12)
-    assert found.shift(0.2) == pytest.approx(0.5 * 0.2**1.5, rel=1e-10)
+    assert found.slope == pytest.approx(0.5, rel=1e-10)
     assert found.reach == pytest.approx(0.1**1.5 / (0.4**1.5 - 0.1**1.5), rel=1e-12)
+    told = {"limit": 2.0, "slope": -0.5}
+    ladders = xr.Dataset(
+        {
+            f"kappa_by_{kind}_{name}": ("ladder", [v])
+            for kind in ("bandwidth", "size")
+            for name, v in told.items()
+        }
+    ).assign_coords(hurst_ladder=("ladder", [0.3]))
+    for kind, order in (("bandwidth", 1.4), ("size", 2.0)):
+        ladders[f"order_by_{kind}"] = ("ladder", [order])
+        ladders = claim(ladders, f"kappa_by_{kind}_slope", surfaces=0.3)
+    shares = spectral_errors(ladders, hurst=0.3, bandwidth=8.0, periods=4.0)
+    assert float(shares["bandwidth"]) == pytest.approx(0.8 * 8**-1.4 / 2, rel=1e-12)
+    assert float(shares["size"]) == pytest.approx(0.8 / 4**2 / 2, rel=1e-12)
+    others = spectral_errors(ladders, hurst=0.5, bandwidth=8.0, periods=4.0)
+    assert all(np.isnan(share) for share in others.values())
 
 
 def test_a_path_presses_each_load_with_the_gradient_of_the_whole_surface():

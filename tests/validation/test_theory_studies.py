@@ -36,13 +36,12 @@ def test_hurst_study_reports_change_by_surface_and_finds_the_bandwidth_of_equal_
         ladder_hursts=(),
     )
     data = hurst.run(options, bench=bench)
-    assert data.family.values.tolist() == ["bandwidth 2", "bandwidth 2", "alpha 2.2", "alpha 2.2"]
-    same = data.isel(spectrum=[2, 3])
-    assert same.bandwidth.values[0] != same.bandwidth.values[1]
-    trend = hurst.findings(data)[0]
-    assert "from H = 0.2 to 0.8" in trend
-    flat = data.assign(kappa=data.kappa * 0 + 2.0)
-    assert "+0.0 +- 0.0 %" in hurst.findings(flat)[0]
+    assert data.family.values.tolist() == ["bandwidth 2", "alpha 2.2"]
+    assert np.ptp(data.bandwidth.values[0]) == 0 < np.ptp(data.bandwidth.values[1])
+    change = data.kappa_each.isel(hurst=-1) / data.kappa_each.isel(hurst=0) - 1
+    np.testing.assert_allclose(data.kappa_change, change.mean("surface"), rtol=1e-12)
+    flat = data.assign(kappa_change=0 * data.kappa_change)
+    assert hurst.views(flat).findings[0].outcomes == ("0", "0")
 
 
 def test_an_impossible_nayak_parameter_is_refused_by_name(bench):
@@ -59,8 +58,9 @@ def test_magnification_ends_at_the_theory_of_the_whole_surface(bench):
         **SMALL,
     )
     data = magnification.run(options, bench=bench)
-    np.testing.assert_allclose(data.theory.values[:, -1, 0], persson_area(0.1), rtol=1e-9)
-    assert np.all(data.area.values[:, 0, 0] > data.area.values[:, -1, 0])
+    np.testing.assert_allclose(data.area_persson_each.isel(magnification=-1), persson_area(0.1), rtol=1e-9)
+    area = data.area_each.isel(load=0)
+    assert np.all(area.isel(magnification=0) > area.isel(magnification=-1))
 
 
 @pytest.mark.parametrize(
@@ -183,12 +183,16 @@ def test_the_ladders_of_the_hurst_study_keep_phases_and_area(bench):
         ladder_reduced_pressure=0.2,
     )
     data = hurst.run(options, bench=bench)
-    assert data.bandwidth_nayak.values[0, 0] < data.bandwidth_nayak.values[0, 1]
-    assert data.bandwidth_order.values[0] == pytest.approx(1.2, rel=1e-12)
+    assert data.nayak_by_bandwidth[0, 0] < data.nayak_by_bandwidth[0, 1]
+    assert float(data.order_by_bandwidth[0]) == pytest.approx(1.2, rel=1e-12)
     # The first rung of the bandwidth ladder is the study's own spectrum: the same surfaces on the same grids.
-    assert float(data.bandwidth_kappa[0, 0]) == pytest.approx(float(data.kappa.mean()), rel=1e-12)
-    row = dict(zip(hurst.budget(data).columns, hurst.budget(data).rows[0], strict=True))
-    assert row["bandwidth [%]"] != "does not enter"
+    assert float(data.kappa_by_bandwidth[0, 0]) == pytest.approx(float(data.kappa.squeeze()), rel=1e-12)
+    assert set(np.unique(data.solve_by_bandwidth[0, 0])) == set(np.unique(data.solve))
+    # A quarter of the area, so four times the pairs; the others are no samples of the larger.
+    assert ((data.solve_by_size != "").sum("surface_by_size") == [[16, 4]]).all()
+    budget = find_study("hurst").budget(data)
+    row = dict(zip(budget.columns, budget.rows[0], strict=True))
+    assert row["bandwidth [%]"] not in ("does not enter", "not measured")
     assert row["for any [%]"] >= row["for this spectrum and period [%]"] > 0
 
 

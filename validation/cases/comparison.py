@@ -19,7 +19,7 @@ from validation.cases._closed_forms import westergaard_mean_pressure, westergaar
 from validation.comparison.compared import Scatter
 from validation.comparison.run import run_scene
 from validation.measures.budget import Budget, budget_table, grid_share
-from validation.measures.ladders import rungs_limit
+from validation.measures.ladders import fitted_line
 from validation.measures.statistics import combined, mean_over_surfaces, order_of_convergence
 from validation.scenes.scene import Scene
 
@@ -273,7 +273,7 @@ def _intervals() -> list[Check]:
     order = order_of_convergence(spacing, -0.3 * spacing**1.5)
     checks.append(Check.relative("order of errors like dx^1.5", order, 1.5, 1e-9))
     rungs = [[2.0 + 0.5 * step**1.4] * 3 for step in spacing]
-    ladder = rungs_limit(rungs, tuple(spacing.tolist()), order=1.4, common=True)
+    ladder = fitted_line(rungs, spacing**1.4, common=True)
     checks.append(Check.relative("limit of a ladder of order 1.4", ladder.limit, 2.0, 1e-9))
     shares = grid_share([2.0] * 4, errors=[0.06] * 4, drifts=[0.08] * 4)
     # Twice .06 / sqrt 4 at random, .08 that does not average, over 2.

@@ -17,7 +17,7 @@ from validation.files import atomic_path
 from validation.methods import find_method
 from validation.report.drawing import Drawing
 from validation.report.page import Answer, Note, Page, Picture, write_page
-from validation.report.papers import MEASURED, PERIMETER
+from validation.report.papers import PAPERS
 from validation.report.table import ResultTable, WordTable
 from validation.report.words import significant, with_error
 from validation.solves.press import Press
@@ -475,7 +475,7 @@ def papers_for(scene: Scene) -> tuple[str, ...]:
     """Name what is to be cited: methods, effects, and how areas were corrected."""
     cited = [paper for method in scene.methods.asked.values() for paper in method.cited(scene.effects)]
     cited += [paper for effect in scene.effects for paper in effect.papers]
-    return (*cited, PERIMETER, *([MEASURED] if scene.surface.kind == "file" else []))
+    return (*cited, PAPERS["perimeter"], *([PAPERS["measured"]] if scene.surface.kind == "file" else []))
 
 
 def seed_words(scene: Scene) -> str:

@@ -2,20 +2,33 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import scipy.optimize
 import scipy.special
 from numpy.typing import ArrayLike, NDArray
 
-from validation.errors import RunFailed
-from validation.measures.common import SHIFTS, base_case, base_surface, named
-from validation.measures.measurement import Measurement, area_limits, grid_for, grid_tolerance
-from validation.measures.statistics import combined, mean_over_surfaces, pair_means
-from validation.scenes.realised import Realised
+from validation.errors import RunFailed, UsageError
+from validation.measures.common import SHIFTS, base_case, base_surface
+from validation.measures.limits import limits_of
+from validation.measures.measurement import Measurement, grid_for, grid_tolerance
+from validation.measures.statistics import combined, pair_means
+from validation.report.estimates import (
+    LIMIT,
+    change,
+    derive,
+    error_of,
+    gather,
+    mean,
+    solved_places,
+    total_error,
+)
+from validation.scenes.scene import SelfAffineSurface
+from validation.scenes.surfaces import spectrum_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,12 +37,14 @@ __all__ = [
     "LADDERS",
     "SIZE_ORDER",
     "Ladders",
-    "Rungs",
+    "Line",
+    "at_equal",
+    "bandwidth_of",
     "bandwidth_order",
-    "rungs_limit",
-    "rungs_of",
-    "spectral_share",
-    "usual_ladders",
+    "fitted_line",
+    "line",
+    "pressed_pairs",
+    "spectral_errors",
 ]
 
 #: Order in lambda_long/L: the number of long waves on a period grows like (L/lambda_long)^2, and corrections to the
@@ -38,6 +53,10 @@ SIZE_ORDER = 2.0
 
 #: A limit further from the last rung than this many times the span of all rungs is not determinable.
 _REACH = 2.0
+
+#: Qualifier of what is measured on each ladder: the dimension of its rungs, whose inverse goes to zero, and the source of
+#: error that it measures.
+LADDERS = {"by_bandwidth": ("bandwidth_rung", "bandwidth"), "by_size": ("periods_rung", "size")}
 
 
 def bandwidth_order(hurst: float) -> float:
@@ -54,94 +73,103 @@ def bandwidth_order(hurst: float) -> float:
     return 2 * (1 - hurst)
 
 
+# ---- a line through means ------------------------------------------------------------------------
+
+
 @dataclass(frozen=True, kw_only=True)
-class Rungs:
-    """A straight line in step^order through the rungs of a ladder.
+class Line:
+    """A straight line through the means of several groups of samples; half widths are of 95 % intervals.
 
     Attributes
     ----------
-    limit : float
-        Value at step -> 0.
-    half_width : float
-        Of its 95 % interval: scatter of the samples, and by how much it moves without the coarsest rung.
-    slope, slope_half_width : float
-        Of the line against step^order.
-    order : float
+    limit, slope : float
+        Value at x = 0, and slope.
+    limit_scatter, slope_scatter : float
+        Half widths that the scatter of the samples leaves, by Student's factor.
+    limit_drift, slope_drift : float
+        By how much they move without the first group.
     reach : float
-        Distance of the limit from the finest rung, over the span of all rungs, along step^order.
+        Distance of x = 0 from the last group, over the span of all.
     """
 
     limit: float
-    half_width: float
     slope: float
-    slope_half_width: float
-    order: float
+    limit_scatter: float
+    slope_scatter: float
+    limit_drift: float
+    slope_drift: float
     reach: float
 
     @property
     def determinable(self) -> bool:
-        """Whether the rungs come near enough to their limit."""
+        """Whether the groups come near enough to x = 0."""
         return self.reach <= _REACH
 
-    def shift(self, step: float) -> float:
-        """By how much the value at a step exceeds the limit."""
-        return float(self.slope * step**self.order)
+    @property
+    def limit_half_width(self) -> float:
+        """Half of the 95 % interval of the limit."""
+        return combined(self.limit_scatter, self.limit_drift)
 
-    def shift_half_width(self, step: float) -> float:
-        """Half of the 95 % interval of `shift`."""
-        return float(self.slope_half_width * step**self.order)
+    @property
+    def slope_half_width(self) -> float:
+        """Half of the 95 % interval of the slope."""
+        return combined(self.slope_scatter, self.slope_drift)
 
 
-def rungs_limit(
-    rungs: Sequence[ArrayLike], steps: Sequence[float], *, order: float, common: bool = False
-) -> Rungs:
-    """Extrapolate the rungs of a ladder with a fixed order.
+def fitted_line(samples: Sequence[ArrayLike], x: ArrayLike, *, common: bool = False) -> Line:
+    """Fit a straight line to the means of groups of independent samples.
 
     Parameters
     ----------
-    rungs : sequence of (n_i,) arrays
-        Independent samples on each rung.
-    steps : sequence of float
-        What goes to zero, falling.
-    order : float
-        Fixed: an order fitted to a few rungs would make any limit possible.
+    samples : sequence of (n_i,) arrays
+        Samples of each group.
+    x : (n,) array
+        Where the groups are, towards 0.
     common : bool
-        Whether sample k is the same surface on every rung, whose scatter then cancels in differences.
+        Whether sample k is the same surface in every group, whose scatter then cancels in differences.
+
+    Returns
+    -------
+    Line
+        All NaN where one sample is.
 
     Examples
     --------
-    >>> found = rungs_limit([[2.4, 2.6], [2.2, 2.4], [2.1, 2.3]], (0.4, 0.2, 0.1), order=1.0, common=True)
+    >>> found = fitted_line([[2.4, 2.6], [2.2, 2.4], [2.1, 2.3]], (0.4, 0.2, 0.1), common=True)
     >>> round(found.limit, 12), round(found.slope, 12)
     (2.1, 1.0)
     """
-    samples = [np.asarray(rung, dtype=float) for rung in rungs]
-    x = np.asarray(steps, dtype=float) ** order
-    line = _line(samples, x, common=common)
-    (limit, slope), (limit_error, slope_error) = line
+    groups = [np.asarray(group, dtype=float) for group in samples]
+    at = np.asarray(x, dtype=float)
+    if not all(np.isfinite(group).all() for group in groups):
+        return Line(**dict.fromkeys(Line.__dataclass_fields__, math.nan))
+    (limit, slope), (limit_scatter, slope_scatter) = _least_squares(groups, at, common=common)
     drift = slope_drift = 0.0
-    if x.size > 2:
-        (shorter_limit, shorter_slope), _ = _line(samples[1:], x[1:], common=common)
-        drift, slope_drift = abs(shorter_limit - limit), abs(shorter_slope - slope)
-    return Rungs(
+    if at.size > 2:
+        (shorter, steeper), _ = _least_squares(groups[1:], at[1:], common=common)
+        drift, slope_drift = abs(shorter - limit), abs(steeper - slope)
+    span = float(abs(at[0] - at[-1]))
+    return Line(
         limit=limit,
-        half_width=combined(limit_error, drift),
         slope=slope,
-        slope_half_width=combined(slope_error, slope_drift),
-        order=order,
-        reach=float(x[-1] / (x[0] - x[-1])),
+        limit_scatter=limit_scatter,
+        slope_scatter=slope_scatter,
+        limit_drift=drift,
+        slope_drift=slope_drift,
+        reach=float(abs(at[-1])) / span if span > 0 else math.inf,
     )
 
 
-def _line(
+def _least_squares(
     samples: Sequence[NDArray[np.float64]], x: NDArray[np.float64], *, common: bool
 ) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Intercept and slope, and the half widths of their 95 % intervals."""
-    errors = np.array([rung.std(ddof=1) / np.sqrt(rung.size) for rung in samples])
-    # Rungs of common surfaces scatter together: there equal weights lose nothing.
+    """Intercept and slope, and the half widths of their 95 % intervals by scatter."""
+    errors = np.array([group.std(ddof=1) / np.sqrt(group.size) for group in samples])
+    # Groups of common surfaces scatter together: there equal weights lose nothing.
     weight = np.ones_like(x) if common else 1 / np.maximum(errors, 1e-3 * errors.max() + 1e-300)
     solve = np.linalg.pinv(np.stack([np.ones_like(x), x], axis=1) * weight[:, None]) * weight
-    values = solve @ np.array([rung.mean() for rung in samples])
-    freedom = min(rung.size for rung in samples) - 1
+    values = solve @ np.array([group.mean() for group in samples])
+    freedom = min(group.size for group in samples) - 1
     factor = float(scipy.special.stdtrit(freedom, 0.975))
     if common:
         spread = (solve @ np.stack(samples)).std(axis=1, ddof=1) / np.sqrt(samples[0].size)
@@ -150,16 +178,173 @@ def _line(
     return (float(values[0]), float(values[1])), (float(factor * spread[0]), float(factor * spread[1]))
 
 
-#: What goes to zero along each ladder.
-LADDERS = {"bandwidth": "lambda_short / lambda_long", "size": "lambda_long / L"}
+def line(
+    data: xr.Dataset,
+    name: str,
+    *,
+    x: str,
+    along: str,
+    over: str = "surface",
+    common: bool = False,
+    pairs: bool = False,
+    drift: str = "grid",
+) -> xr.Dataset:
+    """Add the line through means, ``x_each`` against a variable that goes to zero: its limit and slope with intervals.
 
-#: A rung: which ladder, H, and the step.
-_Rung = tuple[str, float, float]
+    Parameters
+    ----------
+    data : xarray.Dataset
+        With ``<name>_each``, and ``<name>_error`` of its means where the grids leave one.
+    name : str
+    x : str
+        Variable along the axis, over `along` at least.
+    along, over : str
+        Dimensions of the groups and of the samples.
+    common : bool
+        Whether sample k is the same surface in every group.
+    pairs : bool
+        Whether surfaces 2k and 2k + 1 are +h and -h.
+    drift : str
+        Source of error to which it belongs how the line moves without its first group.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``<name>_limit`` with its error, NaN where it is further off than two spans of the groups; ``<name>_slope`` with its
+        error; ``<name>_reach``; the ends of the line, ``<name>_line`` over ``<x>_line`` (end).
+    """
+    import xarray as xr
+
+    values = data[f"{name}_each"]
+    there = solved_places(data, values, over=over)
+    dims = [str(dim) for dim in values.dims if dim not in (along, over)]
+    shape = tuple(values.sizes[dim] for dim in dims)
+    fields = tuple(Line.__dataclass_fields__)
+    found = {field: np.empty(shape) for field in fields}
+    for place in np.ndindex(shape):
+        at = dict(zip(dims, place, strict=True))
+        rows = values.isel(at).transpose(along, over)
+        kept = xr.ones_like(rows, dtype=bool) if there is None else there.isel(_known(at, there))
+        samples = [row[k] for row, k in zip(rows.values, kept.transpose(along, over).values, strict=True)]
+        if pairs:
+            samples = [pair_means(sample) for sample in samples]
+        fit = fitted_line(samples, data[x].isel(_known(at, data[x])).values, common=common)
+        for field in fields:
+            found[field][place] = getattr(fit, field)
+    coords = {n: c for n, c in values.coords.items() if set(c.dims) <= set(dims)}
+    n = {field: xr.DataArray(numbers, dims=dims, coords=coords) for field, numbers in found.items()}
+    made: dict[str, Any] = {"of": f"{name}_each", "x": x, "along": along, "over": over}
+    made |= {"common": int(common), "pairs": int(pairs)}
+    limit = n["limit"].where(n["reach"] <= _REACH).assign_attrs(made, reduction="line limit")
+    slope = n["slope"].assign_attrs(made, reduction="line slope")
+    sources: dict[str, dict[str, Any]] = {
+        field: {"surfaces": n[f"{field}_scatter"], drift: n[f"{field}_drift"]} for field in ("limit", "slope")
+    }
+    if f"{name}_error" in data:
+        grid = data[f"{name}_error"].sel(source="grid", drop=True).max(along, skipna=False)
+        sources["limit"]["grid"] = (grid**2 + sources["limit"].get("grid", 0.0) ** 2) ** 0.5
+    errors = {
+        "limit": error_of(limit.drop_attrs(), **sources["limit"]),
+        "slope": error_of(slope.drop_attrs(), **sources["slope"]),
+    }
+    for error in errors.values():
+        error.attrs[LIMIT] = drift
+    last = data[x].max(along)
+    ends = xr.concat([0 * last, last], "end").transpose(..., "end")
+    return data.assign(
+        {
+            f"{name}_limit": limit,
+            f"{name}_limit_error": errors["limit"],
+            f"{name}_slope": slope,
+            f"{name}_slope_error": errors["slope"],
+            f"{name}_reach": n["reach"],
+            f"{x}_line": ends.drop_attrs(),
+            f"{name}_line": (limit + slope * ends).drop_attrs(),
+        }
+    )
+
+
+def _known(at: Mapping[str, int], values: xr.DataArray) -> dict[str, int]:
+    return {dim: k for dim, k in at.items() if dim in values.dims}
+
+
+def at_equal(data: xr.Dataset, name: str, *, x: str, along: str) -> xr.Dataset:
+    """Add ``<name>_equal_each``: values interpolated along a dimension to the largest ``x`` that all rows share.
+
+    Linear in ln x; rows are the places along the other dimension of x. ``<x>_equal`` is that value; where the rows share
+    none, values are NaN.
+    """
+    import xarray as xr
+
+    values, at = data[f"{name}_each"], data[x].transpose(..., along)
+    common = float(at.isel({along: -1}).min())
+    weights = xr.zeros_like(at) * np.nan
+    if common >= float(at.isel({along: 0}).max()):
+        units = np.eye(at.sizes[along])
+        rows = [[np.interp(np.log(common), np.log(row), unit) for unit in units] for row in at.values]
+        weights = at.copy(data=np.array(rows))
+    made = {"reduction": "interpolation", "of": f"{name}_each", "x": x, "along": along}
+    added: dict[str, Any] = {
+        f"{name}_equal_each": (values * weights).sum(along, skipna=False).drop_attrs().assign_attrs(made),
+        f"{x}_equal": common,
+    }
+    errors = data[f"{name}_each_error"]
+    total = ((errors * weights) ** 2).sum(along, skipna=False) ** 0.5
+    added[f"{name}_equal_each_error"] = total.transpose(..., "source").assign_attrs(errors.attrs)
+    drift = data.get(f"{name}_each_drift")
+    if drift is not None:
+        added[f"{name}_equal_each_drift"] = (drift * weights).sum(along, skipna=False)
+    return data.assign(added)
+
+
+# ---- ladders ------------------------------------------------------------------------------------
+
+
+def pressed_pairs(
+    surface: SelfAffineSurface,
+    reduced_pressures: tuple[float, ...],
+    points_per_wave: Sequence[float],
+    *,
+    pairs: int,
+    shifts: int,
+) -> list[Measurement]:
+    """Return the solves of the first surfaces of a spectrum, +h and -h of each pair after each other."""
+    case = base_case(surface, reduced_pressure=reduced_pressures[0])
+    grids = tuple(grid_for(case, points) for points in points_per_wave)
+    return [
+        Measurement(
+            realised=replace(case.further(pair), inverted=inverted),
+            reduced_pressures=reduced_pressures,
+            grids=grids,
+            shifts=shifts,
+            tolerance=grid_tolerance(case, grids),
+        )
+        for pair in range(pairs)
+        for inverted in (False, True)
+    ]
+
+
+def bandwidth_of(nayak: float, *, hurst: float, periods: float) -> float:
+    """lambda_long/lambda_short at which Nayak's alpha of C(q) has a value, for one H."""
+
+    def excess(bandwidth: float) -> float:
+        surface = base_surface(hurst=hurst, periods=periods, bandwidth=bandwidth, seed=0)
+        return spectrum_of(surface).moments().nayak - nayak
+
+    if not excess(1.01) < 0 < excess(1e4):
+        raise UsageError(
+            f"equal_nayak = {nayak:g}: no bandwidth gives it at H = {hurst:g}; it must exceed 1.5"
+        )
+    return float(scipy.optimize.brentq(excess, 1.01, 1e4, xtol=1e-6))
+
+
+#: A solve: which ladder, number of its H, rung, and number of the surface.
+_Case = tuple[str, int, float, int]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Ladders:
-    """Which spectra are measured.
+    """Which spectra are measured; defaults are those of the study `hurst`, whose stored solves others then share.
 
     Attributes
     ----------
@@ -180,53 +365,36 @@ class Ladders:
     """
 
     hursts: tuple[float, ...]
-    bandwidths: tuple[float, ...]
-    sizes: tuple[float, ...]
+    bandwidths: tuple[float, ...] = (4.0, 8.0, 16.0, 32.0)
+    sizes: tuple[float, ...] = (2.0, 4.0, 8.0)
     periods: float
-    pairs: int
+    pairs: int = 4
     reduced_pressure: float
-    points_per_wave: tuple[float, ...]
+    points_per_wave: tuple[float, ...] = (4.0, 6.0)
     shifts: int = SHIFTS
     seed: int
 
     @property
-    def cases(self) -> list[Measurement]:
-        """All solves in order."""
-        return [solve for solves in self.rungs.values() for solve in solves]
-
-    @cached_property
-    def rungs(self) -> Mapping[_Rung, tuple[Measurement, ...]]:
-        """The solves of every rung, +h and -h of each pair after each other."""
-        found: dict[_Rung, tuple[Measurement, ...]] = {}
-        for hurst in self.hursts:
+    def cases(self) -> dict[_Case, Measurement]:
+        """All solves in order; surfaces 2k and 2k + 1 are +h and -h."""
+        found: dict[_Case, Measurement] = {}
+        for i, hurst in enumerate(self.hursts):
             for bandwidth in self.bandwidths:
-                case = self._case(hurst, periods=self.periods, bandwidth=bandwidth)
-                found["bandwidth", hurst, 1 / bandwidth] = self._pressed(case, self.pairs)
+                solves = self._pressed(hurst, self.periods, bandwidth, self.pairs)
+                found |= {("by_bandwidth", i, bandwidth, k): solve for k, solve in enumerate(solves)}
             for size in self.sizes:
-                case = self._case(hurst, periods=size, bandwidth=self.bandwidths[0])
                 pairs = max(2, round(self.pairs * (self.sizes[-1] / size) ** 2))
-                found["size", hurst, 1 / size] = self._pressed(case, pairs)
+                solves = self._pressed(hurst, size, self.bandwidths[0], pairs)
+                found |= {("by_size", i, size, k): solve for k, solve in enumerate(solves)}
         return found
 
-    def _case(self, hurst: float, *, periods: float, bandwidth: float) -> Realised:
+    def _pressed(self, hurst: float, periods: float, bandwidth: float, pairs: int) -> list[Measurement]:
         surface = base_surface(hurst=hurst, periods=periods, bandwidth=bandwidth, seed=self.seed)
-        return base_case(surface, reduced_pressure=self.reduced_pressure)
+        loads, per_wave = (self.reduced_pressure,), self.points_per_wave
+        return pressed_pairs(surface, loads, per_wave, pairs=pairs, shifts=self.shifts)
 
-    def _pressed(self, case: Realised, pairs: int) -> tuple[Measurement, ...]:
-        grids = tuple(grid_for(case, points) for points in self.points_per_wave)
-        return tuple(
-            Measurement(
-                realised=replace(case.further(pair), inverted=inverted),
-                grids=grids,
-                shifts=self.shifts,
-                tolerance=grid_tolerance(case, grids),
-            )
-            for pair in range(pairs)
-            for inverted in (False, True)
-        )
-
-    def dataset(self, solved: Mapping[Any, xr.Dataset]) -> xr.Dataset:
-        """Reduce the results of `cases`, by solve: kappa on every rung, and the line through the rungs.
+    def reduced(self, measured: Mapping[_Case, xr.Dataset]) -> xr.Dataset:
+        """Reduce the results of `cases`: kappa and Nayak's parameter on every rung, and the lines through the rungs.
 
         Raises
         ------
@@ -235,96 +403,69 @@ class Ladders:
         """
         import xarray as xr
 
-        kappas = {
-            rung: self._kappas(rung, [solved[s] for s in solves]) for rung, solves in self.rungs.items()
+        ladders = [self._ladder(kind, measured) for kind in LADDERS]
+        data = xr.merge(ladders, compat="no_conflicts", combine_attrs="override")
+        # H at equal alpha, and alpha at equal H.
+        data = at_equal(data, "kappa_by_bandwidth", x="nayak_by_bandwidth", along="bandwidth_rung")
+        data = change(data, "kappa_by_bandwidth", along="bandwidth_rung")
+        data = change(data, "kappa_by_bandwidth_equal", along="ladder")
+        names = (f"kappa_by_bandwidth{what}" for what in ("_equal", "_change", "_equal_change"))
+        data = mean(data, *names, over="surface_by_bandwidth", pairs=True)
+        return data.assign_coords(hurst_ladder=("ladder", list(self.hursts)))
+
+    def _ladder(self, kind: str, measured: Mapping[_Case, xr.Dataset]) -> xr.Dataset:
+        """Reduce one kind of ladder for each H."""
+        (rung, source), over = LADDERS[kind], f"surface_{kind}"
+        common = kind == "by_bandwidth"
+        parts = {case[1:]: limits_of(data) for case, data in measured.items() if case[0] == kind}
+        dims: dict[str, Sequence[Any]] = {
+            "ladder": range(len(self.hursts)),
+            rung: self.bandwidths if common else self.sizes,
+            over: range(1 + max(k for _, _, k in parts)),
         }
-        data: dict[str, Any] = {}
-        for kind in self._steps:
-            rows = [self._line(kind, hurst, kappas) for hurst in self.hursts]
-            for name in rows[0]:
-                dims = ("ladder", f"{kind}_rung") if name in ("kappa", "half_width") else ("ladder",)
-                data[f"{kind}_{name}"] = (dims, np.array([row[name] for row in rows]))
-        nayak = [
-            [self._case(h, periods=self.periods, bandwidth=b).field.nayak for b in self.bandwidths]
-            for h in self.hursts
-        ]
-        data["bandwidth_nayak"] = named(
-            ("ladder", "bandwidth_rung"),
-            np.array(nayak).reshape(len(self.hursts), len(self.bandwidths)),
-            "Nayak parameter of the realised surfaces",
+        data = gather(parts, **dims).isel(load=0, drop=True).drop_vars("ladder")
+        data = data[["area_each", "area_each_error", "area_each_drift", "nayak_each", "solve"]]
+        names = {name: str(name).replace("_each", f"_{kind}_each") for name in data.data_vars}
+        data = data.rename(names | {"solve": f"solve_{kind}"}).assign(
+            {
+                f"order_{kind}": (
+                    "ladder",
+                    [bandwidth_order(h) if common else SIZE_ORDER for h in self.hursts],
+                ),
+                "reduced_pressure_ladder": self.reduced_pressure,
+            }
         )
-        steps_of = {f"{kind}_step": (f"{kind}_rung", steps) for kind, steps in self._steps.items()}
-        return xr.Dataset(data, coords={"ladder_hurst": ("ladder", list(self.hursts)), **steps_of})
-
-    @property
-    def _steps(self) -> dict[str, list[float]]:
-        return {"bandwidth": [1 / b for b in self.bandwidths], "size": [1 / s for s in self.sizes]}
-
-    def _kappas(self, rung: _Rung, measured: Sequence[xr.Dataset]) -> tuple[NDArray[np.float64], float]:
-        """Kappa of each pair on one rung, and the 95 % half width that the grids leave on their mean."""
-        limits = [area_limits(data) for data in measured]
-        if not np.all(np.isfinite([value for value, _ in limits])):
+        kappa, area = f"kappa_{kind}", f"area_{kind}_each"
+        made = {f"{kappa}_each": f"{area} / reduced_pressure_ladder"}
+        data = derive(data, **made, **{f"step_{kind}": f"{rung} ** -order_{kind}"})
+        if bool((data[area].isnull() & (data[f"solve_{kind}"] != "")).any()):
             raise RunFailed(
-                f"ladder of {LADDERS[rung[0]]}: contacts are too small for a limit of their area: raise the load or "
+                f"ladder of the {source}: contacts are too small for a limit of their area: raise the load or "
                 "the points per wave of the ladder; all solves are stored"
             )
-        kappa = pair_means([float(value[0]) / self.reduced_pressure for value, _ in limits])
-        squares = [float(error[0]) ** 2 / self.reduced_pressure**2 for _, error in limits]
-        return kappa, 2 * float(np.sqrt(np.mean(squares) / len(squares)))
-
-    def _line(
-        self, kind: str, hurst: float, kappas: Mapping[_Rung, tuple[NDArray[np.float64], float]]
-    ) -> dict[str, Any]:
-        """Means on the rungs of one ladder, and the line through them."""
-        steps = self._steps[kind]
-        samples = [kappas[kind, hurst, step][0] for step in steps]
-        common = kind == "bandwidth"
-        order = bandwidth_order(hurst) if common else SIZE_ORDER
-        line = rungs_limit(samples, steps, order=order, common=common)
-        grid = max(kappas[kind, hurst, step][1] for step in steps)
-        means = [mean_over_surfaces(sample) for sample in samples]
-        return {
-            "kappa": [mean.value for mean in means],
-            "half_width": [combined(mean.half_width, grid) for mean in means],
-            "limit": line.limit,
-            "limit_half_width": combined(line.half_width, grid),
-            "slope": line.slope,
-            "slope_half_width": line.slope_half_width,
-            "order": order,
-            "reach": line.reach,
-        }
+        data = mean(data, kappa, f"nayak_{kind}", over=over, pairs=True)
+        at = {"x": f"step_{kind}", "along": rung, "over": over}
+        return line(data, kappa, **at, common=common, pairs=True, drift=source)
 
 
-def rungs_of(dataset: xr.Dataset, kind: str, ladder: int) -> Rungs:
-    """Return the line through one ladder, from the stored numbers."""
-    words = ("limit", "slope", "slope_half_width", "order", "reach")
-    numbers = {name: float(dataset[f"{kind}_{name}"][ladder]) for name in words}
-    return Rungs(half_width=float(dataset[f"{kind}_limit_half_width"][ladder]), **numbers)
+def spectral_errors(
+    ladders: xr.Dataset, *, hurst: xr.DataArray | float, bandwidth: xr.DataArray | float, periods: float
+) -> dict[str, xr.DataArray]:
+    """Return how far kappa may be from that of endless bandwidth and sample, relative, by source, for `claim`.
 
-
-def usual_ladders(*, hurst: float, periods: float, reduced_pressure: float, seed: int) -> Ladders:
-    """Return the ladders of one Hurst exponent as `hurst` climbs them by default, whose stored solves they then share."""
-    return Ladders(
-        hursts=(hurst,),
-        bandwidths=(4.0, 8.0, 16.0, 32.0),
-        sizes=(2.0, 4.0, 8.0),
-        periods=periods,
-        pairs=4,
-        reduced_pressure=reduced_pressure,
-        points_per_wave=(4.0, 6.0),
-        seed=seed,
-    )
-
-
-def spectral_share(dataset: xr.Dataset, kind: str, *, hurst: float, step: float) -> float:
-    """How far kappa at a step may be from its limit, relative: the shift along the ladder and its uncertainty.
-
-    NaN where there is no such ladder, or where its limit is not determinable.
+    It is the shift along the ladder and its 95 % interval, over the limit; NaN where there is no ladder of this H, and
+    where its limit is not determinable.
     """
-    found = np.flatnonzero(np.isclose(dataset.ladder_hurst.values, hurst))
-    if not found.size:
-        return float("nan")
-    line = rungs_of(dataset, kind, int(found[0]))
-    if not line.determinable:
-        return float("nan")
-    return (abs(line.shift(step)) + line.shift_half_width(step)) / line.limit
+    found: dict[str, Any] = {}
+    for kind, (_, source) in LADDERS.items():
+        name, value = f"kappa_{kind}", bandwidth if source == "bandwidth" else periods
+        half = total_error(ladders, f"{name}_slope")
+        assert half is not None
+        one = ladders[[f"{name}_limit", f"{name}_slope", f"order_{kind}"]].assign(half=half)
+        one = one.swap_dims(ladder="hurst_ladder").rename(hurst_ladder="hurst")
+        at = one.reindex(hurst=np.atleast_1d(hurst), method="nearest", tolerance=1e-9)
+        if np.ndim(hurst) == 0:
+            at = at.isel(hurst=0, drop=True)
+        step = value ** -at[f"order_{kind}"]
+        found[source] = (abs(at[f"{name}_slope"]) + at.half) * step / at[f"{name}_limit"]
+    return found

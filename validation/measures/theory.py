@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from fem_contact.surface import HeightField
 from persson import elastic
 from persson.spectrum import Spectrum
-from persson.variants import EnergyReading, Variant, energy_share
+from persson.variants import EnergyReading, Variant, corrected_contact_area, energy_share
 from validation.arrays import Array
 from validation.report.findings import Finding, finding, note
 
@@ -27,6 +28,8 @@ __all__ = [
     "ensemble_stress_variance",
     "modes_finding",
     "modes_sentence",
+    "with_ensemble",
+    "with_variants",
 ]
 
 #: The theory and its variants, and how they are called.
@@ -181,6 +184,26 @@ def ensemble_area(
     return np.asarray(
         elastic.contact_area(pressure[..., None], stress_variance=variance).mean(axis=-1), dtype=float
     )
+
+
+def with_ensemble(data: xr.Dataset, spectrum: Spectrum | None) -> xr.Dataset:
+    """Add ``area_ensemble_each`` of the surfaces of one spectrum: `ensemble_area` at their p* and gradients."""
+    areas = ensemble_area(spectrum, data.reduced_pressure.values, rms_gradients=data.rms_gradient_each.values)
+    return data.assign(area_ensemble_each=(("surface", "load"), areas))
+
+
+def with_variants(data: xr.Dataset, variants: Iterable[Variant] = tuple(VARIANTS)) -> xr.Dataset:
+    """Add ``area_<variant>``: A/A0 of the theory and its variants at each p* with the realised gradient."""
+    full = elastic.stress_variance(1.0, contact_modulus=1.0)
+    pressure = data.reduced_pressure
+    areas = {
+        f"area_{name}": (
+            pressure.dims,
+            corrected_contact_area(pressure.values, stress_variance=full, variant=name),
+        )
+        for name in variants
+    }
+    return data.assign(areas)
 
 
 def modes_sentence(conditional: ArrayLike, ensemble: ArrayLike) -> str:

@@ -1,21 +1,24 @@
-"""What to cite for a result: the papers behind the areas and spectra; methods and effects name their own."""
+"""What to cite for a result, by key; methods and effects name their own papers."""
 
 from __future__ import annotations
 
-__all__ = ["MEASURED", "PERIMETER", "VARIANTS"]
+__all__ = ["PAPERS"]
 
-PERIMETER = (
-    "Edge correction of the area: V. A. Yastrebov, G. Anciaux, J.-F. Molinari, Tribol. Int. 114, 161 (2017), "
-    "with constants of the discretisations used here."
-)
-MEASURED = (
-    "C(q) of measured surfaces: T. D. B. Jacobs, T. Junge, L. Pastewka, Surf. Topogr.: Metrol. Prop. 5, "
-    "013001 (2017)."
-)
-#: Variants of the theory that are ranked beside it, by name.
-VARIANTS = {
+PAPERS = {
+    "borri2006": "M. Borri-Brunetto, private communication in Persson 2006, Sec. 3.5.",
+    "campana2007": "C. Campana, M. H. Müser, Europhys. Lett. 77, 38005 (2007).",
+    "hyun2004": "S. Hyun, L. Pei, J.-F. Molinari, M. O. Robbins, Phys. Rev. E 70, 026117 (2004).",
+    "measured": "C(q) of measured surfaces: T. D. B. Jacobs, T. Junge, L. Pastewka, Surf. Topogr.: Metrol. "
+    "Prop. 5, 013001 (2017).",
+    "monti2021": "J. M. Monti, A. Sanner, L. Pastewka, Tribol. Lett. 69, 80 (2021).",
+    "perimeter": "Edge correction of the area: V. A. Yastrebov, G. Anciaux, J.-F. Molinari, Tribol. Int. "
+    "114, 161 (2017), with constants of the discretisations used here.",
+    "persson2006": "B. N. J. Persson, Surf. Sci. Rep. 61, 201 (2006).",
+    "prodanov2014": "N. Prodanov, W. B. Dapp, M. H. Müser, Tribol. Lett. 53, 433 (2014).",
+    "wang_mueser": "Variant of the theory: A. Wang, M. H. Müser, Lubricants 5, 35 (2017).",
+    "xu": "Variant of the theory: Y. Xu, R. Xu, X. Chen (2024), V = [g + (1 - g) P] V_full.",
+    "yang2006": "C. Yang, U. Tartaglino, B. N. J. Persson, Eur. Phys. J. E 19, 47 (2006).",
     "yang_persson": "Variant of the theory: C. Yang, B. N. J. Persson, J. Phys.: Condens. Matter 20, "
     "215214 (2008).",
-    "wang_mueser": "Variant of the theory: A. Wang, M. H. Mueser, Lubricants 5, 35 (2017).",
-    "xu": "Variant of the theory: Y. Xu, R. Xu, X. Chen (2024), V = [g + (1 - g) P] V_full.",
+    "yastrebov2015": "V. A. Yastrebov, G. Anciaux, J.-F. Molinari, Int. J. Solids Struct. 52, 83 (2015).",
 }

@@ -14,7 +14,7 @@ from validation.errors import RunFailed, UsageError
 from validation.files import read_record, write_record
 from validation.methods import methods
 from validation.report.page import Page, write_page
-from validation.report.papers import MEASURED, PERIMETER, VARIANTS
+from validation.report.papers import PAPERS
 from validation.report.table import shown, shown_dataset
 from validation.solves.provenance import SOLVES_MADE, made_words
 from validation.solves.store import read_numbers, write_numbers
@@ -170,8 +170,7 @@ def _papers(used: Sequence[str]) -> tuple[str, ...]:
     """Papers of the methods and effects that a study names."""
     known: dict[str, Any] = {**methods(), **effect_kinds()}
     cited = [paper for name, what in known.items() if name in used for paper in what.papers]
-    cited += [paper for name, paper in VARIANTS.items() if name in used]
-    return (*cited, PERIMETER, *([MEASURED] if "measured" in used else []))
+    return (*cited, *(PAPERS[name] for name in dict.fromkeys([*used, "perimeter"]) if name in PAPERS))
 
 
 def _seeds(options: Mapping[str, Any]) -> str:

@@ -111,7 +111,8 @@ class StudyOptions(Table):
             said = "may be left out" if default is None else f"default: {default}"
             unit = _unit_of(field)
             kind = _kind_words(field) + ("" if unit == "1" else f" in {unit}, or with a unit")
-            yield f"    {flag} {kind} ({said})"
+            off = f", {flag.replace('--', '--no-', 1)}" if field.annotation is bool else ""
+            yield f"    {flag} {kind}{off} ({said})"
             yield f"        {field.description}"
 
 
@@ -223,6 +224,10 @@ def _pairs(arguments: Sequence[str], flags: Mapping[str, FieldInfo]) -> Iterator
     waiting = list(arguments)
     while waiting:
         flag, equals, text = waiting.pop(0).partition("=")
+        plain = flag.replace("--no-", "--", 1)
+        if not equals and plain != flag and plain in flags and flags[plain].annotation is bool:
+            yield plain, "false"
+            continue
         if flag not in flags:
             raise UsageError(f"unknown option {flag!r}; it has: {', '.join(flags) or 'none'}")
         if not equals:

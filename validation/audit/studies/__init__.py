@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from validation.audit.ledger import Ledger
-from validation.audit.studies import hurst, pressure, refinement, verdict
+from validation.audit.studies import pressure, verdict
 from validation.audit.studies.files import judge_files
 from validation.audit.studies.kept import Kept
 
@@ -18,8 +18,6 @@ __all__ = ["audit_study", "is_study"]
 #: What computes each study again.
 JUDGES: Mapping[str, Callable[[Kept], None]] = {
     "pressure": pressure.judge,
-    "hurst": hurst.judge,
-    "refinement": refinement.judge,
     "theory-verdict": verdict.judge,
 }
 

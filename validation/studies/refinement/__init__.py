@@ -15,7 +15,7 @@ from validation.measures.block import BlockMeasurement
 from validation.measures.budget import Budget, budget_table, grid_share, solver_error
 from validation.measures.common import SHIFTS, Ladder, RisingOrNone, each, over_surfaces, persson_area
 from validation.measures.distributions import Distributions
-from validation.measures.ladders import spectral_share, usual_ladders
+from validation.measures.ladders import Ladders, spectral_errors
 from validation.measures.measurement import Grid, grid_for
 from validation.measures.side_by_side import ByMethod
 from validation.measures.statistics import combined, mean_over_surfaces
@@ -125,13 +125,13 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         for asked in others
         for (k, own), (g, grid) in itertools.product(enumerate(pressed), enumerate(asked.grids))
     }
-    climbed = usual_ladders(
-        hurst=options.hurst,
+    climbed = Ladders(
+        hursts=(options.hurst,),
         periods=options.periods,
         reduced_pressure=options.reduced_pressure,
         seed=options.seed,
     )
-    solved = bench.solve([*cases.values(), *(climbed.cases if options.ladders else ())])
+    solved = bench.solve([*cases.values(), *(climbed.cases.values() if options.ladders else ())])
     found = {case: solved[solve] for case, solve in cases.items()}
     data = _of_boundary_elements(found, options)
     gradients = [field.attrs["rms_gradient"] for case, field in found.items() if case[0] == "grids"]
@@ -143,7 +143,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         node = 1 / grid_for(first, options.fem_points_per_wave[0])[0] ** 2
         data = data.merge(_of_finite_elements(found, options, node=node))
     if options.ladders:
-        data = data.merge(climbed.dataset(solved))
+        rungs = {case: solved[solve].assign_attrs(solve=solve.key) for case, solve in climbed.cases.items()}
+        data = data.merge(climbed.reduced(rungs))
     if others:
         answers: Any = {case[1:]: answer for case, answer in found.items() if case[0] == "other"}
         data = data.merge(other_methods(answers, others, first=first, surfaces=options.surfaces))
@@ -322,13 +323,9 @@ def budget(dataset: xr.Dataset) -> ResultTable:
     pressure = float(dataset.attrs["reduced_pressure"])
     spectral: dict[str, float] = {}
     if "ladder" in dataset.dims:
-        steps = {
-            "size": 1 / float(dataset.attrs["periods"]),
-            "bandwidth": 1 / float(dataset.attrs["bandwidth"]),
-        }
+        told = {name: float(dataset.attrs[name]) for name in ("hurst", "bandwidth", "periods")}
         size, band = (
-            spectral_share(dataset, kind, hurst=float(dataset.attrs["hurst"]), step=step)
-            for kind, step in steps.items()
+            float(share) for _, share in sorted(spectral_errors(dataset, **told).items(), reverse=True)
         )
         spectral = {"finite size": size, "bandwidth": band}
     limit = mean_over_surfaces(dataset.limit.values)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from validation.measures.budget import grid_share
-from validation.measures.references import KAPPA_LITERATURE
+from validation.measures.references import PUBLISHED
 from validation.measures.statistics import Estimate, combined, mean_over_surfaces, order_of_convergence
 from validation.measures.theory import modes_sentence
 from validation.studies.refinement.data import AREAS, overestimate
@@ -127,18 +127,18 @@ def _published(dataset: xr.Dataset, limit: Estimate) -> str:
     """Put the published values beside the converged one and beside what the grid can make of it."""
     last = dataset.kappa_grid_scale.isel(protocol_grid=-1).mean("surface").values
     words = []
-    for published in KAPPA_LITERATURE:
-        low, high = published.kappa
+    for published in (one for one in PUBLISHED if one.quantity == "kappa"):
+        low, high = published.low, published.high
         if low == high:
             inside = last.min() <= low <= last.max()
             share, half = 100 * (low / limit.value - 1), 100 * limit.half_width / limit.value
             told = ", not told from it," if abs(share) <= half else ""
             words.append(
-                f"{low:g} ({published.source}) lies {share:+.0f}{_give(half)} % from it{told} and {'inside' if inside else 'outside'} the "
+                f"{low:g} ({published.words}) lies {share:+.0f}{_give(half)} % from it{told} and {'inside' if inside else 'outside'} the "
                 f"{last.min():.2f} to {last.max():.2f} that roughness at the grid scale gives by the definition of the slope"
             )
         else:
-            words.append(f"{low:g} to {high:g} ({published.note}) {_against(limit, low, high)}")
+            words.append(f"{low:g} to {high:g} ({published.words}) {_against(limit, low, high)}")
     return f"Published kappa: {'; '.join(words)}."
 
 

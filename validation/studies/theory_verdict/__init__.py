@@ -16,7 +16,8 @@ from validation.arrays import Array
 from validation.measures.budget import Budget, budget_table, grid_share, solver_error
 from validation.measures.common import named
 from validation.measures.distributions import Distributions, distance_to_reference, largest_difference
-from validation.measures.ladders import spectral_share, usual_ladders
+from validation.measures.ladders import Ladders, spectral_errors
+from validation.measures.limits import solved
 from validation.measures.measurement import grid_for
 from validation.measures.statistics import mean_over_surfaces
 from validation.measures.theory import RANKED, VARIANTS
@@ -121,16 +122,16 @@ def _spectral_shares(options: Options, bench: Bench) -> dict[str, Any]:
     """How far the area may be from that of an endless sample and bandwidth, at the loads of the ladders."""
     import xarray as xr
 
-    steps = {"size": 1 / options.periods, "bandwidth": 1 / options.bandwidth}
     rows = []
     for load in options.ladder_reduced_pressures:
-        ladders = usual_ladders(
-            hurst=options.hurst, periods=options.periods, reduced_pressure=load, seed=options.seed
+        ladders = Ladders(
+            hursts=(options.hurst,), periods=options.periods, reduced_pressure=load, seed=options.seed
         )
-        climbed = ladders.dataset(bench.solve(ladders.cases))
-        rows.append(
-            [spectral_share(climbed, kind, hurst=options.hurst, step=step) for kind, step in steps.items()]
+        climbed = ladders.reduced(solved(bench, ladders.cases))
+        shares = spectral_errors(
+            climbed, hurst=options.hurst, bandwidth=options.bandwidth, periods=options.periods
         )
+        rows.append([float(shares[source]) for source in ("size", "bandwidth")])
     coords = {
         "ladder_load": list(options.ladder_reduced_pressures),
         "spectral_source": ["finite size", "bandwidth"],
