@@ -1,4 +1,4 @@
-"""The study `autopsy`: its instrument is exact where all is known, its books close, its sentences follow."""
+"""The study `autopsy`: its instrument is exact where all is known, its budgets close, its outcomes follow."""
 
 from __future__ import annotations
 
@@ -10,15 +10,20 @@ from scipy.special import ndtr
 
 from persson import elastic
 from persson.diffusion import solve_diffusion
+from validation.measures import diffusion
+from validation.measures.budgets import (
+    Memory,
+    Pressed,
+    composed_inflow,
+    diffused_area,
+    flows,
+    mean_of,
+    profile,
+)
 from validation.measures.common import base_case, base_surface
+from validation.measures.rings import Chain, Probe, ring_ends
 from validation.solves.bench import Bench
-from validation.studies import autopsy
-from validation.studies.autopsy import reading, sentences
-from validation.studies.autopsy.books import Pressed, flows, mean_of, profile
-from validation.studies.autopsy.chain import Chain, diffused_area
-from validation.studies.autopsy.memory import Memory, composed_inflow
-from validation.studies.autopsy.probe import Probe
-from validation.studies.autopsy.rings import ring_ends
+from validation.studies import autopsy, find_study
 
 SMALL = {"periods": 2, "bandwidth": 4.0, "surfaces": 2, "probe_surfaces": 2, "probes": (2.0,)}
 
@@ -41,16 +46,16 @@ def full():
 
 
 def test_at_full_contact_every_term_is_that_of_the_theory_to_rounding(full):
-    growth = np.diff(full.variance.values) / full.variance.values[:-1]
+    growth = np.diff(full.variance_share.values) / full.variance_share.values[:-1]
     # D = 1: the mean of delta^2 is Delta V, for the points all together.
-    np.testing.assert_allclose(full.spread, growth, rtol=1e-12)
+    np.testing.assert_allclose(full.pressure_change_square, growth, rtol=1e-12)
     # No drift, for points of any pressure: that of a ring is minus that of its negative.
-    assert np.count_nonzero(full.touching.values[-1]) > 10
+    assert np.count_nonzero(full.bin_contact.values[-1]) > 10
     rounding = 1e-12 * float(full.nominal)
-    np.testing.assert_allclose(full.drifted, 0, atol=rounding)
-    np.testing.assert_allclose(full.crossed, 0, atol=rounding)
+    np.testing.assert_allclose(full.bin_change, 0, atol=rounding)
+    np.testing.assert_allclose(full.pressure_cross_change, 0, atol=rounding)
     # Nothing crosses p = 0: the fluxes of Eqs. 24 to 26 vanish, and with them what they carry.
-    for name in ("lost", "entered", "entered_load", "entered_square", "moved"):
+    for name in ("area_lost", "area_entered", "load_entered", "square_entered", "pressure_change"):
         np.testing.assert_allclose(full[name], 0, atol=rounding)
     np.testing.assert_allclose(full.square_change, growth, rtol=1e-9)
     np.testing.assert_array_equal(full.subcell, 1.0)
@@ -59,11 +64,11 @@ def test_at_full_contact_every_term_is_that_of_the_theory_to_rounding(full):
 def test_at_full_contact_restarted_diffusion_keeps_all_area_and_nothing_is_remembered(full):
     # Eight deviations from zero: the normal distribution of the theory has nothing there, either.
     heavy = chain(load=4.0, ends=(1.0, 2.0, 4.0), points=32).measure()
-    known = heavy.diffused.values[np.isfinite(heavy.diffused.values)]
+    known = heavy.area_diffused.values[np.isfinite(heavy.area_diffused.values)]
     assert known.size == 5
     np.testing.assert_allclose(known, 1.0, rtol=1e-12)
-    assert float(full.out_points.sum()) == 0
-    assert float(full.crossed_once) == 0
+    assert float(full.points_out.sum()) == 0
+    assert float(full.contact_crossed) == 0
 
 
 @pytest.fixture(scope="module")
@@ -71,16 +76,16 @@ def partial():
     return chain(load=0.1).measure()
 
 
-def test_no_point_is_missing_from_the_books_of_area_load_and_square(partial):
+def test_no_point_is_missing_from_the_budgets_of_area_load_and_square(partial):
     both = partial.pixel.mean("sign").values[1:] - partial.pixel.values[0, :-1]
-    np.testing.assert_allclose(partial.entered - partial.lost, both, atol=1e-14)
-    np.testing.assert_allclose(partial.moved, -partial.entered_load, rtol=1e-9)
-    told = partial.spread + 2 * partial.crossed + partial.entered_square
+    np.testing.assert_allclose(partial.area_entered - partial.area_lost, both, atol=1e-14)
+    np.testing.assert_allclose(partial.pressure_change, -partial.load_entered, rtol=1e-9)
+    told = partial.pressure_change_square + 2 * partial.pressure_cross_change + partial.square_entered
     np.testing.assert_allclose(told, partial.square_change, rtol=1e-9)
     for name, total in (
-        ("touching", partial.pixel[0, :-1]),
-        ("leaving", partial.lost),
-        ("drifted", partial.moved),
+        ("bin_contact", partial.pixel[0, :-1]),
+        ("bin_lost", partial.area_lost),
+        ("bin_change", partial.pressure_change),
     ):
         np.testing.assert_allclose(partial[name].sum("bin"), total, atol=1e-12)
 
@@ -109,8 +114,8 @@ def test_flows_of_a_free_walk_are_those_of_the_normal_distribution():
     net = ndtr(0.5 / np.sqrt(1.01)) - ndtr(0.5)
     # Both signs of a step are one sample of the counts.
     error = np.sqrt(lost / stress.size)
-    assert found["lost"] == pytest.approx(lost, abs=4 * error)
-    assert found["entered"] - found["lost"] == pytest.approx(net, abs=4 * np.sqrt(2) * error)
+    assert found["area_lost"] == pytest.approx(lost, abs=4 * error)
+    assert found["area_entered"] - found["area_lost"] == pytest.approx(net, abs=4 * np.sqrt(2) * error)
 
 
 def test_drift_and_diffusivity_are_found_where_they_were_put():
@@ -122,10 +127,10 @@ def test_drift_and_diffusivity_are_found_where_they_were_put():
         Pressed(pressure=p - 0.001 * p + sign * step, in_contact=before.in_contact) for sign in (1.0, -1.0)
     ]
     bins = mean_of([profile(before, state, unit=1.0) for state in after])
-    held = bins["touching"] > 0
-    np.testing.assert_allclose(bins["drifted"][held], -0.001 * bins["pressure"][held], rtol=1e-9)
+    held = bins["bin_contact"] > 0
+    np.testing.assert_allclose(bins["bin_change"][held], -0.001 * bins["bin_pressure"][held], rtol=1e-9)
     square = np.mean(step**2) + np.mean((0.001 * p) ** 2)
-    assert bins["diffused_square"].sum() == pytest.approx(square, rel=1e-9)
+    assert bins["bin_change_square"].sum() == pytest.approx(square, rel=1e-9)
 
 
 def test_diffusion_started_from_a_distribution_is_that_of_each_of_its_pressures():
@@ -185,7 +190,7 @@ def test_a_ring_is_as_high_as_its_step_asks_for_and_the_load_is_of_the_waves_the
     )
     data = probe.measure()
     assert float(data.nominal) == pytest.approx(8.0, rel=1e-12)
-    np.testing.assert_allclose(data.spread, (0.01, 0.16), rtol=1e-12)
+    np.testing.assert_allclose(data.pressure_change_square, (0.01, 0.16), rtol=1e-12)
 
 
 def test_rings_without_a_wave_are_left_out():
@@ -208,62 +213,89 @@ def data(tmp_path_factory):
     return autopsy.run(options, bench=Bench.at(tmp_path_factory.mktemp("solves")))
 
 
-def test_at_full_contact_the_books_of_every_octave_are_those_of_the_theory(data):
+def test_at_full_contact_the_budgets_of_every_octave_are_those_of_the_theory(data):
     full = data.isel(load=1)
-    book = reading.square_book(full)
-    for name, value in {"change": 1, "diffusion": 1, "drift": 0, "re_entry": 0, "told": 1, "path": 1}.items():
-        np.testing.assert_allclose(book[name], value, atol=1e-10, err_msg=name)
-    for name in ("located", "counted", "persson"):
-        np.testing.assert_allclose(reading.area_book(full)[name], 0, atol=1e-12)
-    np.testing.assert_allclose(reading.restarts(full).isel(restart=0), 1, rtol=1e-12)
+    for name in ("growth", "diffusion", "told", "growth_path"):
+        np.testing.assert_allclose(full[f"square_{name}_each"], 1, atol=1e-10, err_msg=name)
+    for name in ("square_drift_each", "square_reentry_each"):
+        np.testing.assert_allclose(full[name], 0, atol=1e-10, err_msg=name)
+    for name in ("area_exponent", "area_exponent_pixel", "area_exponent_persson"):
+        np.testing.assert_allclose(full[f"{name}_each"], 0, atol=1e-12)
+    np.testing.assert_allclose(full.area_diffused_ratio_each.isel(octave=0), 1, rtol=1e-12)
 
 
 def test_the_terms_of_partial_contact_add_up_to_the_change(data):
-    book = reading.square_book(data.isel(load=0))
-    np.testing.assert_allclose(book.diffusion + book.drift + book.re_entry, book.change, rtol=1e-9)
+    light = data.isel(load=0)
+    terms = light.square_diffusion_each + light.square_drift_each + light.square_reentry_each
+    np.testing.assert_allclose(terms, light.square_growth_each, rtol=1e-9)
     # Contact is lost and found again at p* = .1, and the load that is found is missing elsewhere.
-    assert np.all(book.drift < 0)
-    assert np.all(book.re_entry > 0)
+    assert np.all(light.square_drift_each < 0)
+    assert np.all(light.square_reentry_each > 0)
+    assert float(data.square_gap) < 0.02
 
 
-def test_the_sentences_follow_from_the_numbers(data):
-    said = " ".join(autopsy.findings(data))
-    assert "The book of the mean square pressure closes within 2 % in every octave" in said
-    missing = data.assign(diffused_square=data.diffused_square * 0.9)
-    assert "The book of the mean square pressure does not close" in " ".join(autopsy.findings(missing))
-    forgetful = data.assign(composed=data.two_step)
-    assert "not told from a Markov process" in " ".join(autopsy.findings(forgetful))
+def test_means_over_octaves_of_short_waves_are_of_those_octaves(data):
+    # Of two octaves none begins at zeta = 4: the last one stands for short waves.
+    np.testing.assert_allclose(data.square_growth_late_each, data.square_growth_each.isel(octave=-1))
+
+
+def test_what_diffusion_loses_in_half_an_octave_is_told_over_the_truth(data):
+    at, start = data.isel(load=0), 0
+    half = at.area_each.isel(level=start + 1) / at.area_each.isel(level=start)
+    lost = at.area_diffused_ratio_each.isel(octave=0, level=start + 1) * half
+    np.testing.assert_allclose(at.loss_ratio_each.isel(octave=0), np.log(lost) / np.log(half), rtol=1e-10)
+
+
+def test_the_flow_of_eq_26_is_half_the_slope_over_the_area(data):
+    """V P'(0) / 2 A with the pressure in units of E* h'_rms = 2 sqrt(V)."""
+    at = data.isel(load=0, probe=0, hurst=0)
+    area = at.area_probe_each.isel(probe_level=0).mean("probe_surface")
+    assert float(at.edge_loss_slope) == pytest.approx(float(at.pressure_slope / 8 / area), rel=1e-9)
+    assert float(at.edge_loss) == pytest.approx(-float(at.area_exponent_probe.isel(variance_step=-1)))
+
+
+def test_outcomes_follow_from_the_numbers(data):
+    said = {one.by: one for one in autopsy.views(data).findings}
+    assert len(said["inflow_excess"].outcomes) == 1  # contact is full at the larger load
+    told = data.copy(deep=True)
+    for name in ("inflow_excess", "edge_loss_excess"):
+        for excess, outcome in ((0.5, "+"), (-0.5, "-"), (0.0, "0")):
+            told[name][:] = excess
+            told[f"{name}_error"][:] = 0.1
+            (found,) = (one for one in autopsy.views(told).findings if one.by == name)
+            assert found.outcomes == (outcome,)
 
 
 def test_table_and_figures_come_from_the_dataset_alone(data):
-    table = autopsy.table(data)
+    found = find_study("autopsy")
+    table = found.table(data)
     assert len(table.rows) == 1 * 2 * 2
     assert table.columns[:3] == ("H", "p*", "zeta")
     # A narrow terminal leaves columns out by their names.
     assert len(set(table.columns)) == len(table.columns)
-    names = {drawing.name for drawing in autopsy.figures(data)}
+    names = {drawing.name for drawing in found.figures(data)}
     assert names == {"budget", "restarts", "drift-and-diffusivity", "fluxes", "memory"}
+    assert len(found.views(data).findings) <= 6
 
 
 def test_a_limit_of_counted_numbers_is_that_of_the_straight_line_through_the_two_finest_grids():
     spacing = xr.DataArray([0.25, 0.125, 0.0625], dims="grid")
     counted = 3.0 + 2.0 * spacing + xr.DataArray([5.0, 0.0, 0.0], dims="grid")
-    assert float(reading.limit(counted, spacing)) == pytest.approx(3.0, rel=1e-12)
+    assert float(diffusion.two_grid_limit(counted, spacing)) == pytest.approx(3.0, rel=1e-12)
 
 
 def test_an_exponent_is_found_between_neighbours_and_over_all_steps():
-    steps = np.array([0.01, 0.04, 0.16])
-    found = reading.exponents(xr.DataArray(7.0 * steps**0.5, dims="variance_step"), steps)
+    steps = xr.DataArray([0.01, 0.04, 0.16], dims="variance_step")
+    found = diffusion.exponents(7.0 * steps**0.5, steps)
     np.testing.assert_allclose(found, 0.5, rtol=1e-12)
 
 
 @pytest.mark.parametrize(("excess", "within"), [(0.0, 1e-12), (0.3, 0.004), (0.9, 0.015)])
 def test_an_exponent_of_one_half_is_found_under_the_next_order_of_the_step(excess, within):
     """Of c sqrt(dV) (1 + a sqrt(dV)), measured a = .2 to .9, a straight line leaves .01 at most."""
-    steps = np.array([0.0025, 0.01, 0.04, 0.16])
-    flow = xr.DataArray(3.0 * np.sqrt(steps) * (1 + excess * np.sqrt(steps)), dims="variance_step")
-    powers = reading.exponents(flow, steps)
-    assert float(sentences._power_at_zero_step(powers, steps)) == pytest.approx(0.5, abs=within)
+    steps = xr.DataArray([0.0025, 0.01, 0.04, 0.16], dims="variance_step")
+    powers = diffusion.exponents(3.0 * steps**0.5 * (1 + excess * steps**0.5), steps)
+    assert float(diffusion.power_at_zero_step(powers, steps)) == pytest.approx(0.5, abs=within)
     assert excess == 0 or float(powers[0]) - 0.5 > within
 
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 import scipy.ndimage
@@ -12,16 +13,23 @@ from fem_contact.area import contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
 from fem_contact.stress import pressure_distribution
+from validation.arrays import Array
 from validation.effects.base import Slots
 from validation.measures.common import named, reduced_load
+from validation.measures.limits import solved
+from validation.measures.measurement import grid_for
 from validation.measures.single_solve import SingleSolve, Takes
 from validation.methods import find_solver
 from validation.methods.base import Settings
+from validation.scenes.realised import Realised
+from validation.solves.bench import Bench
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["EdgeMeasurement", "inverse_square_coefficient", "window_slope"]
+__all__ = ["EdgeMeasurement", "inverse_square_coefficient", "slopes_of", "window_slope"]
+
+Place = TypeVar("Place")
 
 #: Distances from the edge, in cells, between which p = B sqrt(s) is read off: beyond the cells the grid smears,
 #: and before the curvature of the patch is felt.
@@ -124,6 +132,59 @@ def window_slope(below: float, *, excess: float, window: float) -> float:
         epsilon, in the unit of pressure of the slope.
     """
     return 2 * (below - excess) / window**2
+
+
+def slopes_of(
+    bench: Bench, surfaces: Mapping[Place, Realised], *, points_per_wave: Sequence[float], window: float = 1.2
+) -> dict[Place, xr.Dataset]:
+    """P'(0) of each surface at dx -> 0, and how far it moves without the coarsest of its grids.
+
+    Parameters
+    ----------
+    bench : Bench
+    surfaces : mapping
+        Surface, solid and load by place.
+    points_per_wave : sequence of float
+        Grids, as lambda_short/dx, rising.
+    window : float
+        End of the window in which the mean slope of P is taken (`window_slope`), in units of E* h'_rms
+        sqrt(dx/lambda_short): it closes with the grid.
+
+    Returns
+    -------
+    dict of xarray.Dataset
+        ``pressure_slope_each`` in units of (E* h'_rms)^-2, by a polynomial of at most second degree in dx^(1/2), and its
+        drift.
+    """
+    import xarray as xr
+
+    cases = {
+        (place, n): EdgeMeasurement(realised=surface, grid=grid_for(surface, n))
+        for place, surface in surfaces.items()
+        for n in points_per_wave
+    }
+    measured = solved(bench, cases)
+    found = {}
+    for place, surface in surfaces.items():
+        # A grid is even, and so a little finer than asked for.
+        finer = [surface.points_per_wave(cases[place, n].grid) for n in points_per_wave]
+        root = np.array(finer) ** -0.5
+        slopes = [_slope(measured[place, n], window * x) for n, x in zip(points_per_wave, root, strict=True)]
+        limit = _at_zero(root, slopes)
+        drift = _at_zero(root[1:], slopes[1:]) - limit if root.size > 3 else 0.0
+        found[place] = xr.Dataset({"pressure_slope_each": limit, "pressure_slope_each_drift": drift})
+    return found
+
+
+def _slope(data: xr.Dataset, window: float) -> float:
+    """Mean slope of P(sigma) in a window of one solve."""
+    upper = np.concatenate([[0], data.upper.values])
+    share = np.concatenate([[0], np.cumsum(data.density.values) * float(np.diff(data.upper[:2])[0])])
+    return window_slope(float(np.interp(window, upper, share)), excess=float(data.excess), window=window)
+
+
+def _at_zero(x: Array, y: Sequence[float]) -> float:
+    return float(np.polyfit(x, y, max(1, min(2, x.size - 2)))[-1])
 
 
 def inverse_square_coefficient(result: ContactResult) -> float:

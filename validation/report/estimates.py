@@ -41,6 +41,7 @@ __all__ = [
     "gather",
     "mean",
     "mean_of",
+    "nearest",
     "power_law",
     "shown_sources",
     "solved_places",
@@ -107,7 +108,9 @@ class Value:
             return f"{sign}{significant(value, 3)}{unit}"
         text = with_error(value, factor * self.error)
         if "~" in spec:
-            return sign + text.partition(" +- ")[0] + unit
+            # (2.10 +- 0.32)e-05 is 2.10e-05.
+            number, power = text.partition(" +- ")[0].removeprefix("("), text.partition(")")[2]
+            return sign + number + power + unit
         return f"({sign}{text}){unit}" if unit else sign + text
 
     def as_json(self) -> dict[str, Any]:
@@ -196,6 +199,16 @@ def each(data: xr.Dataset, *dims: str) -> Iterator[xr.Dataset]:
     for place in np.ndindex(*(data.sizes[dim] for dim in dims)):
         here = data.isel(dict(zip(dims, place, strict=True)))
         yield here.assign_attrs(at={**data.attrs.get("at", {}), **dict(zip(dims, place, strict=True))})
+
+
+def nearest(values: xr.DataArray, wanted: float) -> int:
+    """Return at which place a positive number is nearest to one, by ratio.
+
+    >>> import xarray as xr
+    >>> nearest(xr.DataArray([1.0, 4.0, 16.0]), 3.0)
+    1
+    """
+    return int(np.argmin(np.abs(np.log(values.values / wanted))))
 
 
 # ---- errors --------------------------------------------------------------------------------------

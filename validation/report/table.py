@@ -109,7 +109,7 @@ def budget_table(data: xr.Dataset, names: Sequence[str]) -> ResultTable:
             places = [words for dim in dims for words in _all_words(here, dim, data)]
             row: dict[str, float | str] = {"number": ", ".join([quantity(name).title, *filter(None, places)])}
             row["value"] = value
-            shares = {str(s): 100 * abs(float(e) / value) for s, e in zip(SOURCES, error, strict=True)}
+            shares = {str(s): _per_cent(float(e), value) for s, e in zip(SOURCES, error, strict=True)}
             own = [share for s, share in shares.items() if s not in SPECTRAL]
             row["for this spectrum and period [%]"] = combined(*own)
             row["for any [%]"] = combined(*shares.values())
@@ -128,6 +128,11 @@ def _all_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> list[str]:
     if dim in data.coords or not along:
         return [place_words(here, dim, data)]
     return [place_words(here[[name]], dim, data[[name]]) for name in along]
+
+
+def _per_cent(error: float, value: float) -> float:
+    """Return an error in per cent of a value; of zero only no error is a part."""
+    return 100 * abs(error / value) if value else (0.0 if error == 0 else math.nan)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -131,6 +131,8 @@ def with_error(value: float, error: float) -> str:
 
     if not np.isfinite(value):
         return "not determinable"
+    if error < 1e-10 * abs(value):  # rounding
+        error = 0.0
     if not (np.isfinite(error) and error > 0):
         return f"{significant(value, 5)} +- {'0' if error == 0 else 'unknown'}"
     plain = 1e-4 <= max(abs(value), error) < 1e5

@@ -18,7 +18,7 @@ from validation.measures.common import Rising, RisingOrNone, base_case, base_sur
 from validation.measures.limits import solved
 from validation.measures.magnified import Magnified, with_macroasperities
 from validation.measures.measurement import grid_for
-from validation.report.estimates import claim, derive, gather, mean
+from validation.report.estimates import claim, derive, gather, mean, nearest
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Level, Line, Panel
 from validation.report.table import Table
@@ -149,9 +149,7 @@ def _of_theory(first: Realised, reduced: float) -> float:
 
 def views(data: xr.Dataset) -> Views:
     """Patches over zeta, the pressure in them over the load, and both thresholds."""
-    zeta = data.magnification.values
-    nearest = [int(np.argmin(np.abs(np.log(zeta / z)))) for z in (1.0, 2.0, 4.0)]
-    seen = {"magnification": sorted(set(nearest))}
+    seen = {"magnification": sorted({nearest(data.magnification, zeta) for zeta in (1.0, 2.0, 4.0)})}
     few = {"load": sorted({round(j) for j in np.linspace(0, data.sizes["load"] - 1, 5)})}
     told = Line(y="area_persson", by="load", label="")
     patches = [
@@ -185,7 +183,7 @@ def views(data: xr.Dataset) -> Views:
         ),
     ]
     percolates = "percolation_area" in data
-    roll_off = data.isel(magnification=nearest[0])
+    roll_off = data.isel(magnification=nearest(data.magnification, 1.0))
     return Views(
         table=Table(
             rows=("load", "magnification"),

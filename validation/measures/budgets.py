@@ -1,0 +1,215 @@
+r"""What a ring of waves does to the pressure of every point: budgets of area, load and mean square pressure, and memory.
+
+A point in contact before the ring either stays or is *lost*, its pressure p then falling to zero; others *enter*. With the change
+delta of the pressure, and sums per nominal area over the points that are in contact before (c) or enter (e),
+
+.. math::
+    \Delta A &= \text{entered} - \text{lost}, \\
+    \Delta\langle p \rangle = 0 &= \sum_c \delta + \sum_e p', \\
+    \Delta\langle p^2 \rangle &= \sum_c \delta^2 + 2 \sum_c p\,\delta + \sum_e p'^2 .
+
+Drift and diffusivity are the means of delta and delta^2 over the points in contact before, by Delta V. In the theory a pressure
+diffuses until it is absorbed at zero: its drift is zero at any step, since a stopped walk is a martingale, its diffusivity tends to
+1, and nothing enters.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from persson import elastic
+from validation.arrays import Array
+
+__all__ = [
+    "BINS",
+    "PROFILE_EDGES",
+    "Memory",
+    "Pressed",
+    "bins_of",
+    "composed_inflow",
+    "diffused_area",
+    "flows",
+    "mean_of",
+    "profile",
+]
+
+#: Bins of p/sqrt(V) and their edges, crowded near zero; what lies above counts in the last.
+BINS = 40
+PROFILE_EDGES = 6.0 * np.linspace(0.0, 1.0, BINS + 1) ** 2
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Pressed:
+    """Pressures [Pa] of all points, zero where there is no contact, and which points are in contact."""
+
+    pressure: Array
+    in_contact: NDArray[np.bool_]
+
+
+def flows(before: Pressed, after: Pressed, *, unit: float) -> dict[str, float]:
+    """Return the sums of one step per nominal area, pressures in units of `unit`, by their names in the registry.
+
+    Parameters
+    ----------
+    before, after : Pressed
+        The same points without and with the ring.
+    unit : float
+        Unit of pressure [Pa], sqrt(V) before the step.
+    """
+    lost, entered = before.in_contact & ~after.in_contact, after.in_contact & ~before.in_contact
+    p, delta = _changes(before, after, unit=unit)
+    new = after.pressure[entered] / unit
+    total = [state.pressure[state.in_contact] / unit for state in (before, after)]
+    sums = {
+        "area_lost": np.count_nonzero(lost),
+        "area_entered": new.size,
+        "load_entered": new.sum(),
+        "square_entered": new @ new,
+        "pressure_change": delta.sum(),
+        "pressure_cross_change": p @ delta,
+        "pressure_change_square": delta @ delta,
+        "square_change": total[1] @ total[1] - total[0] @ total[0],
+    }
+    return {name: float(value) / before.pressure.size for name, value in sums.items()}
+
+
+def profile(before: Pressed, after: Pressed, *, unit: float) -> dict[str, Array]:
+    """Return sums of one step over the points in contact before, by the bins of their pressure then."""
+    p, delta = _changes(before, after, unit=unit)
+    leaving = ~after.in_contact[before.in_contact]
+    where = bins_of(p)
+
+    def binned(weights: Array | None = None) -> Array:
+        return np.bincount(where, weights=weights, minlength=BINS) / before.pressure.size
+
+    return {
+        "bin_contact": binned(),
+        "bin_lost": binned(leaving.astype(float)),
+        "bin_pressure": binned(p),
+        "bin_change": binned(delta),
+        "bin_change_square": binned(delta * delta),
+    }
+
+
+def _changes(before: Pressed, after: Pressed, *, unit: float) -> tuple[Array, Array]:
+    """Pressures of the points in contact before, and their changes; one that is lost ends at zero."""
+    p = before.pressure[before.in_contact] / unit
+    later = np.where(after.in_contact, after.pressure, 0.0)[before.in_contact]
+    return p, later / unit - p
+
+
+def bins_of(pressure: Array) -> NDArray[np.int64]:
+    """Return the bin of each reduced pressure."""
+    return np.clip(np.searchsorted(PROFILE_EDGES, pressure, side="right") - 1, 0, BINS - 1)
+
+
+def mean_of(readings: Sequence[Mapping[str, Array | float]]) -> dict[str, Array]:
+    """Average the readings of a ring and of its negative: what is odd in the ring drops out."""
+    return {name: np.mean([np.asarray(one[name]) for one in readings], axis=0) for name in readings[0]}
+
+
+def diffused_area(state: Pressed, added: Array) -> Array:
+    r"""Contact area that absorbing diffusion makes of given pressures, over the nominal area.
+
+    .. math:: \frac{A}{A_0} = \frac{1}{N} \sum_\text{contact} \operatorname{erf}\frac{p}{\sqrt{2 \Delta V}}
+
+    The equation is linear: a point with pressure p before is a surface under the nominal pressure p, whose waves so far are none
+    (Persson 2006, Eqs. 17, 19 and 20).
+
+    Parameters
+    ----------
+    state : Pressed
+        The truth at which the diffusion starts.
+    added : (n,) array
+        Delta V [Pa^2], positive.
+    """
+    pressure = state.pressure[state.in_contact]
+    pressure = pressure[pressure > 0]
+    sums = [np.sum(elastic.contact_area(pressure, stress_variance=float(v))) for v in added]
+    return np.asarray(np.array(sums) / state.pressure.size)
+
+
+class Memory:
+    """What became of every point along a chain of steps, told one state after the other.
+
+    Attributes
+    ----------
+    out, returned : (steps,) arrays
+        Points that were out of contact when a step began, and those of them that it brought back, by the number of steps since
+        they had left; index 0 is those that were never in contact.
+    two_step, composed : lists of float
+        Share of the nominal area that was out before two steps and in contact after, and the same by the laws of single steps.
+    """
+
+    def __init__(self, first: Pressed, *, steps: int) -> None:
+        self.out, self.returned = np.zeros(steps + 1), np.zeros(steps + 1)
+        self.two_step: list[float] = []
+        self.composed: list[float] = []
+        self._since = np.zeros(first.in_contact.shape, dtype=np.int16)
+        self._ever_left = np.zeros(first.in_contact.shape, dtype=bool)
+        self._contacts = [first.in_contact]
+        self._last = (first, first)
+
+    def add(self, state: Pressed, *, unit: float) -> None:
+        """Tell the state after the next step; `unit` is sqrt(V) [Pa] before that step."""
+        earlier, before = self._last
+        out = ~before.in_contact
+        size = self.out.size
+        self.out += np.bincount(self._since[out], minlength=size)
+        self.returned += np.bincount(self._since[out & state.in_contact], minlength=size)
+        if len(self._contacts) > 1:
+            was_out = ~earlier.in_contact
+            self.two_step.append(float(np.mean(was_out & state.in_contact)))
+            self.composed.append(composed_inflow(was_out, before, state, unit=unit))
+        # Those never in contact stay at 0; the others count the steps from the one that took them out.
+        left = before.in_contact & ~state.in_contact
+        self._since[(self._since > 0) & ~state.in_contact] += 1
+        self._since[state.in_contact] = 0
+        self._since[left] = 1
+        self._ever_left |= left
+        self._contacts.append(state.in_contact)
+        self._last = (before, state)
+
+    @property
+    def crossed(self) -> float:
+        """Share of the contact at the end that had left it at least once."""
+        return _share(self._ever_left, self._contacts[-1])
+
+    @property
+    def out_at(self) -> NDArray[np.float64]:
+        """Share of the contact at the end that was out of contact in each state."""
+        return np.array([_share(~contact, self._contacts[-1]) for contact in self._contacts])
+
+
+def _share(flags: NDArray[np.bool_], among: NDArray[np.bool_]) -> float:
+    return float(np.mean(flags[among])) if among.any() else float("nan")
+
+
+def composed_inflow(was_out: NDArray[np.bool_], before: Pressed, after: Pressed, *, unit: float) -> float:
+    """Share of the nominal area that comes in over two steps, if the second step knows no more than the state before it.
+
+    Parameters
+    ----------
+    was_out : array of bool
+        Points that were out of contact before the first step.
+    before, after : Pressed
+        States before and after the second step. Its law is the chance of a point in contact to stay, by its pressure, and that of a
+        point out of contact to enter.
+    unit : float
+        Unit of pressure [Pa] of the bins.
+    """
+    touching = before.in_contact
+    where = bins_of(before.pressure[touching] / unit)
+    points = np.bincount(where, minlength=BINS)
+    stayed = np.bincount(where, weights=after.in_contact[touching], minlength=BINS)
+    came = np.bincount(where, weights=was_out[touching], minlength=BINS)
+    by_contact = float(np.sum(came * stayed / np.maximum(points, 1)))
+    out = np.count_nonzero(~touching)
+    entered = np.count_nonzero(after.in_contact & ~touching)
+    still_out = np.count_nonzero(was_out & ~touching)
+    by_gap = still_out * entered / out if out else 0.0
+    return (by_contact + by_gap) / was_out.size

@@ -1,0 +1,300 @@
+"""Why is Persson's theory off: which terms of its diffusion equation fail, where, and how far do they cancel?
+
+One surface is built up ring by ring of waves at one nominal pressure, each ring with both signs, and the pressure of
+every point is compared with that before. In the theory it diffuses with D = 1 and without drift, and what reaches p = 0
+is lost for good. Each of these is measured, and the budgets of area, load and mean square pressure that they make up.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Any
+
+import numpy as np
+from pydantic import AfterValidator, Field
+
+from validation.measures.budgets import PROFILE_EDGES
+from validation.measures.common import Rising, base_case, base_surface
+from validation.measures.diffusion import budgets_of, of_probe, with_diffusion_terms
+from validation.measures.edge import slopes_of
+from validation.measures.rings import RING, Chain, Probe, even_points, ring_ends
+from validation.report.estimates import claim, derive, gather, nearest
+from validation.report.findings import Finding, finding
+from validation.report.marks import Figure, Line, Panel, panels_along
+from validation.report.table import Table
+from validation.report.views import Views
+from validation.scenes.realised import Realised
+from validation.solves.bench import Bench
+from validation.studies._options import Hurst, Seed, Surfaces
+from validation.studies._study import StudyOptions
+from validation.units import wrong
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Options", "run", "views"]
+
+
+def _rough(magnifications: tuple[float, ...]) -> tuple[float, ...]:
+    if magnifications[0] < 2:
+        raise wrong("must be at least 2: a surface of one wave length is not rough")
+    return magnifications
+
+
+class Options(StudyOptions):
+    """Spectra, loads, rings, and the grids over which every flow is extrapolated."""
+
+    own = "it builds its surfaces up ring by ring of waves"
+
+    hursts: Annotated[tuple[Hurst, ...], Field(min_length=1)] = Field(
+        default=(0.3, 0.8), description="Hurst exponents H"
+    )
+    reduced_pressures: Rising = Field(
+        default=(0.02, 0.05, 0.3, 1.0),
+        description="p* = p0 / (E* h'_rms) with the realised gradient of all waves, rising",
+    )
+    periods: int = Field(
+        default=2, ge=1, le=64, description="L / lambda_long, whole: rings are of such waves"
+    )
+    bandwidth: float = Field(default=32.0, ge=2, le=1024, description="lambda_long / lambda_short")
+    steps_per_octave: int = Field(
+        default=2, ge=2, le=64, multiple_of=2, description="rings of waves in each octave, even"
+    )
+    surfaces: Surfaces = 4
+    points_per_wave: Annotated[Rising, Field(min_length=2)] = Field(
+        default=(8.0, 12.0), description="grids of the rings, as lambda_short/dx, rising"
+    )
+    probes: Annotated[Rising, AfterValidator(_rough)] = Field(
+        default=(2.0, 4.0, 8.0),
+        description="magnifications at which the surface is cut, pressed with these p* of its own gradient, and given one "
+        "more ring as high as the steps below ask for, rising",
+    )
+    probe_surfaces: Surfaces = 8
+    variance_steps: Annotated[Rising, Field(min_length=2)] = Field(
+        default=(0.0025, 0.01, 0.04, 0.16), description="Delta V / V of that ring, rising"
+    )
+    probe_points_per_wave: Annotated[Rising, Field(min_length=2)] = Field(
+        default=(12.0, 24.0), description="grids there, as the shortest wave there is over dx, rising"
+    )
+    slope_points_per_wave: Annotated[Rising, Field(min_length=3)] = Field(
+        default=(16.0, 32.0, 64.0), description="grids of the slope of P(p) at zero there, rising"
+    )
+    seed: Seed = 2006
+
+    @property
+    def ends(self) -> tuple[float, ...]:
+        """Magnifications at which the rings end."""
+        per_octave = self.steps_per_octave
+        ends = ring_ends(periods=self.periods, bandwidth=self.bandwidth, steps_per_octave=per_octave)
+        return tuple(float(end) for end in ends)
+
+    @property
+    def octaves(self) -> tuple[float, ...]:
+        """Where octaves begin and end, the last one cut where the bandwidth is no power of two."""
+        return tuple(e for e in self.ends if abs(np.log2(e) - round(np.log2(e))) < 1e-9)
+
+    def realised(self, hurst: float, load: float, surface: int, *, bandwidth: float) -> Realised:
+        """Return a surface at a load."""
+        whole = base_surface(hurst=hurst, periods=self.periods, bandwidth=bandwidth, seed=self.seed)
+        return base_case(whole, reduced_pressure=load).further(surface)
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Build every surface up ring by ring, and probe single rings.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (hurst, load, surface, grid): the budgets of every ring (step), and of single rings of given Delta V / V
+        (``_probe``), and what `validation.measures.diffusion` makes of them.
+    """
+    probes = {zeta: _probes(options, bench, zeta) for zeta in options.probes}
+    data = _chains(options, bench).merge(gather(probes, probe=options.probes))
+    data = data.assign_coords(
+        reduced_pressure=("load", list(options.reduced_pressures)),
+        magnification=("level", list(options.ends)),
+        octave=[f"{a:g}-{b:g}" for a, b in itertools.pairwise(options.octaves)],
+        octave_start=("octave", list(options.octaves[:-1])),
+        probe=[f"zeta = {zeta:g}" for zeta in options.probes],
+        relative_step=("variance_step", list(options.variance_steps)),
+        upper=("bin", PROFILE_EDGES[1:]),
+        age=np.arange(data.sizes["age"]),
+    )
+    stated = ("area_ratio", "square_growth_late", "loss_ratio", "edge_loss")
+    why = {"depth": "boundary elements press a half-space", "theory": "it is simulated"}
+    data = claim(with_diffusion_terms(data), *stated, **why)
+    words = {name: getattr(options, name) for name in ("periods", "bandwidth", "surfaces")}
+    return data.assign_attrs(study="autopsy", methods="theory bem", **words)
+
+
+def _chains(options: Options, bench: Bench) -> xr.Dataset:
+    """Build up every surface at every load on every grid."""
+    hursts, loads = options.hursts, options.reduced_pressures
+    surfaces, grids = range(options.surfaces), options.points_per_wave
+    cases = {
+        (hurst, load, k, n): Chain(
+            realised=options.realised(hurst, load, k, bandwidth=options.bandwidth),
+            points=even_points(n * options.bandwidth * options.periods),
+            ends=options.ends,
+            restarts=options.octaves[:-1],
+        )
+        for hurst, load, k, n in itertools.product(hursts, loads, surfaces, grids)
+    }
+    return budgets_of(bench, cases, hurst=hursts, load=loads, surface=surfaces, grid=grids)
+
+
+def _probes(options: Options, bench: Bench, zeta: float) -> xr.Dataset:
+    """Give every surface single rings at one magnification, and read P'(0) there."""
+    hursts, loads = options.hursts, options.reduced_pressures
+    surfaces, grids = range(options.probe_surfaces), options.probe_points_per_wave
+    places = list(itertools.product(hursts, loads, surfaces))
+    cases = {
+        (*place, n): Probe(
+            # The waves do not depend on where the spectrum is cut, but for their common scale.
+            realised=options.realised(*place, bandwidth=zeta * RING),
+            points=even_points(n * zeta * options.periods),
+            magnification=zeta,
+            steps=options.variance_steps,
+        )
+        for place in places
+        for n in grids
+    }
+    there = {place: options.realised(*place, bandwidth=zeta) for place in places}
+    slopes = slopes_of(bench, there, points_per_wave=options.slope_points_per_wave)
+    slope = gather(slopes, hurst=hursts, load=loads, probe_surface=surfaces)
+    data = budgets_of(bench, cases, hurst=hursts, load=loads, surface=surfaces, grid=grids)
+    return of_probe(data).merge(slope.drop_vars(["load", "probe_surface"]))
+
+
+_TERMS = ("square_growth", "square_diffusion", "square_drift", "square_reentry")
+
+
+def views(data: xr.Dataset) -> Views:
+    """Terms of the diffusion equation, flows, restarts and memory."""
+    at = {"hurst": -1, "load": nearest(data.reduced_pressure, 0.05)}
+    step = nearest(data.relative_step, 0.01)
+    terms = [Line(y=name, at={"hurst": -1}, label="sum" if name == _TERMS[0] else None) for name in _TERMS]
+    plain = {"color": "black", "ls": "--", "lw": 0.8, "marker": ""}
+    ratios = [
+        Line(y="area_ratio", by="hurst"),
+        Line(y="area_ratio_diffused", by="octave", at={"hurst": -1}, label="", look=plain),
+    ]
+    profiles = [
+        Panel(marks=[Line(y=y, by=by, at=where)], x="bin_mean_pressure", bottom=bottom, top=top)
+        for y, by, where, bottom, top in (
+            ("diffusivity", "variance_step", {**at, "probe": -1}, 0.0, 4.0),
+            ("diffusivity", "probe", {**at, "variance_step": step}, 0.0, 4.0),
+            ("mean_drift", "probe", {**at, "variance_step": step}, -2.0, 3.0),
+        )
+    ]
+    flows = [
+        Panel(
+            marks=[Line(y=y, by="load", at={"hurst": -1, "probe": -1}, label="p* = {reduced_pressure}")],
+            x="relative_step",
+            log=log,
+        )
+        for y, log in (("share_lost", "xy"), ("entered_ratio", "x"), ("area_exponent_probe", "x"))
+    ]
+    chance = Line(y="return_chance", by="load", at={"age": list(range(1, data.sizes["age"]))})
+    panels: dict[str, Sequence[Panel]] = {
+        "budget": panels_along(data, "load", Panel(marks=terms, x="octave_start", log="x", base=2)),
+        "restarts": panels_along(data, "load", Panel(marks=ratios, x="magnification", log="x", base=2)),
+        "drift-and-diffusivity": profiles,
+        "fluxes": flows,
+        "memory": panels_along(data, "hurst", Panel(marks=[chance], x="age", log="y")),
+    }
+    return Views(
+        table=Table(
+            rows=("hurst", "load", "octave"),
+            columns=(
+                *("hurst", "reduced_pressure", "octave", *_TERMS, "square_told", "square_growth_path"),
+                *(
+                    "area_exponent",
+                    "area_exponent_pixel",
+                    "area_exponent_persson",
+                    "loss_ratio",
+                    "area_ratio_end",
+                ),
+            ),
+        ),
+        budget=("square_growth_late", "edge_loss"),
+        figures=[
+            Figure(name=name, caption=_CAPTIONS[name], panels=some, width=3.0 + 2.7 * len(some))
+            for name, some in panels.items()
+        ],
+        findings=_findings(data),
+    )
+
+
+_CAPTIONS = {
+    "budget": "Where d<p^2>/(A dV) comes from by octave, largest H: Persson's theory has diffusion alone, 1.",
+    "restarts": "Contact area over Persson's; dashed, where absorbing diffusion goes from the true P(p), largest H.",
+    "drift-and-diffusivity": "Diffusivity and drift of points in contact by their pressure: the theory has 1 and 0.",
+    "fluxes": "Area that a ring takes out of contact, what it brings back over that, and the net, against its step.",
+    "memory": "Chance that a ring brings a point back into contact: without memory it would be one number.",
+}
+
+
+_WHERE = "at H = {hurst} and p* = {reduced_pressure}"
+
+
+def _findings(data: xr.Dataset) -> list[Finding]:
+    """Say what fails, where, and what cancels, at every load with partial contact."""
+    data = data.isel(load=np.flatnonzero((data.area.isel(level=-1) < 0.999).all("hurst").values))
+    rows: dict[str, Any] = {"over": ("hurst", "load")}
+    probed = data.isel(probe=-1).rename(probe="place")
+    return [
+        finding(
+            "comparison",
+            "With all waves (zeta = {magnification}) the area over Persson's is {each}.",
+            derive(data.isel(level=-1), area_excess="area_ratio - 1"),
+            item=f"{{area_ratio}} {_WHERE} ({{verdict}} 1)",
+            by="area_excess",
+            **rows,
+        ),
+        finding(
+            "value",
+            "Mean square pressure over A dV from zeta = 4 on, where the theory has 1, diffusion alone: {each}. D(p), mu(p) "
+            "and re-entry make it but for {square_gap:%} at most.",
+            data,
+            item=f"{{square_growth_late}} {_WHERE} (diffusion {{square_diffusion_late:~}}, drift "
+            "{square_drift_late:~}, re-entry {square_reentry_late:~})",
+            **rows,
+        ),
+        finding(
+            "equivalence",
+            "As the step vanishes ({place}), the area that leaves contact goes with these powers of Delta V: {each}. With "
+            "less than 1 no flow over p = 0 has a value without its step.",
+            probed,
+            item=f"{{power_limit}} {_WHERE} ({{verdict}})",
+            by="power_excess",
+            words={"within": "1/2", "beyond": "not 1/2", "undecided": "1/2 or not: not decided"},
+            **rows,
+        ),
+        finding(
+            "comparison",
+            "Eq. 26 with the true slope of P(p) at zero ({place}) has for the loss of area -d ln A/d ln V: {each}.",
+            probed,
+            item=f"{{edge_loss_slope}}, {{verdict}} the true {{edge_loss}}, {_WHERE}",
+            by="edge_loss_excess",
+            **rows,
+        ),
+        finding(
+            "comparison",
+            "Over half an octave, diffusion started from the true P(p) at zeta = {octave_start} loses area {each}.",
+            derive(data.isel(octave=nearest(data.octave_start, 4.0)), loss_excess="loss_ratio - 1"),
+            item=f"{{loss_ratio}} times as fast as the truth {_WHERE} ({{verdict}})",
+            by="loss_excess",
+            words={"+": "faster", "-": "slower", "0": "statistically indistinguishable"},
+            **rows,
+        ),
+        finding(
+            "comparison",
+            "The laws of single rings compose to an inflow over two rings, over the contact area, of {each}.",
+            data,
+            item=f"{{inflow_share_composed:~}}, {{verdict}} the true {{inflow_share:~}}, {_WHERE}",
+            by="inflow_excess",
+            **rows,
+        ),
+    ]
