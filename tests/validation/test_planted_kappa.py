@@ -10,7 +10,7 @@ import xarray as xr
 from planted import SMALL, STUDENT, THREE, PlantedBench, block, column, measurement, realisation
 
 from validation.measures.common import persson_area
-from validation.report.estimates import total_error
+from validation.report.estimates import claim, total_error
 from validation.studies import (
     find_study,
     hurst,
@@ -172,69 +172,84 @@ def refined():
     return refinement.run(options, bench=PlantedBench(_refined))
 
 
-def test_refinement_prints_by_how_much_counting_exceeds_the_limit_and_its_interval(refined):
-    table = refinement.table(refined)
+def test_refinement_finds_by_how_much_counting_exceeds_the_limit_and_its_interval(refined):
     # .1 edges of 2 / n each, over the area of each surface.
     each = np.array([[0.2 / n / (0.1 * k) for k in THREE] for n in (16, 24, 32)])
-    np.testing.assert_allclose(column(table, "pixel - limit [%]")[:3], 100 * each.mean(axis=1), rtol=1e-9)
+    np.testing.assert_allclose(refined.distance_pixel, each.mean(axis=1), rtol=1e-9)
     error = each.std(axis=1, ddof=1) / np.sqrt(3)
-    np.testing.assert_allclose(column(table, "pixel +- (95 %) [%]")[:3], 100 * STUDENT[3] * error, rtol=1e-9)
-    np.testing.assert_allclose(column(table, "perimeter - limit [%]")[:3], 0.0, atol=1e-9)
+    half = total_error(refined, "distance_pixel", sources=["surfaces"])
+    np.testing.assert_allclose(half, STUDENT[3] * error, rtol=1e-9)
+    np.testing.assert_allclose(refined.distance_perimeter, 0.0, atol=1e-9)
     counted = [(0.1 + 0.2 / n) / 0.05 for n in (16, 24, 32)]
-    np.testing.assert_allclose(column(table, "kappa, counted (zeroth moment / p*)")[:3], counted, rtol=1e-12)
+    np.testing.assert_allclose(refined.kappa_pixel, counted, rtol=1e-12)
+    table = refinement.views(refined).table.of(refined)
+    np.testing.assert_allclose(column(table, "kappa, counted"), counted, rtol=1e-12)
 
 
-def test_refinement_finds_the_planted_order_and_verdict(refined):
-    text = refinement.findings(refined)
-    order = next(s for s in text if s.startswith("The pixel area differs"))
-    assert order.endswith("fitted order 1.00).")
+def test_refinement_finds_the_planted_order_and_the_part_of_the_grid(refined):
+    assert float(refined.order_pixel) == pytest.approx(1.0, rel=1e-9)
     kappa, theory = 2.0, math.erf(math.sqrt(2) * 0.05) / 0.05
-    assert text[0].startswith(
-        f"kappa in the limit of vanishing spacing is 2 +- {0.02 * STUDENT[3]:.2g} (95 %, 3"
-    )
-    assert f"{100 * (1 - theory / kappa):.0f} % of the simulated area is not explained" in text[0]
-    share = [0.2 / n / (0.1 + 0.2 / n - 0.05 * theory) for n in (16, 24, 32)]
-    assert ", ".join(f"{100 * s:.0f} % at {w}" for s, w in zip(share, (4, 6, 8), strict=True)) in text[1]
+    assert float(refined.kappa) == pytest.approx(kappa, rel=1e-9)
+    half = total_error(refined, "kappa", sources=["surfaces"])
+    assert float(half) == pytest.approx(0.02 * STUDENT[3], rel=1e-9)
+    assert float(refined.area_excess) == pytest.approx(kappa / theory - 1, rel=1e-9)
+    parts = [[0.2 / n / (0.1 * k + 0.2 / n - 0.05 * theory) for k in THREE] for n in (16, 24, 32)]
+    np.testing.assert_allclose(refined.grid_part, np.mean(parts, axis=1), rtol=1e-9)
+    assert refinement.views(refined).findings[0].outcomes == ("+",)
+    wide = refined.assign(area_excess=0.9 * total_error(refined, "area_excess"))
+    assert refinement.views(wide).findings[0].outcomes == ("0",)
 
 
-def test_refinement_says_where_the_excess_of_the_coarse_grid_lies(refined):
+def test_refinement_finds_where_the_excess_of_the_coarse_grid_lies(refined):
     """Six tenths of what is counted lie at small pressures, on every grid."""
-    sentence = next(s for s in refinement.findings(refined) if s.startswith("The first moment"))
-    excess = 100 * (np.mean((0.1 * THREE + 0.2 / 16) / (0.1 * THREE + 0.2 / 32)) - 1)
-    above = 100 * ((0.1 + 0.2 / 16) / (0.1 + 0.2 / 32) - 1)
-    assert f"the area, is {excess:+.1f} % on 4 against 8 points per wave" in sentence
-    assert "Of that excess 60 % lies at sigma < 0.2 E* h'_rms" in sentence
-    assert f"above it the coarse grid holds {above:+.1f} %" in sentence
+    excess = np.mean((0.1 * THREE + 0.2 / 16) / (0.1 * THREE + 0.2 / 32)) - 1
+    above = (0.1 + 0.2 / 16) / (0.1 + 0.2 / 32) - 1
+    assert float(refined.area_pixel_change) == pytest.approx(excess, rel=1e-9)
+    assert float(refined.small_stress_part) == pytest.approx(0.6, rel=1e-9)
+    assert float(refined.large_stress_change) == pytest.approx(above, rel=1e-9)
 
 
 def test_finite_elements_reach_the_planted_limit_one_per_cent_above_the_other(refined):
-    np.testing.assert_allclose(refined.fem_limit[0] / refined.limit, 1.01, rtol=1e-9)
-    assert float(refined.depth_error) == pytest.approx(0.005, rel=1e-9)
+    np.testing.assert_allclose(refined.distance_fem_each, 0.01, rtol=1e-7)
+    assert float(refined.depth_share) == pytest.approx(0.005, rel=1e-9)
     # The planted blocks lie on their law. Depth and the grids of the other limit make the distance uncertain.
-    np.testing.assert_allclose(refined.limit_drift, 0.0, atol=1e-9)
-    grids = 100 * 2 * np.linalg.norm(refined.limit_error) / 3 / 0.1
-    sentence = next(s for s in refinement.findings(refined) if s.startswith("Finite elements"))
-    assert (
-        f"differs by +1.00 +- {math.hypot(grids, 0.5):.2g} % (0.00 % the surfaces, 0.00 % their grids, "
-        in sentence
-    )
-    assert f"{grids:.2f} % those of the boundary elements, 0.50 % the depth of the block; 95 %): " in sentence
-    assert sentence.endswith(
-        "they are told apart, so that the grids of the element leave 1.00 %, not 0.00 %."
-    )
-    close = refined.assign(depth_error=2 * refined.depth_error)
-    sentence = next(s for s in refinement.findings(close) if s.startswith("Finite elements"))
-    assert f"differs by +1.00 +- {math.hypot(grids, 1.0):.2g} %" in sentence
-    assert sentence.endswith("1.00 % the depth of the block; 95 %): the two are not told apart.")
+    np.testing.assert_allclose(refined.area_each_drift, 0.0, atol=1e-9)
+    grids = np.linalg.norm(refined.area_each_error.sel(source="grid") / refined.area_each) / 3
+    half = float(total_error(refined, "distance_fem")[0])
+    assert half == pytest.approx(math.hypot(1.01 * grids, 0.005), rel=1e-3)
+    (found,) = (one for one in refinement.views(refined).findings if one.by == "distance_fem")
+    assert found.outcomes == ("differ",)
+    close = refined.assign(distance_fem=0.9 * total_error(refined, "distance_fem"))
+    (found,) = (one for one in refinement.views(close).findings if one.by == "distance_fem")
+    assert found.outcomes == ("agree",)
     # In the budget the distance of the two limits is a part of the grids' share.
-    grid = column(refinement.budget(refined), "grid [%]")
+    grid = column(find_study("refinement").budget(refined), "grid [%]")
     assert grid[1] == pytest.approx(1.0, rel=1e-3)
 
 
-def test_refinement_says_the_spread_of_the_protocols_and_where_the_limit_lies(refined):
-    sentence = next(s for s in refinement.findings(refined) if s.startswith("With roughness"))
-    assert "kappa is 3.00 (spectral), 2.50 (forward), 1.90 (central)" in sentence
-    assert f"a spread of {100 * (3 / 1.9 - 1):.0f} %, on both sides of the converged 2.00" in sentence
+@pytest.mark.parametrize(
+    ("value", "half", "outcomes"),
+    [
+        (2.17, 0.09, ("agree", "differ")),
+        # An interval that is wider than the range would meet it almost anywhere.
+        (2.337, 1.8, ("?", "agree")),
+        (2.5, 0.09, ("differ", "differ")),
+        (2.1, float("nan"), ("?", "?")),
+    ],
+)
+def test_published_values_agree_only_with_an_interval_that_could_have_missed_them(
+    refined, value, half, outcomes
+):
+    told = refined.drop_vars([n for n in refined.variables if "published" in str(n) or "paper" in str(n)])
+    told = claim(told.assign(kappa=value), "kappa", surfaces=half, grid=0.0, solver=0.0 * half)
+    data = refinement._beside_published(told)
+    (found,) = (one for one in refinement.views(data).findings if one.by == "kappa_difference")
+    assert found.outcomes == outcomes
+
+
+def test_refinement_has_kappa_of_the_protocols_by_slope_and_their_spread(refined):
+    np.testing.assert_allclose(refined.kappa_protocol[-1], [3.0, 2.5, 1.9], rtol=1e-12)
+    assert float(refined.kappa_protocol_spread) == pytest.approx(3 / 1.9 - 1, rel=1e-12)
 
 
 # theory-verdict -----------------------------------------------------------------------------------------

@@ -3,65 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import pytest
-import xarray as xr
 
 from validation.comparison.findings import findings
 from validation.comparison.run import run_scene
 from validation.comparison.sweep import run_sweep
-from validation.measures.statistics import Estimate
 from validation.scenes.sweep import load_asked
-from validation.studies.refinement import sentences
-
-
-def _kappa(value: float, half: float) -> Estimate:
-    return Estimate(value=value, standard_error=half / 2, half_width=half, samples=5)
-
-
-@pytest.mark.parametrize(
-    ("value", "half", "said"),
-    [
-        (2.17, 0.09, "agree with the converged 2.17"),
-        (2.337, 1.8, "can be neither confirmed nor ruled out by the converged 2.337"),
-        (2.5, 0.09, "do not agree with the converged 2.5"),
-        (2.1, float("nan"), "can be neither confirmed nor ruled out"),
-    ],
-)
-def test_published_values_agree_only_with_an_interval_that_could_have_missed_them(value, half, said):
-    slopes = xr.DataArray(np.array([[[2.4, 2.3, 2.0]]]), dims=("surface", "protocol_grid", "slope"))
-    text = sentences._published(xr.Dataset({"kappa_grid_scale": slopes}), _kappa(value, half))
-    assert said in text
-    # 1.8 is 17 % from 2.17; with a large interval it is not told from it.
-    assert ("not told from it" in text) == (abs(1.8 - value) <= half)
-
-
-def _elements(error: float) -> xr.Dataset:
-    limit = np.array([0.1, 0.11, 0.105])
-    apart = 1 + np.array([-0.0089, -0.0088, -0.0090])
-    fem = ("element", "surface")
-    return xr.Dataset(
-        {
-            "limit": ("surface", limit),
-            "limit_error": ("surface", 1e-6 * limit),
-            "limit_drift": ("surface", np.zeros(3)),
-            "fem_limit": (fem, (limit * apart)[None]),
-            "fem_limit_error": (fem, error * limit[None]),
-            "fem_pixel": ((*fem, "fem_grid"), 1.1 * limit[None, :, None]),
-            "fem_perimeter": ((*fem, "fem_grid"), 1.01 * limit[None, :, None]),
-            "depth_error": ((), 1e-4),
-        },
-        coords={"element": ["Hex1"], "fem_points_per_wave": ("fem_grid", [16.0])},
-    )
-
-
-def test_the_limit_of_an_element_is_judged_with_the_error_of_its_own_grids():
-    sharp = sentences._element_sentence(_elements(1e-5), 0)
-    assert "they are told apart, so that the grids of the element leave 0.89 %, not 0.00 %" in sharp
-    # Its grids leave 2 x .01 / sqrt(3) of the mean: 1.2 %, more than the .89 % between the two.
-    blurred = sentences._element_sentence(_elements(0.01), 0)
-    assert "the two are not told apart" in blurred
-    assert "1.16 % their grids" in blurred or "1.17 % their grids" in blurred
-
 
 _LAYER = '[[effects]]\nkind = "coating"\nyoung = "10 MPa"\nthickness = "0.2 um"\n[solid]'
 

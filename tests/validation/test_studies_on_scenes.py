@@ -124,7 +124,7 @@ def test_a_scene_that_yields_is_pressed_with_its_hardness_and_shares_solves_with
 
 def test_the_study_of_the_grid_takes_effects_grids_and_tolerance_from_a_scene(scene):
     options = refinement.Options(scene=scene(YIELDING), surfaces=2)
-    cases = refinement._boundary_elements(options, options.pressed)
+    cases = refinement.design(options)
     recipe = cases["grids", 1].recipe
     assert recipe["grids"] == [[24, 24], [36, 36], [48, 48]]
     assert recipe["effects"] == [{"kind": "hardness", "hardness": 3e4}]

@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
-from planted import PlantedBench, measurement
+from planted import STUDENT, PlantedBench, measurement
 
 from fem_contact import bem
 from fem_contact.hardness import yielded
@@ -22,11 +22,14 @@ from validation.effects.base import full_contact_energy
 from validation.measures.common import base_case, base_surface, persson_area
 from validation.measures.distributions import Distributions, largest_difference, weighted_percentile
 from validation.measures.edge import window_slope
+from validation.measures.grid_roughness import rms_slopes
+from validation.measures.grids import observed_order
 from validation.measures.ladders import fitted_line, spectral_errors
 from validation.measures.measurement import Measurement
+from validation.measures.statistics import order_of_convergence
 from validation.measures.theory import Waves, ensemble_stress_variance
 from validation.measures.yielding import kept_by_theory
-from validation.report.estimates import claim
+from validation.report.estimates import claim, total_error
 from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
 from validation.scenes.topography import read_topography, write_topography
@@ -37,8 +40,6 @@ from validation.studies import (
     stress_near_zero,
 )
 from validation.studies.pressure import _logarithmic_slope
-from validation.studies.refinement.data import overestimate
-from validation.studies.refinement.grid_roughness import rms_slopes
 
 SOFT = Solid(young=1.0, poisson=0.0)
 
@@ -168,11 +169,24 @@ def test_felt_over_exact_is_one_without_grading_and_grading_is_largest_where_the
     np.testing.assert_allclose(graded._grading(3.0, q), 2.0 / q, rtol=1e-12)
 
 
-def test_overestimates_are_relative_to_the_limit_of_the_own_surface():
+def test_an_order_is_that_of_the_mean_error_with_the_jackknife_of_the_surfaces():
+    points = np.array([4.0, 8.0, 16.0])
+    exact = np.stack([a * points**-1.5 for a in (0.9, 1.0, 1.1)])
     data = xr.Dataset(
-        {"pixel": (("surface", "grid"), [[0.22, 0.21], [0.44, 0.42]]), "limit": ("surface", [0.2, 0.4])}
+        {"distance_each": (("surface", "grid"), exact)}, coords={"points_per_wave": ("grid", points)}
     )
-    np.testing.assert_allclose(overestimate(data, "pixel"), [[0.1, 0.05], [0.1, 0.05]], rtol=1e-12)
+    found = observed_order(data, "distance", to="order")
+    assert float(found.order) == pytest.approx(1.5, rel=1e-12)
+    assert float(total_error(found, "order")) < 1e-9
+    # Orders 1 and 2: without one of them it is the other's.
+    data["distance_each"] = (("surface", "grid"), np.array([points**-1.0, points**-2.0, points**-1.5]))
+    left = [
+        order_of_convergence(1 / points, np.delete(data.distance_each.values, k, 0).mean(0)) for k in range(3)
+    ]
+    half = STUDENT[3] * math.sqrt(2 / 3 * np.var(left) * 3)
+    found = observed_order(data, "distance", to="order")
+    assert float(total_error(found, "order")) == pytest.approx(half, rel=1e-9)
+    assert np.isnan(observed_order(data * np.nan, "distance", to="order").order)
 
 
 def test_forward_and_central_slopes_of_a_wave_are_those_of_its_differences():

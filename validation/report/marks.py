@@ -103,7 +103,8 @@ class Panel:
     title : str
     at : mapping
         Position along dimensions, or several of them, for all marks.
-    bottom, top : float, optional
+    bottom, top, right : float, optional
+        Ends of the axes.
     """
 
     marks: Sequence[_Mark]
@@ -115,6 +116,7 @@ class Panel:
     at: Mapping[str, int | Sequence[int]] = field(default_factory=dict)
     bottom: float | None = None
     top: float | None = None
+    right: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -229,6 +231,7 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
         least = min((_least(one) for one in drawn), default=np.inf)
         bottom = least if np.isfinite(least) else None
     axes.set_ylim(bottom=bottom, top=panel.top)
+    axes.set_xlim(right=panel.right)
     return drawn
 
 
