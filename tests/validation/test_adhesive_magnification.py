@@ -8,7 +8,8 @@ from persson.adhesion import Interface, solve_adhesion
 from persson.elastic import pressure_distribution
 from persson.scale import Scale
 from validation.effects.base import full_contact_energy
-from validation.measures.adhesive import STRESS_EDGES, StickyContact
+from validation.measures.adhesive import STRESS_EDGES, StickyContact, readings
+from validation.measures.distributions import largest_difference
 from validation.solves.bench import Bench
 from validation.studies import adhesive_magnification as study
 
@@ -66,7 +67,7 @@ def test_great_adhesion_closes_the_contact_under_its_load_and_stores_all(whole):
 def test_the_law_is_as_strong_as_the_theory_s_detachment_stress_at_the_last_wave(whole):
     """sigma_a^2 = (9/8) w E* q, Eq. 36, and w / range is the strength."""
     cut = study._cut(OPTIONS, 0, 3.0)
-    case = study._case(OPTIONS, cut, 3.0, 0)
+    case = cut.solve(16.0 * 3.0, shells=())
     q = 2 * np.pi / cut.realised.shortest
     assert (case.work / case.reach) ** 2 == pytest.approx(
         1.125 * case.work * cut.realised.contact_modulus * q
@@ -76,49 +77,67 @@ def test_the_law_is_as_strong_as_the_theory_s_detachment_stress_at_the_last_wave
 
 def test_the_whole_surface_is_told_the_same_work_both_ways(data):
     """gamma_eff(zeta_1) = w; area, force and energy of the theory are those of the whole surface."""
-    assert data.contact.values[1, :, 1] == pytest.approx(data.contact.values[0, :, 1], rel=1e-4)
-    assert data.theory_contact.values[1, :, 1, 0] == pytest.approx(
-        data.theory_contact.values[0, :, 1, 0], rel=1e-4
+    assert data.area_each.values[1, :, 1] == pytest.approx(data.area_each.values[0, :, 1], rel=1e-4)
+    assert data.area_improved_each.values[1, :, 1] == pytest.approx(
+        data.area_improved_each.values[0, :, 1], rel=1e-4
     )
     realised, work = study._whole(OPTIONS, 1)
-    along = study.adhesive_theory(realised, work=work, energy="improved", area="projected")
-    assert data.theory_force.values[0, 1, 1, 0] == pytest.approx(
+    along = readings(realised, work=work, area="projected")["improved"]
+    assert data.force_inside_improved_each.values[0, 1, 1] == pytest.approx(
         along.contact_force[-1] / realised.pressure, rel=1e-9
     )
     full = full_contact_energy(realised.field, modulus=realised.contact_modulus)
-    assert data.theory_energy.values[0, 1, 1, 0] * full == pytest.approx(
+    assert data.energy_ratio_improved_each.values[0, 1, 1] * full == pytest.approx(
         float(along.elastic_energy[0]), rel=1e-9
     )
 
 
 def test_adhesion_adds_area_force_and_tension(data):
     own = data.isel(told=0)
-    assert (own.contact > own.plain).all()
-    assert (own.force > 1).all()
-    assert (own.tension > 0).all()
-    assert (own.parted > own.contact - 1e-9).all()
-    assert (own.theory_force > 1).all()
+    assert (own.area_each > own.area_plain_each).all()
+    assert (own.force_inside_each > 1).all()
+    assert (own.tension_each > 0).all()
+    assert (own.area_parted_each > own.area_each - 1e-9).all()
+    assert (own.force_inside_improved_each > 1).all()
+    assert (own.force_inside_old_each > 1).all()
 
 
 def test_stresses_of_the_theory_fill_their_bins_with_its_area(data):
     """Their sum is A/A0, but for the half of a bin at the wall; none lie below the detachment stress."""
     own = data.isel(told=0)
-    assert own.theory_stress.sum("stress_bin").values == pytest.approx(own.theory_contact.values, rel=2e-3)
+    for reading in ("improved", "old"):
+        shares, area = own[f"stress_share_{reading}_each"], own[f"area_{reading}_each"]
+        assert shares.sum("stress_bin").values == pytest.approx(area.values, rel=2e-3)
     cut = study._cut(OPTIONS, 0, 3.0)
-    case = study._case(OPTIONS, cut, 3.0, 0)
+    case = cut.solve(16.0 * 3.0, shells=())
     lowest = -case.work / case.reach / cut.realised.pressure_scale
     below = STRESS_EDGES[1:] < lowest
-    assert own.theory_stress.values[0, 1, 0, below].sum() == 0
-    assert own.stress.values[0, 1, STRESS_EDGES[1:] < lowest - 0.03].sum() == 0
+    assert own.stress_share_improved_each.values[0, 1, below].sum() == 0
+    assert own.stress_share_each.values[0, 1, STRESS_EDGES[1:] < lowest - 0.03].sum() == 0
 
 
-def test_the_sentences_and_the_table_hold_the_numbers(data):
-    said, rows = study.findings(data), study.table(data).rows
-    assert [row[:2] for row in rows if row[0] == "w"] == [("w", 1.5), ("w", 3.0)]
-    assert rows[0][3] == pytest.approx(float(data.contact.values[0, :, 0].mean()), rel=1e-12)
-    assert rows[0][5:7] == pytest.approx(tuple(data.theory_contact.values[0, :, 0].mean(axis=0)), rel=1e-12)
-    assert f"(zeta = 3, first surface) A/A0 is {float(data.half_area):.3g}" in " ".join(said)
-    assert {one.name for one in study.figures(data)} == {"adhesive-by-magnification", "adhesive-stress"}
+def test_stresses_of_all_surfaces_are_one_sample_and_their_distance_is_that_of_kolmogorov(data):
+    own = data.isel(told=0, magnification=1)
+    pooled, theirs = (own[f"stress_share{end}_each"].sum("surface").values for end in ("", "_old"))
+    assert float(own.stress_distance_old) == pytest.approx(
+        float(largest_difference(pooled, theirs)), rel=1e-12
+    )
+    assert float(own.stress_density.sum()) * np.diff(STRESS_EDGES)[0] == pytest.approx(1, rel=1e-12)
+
+
+def test_the_findings_hold_the_numbers_and_what_gamma_eff_does_not_hold(data):
+    own, _, effective, waves, half, _ = study.views(data).findings
+    assert own.rows[0]["area"].value == pytest.approx(float(data.area_each[0, :, 0].mean()), rel=1e-12)
+    assert own.rows[0]["area_old"].value == pytest.approx(
+        float(data.area_old_each[0, :, 0].mean()), rel=1e-12
+    )
+    missing = np.isnan(data.area_each.values[1]).any(axis=0)
+    assert effective.values["left"].value == missing.sum() == 1
+    assert [row["magnification"].value for row in effective.rows] == [3.0]
+    assert waves.rows[1]["energy_share"].value == pytest.approx(float(data.energy_share_each[:, 1].mean()))
+    assert half.values["area_half_range"].value == float(data.area_half_range)
+    rows = [(row[0], row[1]) for row in study.views(data).table.of(data).rows]
+    assert rows == [("w", 1.5), ("w", 3.0), ("gamma_eff(zeta)", 3.0)]
 
 
 @pytest.mark.parametrize("energy", ["improved", "old"])

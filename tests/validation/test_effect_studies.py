@@ -90,58 +90,38 @@ def test_one_grid_has_no_limit(name, grids, words):
         find_study(name).parse(["--grids", grids])
 
 
+def along(data, dial):
+    return data.isel(case=(data.varied == dial).values)
+
+
 def test_adhesion_enlarges_the_contact_in_proportion_and_vanishes_with_the_work(sticking):
-    gain = sticking["area"].values / sticking["plain"].values
+    by_work = along(sticking, "work")
+    gain = by_work.area_gain.values
     assert 1 <= gain[0] < 1.1
     assert gain[1] > 1.2
-    theory = sticking["improved"].values / sticking["persson_plain"].values
+    theory = by_work.area_gain_improved.values
     assert theory[0] == pytest.approx(1, abs=0.01)
     assert theory[1] > theory[0]
-    assert np.all(sticking["reach"].values < 0.5)
+    assert np.all(sticking.attraction_range < 0.5)
 
 
 def test_the_dials_meet_where_they_stand_for_the_same_case(sticking):
     # work = 0.1 at p* = 0.05 with all waves is the second work.
-    for name in ("area", "plain", "improved", "interface", "macroscopic"):
-        assert sticking[f"{name}_magnification"].values[0] == sticking[name].values[1]
-    assert sticking["area_reduced_pressure"].values[0] > sticking["area"].values[1]
+    same, waves = along(sticking, "work").isel(case=1), along(sticking, "waves").isel(case=0)
+    for name in ("area", "area_plain", "area_improved", "interface_energy", "interface_energy_improved"):
+        assert waves[name] == same[name]
+    assert along(sticking, "load").area[0] > same.area
 
 
 def test_the_interface_gains_less_than_its_work_and_yielding_adds_contact(sticking):
-    assert np.all(sticking["interface"].values < 1)
-    assert sticking["interface"].values[1] > sticking["interface"].values[0]
-    assert sticking["area_hardness"].values[0] > sticking["area"].values[1]
-    assert 0 < sticking["yielded_hardness"].values[0] < sticking["yielded_persson_hardness"].values[0]
+    by_work, hard = along(sticking, "work"), along(sticking, "hardness").isel(case=0)
+    assert np.all(by_work.interface_energy < 1)
+    assert by_work.interface_energy[1] > by_work.interface_energy[0]
+    assert hard.area > by_work.area[1]
+    assert 0 < hard.area_plastic < hard.area_plastic_improved
 
 
-def test_findings_of_adhesion_say_where_the_theory_gives_no_answer(sticking):
-    assert "multiplies the area by" in adhesion.findings(sticking)[1]
-    silent = sticking.assign(old=np.nan * sticking["old"])
-    assert "the theory (old) gives no answer" in adhesion.findings(silent)[1]
-
-
-def test_adhesion_is_averaged_over_surfaces_and_its_error_holds_their_scatter(sticking, tmp_path):
-    assert adhesion.findings(sticking)[0].startswith("Means over 2 surfaces")
-    assert "mean over 2 surfaces" in adhesion.figures(sticking)[0].caption
-    options = {"works": (0.1,), "reduced_pressures": (0.2,), "magnifications": (3.0,), "hardnesses": (0.6,)}
-    options |= {"grids": (64, 96), "bandwidth": 3.0, "surfaces": 1}
-    bench = Bench.at(tmp_path)
-    single = [adhesion.run(adhesion.Options(**options, seed=seed), bench=bench) for seed in (13, 14)]
-    areas = [float(one["area"][0]) for one in single]
-    assert float(sticking["area"][1]) == pytest.approx(np.mean(areas), rel=1e-12)
-    grids = np.mean([float(one["area_error"][0]) for one in single])
-    scatter = np.std(areas, ddof=1) / np.sqrt(2)
-    assert scatter > 0
-    assert float(sticking["area_error"][1]) == pytest.approx(np.hypot(grids, scatter), rel=1e-12)
-    assert "of one surface" in adhesion.findings(single[0])[0]
-
-
-def test_adhesion_is_found_by_name_and_draws(sticking):
-    assert [d.name for d in find_study("adhesion").figures(sticking)] == [
-        "adhesive-area",
-        "adhesive-area-reduced-pressure",
-        "adhesive-area-magnification",
-        "adhesive-area-hardness",
-        "adhesive-area-yielded",
-        "interface-energy",
-    ]
+def test_numbers_of_one_surface_are_called_so(sticking):
+    kinds = [one.kind for one in adhesion.views(sticking.isel(surface=[0])).findings]
+    assert kinds.count("note") == 1
+    assert "note" not in [one.kind for one in adhesion.views(sticking).findings]

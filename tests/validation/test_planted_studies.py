@@ -13,7 +13,7 @@ from planted import EDGES, SMALL, STUDENT, THREE, PlantedBench, block, column, c
 
 from fem_contact.area import ContactAreas
 from fem_contact.surface import HeightField
-from validation.measures import limits, ways
+from validation.measures import adhesive, limits, ways
 from validation.measures.common import persson_area
 from validation.measures.measurement import area_limits
 from validation.measures.theory import WITH_ENERGY, Waves
@@ -270,45 +270,68 @@ def _full_wave(solve):
     )
 
 
-def test_adhesion_gains_the_work_less_half_of_p_u_at_full_contact(monkeypatch):
-    monkeypatch.setattr(adhesion, "adhesive_theory", lambda *args, **told: None)
-    options = adhesion.Options(
-        works=(0.1, 0.3),
-        reduced_pressures=(0.2,),
-        magnifications=(2.0,),
-        hardnesses=(0.6,),
-        grids=(32, 48),
-        bandwidth=2.0,
-        seed=61,
-    )
+STUCK = {
+    "works": (0.1, 0.3),
+    "reduced_pressures": (0.2,),
+    "magnifications": (2.0,),
+    "hardnesses": (0.6,),
+    "grids": (32, 48),
+    "bandwidth": 2.0,
+    "seed": 61,
+}
+
+
+@pytest.fixture
+def silent(monkeypatch):
+    """The theory has no answer."""
+    monkeypatch.setattr(adhesive, "readings", lambda *args, **told: {"improved": None, "old": None})
+
+
+def test_adhesion_gains_the_work_less_half_of_p_u_at_full_contact(silent):
+    options = adhesion.Options(**STUCK)
     data = adhesion.run(options, bench=PlantedBench(_full_wave))
     np.testing.assert_allclose(data.area, 1.0, rtol=1e-12)
-    np.testing.assert_allclose(data.plain, 1.0, rtol=1e-12)
-    np.testing.assert_allclose(data.yielded_hardness, 0.25, rtol=1e-9)
+    np.testing.assert_allclose(data.area_plain, 1.0, rtol=1e-12)
+    assert np.flatnonzero(np.isfinite(data.area_plastic)).tolist() == [4]
+    np.testing.assert_allclose(data.area_plastic[-1], 0.25, rtol=1e-9)
     # Closed form of the energy of a wave, E* q a^2 / 8, over the work: a share of U_full of each surface.
     stored = 1e7 / (1 - 0.5**2) * 2 * np.pi / 1e-5 * 1e-9**2 / 8
-    works = [[case.work for case in several] for _, several in adhesion._dials(options)["work"]]
-    assert np.shape(works) == (2, 3)
-    np.testing.assert_allclose(data.interface, 1 - np.mean(stored / np.array(works), axis=1), rtol=1e-9)
-    general, first, *_ = adhesion.findings(data)
-    assert general.startswith("Means over 3 surfaces; +- is one standard error")
-    assert "multiplies the area by 1 by boundary elements (A/A0 = 1.0000 +- 0.0000)" in first
+    works = np.array([one.adhesion.work for one in adhesion.design(options).values()]).reshape(-1, 3)
+    np.testing.assert_allclose(data.interface_energy, 1 - np.mean(stored / works, axis=1), rtol=1e-9)
+    # The theory says nothing: there is nothing to be above or below.
+    found = adhesion.views(data).findings
+    assert all(set(one.outcomes) == {"?"} for one in found)
+    assert found[0].rows[0]["area_gain"].value == 1.0
 
 
-def test_adhesion_adds_the_scatter_of_its_surfaces_to_the_mean_error_of_their_grids():
-    """Grids are off by .03 on all surfaces; limits .1 + (-.04, 0, .04): a standard error of .04 / sqrt(3)."""
-    rows = [{"area": 0.1 + d, "area_error": 0.03, "old": 0.2} for d in (-0.04, 0.0, 0.04)]
-    del rows[1]["old"]
-    found = adhesion._mean(rows)
-    assert found.keys() == {"area", "area_error"}  # what one surface has no answer to is no mean
-    assert found["area"] == pytest.approx(0.1, rel=1e-12)
-    assert found["area_error"] == pytest.approx(math.hypot(0.03, 0.04 / math.sqrt(3)), rel=1e-12)
-    assert adhesion._mean(rows[:1])["area_error"] == pytest.approx(0.03, rel=1e-12)
+def test_adhesion_adds_the_scatter_of_its_surfaces_to_the_step_of_their_grids(silent, monkeypatch):
+    monkeypatch.setattr(adhesive, "interface_energy", lambda contact, law: 0.0)
+    data = adhesion.run(adhesion.Options(**STUCK), bench=PlantedBench(_counted))
+    np.testing.assert_allclose(data.area, 0.5, rtol=1e-12)
+    np.testing.assert_allclose(data.area_gain, 1.25, rtol=1e-12)
+    error = data.area_error
+    np.testing.assert_allclose(error.sel(source="surfaces"), 0.5 * 0.01 * STUDENT[3], rtol=1e-9)
+    np.testing.assert_allclose(error.sel(source="grid"), 0.3 / 48, rtol=1e-9)
+    # What is off by the same share with and without adhesion does not enter their ratio.
+    np.testing.assert_allclose(data.area_gain_error.sel(source="surfaces"), 0.0, atol=1e-12)
 
 
-def test_adhesion_extrapolates_linearly_in_the_spacing():
-    assert adhesion._limit([0.5 + 0.3 / 32, 0.5 + 0.3 / 48], (32, 48)) == pytest.approx(0.5, rel=1e-12)
-    assert adhesion._limit([0.5, 1.2], (32, 48)) == 1.0
+def _counted(solve):
+    """Counted areas .5 + .3 dx, or .4 + .3 dx without adhesion, by surface; half of it at the bound."""
+    n, own = solve.grid[0], THREE[solve.realised.surface.seed - 61]
+    sticky = any(effect.kind == "adhesion" for effect in solve.effects)
+    area = own * (0.5 if sticky else 0.4) + 0.3 / n
+    return contact(in_contact=np.array([area]), at_bound=np.array([area / 2]))
+
+
+def test_areas_with_adhesion_end_at_one(silent, monkeypatch):
+    monkeypatch.setattr(adhesive, "interface_energy", lambda contact, law: 0.0)
+
+    def answer(solve):
+        return contact(in_contact=np.array([1 - 3 / solve.grid[0] ** 2]), at_bound=np.array([0.0]))
+
+    data = adhesion.run(adhesion.Options(**STUCK), bench=PlantedBench(answer))
+    np.testing.assert_array_equal(data.area, 1.0)
 
 
 # cross and depth: finite against boundary elements ------------------------------------------------------

@@ -19,6 +19,7 @@ from fem_contact.surface import HeightField
 from persson.hardness import constant_hardness
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
+from validation.measures.adhesive import interface_energy
 from validation.measures.common import base_case, base_surface, persson_area
 from validation.measures.distributions import Distributions, largest_difference, weighted_percentile
 from validation.measures.edge import window_slope
@@ -34,7 +35,6 @@ from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
 from validation.scenes.topography import read_topography, write_topography
 from validation.studies import (
-    adhesion,
     graded,
     magnification,
     stress_near_zero,
@@ -61,12 +61,7 @@ def test_adhesion_gains_the_work_of_the_interface_less_half_of_pressure_times_di
     # Pressed flat, a wave of amplitude h stores E* q h^2 / 8; the law yields w everywhere.
     stored = 2 * math.pi * 0.01**2 / 8
     effect = Adhesion(work=0.02, reach=0.1)
-    assert adhesion._gained(contact, effect) == pytest.approx(0.02 - stored, rel=1e-9)
-
-
-def test_the_limit_of_adhesion_is_that_of_something_linear_in_the_spacing():
-    grids = (40, 100)
-    assert adhesion._limit([0.2 + 3 / n for n in grids], grids) == pytest.approx(0.2, rel=1e-12)
+    assert interface_energy(contact, effect.gap_law()) == pytest.approx(0.02 - stored, rel=1e-9)
 
 
 def test_smoothing_in_the_theory_is_what_has_not_yielded_over_what_will():

@@ -1,25 +1,54 @@
-"""One adhesive contact reduced to numbers: area, force and stress in it, and its elastic energy wave by wave."""
+"""One adhesive contact reduced to numbers, and what the theory says of it: area, force, stress, energy by waves."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from persson.adhesion import AdhesiveContact, Interface, solve_adhesion
+from persson.elastic import contact_area, stress_variance
 from persson.errors import PerssonError
+from persson.interface import detachment_stress
 from persson.scale import Scale
 from validation.arrays import Array
+from validation.effects.adhesion import Adhesion
+from validation.effects.base import full_contact_energy
+from validation.effects.hardness import Hardness
 from validation.measures.single_solve import SingleSolve, Takes
+from validation.measures.yielding import yielded_by_theory
+from validation.report.estimates import claim, derive
 from validation.scenes.realised import Realised
+from validation.solves.press import Press
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from fem_contact.adhesion import GapLaw
     from fem_contact.contact import ContactResult
+    from validation.solves.running import Solves
 
-__all__ = ["STRESS_EDGES", "StickyContact", "adhesive_theory"]
+__all__ = [
+    "READINGS",
+    "STRESS_EDGES",
+    "Cut",
+    "Reading",
+    "Solutions",
+    "Sticking",
+    "StickyContact",
+    "interface_energy",
+    "readings",
+    "shares_by_shell",
+    "with_pooled_stress",
+    "without_adhesion",
+]
+
+Reading = Literal["improved", "old"]
+#: Readings of the elastic energy (Persson 2006, Eqs. 44-49 and 43).
+READINGS: tuple[Reading, ...] = ("improved", "old")
 
 #: Edges of the bins of sigma / (E* h'_rms) in the contact; what lies outside counts in the first or last bin.
 STRESS_EDGES = np.linspace(-3.0, 5.0, 321)
@@ -28,26 +57,95 @@ STRESS_EDGES = np.linspace(-3.0, 5.0, 321)
 _HOLDS = 1e-3
 
 
-def adhesive_theory(
+#: What the theory says of one surface by reading; None where it has no answer.
+Solutions = Mapping[Reading, AdhesiveContact | None]
+
+
+def readings(
     realised: Realised,
     *,
     work: float,
-    energy: Literal["improved", "old"],
     area: Literal["star", "projected"] = "star",
     hardness: float | None = None,
-) -> AdhesiveContact | None:
-    """Solve the theory with adhesion for the gradient of one surface; None where it has no answer."""
+) -> Solutions:
+    """Solve the theory with adhesion for the gradient of one surface by both readings; None where it has no answer."""
     spectrum = realised.spectrum_shape
     scaled = spectrum.scaled(float(realised.field.rms_gradient**2 / spectrum.m2()))
-    try:
-        return solve_adhesion(
-            Scale(scaled, contact_modulus=realised.contact_modulus),
-            pressure=realised.pressure,
-            interface=Interface(work_of_adhesion=work, energy=energy, area=area),
-            yield_stress=hardness,
-        ).checked()
-    except PerssonError:
-        return None
+    scale = Scale(scaled, contact_modulus=realised.contact_modulus)
+
+    def solved(energy: Reading) -> AdhesiveContact | None:
+        interface = Interface(work_of_adhesion=work, energy=energy, area=area)
+        told: dict[str, Any] = {"interface": interface, "yield_stress": hardness}
+        try:
+            return solve_adhesion(scale, pressure=realised.pressure, **told).checked()
+        except PerssonError:
+            return None
+
+    return {reading: solved(reading) for reading in READINGS}
+
+
+def without_adhesion(realised: Realised, hardness: float | None = None) -> float:
+    """A/A0 of the theory without adhesion, yielded area with it."""
+    if hardness is not None:
+        return sum(yielded_by_theory(realised, hardness))
+    variance = stress_variance(realised.field.moments[1], contact_modulus=realised.contact_modulus)
+    return float(contact_area(realised.pressure, stress_variance=variance))
+
+
+def interface_energy(contact: ContactResult, law: GapLaw) -> float:
+    """Energy that the law yields less what the solid stores, per nominal area [J/m^2]."""
+    law = law.on_grid(spacing=max(contact.spacing), contact_modulus=contact.contact_modulus)
+    return -float(np.mean(law.energy(np.maximum(contact.gap, 0.0)))) - _stored(contact)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sticking:
+    """Surface and load on some grids, with an attraction, and a hardness [Pa] where there is one; fields are kept."""
+
+    realised: Realised
+    adhesion: Adhesion
+    hardness: float | None
+    grids: tuple[int, ...]
+
+    def solves(self, *, sticky: bool = True) -> tuple[Press, ...]:
+        """Return the solves with adhesion or without, coarse grid first."""
+        effects: tuple[Adhesion | Hardness, ...] = (self.adhesion,) if sticky else ()
+        effects += () if self.hardness is None else (Hardness(hardness=self.hardness),)
+        told: dict[str, Any] = {"settings": (("tolerance", 1e-8),), "effects": effects}
+        return tuple(Press(method="bem", grid=(n, n), realised=self.realised, **told) for n in self.grids)
+
+    def measured(self, solved: Solves) -> xr.Dataset:
+        """Return areas on every grid, what the interface gains on the finest, and what the theory says."""
+        import xarray as xr
+
+        sticky, plain = ([solved[s].checked() for s in self.solves(sticky=held)] for held in (True, False))
+        work, own = self.adhesion.work, self.realised
+        counted = {
+            "area": [contact.in_contact.mean() for contact in sticky],
+            "area_plain": [contact.in_contact.mean() for contact in plain],
+            "area_plastic": [contact.at_bound.mean() for contact in sticky],
+        }
+        if self.hardness is None:
+            counted["area_plastic"] = [math.nan] * len(self.grids)
+        said = readings(own, work=work, hardness=self.hardness)
+        improved = said["improved"]
+        hard = self.hardness is not None and improved is not None
+        numbers: dict[str, float] = {
+            "area_plain_persson": without_adhesion(own, self.hardness),
+            "area_plastic_improved": float(improved.area_plastic[-1]) if hard and improved else math.nan,
+            "interface_energy": interface_energy(sticky[-1], self.adhesion.gap_law()) / work,
+            "attraction_range": self.adhesion.gap_law().reach / own.field.rms_height,
+        }
+        for reading, one in said.items():
+            numbers[f"area_{reading}"] = math.nan if one is None else one.real_area
+            numbers[f"interface_energy_{reading}"] = math.nan if one is None else one.macroscopic_work / work
+        return xr.Dataset(
+            {f"{name}_pixel_each": ("grid", values) for name, values in counted.items()}
+            | {f"{name}_each": value for name, value in numbers.items()}
+            | {"solve": ("grid", [solve.key for solve in self.solves()])}
+            | {"solve_plain": ("grid", [solve.key for solve in self.solves(sticky=False)])},
+            coords={"points": ("grid", list(self.grids))},
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,6 +218,131 @@ class StickyContact(SingleSolve):
         energy = self.realised.contact_modulus / 4 * (q * power).ravel()
         shell = np.searchsorted(edges, q.ravel())
         return np.asarray(np.bincount(shell, weights=energy, minlength=edges.size + 1), dtype=float)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Cut:
+    """A surface up to its last wave, the work it is given [J/m^2], and solutions of the theory that hold for it."""
+
+    realised: Realised
+    work: float
+    theory: Solutions
+
+    def solve(
+        self, points: float, *, shells: tuple[float, ...], finer: int = 1, reach: float = 1.0
+    ) -> StickyContact:
+        """Return the solve on a grid: w / range is the theory's detachment stress at the last wave.
+
+        Parameters
+        ----------
+        points : float
+            Along a side, rounded up to an even number.
+        shells : tuple of float
+        finer : int
+            By how much the grid is finer than that.
+        reach : float
+            Over the range that gives this strength.
+        """
+        n = finer * 2 * math.ceil(points / 2 - 1e-9)
+        told: dict[str, Any] = {"contact_modulus": self.realised.contact_modulus}
+        told |= {"wavevector": 2 * np.pi / self.realised.shortest}
+        interface = Interface(work_of_adhesion=self.work)
+        strength = float(detachment_stress(self.work, interface=interface, **told))
+        range_of = reach * self.work / strength
+        return StickyContact(
+            realised=self.realised, grid=(n, n), work=self.work, reach=range_of, shells=shells
+        )
+
+    def reduced(self, grids: Sequence[xr.Dataset]) -> xr.Dataset:
+        """Return what is read off the solves on each grid, and what the theory says."""
+        import xarray as xr
+
+        counted = {"area_pixel": "area", "area_plain_pixel": "plain", "area_parted_pixel": "parted"}
+        counted |= {"force_inside_grid": "force", "tension_grid": "tension"}
+        found = {f"{name}_each": ("grid", [float(one[of]) for one in grids]) for name, of in counted.items()}
+        energies = [float(one.stored.sum() / one.full.sum()) for one in grids]
+        theory: dict[str, Any] = {"area_plain_persson_each": without_adhesion(self.realised)}
+        for reading in READINGS:
+            contact = self.theory.get(reading)
+            seen = _NOTHING if contact is None else _seen(contact, self.realised)
+            for name, value in seen.items():
+                theory[f"{name}_{reading}_each"] = ("stress_bin" if np.ndim(value) else (), value)
+        own = {
+            "energy_ratio_grid_each": ("grid", energies),
+            "stress_share_each": ("stress_bin", grids[-1].stress.values),
+            "solve": ("grid", [one.attrs["solve"] for one in grids]),
+        }
+        middle = (STRESS_EDGES[1:] + STRESS_EDGES[:-1]) / 2
+        return xr.Dataset({**found, **theory, **own}, coords={"stress": ("stress_bin", middle)})
+
+
+#: What is read off the theory where it has no answer.
+_NOTHING = dict.fromkeys(("area", "force_inside", "energy_ratio", "tension"), math.nan) | {
+    "stress_share": np.full(STRESS_EDGES.size - 1, math.nan)
+}
+
+
+def shares_by_shell(whole: xr.Dataset, theory: Solutions, *, realised: Realised, edges: Array) -> xr.Dataset:
+    """Return P~ of the waves of a solve between its shells, whose edges [1/m] are given from the first on, and the theory's."""
+    import xarray as xr
+
+    found = {
+        f"energy_share_{r}_each": ("shell", _stored_shares(one, edges, realised)) for r, one in theory.items()
+    }
+    found["energy_share_each"] = ("shell", whole.stored.values[:-1] / whole.full.values[:-1])
+    beyond = float(whole.stored[-1] / whole.stored.sum())
+    wave = {"wave": ("shell", edges[1:] / edges[0])}
+    return xr.Dataset(
+        {**found, "energy_beyond_each": beyond}, coords=wave, attrs={"solve": whole.attrs["solve"]}
+    )
+
+
+def _seen(contact: AdhesiveContact, realised: Realised) -> dict[str, Any]:
+    """Read the theory at the last wave: area, force over load, energy over that of full contact, tension, stress.
+
+    Stresses are those at the nearest node, over E* h'_rms of the cut surface, as shares over `STRESS_EDGES`.
+    """
+    q, at = 2 * np.pi / realised.shortest, np.log(contact.wavevectors)
+    node = int(np.argmin(np.abs(at - np.log(q))))
+    force, stored = (
+        float(np.interp(np.log(q), at, values)) for values in (contact.contact_force, contact.elastic_energy)
+    )
+    x, weights = np.polynomial.legendre.leggauss(6)
+    unit, width = realised.pressure_scale, np.diff(STRESS_EDGES)
+    stress = (STRESS_EDGES[:-1, None] + width[:, None] * (1 + x) / 2) * unit
+    shares = contact.distribution(node, stress) @ weights * width / 2 * unit
+    full = full_contact_energy(realised.field, modulus=realised.contact_modulus)
+    below = shares[STRESS_EDGES[1:] <= 1e-12].sum()
+    return {
+        "area": float(contact.area_at(q)),
+        "force_inside": force / realised.pressure,
+        "energy_ratio": (float(contact.elastic_energy[0]) - stored) / full,
+        "tension": float(below / shares.sum()),
+        "stress_share": shares,
+    }
+
+
+def _stored_shares(contact: AdhesiveContact | None, edges: Array, realised: Realised) -> Array:
+    """Mean of P~ between wavevectors, by the energy of full contact dV/(E* q); NaN without an answer."""
+    if contact is None:
+        return np.full(edges.size - 1, np.nan)
+    q = np.geomspace(edges[0] * (1 + 1e-9), edges[-1], 4001)
+    share = np.interp(np.log(q), np.log(contact.wavevectors), contact.energy_share)
+    weight = q**3 * np.asarray(realised.spectrum_shape(q))  # dU_full = pi E* q^2 C / 2 dq
+    index = np.clip(np.searchsorted(edges[1:], q), 0, edges.size - 2)
+    return np.bincount(index, weights=share * weight) / np.bincount(index, weights=weight)
+
+
+def with_pooled_stress(data: xr.Dataset) -> xr.Dataset:
+    """Add P(sigma) A0/A of all surfaces as one sample, and how far that of each reading is from it."""
+    width = float(STRESS_EDGES[1] - STRESS_EDGES[0])
+    pooled = {}
+    for end in ("", *(f"_{reading}" for reading in READINGS)):
+        share = f"stress_share{end}_each.mean('surface', skipna=False)"
+        pooled[f"stress_density{end}"] = f"{share} / ({share}).sum('stress_bin', skipna=False) / {width}"
+    step = "(stress_density - stress_density_{}).cumsum('stress_bin', skipna=False)"
+    apart = {f"stress_distance_{r}": f"abs({step.format(r)}).max('stress_bin') * {width}" for r in READINGS}
+    return claim(derive(data, **pooled, **apart), "stress_density", *apart)
 
 
 def _stored(contact: ContactResult) -> float:

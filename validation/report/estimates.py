@@ -43,6 +43,7 @@ __all__ = [
     "mean_of",
     "nearest",
     "power_law",
+    "same_of_all",
     "shown_sources",
     "solved_places",
     "total_error",
@@ -256,7 +257,7 @@ def claim(data: xr.Dataset, *names: str, **sources: xr.DataArray | float | str) 
 def total_error(data: xr.Dataset, name: str, *, sources: Iterable[str] | None = None) -> xr.DataArray | None:
     """Root sum of squares over the sources that were measured.
 
-    NaN where none was, None for what has no errors.
+    NaN where none of those that enter was, None for what has no errors.
 
     Size and bandwidth, which belong to the step to any spectrum, are left out unless they are named, or the
     variable is a limit in one of them.
@@ -264,8 +265,10 @@ def total_error(data: xr.Dataset, name: str, *, sources: Iterable[str] | None = 
     errors = data.get(f"{name}_error")
     if errors is None:
         return None
-    kept = errors.sel(source=list(shown_sources(errors) if sources is None else sources))
-    return (kept**2).sum("source").where(kept.notnull().any("source")) ** 0.5
+    asked = list(shown_sources(errors) if sources is None else sources)
+    kept = errors.sel(source=asked)
+    enter = kept.sel(source=[source for source in asked if source not in errors.attrs] or asked)
+    return (kept**2).sum("source").where(enter.notnull().any("source")) ** 0.5
 
 
 def shown_sources(errors: xr.DataArray) -> tuple[str, ...]:
@@ -319,6 +322,11 @@ def mean(
         error.attrs |= why
         data = data.assign({name: middle.assign_attrs(made), f"{name}_error": error})
     return data
+
+
+def same_of_all(data: xr.Dataset, *names: str, over: str = "surface") -> xr.Dataset:
+    """Add means of what a theory says of surfaces that it is told the same of: no sample, and no interval."""
+    return derive(data, **{name: f"{name}_each.mean('{over}', skipna=False)" for name in names})
 
 
 def mean_of(

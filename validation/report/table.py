@@ -127,7 +127,8 @@ def _all_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> list[str]:
     along = [str(n) for n, c in data.coords.items() if c.dims == (dim,) and len(set(c.values.tolist())) > 1]
     if dim in data.coords or not along:
         return [place_words(here, dim, data)]
-    return [place_words(here[[name]], dim, data[[name]]) for name in along]
+    there = [name for name in along if bool(here[name].notnull())]
+    return [place_words(here[[name]], dim, data[[name]]) for name in there]
 
 
 def _per_cent(error: float, value: float) -> float:

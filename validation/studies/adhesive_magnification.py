@@ -1,0 +1,300 @@
+"""How do area, force, stress and energy of an adhesive contact change as shorter waves are added, and does the theory see it?
+
+One surface is cut at rising magnification zeta and solved with adhesion each time, in two ways: with the work of adhesion
+itself, beside the theory of that cut surface; and with the theory's gamma_eff(zeta), which is to stand for all shorter
+waves, beside A(zeta) and F(zeta) along one solution. The theory knows no range of the attraction: the law is given the
+strength that the theory's detachment stress has at the last wave, so that both end at the same tension. Areas are
+projected in both; A counts points whose gap is closed, and what F exceeds the load by is the pull outside the contact.
+"""
+
+from __future__ import annotations
+
+import itertools
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pydantic import Field
+
+from validation.effects.base import full_contact_energy
+from validation.measures.adhesive import (
+    READINGS,
+    Cut,
+    Solutions,
+    readings,
+    shares_by_shell,
+    with_pooled_stress,
+)
+from validation.measures.common import Rising, truncated_surface
+from validation.measures.limits import solved, straight_limit
+from validation.report.estimates import claim, derive, gather, mean, same_of_all
+from validation.report.findings import Finding, finding
+from validation.report.marks import Figure, Line, Panel
+from validation.report.table import Table
+from validation.report.views import Views
+from validation.scenes.realised import Realised
+from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
+from validation.solves.bench import Bench
+from validation.studies._options import Hurst, Periods, Seed, Surfaces
+from validation.studies._study import StudyOptions
+from validation.units import Positive
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from validation.measures.adhesive import StickyContact
+
+__all__ = ["Options", "run", "views"]
+
+_LENGTH, _GRADIENT = 1e-5, 0.1
+_SOLID = SolidSpec(young=1e7, poisson=0.5)
+#: gamma_eff over w below which no solve is tried.
+_LEAST = 0.02
+#: Which work the cut surface is given.
+_OWN, _EFFECTIVE = "w", "gamma_eff(zeta)"
+#: What is compared with the theory.
+_COMPARED = ("area", "force_inside", "energy_ratio", "tension")
+
+
+class Options(StudyOptions):
+    """Where the spectrum is cut, and how strong the adhesion is."""
+
+    own = "it cuts the spectra of surfaces it makes"
+
+    magnifications: Rising = Field(
+        default=(1.5, 2.0, 3.0, 4.0, 6.0, 8.0),
+        min_length=2,
+        description="zeta = q/q_long of the last wave, rising, above 1; the last is the whole surface",
+    )
+    reduced_pressure: Positive = Field(default=0.05, description="p* with the gradient of all waves")
+    work: Positive = Field(
+        default=0.3, description="w over the elastic energy of full contact of all waves, per area"
+    )
+    points_per_wave: tuple[float, float] = Field(
+        default=(16.0, 24.0),
+        description="two grids, as the last wave over dx, rising; below 14.2 the range of the attraction is not resolved",
+    )
+    hurst: Hurst = 0.8
+    periods: Periods = 2.0
+    surfaces: Surfaces = 6
+    seed: Seed = 2006
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Solve every cut of every surface with its own work and with gamma_eff(zeta), on two grids.
+
+    Returns
+    -------
+    xarray.Dataset
+        Area, force, energy and tension over (told, surface, magnification), limits over grids, beside both readings of
+        the theory; stress in the contact as shares over bins, surfaces pooled; P~ of the waves between magnifications
+        (surface, shell) of the whole surface; what half the range changes.
+    """
+    wholes = [_whole(options, k) for k in range(options.surfaces)]
+    along = [readings(whole, work=work, area="projected") for whole, work in wholes]
+    places = list(itertools.product((_OWN, _EFFECTIVE), range(options.surfaces), options.magnifications))
+    cuts = {
+        at: _cut(options, at[1], at[2], along=along[at[1]] if at[0] == _EFFECTIVE else None) for at in places
+    }
+    held = {at: cut for at, cut in cuts.items() if cut is not None}
+    q_long = 2 * np.pi * options.periods / _LENGTH
+    edges = q_long * np.array([1.0, *options.magnifications])
+    shells = tuple(float(q_long * zeta) for zeta in options.magnifications)
+    points = [per_wave * options.periods for per_wave in options.points_per_wave]
+    cases: dict[Any, StickyContact] = {
+        (at, g): cut.solve(n * at[2], shells=shells) for at, cut in held.items() for g, n in enumerate(points)
+    }
+    # Half the range takes four times the points: on the second magnification of the first surface.
+    second = options.magnifications[1]
+    cases["half"] = held[_OWN, 0, second].solve(points[0] * second, shells=shells, finer=4, reach=0.5)
+    found = solved(bench, cases)
+    half = found.pop("half")
+    data = gather(
+        {at: cut.reduced([found[at, g] for g in range(len(points))]) for at, cut in held.items()},
+        told=(_OWN, _EFFECTIVE),
+        surface=range(options.surfaces),
+        magnification=options.magnifications,
+    ).assign(area_half_range=half.area, force_inside_half_range=half.force)
+    last = [found[(_OWN, k, options.magnifications[-1]), 1] for k in range(options.surfaces)]
+    shares = {
+        k: shares_by_shell(last[k], along[k], realised=whole, edges=edges)
+        for k, (whole, _) in enumerate(wholes)
+    }
+    data = data.merge(gather(shares, surface=range(options.surfaces)).rename(solve="solve_whole"))
+    data = data.assign_coords(points_per_wave=("grid", list(options.points_per_wave)))
+    data = straight_limit(data, "area", "area_plain", "area_parted", x="points_per_wave")
+    data = _compared(straight_limit(data, *_COMPARED[1:], of="grid", x="points_per_wave"))
+    said = {name: getattr(options, name) for name in ("hurst", "reduced_pressure", "work")}
+    return data.assign_attrs(study="adhesive-magnification", methods="theory bem adhesion", **said)
+
+
+def _surface(options: Options, k: int, zeta: float) -> SelfAffineSurface:
+    told = {"hurst": options.hurst, "periods": options.periods, "bandwidth": options.magnifications[-1]}
+    return truncated_surface(zeta, seed=options.seed + k, length=_LENGTH, gradient=_GRADIENT, **told)
+
+
+def _whole(options: Options, k: int) -> tuple[Realised, float]:
+    """Return the surface with all waves, and the work of adhesion [J/m^2]."""
+    load = Load(reduced_pressure=options.reduced_pressure)
+    whole = Realised(surface=_surface(options, k, options.magnifications[-1]), solid=_SOLID, load=load)
+    return whole, options.work * full_contact_energy(whole.field, modulus=whole.contact_modulus)
+
+
+def _cut(options: Options, k: int, zeta: float, *, along: Solutions | None = None) -> Cut | None:
+    """Return one surface up to zeta with w, or `along` the theory with gamma_eff(zeta); None where that holds nothing."""
+    whole, work = _whole(options, k)
+    load = Load(pressure=whole.pressure)
+    realised = Realised(surface=_surface(options, k, zeta), solid=_SOLID, load=load)
+    if along is None:
+        found: Solutions = readings(realised, work=work, area="projected")
+    else:
+        # gamma_eff is that of one reading: so is what it is compared with.
+        found, left = {"improved": along["improved"]}, along["improved"]
+        effective = 0.0 if left is None else float(left.work_at(2 * np.pi / realised.shortest))
+        if effective < _LEAST * work:
+            return None
+        work = effective
+    return Cut(realised=realised, work=work, theory=found)
+
+
+def _compared(data: xr.Dataset) -> xr.Dataset:
+    """Add means over the surfaces and distances to the theory."""
+    data = derive(
+        data,
+        area_gain_each="area_each / area_plain_each",
+        area_parted_excess_each="area_parted_each - area_each",
+        **{f"area_gain_{r}_each": f"area_{r}_each / area_plain_persson_each" for r in READINGS},
+        **{f"{name}_excess_each": f"{name}_each / {name}_improved_each - 1" for name in _COMPARED},
+        energy_share_excess_each="energy_share_each - energy_share_improved_each",
+        area_parted_excess_largest="area_parted_excess_each.max()",
+    )
+    names = (*_COMPARED, "area_gain", "energy_share")
+    excesses = [f"{name}_excess" for name in (*_COMPARED, "energy_share")]
+    data = mean(data, *names, *excesses, "area_plain", "area_parted", "energy_beyond")
+    data = same_of_all(data, "area_plain_persson", *(f"{name}_{r}" for name in names for r in READINGS))
+    data = claim(with_pooled_stress(data), "area_half_range", "force_inside_half_range")
+    simulated = {"depth": "boundary elements press a half-space", "theory": "it is simulated"}
+    return claim(data, *_COMPARED, "area_gain", "energy_share", **simulated)
+
+
+def views(data: xr.Dataset) -> Views:
+    """Area, force and energy over magnification, P(sigma), and P~ by waves."""
+    last = data.sizes["magnification"] - 1
+    own, effective = {"told": 0}, {"told": 1}
+    panels = [
+        Panel(
+            marks=[
+                Line(y=name, by="told", joined=False),
+                *(Line(y=f"{name}_{reading}", at=own) for reading in READINGS),
+                Line(y=f"{name}_improved", at=effective, label="Persson, one solution", look=_ONE),
+            ],
+            x="magnification",
+            log="x",
+            base=2,
+        )
+        for name in ("area", "force_inside", "energy_ratio")
+    ]
+    ends = ("", *(f"_{reading}" for reading in READINGS))
+    stresses = [
+        Panel(
+            marks=[
+                Line(y=f"stress_density{end}", at={**own, "magnification": z}, look={"marker": ""})
+                for end in ends
+            ],
+            x="stress",
+            title=f"zeta = {float(data.magnification[z]):g}",
+        )
+        for z in (0, last)
+    ]
+    waves = [Line(y=f"energy_share{end}") for end in ends]
+    columns = ["told", "magnification", "area_plain", *(f"{name}{end}" for name in _COMPARED for end in ends)]
+    columns += ["area_gain", *(f"stress_distance_{reading}" for reading in READINGS), "area_parted"]
+    return Views(
+        table=Table(rows=("told", "magnification"), columns=tuple(columns)),
+        budget=("area", "force_inside"),
+        figures=[
+            Figure(
+                name="adhesive-by-magnification",
+                caption="Area, force in the contact over the load, and elastic energy over that of full contact, of one nominal "
+                "load as shorter waves are added: solved with the work of adhesion w and with gamma_eff(zeta) of the theory.",
+                panels=panels,
+                width=12.0,
+            ),
+            Figure(
+                name="adhesive-stress",
+                caption="Stress in the contact at the first (left) and last (middle) magnification, with tension, surfaces pooled; "
+                "energy of the waves of the whole surface over that in full contact (right).",
+                panels=[*stresses, Panel(marks=waves, x="wave", log="x", base=2)],
+                width=12.0,
+            ),
+        ],
+        findings=_findings(data, [0, last]),
+    )
+
+
+_ONE = {"color": "black", "ls": ":", "lw": 0.9}
+
+_BESIDE = {"?": "beside"}
+
+
+def _findings(data: xr.Dataset, ends: list[int]) -> list[Finding]:
+    """Say how far the theory is from every quantity, and what of it can be compared."""
+    own, effective = (data.isel(told=k) for k in (0, 1))
+    holds = np.flatnonzero(np.isfinite(effective.area.values))
+    item = (
+        "{area} at zeta = {magnification} ({area_gain:~} times that without adhesion), {verdict} the theory's"
+    )
+    return [
+        finding(
+            "comparison",
+            "Solved with w, A/A0 is {each}.",
+            own.isel(magnification=ends),
+            item=item + " {area_improved:~} ({area_gain_improved:~} times; {area_old:~} by Eq. 43)",
+            by="area_excess",
+            over="magnification",
+            words=_BESIDE,
+        ),
+        finding(
+            "comparison",
+            "There F/F_load is {each}.",
+            own.isel(magnification=ends),
+            item="{force_inside} at zeta = {magnification}, {verdict} the theory's {force_inside_improved:~}, U_el/U_full "
+            "{energy_ratio} for {energy_ratio_improved:~}, in tension {tension} of the contact for {tension_improved:~}, "
+            "and P(sigma) A0/A up to {stress_distance_improved:~} apart",
+            by="force_inside_excess",
+            over="magnification",
+            words=_BESIDE,
+        ),
+        finding(
+            "comparison",
+            "Solved with gamma_eff(zeta), which holds nothing at {left} of {all} magnifications, A/A0 is {each}.",
+            effective.isel(magnification=sorted({int(k) for k in (*holds[:1], *holds[-1:])})),
+            item=item + " along one solution, {area_improved:~}",
+            by="area_excess",
+            left=data.sizes["magnification"] - holds.size,
+            all=data.sizes["magnification"],
+            over="magnification",
+            words=_BESIDE,
+        ),
+        finding(
+            "comparison",
+            "With all waves, P~ of those added last, energy stored over that of full contact, is {each}; {energy_beyond:%} of "
+            "the energy is in waves shorter than any of the surface, of which the theory knows nothing.",
+            data.isel(shell=ends),
+            item="{energy_share} up to zeta = {wave}, {verdict} the theory's {energy_share_improved:~}",
+            by="energy_share_excess",
+            over="shell",
+            words=_BESIDE,
+        ),
+        finding(
+            "value",
+            "The theory knows no range: with half of it (zeta = {magnification}, first surface) A/A0 is {area_half_range} for "
+            "{area_each}, and F/F_load {force_inside_half_range} for {force_inside_each}.",
+            own.isel(surface=0, magnification=1),
+        ),
+        finding(
+            "value",
+            "Parted from full contact instead of approached, A/A0 is larger by up to {area_parted_excess_largest}: the energy "
+            "has several minima, of which the theory has one.",
+            data,
+        ),
+    ]
