@@ -241,7 +241,7 @@ def test_published_values_agree_only_with_an_interval_that_could_have_missed_the
     refined, value, half, outcomes
 ):
     told = refined.drop_vars([n for n in refined.variables if "published" in str(n) or "paper" in str(n)])
-    told = claim(told.assign(kappa=value), "kappa", surfaces=half, grid=0.0, solver=0.0 * half)
+    told = claim(told.assign(kappa=value), "kappa", surfaces=half, grid=0.0 * half, solver=0.0 * half)
     data = refinement._beside_published(told)
     (found,) = (one for one in refinement.views(data).findings if one.by == "kappa_difference")
     assert found.outcomes == outcomes
