@@ -6,7 +6,7 @@ changes little over 1/q, E'/(E q) < 1. Boundary elements take the exact complian
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Annotated, Self
 
 import numpy as np
@@ -17,7 +17,11 @@ from fem_contact.response import Response
 from fem_contact.solid import Solid
 from persson.graded import ExponentialLayers, SurfaceLayer
 from validation.arrays import Array
-from validation.measures.common import named
+from validation.report.estimates import derive
+from validation.report.findings import finding
+from validation.report.marks import Figure, Line, Panel
+from validation.report.table import Table
+from validation.report.views import Views
 from validation.solves.bench import Bench
 from validation.studies._study import StudyOptions
 from validation.units import Positive, wrong
@@ -25,9 +29,7 @@ from validation.units import Positive, wrong
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.report.drawing import Drawing
-
-__all__ = ["Options", "figures", "findings", "run"]
+__all__ = ["Options", "run", "views"]
 
 
 class Options(StudyOptions):
@@ -58,7 +60,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over `ratio` and `wave` (q d, with the depth or thickness d): the modulus felt by the theory over the
+        Over `modulus_ratio` and `reduced_wave` (q d, with the depth or thickness d): the modulus felt by the theory over the
         exact one for an exponential profile and for a coating, and the largest E'/(E q) of the profile.
     """
     import xarray as xr
@@ -66,21 +68,23 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     if bench.plan_only:
         bench.solve([])
     q = np.geomspace(1 / options.shortest, options.shortest, options.waves)
-    dims, ratios = ("ratio", "wave"), list(options.ratios)
-    profile, coating = ([felt(ratio, options, q) for ratio in ratios] for felt in (_profile, _coating))
-    grading = [_grading(ratio, q) for ratio in ratios]
-    return xr.Dataset(
+    dims, ratios = ("modulus_ratio", "reduced_wave"), list(options.ratios)
+    data = xr.Dataset(
         {
-            "profile": named(dims, profile, "felt modulus over exact, profile", unit="1"),
-            "coating": named(dims, coating, "felt modulus over exact, coating", unit="1"),
-            "grading": named(dims, grading, "largest E'/(E q)", unit="1"),
+            "felt_modulus_profile": (dims, [_profile(ratio, options, q) for ratio in ratios]),
+            "felt_modulus_coating": (dims, [_coating(ratio, options, q) for ratio in ratios]),
+            "grading": (dims, [_grading(ratio, q) for ratio in ratios]),
         },
-        coords={
-            "wave": named("wave", q, "q d", unit="1"),
-            "ratio": named("ratio", ratios, "modulus below over that on top", unit="1"),
-        },
-        attrs={"methods": "theory bem", "poisson": options.poisson},
+        coords={"reduced_wave": q, "modulus_ratio": ratios},
+        attrs={"study": "graded", "methods": "theory bem", "poisson": options.poisson},
     )
+    mild = "felt_modulus_profile.where(grading < 1)"
+    worst = {"felt_error_profile": "felt_modulus_profile", "felt_error_coating": "felt_modulus_coating"}
+    for name, of in (worst | {"felt_error_mild": mild}).items():
+        data = derive(
+            data, **{name: f"({of} - 1).isel(reduced_wave=abs({of} - 1).fillna(0).argmax('reduced_wave'))"}
+        )
+    return data.drop_vars([n for n in data.coords if n not in ("reduced_wave", "modulus_ratio")])
 
 
 def _profile(ratio: float, options: Options, q: Array) -> Array:
@@ -112,45 +116,34 @@ def _share(felt: Callable[[Array], Array], exact: Response, q: Array) -> Array:
     return np.asarray(felt(q) * q * exact.compliance(q, np.zeros_like(q)) / 2)
 
 
-def findings(data: xr.Dataset) -> tuple[str, ...]:
-    """Say for every contrast how wrong the weighting is, inside the range it claims and outside."""
-    from validation.comparison.findings import percent
-
-    sentences = []
-    for k, ratio in enumerate(data["ratio"].values):
-        share, inside = data["profile"].values[k] - 1, data["grading"].values[k] < 1
-        text = f"Below {ratio:g} times as stiff as on top: "
-        text += (
-            f"{percent(_worst(share[inside]))} off at worst where E'/(E q) < 1"
-            if inside.any()
-            else "no wave has E'/(E q) < 1"
-        )
-        text += f", {percent(_worst(share))} over all waves; " if not inside.all() else "; "
-        text += f"a coating, whose E' is infinite, {percent(_worst(data['coating'].values[k] - 1))}"
-        sentences.append(text + " (+ is too stiff).")
-    return tuple(sentences)
-
-
-def _worst(errors: Sequence[float] | Array) -> float:
-    values = np.asarray(errors)
-    return float(values[np.argmax(np.abs(values))])
-
-
-def figures(data: xr.Dataset) -> tuple[Drawing, ...]:
-    """Draw the ratio of the moduli against the wavevector."""
-    from validation.report.drawing import Drawing
-    from validation.report.figure import lines_figure
-
-    return tuple(
-        Drawing(
-            name=f"felt-modulus-{kind}",
-            figure=lines_figure(data, x="wave", lines=(kind,), along="ratio", logarithmic="x"),
-            data=data[[kind, "grading"]],
-            caption=f"Modulus that a wave feels by Persson's weighting over the exact one: {words}, for "
-            "several ratios of the modulus below to that on top.",
-        )
-        for kind, words in (
-            ("profile", "exponential profile of depth d"),
-            ("coating", "layer of thickness d"),
-        )
+def views(data: xr.Dataset) -> Views:
+    """Modulus felt over the exact one against the wavevector, and how far it is off at worst."""
+    kinds = {"profile": "an exponential profile of depth d", "coating": "a layer of thickness d"}
+    worst = finding(
+        "value",
+        "The modulus that a wave feels is off by at worst (+ is too stiff) {each}.",
+        data,
+        item="{felt_error_mild:+%} where E'/(E q) < 1, {felt_error_profile:+%} over all waves and {felt_error_coating:+%} "
+        "with a coating, whose E' is infinite ({modulus_ratio} times as stiff below)",
+        over="modulus_ratio",
+    )
+    return Views(
+        table=Table(
+            rows=("modulus_ratio",),
+            columns=("modulus_ratio", "felt_error_mild", "felt_error_profile", "felt_error_coating"),
+        ),
+        figures=[
+            Figure(
+                name=f"felt-modulus-{kind}",
+                caption=f"Modulus that a wave feels by Persson's weighting over the exact one: {words}, for several ratios "
+                "of the modulus below to that on top.",
+                panels=[
+                    Panel(
+                        marks=[Line(y=f"felt_modulus_{kind}", by="modulus_ratio")], x="reduced_wave", log="x"
+                    )
+                ],
+            )
+            for kind, words in kinds.items()
+        ],
+        findings=[worst],
     )
