@@ -11,7 +11,7 @@ from validation.errors import UsageError
 from validation.measures.budget import grid_drift
 from validation.measures.common import LEAST_POINTS_PER_WAVE
 from validation.measures.measurement import Grid, area_limits, has_square_cells, limit_over
-from validation.report.estimates import NORMAL, error_of
+from validation.report.estimates import NORMAL, error_of, evaluated
 from validation.scenes.realised import Realised
 from validation.solves.bench import Bench
 from validation.solves.press import Press
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from fem_contact.contact import ContactResult
 
-__all__ = ["limit_of", "limits_of", "resolved_grids", "solved", "straight_limit"]
+__all__ = ["limit_of", "limits_of", "read_off", "resolved_grids", "solved", "straight_limit"]
 
 Case = TypeVar("Case")
 
@@ -31,6 +31,19 @@ def solved(bench: Bench, cases: Mapping[Case, Solve]) -> dict[Case, xr.Dataset]:
     """Solve cases on a bench, and return each dataset under the name of its case; it says which solve it is of."""
     results = bench.solve(cases.values())
     return {case: results[solve].assign_attrs(solve=solve.key) for case, solve in cases.items()}
+
+
+def read_off(one: xr.Dataset, **expressions: str) -> xr.Dataset:
+    """Return what is taken of a solve: variables by expressions of what it keeps, as attributes or variables."""
+    import xarray as xr
+
+    said = {n: xr.DataArray(v) for n, v in one.attrs.items() if isinstance(v, int | float)}
+    kept = {**said, **{str(n): one[n] for n in one.variables}}
+    data = xr.Dataset(attrs={name: one.attrs[name] for name in ("solve",) if name in one.attrs})
+    for name, expression in expressions.items():
+        made = {"reduction": "read", "expression": expression}
+        data[name] = xr.DataArray(evaluated(expression, kept)).assign_attrs(made)
+    return data
 
 
 def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:

@@ -38,17 +38,21 @@ __all__ = [
     "derive",
     "each",
     "error_of",
+    "evaluated",
     "gather",
     "mean",
     "mean_of",
     "nearest",
+    "place_of",
     "power_law",
+    "reduce",
     "same_of_all",
     "shown_sources",
     "solved_places",
     "total_error",
     "value_of",
     "values_of",
+    "with_places",
 ]
 
 #: Where an error comes from, in the order in which it is listed.
@@ -400,6 +404,17 @@ def change(data: xr.Dataset, name: str, *, along: str, first: int = 0, last: int
     return data.assign(added)
 
 
+def reduce(data: xr.Dataset, how: str, *names: str, over: str = "surface") -> xr.Dataset:
+    """Add ``x`` from ``x_each`` without an interval: its "mean", "max" or "sum" over the surfaces.
+
+    For what is no sample of a mean: costs, residuals.
+    """
+    for name in names:
+        made = {"reduction": how, "of": f"{name}_each", "over": over}
+        data = data.assign({name: getattr(data[f"{name}_each"], how)(over).assign_attrs(made)})
+    return data
+
+
 def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:
     """Add variables by expressions of others, errors carried along to first order, source by source.
 
@@ -447,11 +462,17 @@ def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:
     return data
 
 
+def evaluated(expression: str, values: Mapping[str, Any]) -> Any:
+    """Evaluate one of our own expressions; what has no value is NaN."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return eval(expression, {"__builtins__": {}, **_FUNCTIONS}, dict(values))
+
+
 def _at(expression: str, values: Mapping[str, xr.DataArray]) -> xr.DataArray:
-    """Evaluate one of our own expressions; a number becomes an array, too."""
+    """Evaluate an expression of variables; a number becomes an array, too."""
     import xarray as xr
 
-    found = eval(expression, {"__builtins__": {}, **_FUNCTIONS}, dict(values))
+    found = evaluated(expression, values)
     return found if isinstance(found, xr.DataArray) else xr.DataArray(found)
 
 
@@ -504,6 +525,28 @@ def power_law(data: xr.Dataset, name: str, *, of: str, x: str, along: Sequence[s
 # ---- reading -------------------------------------------------------------------------------------
 
 
+def with_places(data: xr.Dataset) -> xr.Dataset:
+    """Return a dataset that knows of each number where it stands, however it is sliced.
+
+    >>> import xarray as xr
+    >>> data = with_places(xr.Dataset({"area": ("load", [0.1, 0.2])}))
+    >>> value_of(data.isel(load=1), "area").at
+    {'load': 1}
+    """
+    return data.assign_coords({f"{_PLACE}{dim}": (dim, np.arange(n)) for dim, n in data.sizes.items()})
+
+
+def place_of(data: xr.Dataset) -> dict[str, int]:
+    """Return the position along each dimension that was sliced away."""
+    names = [str(name) for name in data.coords if str(name).startswith(_PLACE)]
+    told = {name.removeprefix(_PLACE): int(data[name]) for name in names if data[name].ndim == 0}
+    return {**data.attrs.get("at", {}), **told}
+
+
+#: What coordinates begin with that count places.
+_PLACE = "_at_"
+
+
 def value_of(data: xr.Dataset, name: str) -> Value:
     """Return one number of a dataset that has no dimension left there, with its error and where it stands.
 
@@ -511,19 +554,27 @@ def value_of(data: xr.Dataset, name: str) -> Value:
     """
     item = data[name].item()
     if isinstance(item, str):
-        return Value(value=item, name=name, at=data.attrs.get("at"))
+        return Value(value=item, name=name, at=_where(data, name))
     error = total_error(data, name)
     return Value(
         value=float(item),
         error=None if error is None else float(error),
         name=name,
-        at=data.attrs.get("at"),
+        at=_where(data, name),
     )
+
+
+def _where(data: xr.Dataset, name: str) -> dict[str, int]:
+    return {} if name.startswith(_PLACE) else place_of(data)
 
 
 def values_of(data: xr.Dataset) -> dict[str, Value]:
     """Return all numbers of a dataset without dimensions, by name."""
-    names = [str(n) for n, v in data.variables.items() if v.ndim == 0 and v.dtype.kind in "fiubUO"]
+    names = [
+        str(n)
+        for n, v in data.variables.items()
+        if v.ndim == 0 and v.dtype.kind in "fiubUO" and not str(n).startswith(_PLACE)
+    ]
     return {name: value_of(data, name) for name in names}
 
 

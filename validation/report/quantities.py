@@ -164,7 +164,11 @@ def place_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> str:
 
     The coordinate is that of its name, or else the first along it.
     """
-    names = [dim] if dim in data.coords else [str(n) for n, c in data.coords.items() if c.dims == (dim,)]
+    names = (
+        [dim]
+        if dim in data.coords
+        else [str(n) for n, c in data.coords.items() if c.dims == (dim,) and not str(n).startswith("_")]
+    )
     if not names:
         return ""
     item = here[names[0]].item()

@@ -83,6 +83,17 @@ class Table:
                 rows.append(row)
         return ResultTable.of_rows(rows)
 
+    def as_json(self, data: xr.Dataset) -> dict[str, Any]:
+        """Return which variables its columns are of, those that the dataset has."""
+        places = [_place(column, data) for column in self.columns]
+        there = [
+            {"name": name, "at": {dim: k % data.sizes[dim] for dim, k in at.items() if dim in data.dims}}
+            for name, _, at in places
+            if name in data.variables
+        ]
+        coordinates = [str(name) for name in data.coords if not str(name).startswith("_")]
+        return {"rows": list(self.rows), "columns": there, "coordinates": coordinates}
+
 
 def _place(column: str | Column, data: xr.Dataset) -> tuple[str, str, Mapping[str, int]]:
     """Name, title and place of a column."""

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from validation.report.findings import Finding
 from validation.report.marks import Figure
 from validation.report.table import Table
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["Views"]
 
@@ -30,3 +34,12 @@ class Views:
     budget: Sequence[str] = ()
     figures: Sequence[Figure] = ()
     findings: Sequence[Finding] = ()
+
+    def as_json(self, data: xr.Dataset) -> dict[str, Any]:
+        """Return what is shown as data: findings, and which variables table and budget are of."""
+        said: dict[str, Any] = {"findings": [finding.as_json() for finding in self.findings]}
+        if self.table is not None:
+            said["table"] = self.table.as_json(data)
+        if self.budget:
+            said["budget"] = list(self.budget)
+        return said

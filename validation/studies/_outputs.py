@@ -147,9 +147,7 @@ def study_page(
         summary={
             "study": study.name,
             "options": dict(options),
-            "findings": [one.as_json() for one in study.views(data).findings]
-            if study.generic
-            else list(findings),
+            **(study.views(data).as_json(data) if study.generic else {"findings": list(findings)}),
         },
     )
 

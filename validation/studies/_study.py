@@ -15,6 +15,7 @@ from pydantic.fields import FieldInfo
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
 from validation.errors import RunFailed, UsageError
+from validation.report.estimates import with_places
 from validation.report.quantities import labelled
 from validation.report.table import budget_table
 from validation.scenes.scene import Scene, scene_problems
@@ -162,7 +163,7 @@ class Study:
 
     def views(self, data: xr.Dataset) -> Views:
         """Return what is shown of a dataset."""
-        declared: Views = self.module.views(data)
+        declared: Views = self.module.views(with_places(data))
         return declared
 
     def parse(self, arguments: Sequence[str], *, scene: Scene | None = None) -> StudyOptions:

@@ -13,10 +13,10 @@ from pydantic import Field, model_validator
 from validation.effects.base import SlotName
 from validation.measures.block import BlockMeasurement
 from validation.measures.common import BASE_SOLID, Rising, RisingOrNone
-from validation.measures.limits import solved
+from validation.measures.limits import read_off, solved
 from validation.measures.measurement import grid_for
 from validation.measures.side_by_side import ByMethod
-from validation.report.estimates import derive, gather, mean, power_law
+from validation.report.estimates import derive, gather, mean, power_law, reduce
 from validation.report.findings import finding
 from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Table
@@ -130,9 +130,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         points_per_wave=sorted({per_wave for _, per_wave, _ in cases}),
         surface=range(options.surfaces),
     )
-    data["residual"] = data.residual_each.max("surface")
-    for cost in ("seconds", "seconds_bem"):
-        data[cost] = data[f"{cost}_each"].mean("surface")
+    data = reduce(data, "max", "residual")
+    data = reduce(data, "mean", "seconds", "seconds_bem")
     data = power_law(
         mean(data, *_COMPARED),
         "exponent",
@@ -160,19 +159,17 @@ _COMPARED = (
 
 def _differences(one: xr.Dataset) -> xr.Dataset:
     """Return what is compared of one solve."""
-    return xr.Dataset(
-        {
-            "pressure_difference_each": one.pressure_half_space,
-            "pressure_difference_inside_each": one.pressure_inside,
-            "area_difference_each": one.pixel / one.pixel_bem - 1,
-            "area_difference_perimeter_each": one.perimeter / one.perimeter_bem - 1,
-            "gap_difference_each": one.gap,
-            "residual_each": one.residual,
-            "converged_each": one.get("converged", xr.DataArray(1.0)),
-            "seconds_each": one.seconds,
-            "seconds_bem_each": one.seconds_bem,
-        },
-        attrs={"solve": one.attrs["solve"]},
+    return read_off(
+        one,
+        pressure_difference_each="pressure_half_space",
+        pressure_difference_inside_each="pressure_inside",
+        area_difference_each="pixel / pixel_bem - 1",
+        area_difference_perimeter_each="perimeter / perimeter_bem - 1",
+        gap_difference_each="gap",
+        residual_each="residual",
+        converged_each="converged" if "converged" in one else "pixel / pixel",
+        seconds_each="seconds",
+        seconds_bem_each="seconds_bem",
     )
 
 

@@ -11,9 +11,9 @@ from pydantic import Field
 
 from validation.measures.block import BlockMeasurement
 from validation.measures.common import BASE_SOLID, Rising, base_case, base_surface
-from validation.measures.limits import solved
+from validation.measures.limits import read_off, solved
 from validation.measures.measurement import grid_for
-from validation.report.estimates import claim, derive, gather
+from validation.report.estimates import claim, gather
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Table
@@ -104,19 +104,15 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     parts = solved(bench, design(options))
     numbers = {
-        block: one[["pressure_half_space", "pressure_layer", "pixel", "pixel_bem"]].assign_attrs(
-            solve=one.attrs["solve"]
+        block: read_off(
+            one,
+            pressure_difference="pressure_half_space",
+            pressure_difference_layer="pressure_layer",
+            area_difference="pixel / pixel_bem - 1",
         )
         for block, one in parts.items()
     }
     data = gather(numbers, case=list(parts))
-    data = data.rename(
-        pressure_half_space="pressure_difference",
-        pressure_layer="pressure_difference_layer",
-        pixel="area_pixel",
-        pixel_bem="area_pixel_bem",
-    )
-    data = derive(data, area_difference="area_pixel / area_pixel_bem - 1")
     data = claim(data, "pressure_difference", "pressure_difference_layer", "area_difference")
     return data.assign_attrs(study="depth", points_per_wave=options.points_per_wave, methods="bem fem")
 

@@ -16,9 +16,9 @@ from pydantic import Field, model_validator
 
 from fem_contact.area import contact_areas
 from validation.measures.common import RisingGrids, base_case, base_surface
-from validation.measures.limits import solved
+from validation.measures.limits import read_off, solved
 from validation.measures.single_solve import SingleSolve, Takes
-from validation.report.estimates import derive, gather, power_law
+from validation.report.estimates import derive, gather, power_law, reduce
 from validation.report.findings import finding
 from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Table
@@ -122,16 +122,15 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     from validation.solves.cost import available_memory
 
     parts = solved(bench, design(options))
-    each = {"area": "area_located_each"} | {name: f"{name}_each" for name in _COSTS}
+    kept = {"area_located_each": "area"} | {f"{name}_each": name for name in _COSTS}
     data = gather(
-        {case: one.rename(each) for case, one in parts.items()},
+        {case: read_off(one, **kept) for case, one in parts.items()},
         points=list(options.grids),
         surface=range(options.surfaces),
     )
     data = data.assign_coords(bandwidth=("points", [n / options.coarsest for n in options.grids]))
-    data["number"] = data.points**2.0
-    for name in (*_COSTS, "area_located"):
-        data[name] = data[f"{name}_each"].mean("surface")
+    data = derive(data, number="points**2.0")
+    data = reduce(data, "mean", *_COSTS, "area_located")
     fine = data.points.values >= _LARGE
     kept = data.isel(points=fine) if np.count_nonzero(fine) >= 3 else data
     for name in _COSTS:
@@ -145,11 +144,17 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
             },
         )
     data["free_bytes"] = float(available_memory())
-    data["side_peak_bytes"] = _side(data, "peak_bytes", float(data.free_bytes))
-    data["side_seconds"] = _side(data, "seconds", 3600.0)
-    reach = min(float(data.side_peak_bytes), float(data.side_seconds))
-    data["decades"] = np.log10(reach / options.coarsest)
-    data = derive(data, excess_exponent="exponent_seconds - 1")
+    data = derive(
+        data,
+        side_peak_bytes="(free_bytes / exponent_peak_bytes_factor)**(0.5 / exponent_peak_bytes)",
+        side_seconds="(3600 / exponent_seconds_factor)**(0.5 / exponent_seconds)",
+    )
+    data["coarsest"] = options.coarsest
+    data = derive(
+        data,
+        decades="log(minimum(side_peak_bytes, side_seconds) / coarsest) / log(10)",
+        excess_exponent="exponent_seconds - 1",
+    )
     return data.assign_attrs(
         study="scaling",
         reduced_pressure=options.reduced_pressure,
@@ -157,12 +162,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         periods=options.periods,
         methods="bem",
     )
-
-
-def _side(data: xr.Dataset, name: str, cost: float) -> float:
-    """Points along a side at which a fitted cost is reached."""
-    factor, exponent = float(data[f"exponent_{name}_factor"]), float(data[f"exponent_{name}"])
-    return float((cost / factor) ** (0.5 / exponent))
 
 
 def views(data: xr.Dataset) -> Views:

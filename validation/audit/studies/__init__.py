@@ -8,10 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
+from validation.audit.dataset import read_json
 from validation.audit.ledger import Ledger
 from validation.audit.studies import pressure, verdict
 from validation.audit.studies.files import judge_files
 from validation.audit.studies.kept import Kept
+from validation.audit.values import audit_values
 
 __all__ = ["audit_study", "is_study"]
 
@@ -48,6 +50,8 @@ def audit_study(folder: Path) -> Ledger:
     OSError, ValueError, LookupError
         For a folder that holds no finished study of this version.
     """
+    if any(isinstance(one, dict) for one in read_json(folder / "summary.json").get("findings", ())):
+        return audit_values(folder)
     ledger = Ledger()
     kept = Kept(folder, ledger)
     judge = JUDGES.get(kept.name)

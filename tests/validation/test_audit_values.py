@@ -1,0 +1,142 @@
+"""The audit of values: a study agrees throughout, and each number of it that is blanked or moved is found."""
+
+from __future__ import annotations
+
+import copy
+import math
+import re
+
+import numpy as np
+import pytest
+from gold.asked import STUDIES
+
+from validation.audit import Ledger, dataset, values
+from validation.audit.values import judged
+from validation.solves.bench import Bench
+from validation.studies import find_study
+from validation.studies._outputs import run_study
+
+SMALL = ("cross", "magnification", "scaling")
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory):
+    root = tmp_path_factory.mktemp("values")
+    found = {}
+    for name in SMALL:
+        folder = root / name
+        folder.mkdir()
+        study = find_study(name)
+        run_study(study, study.options(**STUDIES[name]), folder, bench=Bench.at(root / "solves"))
+        found[name] = dataset.Result(folder)
+        # Read once: what a test changes is a copy in memory.
+        assert found[name].tables
+        assert found[name].figures
+        assert found[name].page
+    return found
+
+
+def wrong_in(part, result):
+    """What a part of the audit finds wrong."""
+    ledger = Ledger()
+    part(result, ledger)
+    return ledger.wrong
+
+
+def changed(result, name, value):
+    other = copy.copy(result)
+    other.__dict__[name] = value
+    return other
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_every_number_of_a_study_follows_from_its_solves_or_is_listed(results, name):
+    ledger = judged(results[name])
+    assert ledger.wrong == ()
+    assert len(ledger.entries) > 100
+    # What is asked for, and costs, is no result of a solve; findings say numbers of two places at once.
+    odd = [line for line in ledger.unread if line.startswith("data.nc")]
+    assert len(odd) <= 6, odd
+
+
+@pytest.mark.parametrize("name", SMALL)
+@pytest.mark.parametrize(
+    ("file", "part"), [("table.csv", values.judge_table), ("budget.csv", values.judge_budget)]
+)
+def test_each_cell_of_a_table_that_is_blanked_or_moved_is_found(results, name, file, part):
+    rows = results[name].tables.get(file, [])
+    for i, j in np.ndindex(len(rows), len(rows[0]) if rows else 0):
+        try:
+            number = float(rows[i][j])
+        except ValueError:
+            continue
+        for wrong in ("" if math.isfinite(number) else "0.5", repr(number * (1 + 1e-6) + 1e-300)):
+            if math.isnan(number) and wrong == "nan":
+                continue
+            moved = copy.deepcopy(rows)
+            moved[i][j] = wrong
+            if float(wrong or "nan") == number:
+                continue
+            tables = {**results[name].tables, file: moved}
+            assert wrong_in(part, changed(results[name], "tables", tables)), (file, i, rows[0][j], wrong)
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_each_value_of_a_finding_that_is_blanked_or_moved_is_found_or_was_listed(results, name):
+    result = results[name]
+    listed = judged(result).unread
+    for k, finding in enumerate(result.summary["findings"]):
+        groups = [("values", None), *(("rows", r) for r in range(len(finding.get("rows", ()))))]
+        for kind, r in groups:
+            group = finding.get(kind, {}) if r is None else finding["rows"][r]
+            for named, value in group.items():
+                said = f"finding {k + 1}: {named} = {value['value']}"
+                if isinstance(value["value"], str) or said in listed:
+                    continue
+                for wrong in (None, value["value"] * (1 + 1e-6) + 1e-300):
+                    summary = copy.deepcopy(result.summary)
+                    of = summary["findings"][k]
+                    (of[kind] if r is None else of[kind][r])[named]["value"] = wrong
+                    assert wrong_in(values.judge_findings, changed(result, "summary", summary)), (
+                        k,
+                        named,
+                        wrong,
+                    )
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_each_variable_of_the_dataset_that_is_moved_somewhere_is_found_or_was_listed(results, name):
+    result = results[name]
+    listed = judged(result).unread
+    shown = set(result.figures and next(iter(result.figures.values())).variables)
+    for named, variable in result.data.variables.items():
+        numbers = variable.values
+        if numbers.dtype.kind != "f" or not np.isfinite(numbers).any() or f"data.nc: {named}" in listed:
+            continue
+        if named in variable.dims or (named.endswith("_error") and named not in shown):
+            continue
+        places = np.argwhere(np.isfinite(numbers) & (numbers != 0)) if numbers.ndim else [()]
+        for place in places[:: max(1, len(places) // 2)]:
+            moved = numbers.copy()
+            moved[tuple(place)] *= 1.01
+            data = dataset.Labelled(
+                variables={
+                    **result.data.variables,
+                    named: dataset.Variable(values=moved, dims=variable.dims, attrs=variable.attrs),
+                },
+                attrs=result.data.attrs,
+            )
+            assert wrong_in(values.judge_dataset, changed(result, "data", data)), (named, place)
+
+
+@pytest.mark.parametrize("name", SMALL)
+def test_a_cell_of_the_page_that_is_moved_is_found(results, name):
+    page = results[name].page
+    start = page.index('aria-label="Table: Numbers"')
+    cells = list(re.finditer(r">(\d\.\d+)<", page[start:]))[:40]
+    assert cells
+    for cell in cells:
+        value = float(cell[1])
+        wrong = f">{value + 10 ** -(len(cell[1]) - 3):.{len(cell[1]) - 2}f}<"
+        other = page[: start + cell.start()] + wrong + page[start + cell.end() :]
+        assert wrong_in(values.judge_page, changed(results[name], "page", other)), cell[1]

@@ -1,0 +1,344 @@
+"""A study read back: its dataset from the stored solves, and all that it shows from the dataset."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from validation.audit.dataset import RECORDS, Labelled, Result, Variable
+from validation.audit.files import page_tables
+from validation.audit.ledger import Ledger
+from validation.audit.reductions import errors_of, recomputed
+from validation.audit.stored import Array
+
+__all__ = [
+    "audit_values",
+    "is_study",
+    "judge_budget",
+    "judge_dataset",
+    "judge_findings",
+    "judge_page",
+    "judge_table",
+    "judged",
+]
+
+_SOURCES = ("surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory")
+#: Those of the step to any spectrum and period.
+_SPECTRAL = ("size", "bandwidth")
+_INTERVAL = "+- (95 %)"
+
+
+def is_study(folder: Path) -> bool:
+    """Whether a folder holds a study."""
+    return any((folder / name).exists() for name in RECORDS[1:])
+
+
+def audit_values(folder: Path) -> Ledger:
+    """Compute again what a study measured, compare all places where it is shown, list what was not judged.
+
+    Parameters
+    ----------
+    folder : Path
+
+    Raises
+    ------
+    OSError, ValueError, LookupError
+        For a folder that holds no finished study of this version.
+    """
+    return judged(Result(folder))
+
+
+def judged(result: Result) -> Ledger:
+    """Judge all that a result holds."""
+    ledger = Ledger()
+    if result.store is None:
+        ledger.unread.append("data.nc against the solves: its record names no store that is there")
+    judge_dataset(result, ledger)
+    judge_findings(result, ledger)
+    judge_table(result, ledger)
+    judge_budget(result, ledger)
+    for name, lines in result.tables.items():
+        if name.startswith("data"):
+            _spread_out(result, name, lines, ledger)
+    for name, data in result.figures.items():
+        _figure(result, name, data, ledger)
+    judge_page(result, ledger)
+    return ledger
+
+
+# ---- the dataset -----------------------------------------------------------------------------------------
+
+
+def judge_dataset(result: Result, ledger: Ledger) -> None:
+    """Judge every variable by its reduction, and its errors by theirs."""
+    for name, variable in result.data.variables.items():
+        if variable.values.dtype.kind not in "fiu" or name in ("source", *variable.dims):
+            continue
+        if name.endswith("_error"):
+            continue
+        expected = recomputed(result, name)
+        if expected is None:
+            ledger.unread.append(f"data.nc: {name}")
+        else:
+            loose = {"rtol": 1e-6, "atol": 1e-9} if variable.attrs.get("reduction") in _FITTED else {}
+            _worst("data.nc", name, variable.values, expected, ledger, **loose)
+        _errors(result, name, ledger)
+
+
+#: What the audit fits by an implementation of its own: both round.
+_FITTED = ("limit", "drift", "power law")
+
+
+def _errors(result: Result, name: str, ledger: Ledger) -> None:
+    if f"{name}_error" not in result.data:
+        return
+    error = result.data[f"{name}_error"]
+    expected = errors_of(result, name)
+    for k, source in enumerate(_SOURCES):
+        part = error.at({"source": k})
+        if source in error.attrs:
+            none = np.zeros(part.values.shape)
+            _worst("data.nc", f"{name}_error, {source} does not enter", part.values, none, ledger)
+        elif source in expected:
+            scale = float(np.nanmax(np.abs(result.data[name].values), initial=0.0))
+            told = expected[source]
+            _worst(
+                "data.nc", f"{name}_error, {source}", part.values, told, ledger, rtol=1e-5, atol=1e-11 * scale
+            )
+        elif np.isfinite(part.values).any():
+            ledger.unread.append(f"data.nc: {name}_error, {source}")
+
+
+def _worst(
+    place: str,
+    name: str,
+    found: Array,
+    expected: Array,
+    ledger: Ledger,
+    *,
+    rtol: float = 1e-9,
+    atol: float = 1e-13,
+) -> None:
+    """Enter the element furthest from what it should be; one that is missing is as wrong as can be."""
+    found, expected = np.asarray(found, dtype=float), np.asarray(expected, dtype=float)
+    if found.shape != expected.shape:
+        ledger.same(place, f"shape of {name}", found.shape, expected.shape)
+        return
+    if not found.size:
+        return
+    with np.errstate(invalid="ignore"):
+        off = np.abs(found - expected) / (atol + rtol * np.abs(expected))
+    off = np.where(np.isnan(found) & np.isnan(expected), 0.0, np.where(np.isnan(off), np.inf, off))
+    k = np.unravel_index(int(np.argmax(off)), found.shape) if found.ndim else ()
+    where = f"{name} at {tuple(map(int, k))}" if found.ndim else name
+    ledger.number(place, where, float(found[k]), float(expected[k]), rtol=rtol, atol=atol)
+
+
+# ---- what is shown ---------------------------------------------------------------------------------------
+
+
+def _total(data: Labelled, name: str, place: Mapping[str, int]) -> float | None:
+    """Root sum of squares of the sources that are measured; None for what has no errors."""
+    if f"{name}_error" not in data:
+        return None
+    error = data[f"{name}_error"]
+    limit = error.attrs.get("limit_in")
+    values = error.at(place).values.astype(float).ravel()
+    kept = [
+        value
+        for source, value in zip(_SOURCES, values, strict=True)
+        if (source not in _SPECTRAL or source == limit) and math.isfinite(value)
+    ]
+    return math.sqrt(math.fsum(value**2 for value in kept)) if kept else math.nan
+
+
+def judge_findings(result: Result, ledger: Ledger) -> None:
+    """Judge the values of findings by where they say that they stand; those that stand nowhere are listed."""
+    for k, finding in enumerate(result.summary.get("findings", ())):
+        if isinstance(finding, str):
+            ledger.unread.append(f"sentence: {finding}")
+            continue
+        groups = [finding.get("values", {}), *finding.get("rows", ())]
+        for j, (name, value) in enumerate((n, v) for group in groups for n, v in group.items()):
+            place, where = "summary.json, findings", f"{k + 1}, {name}, value {j + 1}"
+            named, at = value.get("name"), value.get("at", {})
+            if named not in result.data or not set(result.data[named].dims) <= set(at):
+                ledger.unread.append(f"finding {k + 1}: {name} = {value.get('value')}")
+                continue
+            _said(place, where, value.get("value"), result.data[named].at(at), ledger)
+            if "error" in value:
+                ledger.number(place, f"{where}, its interval", value["error"], _total(result.data, named, at))
+
+
+def _said(place: str, where: str, found: Any, variable: Variable, ledger: Ledger) -> None:
+    """Enter a number or a word beside that of the dataset."""
+    expected = variable.values.item()
+    if isinstance(expected, str | bytes):
+        ledger.same(place, where, found, expected if isinstance(expected, str) else expected.decode())
+    else:
+        ledger.number(place, where, found, float(expected), rtol=1e-12, atol=0.0)
+
+
+def judge_table(result: Result, ledger: Ledger) -> None:
+    """Judge table.csv by the variables that its columns are of."""
+    shown = result.summary.get("table")
+    header, *lines = result.tables.get("table.csv") or [[]]
+    if not shown:
+        if lines:
+            ledger.unread.append("table.csv: what its columns are of")
+        return
+    expected = list(_rows(result.data, shown))
+    ledger.same("table.csv", "number of rows", len(lines), len(expected))
+    ledger.same("table.csv", "number of columns", len(header), max(map(len, expected), default=0))
+    for k, (line, row) in enumerate(zip(lines, expected, strict=False)):
+        for title, cell, value in zip(header, line, row, strict=False):
+            where = f"row {k + 1}, {title}"
+            if isinstance(value, str):
+                ledger.same("table.csv", where, cell, value)
+            else:
+                ledger.number("table.csv", where, cell, value, rtol=1e-12, atol=0.0)
+
+
+def _rows(data: Labelled, shown: Mapping[str, Any]) -> Iterator[list[float | str]]:
+    """Yield the rows that a table should have: those at which more is known than its coordinates."""
+    dims = list(shown["rows"])
+    sizes = [
+        next(v.values.shape[v.dims.index(d)] for v in data.variables.values() if d in v.dims) for d in dims
+    ]
+    for place in np.ndindex(*sizes):
+        at = dict(zip(dims, map(int, place), strict=True))
+        row: list[float | str] = []
+        known = False
+        for column in shown["columns"]:
+            name = column["name"]
+            where = {**at, **column.get("at", {})}
+            # Positions from the end are counted from there.
+            value = data[name].at(where).values.item()
+            row.append(value if isinstance(value, str) else float(value))
+            inside = isinstance(value, str) or not math.isnan(value)
+            known = known or (inside and name not in shown["coordinates"])
+            error = _total(data, name, where)
+            if error is not None:
+                row.append(error)
+        if known:
+            yield row
+
+
+def judge_budget(result: Result, ledger: Ledger) -> None:
+    """Judge budget.csv: value, shares by source in per cent, and their two sums."""
+    header, *lines = result.tables.get("budget.csv") or [[]]
+    names = result.summary.get("budget", ())
+    if not lines:
+        return
+    places = [
+        (name, dict(zip(_plain(result.data[name].dims), map(int, place), strict=True)))
+        for name in names
+        for place in np.ndindex(result.data[name].values.shape)
+    ]
+    ledger.same("budget.csv", "number of rows", len(lines), len(places))
+    for line, (name, at) in zip(lines, places, strict=False):
+        cells = dict(zip(header, line, strict=False))
+        value = float(result.data[name].at(at).values)
+        error = result.data[f"{name}_error"]
+        shares = 100 * np.abs(error.at(at).values.ravel() / value)
+        told = dict(zip(_SOURCES, shares, strict=True))
+        own = [share for source, share in told.items() if source not in _SPECTRAL]
+        sums = {"for this spectrum and period [%]": own, "for any [%]": list(shares)}
+        where = cells.get("number", name)
+        ledger.number("budget.csv", f"{where}, value", cells.get("value"), value, rtol=1e-12)
+        for title, parts in sums.items():
+            total = math.sqrt(sum(part**2 for part in parts))
+            ledger.number("budget.csv", f"{where}, {title}", cells.get(title), total)
+        for source, share in told.items():
+            cell = cells.get(f"{source} [%]", "")
+            if source in error.attrs:
+                ledger.same("budget.csv", f"{where}, {source}", cell, "does not enter")
+            elif math.isnan(share):
+                ledger.same("budget.csv", f"{where}, {source}", cell, "not measured")
+            else:
+                ledger.number("budget.csv", f"{where}, {source}", _float(cell), float(share))
+
+
+def _plain(dims: Sequence[str]) -> list[str]:
+    return [dim for dim in dims if dim != "source"]
+
+
+def _float(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        return math.nan
+
+
+def _spread_out(result: Result, file: str, rows: list[list[str]], ledger: Ledger) -> None:
+    """Judge a CSV file of variables that share their dimensions."""
+    header, *lines = rows
+    for k, name in enumerate(header):
+        if name not in result.data or result.data[name].values.dtype.kind not in "fiu":
+            continue
+        variable = result.data[name]
+        if len(variable.dims) and variable.values.size == len(lines) and variable.dims != (name,):
+            found = np.array([_float(line[k]) for line in lines])
+            _worst(file, name, found, variable.values.ravel().astype(float), ledger, rtol=1e-12, atol=0.0)
+
+
+def _figure(result: Result, file: str, data: Labelled, ledger: Ledger) -> None:
+    """Judge the data behind a figure: variables of the dataset."""
+    place = f"figures/{file}"
+    for name, variable in data.variables.items():
+        if name not in result.data:
+            ledger.unread.append(f"{place}: {name}")
+        elif variable.values.dtype.kind in "fiu" and variable.dims == result.data[name].dims:
+            expected = result.data[name].values
+            _worst(place, name, variable.values, expected, ledger, rtol=1e-12, atol=0.0)
+
+
+def judge_page(result: Result, ledger: Ledger) -> None:
+    """Judge the tables of report.html beside the CSV files: what is printed is what stands there, rounded."""
+    if not result.page:
+        ledger.unread.append("report.html: there is none")
+        return
+    shown = page_tables(result.page)
+    for title, name in (("Numbers", "table.csv"), ("What is uncertain", "budget.csv")):
+        header, *lines = result.tables.get(name) or [[]]
+        if title not in shown or not lines:
+            continue
+        titles, rows = shown[title]
+        place = f"report.html, {title}"
+        ledger.same(place, "number of rows", len(rows), min(len(lines), len(rows)))
+        for k, (row, line) in enumerate(zip(rows, lines, strict=False)):
+            cells = dict(zip(header, line, strict=False))
+            for column, cell in zip(titles, row, strict=False):
+                if column in cells:
+                    interval = cells.get(f"{column} {_INTERVAL}")
+                    _cell(ledger, place, f"row {k + 1}, {column}", cell, cells[column], interval)
+
+
+#: Symbols as a page sets them, and as they are typed.
+_GREEK = dict(
+    zip("κσγλζαμν", ("kappa", "sigma", "gamma", "lambda", "zeta", "alpha", "mu", "nu"), strict=True)
+)
+
+
+def _cell(ledger: Ledger, place: str, name: str, cell: str, source: str, interval: str | None) -> None:
+    """Judge one cell: words, a number of five digits, or a number with its interval."""
+    value = _float(source)
+    for letter, symbol in _GREEK.items():
+        cell = cell.replace(letter, symbol)
+    if math.isnan(value) and source not in ("", "nan"):
+        ledger.same(place, name, cell, source)
+    elif " +- " in cell or "±" in cell:
+        number, _, half = cell.replace("±", "+-").replace("\u00a0", " ").partition("+-")
+        power = ""
+        if number.strip().startswith("("):
+            half, _, power = half.partition(")")
+            number = number.strip()[1:]
+        power = power.strip()
+        ledger.text(place, name, number.strip() + power, value)
+        ledger.text(place, f"{name}, its interval", half.strip() + power, _float(interval or "nan"))
+    else:
+        ledger.text(place, name, cell, value, 5)
