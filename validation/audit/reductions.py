@@ -32,16 +32,23 @@ def recomputed(result: Result, name: str) -> Array | None:
     """Return what a variable should be, in the order of its dimensions; None where it cannot be said."""
     variable = result.data[name]
     reduction = REDUCTIONS.get(str(variable.attrs.get("reduction", "")))
-    if reduction is not None:
-        return reduction(result, name, variable)
-    return _read_off(result, name, variable)
+    try:
+        return (reduction or _read_off)(result, name, variable)
+    except (ArithmeticError, LookupError, TypeError, ValueError):
+        return None
 
 
 def errors_of(result: Result, name: str) -> dict[str, Array]:
     """Return what the errors of a variable should be by source, those that can be said."""
-    variable = result.data[name]
+    try:
+        return _errors_of(result, name, result.data[name])
+    except (ArithmeticError, LookupError, TypeError, ValueError):
+        return {}
+
+
+def _errors_of(result: Result, name: str, variable: Variable) -> dict[str, Array]:
     kind = variable.attrs.get("reduction")
-    if kind == "mean":
+    if kind == "mean" and "pairs" in variable.attrs:
         return _mean_errors(result, variable)
     if kind == "expression":
         return _expression_errors(result, variable)

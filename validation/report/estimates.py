@@ -253,7 +253,9 @@ def claim(data: xr.Dataset, *names: str, **sources: xr.DataArray | float | str) 
         if old is not None:
             said = np.isin(SOURCES, list(sources))
             more = more.copy(data=np.where(said, more.values, old.transpose(*more.dims).values))
-            more.attrs = {**old.attrs, **more.attrs}
+            # What is claimed does not follow from the reduction of the variable: the audit is told.
+            claimed = {*str(old.attrs.get("claimed", "")).split(), *sources}
+            more.attrs = {**old.attrs, **more.attrs, "claimed": " ".join(sorted(claimed))}
         data = data.assign({f"{name}_error": more})
     return data
 
