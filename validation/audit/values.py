@@ -98,8 +98,13 @@ def _errors(result: Result, name: str, ledger: Ledger) -> None:
         return
     error = result.data[f"{name}_error"]
     expected = errors_of(result, name)
+    value = result.data[name].values.astype(float)
     for k, source in enumerate(_SOURCES):
         part = error.at({"source": k})
+        if part.dims == result.data[name].dims:
+            # Where there is no value, its errors say nothing.
+            part = Variable(values=np.where(np.isnan(value), 0.0, part.values), dims=part.dims)
+            expected = {s: np.where(np.isnan(value), 0.0, told) for s, told in expected.items()}
         if source in error.attrs:
             none = np.where(np.isnan(part.values), np.nan, 0.0)
             _worst("data.nc", f"{name}_error, {source} does not enter", part.values, none, ledger)
