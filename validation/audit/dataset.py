@@ -119,11 +119,13 @@ class Result:
 
     def solve(self, key: str) -> Labelled | None:
         """Return the numbers of a stored solve; None where it is not there."""
-        return self._solve(key, Labelled.of)
+        found: Labelled | None = self._solve(key, Labelled.of)
+        return found
 
     def fields(self, key: str) -> Stored | None:
         """Return the fields of a stored solve; None where it is not there."""
-        return self._solve(key, Stored)
+        found: Stored | None = self._solve(key, Stored)
+        return found
 
     def _solve(self, key: str, kind: Callable[[Path], Any]) -> Any:
         if key not in self._read:

@@ -100,11 +100,11 @@ def _errors(result: Result, name: str, ledger: Ledger) -> None:
     expected = errors_of(result, name)
     value = result.data[name].values.astype(float)
     for k, source in enumerate(_SOURCES):
-        part = error.at({"source": k})
-        if part.dims == result.data[name].dims:
-            # Where there is no value, its errors say nothing.
-            part = Variable(values=np.where(np.isnan(value), 0.0, part.values), dims=part.dims)
-            expected = {s: np.where(np.isnan(value), 0.0, told) for s, told in expected.items()}
+        # Where there is no value, its errors say nothing.
+        told = error.at({"source": k}).along(result.data[name].dims)
+        told = np.broadcast_to(told, value.shape)
+        part = Variable(values=np.where(np.isnan(value), 0.0, told), dims=result.data[name].dims)
+        expected = {s: np.where(np.isnan(value), 0.0, one) for s, one in expected.items()}
         if source in error.attrs:
             none = np.where(np.isnan(part.values), np.nan, 0.0)
             _worst("data.nc", f"{name}_error, {source} does not enter", part.values, none, ledger)

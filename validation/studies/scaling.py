@@ -122,9 +122,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     from validation.solves.cost import available_memory
 
     parts = solved(bench, design(options))
-    kept = {"area_located_each": "area"} | {f"{name}_each": name for name in _COSTS}
+    taken = {"area_located_each": "area"} | {f"{name}_each": name for name in _COSTS}
     data = gather(
-        {case: read_off(one, **kept) for case, one in parts.items()},
+        {case: read_off(one, **taken) for case, one in parts.items()},
         points=list(options.grids),
         surface=range(options.surfaces),
     )
