@@ -9,8 +9,9 @@ from validation.comparison.finite_slopes import finite_slopes
 from validation.effects.base import Roughness
 from validation.measures.common import base_case, base_surface
 from validation.measures.measurement import grid_for
+from validation.measures.slopes import CHANGES, with_differences
 from validation.solves.bench import Bench
-from validation.studies import large_slope
+from validation.studies import find_study, large_slope
 
 
 def small_options():
@@ -38,71 +39,75 @@ def test_the_differences_are_those_of_the_block_from_the_linear_one(small):
     linear = block.solve(field, solid, mean_pressure=load, method="full", **mesh).contact
     *_, steep = block.solve_slopes(field, solid, mean_pressure=load, slopes=(0.1, 0.2), **mesh)
     found = small.isel(nu=0, load=0, surface=1, grid=-1, slope=-1)
-    assert float(found.projected_area) == pytest.approx(steep.area / np.mean(linear.in_contact) - 1)
+    assert float(found.area_finite_each) == pytest.approx(steep.area / np.mean(linear.in_contact) - 1)
     square = np.mean(steep.shares * steep.pressure**2) / steep.mean_pressure**2
     expected = square / (np.mean(linear.pressure**2) / load**2) - 1
-    assert float(found.square_pressure) == pytest.approx(expected, abs=1e-6)
-    assert float(small.residual.max()) < 1e-8
-    assert not small.ended.any()
+    assert float(found.square_finite_each) == pytest.approx(expected, abs=1e-6)
+    assert float(small.residual_each.max()) < 1e-8
+    assert not small.path_ended_each.any()
 
 
-def planted(rate, *, scatter=0.0, ended=0):
+def planted(rate, *, scatter=0.0, ended=0, grid=0.0):
     """A dataset whose area falls by `rate` h' and whose square pressure rises by twice that."""
     slopes = np.array([0.1, 0.2, 0.4, 0.8])
     factors = 1 + scatter * np.array([-1.0, 1.0, -1.0, 1.0])
     each = -rate * np.outer(factors, slopes)
-    falls = np.broadcast_to(each[None, None, :, None], (1, 1, 4, 2, 4)).copy()
+    falls = np.stack([each + grid * rate * slopes, each], axis=1)[None, None]
     if ended:
         falls[:, :, :ended, :, -1] = np.nan
     dims = ("nu", "load", "surface", "grid", "slope")
-    many = np.zeros((1, 1, 4, 2), dtype=int)
+    many = np.zeros((1, 1, 4, 2))
     many[:, :, :ended] = 1
-    values = {
-        "projected_area": falls,
-        "square_pressure": -2 * falls,
-        "true_area": falls,
-        "material_area": falls,
-    }
-    return xr.Dataset(
-        {name: (dims, array) for name, array in values.items()} | {"ended": (dims[:-1], many)},
+    changes = {name: falls if name != "square_finite" else -2 * falls for name in CHANGES}
+    data = xr.Dataset(
+        {f"{name}_grid_each": (dims, array) for name, array in changes.items()}
+        | {"path_ended_each": (dims[:-1], many), "paths_ended": float(ended)},
         coords={
             "poisson": ("nu", [0.3]),
             "reduced_pressure": ("load", [0.1]),
             "points_per_wave": ("grid", [8.0, 12.0]),
-            "slope": slopes,
+            "rms_gradient": ("slope", slopes),
         },
     )
+    return with_differences(data, differences=large_slope.DIFFERENCES, straight=large_slope.STRAIGHT)
 
 
-def test_sentences_name_the_slopes_at_which_the_difference_passes_one_and_five_per_cent():
-    area, square = large_slope.findings(planted(0.1))
-    assert "area projected on the plane differs from the linear one by 1 % from h'_rms = 0.1 on" in area
-    assert "5 % from h'_rms = 0.5 on" in area
-    assert "by the part -0.1 +- 0 times h'_rms" in area
-    assert "1 % from h'_rms = 0.05 on" in square
-    assert "5 % from h'_rms = 0.25 on" in square
-    assert "5 % nowhere up to h'_rms = 0.8" in large_slope.findings(planted(0.01))[0]
+def test_differences_are_passed_at_the_planted_slopes():
+    found = planted(0.1).isel(nu=0, load=0)
+    assert found.area_finite_crossing.values == pytest.approx([0.1, 0.5])
+    assert found.square_finite_crossing.values == pytest.approx([0.05, 0.25])
+    assert float(found.area_finite_rate) == pytest.approx(-0.1)
+    assert planted(0.01).area_finite_crossing.values.ravel()[1] == np.inf
+    area, _, area_rate, square_rate = large_slope.views(planted(0.1, scatter=0.1)).findings
+    assert "by 5 % 0.500 (0.42" in area.text
+    assert area_rate.outcomes == ("-",)
+    assert square_rate.outcomes == ("+",)
+    assert "by 5 % unbounded" in large_slope.views(planted(0.01)).findings[0].text
 
 
-def test_scatter_between_surfaces_widens_the_interval_of_the_slope():
+def test_scatter_between_surfaces_and_the_step_between_grids_widen_the_interval_of_the_slope():
     # Half width of 4 surfaces that scatter by .1: 3.182 * .1 * sqrt(4/3) / 2 = .1837 of the mean.
-    area = large_slope.findings(planted(0.1, scatter=0.1))[0]
-    assert "5 % from h'_rms = 0.5 on (0.42 to 0.61" in area
+    found = planted(0.1, scatter=0.1).isel(nu=0, load=0)
+    half = 3.182446305284263 * 0.1 * (4 / 3) ** 0.5 / 2
+    assert float(found.area_finite_crossing_lower[1]) == pytest.approx(0.5 / (1 + half))
+    assert float(found.area_finite_crossing_upper[1]) == pytest.approx(0.5 / (1 - half))
+    coarse = planted(0.1, grid=0.2).isel(nu=0, load=0)
+    assert float(coarse.area_finite_crossing_lower[1]) == pytest.approx(0.5 / 1.2)
 
 
 def test_paths_that_end_are_counted_and_their_slopes_left_out_for_all():
     data = planted(0.1, ended=2)
-    *_, last = large_slope.findings(data)
-    assert last.startswith("2 of 4 paths on the finest grid end before h'_rms = 0.8")
-    assert "nowhere up to h'_rms = 0.4" in large_slope.findings(planted(0.01, ended=2))[0]
-    assert np.isnan(large_slope.table(data).rows[-1][3])
+    *_, last = large_slope.views(data).findings
+    assert last.text.startswith("2 of 4 paths on the finest grid end before h'_rms = 0.8")
+    assert planted(0.01, ended=2).area_finite_crossing.values.ravel()[1] == np.inf
+    assert np.isnan(data.area_finite[0, 0, -1])
+    assert np.isfinite(data.area_finite[0, 0, -2])
 
 
 def test_the_figure_shows_both_differences(small):
-    (drawing,) = large_slope.figures(small)
-    left, right = drawing.figure.axes
-    assert "A over that of the linear block" in left.get_ylabel()
-    assert "p^2" in right.get_ylabel()
+    (drawing,) = find_study("large-slope").figures(small)
+    assert {one.mark.y for one in drawing.drawn} == {"area_finite", "square_finite"}
+    assert len(find_study("large-slope").table(small).rows) == 2
 
 
 def rough(slope):

@@ -1,14 +1,17 @@
-"""One surface made steeper and steeper in a block of finite strain, beside the linear block."""
+"""One surface made steeper and steeper in a block of finite strain, beside the linear block: where both part."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fem_contact.errors import NotConverged
+from validation.arrays import Array
 from validation.measures.single_solve import SingleSolve
+from validation.report.estimates import claim, mean, total_error
 from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
@@ -16,7 +19,7 @@ if TYPE_CHECKING:
 
     from fem_contact.block import FiniteStrain
 
-__all__ = ["SlopeMeasurement"]
+__all__ = ["CHANGES", "SlopeMeasurement", "changes_of", "first_crossing", "with_differences"]
 
 #: What is measured of every slope.
 _NAMES = {
@@ -101,3 +104,82 @@ def _read_off(found: FiniteStrain) -> dict[str, float]:
         "residual": found.residual,
         "sideways": found.sideways,
     }
+
+
+#: Changes against the linear block, and what of a measurement they are of.
+CHANGES = {
+    "area_finite": "area",
+    "area_finite_true": "true_area",
+    "area_finite_material": "material_area",
+    "square_finite": "square_pressure",
+}
+
+
+def changes_of(measured: xr.Dataset) -> xr.Dataset:
+    """Reduce one path of slopes to changes against the linear block, on its grid."""
+    import xarray as xr
+
+    plain = measured.drop_vars("slope")
+    made: dict[str, Any] = {
+        f"{name}_grid_each": plain[of] / plain["linear_" + ("area" if "area" in of else of)] - 1
+        for name, of in CHANGES.items()
+    }
+    kept = {f"{name}_each": plain[name] for name in ("residual", "sideways", "linear_area")}
+    ended = float(bool(measured.attrs["ended"]))
+    return xr.Dataset(made | kept | {"path_ended_each": ended}).assign_attrs(solve=measured.attrs["solve"])
+
+
+def with_differences(data: xr.Dataset, *, differences: Sequence[float], straight: float) -> xr.Dataset:
+    """Add changes on the finest grid, what they are per slope, and from which slope on they exceed differences.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        ``x_grid_each`` of `CHANGES` over (..., surface, grid, slope), with the coordinate ``rms_gradient`` (slope). The
+        step from the grid before is the error of the grid.
+    differences : sequence of float
+    straight : float
+        Slope up to which changes go with it: ``x_rate`` is that of a line through 0.
+    """
+    import xarray as xr
+
+    slopes = data.rms_gradient
+    small = {"slope": np.flatnonzero(slopes.values <= straight)}
+    data = data.assign_coords(difference=list(differences))
+    for name in CHANGES:
+        values = data[f"{name}_grid_each"]
+        line = (values * slopes).isel(small).sum("slope", skipna=False) / (slopes**2).isel(small).sum()
+        for part, of in ((name, values), (f"{name}_rate", line.drop_vars("rms_gradient", errors="ignore"))):
+            finest, before = (of.isel(grid=k, drop=True) for k in (-1, -2))
+            data = data.assign({f"{part}_each": finest, f"{part}_each_drift": finest - before})
+        data = mean(data, name, f"{name}_rate")
+        error = total_error(data, name)
+        assert error is not None
+        size = abs(data[name])
+        for end, change in (("", size), ("_lower", size + error), ("_upper", size - error)):
+            at = xr.apply_ufunc(
+                first_crossing,
+                slopes,
+                change,
+                data.difference,
+                input_core_dims=[["slope"], ["slope"], []],
+                vectorize=True,
+            )
+            data[f"{name}_crossing{end}"] = at.assign_attrs(reduction="crossing", of=name)
+            data = claim(data, f"{name}_crossing{end}")
+    return data
+
+
+def first_crossing(slopes: Array, change: Array, difference: float) -> float:
+    """Return where a change first exceeds a difference, between slopes and from 0 on straight; inf if nowhere.
+
+    >>> round(first_crossing(np.array([0.1, 0.2]), np.array([0.01, 0.03]), 0.02), 12)
+    0.15
+    """
+    x, y = np.append(0.0, slopes), np.append(0.0, change)
+    x, y = x[np.isfinite(y)], y[np.isfinite(y)]
+    beyond = np.flatnonzero(y > difference)
+    if not beyond.size:
+        return float("inf")
+    k = int(beyond[0])
+    return float(x[k - 1] + (difference - y[k - 1]) / (y[k] - y[k - 1]) * (x[k] - x[k - 1]))

@@ -7,27 +7,19 @@ of them; a neo-Hookean block of finite strain, met by the rough surface where it
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Annotated
 
-import numpy as np
 from pydantic import Field
 
-from validation.arrays import Array
-from validation.measures.common import (
-    BASE_SOLID,
-    Rising,
-    base_case,
-    base_surface,
-    named,
-    over_surfaces,
-    results_of,
-)
+from validation.measures.common import BASE_SOLID, Rising, base_case, base_surface
+from validation.measures.limits import solved
 from validation.measures.measurement import grid_for
-from validation.measures.slopes import SlopeMeasurement
-from validation.measures.statistics import Estimate, mean_over_surfaces
-from validation.report.drawing import Drawing
-from validation.report.table import ResultTable
+from validation.measures.slopes import CHANGES, SlopeMeasurement, changes_of, with_differences
+from validation.report.estimates import claim, gather
+from validation.report.findings import Finding, finding
+from validation.report.marks import Figure, Line, Panel
+from validation.report.table import Table
+from validation.report.views import Views
 from validation.scenes.scene import SolidSpec
 from validation.solves.bench import Bench
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
@@ -35,17 +27,11 @@ from validation.studies._study import StudyOptions
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
-__all__ = ["Options", "figures", "findings", "run", "table"]
+__all__ = ["Options", "run", "views"]
 
-#: What is compared with the linear block, and how sentences call it.
-_RATIOS = {
-    "projected_area": ("A", "contact area projected on the plane"),
-    "square_pressure": ("<p^2>", "mean square pressure"),
-}
 #: Relative differences whose slopes are looked for, and the slope up to which differences count as going with it.
-_DIFFERENCES, _STRAIGHT = (0.01, 0.05), 0.4
+DIFFERENCES, STRAIGHT = (0.01, 0.05), 0.4
 
 
 class Options(StudyOptions):
@@ -80,203 +66,103 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        `projected_area`, `true_area`, `material_area` and `square_pressure` over those of the linear block less 1, on the dimensions
-        (poisson, load, surface, grid, slope); NaN where Newton's method found no equilibrium, `ended` counts such paths.
+        Areas and mean square pressure over those of the linear block less 1, over (nu, load, surface, grid, slope); NaN
+        where Newton's method found no equilibrium; their means on the finest grid, and from which slope on they count.
     """
-    import xarray as xr
-
-    cases = dict(_cases(options))
-    found = results_of(bench, cases)
-    shape = (
-        len(options.poissons),
-        len(options.reduced_pressures),
-        options.surfaces,
-        len(options.points_per_wave),
-    )
-    names = ("projected_area", "true_area", "material_area", "square_pressure")
-    values = {name: np.empty((*shape, len(options.slopes))) for name in names}
-    residual, ended, linear = (
-        np.empty((*shape, len(options.slopes))),
-        np.empty(shape, dtype=int),
-        np.empty(shape),
-    )
-    for at, data in found.items():
-        for name in names:
-            scale = data.linear_square_pressure if name == "square_pressure" else data.linear_area
-            measured = data["area" if name == "projected_area" else name]
-            values[name][at] = measured.values / float(scale) - 1
-        residual[at], linear[at] = data.residual.values, float(data.linear_area)
-        ended[at] = bool(data.attrs["ended"])
-    path = ("nu", "load", "surface", "grid")
-    return xr.Dataset(
-        {
-            name: named((*path, "slope"), values[name], f"{name} over that of the linear block, less 1")
-            for name in names
-        }
-        | {
-            "residual": named((*path, "slope"), residual, "unbalanced over contact forces"),
-            "linear_area": named(path, linear, "A/A0 of the linear block, nodes counted"),
-            "ended": named(path, ended, "whether the path ends before the steepest slope"),
-        },
-        coords={
-            "poisson": ("nu", list(options.poissons)),
-            "reduced_pressure": named("load", list(options.reduced_pressures), "p0 / (E* h'_rms)"),
-            "points_per_wave": ("grid", list(options.points_per_wave)),
-            "slope": named("slope", list(options.slopes), "h'_rms"),
-        },
-        attrs={
-            "study": "large-slope",
-            "methods": "fem",
-            "hurst": options.hurst,
-            "bandwidth": options.bandwidth,
-        },
-    )
-
-
-def _cases(options: Options) -> Iterator[tuple[tuple[int, int, int, int], SlopeMeasurement]]:
-    """Yield one path for each Poisson ratio, load, surface and grid."""
+    dims = {
+        "nu": options.poissons,
+        "load": options.reduced_pressures,
+        "surface": range(options.surfaces),
+        "grid": options.points_per_wave,
+    }
     surface = base_surface(
         hurst=options.hurst, periods=options.periods, bandwidth=options.bandwidth, seed=options.seed
     )
-    for (i, poisson), (j, load) in itertools.product(
-        enumerate(options.poissons), enumerate(options.reduced_pressures)
-    ):
+    cases = {}
+    for poisson, load in itertools.product(options.poissons, options.reduced_pressures):
         solid = SolidSpec(young=BASE_SOLID.young, poisson=poisson)
         base = base_case(surface, reduced_pressure=load, solid=solid)
-        for k, (g, points) in itertools.product(range(options.surfaces), enumerate(options.points_per_wave)):
-            yield (
-                (i, j, k, g),
-                SlopeMeasurement(
-                    realised=base.further(k),
-                    grid=grid_for(base, points),
-                    slopes=options.slopes,
-                    depth=1 / options.periods,
-                ),
+        for k, points in itertools.product(range(options.surfaces), options.points_per_wave):
+            cases[poisson, load, k, points] = SlopeMeasurement(
+                realised=base.further(k),
+                grid=grid_for(base, points),
+                slopes=options.slopes,
+                depth=1 / options.periods,
             )
-
-
-def _curve(dataset: xr.Dataset, name: str, i: int, j: int) -> tuple[Array, Array, Array]:
-    """Mean over the surfaces on the finest grid, half of its 95 % interval, and the grid's share, by slope."""
-    part = dataset[name][i, j]
-    means = [over_surfaces(part[:, -1, s]) for s in range(dataset.sizes["slope"])]
-    grid = np.abs((part[:, -1] - part[:, -2]).mean("surface", skipna=False).values)
-    return np.array([m.value for m in means]), np.array([m.half_width for m in means]), grid
-
-
-def _rate(dataset: xr.Dataset, name: str, i: int, j: int) -> tuple[Estimate, float]:
-    """Difference per slope by a line through 0 over the small slopes, mean over the surfaces; and the grid's share."""
-    small = dataset[name][i, j].sel(slope=slice(0, _STRAIGHT)).values
-    slopes = dataset.slope.values[: small.shape[-1]]
-    rates = small @ slopes / np.sum(slopes**2)
-    return mean_over_surfaces(rates[:, -1]), float(np.abs(np.mean(rates[:, -1] - rates[:, -2])))
-
-
-def _crossing(slopes: Array, change: Array, difference: float) -> float:
-    """Return where a change first exceeds a difference, between slopes and from 0 on in a straight line; inf if nowhere."""
-    x, y = np.append(0.0, slopes), np.append(0.0, change)
-    kept = np.isfinite(y)
-    x, y = x[kept], y[kept]
-    beyond = np.flatnonzero(y > difference)
-    if not beyond.size:
-        return float("inf")
-    k = int(beyond[0])
-    return float(x[k - 1] + (difference - y[k - 1]) / (y[k] - y[k - 1]) * (x[k] - x[k - 1]))
-
-
-def table(dataset: xr.Dataset) -> ResultTable:
-    """Return one row for each Poisson ratio, load and slope."""
-    rows = []
-    for i, j in itertools.product(range(dataset.sizes["nu"]), range(dataset.sizes["load"])):
-        curves = {name: _curve(dataset, name, i, j) for name in (*_RATIOS, "true_area")}
-        for s, slope in enumerate(dataset.slope.values):
-            numbers = [100 * float(part[s]) for name in _RATIOS for part in curves[name]]
-            rows.append(
-                (
-                    float(dataset.poisson[i]),
-                    float(dataset.reduced_pressure[j]),
-                    float(slope),
-                    *numbers,
-                    100 * float(curves["true_area"][0][s]),
-                )
-            )
-    columns = ["nu", "p*", "h'_rms"]
-    for symbol, _ in _RATIOS.values():
-        columns += [f"{symbol}/linear - 1 [%]", "+- surfaces (95 %)", "+- grid"]
-    return ResultTable.of((*columns, "A along the rough surface/linear - 1 [%]"), rows)
-
-
-def findings(dataset: xr.Dataset) -> tuple[str, ...]:
-    """Say from which slope on area and pressure leave the linear result, and where no equilibrium was found."""
-    sentences = []
-    for i, j in itertools.product(range(dataset.sizes["nu"]), range(dataset.sizes["load"])):
-        where = f"nu = {float(dataset.poisson[i]):g}, p* = {float(dataset.reduced_pressure[j]):g}"
-        for name, (_, words) in _RATIOS.items():
-            said = " and ".join(_slope_words(dataset, _curve(dataset, name, i, j), d) for d in _DIFFERENCES)
-            rate, grid = _rate(dataset, name, i, j)
-            sure = float(np.hypot(rate.half_width, grid))
-            sentences.append(
-                f"{where}: the {words} differs from the linear one by {said}; up to h'_rms = {_STRAIGHT:g} by the part "
-                f"{rate.value:.2g} +- {sure:.1g} times h'_rms."
-            )
-    ended, paths = int(dataset.ended[..., -1].sum()), int(dataset.ended[..., -1].size)
-    if ended:
-        sentences.append(
-            f"{ended} of {paths} paths on the finest grid end before h'_rms = {float(dataset.slope[-1]):g}: no equilibrium "
-            "was found beyond, and their slopes are left out for all surfaces."
-        )
-    return tuple(sentences)
-
-
-def _slope_words(dataset: xr.Dataset, curve: tuple[Array, Array, Array], difference: float) -> str:
-    """Where |mean| exceeds a difference, and where it does at either end of its interval."""
-    mean, scatter, grid = curve
-    slopes, sure = dataset.slope.values, np.hypot(scatter, grid)
-    at, low, high = (
-        _crossing(slopes, change, difference)
-        for change in (np.abs(mean), np.abs(mean) + sure, np.abs(mean) - sure)
+    found = {place: changes_of(measured) for place, measured in solved(bench, cases).items()}
+    data = gather(found, **dims).drop_vars(["nu", "load", "grid"])
+    data = data.assign_coords(
+        poisson=("nu", list(options.poissons)),
+        reduced_pressure=("load", list(options.reduced_pressures)),
+        points_per_wave=("grid", list(options.points_per_wave)),
+        rms_gradient=("slope", list(options.slopes)),
     )
-    reached = slopes[np.isfinite(mean)]
-    top = float(reached[-1]) if reached.size else 0.0
-    if not np.isfinite(at):
-        return f"{100 * difference:g} % nowhere up to h'_rms = {top:g}"
-    upper = f"to {high:.2g}" if np.isfinite(high) else f"to beyond {top:g}"
-    return f"{100 * difference:g} % from h'_rms = {at:.2g} on ({low:.2g} {upper}, 95 % over surfaces, and the grid)"
+    data = with_differences(data, differences=DIFFERENCES, straight=STRAIGHT)
+    data["paths_ended"] = data.path_ended_each.isel(grid=-1).sum()
+    data = claim(data, *CHANGES, *(f"{name}_rate" for name in CHANGES), theory="it is simulated")
+    words = {"hurst": options.hurst, "bandwidth": options.bandwidth}
+    return data.assign_attrs(study="large-slope", methods="fem", **words)
 
 
-def figures(dataset: xr.Dataset) -> tuple[Drawing, ...]:
-    """Draw both differences over the slope."""
-    return (
-        Drawing(
-            name="large-slope",
-            figure=_figure(dataset),
-            data=dataset,
-            caption="Contact area, projected on the plane (left), and mean square pressure (right) of a neo-Hookean block over those "
-            "of the linear block at the same reduced load, over the slope of the surface: mean and 95 % over the surfaces on the "
-            "finest grid; small and open, the coarser one. Straight lines through 0 are effects of first order in the slope.",
+def views(data: xr.Dataset) -> Views:
+    """Area and mean square pressure over the slope, and from where on they leave the linear result."""
+    ended = finding(
+        "value",
+        "{paths_ended} of {paths} paths on the finest grid end before h'_rms = {steepest}: no equilibrium was found beyond, "
+        "and their slopes are left out for all surfaces.",
+        data,
+        paths=float(data.path_ended_each.isel(grid=-1).size),
+        steepest=float(data.rms_gradient[-1]),
+    )
+    return Views(
+        table=Table(
+            rows=("nu", "load", "slope"), columns=("poisson", "reduced_pressure", "rms_gradient", *CHANGES)
         ),
+        budget=("area_finite_rate", "square_finite_rate"),
+        figures=[
+            Figure(
+                name="large-slope",
+                caption="What finite strain changes of contact area and mean square pressure at one reduced load, over the "
+                "slope of the surface. Straight lines through 0 are effects of first order.",
+                panels=[
+                    Panel(marks=[Line(y=name, by=("nu", "load"))], x="rms_gradient")
+                    for name in ("area_finite", "square_finite")
+                ],
+                width=9.0,
+            )
+        ],
+        findings=[
+            _leaves(data, "area_finite", "contact area projected on the plane"),
+            _leaves(data, "square_finite", "mean square pressure"),
+            _rate(data, "area_finite", "contact area"),
+            _rate(data, "square_finite", "mean square pressure"),
+            *([ended] if float(data.paths_ended) else []),
+        ],
     )
 
 
-def _figure(dataset: xr.Dataset) -> Figure:
-    from validation.report.figure import look, new_figure
+_WHERE = "nu = {poisson}, p* = {reduced_pressure}"
 
-    figure, panels = new_figure(width=9.0, columns=2)
-    slopes = dataset.slope.values
-    for axes, (name, (symbol, _)) in zip(panels, _RATIOS.items(), strict=True):
-        pairs = itertools.product(range(dataset.sizes["nu"]), range(dataset.sizes["load"]))
-        for k, (i, j) in enumerate(pairs):
-            mean, scatter, _ = _curve(dataset, name, i, j)
-            style = look(k)
-            label = rf"$\nu$ = {float(dataset.poisson[i]):g}, $p^*$ = {float(dataset.reduced_pressure[j]):g}"
-            axes.errorbar(slopes, 100 * mean, yerr=100 * scatter, label=label, **style)
-            coarse = dataset[name][i, j, :, -2].mean("surface", skipna=False).values
-            axes.plot(
-                slopes, 100 * coarse, ls="", ms=3, marker=style["marker"], color=style["color"], mfc="white"
-            )
-        axes.axhline(0.0, color="black", lw=0.8)
-        axes.set_xlabel(r"$h'_\mathrm{rms}$")
-        axes.set_ylabel(
-            f"{symbol} over that of the linear block, less 1 [%]".replace("<p^2>", r"$\langle p^2 \rangle$")
-        )
-    panels[0].legend(fontsize=7)
-    return figure
+
+def _leaves(data: xr.Dataset, name: str, words: str) -> Finding:
+    """Say from which slope on something differs from the linear result."""
+    return finding(
+        "threshold",
+        f"h'_rms from which on the {words} differs from the linear one (95 %, surfaces and grid): {{each}}.",
+        data,
+        item=f"by {{difference:%}} {{{name}_crossing}} ({{{name}_crossing_lower}} to {{{name}_crossing_upper}}; {_WHERE})",
+        over=("nu", "load", "difference"),
+    )
+
+
+def _rate(data: xr.Dataset, name: str, words: str) -> Finding:
+    """Say how a difference goes with the slope."""
+    return finding(
+        "trend",
+        f"Up to h'_rms = {STRAIGHT:g} the {words} over the linear one {{each}}.",
+        data,
+        item=f"{{verdict}} with the slope ({{{name}_rate:+}} times h'_rms; {_WHERE})",
+        over=("nu", "load"),
+        by=f"{name}_rate",
+        words={"0": "shows no trend"},
+    )
