@@ -69,6 +69,7 @@ def measurement(solve, area: Callable[[float], float], **planted: Callable) -> x
         "cells_per_patch": lambda p, n: 0.01 * n**2,
         "mean_gap": lambda p, n: 1e-6,
         "energy": lambda p, n: 1.0,
+        "stiffness": lambda p, n: 2.0,
         "residual": lambda p, n: 1e-9,
         "seconds": lambda p, n: 1e-6 * n**2,
         "peak_bytes": lambda p, n: 120.0 * n**2,
@@ -149,3 +150,23 @@ def column(table, title: str) -> list:
 def numbers(text: str) -> list[float]:
     """All numbers of a sentence."""
     return [float(found) for found in re.findall(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?", text)]
+
+
+def edge_data(*, density, slope, contour) -> xr.Dataset:
+    """What `stress-near-zero` makes of starts of P(sigma), (surface, grid), of 16 to 128 points per wave."""
+    from validation.studies import stress_near_zero
+
+    dims = ("method", "surface", "grid")
+    values = {"density_at_zero": density, "window_slope": slope, "contour_slope": contour}
+    shape = np.broadcast_shapes(*(np.shape(value) for value in values.values()))
+    data = {f"{name}_each": (dims, np.broadcast_to(value, shape)[None]) for name, value in values.items()}
+    data["patches_each"] = (dims, np.full((1, *shape), 50.0))
+    data["small_density_each"] = ((*dims, "bin"), np.ones((1, *shape, 2)))
+    coords = {
+        "method": ["bem"],
+        "surface": np.arange(shape[0]),
+        "spacing": (("method", "grid"), 1 / np.array([[16.0, 32.0, 64.0, 128.0]])),
+        "stress": ("bin", [0.1, 0.2]),
+        "reduced_pressure": 0.05,
+    }
+    return stress_near_zero.limits(xr.Dataset(data, coords=coords))

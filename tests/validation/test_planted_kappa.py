@@ -276,20 +276,21 @@ def scored():
 
 
 def test_the_verdict_scores_the_planted_ratio_with_students_interval(scored):
-    ratio = scored.ratio.sel(quantity="area", variant="persson")
+    ratio, error = scored.area_over.sel(theory="Persson"), scored.area_over_error.sel(theory="Persson")
     np.testing.assert_allclose(ratio, 1.2, rtol=1e-9)
-    shares = scored.shares.sel(source="surfaces")
-    np.testing.assert_allclose(shares, 0.01 * STUDENT[3], rtol=1e-9)
-    half = 1.2 * np.hypot(shares, scored.shares.sel(source="grid"))
-    np.testing.assert_allclose(scored.interval.sel(quantity="area", variant="persson"), half, rtol=1e-9)
+    np.testing.assert_allclose(error.sel(source="surfaces"), 1.2 * 0.01 * STUDENT[3], rtol=1e-9)
+    grid = (scored.area_error / scored.area).sel(source="grid")
+    np.testing.assert_allclose(error.sel(source="grid"), 1.2 * grid, rtol=1e-9)
 
 
-def test_the_verdict_calls_a_planted_fifth_off_by_twenty_per_cent(scored):
-    rows = [row for row in theory_verdict.table(scored).rows if row[0] == "contact area"]
-    assert [row[2] for row in rows] == ["off by +20 %"] * len(rows)
-    assert (
-        "simulated over predicted area is 1.200 at the lightest load (p* = 0.02) and 1.200"
-        in (theory_verdict.findings(scored)[0])
-    )
-    values = column(theory_verdict.budget(scored), "value")
-    np.testing.assert_allclose(values, 1.2, rtol=1e-9)
+def test_the_verdict_ranks_a_planted_fifth_behind_what_is_nearer_only_where_intervals_part_them(scored):
+    np.testing.assert_allclose(scored.area_off.sel(theory="Persson"), 0.2, rtol=1e-9)
+    half = total_error(scored, "area_over").mean("load")
+    assert np.all(total_error(scored, "area_off") <= half * (1 + 1e-12))
+    order = theory_verdict.views(scored).findings[0]
+    assert order.kind == "ranking"
+    assert {row["name"].value for row in order.rows} == set(scored.theory.values)
+    text = order.values["order"].value
+    wide = scored.assign(area_off_error=scored.area_off_error + 1.0)
+    assert "<" in text
+    assert "<" not in theory_verdict.views(wide).findings[0].values["order"].value

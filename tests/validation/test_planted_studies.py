@@ -3,18 +3,31 @@
 from __future__ import annotations
 
 import math
-import re
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 import xarray as xr
-from planted import EDGES, SMALL, STUDENT, THREE, PlantedBench, block, column, contact, located, measurement
+from planted import (
+    EDGES,
+    SMALL,
+    STUDENT,
+    THREE,
+    PlantedBench,
+    block,
+    column,
+    contact,
+    edge_data,
+    located,
+    measurement,
+)
 
 from fem_contact.area import ContactAreas
 from fem_contact.surface import HeightField
 from validation.measures import adhesive, limits, ways
 from validation.measures.common import persson_area
+from validation.measures.edge import start_of_pressure
+from validation.measures.load_path import SHARES
 from validation.measures.measurement import area_limits
 from validation.measures.theory import WITH_ENERGY, Waves
 from validation.report.estimates import NORMAL, total_error
@@ -98,6 +111,7 @@ def _falling(solve):
         lambda p: KAPPA * p * own,
         mean_gap=lambda p, n: 2e-6 * (3 - GAMMA * np.log(p)),
         energy=lambda p, n: 4.0 * p / 4 * (1 + 1 / n),
+        stiffness=lambda p, n: 1 / (GAMMA * (1 + 1 / n)),
     )
 
 
@@ -109,48 +123,69 @@ def pressed():
     return pressure.run(options, bench=PlantedBench(_falling))
 
 
-def test_pressure_prints_the_planted_kappa_with_students_interval_of_three_surfaces(pressed):
-    table = pressure.table(pressed)
-    np.testing.assert_allclose(column(table, "kappa"), KAPPA, rtol=1e-12)
-    half = np.array(column(table, "+- (95 %)")) / np.array(column(table, "A/A0 limit"))
+def test_pressure_gives_the_planted_kappa_with_students_interval_of_three_surfaces(pressed):
+    np.testing.assert_allclose(pressed.kappa, KAPPA, rtol=1e-12)
+    half = pressed.area_error.sel(source="surfaces") / pressed.area
     np.testing.assert_allclose(half, 0.01 * STUDENT[3], rtol=1e-9)
+    table = pressure.views(pressed).table.of(pressed)
+    np.testing.assert_allclose(column(table, "kappa"), KAPPA, rtol=1e-12)
     np.testing.assert_allclose(column(table, "p*"), [0.02, 0.05, 0.1, 0.3])
 
 
-def test_pressure_takes_the_stiffness_from_the_natural_logarithm_of_the_load(pressed):
-    np.testing.assert_allclose(pressed.gamma, GAMMA, rtol=1e-9)
-    assert "gamma = 0.40 to 0.40" in " ".join(pressure.findings(pressed))
+def test_pressure_takes_the_compliance_from_the_stiffness_and_its_change_for_the_error(pressed):
+    np.testing.assert_allclose(pressed.compliance, GAMMA * (1 + 1 / 32), rtol=1e-9)
+    grid = pressed.compliance_error.sel(source="grid")
+    np.testing.assert_allclose(grid, NORMAL * GAMMA * (1 / 24 - 1 / 32), rtol=1e-9)
 
 
-def test_pressure_divides_gap_and_energy_by_height_and_full_contact(pressed):
-    np.testing.assert_allclose(pressed.gap[0], 3 - GAMMA * np.log(pressed.reduced_pressure), rtol=1e-12)
-    np.testing.assert_allclose(pressed.energy[0], pressed.reduced_pressure / 4 * (1 + 1 / 32), rtol=1e-12)
-    change = pressed.reduced_pressure / 4 * (1 / 24 - 1 / 32)
-    np.testing.assert_allclose(pressed.energy_error[0], change, rtol=1e-9)
+def test_pressure_carries_gap_and_energy_to_their_limits_of_second_order(pressed):
+    np.testing.assert_allclose(pressed.gap_each[0], 3 - GAMMA * np.log(pressed.reduced_pressure), rtol=1e-12)
+    quarter = pressed.reduced_pressure / 4
+    np.testing.assert_allclose(pressed.energy_ratio_finest_each[0], quarter * (1 + 1 / 32), rtol=1e-12)
+    step = quarter * (1 / 24 - 1 / 32) / ((8 / 6) ** 2 - 1)
+    np.testing.assert_allclose(pressed.energy_ratio_each[0], quarter * (1 + 1 / 32) - step, rtol=1e-12)
+    # Alike on all surfaces: it does not shrink with their number.
+    grid = pressed.energy_ratio_error.sel(source="grid")
+    np.testing.assert_allclose(grid, NORMAL * step, rtol=1e-9)
 
 
 def test_pressure_compares_area_with_the_theory_at_the_same_load(pressed):
-    found = re.findall(r"([\d.]+) at A/A0 = (\d+\.\d+)", pressure.findings(pressed)[0])
-    expected = [(KAPPA * p / math.erf(math.sqrt(2) * p), KAPPA * p) for p in (0.02, 0.05, 0.1, 0.3)]
-    np.testing.assert_allclose(np.array(found, dtype=float), expected, atol=5e-4 + 1e-9)
+    found = next(one for one in pressure.views(pressed).findings if one.by == "area_excess")
+    loads = pressed.reduced_pressure.values[pressure.picked_loads(pressed)]
+    exact = [KAPPA * p / math.erf(math.sqrt(2) * p) - 1 for p in loads]
+    np.testing.assert_allclose([row["area_excess"].value for row in found.rows], exact, rtol=1e-9)
+    assert found.outcomes == tuple("+" if abs(x) > 0.05 else "0" for x in exact)
+
+
+def test_pressure_says_that_planted_patches_and_kappa_keep_still(pressed):
+    found = next(one for one in pressure.views(pressed).findings if one.by == "kappa_change")
+    assert found.outcomes == ("0",)
+    assert found.values["area_change"].value == pytest.approx(1.5, rel=1e-9)
+    assert found.values["patches_change"].value == 0
 
 
 def test_pressure_shares_are_of_the_nominal_area_and_do_not_move_where_nothing_moves(pressed):
-    np.testing.assert_allclose(pressed.stress_share.sum("stress_bin"), pressed.pixel, rtol=1e-12)
-    for distance in pressure.independence(pressed).values():
-        np.testing.assert_allclose(distance.value, 0.0, atol=1e-12)
+    counted = pressed.area_pixel_each.isel(grid=-1)
+    np.testing.assert_allclose(pressed.stress_share_each.sum("stress_bin"), counted, rtol=1e-12)
+    for name in SHARES:
+        np.testing.assert_allclose(pressed[f"moved_{name}"], 0.0, atol=1e-12)
     # At light load P(sigma) A0/A of the theory tends to 4 s exp(-2 s^2): between loads near 0 it stays.
-    assert np.max(pressure.theory_distances(pressed)[:2]) < 0.01
+    assert np.max(pressed.moved_stress_persson[:2]) < 0.01
+    # Per contact area, .4 of it at a large pressure and .6 at a small one; all patches are of one size.
+    width = float(pressed.stress[1] - pressed.stress[0])
+    np.testing.assert_allclose(pressed.stress_density[:, [2, 25]] * width, [[0.6, 0.4]] * 4, rtol=1e-12)
+    np.testing.assert_allclose(pressed.patch_cumulated[:, [79, 80]], [[0.0, 1.0]] * 4, atol=1e-12)
 
 
 def test_the_theory_of_pressure_is_at_full_contact_where_every_gap_is_closed():
-    """U/U_full is 1, and the gap 0, with all variants that have an energy."""
+    """U/U_full is 1, and the gap 0, with all variants; nothing is compared there but the area."""
     options = pressure.Options(surfaces=2, shifts=2, reduced_pressures=(8.0, 16.0), seed=61, **SMALL)
-    data = pressure.run(options, bench=PlantedBench(lambda solve: measurement(solve, lambda p: 1.0)))
-    told = data.sel(mode="conditional", variant=["persson", "yang_persson", "wang_mueser"])
-    np.testing.assert_allclose(told.theory_energy, 1.0, rtol=1e-6)
-    np.testing.assert_allclose(told.theory_gap, 0.0, atol=1e-6)
-    np.testing.assert_allclose(data.theory_area.sel(mode="conditional"), 1.0, rtol=1e-9)
+    full = {"mean_gap": lambda p, n: 0.0, "stiffness": lambda p, n: np.inf}
+    data = pressure.run(options, bench=PlantedBench(lambda solve: measurement(solve, lambda p: 1.0, **full)))
+    np.testing.assert_allclose(data.energy_ratio_predicted, 1.0, rtol=1e-6)
+    np.testing.assert_allclose(data.gap_predicted, 0.0, atol=1e-6)
+    np.testing.assert_allclose(data.area_predicted, 1.0, rtol=1e-9)
+    assert data.energy_ratio_over.isnull().all()
 
 
 def test_the_theory_of_pressure_stores_half_of_p_u_of_a_flattened_wave():
@@ -436,37 +471,31 @@ def test_near_zero_reads_density_and_slope_of_a_straight_start_in_their_own_wind
         },
         coords={"upper": ("bin", upper), "stress": ("bin", middle)},
     )
-    options = stress_near_zero.Options(window=0.4, slope_window=1.2)
-    start = stress_near_zero._start(data, options, 1 / 16)
-    assert start.density_at_zero == pytest.approx(3 * 0.1 / 2, rel=1e-9)
-    assert start.slope == pytest.approx(3.0, rel=1e-9)
-    assert start.contour_slope == pytest.approx(2.8, rel=1e-12)
-    lifted = stress_near_zero._start(data.assign(excess=((), 0.045)), options, 1 / 16)
-    assert lifted.slope == pytest.approx(3.0 - 2 * 0.045 / 0.09, rel=1e-9)
+    windows = {"spacing": 1 / 16, "window": 0.4, "slope_window": 1.2}
+    start = start_of_pressure(data, **windows)
+    assert float(start.density_at_zero_each) == pytest.approx(3 * 0.1 / 2, rel=1e-9)
+    assert float(start.window_slope_each) == pytest.approx(3.0, rel=1e-9)
+    assert float(start.contour_slope_each) == pytest.approx(2.8, rel=1e-12)
+    lifted = start_of_pressure(data.assign(excess=((), 0.045)), **windows)
+    assert float(lifted.window_slope_each) == pytest.approx(3.0 - 2 * 0.045 / 0.09, rel=1e-9)
 
 
-def test_near_zero_prints_students_interval_of_three_surfaces():
+def test_near_zero_gives_students_interval_of_three_surfaces():
     root = np.sqrt(1 / np.array([16.0, 32.0, 64.0, 128.0]))
-    data = xr.Dataset(
-        {
-            "density_at_zero": (("surface", "grid"), 0.1 * THREE[:, None] + root),
-            "slope": (("surface", "grid"), 4 * THREE[:, None] + root),
-            "contour_slope": (("surface", "grid"), 4 * THREE[:, None] + root**2),
-            "patches": (("surface", "grid"), np.full((3, 4), 50.0)),
-        },
-        coords={"spacing": ("grid", root**2)},
-        attrs={"persson_slope": 1.0},
-    )
-    value, slope = stress_near_zero.limit_at_zero(data), stress_near_zero.limit_slope(data)
-    contour = stress_near_zero.limit_contour_slope(data)
-    for found, mean in ((value, 0.1), (slope, 4.0), (contour, 4.0)):
-        assert found.value == pytest.approx(mean, rel=1e-9)
-        assert found.half_width == pytest.approx(0.01 * mean * STUDENT[3], rel=1e-6)
-    named = data.expand_dims(method=["bem"])
-    np.testing.assert_allclose(
-        stress_near_zero.table(named).rows[0][2:4], [0.1 + 0.25, 0.001 * STUDENT[3]], rtol=1e-9
-    )
-    assert "4.0 +- 0.2 times less than simulated" in stress_near_zero.findings(named)[1]
+    scatter = THREE[:, None]
+    data = edge_data(density=0.1 * scatter + root, slope=4 * scatter + root, contour=4 * scatter + root**2)
+    own = data.isel(method=0)
+    for name, mean in {"density": 0.1, "slope_window": 4.0, "slope_contour": 4.0}.items():
+        assert float(own[f"initial_{name}"]) == pytest.approx(mean, rel=1e-9)
+        assert float(total_error(own, f"initial_{name}")) == pytest.approx(0.01 * mean * STUDENT[3], rel=1e-6)
+    # Persson's closed form at p* = .05, V = 1/4.
+    persson = 8 * 0.05 * np.exp(-2 * 0.05**2) / np.sqrt(np.pi / 2)
+    assert float(data.initial_slope_persson) == pytest.approx(persson, rel=1e-12)
+    assert float(own.initial_slope_excess) == pytest.approx(4 / persson - 1, rel=1e-9)
+    table = stress_near_zero.views(data).table.of(data)
+    np.testing.assert_allclose(column(table, "P(sigma < eps)/eps"), 0.1 + root, rtol=1e-9)
+    density, slope, ways, _ = stress_near_zero.views(data).findings
+    assert (density.outcomes, slope.outcomes, ways.outcomes) == (("+",), ("+",), ("agree",))
 
 
 def test_ways_to_an_accuracy_are_ranked_by_what_they_are_off_and_cost():

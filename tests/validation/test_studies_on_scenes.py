@@ -79,18 +79,20 @@ def test_a_measured_map_is_what_the_study_of_the_load_presses(scene, bench, tmp_
     ]
     limit = located_limit([contact_areas(one, subcell=True) for one in pressed])
     # The solver leaves 1e-8 of p |g|, and the study starts from the lighter load.
-    assert float(data.area[0, 1]) == pytest.approx(limit.value, rel=1e-6)
-    assert float(data.gap[0, 1]) == pytest.approx(pressed[-1].gap.mean() / surface.rms_height, rel=1e-6)
+    assert float(data.area_each[0, 1]) == pytest.approx(limit.value, rel=1e-6)
+    assert float(data.gap_finest_each[0, 1]) == pytest.approx(
+        pressed[-1].gap.mean() / surface.rms_height, rel=1e-6
+    )
     assert data.sizes["surface"] == 1
     # A measured period has no C(q) but its own: told it alone, the theory says nothing.
-    assert np.isnan(data.theory_area.sel(mode="ensemble")).all()
-    assert np.isfinite(data.theory_area.sel(mode="conditional")).all()
+    assert np.isnan(data.area_spectral).all()
+    assert np.isfinite(data.area_predicted).all()
 
 
 def test_another_map_is_another_recipe(scene, tmp_path):
-    first = pressure._cases(pressure.Options(scene=scene(MAP)))
+    first = pressure.design(pressure.Options(scene=scene(MAP)))
     np.save(tmp_path / "map.npy", 1.01 * np.load(tmp_path / "map.npy"))
-    other = pressure._cases(pressure.Options(scene=scene(MAP)))
+    other = pressure.design(pressure.Options(scene=scene(MAP)))
     assert first[0].recipe["surface"]["path"] != other[0].recipe["surface"]["path"]
     assert first[0].key != other[0].key
     assert first[0].recipe["solid"] == {"young": 2e9, "poisson": 0.4}
@@ -236,7 +238,7 @@ def test_finite_elements_of_a_scene_stand_beside_boundary_elements_with_its_effe
 def test_the_verdict_on_the_theory_over_one_measured_map_claims_no_scatter(scene, bench):
     options = theory_verdict.Options(scene=scene(MAP), reduced_pressures=(0.3,), shifts=1)
     data = theory_verdict.run(options, bench=bench)
-    assert np.isfinite(data.ratio.sel(quantity="area", variant="persson")).all()
-    assert np.isnan(data.interval.sel(quantity="area")).all()
-    assert "edge_value" not in data
-    assert theory_verdict.findings(data)
+    assert np.isfinite(data.area_over.sel(theory="Persson")).all()
+    assert np.isnan(data.area_over_error.sel(source="surfaces")).all()
+    assert "edge_pressure" not in data
+    assert theory_verdict.views(data).findings

@@ -22,7 +22,7 @@ from validation.effects.base import full_contact_energy
 from validation.measures.adhesive import interface_energy
 from validation.measures.common import base_case, base_surface, persson_area
 from validation.measures.distributions import Distributions, largest_difference, weighted_percentile
-from validation.measures.edge import window_slope
+from validation.measures.edge import edge_limits, start_of_pressure, window_slope
 from validation.measures.grid_roughness import rms_slopes
 from validation.measures.grids import observed_order
 from validation.measures.ladders import fitted_line, spectral_errors
@@ -37,9 +37,7 @@ from validation.scenes.topography import read_topography, write_topography
 from validation.studies import (
     graded,
     magnification,
-    stress_near_zero,
 )
-from validation.studies.pressure import _logarithmic_slope
 
 SOFT = Solid(young=1.0, poisson=0.0)
 
@@ -79,15 +77,7 @@ def test_smoothing_in_the_theory_is_what_has_not_yielded_over_what_will():
     assert exact[-1] < 0.9
 
 
-def test_the_slope_of_the_theory_near_zero_stress_is_its_closed_form():
-    # V = 1/4 in units of E* h'_rms: 2 p / (V (2 pi V)^(1/2)) exp(-p^2 / 2 V).
-    for load in (0.02, 0.3):
-        exact = 2 * load / 0.25 / math.sqrt(math.pi / 2) * math.exp(-2 * load**2)
-        assert stress_near_zero._persson_slope(load) == pytest.approx(exact, rel=1e-12)
-
-
 def test_the_slope_from_the_contour_is_twice_contour_over_the_squared_edge_coefficient():
-    options = stress_near_zero.Options()
     upper = np.linspace(0.005, 0.6, 120)
     # P = 3 sigma above an excess of .001 that is counted at once.
     density = 3.0 * (upper - 0.0025)
@@ -96,14 +86,14 @@ def test_the_slope_from_the_contour_is_twice_contour_over_the_squared_edge_coeff
         {"density": ("bin", density), "excess": 0.001, "contour": 2.0, "inverse_square": 0.7, "patches": 5.0},
         coords={"upper": ("bin", upper)},
     )
-    found = stress_near_zero._start(data, options, 0.25)
-    window = options.slope_window * 0.5
-    assert found.contour_slope == pytest.approx(2 * 2.0 * 0.7, rel=1e-12)
+    found = start_of_pressure(data, spacing=0.25, window=0.4, slope_window=1.2)
+    window = 1.2 * 0.5
+    assert float(found.contour_slope_each) == pytest.approx(2 * 2.0 * 0.7, rel=1e-12)
     # The share below the window is read between bins of .005: half a bin, squared, over the window, squared.
-    assert found.slope == pytest.approx(3.0, rel=(0.005 / window) ** 2)
-    narrow = options.window * 0.5
+    assert float(found.window_slope_each) == pytest.approx(3.0, rel=(0.005 / window) ** 2)
+    narrow = 0.4 * 0.5
     exact = (0.001 + 1.5 * narrow**2) / narrow
-    assert found.density_at_zero == pytest.approx(exact, rel=0.02)
+    assert float(found.density_at_zero_each) == pytest.approx(exact, rel=0.02)
 
 
 def test_a_window_slope_is_twice_the_true_share_over_the_window_squared():
@@ -111,26 +101,23 @@ def test_a_window_slope_is_twice_the_true_share_over_the_window_squared():
 
 
 def test_densities_and_slopes_at_zero_are_extrapolated_in_their_own_powers_of_the_spacing():
-    spacing = np.array([0.16, 0.08, 0.04, 0.02])
+    spacing = np.array([0.16, 0.08, 0.04, 0.02, 0.01])
     root = np.sqrt(spacing)
     rows = {
         "density_at_zero": 0.02 + 0.4 * root - 0.3 * root**2,
-        "slope": 2.0 - 0.5 * root + 0.1 * root**2,
+        "window_slope": 2.0 - 0.5 * root + 0.1 * root**2,
         "contour_slope": 2.1 + 0.7 * spacing,
     }
-    data = xr.Dataset(
-        {name: (("surface", "grid"), np.array([row - 0.01, row + 0.01])) for name, row in rows.items()},
-        coords={"spacing": ("grid", spacing)},
-    )
-    assert stress_near_zero.limit_at_zero(data).value == pytest.approx(0.02, abs=1e-10)
-    assert stress_near_zero.limit_slope(data).value == pytest.approx(2.0, rel=1e-10)
-    assert stress_near_zero.limit_contour_slope(data).value == pytest.approx(2.1, rel=1e-10)
-
-
-def test_the_stiffness_of_the_pressure_study_is_the_gap_lost_per_e_fold_of_load():
-    pressure = np.geomspace(0.01, 1.0, 9)
-    gap = 0.3 - 0.07 * np.log(pressure)
-    np.testing.assert_allclose(_logarithmic_slope(gap, pressure), 0.07, rtol=1e-10)
+    each = {name: (("surface", "grid"), np.array([row - 0.01, row + 0.01])) for name, row in rows.items()}
+    data = xr.Dataset({f"{name}_each": rows for name, rows in each.items()})
+    data = edge_limits(data.assign_coords(spacing=("grid", spacing)))
+    for name, value in (
+        ("initial_density", 0.02),
+        ("initial_slope_window", 2.0),
+        ("initial_slope_contour", 2.1),
+    ):
+        assert data[f"{name}_each"].values == pytest.approx([value - 0.01, value + 0.01], abs=1e-10)
+        assert data[f"{name}_each_drift"].values == pytest.approx([0.0, 0.0], abs=1e-10)
 
 
 def test_waves_left_out_raise_the_reduced_pressure_of_the_rest():

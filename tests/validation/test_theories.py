@@ -13,7 +13,7 @@ from validation.errors import UsageError
 from validation.measures.common import base_case, base_surface
 from validation.registry import found_in
 from validation.solves.bench import Bench
-from validation.studies import theory_verdict
+from validation.studies import find_study, theory_verdict
 from validation.theories import Rough, Theory, find_theory, theories
 
 SMALL = {"periods": 2.0, "bandwidth": 2.0, "surfaces": 2, "points_per_wave": (4.0, 6.0)}
@@ -99,22 +99,20 @@ def test_a_user_s_own_area_is_scored_beside_the_theory(
         **SMALL,
     )
     data = theory_verdict.run(options, bench=Bench.at(tmp_path / "solves"))
-    assert data.variant.values[4:].tolist() == [
+    assert data.theory.values[4:].tolist() == [
         *("my_theory:area", "my_theory:half", "Carbone, Bottiglione 2008")
     ]
-    area = data.ratio.sel(quantity="area")
+    area = data.area_over.transpose("theory", "load")
     # It is Persson's theory again, in the user's words.
     np.testing.assert_allclose(area[4], area[0], rtol=1e-12)
-    theirs = data.theory_area.sel(mode="conditional", variant="persson")
-    np.testing.assert_allclose(area[5], 2 * area[0] * theirs, rtol=1e-12)
+    np.testing.assert_allclose(area[5], 2 * area[0] * data.area_persson, rtol=1e-12)
     assert np.isfinite(area).all()
-    table = theory_verdict.table(data)
-    assert table.columns[-3:] == ("my_theory:area", "my_theory:half", "Carbone, Bottiglione 2008")
-    gaps = [row for row in table.rows if row[0] == "mean gap"]
-    assert all(row[-3] == "says nothing" for row in gaps)
-    assert any(row[-1] != "says nothing" for row in gaps)
-    assert any(sentence.startswith("my_theory:half: ") for sentence in theory_verdict.findings(data))
-    assert theory_verdict.figures(data)
+    gap = data.gap_over.transpose("theory", "load")
+    assert np.isnan(gap[4:6]).all()
+    assert np.isfinite(gap[6]).any()
+    order = theory_verdict.views(data).findings[0]
+    assert "my_theory:half" in {row["name"].value for row in order.rows}
+    assert find_study("theory-verdict").figures(data)
 
 
 @pytest.mark.parametrize(

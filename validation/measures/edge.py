@@ -21,13 +21,21 @@ from validation.measures.measurement import grid_for
 from validation.measures.single_solve import SingleSolve, Takes
 from validation.methods import find_solver
 from validation.methods.base import Settings
+from validation.report.estimates import gather
 from validation.scenes.realised import Realised
 from validation.solves.bench import Bench
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["EdgeMeasurement", "inverse_square_coefficient", "slopes_of", "window_slope"]
+__all__ = [
+    "EdgeMeasurement",
+    "edge_limits",
+    "inverse_square_coefficient",
+    "slopes_of",
+    "start_of_pressure",
+    "window_slope",
+]
 
 Place = TypeVar("Place")
 
@@ -167,24 +175,16 @@ def slopes_of(
     found = {}
     for place, surface in surfaces.items():
         # A grid is even, and so a little finer than asked for.
-        finer = [surface.points_per_wave(cases[place, n].grid) for n in points_per_wave]
-        root = np.array(finer) ** -0.5
-        slopes = [_slope(measured[place, n], window * x) for n, x in zip(points_per_wave, root, strict=True)]
-        limit = _at_zero(root, slopes)
-        drift = _at_zero(root[1:], slopes[1:]) - limit if root.size > 3 else 0.0
-        found[place] = xr.Dataset({"pressure_slope_each": limit, "pressure_slope_each_drift": drift})
+        spacing = [1 / surface.points_per_wave(cases[place, n].grid) for n in points_per_wave]
+        starts = {
+            n: start_of_pressure(measured[place, n], spacing=dx, window=window, slope_window=window)
+            for n, dx in zip(points_per_wave, spacing, strict=True)
+        }
+        data = edge_limits(gather(starts, grid=points_per_wave).assign_coords(spacing=("grid", spacing)))
+        name = "initial_slope_window_each"
+        drift = data.get(f"{name}_drift", 0.0)
+        found[place] = xr.Dataset({"pressure_slope_each": data[name], "pressure_slope_each_drift": drift})
     return found
-
-
-def _slope(data: xr.Dataset, window: float) -> float:
-    """Mean slope of P(sigma) in a window of one solve."""
-    upper = np.concatenate([[0], data.upper.values])
-    share = np.concatenate([[0], np.cumsum(data.density.values) * float(np.diff(data.upper[:2])[0])])
-    return window_slope(float(np.interp(window, upper, share)), excess=float(data.excess), window=window)
-
-
-def _at_zero(x: Array, y: Sequence[float]) -> float:
-    return float(np.polyfit(x, y, max(1, min(2, x.size - 2)))[-1])
 
 
 def inverse_square_coefficient(result: ContactResult) -> float:
@@ -205,3 +205,76 @@ def inverse_square_coefficient(result: ContactResult) -> float:
     if not ring.any():
         return float("nan")
     return float(np.mean(inside[ring] / result.pressure[ring] ** 2))
+
+
+def start_of_pressure(
+    measured: xr.Dataset, *, spacing: float, window: float, slope_window: float
+) -> xr.Dataset:
+    """Reduce one `EdgeMeasurement` to how P(sigma) starts: in windows that close with the grid, and by the contour.
+
+    Parameters
+    ----------
+    measured : xarray.Dataset
+    spacing : float
+        dx / lambda_short.
+    window, slope_window : float
+        Ends of the windows of the density and of its mean slope, in units of E* h'_rms sqrt(dx/lambda_short).
+    """
+    import xarray as xr
+
+    upper = np.concatenate([[0], measured.upper.values])
+    share = np.concatenate([[0], np.cumsum(measured.density.values) * float(np.diff(measured.upper[:2])[0])])
+    ends = np.array([window, slope_window]) * np.sqrt(spacing)
+    below, below_slope = np.interp(ends, upper, share)
+    return xr.Dataset(
+        {
+            "density_at_zero_each": below / ends[0],
+            "window_slope_each": window_slope(below_slope, excess=float(measured.excess), window=ends[1]),
+            "contour_slope_each": 2 * float(measured.contour * measured.inverse_square),
+            "patches_each": float(measured.patches),
+            "small_density_each": ("bin", measured.density.values),
+        },
+        attrs={name: measured.attrs[name] for name in ("solve",) if name in measured.attrs},
+    )
+
+
+#: What is taken to dx -> 0, of which number on the grids, against which power of dx, by which polynomial. The density
+#: in a window eps ~ dx^(1/2) is P(0+) + S eps/2 - c eps^2 + ..., since P bends down from its initial slope S: a
+#: straight line takes the bend for an intercept. Patches curve within the cells where B is read, a bias of first order.
+_LIMITS = {
+    "initial_density": ("density_at_zero", 0.5, 2),
+    "initial_density_straight": ("density_at_zero", 0.5, 1),
+    "initial_slope_window": ("window_slope", 0.5, 2),
+    "initial_slope_contour": ("contour_slope", 1.0, 1),
+}
+
+
+def edge_limits(data: xr.Dataset) -> xr.Dataset:
+    """Add P(0+) and P'(0) at dx -> 0 of each surface, with what they move by without the coarsest grid.
+
+    ``initial_density_each`` (and ``_straight``, which takes the bend of P for an intercept), ``initial_slope_window_each``
+    from the mean slope in a window that closes, ``initial_slope_contour_each`` = 2 S <B^-2>.
+    """
+    for name, (of, power, degree) in _LIMITS.items():
+        values, x = data[f"{of}_each"], data.spacing**power
+        made = {"reduction": "polynomial limit", "of": f"{of}_each", "power": power, "degree": degree}
+        limit = _at_zero(values, x, degree=degree)
+        data[f"{name}_each"] = limit.assign_attrs(made)
+        if values.sizes["grid"] > 3:
+            finer = (one.isel(grid=slice(1, None)) for one in (values, x))
+            data[f"{name}_each_drift"] = _at_zero(*finer, degree=degree) - limit
+    return data
+
+
+def _at_zero(values: xr.DataArray, x: xr.DataArray, *, degree: int) -> xr.DataArray:
+    """Value at x = 0 by a polynomial over the grids, of at most two coefficients less than these."""
+    import xarray as xr
+
+    def fit(y: Array, at: Array) -> float:
+        most = min(degree, at.size - 2) if at.size > 2 else 1
+        return float(np.polyfit(at, y, most)[most])
+
+    found: xr.DataArray = xr.apply_ufunc(
+        fit, values.drop_attrs(), x.drop_attrs(), input_core_dims=[["grid"], ["grid"]], vectorize=True
+    )
+    return found

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from fem_contact.contact import ContactResult
 
-__all__ = ["limit_of", "limits_of", "read_off", "resolved_grids", "solved", "straight_limit"]
+__all__ = ["ABSENT", "limit_of", "limits_of", "read_off", "resolved_grids", "solved", "straight_limit"]
 
 Case = TypeVar("Case")
 
@@ -68,7 +68,7 @@ def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
     limit = xr.DataArray(value, dims="load", coords={"reduced_pressure": plain.reduced_pressure})
     made: dict[str, Any] = {
         "area_each": limit.assign_attrs(reduction="limit", of="subcell"),
-        "area_each_error": error_of(limit, grid=NORMAL * xr.DataArray(error, dims="load"), **_ABSENT),
+        "area_each_error": error_of(limit, grid=NORMAL * xr.DataArray(error, dims="load"), **ABSENT),
         "area_pixel_each": plain.pixel.mean("shift").assign_attrs(reduction="shift mean", of="pixel"),
         "area_perimeter_each": plain.perimeter.isel(grid=-1, drop=True)
         .mean("shift")
@@ -99,7 +99,7 @@ def limit_of(solved: Mapping[Press, ContactResult]) -> xr.Dataset:
     value = xr.DataArray(limit.value, attrs={"reduction": "limit", "of": "fields"})
     made: dict[str, Any] = {
         "area_each": value,
-        "area_each_error": error_of(value, grid=NORMAL * limit.uncertainty, **_ABSENT),
+        "area_each_error": error_of(value, grid=NORMAL * limit.uncertainty, **ABSENT),
         "area_pixel_each": areas[-1].pixel,
         "area_perimeter_each": areas[-1].perimeter,
     }
@@ -172,4 +172,4 @@ def _straight(values: xr.DataArray, x: xr.DataArray, *, most: float | None) -> x
 
 
 #: What no area of a plain half-space depends on.
-_ABSENT = {"depth": "boundary elements press a half-space", "theory": "it is simulated"}
+ABSENT = {"depth": "boundary elements press a half-space", "theory": "it is simulated"}

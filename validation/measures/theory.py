@@ -15,6 +15,7 @@ from persson.spectrum import Spectrum
 from persson.variants import EnergyReading, Variant, corrected_contact_area, energy_share
 from validation.arrays import Array
 from validation.report.findings import Finding, finding, note
+from validation.report.quantities import registry
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,12 +33,9 @@ __all__ = [
     "with_variants",
 ]
 
-#: The theory and its variants, and how they are called.
+#: The theory and its variants, and how the registry calls them.
 VARIANTS: dict[Variant, str] = {
-    "persson": "Persson",
-    "yang_persson": "Yang, Persson 2008",
-    "wang_mueser": "Wang, Mueser 2017",
-    "xu": "Xu et al. 2024",
+    name: registry()["qualifiers"][name]["words"] for name in ("persson", "yang_persson", "wang_mueser", "xu")
 }
 
 #: What a study names as its methods that ranks them: all are to be cited.

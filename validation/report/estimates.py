@@ -65,6 +65,9 @@ LIMIT = "limit_in"
 #: samples.
 NORMAL = float(scipy.special.ndtri(0.975))
 
+#: Errors and scatter of less than this, relative, are those of the arithmetic.
+_ROUNDING = 1e-14
+
 _FUNCTIONS = {name: getattr(np, name) for name in ("abs", "exp", "log", "maximum", "minimum", "sqrt")}
 _FUNCTIONS["erf"] = scipy.special.erf
 
@@ -324,6 +327,10 @@ def mean(
             sources["grid"] = (sources.get("grid", 0.0) ** 2 + _mean(drift, over, there) ** 2) ** 0.5
         how = {"over": over, "pairs": int(pairs), "alike": int(alike)}
         made = {"reduction": "mean", "of": f"{name}_each", **how}
+        # An error that rounding explains is none.
+        sources = {
+            source: half.where(~(half < _ROUNDING * abs(middle)), 0.0) for source, half in sources.items()
+        }
         error = error_of(middle, **sources)
         error.attrs |= why
         data = data.assign({name: middle.assign_attrs(made), f"{name}_error": error})
@@ -361,7 +368,7 @@ def mean_of(
     count = values.sizes[over] if there is None else there.sum(over).clip(min=2)
     scatter = kept.std(over, ddof=1).where(middle.notnull())
     # What is the same on every surface scatters by rounding alone.
-    scatter = scatter.where(~(scatter < 1e-14 * abs(middle)), 0.0)
+    scatter = scatter.where(~(scatter < _ROUNDING * abs(middle)), 0.0)
     return middle, scatter * (scipy.special.stdtrit(count - 1, 0.975) / count**0.5)
 
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from validation.report.drawing import Drawing
 from validation.report.estimates import SOURCES, each, shown_sources, total_error
-from validation.report.quantities import place_words, prefixed_unit, quantity
+from validation.report.quantities import place_words, prefixed_unit, quantity, registry
 from validation.report.words import mathtext
 
 if TYPE_CHECKING:
@@ -204,7 +204,7 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
     for mark, here, k in places:
         label = _label(mark, here, data)
         numbers = _Numbers.of(mark, here, mark.x or panel.x, (scale_x[0], scale_y[0]))
-        look = _look(mark, k if mark.by else next(colours) if not quantity(mark.y).look else 0)
+        look = _look(mark, here, k if mark.by else next(colours) if not quantity(mark.y).look else 0)
         artist = _put(mark, axes, numbers, {**look, **mark.look, "label": mathtext(label)})
         drawn.append(
             Drawn(
@@ -315,14 +315,20 @@ def _put(mark: _Mark, axes: Axes, n: _Numbers, look: dict[str, Any]) -> Any:
     return axes.errorbar(x[there], y[there], yerr=bars, **{"ms": 5, "capsize": 2, **look})
 
 
-def _look(mark: _Mark, k: int) -> dict[str, Any]:
-    """Colour and symbol of the place; line and filling of what tells the quantity apart."""
+def _look(mark: _Mark, here: xr.Dataset, k: int) -> dict[str, Any]:
+    """Colour and symbol of the place; line and filling of what tells the quantity apart.
+
+    A place that is called as a qualifier is, such as a theory, is drawn as that is everywhere.
+    """
     from validation.report.figure import COLOURS, SYMBOLS
 
     fixed = dict(quantity(mark.y).look)
     if mark.by:
         fixed.pop("color", None)
-    return {"color": COLOURS[k % 8], "marker": SYMBOLS[k % 8], **fixed}
+    qualifiers = registry()["qualifiers"].values()
+    named = [c.item() for c in here.coords.values() if c.ndim == 0 and c.dtype.kind in "OU"]
+    place = {k: v for one in qualifiers if one["words"] in named for k, v in one.get("look", {}).items()}
+    return {"color": COLOURS[k % 8], "marker": SYMBOLS[k % 8], **place, **fixed}
 
 
 def _label(mark: _Mark, here: xr.Dataset, data: xr.Dataset) -> str:

@@ -1,0 +1,231 @@
+"""How much energy does a partial contact store, how wide is its gap and how stiff is it, beside every theory of them?
+
+Each quantity is a limit over grids, with the scatter of the surfaces. What is solved is checked by itself: energy against
+the work of the load, stiffness against neighbouring loads, full contact in closed form, and what the tolerance leaves.
+The path of loads is that of `pressure`: with the same options the two share their solves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pydantic import Field
+
+from validation.arrays import Array
+from validation.measures.common import Rising
+from validation.measures.limits import solved
+from validation.measures.load_path import LoadPath
+from validation.report.estimates import claim, derive
+from validation.report.findings import Finding, finding, note, ranking
+from validation.report.marks import Figure, Line, Panel
+from validation.report.table import Table
+from validation.report.views import Views
+from validation.solves.bench import Bench
+from validation.studies import pressure
+from validation.studies._options import Shifts, Surfaces
+from validation.studies.pressure import AGREEMENT, design, measured_path
+from validation.theories.persson_variants import persson_readings
+from validation.theories.predicted import beside, distances, ranked
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Options", "run", "views"]
+
+#: How far the loads of the check are apart, relative.
+_NEAR = 1e-3
+#: Tolerances of the solver that are compared, the last with the strictest.
+_STRICT = (1e-4, 1e-6, 1e-8, 1e-12)
+#: What is asked about, and how findings call it.
+_ASKED = {"energy_ratio": "Elastic energy", "gap": "Mean gap", "compliance": "Compliance"}
+
+
+class Options(pressure.Options):
+    """What is pressed, along which path of loads, on which grids."""
+
+    plain = "energy, gap and stiffness are compared with theories of the elastic half-space"
+
+    reduced_pressures: Rising = Field(
+        default=(0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.2, 1.5, 4.0),
+        min_length=2,
+        description="p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising; full contact at the last is a check",
+    )
+    surfaces: Surfaces = 16
+    points_per_wave: Rising = Field(
+        default=(4.0, 8.0, 16.0), min_length=2, description="grids, as lambda_short/dx, rising"
+    )
+    shifts: Shifts = 1
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Press every surface along the path of loads, and the first once more for the checks.
+
+    Returns
+    -------
+    xarray.Dataset
+        That of `pressure.measured_path` beside all readings of the energy; ``work_check`` (load), energy gained over the
+        work of the load between loads close to each, ``path_work_check`` along the path; ``stiffness_check`` (load),
+        difference quotient over the stiffness; ``left_*`` (tolerance, load), what a tolerance of the solver leaves.
+    """
+    first = design(options)[0]
+    first = replace(first, grids=first.grids[max(len(first.grids) - 2, 0) :][:1], shifts=1)
+    near = [load * (1 + sign * _NEAR) for load in options.reduced_pressures for sign in (-1, 1)]
+    cases: dict[Any, LoadPath] = {t: replace(first, tolerance=t) for t in _STRICT}
+    cases["near"] = replace(first, reduced_pressures=tuple(near), tolerance=_STRICT[-1])
+    data = measured_path(options, bench=bench)
+    checks = solved(bench, cases)
+    data = data.assign(_checked(checks["near"], checks[_STRICT[-2]]) | _left(checks))
+    data = data.assign_coords(tolerance=list(_STRICT[:-1]))
+    used = options.tolerance(LoadPath.tolerance)
+    usual = int(np.argmin(np.abs(np.log(np.divide(_STRICT[:-1], used)))))
+    for name in _ASKED:
+        left = data[f"left_{name}"].isel(tolerance=usual, drop=True).fillna(0)
+        data = claim(data, name, solver=left * abs(data[name]))
+    data = distances(beside(data, persson_readings(), options.pressed))
+    data = derive(
+        data,
+        open_area="1 - area",
+        energy_missing="1 - energy_ratio",
+        energy_missing_predicted="1 - energy_ratio_predicted",
+    )
+    # Of a contact that is full nothing is open: it has no place on a logarithmic axis.
+    data["open_area"] = data.open_area.where(data.open_area > 0)
+    methods = "theory bem yang_persson wang_mueser xu"
+    return data.assign_attrs(study="energy", methods=methods, solver_tolerance=used)
+
+
+def _checked(near: xr.Dataset, usual: xr.Dataset) -> dict[str, Any]:
+    """Energy over work, and difference quotient over stiffness, between loads closely around each."""
+    own, at = (one.isel(grid=0, shift=0) for one in (usual, near))
+    load, gap, energy = (
+        at[name].values.reshape(-1, 2) for name in ("reduced_pressure", "mean_gap", "energy")
+    )
+    scale = near.attrs["contact_modulus"] * near.attrs["rms_gradient"]
+    fall, middle = gap[:, 0] - gap[:, 1], load.mean(axis=1)
+    stored = own.energy.values / usual.attrs["full_contact_energy"]
+    path = _path_work(own, usual.attrs) / usual.attrs["full_contact_energy"]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        found = {
+            "work_check": np.diff(energy, axis=1)[:, 0] / (middle * scale * fall),
+            "path_work_check": (stored - stored[0]) / path,
+            "stiffness_check": np.diff(load, axis=1)[:, 0]
+            * (near.attrs["rms_height"] / fall / middle / own.stiffness.values),
+        }
+    found |= {"energy_ratio_first": stored, "gap_first": own.mean_gap.values / usual.attrs["rms_height"]}
+    return {name: ("load", values) for name, values in found.items()}
+
+
+def _path_work(at: xr.Dataset, told: Mapping[str, float]) -> Array:
+    """Work of the load from the first load on [J/m^2]: -int p du = -[p u] + int u p d ln p, by Hermite's rule."""
+    load = at.reduced_pressure.values * told["contact_modulus"] * told["rms_gradient"]
+    moment = at.mean_gap.values * load
+    slope = moment - load * told["rms_height"] / at.stiffness.values
+    step = np.diff(np.log(load))
+    pieces = step / 2 * (moment[1:] + moment[:-1]) + step**2 / 12 * (slope[:-1] - slope[1:])
+    return np.concatenate([[0.0], moment[0] - moment[1:] + np.cumsum(pieces)])
+
+
+def _left(checks: Mapping[Any, xr.Dataset]) -> dict[str, Any]:
+    """Relative change of each quantity of the first surface from a tolerance to the strictest, (tolerance, load)."""
+    at = [checks[t].isel(grid=0, shift=0) for t in _STRICT]
+    values = {
+        "energy_ratio": np.array([one.energy.values / one.attrs["full_contact_energy"] for one in at]),
+        "gap": np.array([one.mean_gap.values / one.attrs["rms_height"] for one in at]),
+        "compliance": np.array([1 / one.stiffness.values for one in at]),
+    }
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return {
+            f"left_{name}": (("tolerance", "load"), np.abs(v[:-1] / v[-1] - 1)) for name, v in values.items()
+        }
+
+
+def views(data: xr.Dataset) -> Views:
+    """Ratios to every theory, what is missing towards full contact, and the checks."""
+    return Views(
+        table=Table(
+            rows=("theory", "load"),
+            columns=(
+                "theory",
+                "reduced_pressure",
+                "area",
+                *(f"{name}{end}" for name in _ASKED for end in ("", "_over")),
+            ),
+        ),
+        budget=tuple(_ASKED),
+        figures=_figures(),
+        findings=[*_findings(data)],
+    )
+
+
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
+    """Yield how far each theory is off, and what the checks found."""
+    for name, words in _ASKED.items():
+        yield ranking(
+            f"{words}, mean distance of simulated over predicted values from 1 below full contact: {{order}}.",
+            ranked(data, name),
+        )
+    partly = data.isel(load=np.flatnonzero(data.gap_first.values > 0))
+    worst = {
+        name: float(abs(partly[name] - 1).max())
+        for name in ("work_check", "stiffness_check", "path_work_check")
+    }
+    yield note(
+        "First surface: the energy gained between loads 0.2 % apart is the work of the load within {work_check:%}, their "
+        "difference quotient the stiffness within {stiffness_check:%}; along the path it is the integral of p du within "
+        "{path_work_check:%}, by a quadrature of fourth order.",
+        **worst,
+    )
+    last = partly.isel(load=-1)
+    yield finding(
+        "value",
+        "The smallest gap, {gap_first} h_rms at p* = {reduced_pressure}, against a tolerance of 1e-12 of the solver: off "
+        "by {each}; the study takes {used}.",
+        last,
+        item="{left_gap:%} at {tolerance}",
+        over="tolerance",
+        used=data.attrs["solver_tolerance"],
+    )
+    full = np.flatnonzero(data.gap_first.values <= 0)
+    if full.size:
+        yield finding(
+            "value",
+            "From p* = {reduced_pressure} on the contact of the first surface is full: its gap is {gap_first} h_rms, its "
+            "energy over that of full contact {energy_ratio_first}.",
+            data.isel(load=int(full[0])),
+        )
+
+
+def _figures() -> list[Figure]:
+    """Ratios over the area, and gap, stiffness and missing energy over the open area."""
+    ratios = [
+        Panel(marks=[Line(y=f"{name}_over", by="theory"), AGREEMENT], x="area", log="y") for name in _ASKED
+    ]
+    towards = [
+        Panel(
+            marks=[Line(y=name, joined=False), Line(y=f"{name}_predicted", by="theory", label="{theory}")],
+            x="open_area",
+            log="xy",
+        )
+        for name in ("energy_missing", "gap", "compliance")
+    ]
+    return [
+        Figure(
+            name="energy-gap-stiffness",
+            caption="Simulated over predicted elastic energy, mean gap and compliance over the contact area, for every "
+            "reading of the elastic energy, told the realised surfaces; 1 is agreement.",
+            panels=ratios,
+            width=11.0,
+            height=4.2,
+        ),
+        Figure(
+            name="towards-full-contact",
+            caption="What is missing of the energy of full contact, mean gap and compliance over the area that is not in "
+            "contact; full contact is at the left end. Lines: theories, each at its own load.",
+            panels=towards,
+            width=11.0,
+            height=4.2,
+        ),
+    ]

@@ -1,0 +1,243 @@
+"""How do area, mean gap, stiffness, elastic energy and patches change from light load to full contact?
+
+`energy` and `theory-verdict` ask of the same path of loads: with the same options the three share its solves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+from pydantic import Field
+
+from validation.measures.common import SHIFTS, Ladder, Rising
+from validation.measures.distributions import largest_difference
+from validation.measures.limits import solved
+from validation.measures.load_path import SHARES, LoadPath, moved_shares, pooled_shares, reduced_path
+from validation.measures.theory import RANKED, modes_finding
+from validation.report.estimates import change, derive, gather, mean, value_of
+from validation.report.findings import Finding, finding
+from validation.report.marks import Figure, Level, Line, Panel
+from validation.report.table import Column, Table
+from validation.report.views import Views
+from validation.solves.bench import Bench
+from validation.studies._options import Shifts
+from validation.studies._scene import PressedOptions
+from validation.theories.persson_variants import persson_variants
+from validation.theories.predicted import COMPARED, beside, stress_shares
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = [
+    "AGREEMENT",
+    "LOADS",
+    "Options",
+    "by_theory",
+    "design",
+    "measured_path",
+    "picked_loads",
+    "run",
+    "views",
+]
+
+#: Reduced pressures from light load to full contact.
+LOADS = (0.001, 0.003, 0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 3.2)
+#: Relative area below which contact is light.
+_LIGHT = 0.1
+#: Relative area from which on contact is nearly full.
+_NEARLY_FULL = 0.9
+#: Where simulation and theory agree.
+AGREEMENT = Level(y="agreement", look={"color": "black", "lw": 0.8})
+
+
+class Options(PressedOptions):
+    """What is pressed, along which path of loads, on which grids."""
+
+    plain = "gap, stiffness and energy are compared with the theory of the elastic half-space; `area` takes all effects"
+
+    reduced_pressures: Rising = Field(
+        default=LOADS,
+        description="p* = p0 / (E* h'_rms) with the realised gradient of each surface, rising: one warm path of loads",
+    )
+    shifts: Shifts = SHIFTS
+    points_per_wave: Ladder = Field(default=(4.0, 8.0, 16.0), description="grids, as lambda_short/dx, rising")
+
+
+def design(options: Options) -> dict[int, LoadPath]:
+    """Return the path of each surface."""
+    return {
+        k: LoadPath(
+            realised=own,
+            reduced_pressures=options.reduced_pressures,
+            grids=options.grids_for(options.points_per_wave),
+            shifts=options.shifts,
+            tolerance=options.tolerance(LoadPath.tolerance),
+        )
+        for k, own in enumerate(options.pressed)
+    }
+
+
+def measured_path(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Press every surface along the path of loads: `reduced_path` over (surface, load), and means over the surfaces."""
+    paths = solved(bench, design(options))
+    reduced = {k: reduced_path(path, shortest=options.first.shortest) for k, path in paths.items()}
+    data = gather(reduced, surface=range(options.surfaces)).assign_attrs(options.spectrum_words)
+    data = mean(data, "area", "patches", "patch_size")
+    # Grids of second order are off to the same side on all surfaces: their error does not average out.
+    data = mean(data, "gap", "compliance", "energy_ratio", alike=True)
+    return derive(data, kappa="area / reduced_pressure")
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Measure the path, what of light contact changes with load, and how far its distributions move."""
+    theories = persson_variants()
+    data = beside(measured_path(options, bench=bench), theories, options.pressed)
+    data = derive(data, area_excess="area / area_persson - 1")
+    light = np.flatnonzero(data.area.values < _LIGHT)
+    if light.size > 1:
+        data = derive(data, kappa_each="area_each / reduced_pressure")
+        for name in ("kappa", "area", "patches", "patch_size"):
+            data = change(data, name, along="load", first=int(light[0]), last=int(light[-1]))
+            data = mean(data, f"{name}_change")
+        data.attrs |= {"light": light[[0, -1]]}
+    data = pooled_shares(moved_shares(data)).assign_attrs(study="pressure", methods=RANKED)
+    shares = stress_shares(theories[0], options.first, options.reduced_pressures)
+    moved = largest_difference(shares, shares[data.attrs["reference_load"]])
+    return data.assign(moved_stress_persson=("load", moved))
+
+
+def picked_loads(data: xr.Dataset, count: int = 4) -> list[int]:
+    """Return some loads from the lightest towards full contact, where there is a limit of the area."""
+    known = np.flatnonzero((data.area.values < _NEARLY_FULL) & np.isfinite(data.area.values))
+    return known[:: max(1, -(-known.size // count))].tolist()
+
+
+def views(data: xr.Dataset) -> Views:
+    """Everything against load, beside the theory; and how far distributions move."""
+    first = data.isel(theory=0)
+    columns = ["reduced_pressure", "area", "kappa", "area_persson", "area_ensemble"]
+    for name in ("gap", "compliance", "energy_ratio"):
+        columns += [name, Column(f"{name}_predicted", {"theory": 0})]
+    columns += ["patches", "patch_size", *(f"moved_{name}" for name in SHARES)]
+    return Views(
+        table=Table(rows=("load",), columns=tuple(columns)),
+        budget=("area", "gap", "compliance", "energy_ratio"),
+        figures=_figures(data),
+        findings=[*_findings(data, first.isel(load=picked_loads(data))), modes_finding(data)],
+    )
+
+
+def _findings(data: xr.Dataset, some: xr.Dataset) -> Iterator[Finding]:
+    """Yield where the theory holds, and what does not change with load while contact is light."""
+    yield finding(
+        "comparison",
+        "The contact area is {each} (lambda_long/lambda_short = {bandwidth}).",
+        some,
+        item="{verdict} Persson's ({area_excess:+%}) at A/A0 = {area:~}",
+        over="load",
+        by="area_excess",
+        bandwidth=data.attrs["bandwidth"],
+    )
+    yield finding(
+        "value",
+        "Over those of Persson's theory: {each}.",
+        some,
+        item="gap {gap_over}, compliance {compliance_over} and energy {energy_ratio_over} at A/A0 = {area:~}",
+        over="load",
+    )
+    if "light" in data.attrs:
+        start, end = (data.isel(load=int(k)) for k in data.attrs["light"])
+        yield finding(
+            "trend",
+            "Between A/A0 = {start:~} and {area:~} kappa {verdict} ({kappa_change:+%}), the number of patches changes by "
+            "{patches_change:+%} and their mean size by {patch_size_change:+%}; independent patches would keep kappa and "
+            "their size, and grow in number with the area, by {area_change:+%}.",
+            end,
+            by="kappa_change",
+            start=value_of(start, "area"),
+        )
+    reference = data.attrs["reference_load"]
+    heavier = data.isel(load=slice(reference + 1, reference + 4))
+    at = value_of(data.isel(load=reference), "area")
+    for name, words in _CLAIMED.items():
+        if heavier.sizes["load"]:
+            yield finding(
+                "comparison",
+                words + " from A/A0 = {at:~} on: {each}.",
+                heavier,
+                item=f"{{moved_{name}}}, {{verdict}}, at {{area:~}}",
+                over="load",
+                by=f"moved_{name}_beyond",
+                words=_MOVED,
+                at=at,
+            )
+
+
+#: Claims of load independence (Persson 2006, Secs. 3.3 and 13), and the outcomes of what exceeds the scatter.
+_CLAIMED = {
+    "stress": "P(sigma) A0/A, largest change of the cumulated share",
+    "patch_area": "Sizes of the patches by area, largest change of the cumulated share",
+}
+_MOVED = dict.fromkeys("0-", "no more than two sets of surfaces differ by") | {
+    "+": "a change beyond the scatter of the surfaces",
+    "?": "of unknown significance",
+}
+
+
+def _figures(data: xr.Dataset) -> list[Figure]:
+    """Area, the other quantities, and distributions."""
+    load = {"x": "reduced_pressure", "log": "x"}
+    told = [
+        *by_theory("_predicted", data),
+        Line(y="area_spectral", at={"theory": 0}, label="Persson, C(q) alone"),
+    ]
+    others = [
+        Panel(marks=[Line(y=name, joined=False), *by_theory("_predicted", data, name)], **load)
+        for name in COMPARED[1:]
+    ]
+    reference = data.attrs["reference_load"]
+    heavier = [k for k in range(reference, data.sizes["load"]) if data.area[k] < _NEARLY_FULL][:5]
+    shares = [
+        Panel(
+            marks=[Line(y=y, at={"load": k}, label="A/A0 = {area:~}", steps=True) for k in heavier],
+            x=x,
+            log=log,
+        )
+        for y, x, log in (("stress_density", "stress", ""), ("patch_cumulated", "patch_upper", "x"))
+    ]
+    moved = [Line(y=f"moved_{name}") for name in SHARES] + [
+        Line(y="moved_stress_noise"),
+        Line(y="moved_stress_persson"),
+    ]
+    return [
+        Figure(
+            name="area-against-pressure",
+            caption="Contact area against load, and over that of the theory and its variants, told the realised surface.",
+            panels=[
+                Panel(marks=[Line(y="area", joined=False), *told], x="reduced_pressure", log="xy"),
+                Panel(marks=[*by_theory("_over", data), AGREEMENT], **load),
+            ],
+            width=9.0,
+        ),
+        Figure(
+            name="gap-and-energy",
+            caption="Mean gap, compliance and elastic energy against load, with the theory and its variants.",
+            panels=others,
+            width=11.0,
+        ),
+        Figure(
+            name="load-independence",
+            caption="P(sigma) per contact area, share of the contact in smaller patches, and how far both are from those "
+            "at the lightest of these loads; surfaces are pooled.",
+            panels=[*shares, Panel(marks=moved, x="area", log="x")],
+            width=11.0,
+        ),
+    ]
+
+
+def by_theory(ending: str, data: xr.Dataset, name: str = "area") -> list[Line]:
+    """Return a line for each theory that says something."""
+    known = np.isfinite(data[f"{name}{ending}"]).any("load").values
+    return [Line(y=f"{name}{ending}", at={"theory": int(t)}, label="{theory}") for t in np.flatnonzero(known)]

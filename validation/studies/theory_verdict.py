@@ -1,0 +1,202 @@
+"""How good is Persson's theory, quantity by quantity and range by range, and are its variants better?"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from persson import elastic
+from validation.measures.budget import solver_error
+from validation.measures.distributions import Distributions, largest_difference
+from validation.measures.ladders import Ladders, spectral_errors
+from validation.measures.limits import solved
+from validation.measures.load_path import moved_shares
+from validation.measures.measurement import grid_for
+from validation.measures.theory import RANKED, modes_finding
+from validation.report.estimates import claim, derive, value_of
+from validation.report.findings import Finding, finding, ranking
+from validation.report.marks import Figure, Panel
+from validation.report.table import Table
+from validation.report.views import Views
+from validation.scenes.scene import Load
+from validation.solves.bench import Bench
+from validation.studies import pressure, stress_near_zero
+from validation.theories import Rough, Theory, find_theory
+from validation.theories.persson_variants import Persson, persson_variants
+from validation.theories.predicted import COMPARED, beside, distances, ranked, stress_shares
+from validation.units import Positive
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Options", "run", "views"]
+
+_WORDS = {
+    "area": "Contact area",
+    "gap": "Mean gap",
+    "compliance": "Compliance",
+    "energy_ratio": "Elastic energy",
+}
+
+
+class Options(pressure.Options):
+    """Those of the study `pressure`, and what else is scored."""
+
+    off: ClassVar[Mapping[str, Any]] = {"ladder_reduced_pressures": (), "edge": False}
+
+    ladder_reduced_pressures: tuple[Positive, ...] = Field(
+        default=(0.05, 0.4),
+        description="p* at which it is measured how the area moves with bandwidth and sample, for the budget; none to leave it out",
+    )
+    theory: tuple[str, ...] = Field(
+        default=(),
+        description="further theories: bush-gibson-thomas, carbone-bottiglione, greenwood-williamson, or your own, my_module:area",
+    )
+    edge: bool = Field(
+        default=True,
+        description="also score P(sigma) at vanishing pressure, on the cases of `stress-near-zero`",
+    )
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Score the theory and its variants on the cases of the studies `pressure` and `stress-near-zero`.
+
+    The cases run in stages, study by study: a dry run lists those of the first.
+
+    Returns
+    -------
+    xarray.Dataset
+        That of `pressure.measured_path` beside the theories: simulated over predicted values, told the realised
+        surfaces, over (theory, load), their mean distances from 1, and ``stress_distance`` of P(sigma).
+    """
+    # What is unknown is refused before anything is solved.
+    theories = (*persson_variants(), *map(find_theory, options.theory))
+    data = pressure.measured_path(options, bench=bench)
+    shares = {"solver": _solver_share(options, bench), **_spectral_shares(options, bench)}
+    data = claim(data, "area", **{source: data.area * share for source, share in shares.items()})
+    data = distances(beside(data, theories, options.pressed))
+    data = moved_shares(data).assign(_stress_distances(data, theories, options))
+    if options.edge:
+        small = stress_near_zero.Options(hurst=options.hurst, periods=options.periods, seed=options.seed)
+        edge = stress_near_zero.run(small, bench=bench).isel(method=0)
+        data = data.merge(edge_scores(edge, theories, Rough.of(small.first)), combine_attrs="override")
+    return data.assign_attrs(study="theory-verdict", methods=RANKED)
+
+
+def _stress_distances(data: xr.Dataset, theories: tuple[Theory, ...], options: Options) -> dict[str, Any]:
+    """Distance of the simulated P(sigma) A0/A, surfaces pooled, from that of every theory, (theory, load)."""
+    pooled = data.stress_share_each.sum("surface").values
+    rows = [
+        largest_difference(pooled, stress_shares(theory, options.first, options.reduced_pressures))
+        for theory in theories
+    ]
+    made = {"reduction": "distance", "of": "stress_share_each"}
+    return {"stress_distance": (("theory", "load"), np.array(rows), made)}
+
+
+def _solver_share(options: Options, bench: Bench) -> float:
+    """Relative change of the area when the solves of one surface stop at a hundred times smaller residual."""
+    usual = Distributions(
+        realised=replace(options.first, load=Load(reduced_pressure=0.01)),
+        reduced_pressures=(0.01, 0.1, 1.0),
+        grids=tuple(grid_for(options.first, points) for points in (4.0, 6.0, 8.0)),
+        shifts=options.shifts,
+    )
+    strict = replace(usual, tolerance=usual.tolerance / 100)
+    both = bench.solve([usual, strict])
+    return solver_error(both[usual], both[strict])
+
+
+def _spectral_shares(options: Options, bench: Bench) -> dict[str, xr.DataArray]:
+    """How far the area may be from that of an endless sample and bandwidth, at the nearest load of the ladders."""
+    import xarray as xr
+
+    loads = np.array(options.ladder_reduced_pressures)
+    if not loads.size:
+        return {}
+    climbed = []
+    for load in loads:
+        ladders = Ladders(
+            hursts=(options.hurst,), periods=options.periods, reduced_pressure=load, seed=options.seed
+        )
+        shares = spectral_errors(
+            ladders.reduced(solved(bench, ladders.cases)),
+            hurst=options.hurst,
+            bandwidth=options.bandwidth,
+            periods=options.periods,
+        )
+        climbed.append([float(shares[source]) for source in ("size", "bandwidth")])
+    near = np.abs(np.log(np.divide.outer(np.array(options.reduced_pressures), loads))).argmin(axis=1)
+    found = np.array(climbed)[near]
+    return {source: xr.DataArray(found[:, k], dims="load") for k, source in enumerate(("size", "bandwidth"))}
+
+
+def edge_scores(edge: xr.Dataset, theories: tuple[Theory, ...], rough: Rough) -> xr.Dataset:
+    """P(0+), and the slope of P(sigma) at zero over that of the theories that have one, (theory)."""
+    import xarray as xr
+
+    load = float(edge.reduced_pressure)
+    unit = rough.contact_modulus * rough.moments.rms_gradient
+    slopes = [
+        elastic.initial_slope(load, stress_variance=theory.stress_variance(load * unit, rough) / unit**2)
+        if isinstance(theory, Persson)
+        else np.nan
+        for theory in theories
+    ]
+    names = ("initial_density", "initial_density_error", "initial_slope_window", "initial_slope_window_error")
+    found = xr.Dataset({name: edge[name].drop_vars(["method"], errors="ignore") for name in names})
+    found = found.drop_vars("reduced_pressure", errors="ignore").assign(
+        edge_pressure=load, initial_slope_predicted=("theory", np.array(slopes))
+    )
+    found = found.assign_coords(theory=[theory.label for theory in theories])
+    return derive(found, initial_slope_over="initial_slope_window / initial_slope_predicted")
+
+
+def views(data: xr.Dataset) -> Views:
+    """Show simulated over predicted values of every theory."""
+    columns = ("theory", "reduced_pressure", "area", *(f"{name}_over" for name in COMPARED))
+    if "edge_pressure" in data:
+        columns = (*columns, "initial_slope_over")
+    panels = [
+        Panel(marks=[*pressure.by_theory("_over", data, name), pressure.AGREEMENT], x="area", log="x")
+        for name in COMPARED
+    ]
+    return Views(
+        table=Table(rows=("theory", "load"), columns=(*columns, "stress_distance")),
+        budget=("area",),
+        figures=[
+            Figure(
+                name="theory-verdict",
+                caption="Simulated over predicted contact area, mean gap, compliance and elastic energy for the theory "
+                "and its variants, told the realised surface; 1 is agreement.",
+                panels=panels,
+                width=12.8,
+                height=4.0,
+            )
+        ],
+        findings=[*_findings(data)],
+    )
+
+
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
+    """Yield the verdicts: which theory is nearest in what, as far as intervals separate them."""
+    for name in COMPARED:
+        yield ranking(
+            f"{_WORDS[name]}, mean distance of simulated over predicted values from 1 below full contact, at "
+            f"lambda_long/lambda_short = {data.attrs['bandwidth']:.4g}: {{order}}.",
+            ranked(data, name),
+        )
+    yield modes_finding(data)
+    if "edge_pressure" in data:
+        yield finding(
+            "comparison",
+            "At p* = {edge_pressure} on another bandwidth (study stress-near-zero) P(sigma) starts from {initial_density}, "
+            "{verdict} zero, over E* h'_rms, with a slope that is {slope} of Persson's.",
+            data,
+            by="initial_density",
+            slope=value_of(data.isel(theory=0), "initial_slope_over"),
+        )

@@ -1,0 +1,158 @@
+"""What theories say along a path of loads: area, gap, energy, compliance, P(sigma)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from persson.spectrum import Moments
+from validation.arrays import Array
+from validation.measures.distributions import STRESS_EDGES
+from validation.measures.theory import Waves
+from validation.report.estimates import Value, derive, value_of
+from validation.scenes.realised import Realised
+from validation.theories.base import Rough, Theory
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["COMPARED", "beside", "distances", "predictions", "ranked", "stress_shares"]
+
+#: Step in ln p0 by which a theory is differentiated.
+_STEP = 0.01
+#: Gauss points in each bin of the distribution of pressure.
+_POINTS = 8
+#: What is compared as a ratio.
+COMPARED = ("area", "gap", "compliance", "energy_ratio")
+#: A gap smaller than this, over h_rms, is closed; contact is full from this area on.
+_CLOSED, _FULL = 1e-9, 0.99
+
+
+def predictions(
+    theories: Sequence[Theory], pressed: Sequence[Realised], reduced_pressures: Sequence[float]
+) -> xr.Dataset:
+    """Return what theories say, means over the surfaces; NaN where one says nothing.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (theory, load) ``area_predicted``, ``gap_predicted`` (over h_rms), ``energy_ratio_predicted``
+        and ``compliance_predicted`` (p0/(K h_rms) = -d gap/d ln p0 / h_rms), told each realised surface;
+        and the same with ``_spectral``, told C(q) alone.
+    """
+    import xarray as xr
+
+    loads = np.asarray(reduced_pressures, dtype=float)
+    # Without scatter of the amplitudes every surface has the same waves; no theory knows of phases.
+    several = getattr(pressed[0].surface, "amplitudes", "") == "gaussian"
+    own = [Rough.of(case) for case in (pressed if several else pressed[:1])]
+    expected = _expected(own)
+    found = {name: np.full((2, len(theories), loads.size), np.nan) for name in COMPARED}
+    for t, theory in enumerate(theories):
+        told = [[_along(theory, rough, loads, own=rough)] for rough in own]
+        # Each surface meets its own nominal pressure; C(q) does not know which surface it is.
+        alone = [[_along(theory, rough, loads, own=one) for rough in expected] for one in own]
+        for name in COMPARED:
+            for k, values in enumerate((told, alone)):
+                if values[0]:
+                    found[name][k, t] = np.mean([[one[name] for one in row] for row in values], axis=(0, 1))
+    made = {"reduction": "theory"}
+    data = {
+        f"{name}_{ending}": (("theory", "load"), values[k], made)
+        for name, values in found.items()
+        for k, ending in enumerate(("predicted", "spectral"))
+    }
+    return xr.Dataset(data, coords={"theory": [theory.label for theory in theories]})
+
+
+def _expected(own: Sequence[Rough]) -> list[Rough]:
+    """Return what C(q) alone lets one expect: as rough as it says, with the scatter of the realised."""
+    spectrum = own[0].spectrum
+    if spectrum is None:
+        return []
+    waves, moments = Waves.of_spectrum(spectrum), spectrum.moments()
+    squares = np.array([rough.moments.m2 for rough in own])
+    return [
+        replace(own[0], waves=waves, moments=Moments(m0=moments.m0, m2=moments.m2 * share, m4=moments.m4))
+        for share in squares / squares.mean()
+    ]
+
+
+def _along(theory: Theory, rough: Rough, loads: Array, *, own: Rough) -> dict[str, Array]:
+    """One theory told of one surface, at the loads and in the units of its `own`."""
+    pressure = loads * own.contact_modulus * own.moments.rms_gradient
+    height, full = own.moments.rms_height, own.waves.full_energy * own.contact_modulus
+    nothing = np.full(loads.shape, np.nan)
+    gap, energy = theory.mean_gap(pressure, rough), theory.elastic_energy(pressure, rough)
+    up, down = pressure * np.exp(_STEP), pressure * np.exp(-_STEP)
+    compliance = nothing
+    if energy is not None:  # -d gap = dU / p
+        rise = np.subtract(theory.elastic_energy(up, rough), theory.elastic_energy(down, rough))
+        compliance = rise / (2 * _STEP) / (pressure * height)
+    elif gap is not None:
+        fall = np.subtract(theory.mean_gap(down, rough), theory.mean_gap(up, rough))
+        compliance = fall / (2 * _STEP * height)
+    return {
+        "area": theory.area(pressure, rough),
+        "gap": nothing if gap is None else gap / height,
+        "energy_ratio": nothing if energy is None else energy / full,
+        "compliance": compliance,
+    }
+
+
+def beside(data: xr.Dataset, theories: Sequence[Theory], pressed: Sequence[Realised]) -> xr.Dataset:
+    """Add to a path of loads what theories say, and simulated over predicted values ``_over`` (theory, load).
+
+    Gap, compliance and energy have none where the contact is full: nothing is left of the first two, and the
+    energy is known. The area of the first theory is ``area_persson``, told C(q) alone ``area_ensemble``.
+    """
+    data = data.merge(predictions(theories, pressed, data.reduced_pressure.values)).assign(agreement=1.0)
+    for name, said in (("area_persson", "area_predicted"), ("area_ensemble", "area_spectral")):
+        data[name] = data[said].isel(theory=0, drop=True)
+    data = derive(data, **{f"{name}_over": f"{name} / {name}_predicted" for name in COMPARED})
+    partly = data.gap_finest_each.max("surface") > _CLOSED
+    names = [f"{name}_over{end}" for name in COMPARED[1:] for end in ("", "_error")]
+    return data.assign({name: data[name].where(partly) for name in names})
+
+
+def distances(data: xr.Dataset) -> xr.Dataset:
+    """Add ``_off`` (theory): mean distance from 1 of simulated over predicted values, below full contact.
+
+    NaN for a theory that does not reach all of these loads. The errors at all loads are those of the same
+    surfaces and grids: they are averaged as they are and do not shrink.
+    """
+    partly = data.isel(load=np.flatnonzero(data.area.values < _FULL))
+    for name in COMPARED:
+        off = abs(partly[f"{name}_over"] - 1).mean("load", skipna=False)
+        made = {"reduction": "mean distance", "of": f"{name}_over"}
+        error = partly[f"{name}_over_error"].mean("load", skipna=False)
+        data[f"{name}_off"], data[f"{name}_off_error"] = off.drop_attrs().assign_attrs(made), error
+    return data
+
+
+def ranked(data: xr.Dataset, name: str) -> dict[str, Value]:
+    """Return the distances of the theories that reach all loads, by what these are called."""
+    places = {str(label): data.sel(theory=label) for label in data.theory.values}
+    found = {label: value_of(here, f"{name}_off") for label, here in places.items()}
+    return {label: value for label, value in found.items() if np.isfinite(float(value.value))}
+
+
+def stress_shares(theory: Theory, realised: Realised, reduced_pressures: Sequence[float]) -> Array:
+    """Shares of the nominal area by pressure, (load, bin) over `STRESS_EDGES`; NaN without a P(sigma)."""
+    x, weights = np.polynomial.legendre.leggauss(_POINTS)
+    stress = STRESS_EDGES[:-1, None] + np.diff(STRESS_EDGES)[:, None] * (1 + x) / 2
+    rough = Rough.of(realised)
+    unit = rough.contact_modulus * rough.moments.rms_gradient
+    shares = np.full((len(reduced_pressures), STRESS_EDGES.size - 1), np.nan)
+    for j, load in enumerate(reduced_pressures):
+        density = theory.pressure_distribution((stress * unit).ravel(), load * unit, rough)
+        area = float(theory.area(np.array([load * unit]), rough)[0])
+        if density is None or not np.isfinite(area):
+            continue
+        shares[j] = (density.reshape(stress.shape) @ weights) * np.diff(STRESS_EDGES) / 2 * unit
+        # What lies above the last edge counts in the last bin.
+        shares[j, -1] += max(area - shares[j].sum(), 0.0)
+    return shares
