@@ -143,9 +143,9 @@ def moved_shares(data: xr.Dataset) -> xr.Dataset:
     for name in SHARES:
         value = data[f"moved_{name}"]
         # A bootstrap interval need not hold the value itself, which is the least of its kind.
-        low = np.maximum(value - data[f"moved_{name}_lower"], 0.0)
-        high = np.maximum(data[f"moved_{name}_upper"] - value, 0.0)
-        data[f"moved_{name}_error"] = error_of(value, surfaces=np.maximum(low, high))
+        low = (value - data[f"moved_{name}_lower"]).clip(0.0)
+        high = (data[f"moved_{name}_upper"] - value).clip(0.0)
+        data[f"moved_{name}_error"] = error_of(value, surfaces=low.where(low > high, high))
         data[f"moved_{name}_beyond_error"] = error_of(value, surfaces=low)
     return data
 

@@ -111,13 +111,13 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 def picked_loads(data: xr.Dataset, count: int = 4) -> list[int]:
     """Return some loads from the lightest towards full contact, where there is a limit of the area."""
     known = np.flatnonzero((data.area.values < _NEARLY_FULL) & np.isfinite(data.area.values))
-    return known[:: max(1, -(-known.size // count))].tolist()
+    return [int(k) for k in known[:: max(1, -(-known.size // count))]]
 
 
 def views(data: xr.Dataset) -> Views:
     """Everything against load, beside the theory; and how far distributions move."""
     first = data.isel(theory=0)
-    columns = ["reduced_pressure", "area", "kappa", "area_persson", "area_ensemble"]
+    columns: list[str | Column] = ["reduced_pressure", "area", "kappa", "area_persson", "area_ensemble"]
     for name in ("gap", "compliance", "energy_ratio"):
         columns += [name, Column(f"{name}_predicted", {"theory": 0})]
     columns += ["patches", "patch_size", *(f"moved_{name}" for name in SHARES)]
@@ -188,13 +188,13 @@ _MOVED = dict.fromkeys("0-", "no more than two sets of surfaces differ by") | {
 
 def _figures(data: xr.Dataset) -> list[Figure]:
     """Area, the other quantities, and distributions."""
-    load = {"x": "reduced_pressure", "log": "x"}
+    load = "reduced_pressure"
     told = [
         *by_theory("_predicted", data),
         Line(y="area_spectral", at={"theory": 0}, label="Persson, C(q) alone"),
     ]
     others = [
-        Panel(marks=[Line(y=name, joined=False), *by_theory("_predicted", data, name)], **load)
+        Panel(marks=[Line(y=name, joined=False), *by_theory("_predicted", data, name)], x=load, log="x")
         for name in COMPARED[1:]
     ]
     reference = data.attrs["reference_load"]
@@ -217,7 +217,7 @@ def _figures(data: xr.Dataset) -> list[Figure]:
             caption="Contact area against load, and over that of the theory and its variants, told the realised surface.",
             panels=[
                 Panel(marks=[Line(y="area", joined=False), *told], x="reduced_pressure", log="xy"),
-                Panel(marks=[*by_theory("_over", data), AGREEMENT], **load),
+                Panel(marks=[*by_theory("_over", data), AGREEMENT], x=load, log="x"),
             ],
             width=9.0,
         ),
@@ -239,5 +239,5 @@ def _figures(data: xr.Dataset) -> list[Figure]:
 
 def by_theory(ending: str, data: xr.Dataset, name: str = "area") -> list[Line]:
     """Return a line for each theory that says something."""
-    known = np.isfinite(data[f"{name}{ending}"]).any("load").values
+    known = data[f"{name}{ending}"].notnull().any("load").values
     return [Line(y=f"{name}{ending}", at={"theory": int(t)}, label="{theory}") for t in np.flatnonzero(known)]

@@ -73,10 +73,11 @@ def _expected(own: Sequence[Rough]) -> list[Rough]:
     spectrum = own[0].spectrum
     if spectrum is None:
         return []
-    waves, moments = Waves.of_spectrum(spectrum), spectrum.moments()
+    waves = Waves.of_spectrum(spectrum)
+    m0, m2, m4 = float(spectrum.m0()), float(spectrum.m2()), float(spectrum.m4())
     squares = np.array([rough.moments.m2 for rough in own])
     return [
-        replace(own[0], waves=waves, moments=Moments(m0=moments.m0, m2=moments.m2 * share, m4=moments.m4))
+        replace(own[0], waves=waves, moments=Moments(m0=m0, m2=m2 * share, m4=m4))
         for share in squares / squares.mean()
     ]
 
@@ -90,11 +91,15 @@ def _along(theory: Theory, rough: Rough, loads: Array, *, own: Rough) -> dict[st
     up, down = pressure * np.exp(_STEP), pressure * np.exp(-_STEP)
     compliance = nothing
     if energy is not None:  # -d gap = dU / p
-        rise = np.subtract(theory.elastic_energy(up, rough), theory.elastic_energy(down, rough))
-        compliance = rise / (2 * _STEP) / (pressure * height)
+        more, less = theory.elastic_energy(up, rough), theory.elastic_energy(down, rough)
+        assert more is not None
+        assert less is not None
+        compliance = (more - less) / (2 * _STEP) / (pressure * height)
     elif gap is not None:
-        fall = np.subtract(theory.mean_gap(down, rough), theory.mean_gap(up, rough))
-        compliance = fall / (2 * _STEP * height)
+        wide, narrow = theory.mean_gap(down, rough), theory.mean_gap(up, rough)
+        assert wide is not None
+        assert narrow is not None
+        compliance = (wide - narrow) / (2 * _STEP * height)
     return {
         "area": theory.area(pressure, rough),
         "gap": nothing if gap is None else gap / height,
