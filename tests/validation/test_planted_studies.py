@@ -173,7 +173,9 @@ def test_pressure_shares_are_of_the_nominal_area_and_do_not_move_where_nothing_m
     assert np.max(pressed.moved_stress_persson[:2]) < 0.01
     # Per contact area, .4 of it at a large pressure and .6 at a small one; all patches are of one size.
     width = float(pressed.stress[1] - pressed.stress[0])
-    np.testing.assert_allclose(pressed.stress_density[:, [2, 25]] * width, [[0.6, 0.4]] * 4, rtol=1e-12)
+    np.testing.assert_allclose(
+        pressed.contact_stress_density[:, [2, 25]] * width, [[0.6, 0.4]] * 4, rtol=1e-12
+    )
     np.testing.assert_allclose(pressed.patch_cumulated[:, [79, 80]], [[0.0, 1.0]] * 4, atol=1e-12)
 
 
@@ -493,7 +495,7 @@ def test_near_zero_gives_students_interval_of_three_surfaces():
     assert float(data.initial_slope_persson) == pytest.approx(persson, rel=1e-12)
     assert float(own.initial_slope_excess) == pytest.approx(4 / persson - 1, rel=1e-9)
     table = stress_near_zero.views(data).table.of(data)
-    np.testing.assert_allclose(column(table, "P(sigma < eps)/eps"), 0.1 + root, rtol=1e-9)
+    np.testing.assert_allclose(column(table, "P(0+) E* h'_rms"), 0.1 + root, rtol=1e-9)
     density, slope, ways, _ = stress_near_zero.views(data).findings
     assert (density.outcomes, slope.outcomes, ways.outcomes) == (("+",), ("+",), ("agree",))
 

@@ -153,7 +153,7 @@ def moved_shares(data: xr.Dataset) -> xr.Dataset:
 def pooled_shares(data: xr.Dataset) -> xr.Dataset:
     """Add P(sigma) per contact area, in bins four times as wide, and the share of the contact in smaller patches.
 
-    All surfaces are pooled: ``stress_density`` over (load, stress), ``patch_cumulated`` over (load, patch_bin).
+    All surfaces are pooled: ``contact_stress_density`` over (load, stress), ``patch_cumulated`` over (load, patch_bin).
     """
     stress, patches = (data[f"{SHARES[name]}_each"].sum("surface") for name in ("stress", "patch_area"))
     coarse = STRESS_EDGES[::_COARSER]
@@ -162,6 +162,6 @@ def pooled_shares(data: xr.Dataset) -> xr.Dataset:
     smaller = patches.cumsum("patch_bin") / patches.sum("patch_bin")
     made = {"reduction": "pooled shares"}
     return data.assign(
-        stress_density=(("load", "stress"), density, {**made, "of": "stress_share_each"}),
+        contact_stress_density=(("load", "stress"), density, {**made, "of": "stress_share_each"}),
         patch_cumulated=smaller.drop_attrs().assign_attrs({**made, "of": "patch_area_share_each"}),
     ).assign_coords(stress=("stress", (coarse[1:] + coarse[:-1]) / 2))

@@ -28,7 +28,6 @@ __all__ = [
     "ensemble_area",
     "ensemble_stress_variance",
     "modes_finding",
-    "modes_sentence",
     "with_ensemble",
     "with_variants",
 ]
@@ -202,21 +201,6 @@ def with_variants(data: xr.Dataset, variants: Iterable[Variant] = tuple(VARIANTS
         for name in variants
     }
     return data.assign(areas)
-
-
-def modes_sentence(conditional: ArrayLike, ensemble: ArrayLike) -> str:
-    """Say how far the two modes of the theory are apart, over everything that was computed."""
-    if not np.isfinite(np.asarray(ensemble, dtype=float)).any():
-        return (
-            "There is no C(q) but that of the measured period itself, which the theory is told (conditional)."
-        )
-    change = 100 * (np.asarray(ensemble, dtype=float) / np.asarray(conditional, dtype=float) - 1)
-    spread = f"{change.min():+.2f} to {change.max():+.2f} % (mean {change.mean():+.2f} %)"
-    return (
-        "Told C(q) alone (ensemble) instead of the realised gradient (conditional), the theory predicts areas that differ by "
-        f"{spread if change.size > 1 else f'{change.item():+.2f} %'}: the sum over the waves of a finite period against "
-        "the integral, which is what a wrong generator would also change."
-    )
 
 
 def modes_finding(data: xr.Dataset) -> Finding:

@@ -205,7 +205,7 @@ def _figures(data: xr.Dataset) -> list[Figure]:
             x=x,
             log=log,
         )
-        for y, x, log in (("stress_density", "stress", ""), ("patch_cumulated", "patch_upper", "x"))
+        for y, x, log in (("contact_stress_density", "stress", ""), ("patch_cumulated", "patch_upper", "x"))
     ]
     moved = [Line(y=f"moved_{name}") for name in SHARES] + [
         Line(y="moved_stress_noise"),
