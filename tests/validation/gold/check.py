@@ -35,7 +35,8 @@ def disagreements(name: str, bench: Bench, folder: Path) -> list[str]:
         for place, entry in gold["record"].items()
         if here or not any(fnmatch(f"{name}: {place}", pattern) for pattern in ROUNDING)
     }
-    return list(differences(name, record, new, data, rtol=rtol, words=here))
+    odd = new.pop("misdrawn", {"words": []})["words"]
+    return [*differences(name, record, new, data, rtol=rtol, words=here), *odd]
 
 
 def differences(

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from reading_back import misdrawn
 
 from gold.asked import STUDIES, UNSTEADY
 from validation.report.page import Page
@@ -64,10 +65,12 @@ def compute(name: str, bench: Bench, folder: Path) -> tuple[Record, xr.Dataset]:
     record = dict(_of_dataset("data", data))
     for part, table in (("table", study.table(data)), ("budget", study.budget(data))):
         record |= {} if table is None else _of_table(part, table.columns, table.rows)
+    odd: list[str] = []
     for drawing in study.figures(data):
         record |= _of_dataset(f"figure.{drawing.name}", drawing.data)
+        odd += misdrawn(drawing, data)
     record |= _of_words("findings", study.findings(data))
-    return _steady(name, record), data
+    return {**_steady(name, record), "misdrawn": {"words": odd}}, data
 
 
 def of_page(name: str, page: Page) -> Record:

@@ -1,0 +1,194 @@
+"""Figures read back: each line, bar, band and image shows the numbers of the slice that its label names.
+
+It knows the registry by its file and the dataset by its names, and nothing of the code that draws.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+import validation.report
+from validation.report.words import mathtext
+
+REGISTRY = tomllib.loads((Path(validation.report.__file__).parent / "quantities.toml").read_text())
+FACTORS = {"p": 1e12, "n": 1e9, "u": 1e6, "m": 1e3, "": 1.0, "k": 1e-3, "M": 1e-6, "G": 1e-9}
+#: Errors that belong to the step to any spectrum and period.
+SPECTRAL = ("size", "bandwidth")
+
+
+def known(name: str) -> tuple[dict, str]:
+    """Entry of the quantity that a name begins with, longest first, and the rest of the name."""
+    parts = name.split("_")
+    for cut in range(len(parts), 0, -1):
+        start = "_".join(parts[:cut])
+        if start in REGISTRY["quantities"]:
+            return REGISTRY["quantities"][start], "_".join(parts[cut:])
+    raise KeyError(name)
+
+
+def misdrawn(drawing, data: xr.Dataset) -> Iterator[str]:
+    """Yield what a figure shows otherwise than the dataset has it."""
+    for one in drawing.drawn:
+        for problem in _mark(one, data):
+            yield f"{drawing.name}, {one.label!r}: {problem}"
+    for axes in {id(one.axes): one.axes for one in drawing.drawn}.values():
+        names = {one.mark.y for one in drawing.drawn if one.axes is axes}
+        if not axes.get_xlabel() or not axes.get_ylabel():
+            yield f"{drawing.name}: an axis of {names} has no label"
+
+
+def _mark(one, data: xr.Dataset) -> Iterator[str]:
+    kind = type(one.mark).__name__
+    if kind == "Image":
+        factor, shown = _factor(one.mark.y, ""), np.asarray(one.artist.get_array())
+        if not _same(np.sort(shown.ravel()), np.sort(data[one.mark.y].values.ravel()) * factor):
+            yield "the map is not that of its variable"
+        return
+    factor_x, factor_y = _factor(one.x, one.axes.get_xlabel()), _factor(one.mark.y, one.axes.get_ylabel())
+    if math.isnan(factor_x) or math.isnan(factor_y):
+        yield f"an axis has a unit that is none of {one.x}, {one.mark.y}"
+        return
+    yield from _words(one)
+    if kind == "Band":
+        return
+    x, y, bars = _drawn(one, kind)
+    slices = list(_slices(one, data, kind))
+    fitting = [
+        (place, error)
+        for place, along, values, error in slices
+        if _same(y, values * factor_y) and (kind == "Level" or _same_x(x, along, factor_x))
+    ]
+    if not fitting:
+        yield "shows no slice of its variable"
+        return
+    named = [(place, error) for place, error in fitting if _named(one, place, data)]
+    if not named:
+        yield f"shows {[place for place, _ in fitting]}, which its label does not name"
+        return
+    if not any(_bars(bars, error, factor_y, y) for _, error in named):
+        yield "its bars are not the 95 % of its slice"
+
+
+def _drawn(one, kind: str):
+    """Abscissae, ordinates and half lengths of the bars of an artist."""
+    if kind == "Level":
+        y = np.asarray(one.artist.get_ydata(), dtype=float)[:1]
+        spans = [
+            p.get_height() / 2 for p in one.axes.patches if np.isclose(p.get_y() + p.get_height() / 2, y[0])
+        ]
+        return None, y, np.array(spans[:1]) if spans else None
+    line, _, collections = one.artist.lines
+    x, y = line.get_xdata(), np.asarray(line.get_ydata(), dtype=float)
+    if not collections:
+        return x, y, None
+    halves = [(seg[1][1] - seg[0][1]) / 2 if len(seg) else math.nan for seg in collections[0].get_segments()]
+    return x, y, np.array(halves)
+
+
+def _slices(one, data: xr.Dataset, kind: str):
+    """Yield every slice of a variable that the mark could be of: place, abscissae, ordinates, 95 %."""
+    values = data[one.mark.y]
+    along = data[one.x] if kind != "Level" and one.x in data.variables else None
+    kept = set(one.data[one.mark.y].dims)
+    sliced = [dim for dim in values.dims if dim not in kept]
+    where = dict(one.mark.where)
+    for index in np.ndindex(*(data.sizes[dim] for dim in sliced)):
+        place = dict(zip(sliced, index, strict=True))
+        here = data.isel(place)
+        for name, value in where.items():
+            if here[name].ndim:
+                here = here.isel({here[name].dims[0]: np.flatnonzero(here[name].values == value)})
+        for dim, position in one.mark.at.items():
+            if dim in here.dims:
+                here = here.isel({dim: position})
+        numbers = np.ravel(here[one.mark.y].values).astype(float)
+        there = np.isfinite(numbers)
+        x = None if along is None or one.x not in here.variables else np.ravel(here[one.x].values)
+        if x is not None and x.size == there.size:
+            x = x[there]
+        error = _total(here, one.mark.y)
+        yield place, x, numbers[there], None if error is None else np.ravel(error)[there]
+
+
+def _total(data: xr.Dataset, name: str):
+    errors = data.get(f"{name}_error")
+    if errors is None:
+        return None
+    limit = errors.attrs.get("limit_in")
+    kept = errors.sel(source=[s for s in errors.source.values if s not in SPECTRAL or s == limit])
+    squares = kept.transpose("source", ...).values.astype(float) ** 2
+    known = np.isfinite(squares)
+    return np.where(known.any(axis=0), np.sqrt(np.where(known, squares, 0.0).sum(axis=0)), np.nan)
+
+
+def _same(found, expected) -> bool:
+    found, expected = np.ravel(found), np.ravel(expected)
+    return found.shape == expected.shape and np.allclose(found, expected, rtol=1e-9, atol=0, equal_nan=True)
+
+
+def _same_x(found, expected, factor: float) -> bool:
+    if expected is None:
+        return True
+    if expected.dtype.kind in "OU":
+        return [str(v) for v in found] == [str(v) for v in expected]
+    return _same(np.asarray(found, dtype=float), expected.astype(float) * factor)
+
+
+def _bars(bars, error, factor: float, values) -> bool:
+    if error is None or not np.nansum(error) > 0:
+        return bars is None or not np.size(bars)
+    expected = np.where(np.isfinite(error), error * factor, np.nan)
+    # Half lengths are differences of the values: they round as these do.
+    floor = 1e-12 * float(np.abs(values).max())
+    return (
+        bars is not None
+        and bars.shape == expected.shape
+        and np.allclose(bars, expected, rtol=1e-9, atol=floor, equal_nan=True)
+    )
+
+
+def _named(one, place: dict[str, int], data: xr.Dataset) -> bool:
+    """Whether each coordinate of a place along which marks are repeated stands in the label or the title."""
+    text = f"{one.label} {one.axes.get_title()}"
+    by = (one.mark.by,) if isinstance(one.mark.by, str) else one.mark.by
+    for dim in by:
+        names = [dim] if dim in data.coords else [n for n, c in data.coords.items() if c.dims == (dim,)]
+        if dim not in place or not names or one.mark.label is not None:
+            continue
+        value = data[names[0]].values[place[dim]]
+        if isinstance(value, str | np.str_):
+            if value not in text:
+                return False
+            continue
+        numbers = [float(n) for n in re.findall(r"-?\d+\.?\d*(?:e[-+]?\d+)?", text)]
+        scales = FACTORS.values() if known(str(names[0]))[0].get("unit", "1") != "1" else (1.0,)
+        if not any(np.isclose(n, float(value) * s, rtol=1e-3) for n in numbers for s in scales):
+            return False
+    return True
+
+
+def _words(one) -> Iterator[str]:
+    """What tells the variable from its like stands in the legend, if the legend is not the author's own."""
+    _, rest = known(one.mark.y)
+    for name, entry in REGISTRY["qualifiers"].items():
+        if one.mark.label is None and rest == name and entry["words"] not in one.label:
+            yield f"its label lacks {entry['words']!r}"
+
+
+def _factor(name: str, axis: str) -> float:
+    """What SI is multiplied by on an axis, from the unit that its label names; NaN for another unit."""
+    unit = known(name)[0].get("unit", "1")
+    told = re.search(r"\[([^\]]*)\]\s*$", axis.replace("\n", " "))
+    if told is None:
+        return 1.0 if unit == "1" or not axis else math.nan
+    for prefix, factor in FACTORS.items():
+        if told[1] == prefix + unit or mathtext(told[1]) == mathtext(prefix + unit):
+            return factor
+    return math.nan
