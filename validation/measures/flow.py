@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 
@@ -13,20 +13,29 @@ from fem_contact.conductance import frozen_contact
 from fem_contact.contact import ContactResult
 from fem_contact.leak import critical_gap, flow_conductance, open_gap, percolates
 from fem_contact.stress import gap_distribution
+from persson.gaps import gap_distribution as theory_of_gaps
 from persson.leakage import effective_medium
+from persson.scale import Scale
+from validation.arrays import Array
 from validation.measures.measurement import QUANTITIES, Measurement
 from validation.measures.single_solve import SingleSolve, Takes
+from validation.measures.theory import WITH_ENERGY, Waves
+from validation.scenes.realised import Realised
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
     "GAP_EDGES",
+    "GAP_THEORIES",
+    "NARROW",
     "LeakMeasurement",
     "StiffMeasurement",
     "contact_is_apart",
+    "flow_of",
     "gap_is_open",
     "located_area",
+    "stiffness_of",
 ]
 
 #: Edges over which gaps are counted, as u/h_rms: finer towards zero, where P(u) rises; one of them is 0.1.
@@ -62,6 +71,39 @@ class StiffMeasurement(Measurement):
             )
             stiffness = frozen.stiffness * height / result.mean_pressure
         return super().read_off(result, located=located) | {"stiffness": stiffness}
+
+
+#: Loads between which the theory's gap is differentiated, relative.
+_STEP = 0.01
+
+
+def stiffness_of(measured: xr.Dataset, realised: Realised) -> xr.Dataset:
+    """Reduce one `StiffMeasurement` to numbers over (load) on its finest grid, means over the shifts, and the theory's.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``stiffness_each`` K h_rms / p0 with its step from the grid before; ``gap_each``, ``area_perimeter_each``; by
+        every variant of the theory that stores an energy, told the surface, -h_rms / (d gap / d ln p0).
+    """
+    import xarray as xr
+
+    shifted = measured.drop_vars(["points", "cells", "points_per_wave"], errors="ignore").mean("shift")
+    fine, before = (shifted.isel(grid=k) for k in (-1, -2))
+    loads, height = measured.reduced_pressure.values, realised.field.rms_height
+    waves, gradient = Waves.of_field(realised.field), realised.field.rms_gradient
+    around = np.sort(np.concatenate([loads * np.exp(-_STEP), loads * np.exp(_STEP)])) * gradient
+    theory = {}
+    for variant in WITH_ENERGY:
+        gaps = waves.mean_gap(around, variant)
+        theory[f"stiffness_{variant}_each"] = ("load", height / ((gaps[0::2] - gaps[1::2]) / (2 * _STEP)))
+    own = {
+        "stiffness_each": fine.stiffness.assign_attrs(reduction="shift mean", of="stiffness"),
+        "stiffness_each_drift": fine.stiffness - before.stiffness,
+        "gap_each": fine.mean_gap / measured.attrs["rms_height"],
+        "area_perimeter_each": fine.perimeter.assign_attrs(reduction="shift mean", of="perimeter"),
+    }
+    return xr.Dataset({**own, **theory}, attrs={"solve": measured.attrs["solve"]})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,6 +151,67 @@ class LeakMeasurement(SingleSolve):
             | {"reduced_pressure": ("area", loads), "gap_density": (("area", "gap_bin"), gaps)},
             coords={"area": list(self.areas), "axis": ["x", "y"]},
         )
+
+
+#: Elastic energies of the theory of gaps, by their g (Persson 2006, and Yang, Persson 2008).
+GAP_THEORIES = {"persson": 1.0, "yang_persson": 0.45}
+#: Gaps, as u/h_rms, that are called narrow.
+NARROW = 0.1
+
+
+def flow_of(measured: xr.Dataset, realised: Realised) -> xr.Dataset:
+    """Reduce one `LeakMeasurement` to means over both axes, one sample of a surface, beside the theories.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (asked): conductance, Bruggeman's and that of the narrowest place, all over the cube of the mean gap; share
+        of axes that are closed; P(u) h_rms and the share of narrow gaps. Over (phase, axis) and (phase): thresholds.
+    """
+    import xarray as xr
+
+    found = measured.rename(area="asked").rename(asked="area_asked").swap_dims(area_asked="asked")
+    narrowest = found.constriction**3 / 12
+    along = {
+        "area_located": found.located,
+        "gap_conductance": found.conductance,
+        "gap_conductance_bruggeman": found.effective_medium,
+        "gap_conductance_constriction": narrowest,
+        "constriction": found.constriction,
+        "closed": found.closed,
+        "balance": found.balance,
+    }
+    numbers: dict[str, Any] = {f"{name}_axis_each": value for name, value in along.items()}
+    numbers |= {f"{name}_each": value.mean("axis") for name, value in along.items()}
+    phases = [found.contact_threshold, found.gap_threshold]
+    thresholds = xr.concat(phases, "phase").assign_coords(phase=["contact", "gap"]).rename("thresholds")
+    numbers |= {"percolation_area_axis_each": thresholds, "percolation_area_each": thresholds.mean("axis")}
+    width = xr.DataArray(np.diff(GAP_EDGES), dims="gap_bin")
+    narrow = xr.DataArray(GAP_EDGES[1:] <= NARROW * (1 + 1e-9), dims="gap_bin")
+    densities = {"": found.gap_density} | {
+        f"_{name}": found.gap_density.copy(data=_gap_theory(found.reduced_pressure.values, realised, ratio))
+        for name, ratio in GAP_THEORIES.items()
+    }
+    for end, density in densities.items():
+        numbers[f"gap_density{end}_each"] = density
+        numbers[f"gap_share{end}_each"] = (density * width).cumsum("gap_bin")
+        numbers[f"gap_narrow{end}_each"] = (density * width).where(narrow).sum("gap_bin")
+    middle = {"local_gap": ("gap_bin", (GAP_EDGES[1:] + GAP_EDGES[:-1]) / 2)}
+    numbers["reduced_pressure_each"] = found.reduced_pressure
+    return xr.Dataset(numbers, attrs={"solve": measured.attrs["solve"]}).assign_coords(middle)
+
+
+def _gap_theory(loads: Array, realised: Realised, ratio: float) -> Array:
+    """P(u) h_rms at the loads of one surface, over (area, gap_bin); three points by Simpson's rule in each bin."""
+    height = realised.field.rms_height
+    scale = Scale(realised.own_spectrum, contact_modulus=realised.contact_modulus)
+    points = np.stack([GAP_EDGES[:-1], (GAP_EDGES[1:] + GAP_EDGES[:-1]) / 2, GAP_EDGES[1:]]) * height
+    rows = []
+    for load in loads:
+        pressure = float(load) * realised.pressure_scale
+        density = theory_of_gaps(points.ravel(), pressure=pressure, scale=scale, energy_ratio=ratio)
+        rows.append(np.array([1, 4, 1]) / 6 @ density.reshape(points.shape) * height)
+    return np.array(rows)
 
 
 class _Path:
