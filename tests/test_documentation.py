@@ -9,9 +9,11 @@ import pytest
 import fem_contact
 import persson
 import validation
+from validation.report.quantities import glossary
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
+CODE = re.compile(r"```python\n(.*?)```", re.DOTALL)
 PAGES = sorted([*ROOT.glob("*.md"), *DOCS.rglob("*.md")])
 
 
@@ -60,3 +62,13 @@ def test_the_workflow_calls_what_everybody_calls():
 def test_the_readme_fits_on_a_screen_and_a_half():
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     assert len(readme.splitlines()) < 110
+
+
+def test_the_glossary_is_that_of_the_registry():
+    assert (ROOT / "docs" / "glossary.md").read_text(encoding="utf-8") == glossary()
+
+
+def test_the_study_of_the_architecture_is_the_one_that_is_tested():
+    pages = [(ROOT / name).read_text(encoding="utf-8") for name in ("ARCHITECTURE.md", "docs/studies.md")]
+    first, second = (next(code for code in CODE.findall(page) if "counts" in code) for page in pages)
+    assert first == second

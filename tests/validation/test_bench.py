@@ -24,6 +24,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 from solving import Killing, Notes, dask_cluster
 
+from validation.audit.values import audit_values
 from validation.errors import RunFailed, UsageError
 from validation.files import prepare_folder
 from validation.solves import pool
@@ -387,23 +388,16 @@ def test_the_study_of_the_documentation_runs_and_leaves_what_is_said(tmp_path, m
     spec.loader.exec_module(module)
     study = Study(name="counted-area", module=module)
     monkeypatch.setattr("validation.studies._outputs.find_study", lambda name: study)
-    options = study.parse(["--grids", "32,64"])
-    assert study.question.endswith("counts?")
-    assert study.options.model_fields["grids"].description == "points along a side"
+    options = study.parse(["--points-per-wave", "4,8", "--surfaces", "2"])
+    assert study.question.endswith("converges to?")
+    assert study.options.model_fields["hursts"].description == "Hurst exponents"
     bench = Bench.at(tmp_path / "solves", execution=Execution(workers=1))
     outputs = run_study(study, options, prepare_folder(tmp_path / "out"), bench=bench)
-    coarse, fine = outputs.data.area.values
-    assert 1.03 < coarse / fine < 1.5
+    data = outputs.data
+    coarse, fine = data.overestimate_pixel.mean("hurst").values.ravel()
+    # Counting errs by an edge times the spacing: half as much on a grid twice as fine.
+    assert 1.6 < coarse / fine < 2.4
+    np.testing.assert_allclose(data.area_pixel_each / data.area_each - 1, data.overestimate_pixel_each)
     names = {path.name for path in outputs.files}
-    assert names == {"report.html", "data.csv", "data.nc", "summary.json"}
-    assert not (tmp_path / "out" / "table.csv").exists()
-
-
-def test_the_documentation_says_which_studies_make_a_table_and_a_budget():
-    (said,) = re.findall(
-        r"`table.csv`, .*?all but (.*?); `budget.csv`,.*?from (.*?)\. The", STUDIES_PAGE, re.DOTALL
-    )
-    without, budgets = (set(re.findall(r"`([\w-]+)`", names)) for names in said)
-    found = studies()
-    assert without == {name for name, study in found.items() if not hasattr(study.module, "table")}
-    assert budgets == {name for name, study in found.items() if hasattr(study.module, "budget")}
+    assert {"report.html", "table.csv", "budget.csv", "data.nc", "summary.json"} <= names
+    assert audit_values(tmp_path / "out").wrong == ()

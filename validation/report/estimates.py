@@ -567,7 +567,7 @@ def value_of(data: xr.Dataset, name: str) -> Value:
     error = total_error(data, name)
     return Value(
         value=float(item),
-        error=None if error is None else float(error),
+        error=None if error is None else float(error.item()),
         name=name,
         at=_where(data, name),
     )

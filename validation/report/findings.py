@@ -200,6 +200,8 @@ def finding(
         Further values; plain numbers are exact.
     """
     over = (over,) if isinstance(over, str) else tuple(over)
+    if data is not None:
+        data = data.squeeze([dim for dim, n in data.sizes.items() if n == 1 and dim not in over])
     told = {n: v if isinstance(v, Value) else Value(value=v) for n, v in more.items()}
     here = {} if data is None else {n: v for n, v in values_of(data).items() if _named(n, form, item, by)}
     rows: list[dict[str, Value]] = []
