@@ -55,6 +55,11 @@ def _errors_of(result: Result, name: str, variable: Variable) -> dict[str, Array
     if kind == "limit":
         found = _over_solves(result, variable, lambda one: [_NORMAL * e for _, e in _limits(one)])
         return {} if found is None else {"grid": found}
+    if kind == "second-order limit":
+        found = _over_solves(
+            result, variable, lambda one: _NORMAL * abs(_second_order_step(one, variable)[1])
+        )
+        return {} if found is None else {"grid": found}
     if kind == "power law" and not name.endswith("_factor"):
         return {"surfaces": _power(result, variable)[1]}
     return {}
@@ -356,13 +361,55 @@ def _drift(result: Result, name: str, variable: Variable) -> Array | None:
 
 
 def _shift_mean(result: Result, name: str, variable: Variable) -> Array | None:
-    of = str(variable.attrs["of"])
-
     def read(solve: Labelled) -> Array:
-        values = solve[of].along(("grid", "shift", "load")).mean(axis=1)
-        return np.asarray(values if "grid" in variable.dims else values[-1])
+        values = _over_shifts(solve, variable)
+        return values if "grid" in variable.dims else np.asarray(values[-1])
 
     return _over_solves(result, variable, read)
+
+
+def _over_shifts(solve: Labelled, variable: Variable) -> Array:
+    """Mean over the shifts, (grid, load), of a power of what a solve keeps, over a scale."""
+    told = variable.attrs
+    scale = told.get("scale", 1.0)
+    scale = float(solve.attrs[scale] if isinstance(scale, str) else scale)
+    values = solve[str(told["of"])].along(("grid", "shift", "load"))
+    return np.asarray((values ** float(told.get("power", 1.0))).mean(axis=1) / scale)
+
+
+def _second_order_step(solve: Labelled, variable: Variable) -> tuple[Array, Array]:
+    """Values on the finest grid, and the step from there to the limit, by the two finest."""
+    coarse, fine = _over_shifts(solve, variable)[-2:]
+    points = solve["points_per_wave"].values
+    return fine, (fine - coarse) / (float(points[-1] / points[-2]) ** 2 - 1)
+
+
+def _second_order(result: Result, name: str, variable: Variable) -> Array | None:
+    return _over_solves(result, variable, lambda one: sum(_second_order_step(one, variable)))
+
+
+def _polynomial(result: Result, name: str, variable: Variable) -> Array:
+    """Value at a vanishing spacing by a polynomial in a power of it, over the grids."""
+    each, dims = result.data[str(variable.attrs["of"])], (*variable.dims, "grid")
+    values = each.along(dims).astype(float)
+    spacing = result.data["spacing"].along(dims)
+    at = np.broadcast_to(spacing ** float(variable.attrs["power"]), values.shape)
+    grids = values.shape[-1]
+    degree = min(int(variable.attrs["degree"]), grids - 2) if grids > 2 else 1
+    rows = zip(at.reshape(-1, grids), values.reshape(-1, grids), strict=True)
+    found = [np.linalg.lstsq(np.vander(a, degree + 1), y, rcond=None)[0][-1] for a, y in rows]
+    return np.reshape(found, values.shape[:-1])
+
+
+def _mean_distance(result: Result, name: str, variable: Variable) -> Array:
+    """Mean distance from 1 over the loads below full contact."""
+    over = result.data[str(variable.attrs["of"])].along((*variable.dims, "load")).astype(float)
+    partly = result.data["area"].values < float(variable.attrs["below"])
+    return np.asarray(np.abs(over[..., partly] - 1).mean(axis=-1))
+
+
+def _finest_profile(result: Result, name: str, variable: Variable) -> Array | None:
+    return _over_solves(result, variable, lambda one: one[str(variable.attrs["of"])].values[-1])
 
 
 def _read(result: Result, name: str, variable: Variable) -> Array | None:
@@ -412,13 +459,17 @@ REDUCTIONS: Mapping[str, Callable[[Result, str, Variable], Array | None]] = {
     "change": _change,
     "drift": _drift,
     "expression": _expression,
+    "finest profile": _finest_profile,
     "limit": _limit,
     "max": _reduced(np.nanmax),
+    "mean distance": _mean_distance,
     "mean": lambda result, name, one: (_mean if "pairs" in one.attrs else _reduced(np.nanmean))(
         result, name, one
     ),
+    "polynomial limit": _polynomial,
     "power law": _power_law,
     "read": _read,
+    "second-order limit": _second_order,
     "shift mean": _shift_mean,
     "sum": _reduced(np.nansum),
 }

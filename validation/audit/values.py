@@ -90,7 +90,7 @@ def judge_dataset(result: Result, ledger: Ledger) -> None:
 
 
 #: What the audit fits by an implementation of its own: both round.
-_FITTED = ("limit", "drift", "power law")
+_FITTED = ("limit", "drift", "polynomial limit", "power law")
 
 
 def _errors(result: Result, name: str, ledger: Ledger) -> None:
@@ -249,7 +249,11 @@ def judge_budget(result: Result, ledger: Ledger) -> None:
         cells = dict(zip(header, line, strict=False))
         value = float(result.data[name].at(at).values)
         error = result.data[f"{name}_error"]
-        shares = 100 * np.abs(error.at(at).values.ravel() / value)
+        # Of zero only no error is a part.
+        shares = [
+            100 * abs(half / value) if value else (0.0 if half == 0 else math.nan)
+            for half in error.at(at).values.ravel().astype(float).tolist()
+        ]
         told = dict(zip(_SOURCES, shares, strict=True))
         own = [share for source, share in told.items() if source not in _SPECTRAL]
         sums = {"for this spectrum and period [%]": own, "for any [%]": list(shares)}

@@ -94,22 +94,27 @@ def reduced_path(measured: xr.Dataset, *, shortest: float) -> xr.Dataset:
     ):
         values = over_shifts[of].drop_attrs() / measured.attrs[scale]
         limit, error = second_order_limit(values, points)
-        made[f"{name}_each"] = limit.assign_attrs(reduction="second-order limit", of=of)
+        how = {"of": of, "scale": scale}
+        made[f"{name}_each"] = limit.assign_attrs(reduction="second-order limit", **how)
         made[f"{name}_each_error"] = error_of(limit, grid=NORMAL * error, **ABSENT)
         made[f"{name}_finest_each"] = values.isel(grid=-1, drop=True).assign_attrs(
-            reduction="shift mean", of=of
+            reduction="shift mean", **how
         )
     # Which points are in contact makes it noisy: no power of the spacing is seen, and none is taken out.
     compliance = (1 / measured.stiffness.drop_attrs()).mean("shift")
     compliance = compliance.drop_vars(["points", "cells", "points_per_wave"], errors="ignore")
-    made["compliance_each"] = compliance.isel(grid=-1).assign_attrs(reduction="shift mean", of="1/stiffness")
+    inverse = {"reduction": "shift mean", "of": "stiffness", "power": -1}
+    made["compliance_each"] = compliance.isel(grid=-1).assign_attrs(inverse)
     change = abs(compliance.isel(grid=-1) - compliance.isel(grid=-2))
     made["compliance_each_error"] = error_of(made["compliance_each"], grid=NORMAL * change, **ABSENT)
-    made["patches_each"] = finest.patches
-    made["patch_size_each"] = finest.patch_size.drop_attrs() / shortest**2
+    plain = {"reduction": "shift mean", "of": "patches"}
+    made["patches_each"] = finest.patches.drop_attrs().assign_attrs(plain)
+    sizes = {"reduction": "shift mean", "of": "patch_size", "scale": shortest**2}
+    made["patch_size_each"] = (finest.patch_size.drop_attrs() / shortest**2).assign_attrs(sizes)
     for name, share in SHARES.items():
         shares = measured[f"{name}_profile"].isel(grid=-1, drop=True)
-        made[f"{share}_each"] = (("load", _BINS[name]), shares.values, {"reduction": "histogram", "of": name})
+        how = {"reduction": "finest profile", "of": f"{name}_profile"}
+        made[f"{share}_each"] = (("load", _BINS[name]), shares.values, how)
     return data.assign(made).assign_coords(
         stress_upper=("stress_bin", STRESS_EDGES[1:]), patch_upper=("patch_bin", PATCH_EDGES[1:])
     )

@@ -87,12 +87,11 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = distances(beside(data, persson_readings(), options.pressed))
     data = derive(
         data,
-        open_area="1 - area",
+        # Of a contact that is full nothing is open: it has no place on a logarithmic axis.
+        open_area="(1 - area) * partial_contact",
         energy_missing="1 - energy_ratio",
         energy_missing_predicted="1 - energy_ratio_predicted",
     )
-    # Of a contact that is full nothing is open: it has no place on a logarithmic axis.
-    data["open_area"] = data.open_area.where(data.open_area > 0)
     methods = "theory bem yang_persson wang_mueser xu"
     return data.assign_attrs(study="energy", methods=methods, solver_tolerance=used)
 

@@ -86,15 +86,14 @@ def measured_path(options: Options, *, bench: Bench) -> xr.Dataset:
     data = gather(reduced, surface=range(options.surfaces)).assign_attrs(options.spectrum_words)
     data = mean(data, "area", "patches", "patch_size")
     # Grids of second order are off to the same side on all surfaces: their error does not average out.
-    data = mean(data, "gap", "compliance", "energy_ratio", alike=True)
-    return derive(data, kappa="area / reduced_pressure")
+    return mean(data, "gap", "compliance", "energy_ratio", alike=True)
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Measure the path, what of light contact changes with load, and how far its distributions move."""
     theories = persson_variants()
     data = beside(measured_path(options, bench=bench), theories, options.pressed)
-    data = derive(data, area_excess="area / area_persson - 1")
+    data = derive(data, kappa="area / reduced_pressure", area_excess="area / area_persson - 1")
     light = np.flatnonzero(data.area.values < _LIGHT)
     if light.size > 1:
         data = derive(data, kappa_each="area_each / reduced_pressure")

@@ -117,10 +117,10 @@ def beside(data: xr.Dataset, theories: Sequence[Theory], pressed: Sequence[Reali
     data = data.merge(predictions(theories, pressed, data.reduced_pressure.values)).assign(agreement=1.0)
     for name, said in (("area_persson", "area_predicted"), ("area_ensemble", "area_spectral")):
         data[name] = data[said].isel(theory=0, drop=True)
-    data = derive(data, **{f"{name}_over": f"{name} / {name}_predicted" for name in COMPARED})
     partly = data.gap_finest_each.max("surface") > _CLOSED
-    names = [f"{name}_over{end}" for name in COMPARED[1:] for end in ("", "_error")]
-    return data.assign({name: data[name].where(partly) for name in names})
+    data["partial_contact"] = partly.where(partly).astype(float).drop_attrs()
+    open_only = {f"{name}_over": f"{name} / {name}_predicted * partial_contact" for name in COMPARED[1:]}
+    return derive(data, area_over="area / area_predicted", **open_only)
 
 
 def distances(data: xr.Dataset) -> xr.Dataset:
@@ -132,7 +132,7 @@ def distances(data: xr.Dataset) -> xr.Dataset:
     partly = data.isel(load=np.flatnonzero(data.area.values < _FULL))
     for name in COMPARED:
         off = abs(partly[f"{name}_over"] - 1).mean("load", skipna=False)
-        made = {"reduction": "mean distance", "of": f"{name}_over"}
+        made = {"reduction": "mean distance", "of": f"{name}_over", "below": _FULL}
         error = partly[f"{name}_over_error"].mean("load", skipna=False)
         data[f"{name}_off"], data[f"{name}_off_error"] = off.drop_attrs().assign_attrs(made), error
     return data
