@@ -72,7 +72,7 @@ def _mark(one, data: xr.Dataset) -> Iterator[str]:
     if not named:
         yield f"shows {[place for place, _ in fitting]}, which its label does not name"
         return
-    if not any(_bars(bars, error, factor_y, y) for _, error in named):
+    if not any(_bars(bars, error, factor_y, (x, y)) for _, error in named):
         yield "its bars are not the 95 % of its slice"
 
 
@@ -141,10 +141,13 @@ def _same_x(found, expected, factor: float) -> bool:
     return _same(np.asarray(found, dtype=float), expected.astype(float) * factor)
 
 
-def _bars(bars, error, factor: float, values) -> bool:
+def _bars(bars, error, factor: float, points) -> bool:
+    x, values = points
     if error is None or not np.nansum(error) > 0:
         return bars is None or not np.size(bars)
     expected = np.where(np.isfinite(error), error * factor, np.nan)
+    if x is not None and np.asarray(x).dtype.kind == "f":  # a point that has no place has no bar
+        expected = np.where(np.isfinite(x), expected, np.nan)
     # Half lengths are differences of the values: they round as these do.
     floor = 1e-12 * float(np.abs(values).max())
     return (
