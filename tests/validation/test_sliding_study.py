@@ -5,6 +5,7 @@ import pytest
 
 from fem_contact import PronySolid, slide
 from validation.errors import UsageError
+from validation.measures import sliding as measure
 from validation.measures.common import base_case
 from validation.measures.measurement import grid_for
 from validation.scenes.scene import SolidSpec
@@ -37,10 +38,10 @@ def test_the_friction_of_the_study_is_that_of_the_surface_on_each_grid(slid):
         own = slide(
             case.heights(grid_for(case, points)), solid, velocity=2.0, mean_pressure=case.pressure, threads=1
         )
-        assert float(data.friction[1, g, 1]) == pytest.approx(
+        assert float(data.friction_grid_each[1, g, 1]) == pytest.approx(
             own.friction / case.field.rms_gradient, rel=1e-5
         )
-        assert float(data.dissipation[1, g, 1]) == pytest.approx(
+        assert float(data.friction_dissipated_grid_each[1, g, 1]) == pytest.approx(
             own.dissipation / case.field.rms_gradient, rel=1e-5
         )
 
@@ -51,26 +52,40 @@ def test_the_theory_of_the_study_is_told_the_realised_waves(slid):
     full = sliding.Options(**(SMALL | {"reduced_pressure": 40.0, "velocities": (0.05,)}))
     rubber, relaxed = full.rubber(), SolidSpec(young=1e6, poisson=0.5)
     case = base_case(full.surface(), reduced_pressure=40.0, solid=relaxed)
-    friction, area = sliding._theory(case, rubber, (0.05,))
+    friction, area = measure._theory(case, rubber, (0.05,))
     own = slide(case.heights((32, 32)), rubber, velocity=0.05, mean_pressure=case.pressure, threads=1)
     assert friction[0] * case.field.rms_gradient == pytest.approx(own.friction, rel=1e-5)
     assert area[0] == pytest.approx(1.0, abs=1e-9)
-    assert (data.theory.sel(share=0.5) < data.theory.sel(share=1.0)).all()
+    assert (data.friction_half_energy < data.friction_full_energy).all()
 
 
-def test_the_sentences_hold_the_numbers(slid):
+def test_the_findings_hold_the_numbers(slid):
     _, data = slid
-    said = " ".join(sliding.findings(data))
-    fine = data.friction[:, -1].mean("surface").values
+    largest, differ, full, _, area, late = sliding.views(data).findings
+    fine = data.friction_grid_each[:, -1].mean("surface").values
     top = int(np.argmax(fine))
-    assert f"largest at v = {data.v.values[top]:g} m/s" in said
-    apart = np.sqrt((abs(data.friction / data.dissipation - 1) ** 2).mean(("surface", "velocity"))).values
-    assert f"{100 * apart[0]:.2g} % at 4 points per shortest wave, {100 * apart[1]:.2g} % at 8 (" in said
+    assert largest.values["velocity"].value == data.velocity.values[top]
+    assert largest.values["friction"].value == pytest.approx(fine[top], rel=1e-12)
+    apart = abs(data.friction_grid_each / data.friction_dissipated_grid_each - 1)
+    rms = np.sqrt((apart**2).mean(("surface", "velocity"))).values
+    assert [row["friction_difference_pooled"].value for row in differ.rows] == pytest.approx(rms, rel=1e-12)
+    assert differ.values["most"].value == data.steps_each.max()
+    ratio = (data.friction_full_energy_each / data.friction_each).mean("surface")
+    said = (full.values["low"].value, full.values["high"].value)
+    assert said == pytest.approx((float(ratio.min()), float(ratio.max())), rel=1e-12)
+    assert full.by == "friction_excess_full_energy"
+    assert area.rows[0]["area"].value == pytest.approx(float(data.area_each[:, 0].mean()), rel=1e-12)
     # 2 pi v tau / L = 12.6 at the higher velocity: the standard solid is at 8 E_0 there.
-    assert "From v = 2 m/s on the solid has not relaxed" in said
-    row = sliding.table(data).rows[0]
-    assert row[1] == pytest.approx(fine[0], rel=1e-12)
-    assert row[4] == pytest.approx(float(data.dissipation[:, -1, 0].mean()), rel=1e-12)
+    assert late.values["late"].value == 2.0
+
+
+def test_the_error_of_the_grid_is_what_both_frictions_differ_by_and_the_step_of_the_area(slid):
+    _, data = slid
+    grid = data.friction_error.sel(source="grid")
+    apart = (data.friction_grid_each - data.friction_dissipated_grid_each).isel(grid=-1).mean("surface")
+    assert grid.values == pytest.approx(abs(apart).values, rel=1e-12)
+    step = data.area_grid_each.diff("grid").isel(grid=-1).mean("surface")
+    assert data.area_error.sel(source="grid").values == pytest.approx(abs(step).values, rel=1e-12)
 
 
 def test_one_solid_is_given_with_units(tmp_path):

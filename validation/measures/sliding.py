@@ -1,4 +1,4 @@
-"""One surface that slides at several velocities, on several grids, reduced to numbers."""
+"""One surface that slides at several velocities, on several grids, reduced to numbers, and what the theory says of it."""
 
 from __future__ import annotations
 
@@ -10,31 +10,25 @@ import numpy as np
 from fem_contact.area import contact_areas
 from fem_contact.sliding import SlidingContact, slide
 from fem_contact.viscoelastic import PronySolid, TabulatedSolid
-from validation.arrays import Grid
+from persson.sliding import friction_of_waves
+from persson.variants import corrected_contact_area
+from validation.arrays import Array, Grid
+from validation.measures.theory import VARIANTS
 from validation.scenes.realised import Realised
 from validation.solves.solve import LOCATED_EDGES, NumbersSolve, Prediction
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["QUANTITIES", "REMEMBERED", "SHARES", "Rubber", "SlideSolve"]
+__all__ = ["SHARES", "Rubber", "SlideSolve", "slid_of"]
 
 Rubber = PronySolid | TabulatedSolid
 
 #: Shares g of the full energy that the theory's friction stores at vanishing contact, S = g + (1 - g) P^2.
-SHARES = {1.0: "Persson, S = 1", 0.5: "S = 1/2 + P^2/2"}
-#: |E| at the frequency of the period over E_0, above which the solid counts as remembering the period before.
-REMEMBERED = 2.0
-#: What is read off every solve.
-QUANTITIES = {
-    "friction": "mu / h'_rms by the pressure on the slopes",
-    "dissipation": "mu / h'_rms by what the solid loses",
-    "area": "A/A0, edge located inside the cells",
-    "contraction": "factor by which a plain step of the solver shrinks the error",
-    "steps": "steps of the solver",
-    "fft_pairs": "pairs of Fourier transforms",
-    "residual": "largest contact residual",
-}
+SHARES = {"full_energy": 1.0, "half_energy": 0.5}
+#: What is read off every solve: friction mu / h'_rms by the pressure on the slopes and by what the solid loses, A/A0 with
+#: the edge located inside the cells, the factor by which a plain step of the solver shrinks the error, and costs.
+QUANTITIES = ("friction", "dissipation", "area", "contraction", "steps", "fft_pairs", "residual")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,3 +117,59 @@ class SlideSolve(NumbersSolve):
             "fft_pairs": contact.cost.fft_pairs,
             "residual": contact.residuals.worst,
         }
+
+
+def slid_of(measured: xr.Dataset, solve: SlideSolve) -> xr.Dataset:
+    """Reduce one `SlideSolve` to numbers over (velocity) on its finest grid, with what each grid gave, and the theory's.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``friction_each``, whose drift is its distance to ``friction_dissipated_each``, and ``area_each``, whose drift is
+        its step from the grid before; ``_grid_each`` over (grid, velocity); friction by the shares of the full energy and
+        area by the variants of the theory, told the realised waves.
+    """
+    import xarray as xr
+
+    on_grids = {"friction": "friction", "friction_dissipated": "dissipation", "area": "area"}
+    fine, before = (measured.isel(grid=k) for k in (-1, -2))
+    numbers: dict[str, Any] = {f"{name}_grid_each": measured[of] for name, of in on_grids.items()}
+    numbers |= {f"{name}_each": fine[of] for name, of in on_grids.items()}
+    numbers |= {f"{name}_each": measured[name] for name in QUANTITIES[3:]}
+    numbers["friction_each_drift"] = fine.friction - fine.dissipation
+    numbers["area_each_drift"] = fine.area - before.area
+    friction, area = _theory(solve.realised, solve.rubber, solve.velocities)
+    numbers |= {f"friction_{name}_each": ("velocity", friction[:, k]) for k, name in enumerate(SHARES)}
+    numbers |= {f"area_{name}_each": ("velocity", area[:, k]) for k, name in enumerate(VARIANTS)}
+    return xr.Dataset(numbers, attrs={"solve": measured.attrs["solve"]})
+
+
+def _theory(case: Realised, rubber: Rubber, velocities: tuple[float, ...]) -> tuple[Array, Array]:
+    """Friction over (velocity, share) and area over (velocity, variant), told the realised waves."""
+    field = case.field
+    waves = np.fft.fft2(field.heights, norm="forward")
+    qx, qy = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(field.shape, field.spacing, strict=True))
+    power = np.abs(waves) ** 2
+    power[0, 0] = 0
+    there = power > 1e-20 * power.max()
+    x, y = (part[there] for part in np.broadcast_arrays(qx[:, None], qy[None, :]))
+    friction = np.empty((len(velocities), len(SHARES)))
+    area = np.empty((len(velocities), len(VARIANTS)))
+    for k, velocity in enumerate(velocities):
+        for j, share in enumerate(SHARES.values()):
+            said = friction_of_waves(
+                x,
+                y,
+                power=power[there],
+                pressure=case.pressure,
+                velocity=velocity,
+                modulus=rubber.modulus,
+                poisson=rubber.poisson,
+                energy_ratio=share,
+            )
+            friction[k, j] = said.friction / field.rms_gradient
+        for j, variant in enumerate(VARIANTS):
+            area[k, j] = corrected_contact_area(
+                case.pressure, stress_variance=said.stress_variance, variant=variant
+            )
+    return friction, area

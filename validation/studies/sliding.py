@@ -1,0 +1,281 @@
+"""What friction has a surface that slides on rubber, and how much of it touches, over the velocity?
+
+A rigid surface slides steadily on a viscoelastic half-space without friction in the interface. The friction coefficient is
+computed twice, by the pressure on the slopes and by what the solid loses; their distance is the error of the grid. Beside it
+stands Persson's integral with the full energy and with half of it. The solid is a standard solid, a Prony series or a table.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Self
+
+import numpy as np
+from pydantic import AfterValidator, Field, model_validator
+
+from fem_contact.errors import InvalidInput
+from fem_contact.viscoelastic import PronySolid, TabulatedSolid
+from validation.errors import UsageError
+from validation.files import read_whole
+from validation.measures.common import Rising, base_case, base_surface, in_rising_order
+from validation.measures.limits import solved
+from validation.measures.measurement import grid_for
+from validation.measures.sliding import SHARES, Rubber, SlideSolve, slid_of
+from validation.measures.theory import RANKED, VARIANTS
+from validation.report.estimates import Value, claim, derive, gather, mean, same_of_all
+from validation.report.findings import Finding, finding
+from validation.report.marks import Figure, Line, Panel, against
+from validation.report.table import Table
+from validation.report.views import Views
+from validation.scenes.scene import SelfAffineSurface, SolidSpec
+from validation.solves.bench import Bench
+from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
+from validation.studies._study import StudyOptions
+from validation.units import Duration, Length, Positive, Pressure, Velocity, wrong
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Options", "design", "run", "views"]
+
+#: Largest file of a modulus [byte].
+_LARGEST = 10**7
+#: |E| at the frequency of the period over E_0, above which the solid counts as remembering the period before.
+_REMEMBERED = 2.0
+
+
+class Options(StudyOptions):
+    """What slides, on what, and how fast."""
+
+    own = "its solid is viscoelastic, which no scene can say, and it makes its own surfaces"
+
+    velocities: Annotated[tuple[Velocity, ...], Field(min_length=1), AfterValidator(in_rising_order)] = Field(
+        default=(1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3, 1.0, 3.0),
+        description='velocities v along x, rising, e.g. "1 mm/s,10 mm/s"',
+    )
+    relaxed: Pressure = Field(default=1e6, description="E_0, Young's modulus at low frequency")
+    unrelaxed: Pressure = Field(default=1e7, description="E_inf of a standard solid, at high frequency")
+    time: Duration = Field(default=1e-3, description="retardation time tau of a standard solid")
+    moduli: tuple[Pressure, ...] = Field(
+        default=(), description="moduli E_k of a Prony series, in place of the standard solid"
+    )
+    times: tuple[Duration, ...] = Field(default=(), description="relaxation times of the series, as many")
+    modulus_table: str | None = Field(
+        default=None,
+        description="file of a measured modulus, in place of both: lines of omega [1/s], E' [Pa], E'' [Pa]",
+    )
+    poisson: float = Field(default=0.5, gt=-1, le=0.5, description="Poisson ratio")
+    reduced_pressure: Positive = Field(
+        default=0.1, description="p* = p0 / (E_0* h'_rms), with the relaxed modulus and the realised gradient"
+    )
+    length: Length = Field(default=1e-3, description="period of the surface")
+    hurst: Hurst = 0.8
+    periods: Periods = 2.0
+    bandwidth: Bandwidth = 8.0
+    surfaces: Surfaces = 6
+    points_per_wave: Rising = Field(
+        default=(4.0, 8.0, 16.0),
+        min_length=2,
+        description="grids, as lambda_short/dx; the finest gives the value",
+    )
+    seed: Seed = 2006
+
+    @model_validator(mode="after")
+    def _one_solid(self) -> Self:
+        said = self.model_fields_set
+        series, table = {"moduli", "times"} & said, self.modulus_table is not None
+        standard = {"unrelaxed", "time"} & said
+        if (series and standard) or (table and (series or standard or "relaxed" in said)):
+            raise wrong(
+                "give one solid: relaxed, unrelaxed, time; or relaxed, moduli, times; or modulus_table"
+            )
+        if len(self.moduli) != len(self.times):
+            raise wrong(f"moduli, times: {len(self.moduli)} and {len(self.times)} values: must be as many")
+        return self
+
+    def rubber(self) -> Rubber:
+        """Return the solid that was asked for."""
+        if self.modulus_table is not None:
+            return _table_of(Path(self.modulus_table), poisson=self.poisson)
+        if self.moduli:
+            return PronySolid(
+                relaxed=self.relaxed, moduli=self.moduli, times=self.times, poisson=self.poisson
+            )
+        return PronySolid.standard(
+            relaxed=self.relaxed, unrelaxed=self.unrelaxed, time=self.time, poisson=self.poisson
+        )
+
+    def surface(self) -> SelfAffineSurface:
+        """Return the first surface."""
+        return base_surface(
+            hurst=self.hurst,
+            periods=self.periods,
+            bandwidth=self.bandwidth,
+            seed=self.seed,
+            length=self.length,
+        )
+
+
+def _table_of(path: Path, *, poisson: float) -> TabulatedSolid:
+    """Read a modulus: three columns, comments after #."""
+    try:
+        text = read_whole(path, most=_LARGEST).decode()
+        omega, storage, loss = np.loadtxt(io.StringIO(text), ndmin=2, unpack=True)
+        return TabulatedSolid(frequencies=omega, storage=storage, loss=loss, poisson=poisson)
+    except (OSError, ValueError, InvalidInput) as error:
+        raise UsageError(
+            f"--modulus-table = {str(path)!r}: must hold lines of omega [1/s], E' [Pa] and E'' [Pa] ({error})"
+        ) from None
+
+
+def design(options: Options) -> dict[int, SlideSolve]:
+    """Return the solves by number of the surface."""
+    rubber = options.rubber()
+    solid = SolidSpec(young=_relaxed(rubber), poisson=rubber.poisson)
+    base = base_case(options.surface(), reduced_pressure=options.reduced_pressure, solid=solid)
+    grids = tuple(grid_for(base, points) for points in options.points_per_wave)
+    return {
+        k: SlideSolve(realised=base.further(k), rubber=rubber, velocities=options.velocities, grids=grids)
+        for k in range(options.surfaces)
+    }
+
+
+def _relaxed(rubber: Rubber) -> float:
+    return float(rubber.modulus(np.zeros(1)).real[0])
+
+
+def run(options: Options, *, bench: Bench) -> xr.Dataset:
+    """Let every surface slide at every velocity, on every grid.
+
+    Returns
+    -------
+    xarray.Dataset
+        mu / h'_rms by slopes and by losses, A/A0 and what the solves took over (surface, velocity), and over (grid); the
+        theory told the realised waves; |E(2 pi v / L)| / E_0 over velocity.
+    """
+    cases, rubber = design(options), options.rubber()
+    parts = {k: slid_of(one, cases[k]) for k, one in solved(bench, cases).items()}
+    velocity = np.array(options.velocities)
+    data = gather(parts, surface=range(options.surfaces)).assign_coords(
+        velocity=velocity, points_per_wave=("grid", list(options.points_per_wave))
+    )
+    passing = np.abs(rubber.modulus(2 * np.pi * velocity / options.length))
+    data["modulus_passing"] = ("velocity", passing / _relaxed(rubber))
+    data = derive(
+        data,
+        friction_difference_each="abs(friction_grid_each / friction_dissipated_grid_each - 1)",
+        friction_difference="(friction_difference_each**2).mean('surface')**0.5",
+        friction_difference_pooled="(friction_difference_each**2).mean(('surface', 'velocity'))**0.5",
+        **{f"friction_ratio_{name}_each": f"friction_{name}_each / friction_each" for name in SHARES},
+        **{f"area_theory_ratio_{name}_each": f"area_{name}_each / area_each" for name in VARIANTS},
+        area_excess_each="area_each / area_persson_each - 1",
+    )
+    ratios = [f"friction_ratio_{name}" for name in SHARES] + [
+        f"area_theory_ratio_{name}" for name in VARIANTS
+    ]
+    data = mean(data, "friction", "friction_dissipated", "area", "area_excess", *ratios)
+    theory = [f"friction_{name}" for name in SHARES] + [f"area_{name}" for name in VARIANTS]
+    excesses = {f"friction_excess_{name}": f"friction_ratio_{name} - 1" for name in SHARES}
+    data = derive(same_of_all(data, *theory), **excesses)
+    simulated = {"depth": "boundary elements press a half-space", "theory": "it is simulated"}
+    data = claim(data, "friction", "friction_dissipated", "area", **simulated)
+    said = {"solid": repr(rubber), "reduced_pressure": options.reduced_pressure}
+    return data.assign_attrs(study="sliding", methods=RANKED, **said)
+
+
+def views(data: xr.Dataset) -> Views:
+    """Friction and area over the velocity, and how both frictions meet as the grid is refined."""
+    count = data.sizes["velocity"]
+    some = {"velocity": sorted({0, count // 3, 2 * count // 3, count - 1})}
+    friction = ("friction", "friction_dissipated", *(f"friction_{name}" for name in SHARES))
+    area = ("area", *(f"area_{name}" for name in VARIANTS))
+    ratios = [f"friction_ratio_{name}" for name in SHARES] + [
+        f"area_theory_ratio_{name}" for name in VARIANTS
+    ]
+    meeting = [Line(y="friction_difference", by="velocity", at=some)]
+    return Views(
+        table=Table(rows=("velocity",), columns=("velocity", "modulus_passing", *friction, *area, *ratios)),
+        budget=("friction", "area"),
+        figures=[
+            Figure(
+                name="sliding",
+                caption="A rigid surface sliding on a viscoelastic half-space: friction coefficient over h'_rms by the pressure on "
+                "the slopes and by what the solid loses (left), area of real contact (middle), and difference of both "
+                "frictions over the resolution, root mean square over the surfaces (right).",
+                panels=[
+                    Panel(marks=[Line(y=name) for name in friction], x="velocity", log="x", bottom=0.0),
+                    against("velocity", *area, log="xy"),
+                    Panel(marks=meeting, x="points_per_wave", log="xy", base=2),
+                ],
+                width=13.0,
+            )
+        ],
+        findings=_findings(data),
+    )
+
+
+def _findings(data: xr.Dataset) -> list[Finding]:
+    """Say where friction is largest, how well both ways agree, how far the theory is off, and what it took."""
+    top = int(data.friction.values.argmax())
+    largest = data.isel(velocity=top)
+    areas = data.isel(velocity=sorted({0, top, data.sizes["velocity"] - 1}))
+    found = [
+        finding(
+            "value",
+            "Friction is largest at v = {velocity} m/s: mu = {friction} h'_rms, {friction_dissipated:~} by losses.",
+            largest,
+        ),
+        finding(
+            "cost",
+            "By slopes and by losses it differs by {each} (root mean square over velocities and surfaces). The solver took "
+            "{least} to {most} steps, at most {pairs} pairs of transforms; plain steps would shrink the error by {shrink} each "
+            "at worst.",
+            data,
+            item="{friction_difference_pooled:%} at {points_per_wave} points per shortest wave",
+            over="grid",
+            least=float(data.steps_each.min()),
+            most=float(data.steps_each.max()),
+            pairs=float(data.fft_pairs_each.max()),
+            shrink=float(data.contraction_each.max()),
+        ),
+        *(_theory_of(data, largest, name) for name in SHARES),
+        finding(
+            "comparison",
+            "A/A0 is {each}.",
+            areas,
+            item="{area} at v = {velocity} m/s, {verdict} Persson's {area_persson:~} (Yang, Persson {area_yang_persson:~}, Wang, "
+            "Müser {area_wang_mueser:~}, Xu et al. {area_xu:~})",
+            over="velocity",
+            by="area_excess",
+        ),
+    ]
+    late = data.velocity.values[data.modulus_passing.values > _REMEMBERED]
+    if late.size:
+        found.append(
+            finding(
+                "threshold",
+                "From v = {late} m/s on the solid has not relaxed when the period comes round again (|E| > {remembered} E_0 "
+                "there): it keeps the mean track of the periods before, more touches than on fresh rubber, and the theory, "
+                "which knows no track, is no comparison.",
+                late=float(late[0]),
+                remembered=_REMEMBERED,
+            )
+        )
+    return found
+
+
+def _theory_of(data: xr.Dataset, largest: xr.Dataset, name: str) -> Finding:
+    """Say how far the theory's friction is off with one share of the full energy."""
+    words = {"full_energy": "S = 1", "half_energy": "S = 1/2 + P^2 / 2"}[name]
+    ratio = f"friction_ratio_{name}"
+    return finding(
+        "comparison",
+        f"Persson's friction with {words} is {{verdict}} the largest, {{{ratio}}} times it, and {{low}} to {{high}} times that "
+        "at all velocities.",
+        largest,
+        by=f"friction_excess_{name}",
+        low=Value(value=float(data[ratio].min()), error=math.nan),
+        high=Value(value=float(data[ratio].max()), error=math.nan),
+    )
