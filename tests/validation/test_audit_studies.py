@@ -1,4 +1,4 @@
-"""Studies read back: what is not computed again is listed."""
+"""Studies read back through the command: what cannot be computed again is listed."""
 
 from __future__ import annotations
 
@@ -13,8 +13,6 @@ from validation.solves.bench import Bench
 from validation.studies import find_study
 from validation.studies._outputs import run_study
 
-_SCENE = small_scene()
-
 
 @pytest.fixture
 def folder(tmp_path):
@@ -27,23 +25,31 @@ def folder(tmp_path):
     return made
 
 
-def test_numbers_of_solves_that_are_gone_are_listed_not_judged(folder):
+def test_a_study_agrees_and_without_its_store_its_solves_are_listed(folder):
+    whole = audit(folder)
+    assert whole.wrong == ()
     path = folder / "study.json"
-    said = json.loads(path.read_text())
-    path.write_text(json.dumps({**said, "store": "nowhere"}))
+    path.write_text(json.dumps({**json.loads(path.read_text()), "store": "nowhere"}))
     ledger = audit(folder)
     assert ledger.wrong == ()
+    assert len(ledger.entries) < len(whole.entries)
+    assert any("names no store that is there" in line for line in ledger.unread)
     assert "data.nc: area_each" in ledger.unread
 
 
 def test_a_study_on_a_scene_is_computed_again_from_its_solves(tmp_path):
-    (tmp_path / "mine.toml").write_text(_SCENE)
+    (tmp_path / "mine.toml").write_text(small_scene())
     study, folder = find_study("area"), tmp_path / "area"
     folder.mkdir()
-    options = study.options(
-        scene=load_scene(str(tmp_path / "mine.toml")), reduced_pressures=(0.1, 0.2), surfaces=2
-    )
+    scene = load_scene(str(tmp_path / "mine.toml"))
+    options = study.options(scene=scene, reduced_pressures=(0.1, 0.2), surfaces=2)
     run_study(study, options, folder, bench=Bench.at(tmp_path / "solves"), report=False)
     ledger = audit(folder)
     assert [str(entry) for entry in ledger.wrong] == []
     assert "data.nc: area_each" not in ledger.unread
+
+
+def test_a_record_that_is_no_table_ends_in_a_line(folder):
+    (folder / "summary.json").write_text("[]")
+    with pytest.raises(ValueError, match="holds no table"):
+        audit(folder)

@@ -14,7 +14,7 @@ from validation.audit.recomputed import Run
 from validation.audit.sentences import audit_sentences
 from validation.audit.several import audit_accuracy, audit_sweep
 from validation.audit.stored import Array, Stored, wavevectors
-from validation.audit.studies import audit_study, is_study
+from validation.audit.values import audit_values, is_study
 
 __all__ = ["audit", "judge_fields", "judge_surfaces"]
 
@@ -38,7 +38,7 @@ def audit(folder: Path) -> Ledger:
         For a folder that holds no finished run of this version.
     """
     if is_study(folder):
-        return audit_study(folder)
+        return audit_values(folder)
     if (folder / "sweep.json").exists():
         return audit_sweep(folder)
     ledger = Ledger()
