@@ -1,16 +1,15 @@
-"""What the studies share: base surfaces, checked options, the theory's line, the mean over surfaces."""
+"""What the studies share: base surfaces, checked options, the theory's line."""
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 import numpy as np
 from pydantic import AfterValidator, Field, ValidationInfo
 
 from persson import elastic
-from validation.measures.statistics import Estimate, mean_over_surfaces
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.scenes.surfaces import spectrum_of
@@ -18,8 +17,6 @@ from validation.solves.bench import Bench
 from validation.units import Positive, wrong
 
 if TYPE_CHECKING:
-    import xarray as xr
-    from matplotlib.axes import Axes
     from numpy.typing import ArrayLike, NDArray
 
     from validation.solves.solve import Solve
@@ -34,12 +31,8 @@ __all__ = [
     "RisingOrNone",
     "base_case",
     "base_surface",
-    "draw_means",
-    "each",
     "in_rising_order",
-    "means_of",
     "named",
-    "over_surfaces",
     "persson_area",
     "reduced_load",
     "results_of",
@@ -173,38 +166,11 @@ def persson_area(reduced_pressure: ArrayLike) -> NDArray[np.float64]:
     )
 
 
-def over_surfaces(values: xr.DataArray) -> Estimate:
-    """Mean over the dimension "surface" of numbers that have no other."""
-    return mean_over_surfaces(values.values)
-
-
-def means_of(values: xr.DataArray) -> list[Estimate]:
-    """Mean over the surfaces at each place along the other dimension, the second."""
-    return [over_surfaces(values[:, k]) for k in range(values.shape[1])]
-
-
 def named(
     dims: str | Sequence[str], values: Any, words: str, *, unit: str | None = None
 ) -> tuple[Any, Any, Any]:
     """Return a variable of a dataset with what it is in words, and its unit where it is said."""
     return dims, values, ({} if unit is None else {"units": unit}) | {"long_name": words}
-
-
-def draw_means(axes: Axes, x: ArrayLike, means: Sequence[Estimate], **style: Any) -> None:
-    """Draw means with their 95 % intervals."""
-    axes.errorbar(x, [one.value for one in means], yerr=[one.half_width for one in means], **style)
-
-
-def each(dataset: xr.Dataset, *dims: str) -> Iterator[xr.Dataset]:
-    """Yield what a dataset holds at each place along some dimensions, the last one running first.
-
-    >>> import xarray as xr
-    >>> data = xr.Dataset({"area": (("surface", "load"), [[1.0, 2.0], [3.0, 4.0]])})
-    >>> [here.area.item() for here in each(data, "load", "surface")]
-    [1.0, 3.0, 2.0, 4.0]
-    """
-    for place in itertools.product(*(range(dataset.sizes[dim]) for dim in dims)):
-        yield dataset.isel(dict(zip(dims, place, strict=True)))
 
 
 def truncated_surface(until: float, *, gradient: float, bandwidth: float, **told: Any) -> SelfAffineSurface:
