@@ -16,15 +16,16 @@ from validation.cli import app
 from validation.errors import UsageError
 from validation.measures.common import base_case, base_surface
 from validation.measures.controlled import Known, Level, chained_mean
-from validation.measures.ensemble import _Drawn, mean_area
+from validation.measures.ensemble import QUANTITIES, _Drawn, mean_area
+from validation.measures.table_samples import at_loads, joined, with_size
 from validation.measures.without_solve import unsolved_statistics
 from validation.reference.alpha import at_equal_alpha
 from validation.reference.fit import FIT, fitted, fitted_area, nayak
 from validation.reference.interpolation import interpolated
+from validation.report.estimates import claim, total_error
 from validation.solves.bench import Bench
+from validation.studies import find_study
 from validation.studies import reference as study
-from validation.studies.reference.joining import joined, with_size
-from validation.studies.reference.loads import at_loads
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -45,17 +46,17 @@ def planted(monkeypatch):
     dims = ("hurst", "bandwidth", "reduced_pressure")
     data = xr.Dataset(
         {
-            "area": (dims, area, {"long_name": "A/A0"}),
-            "area_error": (dims, 0.004 * area),
-            "gap": (dims, gap + np.zeros_like(area), {"long_name": "gap"}),
-            "gap_error": (dims, 0.01 * gap + np.zeros_like(area)),
+            "area": (dims, area),
+            "gap": (dims, gap + np.zeros_like(area)),
             "saving": (dims, area),
-            "area_by_spectrum": (dims, 0.97 * area, {"long_name": "A/A0"}),
-            "area_by_spectrum_error": (dims, 0.006 * area),
+            "area_by_spectrum": (dims, 0.97 * area),
         },
         coords={"hurst": HURSTS, "bandwidth": BANDWIDTHS, "reduced_pressure": LOADS},
         attrs={"periods": 4.0},
     )
+    data = claim(data, "area", surfaces=0.004 * data.area)
+    data = claim(data, "gap", surfaces=0.01 * data.gap)
+    data = claim(data, "area_by_spectrum", surfaces=0.006 * data.area)
     data = xr.concat([data, 1.02 * data.sel(hurst=[0.1, 1.0])], "amplitudes", join="outer")
     data = data.assign_attrs(periods=4.0)
     data = data.assign_coords(amplitudes=["exact", "gaussian"])
@@ -154,9 +155,10 @@ def test_where_alpha_is_all_that_matters_it_is_seen_and_where_the_hurst_exponent
     area = fitted_area(loads, alpha=alpha[..., None])
     dims = ("hurst", "bandwidth", "reduced_pressure")
     table = xr.Dataset(
-        {"area": (dims, area, {"long_name": "A/A0"}), "area_error": (dims, 1e-3 * area)},
+        {"area": (dims, area)},
         coords={"hurst": hursts, "bandwidth": bandwidths, "reduced_pressure": loads},
     )
+    table = claim(table, "area", surfaces=1e-3 * table.area)
     found = at_equal_alpha(table, (4.0, 6.0, 12.0))
     assert np.isfinite(found.area.values[:2]).all()
     assert np.isnan(found.area.values[2, 0]).all()  # beyond bandwidth 32 at H = .3
@@ -188,20 +190,18 @@ def test_the_size_of_the_sample_is_the_change_that_is_seen_or_the_least_that_wou
 
     def cells(value, width, *, hursts, periods):
         shape = (len(hursts), 1, 2)
-        data = {name: (dims, np.broadcast_to(value, shape).copy()) for name in study.QUANTITIES}
-        data |= {
-            f"{name}_{what}": (dims, np.full(shape, width))
-            for name in study.QUANTITIES
-            for what in ("half_width", "error")
-        }
         coords = {"hurst": hursts, "bandwidth": [8.0], "reduced_pressure": [0.1, 0.2]}
-        return xr.Dataset(data, coords=coords, attrs={"periods": periods})
+        data = {name: (dims, np.broadcast_to(value, shape).copy()) for name in QUANTITIES}
+        made = xr.Dataset(data, coords=coords, attrs={"periods": periods})
+        return claim(made, *QUANTITIES, surfaces=width)
 
     table = cells([2.0, 2.0], 0.006, hursts=[0.3, 0.5, 0.8], periods=4.0)
     whole = with_size(table, cells([2.1, 2.0], 0.008, hursts=[0.3, 0.8], periods=8.0))
     # A change of 5 % at the first load; none at the second, told to .01/2 over the root of two cells.
-    assert whole.gap_size.values[1, 0] == pytest.approx([0.1, 2 * 0.005 / 2**0.5])
-    assert whole.gap_error.values[2, 0] == pytest.approx(np.hypot(0.006, whole.gap_size.values[2, 0]))
+    size = whole.gap_error.sel(source="size")
+    assert size.values[1, 0] == pytest.approx([0.1, 2 * 0.005 / 2**0.5])
+    total = total_error(whole, "gap", sources=["surfaces", "size"])
+    assert total.values[2, 0] == pytest.approx(np.hypot(0.006, size.values[2, 0]))
     assert whole.attrs["larger_periods"] == 8.0
 
 
@@ -220,15 +220,14 @@ def test_the_table_that_is_shipped_is_whole_and_says_how_it_was_made():
     made = np.isfinite(data.area.values)
     assert np.all(made.all(axis=3) == made.any(axis=3))
     exact = made & (data.amplitudes.values == "exact")[:, None, None, None]
-    for name in study.QUANTITIES:
+    for name in QUANTITIES:
         assert np.all(np.isfinite(data[name].values) == made), name
-        parts = {part: data[f"{name}_{part}"].values for part in ("half_width", "grid", "size")}
+        parts = {part: data[f"{name}_error"].sel(source=part).values for part in ("surfaces", "grid", "size")}
         assert np.all(np.isfinite(parts["size"]) == exact), name
         squares = sum(np.nan_to_num(part) ** 2 for part in parts.values())
         solver = (7 * data.attrs["tolerance"] * data[name].values) ** 2
-        assert data[f"{name}_error"].values[made] == pytest.approx(
-            np.sqrt(squares + solver)[made], rel=1e-9
-        ), name
+        total = total_error(data, name).transpose(*data[name].dims).values
+        assert total[made] == pytest.approx(np.sqrt(squares + solver)[made], rel=1e-9), name
         assert np.all(squares[exact] > 0), name
     assert np.all(np.diff(data.area.values, axis=3)[made[..., 1:]] > 0)
     assert data.attrs["study"] == "reference"
@@ -248,7 +247,7 @@ def test_the_documentation_prints_the_areas_of_the_table_that_is_shipped():
     assert len(rows) == np.isfinite(data.area).all("reduced_pressure").sum()
     for hurst, bandwidth, *cells in rows:
         own = data.sel(hurst=float(hurst), bandwidth=float(bandwidth))
-        for cell, area, error in zip(cells, own.area.values, own.area_error.values, strict=True):
+        for cell, area, error in zip(cells, own.area.values, total_error(own, "area").values, strict=True):
             digits, last = re.fullmatch(r"([\d.]+)\((\d+)\)", cell).groups()
             unit = 10.0 ** -len(digits.partition(".")[2])
             assert float(digits) == pytest.approx(area, abs=0.51 * unit)
@@ -296,17 +295,25 @@ def test_a_cell_of_the_table_is_the_chained_mean_of_its_pairs(small):
     own, data = chain[-1].estimate, data.sel(amplitudes="exact")
     assert own.samples == 4
     assert float(data.gap[0, 0, 1]) == pytest.approx(own.value, rel=1e-12)
-    assert float(data.gap_half_width[0, 0, 1]) == pytest.approx(own.half_width, rel=1e-12)
+    half = total_error(data, "gap", sources=["surfaces"]).isel(hurst=0, bandwidth=0, reduced_pressure=1)
+    assert float(half) == pytest.approx(own.half_width, rel=1e-12)
 
 
 def test_the_total_is_the_root_of_the_squares_of_surfaces_grid_size_and_solver(small):
-    _, _, data = small
-    table, data = study.table(data), data.sel(amplitudes="exact")
-    parts = data.area_half_width**2 + data.area_grid**2 + data.area_size**2 + (7e-6 * data.area) ** 2
-    assert data.area_error.values == pytest.approx(np.sqrt(parts.values), rel=1e-12)
+    _, _, whole = small
+    data = whole.sel(amplitudes="exact")
+    parts = data.area_error.sel(source=["surfaces", "grid", "size"]) ** 2
+    total = total_error(data, "area")
+    np.testing.assert_allclose(total**2, parts.sum("source") + (7e-6 * data.area) ** 2, rtol=1e-12)
+    table = study.views(whole).table.of(whole)
     row = dict(zip(table.columns, table.rows[0], strict=True))
-    assert row["+- total [%]"] == pytest.approx(100 * float(data.area_error[0, 0, 0] / data.area[0, 0, 0]))
+    assert row["A/A0 +- (95 %)"] == pytest.approx(float(total[0, 0, 0]), rel=1e-12)
     assert row["kappa"] == pytest.approx(float(data.area[0, 0, 0]) / 0.05)
+    persson = erf(2**0.5 * 0.05)
+    assert row["A/A(Persson) - 1"] == pytest.approx(float(data.area[0, 0, 0]) / persson - 1, rel=1e-9)
+    np.testing.assert_allclose(
+        data.interval_worst, (total / data.area).max(("hurst", "bandwidth")), rtol=1e-12
+    )
 
 
 def test_exact_amplitudes_have_one_gradient_and_the_two_loads_differ_by_its_ratio(small):
@@ -325,14 +332,15 @@ def test_gaussian_amplitudes_have_columns_of_their_own_and_no_part_of_the_size(s
     _, _, data = small
     assert data.amplitudes.values.tolist() == ["exact", "gaussian"]
     exact, gaussian = (data.sel(amplitudes=name) for name in ("exact", "gaussian"))
-    joint = np.hypot(exact.area_error, gaussian.area_error)
+    joint = np.hypot(*(total_error(part, "area") for part in (exact, gaussian)))
     assert np.all(abs(exact.area - gaussian.area) < 2 * joint)
     assert np.all(exact.area != gaussian.area)
-    assert np.isfinite(exact.area_size).all()
-    assert np.isnan(gaussian.area_size).all()
-    parts = sum(gaussian[f"area_by_spectrum_{part}"] ** 2 for part in ("half_width", "grid", "reading"))
-    solver = (1e-6 * gaussian.area_by_spectrum) ** 2
-    assert gaussian.area_by_spectrum_error.values == pytest.approx(np.sqrt((parts + solver).values))
+    assert np.isfinite(exact.area_error.sel(source="size")).all()
+    assert np.isnan(gaussian.area_error.sel(source="size")).all()
+    # What is read off between the loads is a part of the grids' error.
+    grids = gaussian.area_by_spectrum_error.sel(source="grid")
+    rest = grids**2 - gaussian.area_by_spectrum_reading**2
+    np.testing.assert_allclose(rest, gaussian.area_error.sel(source="grid") ** 2, rtol=1e-6)
 
 
 def test_larger_samples_have_twice_the_periods_a_quarter_of_the_pairs_and_other_surfaces():
@@ -420,12 +428,11 @@ def test_what_is_fitted_is_found_again():
     assert fitted_area(0.2, alpha=5.0, constants=(0.0, 0.0, 1.0, 1.0)) == pytest.approx(erf(0.2 * 2**0.5))
 
 
-def test_the_map_of_the_theory_shows_the_distance_of_every_cell_that_there_is(planted):
-    planted.area[0, 0, 2] = np.nan
-    drawn = next(drawing for drawing in study.figures(planted) if drawing.name == "reference-verdict")
-    panels = drawn.figure.axes[:4]
-    texts = [text.get_text() for text in panels[0].texts]
-    assert len(texts) == 8 * LOADS.size
-    persson = erf(2**0.5 * LOADS[0]) / law(HURSTS[0], BANDWIDTHS[0], LOADS[0])[0] - 1
-    assert float(texts[0]) == pytest.approx(100 * persson, abs=0.51)
-    assert [axes.get_title() for axes in panels][:2] == ["Persson", "Yang, Persson 2008"]
+def test_the_theories_are_drawn_by_their_distance_from_the_table(small):
+    _, _, data = small
+    drawn = next(one for one in find_study("reference").figures(data) if one.name == "reference-verdict")
+    first = next(one for one in drawn.drawn if one.mark.y == "theory_excess_persson")
+    exact = erf(2**0.5 * np.array([0.05, 0.2])) / data.area.sel(amplitudes="exact").values[0, 0] - 1
+    np.testing.assert_allclose(first.artist.lines[0].get_ydata(), exact, rtol=1e-9)
+    titles = [axes.get_title() for axes in drawn.figure.axes[:4]]
+    assert titles[:2] == ["Persson", "Yang, Persson 2008"]

@@ -50,9 +50,9 @@ QUANTITIES = {
     "area": "A/A0, edge located inside the cells, limit over grids",
     "gap": "mean gap / h_rms",
     "compliance": "p0 / (K h_rms), K = d p0 / d(approach), the contact conductance in other units; 0 in full contact",
-    "energy": "elastic energy / that of full contact",
-    "slope": "P'(0) (E* h'_rms)^2, fitted between .1 and .4 E* h'_rms",
-    "patches": "contact patches per lambda_long^2",
+    "energy_ratio": "elastic energy / that of full contact",
+    "density_slope": "slope of P(sigma), times (E* h'_rms)^2, fitted between .1 and .4 E* h'_rms",
+    "patch_density": "contact patches per lambda_long^2",
 }
 
 
@@ -219,8 +219,9 @@ def _on_grid(data: xr.Dataset, name: str, *, grid: int, periods: float) -> Array
     mean = data.isel(grid=grid).mean("shift")
     scales: Mapping[str, tuple[str, float]] = {
         "gap": ("mean_gap", 1 / data.attrs["rms_height"]),
-        "energy": ("energy", 1 / data.attrs["full_contact_energy"]),
-        "patches": ("patches", 1 / periods**2),
+        "energy_ratio": ("energy", 1 / data.attrs["full_contact_energy"]),
+        "density_slope": ("slope", 1.0),
+        "patch_density": ("patches", 1 / periods**2),
         "area": ("subcell", 1.0),
     }
     variable, scale = scales.get(name, (name, 1.0))

@@ -14,15 +14,16 @@ if TYPE_CHECKING:
 
 __all__ = ["ReferenceValue", "lookup", "table"]
 
+_QUANTITIES = ("area", "gap", "compliance", "energy_ratio", "density_slope", "patch_density")
 _AMPLITUDES, _GRADIENTS = ("exact", "gaussian"), ("surface", "spectrum")
 
 
 def table() -> xr.Dataset:
     """Return the table as `fem-contact study reference` made it; its attributes and `pairs` say how.
 
-    Over (amplitudes, hurst, bandwidth, reduced_pressure): each quantity, its `_half_width` (surfaces),
-    `_grid`, `_size` (of the sample; exact amplitudes alone), and `_error`, the root of their squares and
-    the solver's; NaN in cells not made. `area_by_spectrum` is the area at p* by the gradient of C(q).
+    Over (amplitudes, hurst, bandwidth, reduced_pressure): each quantity, and its `_error` with the further
+    dimension source: half widths of 95 % intervals (surfaces, grid, solver, and size of the sample, told for
+    exact amplitudes); NaN in cells not made. `area_by_spectrum` is the area at p* by the gradient of C(q).
     """
     from validation.solves.netcdf import read_dataset
 
@@ -59,7 +60,8 @@ def lookup(
     Returns
     -------
     mapping of str to ReferenceValue
-        By quantity: area, gap, compliance, energy, slope, patches; the area alone by the gradient of C(q).
+        By quantity: area, gap, compliance, energy_ratio, density_slope, patch_density; the area alone by the
+        gradient of C(q).
 
     Raises
     ------
@@ -76,7 +78,7 @@ def lookup(
         if choice not in known:
             raise UsageError(f"{name} = {choice!r}: must be one of {', '.join(known)}")
     data = _columns(table(), amplitudes, gradient)
-    names = [str(name) for name in data.data_vars if f"{name}_error" in data.data_vars]
+    names = [name for name in _QUANTITIES if f"{name}_error" in data.data_vars]
     asked = {"hurst": hurst, "bandwidth": bandwidth, "reduced_pressure": reduced_pressure}
     try:
         return {name: interpolated(data, name, asked) for name in names}
@@ -90,5 +92,5 @@ def _columns(data: xr.Dataset, amplitudes: str, gradient: str) -> xr.Dataset:
         raise UsageError(f"amplitudes = {amplitudes!r}: the table has {', '.join(data.amplitudes.values)}")
     data, names = data.sel(amplitudes=amplitudes), ("area_by_spectrum", "area_by_spectrum_error")
     if gradient == "surface":
-        return data.drop_vars(names)
+        return data.drop_vars(names, errors="ignore")
     return data[[*names]].rename({name: name.replace("_by_spectrum", "") for name in names})

@@ -12,6 +12,8 @@ from scipy.interpolate import PchipInterpolator
 from persson import elastic
 from validation.arrays import Array
 from validation.errors import UsageError
+from validation.report.estimates import total_error
+from validation.report.quantities import quantity
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -113,11 +115,13 @@ def _looked_up(data: xr.Dataset, name: str, asked: Mapping[str, float]) -> Refer
         value, other = (factor * float(_theory(asked["reduced_pressure"])) for factor in (smooth, straight))
     else:
         value, other = (float(np.exp(logarithm)) for logarithm in _both(data, np.log(values), asked))
-    relative = data[f"{name}_error"].transpose(*_AXES).values / values
+    error = total_error(data, name)
+    assert error is not None
+    relative = error.transpose(*_AXES).values / values
     interpolation = abs(value - other)
     return ReferenceValue(
         quantity=name,
-        meaning=str(data[name].attrs["long_name"]),
+        meaning=quantity(name).meaning,
         value=value,
         uncertainty=float(np.hypot(value * _both(data, relative, asked)[1], interpolation)),
         interpolation=interpolation,

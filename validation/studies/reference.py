@@ -8,37 +8,41 @@ of a spectrum (`validation.measures.controlled`). It is made once, shipped, and 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
 from fem_contact.contact import ContactResult
 from fem_contact.stress import initial_slope
-from validation.arrays import Array
-from validation.measures.common import Ladder, Rising, RisingOrNone, base_case, base_surface, results_of
+from validation.measures.common import Ladder, Rising, RisingOrNone, base_case, base_surface
 from validation.measures.ensemble import QUANTITIES
 from validation.measures.flow import StiffMeasurement
-from validation.measures.measurement import TOLERANCES_LEFT, grid_for
+from validation.measures.limits import solved
+from validation.measures.measurement import grid_for
+from validation.measures.table_samples import LoadedSamples, controlled_means, joined, with_size
+from validation.measures.theory import VARIANTS, with_variants
 from validation.measures.without_solve import UnsolvedPairs
+from validation.reference.alpha import at_equal_alpha
+from validation.report.estimates import claim, derive, gather, total_error
+from validation.report.findings import Finding, finding
+from validation.report.marks import Figure, Line, Panel, panels_along
+from validation.report.table import Table
+from validation.report.views import Views
 from validation.scenes.realised import Realised
 from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
 from validation.solves.bench import Bench
 from validation.studies._options import Periods, Seed
 from validation.studies._study import StudyOptions
-from validation.studies.reference.joining import joined, with_size
-from validation.studies.reference.loads import BY_SPECTRUM, LoadedSamples
-from validation.studies.reference.shown import figures, findings, table
 from validation.units import wrong
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["QUANTITIES", "Options", "figures", "findings", "run", "table"]
+__all__ = ["Options", "run", "views"]
 
 #: Numbers of pairs are those of the options at this bandwidth, and in proportion to its inverse at others: surfaces with
 #: fewer waves scatter more and cost less.
@@ -50,10 +54,8 @@ _LEAST_GRIDS, _LEAST_PAIRS = 3, 4
 _GREW = (2, 0, 1)
 #: Between the seeds of the table and those of larger samples.
 _APART = 1_000_000
-
-#: What is a mean over surfaces, and its meaning.
-_WORDS = {**QUANTITIES, BY_SPECTRUM: f"{QUANTITIES['area']}, at p* by the gradient of C(q)"}
-_READING = f"{BY_SPECTRUM}_reading"
+#: Nayak parameters at which Hurst exponents are compared, and the load up to which they are [p*].
+_ALPHAS, _MIDDLING = (3.0, 4.0, 6.0, 10.0, 16.0), 0.3
 
 
 class Options(StudyOptions):
@@ -156,7 +158,7 @@ class _Rich(StiffMeasurement):
 
     @property
     def quantities(self) -> Mapping[str, tuple[str, str]]:
-        return {**super().quantities, "slope": ("1", QUANTITIES["slope"])}
+        return {**super().quantities, "slope": ("1", QUANTITIES["density_slope"])}
 
     def read_off(self, result: ContactResult, *, located: bool) -> dict[str, float]:
         return super().read_off(result, located=located) | {"slope": initial_slope(result).reduced}
@@ -174,44 +176,38 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        Over (amplitudes, hurst, bandwidth, load), NaN where nobody asked, for each of `QUANTITIES` and for `BY_SPECTRUM`:
-        the mean, `_half_width` (95 %, over surfaces), `_grid` (half width of what the grids leave, common to all
-        surfaces), `_size` where larger samples were asked for, `_reading` of `BY_SPECTRUM`, and `_error`, the root of
-        their squares and the solver's; and `saving`, the time that as many fine surfaces as the same interval takes would
-        cost over what was spent.
+        Over (amplitudes, hurst, bandwidth, reduced_pressure), NaN where nobody asked, for each of `QUANTITIES` and for the
+        area at p* by the gradient of C(q): the mean with its errors by source; ``saving``; how far the theories are off;
+        areas of the exact amplitudes at equal Nayak parameter.
     """
     made = _means(options, "exact", bench)
     if larger := options.larger_samples():
         made = with_size(made, _means(larger, "exact", bench))
     gaussian = options.part(options.gaussian, options.gaussian_bandwidths)
-    return joined([made, _means(gaussian, "gaussian", bench)]) if gaussian else made
+    return _with_theories(joined([made, _means(gaussian, "gaussian", bench)]) if gaussian else made)
 
 
 def _means(options: Options, amplitudes: str, bench: Bench) -> xr.Dataset:
     """Return the controlled means over the surfaces with such amplitudes."""
-    solved = results_of(bench, {**_cases(options, amplitudes), **_unsolved(options, amplitudes)})
-    shape = (len(options.hursts), len(options.bandwidths), len(options.reduced_pressures))
-    values = {f"{name}{part}": np.empty(shape) for name in _WORDS for part in ("", "_half_width", "_grid")}
-    values |= {name: np.empty(shape) for name in ("saving", _READING)}
-    for at in np.ndindex(shape[:2]):
-        samples = _samples(solved, options, options.hursts[at[0]], options.bandwidths[at[1]])
-        for name in _WORDS:
-            chains = samples.chains(name)
-            found = [chain[-1].estimate for chain in chains]
-            values[name][at] = [one.value for one in found]
-            values[f"{name}_half_width"][at] = [one.half_width for one in found]
-            values[f"{name}_grid"][at] = samples.grid_errors(name)
-            if name == "area":
-                values["saving"][at] = samples.savings(chains)
-        values[_READING][at] = samples.reading_errors()
-    return _dataset(options, values).expand_dims(amplitudes=[amplitudes])
+    measured = solved(bench, {**_cases(options, amplitudes), **_unsolved(options, amplitudes)})
+    cells = {
+        (hurst, bandwidth): controlled_means(
+            _samples(measured, options, hurst, bandwidth), tolerance=_TOLERANCE
+        ).assign(pairs=_pairs_text(options, bandwidth))
+        for hurst, bandwidth in itertools.product(options.hursts, options.bandwidths)
+    }
+    data = gather(cells, hurst=options.hursts, bandwidth=options.bandwidths)
+    told = {name: getattr(options, name) for name in ("periods", "unsolved", "seed")}
+    return data.expand_dims(amplitudes=[amplitudes]).assign_attrs(
+        study="reference", methods="bem", tolerance=_TOLERANCE, **told
+    )
 
 
 def _samples(
-    solved: Mapping[_Case | _Name, xr.Dataset], options: Options, hurst: float, bandwidth: float
+    measured: Mapping[_Case | _Name, xr.Dataset], options: Options, hurst: float, bandwidth: float
 ) -> LoadedSamples:
     """Sort what was solved of one spectrum."""
-    own = {name[2:]: data for name, data in solved.items() if name[:2] == (hurst, bandwidth)}
+    own = {name[2:]: data for name, data in measured.items() if name[:2] == (hurst, bandwidth)}
     statistics = {name[0]: data for name, data in own.items() if len(name) == 1}
     return LoadedSamples(
         ending=[
@@ -227,61 +223,39 @@ def _samples(
     )
 
 
-def _dataset(options: Options, values: dict[str, Array]) -> xr.Dataset:
-    """Return all numbers with their names, and how they were made."""
-    import xarray as xr
-
-    dims = ("hurst", "bandwidth", "reduced_pressure")
-    meanings = {"saving": "time of plain means of the same interval over the time spent"} | _WORDS
-    for name in _WORDS:
-        parts = [values[f"{name}{part}"] for part in ("_half_width", "_grid")]
-        if name == BY_SPECTRUM:
-            parts.append(values[_READING])
-        values[f"{name}_error"] = np.sqrt(
-            sum(part**2 for part in parts) + (TOLERANCES_LEFT * _TOLERANCE * values[name]) ** 2
-        )
-        for part, what in (
-            ("half_width", "over surfaces"),
-            ("grid", "of the grid limit"),
-            ("reading", "of the interpolation to these loads"),
-            ("error", "of all parts"),
-        ):
-            meanings[f"{name}_{part}"] = f"half of the 95 % interval {what}"
-    data: dict[str, Any] = {
-        name: (dims, numbers, {"long_name": meanings[name]}) for name, numbers in values.items()
-    }
-    for name in _WORDS:
-        data[name][2]["units"] = "1"
-    data["pairs"] = (dims[:2], _pairs_text(options), {"long_name": "pairs +h, -h that end with a grid"})
-    axes = {"bandwidth": "lambda_long / lambda_short", "reduced_pressure": "p* = p0 / (E* h'_rms)"}
-    return xr.Dataset(
-        data,
-        coords={"hurst": list(options.hursts)}
-        | {
-            name: (name, list(getattr(options, f"{name}s")), {"long_name": meaning})
-            for name, meaning in axes.items()
-        },
-        attrs={
-            "study": "reference",
-            "methods": "bem",
-            "periods": options.periods,
-            "unsolved": options.unsolved,
-            "tolerance": _TOLERANCE,
-            "seed": options.seed,
-        },
+def _with_theories(data: xr.Dataset) -> xr.Dataset:
+    """Add kappa, the distances of the theories, what the table comes to, and the areas at equal Nayak parameter."""
+    data = derive(with_variants(data), kappa="area / reduced_pressure", area_excess="area / area_persson - 1")
+    data = derive(data, **{f"theory_excess_{name}": f"area_{name} / area - 1" for name in VARIANTS})
+    exact = data.sel(amplitudes="exact")
+    exact = exact.assign(interval=total_error(exact, "area") / exact.area)
+    cells = "(['hurst', 'bandwidth'])"
+    bare = derive(
+        exact[["interval", "area_excess", "saving"]],
+        interval_median=f"interval.median{cells}",
+        interval_worst=f"interval.max{cells}",
+        area_excess_low=f"area_excess.min{cells}",
+        area_excess_high=f"area_excess.max{cells}",
+        saving_median="saving.median(['hurst', 'reduced_pressure'])",
     )
+    kept = [name for name in bare.data_vars if str(name).endswith(("median", "worst", "low", "high"))]
+    equal = at_equal_alpha(exact, _ALPHAS)
+    several = equal.area.where(equal.area.notnull().sum("hurst") > 1)
+    names = {"area": "area_equal", "bandwidth": "bandwidth_equal", "alpha": "nayak_equal"}
+    added = (
+        equal.drop_vars("area_error")
+        .rename(names)
+        .assign(area_equal_spread=(several.max("hurst") / several.min("hurst") - 1).max("alpha"))
+    )
+    data = data.assign({name: bare[name] for name in kept}).merge(added.transpose(..., "reduced_pressure"))
+    data = claim(data, "area_equal", surfaces=equal.area_error.rename(alpha="nayak_equal"))
+    return derive(data, kappa_equal="area_equal / reduced_pressure")
 
 
-def _pairs_text(options: Options) -> NDArray[np.str_]:
-    """Say of each spectrum how many pairs end with which points per wave."""
-    texts = [
-        ", ".join(
-            f"{count} on {points:g}"
-            for count, points in zip(options.pairs_of(b), options.ladder_of(b), strict=True)
-        )
-        for b in options.bandwidths
-    ]
-    return np.array([texts] * len(options.hursts))
+def _pairs_text(options: Options, bandwidth: float) -> str:
+    """Say of a spectrum how many pairs end with which points per wave."""
+    ends = zip(options.pairs_of(bandwidth), options.ladder_of(bandwidth), strict=True)
+    return ", ".join(f"{count} on {points:g}" for count, points in ends)
 
 
 def _surface(options: Options, hurst: float, bandwidth: float) -> SelfAffineSurface:
@@ -330,3 +304,80 @@ def _unsolved(options: Options, amplitudes: str) -> dict[_Name, UnsolvedPairs]:
         ):
             found[hurst, bandwidth, name] = UnsolvedPairs(realised=base, grid=grid, first=first, count=count)
     return found
+
+
+def views(data: xr.Dataset) -> Views:
+    """Kappa over the load and at equal Nayak parameter, the theories over the table; of exact amplitudes."""
+    names = (
+        "kappa",
+        *(name for name in QUANTITIES if name != "area"),
+        "area_by_spectrum",
+        "area_excess",
+        "saving",
+    )
+    made = data.area.sel(amplitudes="exact").notnull().all(["hurst", "reduced_pressure"])
+    widest = {"amplitudes": 0, "bandwidth": int(np.flatnonzero(made)[-1]) if made.any() else 0}
+    load: dict[str, Any] = {"x": "reduced_pressure", "log": "x", "at": widest}
+    variants = [
+        Panel(marks=[Line(y=f"theory_excess_{name}", by="hurst")], y="theory_excess", title=words, **load)
+        for name, words in VARIANTS.items()
+    ]
+    alpha = Panel(marks=[Line(y="kappa_equal", by="hurst")], x="nayak_equal", log="x")
+    few = _some_loads(data)
+    return Views(
+        table=Table(
+            rows=("amplitudes", "hurst", "bandwidth", "reduced_pressure"),
+            columns=("amplitudes", "hurst", "bandwidth", "reduced_pressure", "area", *names),
+        ),
+        figures=[
+            Figure(
+                name="reference",
+                caption="kappa over the load for every Hurst exponent, at the largest bandwidth that all have.",
+                panels=[Panel(marks=[Line(y="kappa", by="hurst")], **load)],
+            ),
+            Figure(
+                name="reference-verdict",
+                caption="Area of Persson's theory and of its variants over that of the table less one, for every Hurst "
+                "exponent at that bandwidth.",
+                panels=variants,
+                width=12.0,
+            ),
+            Figure(
+                name="reference-alpha",
+                caption="kappa over the Nayak parameter of C(q) for each Hurst exponent at light to middling loads, "
+                "interpolated along the bandwidth. Were alpha all that matters, the lines would be one.",
+                panels=[panels_along(data, "reduced_pressure", alpha)[k] for k in few],
+                width=4.0 * len(few),
+            ),
+        ],
+        findings=[*_findings(data.isel(reduced_pressure=few)), _costs(data)],
+    )
+
+
+def _some_loads(data: xr.Dataset) -> list[int]:
+    """Return three loads, light to middling, or as many as there are."""
+    light = np.flatnonzero(data.reduced_pressure.values < _MIDDLING)
+    return sorted({int(light[0]), int(light[light.size // 2]), int(light[-1])}) if light.size else [0]
+
+
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
+    """Say how sure the table is, how far the theory is off, and what the Hurst exponent changes at equal alpha."""
+    over, at = "reduced_pressure", "at p* = {reduced_pressure}"
+    told: dict[str, Any] = {"periods": float(data.attrs["periods"])}
+    form = "Half of the 95 % interval of A/A0 is {each} (surfaces, grid, solver, size; L/lambda_long = {periods})."
+    item = "{interval_median:%} in the median and {interval_worst:%} at worst " + at
+    yield finding("value", form, data, item=item, over=over, **told)
+    form = "The area lies above Persson's, by spectrum, by {each}."
+    item = "{area_excess_low:%} to {area_excess_high:%} " + at
+    yield finding("value", form, data, item=item, over=over)
+    form = (
+        "At equal Nayak parameter the areas of the Hurst exponents that have it lie apart by at most {each}."
+    )
+    yield finding("value", form, data, item="{area_equal_spread:%} " + at, over=over)
+
+
+def _costs(data: xr.Dataset) -> Finding:
+    form = "Plain means over single surfaces on the same grids would cost, for the same intervals, in the median so many times "
+    form += "what was spent on a load: {each}."
+    item = "{saving_median} at lambda_long/lambda_short = {bandwidth}"
+    return finding("cost", form, data, item=item, over="bandwidth")

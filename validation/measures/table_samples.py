@@ -1,0 +1,174 @@
+"""What the reference table is made of: means over the surfaces of a spectrum, at loads by either gradient, and parts joined."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.interpolate import CubicSpline, PchipInterpolator
+
+from validation.arrays import Array
+from validation.errors import UsageError
+from validation.measures.common import persson_area
+from validation.measures.ensemble import QUANTITIES, Samples
+from validation.measures.measurement import TOLERANCES_LEFT
+from validation.report.estimates import LIMIT, claim, error_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["BY_SPECTRUM", "LoadedSamples", "at_loads", "controlled_means", "joined", "with_size"]
+
+#: A quantity beside those of `Samples`: the area at p* = p0 / (E* h'_rms) with the gradient of C(q).
+BY_SPECTRUM = "area_by_spectrum"
+
+
+def at_loads(
+    areas: Array, *, loads: Array, wanted: Array, interpolator: Callable[..., Any] = CubicSpline
+) -> Array:
+    """Read A/A0 of a surface off between its loads: A over Persson's is interpolated in ln p*.
+
+    Parameters
+    ----------
+    areas, loads : (n,) arrays
+        A/A0 at p*, rising.
+    wanted : (m,) array
+        p*; a little beyond the first and the last it is extrapolated.
+    interpolator : callable
+        Of SciPy.
+    """
+    ratio = areas / persson_area(loads)
+    return np.asarray(persson_area(wanted) * interpolator(np.log(loads), ratio)(np.log(wanted)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoadedSamples(Samples):
+    """Surfaces of one spectrum with the area at both kinds of p*.
+
+    Attributes
+    ----------
+    loads : (n,) array
+        p* of the solves, by the gradient of each surface.
+    gradient : float
+        h'_rms of C(q).
+    """
+
+    loads: Array
+    gradient: float
+
+    def _read(self, data: xr.Dataset, name: str, grid: int) -> Array:
+        if name != BY_SPECTRUM:
+            return super()._read(data, name, grid)
+        return at_loads(super()._read(data, "area", grid), loads=self.loads, wanted=self._wanted(data))
+
+    def _wanted(self, data: xr.Dataset) -> Array:
+        """Return p* by the gradient of a surface where that by the gradient of C(q) is one of the loads."""
+        return np.asarray(self.loads * self.gradient / data.attrs["rms_gradient"])
+
+    def grid_errors(self, name: str) -> Array:
+        """Half of the 95 % interval of what the grids leave; that of the area by either load."""
+        return super().grid_errors("area" if name == BY_SPECTRUM else name)
+
+    def reading_errors(self) -> Array:
+        """Mean distance of `BY_SPECTRUM` by a cubic spline from that by monotone cubics, (load,)."""
+        differences = []
+        for data in self.ending[0]:
+            areas, wanted = super()._read(data, "area", 0), self._wanted(data)
+            smooth, monotone = (
+                at_loads(areas, loads=self.loads, wanted=wanted, interpolator=kind)
+                for kind in (CubicSpline, PchipInterpolator)
+            )
+            differences.append(smooth - monotone)
+        return np.asarray(np.abs(np.mean(differences, axis=0)))
+
+
+def controlled_means(samples: LoadedSamples, *, tolerance: float) -> xr.Dataset:
+    """Reduce the surfaces of one spectrum: the controlled mean of each quantity over (reduced_pressure), with its errors.
+
+    ``saving`` is the time of plain means of the same interval over the time spent; ``area_by_spectrum_reading`` what the
+    interpolation to these loads leaves, a part of the grids' error.
+    """
+    import xarray as xr
+
+    at = {"reduced_pressure": samples.loads}
+    data = xr.Dataset(coords=at)
+    reading = xr.DataArray(samples.reading_errors(), dims="reduced_pressure", coords=at)
+    for name in (*QUANTITIES, BY_SPECTRUM):
+        chains = samples.chains(name)
+        found = [chain[-1].estimate for chain in chains]
+        value, half, grid = (
+            xr.DataArray(numbers, dims="reduced_pressure", coords=at)
+            for numbers in (
+                [one.value for one in found],
+                [one.half_width for one in found],
+                samples.grid_errors(name),
+            )
+        )
+        data[name] = value.assign_attrs(reduction="controlled mean")
+        data[f"{name}_error"] = error_of(
+            value,
+            surfaces=half,
+            grid=(grid**2 + reading**2) ** 0.5 if name == BY_SPECTRUM else grid,
+            solver=TOLERANCES_LEFT * tolerance * value,
+            depth="boundary elements press a half-space",
+            theory="it is simulated",
+        )
+        # Where the size of the sample was looked at, it is a part of the interval.
+        data[f"{name}_error"].attrs[LIMIT] = "size"
+        if name == "area":
+            data["saving"] = ("reduced_pressure", samples.savings(chains))
+    data[f"{BY_SPECTRUM}_reading"] = reading
+    return data
+
+
+#: Of relative intervals: below it two numbers are the same.
+_SURE = 1e-12
+
+
+def joined(parts: Sequence[xr.Dataset]) -> xr.Dataset:
+    """Return one table of parts with some of its Hurst exponents and bandwidths; NaN where nobody made a cell.
+
+    Parameters
+    ----------
+    parts : sequence of xarray.Dataset
+        Of `fem-contact study reference`, each with the same loads and `periods`.
+
+    Raises
+    ------
+    UsageError
+        For parts that were not made alike.
+    """
+    import xarray as xr
+
+    for name in ("study", "periods", "tolerance"):
+        found = sorted({str(part.attrs.get(name)) for part in parts})
+        if len(found) != 1:
+            raise UsageError(f"{name} = {', '.join(found)}: the parts of a table have one")
+    whole = xr.merge([part.drop_attrs(deep=False) for part in parts], join="outer", compat="no_conflicts")
+    whole["pairs"] = whole.pairs.fillna("")
+    return whole.sortby(["hurst", "bandwidth", "reduced_pressure"]).assign_attrs(parts[0].attrs)
+
+
+def with_size(table: xr.Dataset, larger: xr.Dataset) -> xr.Dataset:
+    r"""Claim what the size of the sample leaves, from some of the spectra of a table on samples of another size.
+
+    .. math:: s = \max(|\bar d|, w), \qquad d = Q_\mathrm{larger} / Q_\mathrm{table} - 1
+
+    The mean of d is over the cells that both have, weighed by the surfaces' variances, and w half of its 95 % interval;
+    the grids are off alike on both and leave d. There is one s for each of `QUANTITIES` and load.
+    """
+    cells = ("hurst", "bandwidth")
+    same = table.sel({name: larger[name] for name in cells})
+    whole = table
+    for name in QUANTITIES:
+        own, other = same[name], larger[name]
+        widths = [part[f"{name}_error"].sel(source="surfaces", drop=True) for part in (same, larger)]
+        # Nothing gives way in full contact, on samples of any size.
+        scale = abs(own).where(own != 0, 1.0)
+        weight = ((widths[0] ** 2 + widths[1] ** 2) / scale**2).clip(min=_SURE**2) ** -1.0
+        mean = (weight * (other - own) / scale).sum(cells) / weight.sum(cells)
+        share = np.maximum(abs(mean), weight.sum(cells) ** -0.5)
+        whole = claim(whole, name, size=abs(table[name]) * share)
+    return whole.assign_attrs(larger_periods=larger.attrs["periods"])
