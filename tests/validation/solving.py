@@ -88,7 +88,7 @@ class Numbers(NumbersSolve):
 def fields(points=12, load=0.1):
     """A small solve of a scene."""
     told = area.Options(grids=(12, 16), periods=2.0, bandwidth=2.0, hurst=0.7, surfaces=2, seed=21)
-    return area.solve_of(told, surface=0, reduced_pressure=load, points=points)
+    return told.press(surface=0, reduced_pressure=load, grid=(points, points))
 
 
 class Slow(Numbers):

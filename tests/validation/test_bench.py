@@ -59,7 +59,7 @@ def solves_of(**options):
     """The solves of the study, one surface allowed."""
     told = area.Options.model_construct(**options)
     return tuple(
-        area.solve_of(told, surface=k, reduced_pressure=load, points=n)
+        told.press(surface=k, reduced_pressure=load, grid=(n, n))
         for load, k, n in itertools.product(
             options["reduced_pressures"], range(options["surfaces"]), options["grids"]
         )

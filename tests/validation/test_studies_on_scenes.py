@@ -115,9 +115,7 @@ def test_a_scene_that_yields_is_pressed_with_its_hardness_and_shares_solves_with
     elastic = contact_areas(bem.solve(field, response, mean_pressure=load)).pixel
     assert contact_areas(yielded[-1]).pixel > 1.05 * elastic  # or this test would show nothing
     own = {solve.key for solve in solves_of(mine)}
-    asked = {
-        area.solve_of(options, surface=0, reduced_pressure=0.1, points=grid).key for grid in options.ladder
-    }
+    asked = {options.press(surface=0, reduced_pressure=0.1, grid=grid).key for grid in options.ladder}
     assert own == asked
     # The theory is told the hardness, too.
     told = predict(realise(mine), mine.effects).area

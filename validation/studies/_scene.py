@@ -12,12 +12,13 @@ from pydantic import Field, model_validator
 from validation.effects.base import SlotName, effect_key
 from validation.measures.common import base_case, base_surface
 from validation.measures.measurement import Grid, grid_for
-from validation.methods import chosen_solver
+from validation.methods import chosen_solver, find_solver
 from validation.methods.base import Settings
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import Realised, realise
-from validation.scenes.scene import EffectSpec, Scene, load_scene
+from validation.scenes.scene import EffectSpec, Load, Scene, load_scene
 from validation.scenes.tables import FileSurface, SolidSpec
+from validation.solves.press import Press
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import wrong
@@ -164,6 +165,20 @@ class PressedOptions(StudyOptions):
     def effects(self) -> tuple[EffectSpec, ...]:
         """Effects of the scene."""
         return () if self.scene is None else self.scene.effects
+
+    def press(self, *, surface: int, reduced_pressure: float, grid: Grid) -> Press:
+        """Return one solve whose fields are kept, as a run of the scene does it where there is one."""
+        first, scene = self.first, self.scene
+        load = Load(reduced_pressure=reduced_pressure)
+        if scene is not None and abs(reduced_pressure / first.reduced_pressure - 1) < 1e-12:
+            load = scene.load
+        return Press(
+            method="bem",
+            grid=grid,
+            realised=replace(first, load=load).further(surface),
+            settings=() if scene is None else find_solver("bem").settings(scene.methods.options("bem")),
+            effects=self.effects,
+        )
 
     def grids_for(self, per_wave: Sequence[float], *, of: str = "bem") -> tuple[Grid, ...]:
         """Return the grids of a method, coarse first: those of the scene, or with so many points per wave."""

@@ -7,42 +7,38 @@ and the one to copy for a new one; `pressure` answers the question in depth, fro
 from __future__ import annotations
 
 import itertools
-from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 from pydantic import Field
 
 from validation.effects.base import SlotName
+from validation.measures.common import Rising
 from validation.measures.limits import limit_of, resolved_grids
 from validation.measures.measurement import Grid
-from validation.methods import find_solver
 from validation.methods.theory import predict
 from validation.report.estimates import derive, gather, mean
 from validation.report.findings import finding, note
 from validation.report.marks import Figure, against
 from validation.report.table import Table
 from validation.report.views import Views
-from validation.scenes.scene import Load
 from validation.solves.bench import Bench
-from validation.solves.press import Press
 from validation.studies._options import Bandwidth, Periods, Seed, Surfaces
 from validation.studies._scene import PressedOptions
-from validation.units import Positive
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Options", "run", "solve_of", "views"]
+__all__ = ["Options", "run", "views"]
 
 
 class Options(PressedOptions):
     """What is pressed, and how often."""
 
-    grids_of: ClassVar = {}
+    grids_of: ClassVar[dict[str, str]] = {}
     slots: ClassVar[frozenset[SlotName]] = frozenset({"response", "pressure bound", "gap law"})
 
-    reduced_pressures: Annotated[tuple[Positive, ...], Field(min_length=1)] = Field(
+    reduced_pressures: Rising = Field(
         default=(0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0),
         description="p* = p0 / (E* h'_rms) with the realised gradient",
     )
@@ -61,26 +57,11 @@ class Options(PressedOptions):
         return tuple((n, n) for n in self.grids) if self.scene is None else self.grids_for(())
 
 
-def solve_of(options: Options, *, surface: int, reduced_pressure: float, points: int | Grid) -> Press:
-    """Return one solve: a surface at a load on a grid, as a run of the scene does it where there is one."""
-    first, scene = options.first, options.scene
-    load = Load(reduced_pressure=reduced_pressure)
-    if scene is not None and abs(reduced_pressure / first.reduced_pressure - 1) < 1e-12:
-        load = scene.load
-    return Press(
-        method="bem",
-        grid=(points, points) if isinstance(points, int) else points,
-        realised=replace(first, load=load).further(surface),
-        settings=() if scene is None else find_solver("bem").settings(scene.methods.options("bem")),
-        effects=options.effects,
-    )
-
-
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Solve every surface at every load on every resolved grid: limits of the area, and the theory's."""
     grids = resolved_grids(options.first, options.ladder, located=not options.effects)
     cases = {
-        (k, load): [solve_of(options, surface=k, reduced_pressure=load, points=grid) for grid in grids]
+        (k, load): [options.press(surface=k, reduced_pressure=load, grid=grid) for grid in grids]
         for k, load in itertools.product(range(options.surfaces), options.reduced_pressures)
     }
     solved = bench.solve([solve for solves in cases.values() for solve in solves])
@@ -113,7 +94,7 @@ def views(data: xr.Dataset) -> Views:
         "comparison",
         "The area is {each} (lambda_long/lambda_short = {bandwidth}).",
         data.isel(reduced_pressure=sorted({0, last // 2, last})),
-        item="{verdict} Persson's ({area_excess:+%}) at p* = {reduced_pressure}, where kappa = {kappa}",
+        item="{verdict} Persson's, {area_excess:+%}, at p* = {reduced_pressure}, where kappa = {kappa}",
         over="reduced_pressure",
         by="area_excess",
         bandwidth=data.attrs["bandwidth"],

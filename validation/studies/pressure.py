@@ -134,7 +134,7 @@ def _findings(data: xr.Dataset, some: xr.Dataset) -> Iterator[Finding]:
         "comparison",
         "The contact area is {each} (lambda_long/lambda_short = {bandwidth}).",
         some,
-        item="{verdict} Persson's ({area_excess:+%}) at A/A0 = {area:~}",
+        item="{verdict} Persson's, {area_excess:+%}, at A/A0 = {area:~}",
         over="load",
         by="area_excess",
         bandwidth=data.attrs["bandwidth"],
@@ -150,7 +150,7 @@ def _findings(data: xr.Dataset, some: xr.Dataset) -> Iterator[Finding]:
         start, end = (data.isel(load=int(k)) for k in data.attrs["light"])
         yield finding(
             "trend",
-            "Between A/A0 = {start:~} and {area:~} kappa {verdict} ({kappa_change:+%}), the number of patches changes by "
+            "Between A/A0 = {start:~} and {area:~} kappa {verdict}, {kappa_change:+%}, the number of patches changes by "
             "{patches_change:+%} and their mean size by {patch_size_change:+%}; independent patches would keep kappa and "
             "their size, and grow in number with the area, by {area_change:+%}.",
             end,

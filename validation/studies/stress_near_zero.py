@@ -163,7 +163,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         "{initial_slope_persson}.",
         data,
         item=named
-        + "{initial_slope_window} from a closing window, {verdict} Persson's ({initial_slope_excess:+%})",
+        + "{initial_slope_window} from a closing window, {verdict} Persson's, {initial_slope_excess:+%}",
         over="method",
         by="initial_slope_excess",
     )
