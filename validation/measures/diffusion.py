@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from persson import elastic
-from validation.measures.limits import solved
+from validation.measures.limits import kept_of, solved
 from validation.measures.measurement import area_limits
 from validation.measures.rings import AREAS, Chain, Probe
 from validation.report.estimates import NORMAL, derive, error_of, gather, mean, nearest
@@ -86,7 +86,8 @@ def budgets_of(
     """
     import xarray as xr
 
-    data = gather(solved(bench, cases), **dims)
+    measured = {place: kept_of(one) for place, one in solved(bench, cases).items()}
+    data = gather(measured, **dims)
     finest = [next(case for place, case in cases.items() if place[-1] == n) for n in dims["grid"]]
     per_wave = [one.points_per_wave for one in finest]
     others = [str(dim) for dim in data.pixel.dims if dim != "grid"]
@@ -135,7 +136,8 @@ def with_diffusion_terms(data: xr.Dataset) -> xr.Dataset:
     data = mean(data, *_OF_PROBES, over="probe_surface")
     # Both sides of a budget are of the same surfaces: their gap has no interval of its own.
     closed = abs(data.area_exponent_pixel / data.area_exponent - 1)
-    data = data.assign(
+    data = _added(
+        data,
         square_gap=abs(data.square_told / data.square_growth - 1).max(),
         area_gap=closed.where(data.area_exponent_persson < TOUCHED),
     )
@@ -182,6 +184,11 @@ def _by_octave(data: xr.Dataset, values: xr.DataArray) -> xr.DataArray:
     return xr.concat(parts, dim="octave")
 
 
+def _added(data: xr.Dataset, **values: xr.DataArray) -> xr.Dataset:
+    """Add what is computed here: how its parts were made says nothing of it."""
+    return data.assign({name: one.drop_attrs() for name, one in values.items()})
+
+
 def _with_square_budget(data: xr.Dataset) -> xr.Dataset:
     r"""Add the budget of the mean square pressure by octave, over A dV, where the theory has 1.
 
@@ -206,7 +213,8 @@ def _with_square_budget(data: xr.Dataset) -> xr.Dataset:
     told = data.bin_change_square_each.sum("bin") + 2 * crossed + data.square_entered_each
     total = two_grid_limit(data.mean_square_each * data.variance_share_each, data.grid_spacing)
     first, last = _ends(data.assign(total=total), "total")
-    data = data.assign(
+    data = _added(
+        data,
         square_growth_each=over_unit(limit("square_change")),
         square_diffusion_each=over_unit(limit("pressure_change_square")),
         square_drift_each=over_unit(2 * limit("pressure_cross_change")),
@@ -215,16 +223,13 @@ def _with_square_budget(data: xr.Dataset) -> xr.Dataset:
         square_growth_path_each=_by_octave(data, last - first) / unit,
     )
     late = {f"{name}_late_each": data[f"{name}_each"].isel(_late(data)).mean("octave") for name in _TERMS}
-    return data.assign(late).assign(
-        square_difference_each=data.square_growth_path_each - data.square_growth_each
-    )
+    return derive(_added(data, **late), square_difference_each="square_growth_path_each - square_growth_each")
 
 
 def _with_area_budget(data: xr.Dataset) -> xr.Dataset:
     """Add area over Persson's along zeta, and d ln A / d ln V by octave: located, counted (entering less leaving), his."""
-    deviation = data.variance_share_each.isel(grid=-1) ** 0.5
-    data = data.assign(nominal_finest=data.nominal_each.isel(grid=-1), deviation=deviation)
-    data = derive(data, area_persson_each="erf(nominal_finest / (2**.5 * deviation))")
+    finest = "nominal_each.isel(grid=-1) / sqrt(2 * variance_share_each.isel(grid=-1))"
+    data = derive(data, area_persson_each=f"erf({finest})")
     data = derive(data, area_ratio_each="area_each / area_persson_each")
     (before, after), own = _ends(data, "variance_share_each"), _ends(data, "area_each")
     theory = _ends(data, "area_persson_each")
@@ -237,7 +242,8 @@ def _with_area_budget(data: xr.Dataset) -> xr.Dataset:
     )
     partial = persson < TOUCHED
     late = [part.where(partial).isel(_late(data)).mean("octave") for part in (located, persson)]
-    return data.drop_vars(["nominal_finest", "deviation"]).assign(
+    return _added(
+        data,
         area_exponent_each=located,
         area_exponent_pixel_each=counted,
         area_exponent_persson_each=persson,
@@ -270,7 +276,8 @@ def _with_restarts(data: xr.Dataset) -> xr.Dataset:
     ratio = xr.concat(ratios, dim="octave")
     begins = [int(np.argmin(np.abs(zeta - z))) for z in data.octave_start.values]
     ends = data.area_ratio_each.isel(level=[*begins[1:], -1]).drop_vars("magnification")
-    return data.assign(
+    return _added(
+        data,
         area_ratio_end_each=ends.rename(level="octave"),
         area_diffused_ratio_each=ratio,
         area_ratio_diffused_each=data.area_ratio_each * ratio,
@@ -285,15 +292,18 @@ def _with_memory(data: xr.Dataset) -> xr.Dataset:
     true, composed = (
         (finest[name] / before).mean("pair") for name in ("inflow_each", "inflow_composed_each")
     )
-    early = nearest(data.magnification, 2.0)
-    return data.assign(
+    data = _added(
+        data,
         inflow_share_each=true,
         inflow_share_composed_each=composed,
-        inflow_excess_each=composed - true,
         return_chance_each=finest.points_returned_each
         / finest.points_out_each.where(finest.points_out_each > 0),
-        crossed_share_each=finest.contact_crossed_each,
-        out_share_each=finest.contact_out_each.isel(level=early, drop=True),
+    )
+    return derive(
+        data,
+        inflow_excess_each="inflow_share_composed_each - inflow_share_each",
+        crossed_share_each="contact_crossed_each.isel(grid=-1)",
+        out_share_each=f"contact_out_each.isel(grid=-1, level={nearest(data.magnification, 2.0)})",
     )
 
 
@@ -345,18 +355,20 @@ def _with_flows(data: xr.Dataset) -> xr.Dataset:
     after = (data.area_probe_each + data.area_negative_probe_each).isel(probe_level=slice(1, None)) / 2
     net = _log(after.rename(probe_level="variance_step") / area) / _log(1 + steps)
     powers = {name: exponents(flow, steps) for name, flow in flows.items()}
-    ratio = flows["share_entered"] / flows["share_lost"]
-    return data.assign(
-        {f"{name}_each": flow for name, flow in flows.items()}
-        | {f"power_{name}_each": power.isel(step_pair=-1) for name, power in powers.items()}
-    ).assign(
+    data = _added(
+        data,
+        **{f"{name}_each": flow for name, flow in flows.items()},
+        **{f"power_{name}_each": power.isel(step_pair=-1) for name, power in powers.items()},
         power_local_each=powers["share_lost"].isel(step_pair=slice(0, -1)),
         power_limit_each=power_at_zero_step(powers["share_lost"], steps),
-        entered_ratio_each=ratio,
-        entered_ratio_limit_each=at_zero_step(ratio, steps),
+        entered_ratio_limit_each=at_zero_step(flows["share_entered"] / flows["share_lost"], steps),
         area_exponent_probe_each=net,
-        edge_loss_each=-net.isel(variance_step=-1, drop=True),
-        load_taken_each=flows["share_load_entered"] / steps,
+    )
+    return derive(
+        data,
+        entered_ratio_each="share_entered_each / share_lost_each",
+        edge_loss_each="-area_exponent_probe_each.isel(variance_step=-1)",
+        load_taken_each="share_load_entered_each / relative_step",
     )
 
 
@@ -366,7 +378,8 @@ def _with_profiles(data: xr.Dataset) -> xr.Dataset:
     pooled = at[[f"bin_{n}_probe_each" for n in ("contact", "pressure", "change", "change_square")]]
     sums = pooled.sum("probe_surface")
     points = sums.bin_contact_probe_each.where(sums.bin_contact_probe_each > 0)
-    data = data.assign(
+    data = _added(
+        data,
         bin_mean_pressure=sums.bin_pressure_probe_each / points,
         mean_drift=sums.bin_change_probe_each / points / steps,
         diffusivity=sums.bin_change_square_probe_each / points / steps,
@@ -376,8 +389,11 @@ def _with_profiles(data: xr.Dataset) -> xr.Dataset:
         keep = np.flatnonzero((lower >= low * (1 - 1e-9)) & (data.upper.values <= high * (1 + 1e-9)))
         sums = pooled.isel(bin=keep).sum("bin")
         points = sums.bin_contact_probe_each.where(sums.bin_contact_probe_each > 0) * steps
-        data[f"mean_drift_{name}_each"] = sums.bin_change_probe_each / points
-        data[f"diffusivity_{name}_each"] = sums.bin_change_square_probe_each / points
+        between = {
+            f"mean_drift_{name}_each": sums.bin_change_probe_each / points,
+            f"diffusivity_{name}_each": sums.bin_change_square_probe_each / points,
+        }
+        data = _added(data, **between)
     return data
 
 

@@ -22,7 +22,16 @@ if TYPE_CHECKING:
 
     from fem_contact.contact import ContactResult
 
-__all__ = ["ABSENT", "limit_of", "limits_of", "read_off", "resolved_grids", "solved", "straight_limit"]
+__all__ = [
+    "ABSENT",
+    "kept_of",
+    "limit_of",
+    "limits_of",
+    "read_off",
+    "resolved_grids",
+    "solved",
+    "straight_limit",
+]
 
 Case = TypeVar("Case")
 
@@ -44,6 +53,11 @@ def read_off(one: xr.Dataset, **expressions: str) -> xr.Dataset:
         made = {"reduction": "read", "expression": expression}
         data[name] = xr.DataArray(evaluated(expression, kept)).assign_attrs(made)
     return data
+
+
+def kept_of(one: xr.Dataset) -> xr.Dataset:
+    """Return all that a solve keeps, where each variable says that it is read off."""
+    return read_off(one, **{str(name): str(name) for name in one.data_vars})
 
 
 def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:

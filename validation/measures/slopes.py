@@ -10,8 +10,9 @@ import numpy as np
 
 from fem_contact.errors import NotConverged
 from validation.arrays import Array
+from validation.measures.limits import read_off
 from validation.measures.single_solve import SingleSolve
-from validation.report.estimates import claim, mean, total_error
+from validation.report.estimates import claim, derive, mean, total_error
 from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
@@ -117,16 +118,15 @@ CHANGES = {
 
 def changes_of(measured: xr.Dataset) -> xr.Dataset:
     """Reduce one path of slopes to changes against the linear block, on its grid."""
-    import xarray as xr
-
-    plain = measured.drop_vars("slope")
-    made: dict[str, Any] = {
-        f"{name}_grid_each": plain[of] / plain["linear_" + ("area" if "area" in of else of)] - 1
-        for name, of in CHANGES.items()
+    linear = {
+        of: "linear_square_pressure" if of == "square_pressure" else "linear_area" for of in CHANGES.values()
     }
-    kept = {f"{name}_each": plain[name] for name in ("residual", "sideways", "linear_area")}
-    ended = float(bool(measured.attrs["ended"]))
-    return xr.Dataset(made | kept | {"path_ended_each": ended}).assign_attrs(solve=measured.attrs["solve"])
+    data = read_off(
+        measured.drop_vars("slope"),
+        **{f"{name}_grid_each": f"{of} / {linear[of]} - 1" for name, of in CHANGES.items()},
+        **{f"{name}_each": name for name in ("residual", "sideways", "linear_area")},
+    )
+    return data.assign(path_ended_each=float(bool(measured.attrs["ended"])))
 
 
 def with_differences(data: xr.Dataset, *, differences: Sequence[float], straight: float) -> xr.Dataset:
@@ -149,9 +149,10 @@ def with_differences(data: xr.Dataset, *, differences: Sequence[float], straight
     for name in CHANGES:
         values = data[f"{name}_grid_each"]
         line = (values * slopes).isel(small).sum("slope", skipna=False) / (slopes**2).isel(small).sum()
-        for part, of in ((name, values), (f"{name}_rate", line.drop_vars("rms_gradient", errors="ignore"))):
-            finest, before = (of.isel(grid=k, drop=True) for k in (-1, -2))
-            data = data.assign({f"{part}_each": finest, f"{part}_each_drift": finest - before})
+        data[f"{name}_rate_grid_each"] = line.drop_vars("rms_gradient", errors="ignore").drop_attrs()
+        for part in (name, f"{name}_rate"):
+            finest, before = (f"{part}_grid_each.isel(grid={k})" for k in (-1, -2))
+            data = derive(data, **{f"{part}_each": finest, f"{part}_each_drift": f"{finest} - {before}"})
         data = mean(data, name, f"{name}_rate")
         error = total_error(data, name)
         assert error is not None
@@ -171,7 +172,7 @@ def with_differences(data: xr.Dataset, *, differences: Sequence[float], straight
 
 
 def first_crossing(slopes: Array, change: Array, difference: float) -> float:
-    """Return where a change first exceeds a difference, between slopes and from 0 on straight; inf if nowhere.
+    """Return where a change first exceeds a difference, between slopes and from 0 on straight; NaN if nowhere.
 
     >>> round(first_crossing(np.array([0.1, 0.2]), np.array([0.01, 0.03]), 0.02), 12)
     0.15
@@ -180,6 +181,6 @@ def first_crossing(slopes: Array, change: Array, difference: float) -> float:
     x, y = x[np.isfinite(y)], y[np.isfinite(y)]
     beyond = np.flatnonzero(y > difference)
     if not beyond.size:
-        return float("inf")
+        return float("nan")
     k = int(beyond[0])
     return float(x[k - 1] + (difference - y[k - 1]) / (y[k] - y[k - 1]) * (x[k] - x[k - 1]))

@@ -109,7 +109,7 @@ class Value:
         value = factor * self.value
         sign = "+" if "+" in spec and value > 0 else ""
         if not math.isfinite(value):
-            return "unbounded" if math.isinf(value) else "not determinable"
+            return "not determinable"
         if not self.error:
             return f"{sign}{value:.{'3' if unit else '6'}g}{unit}"
         if not math.isfinite(self.error):

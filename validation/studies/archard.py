@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 
 from validation.measures.common import Rising, RisingGrids
 from validation.measures.hierarchy import Hierarchy
-from validation.measures.limits import solved
+from validation.measures.limits import ABSENT, kept_of, solved
 from validation.report.estimates import claim, derive, gather, mean, power_law
 from validation.report.findings import finding
 from validation.report.marks import Figure, Level, Line, Panel
@@ -81,7 +81,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     cases = _cases(options)
     counts = range(1, len(options.waves) + 2)
-    data = gather(solved(bench, cases), level=counts, surface=range(options.surfaces), grid=options.grids)
+    measured = {place: kept_of(one) for place, one in solved(bench, cases).items()}
+    data = gather(measured, level=counts, surface=range(options.surfaces), grid=options.grids)
     theory = [cases[n, 0, options.grids[-1]].theory() for n in counts]
     loads = np.array(options.loads)
     data = data.drop_vars(["level", "grid"]).assign_coords(
@@ -112,9 +113,8 @@ def with_exponents(data: xr.Dataset) -> xr.Dataset:
         ".rename(load='middle')",
     )
     data = mean(data, "area_finest", "load_exponent_grid", "load_exponent", "local_exponent")
+    data = claim(data, "load_exponent", "area_finest", **ABSENT)
     data = derive(data, area_over_archard="area_finest / area_archard", shortfall="1 - load_exponent")
-    stated = {"depth": "boundary elements press a half-space", "theory": "it is simulated"}
-    data = claim(data, "load_exponent", "area_finest", **stated)
     before = {f"before{end}": data[f"load_exponent{end}"].shift(level=1) for end in ("", "_error")}
     rise = derive(data.assign(before), level_rise="load_exponent - before")
     return derive(rise.drop_vars(list(before)), shortfall_archard="1 - load_exponent_archard")

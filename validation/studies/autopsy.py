@@ -18,6 +18,7 @@ from validation.measures.budgets import PROFILE_EDGES
 from validation.measures.common import Rising, base_case, base_surface
 from validation.measures.diffusion import budgets_of, of_probe, with_diffusion_terms
 from validation.measures.edge import slopes_of
+from validation.measures.limits import ABSENT
 from validation.measures.rings import RING, Chain, Probe, even_points, ring_ends
 from validation.report.estimates import claim, derive, gather, nearest
 from validation.report.findings import Finding, finding
@@ -121,9 +122,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         upper=("bin", PROFILE_EDGES[1:]),
         age=np.arange(data.sizes["age"]),
     )
-    stated = ("area_ratio", "square_growth_late", "loss_ratio", "edge_loss")
-    why = {"depth": "boundary elements press a half-space", "theory": "it is simulated"}
-    data = claim(with_diffusion_terms(data), *stated, **why)
+    stated = ("area_ratio", "square_growth_late", "edge_loss")
+    data = claim(with_diffusion_terms(data), *stated, **ABSENT)
     words = {name: getattr(options, name) for name in ("periods", "bandwidth", "surfaces")}
     return data.assign_attrs(study="autopsy", methods="theory bem", **words)
 

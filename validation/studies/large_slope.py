@@ -148,7 +148,8 @@ def _leaves(data: xr.Dataset, name: str, words: str) -> Finding:
     """Say from which slope on something differs from the linear result."""
     return finding(
         "threshold",
-        f"h'_rms from which on the {words} differs from the linear one (95 %, surfaces and grid): {{each}}.",
+        f"h'_rms from which on the {words} differs from the linear one (95 %, surfaces and grid), "
+        "not determinable where that is beyond the slopes there are: {each}.",
         data,
         item=f"by {{difference:%}} {{{name}_crossing}} ({{{name}_crossing_lower}} to {{{name}_crossing_upper}}; {_WHERE})",
         over=("nu", "load", "difference"),

@@ -15,7 +15,7 @@ from persson.errors import OutsideTheory
 from persson.percolation import SITE_THRESHOLD
 from persson.separation import macroasperity_magnification
 from validation.measures.common import Rising, RisingOrNone, base_case, base_surface
-from validation.measures.limits import solved
+from validation.measures.limits import ABSENT, kept_of, solved
 from validation.measures.magnified import Magnified, with_macroasperities
 from validation.measures.measurement import grid_for
 from validation.report.estimates import claim, derive, gather, mean, nearest
@@ -87,7 +87,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         )
         for k in range(options.surfaces)
     }
-    data = gather(solved(bench, cases), surface=range(options.surfaces)).assign_coords(
+    measured = {k: kept_of(one) for k, one in solved(bench, cases).items()}
+    data = gather(measured, surface=range(options.surfaces)).assign_coords(
         reduced_pressure=("load", list(options.reduced_pressures)),
         magnification=list(options.magnifications),
         percolating_pressure=("percolating", list(options.percolating)),
@@ -100,6 +101,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     )
     data = mean(data, "area", "area_persson", "patch_density", "relative_patch_size", "largest_patch")
     data = mean(data, "area_inside", "load_inside", "contact_pressure_ratio")
+    data = claim(data, "area", "load_inside", **ABSENT)
     theory = [_of_theory(first, p) for p in options.reduced_pressures]
     data = derive(
         with_macroasperities(data, theory=theory, same=_SAME),
@@ -109,8 +111,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     )
     if options.percolating:
         data = _with_thresholds(data)
-    stated = [name for name in ("area", "load_inside", "percolation_area_pooled") if name in data]
-    data = claim(data, *stated, depth="boundary elements press a half-space", theory="it is simulated")
     spectrum = {name: getattr(options, name) for name in ("hurst", "periods", "bandwidth", "points_per_wave")}
     return data.assign_attrs(study="macroasperities", methods="theory bem", **spectrum)
 
@@ -130,6 +130,7 @@ def _with_thresholds(data: xr.Dataset) -> xr.Dataset:
         percolation_area_pooled_each="percolation_area_each.mean('percolating', skipna=False)",
     )
     data = mean(data, "percolation_area", "percolation_magnification", "percolation_area_pooled")
+    data = claim(data, "percolation_area_pooled", **ABSENT)
     data["percolation_area_paper"] = SITE_THRESHOLD
     return derive(data, percolation_area_excess="percolation_area_pooled - percolation_area_paper")
 
