@@ -287,7 +287,7 @@ def _put(mark: _Mark, axes: Axes, n: _Numbers, look: dict[str, Any]) -> Any:
     if isinstance(mark, Level):
         plain = {k: v for k, v in look.items() if k in ("color", "ls", "lw", "label")}
         line = axes.axhline(float(n.y), **{"lw": 1, **plain})
-        if n.error is not None and np.isfinite(n.error):
+        if n.error is not None and np.isfinite(n.error) and n.error > 0:
             axes.axhspan(
                 float(n.y - n.error), float(n.y + n.error), color=plain.get("color"), alpha=0.12, lw=0
             )
