@@ -210,7 +210,7 @@ def inverse_square_coefficient(result: ContactResult) -> float:
 def start_of_pressure(
     measured: xr.Dataset, *, spacing: float, window: float, slope_window: float
 ) -> xr.Dataset:
-    """Reduce one `EdgeMeasurement` to how P(sigma) starts: in windows that close with the grid, and by the contour.
+    """Reduce one `EdgeMeasurement` to how P(sigma) starts: in windows that close, and by the contour.
 
     Parameters
     ----------
@@ -252,8 +252,9 @@ _LIMITS = {
 def edge_limits(data: xr.Dataset) -> xr.Dataset:
     """Add P(0+) and P'(0) at dx -> 0 of each surface, with what they move by without the coarsest grid.
 
-    ``initial_density_each`` (and ``_straight``, which takes the bend of P for an intercept), ``initial_slope_window_each``
-    from the mean slope in a window that closes, ``initial_slope_contour_each`` = 2 S <B^-2>.
+    ``initial_density_each`` (and ``_straight``, which takes the bend of P for an intercept),
+    ``initial_slope_window_each`` from the mean slope in a window that closes, and
+    ``initial_slope_contour_each`` = 2 S <B^-2>.
     """
     for name, (of, power, degree) in _LIMITS.items():
         values, x = data[f"{of}_each"], data.spacing**power

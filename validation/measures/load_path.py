@@ -1,4 +1,4 @@
-"""A path of loads from light to full contact, pressed once: what `pressure`, `energy` and `theory-verdict` read off it."""
+"""A path of loads to full contact, pressed once: what `pressure`, `energy` and `theory-verdict` read off."""
 
 from __future__ import annotations
 
@@ -50,9 +50,10 @@ def second_order_limit(values: xr.DataArray, points: xr.DataArray) -> tuple[xr.D
 
     Notes
     -----
-    The step from the finest grid to the limit is its own uncertainty: what remains is of higher order, and noise of
-    where the edges fall. On 8 surfaces (H = .3, .8; p* = .01 to 1.5; truth from grids of 32 and 48 points per shortest
-    wave) the errors of energy and gap are 1.1 times the one claimed, root mean square, from 4 to 16 points on.
+    The step from the finest grid to the limit is its own uncertainty: what remains is of higher order, and noise
+    of where the edges fall. On 8 surfaces (H = .3, .8; p* = .01 to 1.5; truth from grids of 32 and 48 points per
+    shortest wave) the errors of energy and gap are 1.1 times the one claimed, root mean square, from 4 to 16
+    points on.
 
     Examples
     --------
@@ -79,8 +80,8 @@ def reduced_path(measured: xr.Dataset, *, shortest: float) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        The areas of `limits_of`; ``gap_each`` over h_rms and ``energy_ratio_each``, limits over the grids with their
-        error, and the same on the finest grid (``_finest``); ``compliance_each``, p0/(K h_rms) on the finest grid;
+        The areas of `limits_of`; ``gap_each`` over h_rms and ``energy_ratio_each``, limits over the grids with
+        their error, and the same on the finest grid (``_finest``); ``compliance_each``, p0/(K h_rms) there;
         patches, and shares of the nominal area by pressure and patch size (load, bin) on the finest grid.
     """
     data = limits_of(measured)
@@ -126,9 +127,9 @@ _BINS = {"stress": "stress_bin", "patch_area": "patch_bin", "patch_number": "pat
 def moved_shares(data: xr.Dataset) -> xr.Dataset:
     """Add how far P(sigma) and the patch sizes at every load are from those at the reference load.
 
-    The reference is the lightest load whose contact is dense enough to compare distributions with; surfaces are
-    pooled. ``moved_stress`` ... with the interval of resampled surfaces, ``_lower``, ``_upper``, and ``_noise``, the
-    distance that two sets of as many surfaces have; ``_beyond`` is what exceeds that.
+    The reference is the lightest load whose contact is dense enough to compare distributions with; surfaces
+    are pooled. ``moved_stress`` ... with the interval of resampled surfaces, ``_lower``, ``_upper``, and
+    ``_noise``, the distance that two sets of as many surfaces have; ``_beyond`` is what exceeds that.
     """
     enough = np.flatnonzero(data.area.values >= _REFERENCE_AREA)
     reference = int(enough[0]) if enough.size else data.sizes["load"] - 1
@@ -156,9 +157,9 @@ def moved_shares(data: xr.Dataset) -> xr.Dataset:
 
 
 def pooled_shares(data: xr.Dataset) -> xr.Dataset:
-    """Add P(sigma) per contact area, in bins four times as wide, and the share of the contact in smaller patches.
+    """Add P(sigma) per contact area, in wider bins, and the share of the contact in smaller patches.
 
-    All surfaces are pooled: ``contact_stress_density`` over (load, stress), ``patch_cumulated`` over (load, patch_bin).
+    All surfaces are pooled: ``contact_stress_density`` (load, stress), ``patch_cumulated`` (load, patch_bin).
     """
     stress, patches = (data[f"{SHARES[name]}_each"].sum("surface") for name in ("stress", "patch_area"))
     coarse = STRESS_EDGES[::_COARSER]

@@ -1,7 +1,7 @@
 """How does the contact area grow with load, when the whole field of every solve is kept?
 
-Its solves are those of scenes, so that the two share stored solves and it takes every effect. It is the smallest study,
-and the one to copy for a new one; `pressure` answers the question in depth, from numbers alone.
+Its solves are those of scenes, so that the two share stored solves and it takes every effect. It is the
+smallest study, and the one to copy for a new one; `pressure` answers the question in depth, from numbers alone.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""How much energy does a partial contact store, how wide is its gap and how stiff is it, beside every theory of them?
+"""How much energy does a partial contact store, how wide is its gap, how stiff is it, beside every theory?
 
-Each quantity is a limit over grids, with the scatter of the surfaces. What is solved is checked by itself: energy against
-the work of the load, stiffness against neighbouring loads, full contact in closed form, and what the tolerance leaves.
-The path of loads is that of `pressure`: with the same options the two share their solves.
+Each quantity is a limit over grids, with the scatter of the surfaces. What is solved is checked by itself:
+energy against the work of the load, stiffness against neighbouring loads, full contact in closed form, and what
+the tolerance leaves. The path of loads is that of `pressure`: with the same options the two share their solves.
 """
 
 from __future__ import annotations
@@ -66,9 +66,10 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     Returns
     -------
     xarray.Dataset
-        That of `pressure.measured_path` beside all readings of the energy; ``work_check`` (load), energy gained over the
-        work of the load between loads close to each, ``path_work_check`` along the path; ``stiffness_check`` (load),
-        difference quotient over the stiffness; ``left_*`` (tolerance, load), what a tolerance of the solver leaves.
+        That of `pressure.measured_path` beside all readings of the energy; ``work_check`` (load), energy gained
+        over the work of the load between loads close to each, ``path_work_check`` along the path;
+        ``stiffness_check`` (load), difference quotient over the stiffness; ``left_*`` (tolerance, load), what a
+        tolerance of the solver leaves.
     """
     first = design(options)[0]
     first = replace(first, grids=first.grids[max(len(first.grids) - 2, 0) :][:1], shifts=1)
@@ -118,7 +119,7 @@ def _checked(near: xr.Dataset, usual: xr.Dataset) -> dict[str, Any]:
 
 
 def _path_work(at: xr.Dataset, told: Mapping[str, float]) -> Array:
-    """Work of the load from the first load on [J/m^2]: -int p du = -[p u] + int u p d ln p, by Hermite's rule."""
+    """Work of the load from the first on [J/m^2]: -int p du = -[p u] + int u p d ln p, by Hermite's rule."""
     load = at.reduced_pressure.values * told["contact_modulus"] * told["rms_gradient"]
     moment = at.mean_gap.values * load
     slope = moment - load * told["rms_height"] / at.stiffness.values
@@ -128,7 +129,7 @@ def _path_work(at: xr.Dataset, told: Mapping[str, float]) -> Array:
 
 
 def _left(checks: Mapping[Any, xr.Dataset]) -> dict[str, Any]:
-    """Relative change of each quantity of the first surface from a tolerance to the strictest, (tolerance, load)."""
+    """Relative change of the first surface from a tolerance to the strictest, (tolerance, load)."""
     at = [checks[t].isel(grid=0, shift=0) for t in _STRICT]
     values = {
         "energy_ratio": np.array([one.energy.values / one.attrs["full_contact_energy"] for one in at]),

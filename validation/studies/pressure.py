@@ -80,7 +80,7 @@ def design(options: Options) -> dict[int, LoadPath]:
 
 
 def measured_path(options: Options, *, bench: Bench) -> xr.Dataset:
-    """Press every surface along the path of loads: `reduced_path` over (surface, load), and means over the surfaces."""
+    """Press every surface along the path of loads: `reduced_path` over (surface, load), and means."""
     paths = solved(bench, design(options))
     reduced = {k: reduced_path(path, shortest=options.first.shortest) for k, path in paths.items()}
     data = gather(reduced, surface=range(options.surfaces)).assign_attrs(options.spectrum_words)

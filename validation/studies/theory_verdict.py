@@ -112,7 +112,7 @@ def _solver_share(options: Options, bench: Bench) -> float:
 
 
 def _spectral_shares(options: Options, bench: Bench) -> dict[str, xr.DataArray]:
-    """How far the area may be from that of an endless sample and bandwidth, at the nearest load of the ladders."""
+    """How far the area may be from that of endless sample and bandwidth, at the nearest load of the ladders."""
     import xarray as xr
 
     loads = np.array(options.ladder_reduced_pressures)
