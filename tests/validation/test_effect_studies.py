@@ -121,7 +121,8 @@ def test_the_interface_gains_less_than_its_work_and_yielding_adds_contact(sticki
     assert 0 < hard.area_plastic < hard.area_plastic_improved
 
 
-def test_numbers_of_one_surface_are_called_so(sticking):
-    kinds = [one.kind for one in adhesion.views(sticking.isel(surface=[0])).findings]
-    assert kinds.count("note") == 1
-    assert "note" not in [one.kind for one in adhesion.views(sticking).findings]
+def test_numbers_of_one_surface_are_called_so(yielding, sticking):
+    for study, data in ((hardness, yielding), (adhesion, sticking)):
+        one, several = data.isel(surface=[0]), data.isel(surface=[0, 0])
+        kinds = [[found.kind for found in study.views(these).findings] for these in (one, several)]
+        assert [kind.count("note") for kind in kinds] == [1, 0]

@@ -18,7 +18,7 @@ from validation.report.estimates import Value, each, value_of, values_of
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["KINDS", "Finding", "finding", "note", "ranking"]
+__all__ = ["KINDS", "Finding", "finding", "note", "of_one_surface", "ranking"]
 
 
 def _sign(value: Value) -> str:
@@ -231,6 +231,17 @@ def note(form: str, **values: Value | float | str) -> Finding:
         form=form,
         values={n: v if isinstance(v, Value) else Value(value=v) for n, v in values.items()},
     )
+
+
+def of_one_surface(data: xr.Dataset) -> list[Finding]:
+    """Return the note that a single surface says nothing of others; none where there are several."""
+    if data.sizes["surface"] > 1:
+        return []
+    return [
+        note(
+            "These are numbers of one surface: how much another of the same spectrum would differ is unknown."
+        )
+    ]
 
 
 def ranking(form: str, ranked: Mapping[str, Value]) -> Finding:

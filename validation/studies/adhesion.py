@@ -22,7 +22,7 @@ from validation.measures.adhesive import Sticking
 from validation.measures.common import truncated_surface
 from validation.measures.limits import straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
-from validation.report.findings import Finding, finding, note
+from validation.report.findings import Finding, finding, of_one_surface
 from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
@@ -192,9 +192,6 @@ def views(data: xr.Dataset) -> Views:
     energy = ("interface_energy", "interface_energy_improved", "interface_energy_old")
     gains = ("area_gain", "area_gain_improved", "area_gain_old", "area_gain_excess")
     yields = ("area_plastic", "area_plastic_improved")
-    one = note(
-        "These are numbers of one surface: how much another of the same spectrum would differ is unknown."
-    )
     return Views(
         table=Table(
             rows=("case",),
@@ -223,11 +220,7 @@ def views(data: xr.Dataset) -> Views:
                 width=9.0,
             ),
         ],
-        findings=[
-            *(_gain(data, dial) for dial in _DIALS),
-            _energy(data),
-            *([one] if data.sizes["surface"] == 1 else []),
-        ],
+        findings=[*(_gain(data, dial) for dial in _DIALS), _energy(data), *of_one_surface(data)],
     )
 
 

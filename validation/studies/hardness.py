@@ -18,7 +18,7 @@ from validation.measures.common import truncated_surface
 from validation.measures.limits import straight_limit
 from validation.measures.yielding import kept_by_theory, kept_waves, yielded_by_theory
 from validation.report.estimates import claim, derive, gather, mean
-from validation.report.findings import Finding, finding
+from validation.report.findings import Finding, finding, of_one_surface
 from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Column, Table
 from validation.report.views import Views
@@ -229,6 +229,7 @@ def views(data: xr.Dataset) -> Views:
         findings=[
             *(_said(data, part, varied) for varied in ("load", "waves") for part in parts),
             _left(data),
+            *of_one_surface(data),
         ],
     )
 
