@@ -8,6 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from fem_contact import bem
 from fem_contact.area import ContactAreas
@@ -28,9 +29,10 @@ from validation.effects.graded import Graded
 from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
 from validation.measures import ensemble
-from validation.measures.budget import Budget, budget_table
 from validation.measures.pairs import Areas
 from validation.methods.theory import TheoryOptions, _realised_variance, with_effects
+from validation.report.estimates import claim
+from validation.report.table import budget_table
 from validation.scenes.realised import realise
 from validation.scenes.scene import Scene
 from validation.solves.fields import decode_result, encode_result
@@ -145,15 +147,19 @@ def test_the_unit_of_reduced_pressure_is_modulus_times_gradient():
 
 
 def test_a_budget_lists_every_source_and_adds_up():
-    shares = {name: 0.01 * (k + 1) for k, name in enumerate(("grid", "solver", "surfaces", "finite size"))}
-    shares |= {"bandwidth": 0.05, "depth": 0.06}
-    table = budget_table([Budget(quantity="kappa", value=2.0, shares=shares)])
-    (row,) = table.rows
-    names = [f"{name} [%]" for name in shares]
-    assert [name for name in table.columns if name in names] == names
-    assert row[2:-2] == pytest.approx((1, 2, 3, 4, 5, 6))
-    assert row[-2] == pytest.approx(math.sqrt(1 + 4 + 9 + 36))
-    assert row[-1] == pytest.approx(math.sqrt(91))
+    told = {"surfaces": 0.02, "grid": 0.04, "solver": 0.06, "size": 0.08, "bandwidth": 0.1, "depth": 0.12}
+    data = claim(xr.Dataset({"kappa": 2.0}), "kappa", theory="it is simulated", **told)
+    (row,) = budget_table(data, ["kappa"]).rows
+    cells = dict(zip(budget_table(data, ["kappa"]).columns, row, strict=True))
+    assert [cells[f"{name} [%]"] for name in told] == pytest.approx([1, 2, 3, 4, 5, 6])
+    assert cells["theory [%]"] == "does not enter"
+    assert cells["for this spectrum and period [%]"] == pytest.approx(math.sqrt(1 + 4 + 9 + 36))
+    assert cells["for any [%]"] == pytest.approx(math.sqrt(91))
+    (unknown,) = budget_table(claim(data, "kappa", bandwidth=math.nan), ["kappa"]).rows
+    cells = dict(zip(budget_table(data, ["kappa"]).columns, unknown, strict=True))
+    assert cells["bandwidth [%]"] == "not measured"
+    assert math.isnan(cells["for any [%]"])
+    assert cells["for this spectrum and period [%]"] == pytest.approx(math.sqrt(50))
 
 
 def _areas(value, spacing):

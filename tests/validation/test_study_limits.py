@@ -17,13 +17,14 @@ from fem_contact.surface import HeightField
 from persson.elastic import contact_area, stress_variance
 from persson.scale import Scale
 from persson.separation import mean_separation
-from validation.measures.budget import Budget, budget_table, grid_drift, grid_share
+from validation.measures.budget import grid_drift
 from validation.measures.common import base_case, base_surface
 from validation.measures.distributions import Distributions, distance_to_reference
 from validation.measures.edge import inverse_square_coefficient, window_slope
 from validation.measures.ladders import bandwidth_order, fitted_line, line
 from validation.measures.measurement import Measurement, grid_for
 from validation.measures.theory import WITH_ENERGY, Waves, ensemble_area, modes_finding
+from validation.report.estimates import claim, mean
 from validation.scenes.scene import SolidSpec
 from validation.scenes.surfaces import reference_field, spectrum_of
 from validation.studies import stress_near_zero
@@ -95,22 +96,16 @@ def test_a_line_takes_as_many_samples_of_each_group_as_were_solved():
     assert np.isnan(line(data, "kappa", x="step", along="rung").kappa_limit)
 
 
-def test_a_budget_adds_its_shares_and_says_what_it_does_not_know():
-    known = Budget(quantity="a", value=2.0, shares={"grid": 0.02, "surfaces": 0.01, "bandwidth": 0.02})
-    unknown = Budget(quantity="b", value=2.0, shares={"grid": 0.03, "surfaces": 0.04, "bandwidth": np.nan})
-    assert known.total == pytest.approx(0.03, rel=1e-12)
-    table = budget_table([known, unknown])
-    second = dict(zip(table.columns, table.rows[1], strict=True))
-    assert second["bandwidth [%]"] == second["for any [%]"] == "not determinable"
-    assert second["for this spectrum and period [%]"] == pytest.approx(5.0, rel=1e-12)
-    assert second["depth [%]"] == "does not enter"
-
-
 def test_systematic_drift_of_the_grids_does_not_average_out_over_surfaces(measured):
     two = measured.isel(grid=[0, 1])
     assert np.all(grid_drift(two) == 0)
     assert np.all(np.abs(grid_drift(measured)) > 0)
-    shares = [grid_share(np.ones(n), errors=np.full(n, 0.01), drifts=np.full(n, 0.02)) for n in (4, 4000)]
+    shares = []
+    for n in (4, 4000):
+        data = xr.Dataset(
+            {name: ("surface", np.full(n, v)) for name, v in (("a_each", 1.0), ("a_each_drift", 0.02))}
+        )
+        shares.append(float(mean(claim(data, "a_each", grid=0.02), "a").a_error.sel(source="grid")))
     assert shares[0] > shares[1] > 0.02
 
 

@@ -12,15 +12,17 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from validation.audit import audit
 from validation.cases import Check, case
 from validation.cases._closed_forms import westergaard_mean_pressure, westergaard_pressure
 from validation.comparison.compared import Scatter
 from validation.comparison.run import run_scene
-from validation.measures.budget import Budget, budget_table, grid_share
 from validation.measures.ladders import fitted_line
 from validation.measures.statistics import combined, mean_over_surfaces, order_of_convergence
+from validation.report import estimates
+from validation.report.table import budget_table
 from validation.scenes.scene import Scene
 
 _YOUNG, _POISSON = 1e6, 0.3
@@ -275,17 +277,18 @@ def _intervals() -> list[Check]:
     rungs = [[2.0 + 0.5 * step**1.4] * 3 for step in spacing]
     ladder = fitted_line(rungs, spacing**1.4, common=True)
     checks.append(Check.relative("limit of a ladder of order 1.4", ladder.limit, 2.0, 1e-9))
-    shares = grid_share([2.0] * 4, errors=[0.06] * 4, drifts=[0.08] * 4)
-    # Twice .06 / sqrt 4 at random, .08 that does not average, over 2.
-    checks.append(Check.relative("share of the grid in a budget", shares, 0.05, 1e-12))
-    budget = Budget(
-        quantity="kappa",
-        value=2.0,
-        shares={"grid": 0.03, "solver": 0.04, "surfaces": 0.12, "bandwidth": 0.84},
-    )
-    (row,) = budget_table([budget]).rows
-    checks.append(Check.relative("for this spectrum and period [%]", float(row[-2]), 13.0, 1e-12))
-    checks.append(Check.relative("for any [%]", float(row[-1]), math.sqrt(13**2 + 84**2), 1e-12))
+    four = xr.Dataset({"kappa_each": ("surface", [2.0] * 4), "kappa_each_drift": ("surface", [0.08] * 4)})
+    told = estimates.mean(estimates.claim(four, "kappa_each", grid=0.12), "kappa")
+    # .12 / sqrt 4 at random, .08 that does not average, over 2.
+    share = float(told.kappa_error.sel(source="grid")) / 2.0
+    checks.append(Check.relative("share of the grid in a budget", share, 0.05, 1e-12))
+    exact = dict.fromkeys(("size", "depth", "theory"), "nothing here depends on it")
+    parts = {"grid": 0.06, "solver": 0.08, "surfaces": 0.24, "bandwidth": 1.68}
+    known = estimates.claim(xr.Dataset({"kappa": 2.0}), "kappa", **parts, **exact)
+    budget = budget_table(known, ["kappa"])
+    row = dict(zip(budget.columns, budget.rows[0], strict=True))
+    for name, expected in (("for this spectrum and period [%]", 13.0), ("for any [%]", math.hypot(13, 84))):
+        checks.append(Check.relative(name, float(row[name]), expected, 1e-12))
     scatter = Scatter(areas=(0.1, 0.1, 0.1, 0.1), ratios=(1.1, 1.3, 1.1, 1.3), grid_error=0.0)
     checks.append(Check.relative("mean of area over theory", scatter.mean_ratio, 1.2, 1e-12))
     checks.append(
