@@ -173,6 +173,7 @@ def with_methods(
         for k in surfaces
     }
     other = gather(parts, other_case=range(len(cases)), surface=surfaces).drop_vars("other_case")
+    other = other.rename({name: "solve_other" for name in ("solve",) if name in other})
     limits = {
         (m, k): _method_limit([answers[m, k, g] for g in range(len(grids[m]))], grids[m])
         for m in grids
