@@ -128,10 +128,11 @@ class Result:
         return found
 
     def _solve(self, key: str, kind: Callable[[Path], Any]) -> Any:
-        if key not in self._read:
+        name = f"{kind.__qualname__} {key}"
+        if name not in self._read:
             path = None if self.store is None else self.store / f"{key}.nc"
-            self._read[key] = kind(path) if path is not None and path.is_file() else None
-        return self._read[key]
+            self._read[name] = kind(path) if path is not None and path.is_file() else None
+        return self._read[name]
 
 
 def _regular(path: Path) -> None:

@@ -59,7 +59,7 @@ class Ledger:
         """Enter a number of full precision: `rtol` 1e-9 and `atol` 1e-13 unless said; None stands for NaN."""
         rtol, atol = how.get("rtol", 1e-9), how.get("atol", 1e-13)
         a, b = _float(found), _float(expected)
-        agrees = (math.isnan(a) and math.isnan(b)) or abs(a - b) <= atol + rtol * abs(b)
+        agrees = a == b or (math.isnan(a) and math.isnan(b)) or abs(a - b) <= atol + rtol * abs(b)
         self.entries.append(Entry(place=place, name=name, found=found, recomputed=expected, agrees=agrees))
 
     def same(self, place: str, name: str, found: Any, expected: Any) -> None:

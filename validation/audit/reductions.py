@@ -8,16 +8,14 @@ from __future__ import annotations
 
 import ast
 import math
-import operator
-from collections.abc import Callable, Iterator, Mapping
-from types import SimpleNamespace
-from typing import Any
+from collections.abc import Callable, Mapping
 
 import numpy as np
-from scipy.special import erf, stdtrit
+from scipy.special import stdtrit
 
+from validation.audit import from_solves
 from validation.audit.dataset import Labelled, Result, Variable
-from validation.audit.limits import limit_over
+from validation.audit.expressions import names_of, value_of
 from validation.audit.stored import Array
 
 __all__ = ["REDUCTIONS", "errors_of", "recomputed"]
@@ -33,7 +31,7 @@ def recomputed(result: Result, name: str) -> Array | None:
     variable = result.data[name]
     reduction = REDUCTIONS.get(str(variable.attrs.get("reduction", "")))
     try:
-        return (reduction or _read_off)(result, name, variable)
+        return (reduction or from_solves.read_off)(result, name, variable)
     except (ArithmeticError, LookupError, TypeError, ValueError):
         return None
 
@@ -46,6 +44,10 @@ def errors_of(result: Result, name: str) -> dict[str, Array]:
         return {}
 
 
+def _limit_errors(solve: Labelled) -> list[float]:
+    return [_NORMAL * error for _, error in from_solves.limits(solve)]
+
+
 def _errors_of(result: Result, name: str, variable: Variable) -> dict[str, Array]:
     kind = variable.attrs.get("reduction")
     if kind == "mean" and "pairs" in variable.attrs:
@@ -53,11 +55,11 @@ def _errors_of(result: Result, name: str, variable: Variable) -> dict[str, Array
     if kind == "expression":
         return _expression_errors(result, variable)
     if kind == "limit":
-        found = _over_solves(result, variable, lambda one: [_NORMAL * e for _, e in _limits(one)])
+        found = from_solves.over_solves(result, variable, _limit_errors)
         return {} if found is None else {"grid": found}
     if kind == "second-order limit":
-        found = _over_solves(
-            result, variable, lambda one: _NORMAL * abs(_second_order_step(one, variable)[1])
+        found = from_solves.over_solves(
+            result, variable, lambda one: _NORMAL * abs(from_solves.second_order_step(one, variable)[1])
         )
         return {} if found is None else {"grid": found}
     if kind == "power law" and not name.endswith("_factor"):
@@ -124,10 +126,10 @@ def _mean_errors(result: Result, variable: Variable) -> dict[str, Array]:
         fewer = 1 if int(variable.attrs.get("alike", 0)) else np.maximum(counts, 1)
         grid = _mean_there(each["grid"] ** 2, there) / fewer
         found |= {s: _mean_there(each[s], there) for s in _SOURCES[2:]}
-    if f"{of}_drift" in result.data:
-        drift = np.broadcast_to(result.data[f"{of}_drift"].along(dims), values.shape)
+    if f"{of}from_solves.drift" in result.data:
+        drift = np.broadcast_to(result.data[f"{of}from_solves.drift"].along(dims), values.shape)
         grid = grid + _mean_there(drift, there) ** 2
-    if f"{of}_error" in result.data or f"{of}_drift" in result.data:
+    if f"{of}_error" in result.data or f"{of}from_solves.drift" in result.data:
         found["grid"] = np.sqrt(grid)
     return found
 
@@ -139,46 +141,7 @@ def _change(result: Result, name: str, variable: Variable) -> Array:
     return np.asarray(last / first - 1)
 
 
-# ---- expressions ---------------------------------------------------------------------------------------
-
-_OPERATORS: dict[type, Callable[..., Any]] = {
-    ast.Add: operator.add,
-    ast.Sub: operator.sub,
-    ast.Mult: operator.mul,
-    ast.Div: operator.truediv,
-    ast.Pow: operator.pow,
-    ast.USub: operator.neg,
-}
-_FUNCTIONS: dict[str, Callable[..., Any]] = {
-    "abs": np.abs,
-    "erf": erf,
-    "exp": np.exp,
-    "log": np.log,
-    "maximum": np.maximum,
-    "minimum": np.minimum,
-    "sqrt": np.sqrt,
-}
-
-
-def _names(expression: str) -> list[str]:
-    return sorted({node.id for node in ast.walk(ast.parse(expression)) if isinstance(node, ast.Name)})
-
-
-def _value(node: ast.AST, values: Mapping[str, Array]) -> Any:
-    """Evaluate sums, products, powers, a few functions, and single places along a dimension."""
-    if isinstance(node, ast.Expression):
-        return _value(node.body, values)
-    if isinstance(node, ast.Constant) and isinstance(node.value, int | float):
-        return float(node.value)
-    if isinstance(node, ast.Name):
-        return values[node.id]
-    if isinstance(node, ast.BinOp):
-        return _OPERATORS[type(node.op)](_value(node.left, values), _value(node.right, values))
-    if isinstance(node, ast.UnaryOp):
-        return _OPERATORS[type(node.op)](_value(node.operand, values))
-    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _FUNCTIONS:
-        return _FUNCTIONS[node.func.id](*(_value(one, values) for one in node.args))
-    raise LookupError(ast.dump(node))
+# ---- expressions ---
 
 
 def _placed(result: Result, expression: str) -> tuple[str, dict[str, Variable]]:
@@ -198,7 +161,7 @@ def _placed(result: Result, expression: str) -> tuple[str, dict[str, Variable]]:
             return node
 
     text = ast.unparse(Places().visit(tree))
-    needed |= {n: result.data[n] for n in _names(text) if n not in needed and n in result.data}
+    needed |= {n: result.data[n] for n in names_of(text) if n not in needed and n in result.data}
     return text, needed
 
 
@@ -207,7 +170,7 @@ def _expression(result: Result, name: str, variable: Variable) -> Array | None:
         text, needed = _placed(result, str(variable.attrs["expression"]))
         values = {n: one.along(variable.dims).astype(float) for n, one in needed.items()}
         with np.errstate(all="ignore"):
-            found = _value(ast.parse(text, mode="eval"), values)
+            found = value_of(ast.parse(text, mode="eval"), values)
     except (LookupError, ValueError, SyntaxError, AssertionError):
         return None
     return np.broadcast_to(np.asarray(found, dtype=float), variable.values.shape)
@@ -219,7 +182,7 @@ def _expression_errors(result: Result, variable: Variable) -> dict[str, Array]:
     if ".isel(" in expression:
         return {}
     values = {
-        n: result.data[n].along(variable.dims).astype(float) for n in _names(expression) if n in result.data
+        n: result.data[n].along(variable.dims).astype(float) for n in names_of(expression) if n in result.data
     }
     moved = [n for n in values if f"{n}_error" in result.data]
     tree, found = ast.parse(expression, mode="eval"), {}
@@ -228,7 +191,7 @@ def _expression_errors(result: Result, variable: Variable) -> dict[str, Array]:
         for n in moved:
             step = result.data[f"{n}_error"].at({"source": k}).along(variable.dims)
             with np.errstate(all="ignore"):
-                up, down = (_value(tree, {**values, n: values[n] + s * step}) for s in (1, -1))
+                up, down = (value_of(tree, {**values, n: values[n] + s * step}) for s in (1, -1))
             total = total + ((up - down) / 2) ** 2
         found[source] = np.sqrt(total)
     return found
@@ -267,125 +230,63 @@ def _power_law(result: Result, name: str, variable: Variable) -> Array:
     return factor if name.endswith("_factor") else exponent
 
 
-# ---- from the solves -------------------------------------------------------------------------------------
+def _share(result: Result, name: str, variable: Variable) -> Array:
+    """Share of what lies within its claim and the error of what it is compared with."""
+    of, within = (result.data[str(variable.attrs[key])].values for key in ("of", "within"))
+    reference = result.data["reference_each_error"].at({"source": _SOURCES.index("grid")}).values
+    return np.asarray(np.mean(np.abs(of) <= np.hypot(within, reference)))
 
 
-def _keys(result: Result, variable: Variable) -> Iterator[tuple[tuple[int, ...], str, tuple[str, ...]]]:
-    """Yield place, key and dimensions of the solves of a variable."""
-    for name, named in result.data.variables.items():
-        if name.startswith("solve") and set(named.dims) <= set(variable.dims):
-            for place in np.ndindex(named.values.shape):
-                yield place, str(named.values[place]), named.dims
-            return
-
-
-def _over_solves(result: Result, variable: Variable, read: Callable[[Labelled], Any]) -> Array | None:
-    """Fill an array with what is read off the solve of each place; None where one is not to be had."""
-    found, seen = np.full(variable.values.shape, np.nan), False
-    for place, key, dims in _keys(result, variable):
-        if not key:
-            continue
-        solve = result.solve(key)
-        values = None if solve is None else read(solve)
-        if values is None:
-            return None
-        index: list[Any] = [slice(None)] * len(variable.dims)
-        for dim, k in zip(dims, place, strict=True):
-            index[variable.dims.index(dim)] = k
-        if np.shape(values) != found[tuple(index)].shape:
-            return None
-        found[tuple(index)], seen = values, True
-    return found if seen else None
-
-
-def _limits(solve: Labelled, *, without: int = 0) -> list[tuple[float, float]]:
-    """Limit over the resolved grids and its standard error at each load, without so many of the coarsest."""
-    wave = solve["points_per_wave"].values
-    grids = np.flatnonzero(wave >= _LEAST_POINTS * (1 - 1e-9))[without:]
-    points, cells = solve["points"].values, solve["cells"].values
-    pixel, perimeter, subcell, edges = (
-        solve[name].along(("grid", "shift", "load"))
-        for name in ("pixel", "perimeter", "subcell", "edge_fraction")
-    )
-    found = []
-    for load in range(pixel.shape[2]):
-        areas: list[Any] = [
-            SimpleNamespace(
-                spacing=(1 / float(points[i]), float(points[i]) / float(cells[i])),
-                cells=int(cells[i]),
-                pixel=float(pixel[i, j, load]),
-                perimeter=float(perimeter[i, j, load]),
-                edges=float(edges[i, j, load]),
-                subcell=float(subcell[i, j, load]),
-                alignment=0.0,
-            )
-            for i in grids
-            for j in range(pixel.shape[1])
-        ]
-        located = not any(math.isnan(one.subcell) for one in areas)
-        limit = limit_over(areas, located=located) if areas else None
-        found.append((math.nan, math.nan) if limit is None else (limit.value, limit.error))
-    return found
-
-
-def _limit(result: Result, name: str, variable: Variable) -> Array | None:
-    if variable.attrs["of"] != "subcell":
-        return _limit_of_fields(result, variable)
-    return _over_solves(result, variable, lambda solve: [value for value, _ in _limits(solve)])
-
-
-def _limit_of_fields(result: Result, variable: Variable) -> Array | None:
-    """Limits from the fields of several solves, whose keys stand beside each other."""
-    found = np.full(variable.values.shape, np.nan)
-    for place, keys, _ in _keys(result, variable):
-        fields = [result.fields(key) for key in keys.split()]
-        if not fields or any(one is None for one in fields):
-            return None
-        solves: list[Any] = fields
-        limit = limit_over(solves, located=not any(one.recipe.get("effects") for one in solves))
-        found[place] = math.nan if limit is None else limit.value
-    return found
-
-
-def _drift(result: Result, name: str, variable: Variable) -> Array | None:
-    def read(solve: Labelled) -> list[float]:
-        wave = solve["points_per_wave"].values
-        resolved = int(np.count_nonzero(wave >= _LEAST_POINTS * (1 - 1e-9)))
-        shifts = solve["pixel"].along(("grid", "shift", "load")).shape[1]
-        if resolved < 3 or (resolved - 1) * shifts < 3:
-            return [0.0] * solve["reduced_pressure"].values.size
-        pairs = zip(_limits(solve), _limits(solve, without=1), strict=True)
-        return [finer - whole for (whole, _), (finer, _) in pairs]
-
-    return _over_solves(result, variable, read)
-
-
-def _shift_mean(result: Result, name: str, variable: Variable) -> Array | None:
-    def read(solve: Labelled) -> Array:
-        values = _over_shifts(solve, variable)
-        return values if "grid" in variable.dims else np.asarray(values[-1])
-
-    return _over_solves(result, variable, read)
-
-
-def _over_shifts(solve: Labelled, variable: Variable) -> Array:
-    """Mean over the shifts, (grid, load), of a power of what a solve keeps, over a scale."""
+def _straight_limit(result: Result, name: str, variable: Variable) -> Array:
+    """Extrapolate what is linear in the spacing, from the two finest grids."""
     told = variable.attrs
-    scale = told.get("scale", 1.0)
-    scale = float(solve.attrs[scale] if isinstance(scale, str) else scale)
-    values = solve[str(told["of"])].along(("grid", "shift", "load"))
-    return np.asarray((values ** float(told.get("power", 1.0))).mean(axis=1) / scale)
+    values = result.data[str(told["of"])].along((*variable.dims, "grid"))
+    points = result.data[str(told["x"])].values
+    step = 1 / points[-2:].astype(float)
+    slope = (values[..., -2] - values[..., -1]) / (step[0] - step[1])
+    limit = values[..., -1] - slope * step[1]
+    return np.asarray(np.clip(limit, 0.0, float(told["most"])) if "most" in told else limit)
 
 
-def _second_order_step(solve: Labelled, variable: Variable) -> tuple[Array, Array]:
-    """Values on the finest grid, and the step from there to the limit, by the two finest."""
-    coarse, fine = _over_shifts(solve, variable)[-2:]
-    points = solve["points_per_wave"].values
-    return fine, (fine - coarse) / (float(points[-1] / points[-2]) ** 2 - 1)
+def _line(result: Result, name: str, variable: Variable) -> Array:
+    """Limit or slope of the straight line through means along a dimension, by weighted normal equations."""
+    told, dims = variable.attrs, variable.dims
+    along, over = str(told["along"]), str(told["over"])
+    each = result.data[str(told["of"])]
+    values = each.along((*dims, along, over))
+    x = np.broadcast_to(result.data[str(told["x"])].along((*dims, along)), values.shape[:-1])
+    there = np.ones(values.shape, dtype=bool)
+    for named, keys in result.data.variables.items():
+        if named.startswith("solve") and over in keys.dims and set(keys.dims) <= set(each.dims):
+            there = np.broadcast_to(keys.along((*dims, along, over)).astype(str) != "", values.shape)
+    found = np.full((2, *values.shape[:-2]), np.nan)
+    for place in np.ndindex(values.shape[:-2]):
+        groups = [row[kept] for row, kept in zip(values[place], there[place], strict=True)]
+        if int(told["pairs"]):
+            groups = [(group[0::2] + group[1::2]) / 2 for group in groups]
+        means = np.array([group.mean() for group in groups])
+        error = np.array([math.sqrt(np.sum((g - g.mean()) ** 2) / (g.size - 1) / g.size) for g in groups])
+        w = np.ones(means.size) if int(told["common"]) else 1 / np.maximum(error, 1e-3 * error.max() + 1e-300)
+        w = w**2 / np.sum(w**2)
+        at = x[place]
+        middle = float(w @ at)
+        slope = float(w @ ((at - middle) * means)) / float(w @ (at - middle) ** 2)
+        found[(0, *place)], found[(1, *place)] = float(w @ means) - slope * middle, slope
+    if str(told["reduction"]) == "line slope":
+        return np.asarray(found[1])
+    reach = result.data[name.removesuffix("from_solves.limit") + "_reach"].along(dims)
+    # Further off than two spans of what was measured a limit is none.
+    return np.where(reach <= 2.0, found[0], np.nan)
 
 
-def _second_order(result: Result, name: str, variable: Variable) -> Array | None:
-    return _over_solves(result, variable, lambda one: sum(_second_order_step(one, variable)))
+def _reduced(how: Callable[..., Array]) -> Callable[[Result, str, Variable], Array]:
+    """Return the reduction of single values over the surfaces, without an interval."""
+
+    def reduce(result: Result, name: str, variable: Variable) -> Array:
+        values, _ = _samples(result, variable)
+        return np.asarray(how(values, axis=-1))
+
+    return reduce
 
 
 def _polynomial(result: Result, name: str, variable: Variable) -> Array:
@@ -408,59 +309,15 @@ def _mean_distance(result: Result, name: str, variable: Variable) -> Array:
     return np.asarray(np.abs(over[..., partly] - 1).mean(axis=-1))
 
 
-def _finest_profile(result: Result, name: str, variable: Variable) -> Array | None:
-    return _over_solves(result, variable, lambda one: one[str(variable.attrs["of"])].values[-1])
-
-
-def _read(result: Result, name: str, variable: Variable) -> Array | None:
-    """Read off what a solve keeps, by the expression that says it."""
-    tree = ast.parse(str(variable.attrs["expression"]), mode="eval")
-
-    def read(solve: Labelled) -> Any:
-        known = {
-            n: one.values.astype(float) for n, one in solve.variables.items() if one.values.dtype.kind in "fi"
-        }
-        known |= {
-            n: np.asarray(v, dtype=float)
-            for n, v in solve.attrs.items()
-            if isinstance(v, float | int | np.number)
-        }
-        return _value(tree, known)
-
-    return _over_solves(result, variable, read)
-
-
-def _reduced(how: Callable[..., Array]) -> Callable[[Result, str, Variable], Array]:
-    """Return the reduction of single values over the surfaces, without an interval."""
-
-    def reduce(result: Result, name: str, variable: Variable) -> Array:
-        values, _ = _samples(result, variable)
-        return np.asarray(how(values, axis=-1))
-
-    return reduce
-
-
-def _read_off(result: Result, name: str, variable: Variable) -> Array | None:
-    """Read what a solve keeps under this name, as a variable or an attribute, where the shapes are those."""
-    plain = name.removesuffix("_each")
-    if variable.values.dtype.kind not in "fi" or name.endswith(("_error", "_drift")):
-        return None
-
-    def read(solve: Labelled) -> Any:
-        if plain in solve and solve[plain].values.dtype.kind in "fi":
-            return solve[plain].values
-        return solve.attrs.get(plain)
-
-    return _over_solves(result, variable, read)
-
-
 #: By the attribute `reduction`.
 REDUCTIONS: Mapping[str, Callable[[Result, str, Variable], Array | None]] = {
     "change": _change,
-    "drift": _drift,
+    "drift": from_solves.drift,
     "expression": _expression,
-    "finest profile": _finest_profile,
-    "limit": _limit,
+    "finest profile": from_solves.finest_profile,
+    "limit": from_solves.limit,
+    "line limit": _line,
+    "line slope": _line,
     "max": _reduced(np.nanmax),
     "mean distance": _mean_distance,
     "mean": lambda result, name, one: (_mean if "pairs" in one.attrs else _reduced(np.nanmean))(
@@ -468,8 +325,10 @@ REDUCTIONS: Mapping[str, Callable[[Result, str, Variable], Array | None]] = {
     ),
     "polynomial limit": _polynomial,
     "power law": _power_law,
-    "read": _read,
-    "second-order limit": _second_order,
-    "shift mean": _shift_mean,
+    "read": from_solves.read,
+    "second-order limit": from_solves.second_order,
+    "share": _share,
+    "shift mean": from_solves.shift_mean,
+    "straight limit": _straight_limit,
     "sum": _reduced(np.nansum),
 }

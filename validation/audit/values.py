@@ -90,7 +90,7 @@ def judge_dataset(result: Result, ledger: Ledger) -> None:
 
 
 #: What the audit fits by an implementation of its own: both round.
-_FITTED = ("limit", "drift", "polynomial limit", "power law")
+_FITTED = ("limit", "drift", "line limit", "line slope", "polynomial limit", "power law")
 
 
 def _errors(result: Result, name: str, ledger: Ledger) -> None:
@@ -137,7 +137,8 @@ def _worst(
         return
     with np.errstate(invalid="ignore"):
         off = np.abs(found - expected) / (atol + rtol * np.abs(expected))
-    off = np.where(np.isnan(found) & np.isnan(expected), 0.0, np.where(np.isnan(off), np.inf, off))
+    same = (found == expected) | (np.isnan(found) & np.isnan(expected))
+    off = np.where(same, 0.0, np.where(np.isnan(off), np.inf, off))
     k = np.unravel_index(int(np.argmax(off)), found.shape) if found.ndim else ()
     where = f"{name} at {tuple(map(int, k))}" if found.ndim else name
     ledger.number(place, where, float(found[k]), float(expected[k]), rtol=rtol, atol=atol)
@@ -156,7 +157,7 @@ def _total(data: Labelled, name: str, place: Mapping[str, int]) -> float | None:
     kept = [
         value
         for source, value in zip(_SOURCES, values, strict=True)
-        if (source not in _SPECTRAL or source == limit) and math.isfinite(value)
+        if (source not in _SPECTRAL or source == limit) and math.isfinite(value) and source not in error.attrs
     ]
     return math.sqrt(math.fsum(value**2 for value in kept)) if kept else math.nan
 
@@ -327,6 +328,11 @@ def judge_page(result: Result, ledger: Ledger) -> None:
                     _cell(ledger, place, f"row {k + 1}, {column}", cell, cells[column], interval)
 
 
+def _words(text: str) -> str:
+    """Return a text without what a page sets otherwise than it is typed."""
+    return text.replace("^", "").replace("\u2032", "'").replace(" ", "")
+
+
 #: Symbols as a page sets them, and as they are typed.
 _GREEK = dict(
     zip("κσγλζαμν", ("kappa", "sigma", "gamma", "lambda", "zeta", "alpha", "mu", "nu"), strict=True)
@@ -337,9 +343,9 @@ def _cell(ledger: Ledger, place: str, name: str, cell: str, source: str, interva
     """Judge one cell: words, a number of five digits, or a number with its interval."""
     value = _float(source)
     for letter, symbol in _GREEK.items():
-        cell, source = cell.replace(letter, symbol), source.replace("^", "")
+        cell = cell.replace(letter, symbol)
     if math.isnan(value) and source not in ("", "nan"):
-        ledger.same(place, name, cell, source)
+        ledger.same(place, name, _words(cell), _words(source))
     elif " +- " in cell or "±" in cell:
         number, _, half = cell.replace("±", "+-").replace("\u00a0", " ").partition("+-")
         power = ""

@@ -107,9 +107,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     theory = [f"stiffness_{of}_{variant}" for of in ("ratio", "excess") for variant in WITH_ENERGY]
     data = mean(data, "stiffness", "gap", "area_perimeter", "stiffness_exponent", *theory)
     data = mean(data, "stiffness_exponent_light").assign(stiffness_exponent_proportional=1.0)
-    data = derive(data, stiffness_exponent_light_excess="stiffness_exponent_light - 1")
     simulated = {"depth": "boundary elements press a half-space", "theory": "it is simulated"}
     data = claim(data, "stiffness", "stiffness_exponent", "stiffness_exponent_light", **simulated)
+    data = derive(data, stiffness_exponent_light_excess="stiffness_exponent_light - 1")
     said = {"hurst": options.hurst, "bandwidth": options.bandwidth}
     return data.assign_attrs(study="conductance", methods="theory bem", **said)
 

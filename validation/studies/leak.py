@@ -91,6 +91,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     apart = {
         f"gap_distance_{name}": f"abs(gap_share_{name} - gap_share).max('gap_bin')" for name in GAP_THEORIES
     }
+    simulated = {"depth": "boundary elements press a half-space", "theory": "it is simulated"}
+    data = claim(data, "gap_conductance", "percolation_area", "percolation_area_pooled", **simulated)
     data["percolation_area_paper"], data["area_rim"] = SITE_THRESHOLD, _RIM
     data = derive(
         data,
@@ -100,8 +102,6 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         **apart,
         **{f"gap_narrow_excess_{name}": f"gap_narrow - gap_narrow_{name}" for name in GAP_THEORIES},
     )
-    simulated = {"depth": "boundary elements press a half-space", "theory": "it is simulated"}
-    data = claim(data, "gap_conductance", "percolation_area", "percolation_area_pooled", **simulated)
     said = {name: getattr(options, name) for name in ("hurst", "periods", "points_per_wave")}
     return claim(data, *apart).assign_attrs(study="leak", methods="theory bem", **said)
 

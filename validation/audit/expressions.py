@@ -1,0 +1,55 @@
+"""Expressions of variables, evaluated without executing anything: sums, products, powers, a few functions."""
+
+from __future__ import annotations
+
+import ast
+import operator
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from scipy.special import erf
+
+from validation.audit.stored import Array
+
+__all__ = ["names_of", "value_of"]
+
+_OPERATORS: dict[type, Callable[..., Any]] = {
+    ast.Add: operator.add,
+    ast.Sub: operator.sub,
+    ast.Mult: operator.mul,
+    ast.Div: operator.truediv,
+    ast.Pow: operator.pow,
+    ast.USub: operator.neg,
+}
+_FUNCTIONS: dict[str, Callable[..., Any]] = {
+    "abs": np.abs,
+    "erf": erf,
+    "exp": np.exp,
+    "log": np.log,
+    "maximum": np.maximum,
+    "minimum": np.minimum,
+    "sqrt": np.sqrt,
+}
+
+
+def names_of(expression: str) -> list[str]:
+    """Return the names in an expression."""
+    return sorted({node.id for node in ast.walk(ast.parse(expression)) if isinstance(node, ast.Name)})
+
+
+def value_of(node: ast.AST, values: Mapping[str, Array]) -> Any:
+    """Evaluate sums, products, powers, a few functions, and single places along a dimension."""
+    if isinstance(node, ast.Expression):
+        return value_of(node.body, values)
+    if isinstance(node, ast.Constant) and isinstance(node.value, int | float):
+        return float(node.value)
+    if isinstance(node, ast.Name):
+        return values[node.id]
+    if isinstance(node, ast.BinOp):
+        return _OPERATORS[type(node.op)](value_of(node.left, values), value_of(node.right, values))
+    if isinstance(node, ast.UnaryOp):
+        return _OPERATORS[type(node.op)](value_of(node.operand, values))
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _FUNCTIONS:
+        return _FUNCTIONS[node.func.id](*(value_of(one, values) for one in node.args))
+    raise LookupError(ast.dump(node))

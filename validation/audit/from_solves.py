@@ -1,0 +1,193 @@
+"""What follows from the stored solves of a dataset: limits, drifts, means over shifts, what is read off."""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Callable, Iterator
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from validation.audit.dataset import Labelled, Result, Variable
+from validation.audit.expressions import value_of
+from validation.audit.limits import limit_over
+from validation.audit.stored import Array
+
+__all__ = [
+    "drift",
+    "finest_profile",
+    "limit",
+    "limits",
+    "over_solves",
+    "read",
+    "read_off",
+    "second_order",
+    "second_order_step",
+    "shift_mean",
+]
+
+#: Points per shortest wave below which a grid enters no limit.
+_LEAST_POINTS = 3.0
+
+
+def _keys(result: Result, variable: Variable) -> Iterator[tuple[tuple[int, ...], str, tuple[str, ...]]]:
+    """Yield place, key and dimensions of the solves of a variable."""
+    for name, named in result.data.variables.items():
+        if name.startswith("solve") and set(named.dims) <= set(variable.dims):
+            for place in np.ndindex(named.values.shape):
+                yield place, str(named.values[place]), named.dims
+            return
+
+
+def over_solves(result: Result, variable: Variable, read: Callable[[Labelled], Any]) -> Array | None:
+    """Fill an array with what is read off the solve of each place; None where one is not to be had."""
+    found, seen = np.full(variable.values.shape, np.nan), False
+    for place, key, dims in _keys(result, variable):
+        if not key:
+            continue
+        solve = result.solve(key)
+        values = None if solve is None else read(solve)
+        if values is None:
+            return None
+        index: list[Any] = [slice(None)] * len(variable.dims)
+        for dim, k in zip(dims, place, strict=True):
+            index[variable.dims.index(dim)] = k
+        if np.shape(values) != found[tuple(index)].shape:
+            return None
+        found[tuple(index)], seen = values, True
+    return found if seen else None
+
+
+def limits(solve: Labelled, *, without: int = 0) -> list[tuple[float, float]]:
+    """Limit over the resolved grids and its standard error at each load, without so many of the coarsest."""
+    wave = solve["points_per_wave"].values
+    grids = np.flatnonzero(wave >= _LEAST_POINTS * (1 - 1e-9))[without:]
+    points, cells = solve["points"].values, solve["cells"].values
+    pixel, perimeter, subcell, edges = (
+        solve[name].along(("grid", "shift", "load"))
+        for name in ("pixel", "perimeter", "subcell", "edge_fraction")
+    )
+    found = []
+    for load in range(pixel.shape[2]):
+        areas: list[Any] = [
+            SimpleNamespace(
+                spacing=(1 / float(points[i]), float(points[i]) / float(cells[i])),
+                cells=int(cells[i]),
+                pixel=float(pixel[i, j, load]),
+                perimeter=float(perimeter[i, j, load]),
+                edges=float(edges[i, j, load]),
+                subcell=float(subcell[i, j, load]),
+                alignment=0.0,
+            )
+            for i in grids
+            for j in range(pixel.shape[1])
+        ]
+        located = not any(math.isnan(one.subcell) for one in areas)
+        limit = limit_over(areas, located=located) if areas else None
+        found.append((math.nan, math.nan) if limit is None else (limit.value, limit.error))
+    return found
+
+
+def limit(result: Result, name: str, variable: Variable) -> Array | None:
+    """Limits over the grids of each solve."""
+    if variable.attrs["of"] != "subcell":
+        return _limit_of_fields(result, variable)
+    return over_solves(result, variable, lambda solve: [value for value, _ in limits(solve)])
+
+
+def _limit_of_fields(result: Result, variable: Variable) -> Array | None:
+    """Limits from the fields of several solves, whose keys stand beside each other."""
+    found = np.full(variable.values.shape, np.nan)
+    for place, keys, _ in _keys(result, variable):
+        fields = [result.fields(key) for key in keys.split()]
+        if not fields or any(one is None for one in fields):
+            return None
+        solves: list[Any] = fields
+        limit = limit_over(solves, located=not any(one.recipe.get("effects") for one in solves))
+        found[place] = math.nan if limit is None else limit.value
+    return found
+
+
+def drift(result: Result, name: str, variable: Variable) -> Array | None:
+    """Change of each limit without its coarsest grid."""
+
+    def read(solve: Labelled) -> list[float]:
+        wave = solve["points_per_wave"].values
+        resolved = int(np.count_nonzero(wave >= _LEAST_POINTS * (1 - 1e-9)))
+        shifts = solve["pixel"].along(("grid", "shift", "load")).shape[1]
+        if resolved < 3 or (resolved - 1) * shifts < 3:
+            return [0.0] * solve["reduced_pressure"].values.size
+        pairs = zip(limits(solve), limits(solve, without=1), strict=True)
+        return [finer - whole for (whole, _), (finer, _) in pairs]
+
+    return over_solves(result, variable, read)
+
+
+def shift_mean(result: Result, name: str, variable: Variable) -> Array | None:
+    """Mean over the shifts of each grid."""
+
+    def read(solve: Labelled) -> Array:
+        values = _over_shifts(solve, variable)
+        return values if "grid" in variable.dims else np.asarray(values[-1])
+
+    return over_solves(result, variable, read)
+
+
+def _over_shifts(solve: Labelled, variable: Variable) -> Array:
+    """Mean over the shifts, (grid, load), of a power of what a solve keeps, over a scale."""
+    told = variable.attrs
+    scale = told.get("scale", 1.0)
+    scale = float(solve.attrs[scale] if isinstance(scale, str) else scale)
+    values = solve[str(told["of"])].along(("grid", "shift", "load"))
+    return np.asarray((values ** float(told.get("power", 1.0))).mean(axis=1) / scale)
+
+
+def second_order_step(solve: Labelled, variable: Variable) -> tuple[Array, Array]:
+    """Values on the finest grid, and the step from there to the limit, by the two finest."""
+    coarse, fine = _over_shifts(solve, variable)[-2:]
+    points = solve["points_per_wave"].values
+    return fine, (fine - coarse) / (float(points[-1] / points[-2]) ** 2 - 1)
+
+
+def second_order(result: Result, name: str, variable: Variable) -> Array | None:
+    """Limits by a step of second order."""
+    return over_solves(result, variable, lambda one: sum(second_order_step(one, variable)))
+
+
+def finest_profile(result: Result, name: str, variable: Variable) -> Array | None:
+    """Profiles on the finest grid."""
+    return over_solves(result, variable, lambda one: one[str(variable.attrs["of"])].values[-1])
+
+
+def read(result: Result, name: str, variable: Variable) -> Array | None:
+    """Read off what a solve keeps, by the expression that says it."""
+    tree = ast.parse(str(variable.attrs["expression"]), mode="eval")
+
+    def read(solve: Labelled) -> Any:
+        known = {
+            n: one.values.astype(float) for n, one in solve.variables.items() if one.values.dtype.kind in "fi"
+        }
+        known |= {
+            n: np.asarray(v, dtype=float)
+            for n, v in solve.attrs.items()
+            if isinstance(v, float | int | np.number)
+        }
+        return value_of(tree, known)
+
+    return over_solves(result, variable, read)
+
+
+def read_off(result: Result, name: str, variable: Variable) -> Array | None:
+    """Read what a solve keeps under this name, as a variable or an attribute, where the shapes are those."""
+    plain = name.removesuffix("_each")
+    if variable.values.dtype.kind not in "fi" or name.endswith(("_error", "drift")):
+        return None
+
+    def read(solve: Labelled) -> Any:
+        if plain in solve and solve[plain].values.dtype.kind in "fi":
+            return solve[plain].values
+        return solve.attrs.get(plain)
+
+    return over_solves(result, variable, read)
