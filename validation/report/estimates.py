@@ -111,7 +111,9 @@ class Value:
         if not math.isfinite(value):
             return "not determinable"
         if not self.error:
-            return f"{sign}{value:.{'3' if unit else '6'}g}{unit}"
+            digits = 3 if unit else 4
+            rounded = value if value == int(value) else float(f"{value:.{digits}g}")
+            return f"{sign}{rounded:g}{unit}"
         if not math.isfinite(self.error):
             return f"{sign}{significant(value, 3)}{unit}"
         text = with_error(value, factor * self.error)
