@@ -200,11 +200,13 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
     scale_x = _scale(panel.x, [here[m.x or panel.x] for m, here, _ in places if (m.x or panel.x) in here])
     scale_y = _scale(y, [here[m.y] for m, here, _ in places])
     colours = itertools.count()
+    many = {id(mark) for mark, _, k in places if k}
     drawn: list[Drawn] = []
     for mark, here, k in places:
         label = _label(mark, here, data)
         numbers = _Numbers.of(mark, here, mark.x or panel.x, (scale_x[0], scale_y[0]))
-        look = _look(mark, here, k if mark.by else next(colours) if not quantity(mark.y).look else 0)
+        turn = k if mark.by else next(colours) if not quantity(mark.y).look else 0
+        look = _look(mark, here, turn, several=id(mark) in many)
         artist = _put(mark, axes, numbers, {**look, **mark.look, "label": mathtext(label)})
         drawn.append(
             Drawn(
@@ -315,15 +317,15 @@ def _put(mark: _Mark, axes: Axes, n: _Numbers, look: dict[str, Any]) -> Any:
     return axes.errorbar(x[there], y[there], yerr=bars, **{"ms": 5, "capsize": 2, **look})
 
 
-def _look(mark: _Mark, here: xr.Dataset, k: int) -> dict[str, Any]:
-    """Colour and symbol of the place; line and filling of what tells the quantity apart.
+def _look(mark: _Mark, here: xr.Dataset, k: int, *, several: bool) -> dict[str, Any]:
+    """Colour and symbol of the place, one of several; line and filling of what tells the quantity apart.
 
     A place that is called as a qualifier is, such as a theory, is drawn as that is everywhere.
     """
     from validation.report.figure import COLOURS, SYMBOLS
 
     fixed = dict(quantity(mark.y).look)
-    if mark.by:
+    if several:
         fixed.pop("color", None)
     qualifiers = registry()["qualifiers"].values()
     named = [c.item() for c in here.coords.values() if c.ndim == 0 and c.dtype.kind in "OU"]
