@@ -16,12 +16,15 @@ def harmless(text: object) -> str:
     >>> harmless("a\x1b[31m\u202eb\nc")
     'a\\x1b[31m\\u202eb\nc'
     """
+    plain = str(text)
+    if plain.replace("\n", "").isprintable():
+        return plain
     # C: control, direction, halves of characters, what no font knows; Zl, Zp: ends of lines and paragraphs.
     return "".join(
         c
         if c == "\n" or (unicodedata.category(c)[0] != "C" and unicodedata.category(c) not in ("Zl", "Zp"))
         else ascii(c)[1:-1]
-        for c in str(text)
+        for c in plain
     )
 
 

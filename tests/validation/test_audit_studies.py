@@ -28,7 +28,7 @@ def folder(tmp_path):
 def test_a_study_agrees_and_without_its_store_its_solves_are_listed(folder):
     whole = audit(folder)
     assert whole.wrong == ()
-    path = folder / "study.json"
+    path = folder / "result.json"
     path.write_text(json.dumps({**json.loads(path.read_text()), "store": "nowhere"}))
     ledger = audit(folder)
     assert ledger.wrong == ()

@@ -1,14 +1,13 @@
 """The stress below a contact, as a scene asks for it: absent unless asked, refused before a solve."""
 
-import json
-
 import meshio
 import numpy as np
 import pytest
 
 from fem_contact import HalfSpace, strongest_point
 from validation import press, self_affine
-from validation.comparison.run import report_run, run_scene
+from validation.comparison.run import report_scene, run_scene
+from validation.comparison.run_views import run_views
 from validation.errors import SceneError, UsageError
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import realise
@@ -47,23 +46,22 @@ def run(tmp_path_factory):
 
 
 def test_a_run_says_where_the_solid_yields_first(run):
-    (coarse, fine) = run.comparison.below
-    assert (coarse.grid, fine.grid) == ((24, 24), (32, 32))
-    summary = json.loads((run.folder / "summary.json").read_text())
-    assert [row["von_mises"] for row in summary["below"]] == [coarse.von_mises, fine.von_mises]
-    (sentence,) = [text for text in run.comparison.findings if "von Mises" in text]
-    assert f"{fine.von_mises / 1e6:.4g} MPa" in sentence
-    assert 0.05e-6 < fine.depth < 0.4e-6
+    coarse, fine = run.data.von_mises.sel(solver="bem").values
+    (found,) = [f for f in run_views(run.data).findings if "von Mises" in f.text]
+    assert found.values["von_mises"].value == fine
+    assert found.values["von_mises_change"].value == pytest.approx(fine / coarse - 1, rel=1e-12)
+    assert 0.05e-6 < float(run.data.von_mises_depth.sel(solver="bem")[-1]) < 0.4e-6
     assert any(table.title == "Below the surface" for table in run.page.tables)
 
 
 def test_the_number_is_that_of_the_pressures_on_the_finest_grid(run):
-    scene, fine = asked(), run.comparison.below[-1]
+    scene, fine = asked(), run.data.sel(solver="bem").isel(grid=-1)
     solve = solves_of(scene)[-1]
     contact = Store(folder=run.folder / "solves").load(solve)
     depths = scene.subsurface.depths[1:]
     point = strongest_point(contact, HalfSpace(solid=realise(scene).elastic), depths=depths)
-    assert (fine.von_mises, fine.depth, fine.place) == (point.von_mises, point.depth, point.place)
+    told = [float(fine[f"von_mises{end}"]) for end in ("", "_depth", "_x", "_y")]
+    assert told == [point.von_mises, point.depth, *point.place]
 
 
 def test_the_fields_are_written_for_the_finest_grid_and_again_by_report(run):
@@ -75,13 +73,12 @@ def test_the_fields_are_written_for_the_finest_grid_and_again_by_report(run):
         return mesh.point_data["stress"]
 
     before = stress()
-    np.testing.assert_array_equal((report_run(run.folder), stress())[1], before)
+    np.testing.assert_array_equal((report_scene(run.folder), stress())[1], before)
 
 
 def test_a_scene_that_does_not_ask_has_nothing_of_it(small_run):
-    assert small_run.comparison.below == ()
-    assert "below" not in small_run.comparison.summary()
-    assert not any("von Mises" in text for text in small_run.comparison.findings)
+    assert "von_mises" not in small_run.data
+    assert not any("von Mises" in text for text in small_run.page.findings)
     assert not any("-below" in path.name for path in small_run.files)
 
 

@@ -15,6 +15,7 @@ from validation.comparison.accuracy import reach
 from validation.errors import RunFailed, UsageError
 from validation.scenes.scene import load_scene
 from validation.solves.bench import Bench
+from validation.solves.results import read_results
 from validation.studies import studies
 
 COMMANDS = ("run", "study", "compare", "validate", "reproduce", "report", "explain", "surface", "scenes")
@@ -74,12 +75,12 @@ def test_an_effect_that_does_not_fit_is_named_with_its_file(tool, write_scene):
 
 
 def test_a_report_of_nothing_names_the_results_that_are_there(tool, tmp_path):
-    for folder, record in (("here", "run.json"), ("there", "study.json"), ("empty", "other.json")):
+    for folder, record in (("here", "result.json"), ("there", "result.json"), ("empty", "other.json")):
         (tmp_path / "results" / folder).mkdir(parents=True)
         (tmp_path / "results" / folder / record).write_text("{}")
     code, _, err = tool("report", "results/area")
     assert code == 2
-    assert err.rstrip().endswith("run one first; results are in results/here, results/there")
+    assert err.rstrip().endswith("run a scene or study first; results are in results/here, results/there")
 
 
 def test_a_surface_on_the_smallest_grid_is_written_with_a_word_of_warning(tool):
@@ -121,7 +122,7 @@ def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatc
             "--set seed=3: sets a key of a scene; name one after the study",
         ),
         (("validate", "nothing"), "no such case"),
-        (("report", "nowhere"), "holds no run (run.json) and no study (study.json)"),
+        (("report", "nowhere"), "holds no results (result.json)"),
         (("surface", "inspect", "nowhere.npy"), "cannot be read"),
         (
             ("surface", "generate", "quickstart", "rough.docx"),
@@ -176,7 +177,6 @@ def test_a_dry_run_lists_solves_and_does_none(tool, tmp_path):
 def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(
     write_scene, tool, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("validation.comparison.report._drawings", lambda *a: ())
     path = write_scene(
         ("[solid]", '[run]\noutput = "there"\nstore = "kept"\nquiet = true\npictures = false\n[solid]'),
         fem=False,
@@ -216,12 +216,11 @@ def test_a_wrong_option_in_the_scene_is_named(write_scene, tool, tmp_path, line,
 
 
 def test_what_a_stranger_wrote_is_shown_harmlessly(write_scene, tool, tmp_path, monkeypatch):
-    monkeypatch.setattr("validation.comparison.report._drawings", lambda *a: ())
     path = write_scene(('title = "A small scene"', 'title = "a [/] b [red]c <script>"'), fem=False)
     code, out, err = tool("run", path, "--no-pictures")
     assert code == 0, err
     assert "a [/] b [red]c <script>" in out
-    assert "<script>" not in (tmp_path / "results" / "small" / "report.html").read_text().split("</head>")[1]
+    assert "c <script>" not in (tmp_path / "results" / "small" / "report.html").read_text()
     np.save(tmp_path / "a\x1b[31m\u202eb.npy", np.ones((3, 3)))
     for words in (("surface", "inspect", "a\x1b[31m\u202eb.npy"), ("run", "a\x1b[31m\u202eb.toml")):
         code, out, err = tool(*words)
@@ -407,13 +406,16 @@ def test_an_accuracy_is_reached_told_and_stored_and_not_solved_again(tool, write
     code, out, err = tool("run", path, "--accuracy", "5%", "--no-pictures", "-q")
     assert (code, err) == (0, "")
     assert "Asked for 5 %: A/A0 = " in out
-    told = json.loads((tmp_path / "results" / "small-accuracy" / "accuracy.json").read_text())
+    kept = read_results(tmp_path / "results" / "small-accuracy")
+    told = kept.asked["accuracy"]
     assert told["error"] <= told["target"] == 0.05
     assert f"\n{told['solves']} solves done, 0 found finished." in out
     assert not (tmp_path / "results" / "small" / "report.html").exists()
-    summary = json.loads((tmp_path / "results" / "small-accuracy" / "summary.json").read_text())
-    assert [row["grid"] for row in summary["rows"]] == told["grids"]
-    assert summary["limit"]["value"] == told["area"]
+    assert kept.data.grid.values.tolist() == [f"{nx} x {ny}" for nx, ny in told["grids"]]
+    assert float(kept.data.area_own) == pytest.approx(told["area"], rel=1e-14)
+    assert float(kept.data.accuracy_reached) == told["error"]
+    page = (tmp_path / "results" / "small-accuracy" / "report.html").read_text()
+    assert "asked 5\u00a0%, reached" in page
     again = reach(
         load_scene(str(path)), Bench.at(tmp_path / "results" / "small" / "solves"), target=told["target"]
     )

@@ -12,16 +12,14 @@ import xarray as xr
 
 from fem_contact import bem
 from fem_contact.area import ContactAreas
-from fem_contact.extrapolation import Limit, located_limit
+from fem_contact.extrapolation import located_limit
 from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from persson import elastic
 from persson.spectrum import SelfAffine
 from validation.comparison.accuracy_search import Ladder, Search
-from validation.comparison.compare import _Reading
-from validation.comparison.compared import Scatter
-from validation.comparison.findings import findings
+from validation.comparison.reading import Reading
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import Roughness, Slots, Told
 from validation.effects.coating import Coating
@@ -31,7 +29,8 @@ from validation.effects.thickness import Thickness
 from validation.measures import ensemble
 from validation.measures.pairs import Areas
 from validation.methods.theory import TheoryOptions, _realised_variance, with_effects
-from validation.report.estimates import claim
+from validation.report.estimates import claim, derive
+from validation.report.findings import finding
 from validation.report.table import budget_table
 from validation.scenes.realised import realise
 from validation.scenes.scene import Scene
@@ -64,28 +63,16 @@ def scene(**changed):
     return Scene.model_validate(said | changed)
 
 
-def _sentence(comparison, word):
-    (found,) = [text for text in findings(comparison) if word in text]
-    return found
+def _excess(value, error):
+    """A dataset whose area is so far from the theory, with such an interval."""
+    data = xr.Dataset({"area": 0.2, "pressure": 0.2 / (1 + value)})
+    data = derive(claim(data, "area", grid=0.2 * error / (1 + value)), area_excess="area / pressure - 1")
+    return finding("comparison", "{verdict}", data, by="area_excess").outcomes
 
 
-@pytest.mark.parametrize(("errors", "agrees"), [(1.9, True), (2.1, False)])
-def test_agreement_is_claimed_within_twice_the_uncertainty_and_no_more(small_run, errors, agrees):
-    c = small_run.comparison
-    area = c.theory.area
-    limit = Limit(value=area * (1 + errors * 0.01), uncertainty=0.01 * area, edge_constant=0.1, grids=3)
-    said = _sentence(dataclasses.replace(c, limit=limit), "Persson's theory gives")
-    assert ("The limit agrees" in said) is agrees
-
-
-@pytest.mark.parametrize(("errors", "accident"), [(2.9, True), (3.1, False)])
-def test_an_accident_is_excluded_beyond_three_standard_errors_and_not_before(small_run, errors, accident):
-    # Of four ratios m -+ d the standard error is d / sqrt 3.
-    d = 0.01
-    mean = 1 + errors * d / math.sqrt(3)
-    scatter = Scatter(areas=(0.1,) * 4, ratios=(mean - d, mean + d) * 2, grid_error=0.0)
-    said = _sentence(dataclasses.replace(small_run.comparison, scatter=scatter), "4 realisations")
-    assert ("cannot tell it from zero" in said) is accident
+@pytest.mark.parametrize(("errors", "outcome"), [(0.9, "0"), (1.1, "+"), (-1.1, "-")])
+def test_agreement_is_claimed_within_the_interval_and_no_more(errors, outcome):
+    assert _excess(errors * 0.02, 0.02) == (outcome,)
 
 
 def test_a_modulus_that_is_the_same_for_every_wave_gives_the_variance_of_the_half_space():
@@ -255,8 +242,8 @@ def test_stored_fields_carry_checksums(weighted):
 
 def test_the_yielded_area_counts_each_point_by_its_weight(weighted):
     solve = Press(method="bem", grid=(16, 16), realised=realise(scene()))
-    found = _Reading.of(solve, weighted, bare=False, shown=False)
-    assert found.plastic == pytest.approx((1.5 + 0.5 + 1.5) / 256, rel=1e-12)
+    found = Reading.of(solve, weighted, bare=False, shown=False)
+    assert found.numbers["plastic"] == pytest.approx((1.5 + 0.5 + 1.5) / 256, rel=1e-12)
 
 
 def _wave(modulus, wavelength):

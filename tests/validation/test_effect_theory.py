@@ -10,9 +10,9 @@ from fem_contact.solid import Solid
 from persson import elastic
 from persson.hardness import constant_hardness
 from persson.spectrum import SelfAffine
-from validation.comparison.compare import compare
-from validation.comparison.figure_data import pressure_at_zero_data
-from validation.comparison.report import run_page
+from validation.comparison.fields import with_distribution
+from validation.comparison.numbers import scene_data
+from validation.comparison.run_views import run_views
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import Told
 from validation.effects.hardness import Hardness
@@ -73,18 +73,15 @@ def test_a_scene_that_yields_is_set_beside_its_theory(write_scene, tmp_path):
     effect = '[[effects]]\nkind = "hardness"\nhardness = "40 kPa"\n[solid]'
     scene = load_scene(str(write_scene(("[solid]", effect))))
     realised = realise(scene)
-    found = compare(scene, realised, solve_all(solves_of(scene, realised), Store(folder=tmp_path)))
-    assert found.theory.plastic is not None
-    assert found.theory.area >= found.theory.plastic
-    assert all(row.plastic > 0 for row in found.rows)
-    assert any(text.startswith("Yielded, A_pl/A0 = ") and "by the theory" in text for text in found.findings)
-    names = [str(row[0]) for table in run_page(found).tables for row in (*table.rows, *table.sums)]
-    assert {"BEM, yielded", "Persson, yielded"} <= set(names)
+    results = solve_all(solves_of(scene, realised), Store(folder=tmp_path))
+    found = scene_data(scene, realised, results)
+    assert 0 < float(found.area_plastic_persson) <= float(found.area_persson_own)
+    assert (found.area_plastic_pixel > 0).sum() == found.area_pixel.notnull().sum()
+    assert any("Yielded" in one.text and "by the theory" in one.text for one in run_views(found).findings)
     # P(sigma) is drawn between its walls: it holds the elastic area and ends at the hardness.
-    top = 1.5 * 40e3 / realised.pressure_scale
-    drawn = pressure_at_zero_data(found, {}, top=top)
-    stress, density = (drawn[name].values for name in ("lower", "density"))
-    elastic = found.theory.area - found.theory.plastic
+    drawn = with_distribution(found, {s: results[s] for s in results if s.is_own}, scene, realised)
+    stress, density = drawn.stress_wide_exact.values, drawn.density_wide_persson.values
+    elastic = float(found.area_persson_own - found.area_plastic_persson)
     assert np.trapezoid(density, stress) == pytest.approx(elastic, rel=2e-2)
     assert not np.any(density[stress * realised.pressure_scale > 40e3])
 

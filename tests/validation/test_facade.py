@@ -37,13 +37,16 @@ def test_its_numbers_are_those_of_a_run(tmp_path):
             "methods": {"bem": {"grids": grids}, "theory": {}},
         }
     )
-    run = run_scene(scene, tmp_path, report=False).comparison
+    run = run_scene(scene, tmp_path, report=False).data
     contact = press(SURFACE, **SOLID, reduced_pressure=0.08, grid=32)
     np.testing.assert_array_equal(contact.to_xarray().pressure, contact.result.pressure)
-    assert contact.areas().perimeter == run.rows[0].perimeter
-    assert contact.theory == run.theory
-    assert contact.limit(grids) == run.limit
-    assert contact.plot("grids").data.limit == pytest.approx(run.limit.value, rel=1e-12)
+    first = run.sel(solver="bem", grid="32 x 32")
+    assert contact.areas().perimeter == float(first.area_perimeter)
+    assert contact.theory.area == float(run.area_persson_own)
+    assert contact.limit(grids).value == float(run.area_own)
+    assert float(contact.plot("grids").data.area_own) == pytest.approx(float(run.area_own), rel=0.02)
+    assert float(contact.data.area_own) == pytest.approx(float(first.area_located), rel=1e-12)
+    assert any("A/A0 = " in text for text in contact.findings)
 
 
 def test_a_finite_element_contact_is_corrected_by_the_constant_of_its_element():
@@ -69,7 +72,7 @@ def test_heights_given_in_nanometres_are_those_that_were_drawn():
 def test_a_measured_surface_is_resolved_unless_a_grid_is_asked_for():
     contact = press(measured(SURFACE.heights(40).values, length=1e-4, unit=1.0), **SOLID, pressure=5e6)
     assert contact.result.shape == (80, 80)
-    assert not contact.comparison.rows[0].under_resolved
+    assert contact.data.resolved.values.tolist() == [1]
 
 
 def test_heights_in_memory_have_a_recipe_of_their_own():
@@ -134,8 +137,8 @@ def test_what_is_shown_is_short():
     assert picture.startswith("<figure><svg")
     # The whole of P(sigma): what was left out at the upper end is nothing.
     data = contact.plot("distribution").data
-    solved = data.isel(bin=data.curve.values == "BEM 32 x 32")
-    share = float((solved.density * (solved.upper - solved.lower)).sum())
+    width = float(data.stress_wide[1] - data.stress_wide[0])
+    share = float(data.density_wide.sum()) * width
     assert share == pytest.approx(contact.areas().pixel, rel=1e-9)
 
 

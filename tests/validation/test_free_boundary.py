@@ -76,7 +76,7 @@ def test_a_measured_patch_keeps_its_edges(tmp_path):
         "methods": {"bem": {"grids": [[12, 10], [24, 20]]}},
     }
     outputs = run_scene(scene(**changed), tmp_path / "out", report=False)
-    assert "pressed as one patch, with its edges" in outputs.comparison.treatment
+    assert "pressed as one patch, with its edges" in outputs.data.attrs["treatment"]
     field = realise(scene(**changed)).field
     assert isinstance(field, Patch)
     np.testing.assert_array_equal(field.heights, heights)

@@ -85,20 +85,21 @@ def test_the_theory_is_told_the_load_that_a_held_gap_takes(scene, tmp_path):
     outputs = run_scene(
         scene('mean_gap = "40 nm"', more="[methods.theory]\n"), tmp_path / "out", report=False
     )
-    found = outputs.comparison
+    found = outputs.data
     carried = bem.solve_displacement(
         realise(scene()).heights((48, 24)), HalfSpace(solid=SOLID), mean_gap=40e-9
     ).mean_pressure
-    assert found.pressure == pytest.approx(carried, rel=1e-9)
-    variance = stress_variance(found.rms_gradient**2, contact_modulus=SOLID.contact_modulus)
-    assert found.theory.area == pytest.approx(
+    assert float(found.pressure) == pytest.approx(carried, rel=1e-9)
+    variance = stress_variance(float(found.rms_gradient) ** 2, contact_modulus=SOLID.contact_modulus)
+    assert float(found.area_persson_own) == pytest.approx(
         float(contact_area(carried, stress_variance=variance)), rel=1e-9
     )
     # Each grid takes a load of its own, and its kappa is over that.
-    for row, solve in zip(found.rows, solves_of(scene('mean_gap = "40 nm"')), strict=True):
-        own = solve.do().contact.mean_pressure / (SOLID.contact_modulus * found.rms_gradient)
-        assert row.kappa == pytest.approx(row.perimeter / own, rel=1e-9)
-    assert "mean gap 4e-08 m held" in outputs.page.lead
+    for row, solve in zip(found.grid.values, solves_of(scene('mean_gap = "40 nm"')), strict=True):
+        own = solve.do().contact.mean_pressure / (SOLID.contact_modulus * float(found.rms_gradient))
+        here = found.sel(solver="bem", grid=row)
+        assert float(here.kappa_perimeter) == pytest.approx(float(here.area_perimeter) / own, rel=1e-9)
+    assert "mean gap 40 nm held" in outputs.page.lead
     assert audit(tmp_path / "out").wrong == ()
 
 

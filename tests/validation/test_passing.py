@@ -8,15 +8,14 @@ from small_scene import OBLONG
 
 from fem_contact import HalfSpace, flow_conductance, frozen_contact, open_gap
 from fem_contact.solid import Solid
-from validation.comparison.passing import passing
-from validation.comparison.run import load_run, run_scene
+from validation.comparison.numbers import scene_data
+from validation.comparison.run import report_scene, run_scene
 from validation.comparison.sweep import run_sweep
 from validation.errors import SceneError
 from validation.scenes.realised import realise
 from validation.scenes.scene import load_scene
 from validation.scenes.sweep import load_asked
 from validation.solves.press import solves_of
-from validation.solves.running import Solves
 
 ELECTRICAL = '[quantities.electrical]\nresistivity = ["17 nohm m", "0.4 uohm m"]\n'
 THERMAL = '[quantities.thermal]\nconductivity = "4 W/(cm K)"\n'
@@ -35,9 +34,9 @@ def written(tmp_path):
 
 
 def read_off(scene):
-    """Solve a scene, and return what passes by name, and its solves with their results."""
+    """Solve a scene, and return its dataset, and its solves with their results."""
     results = {solve: solve.do().contact for solve in solves_of(scene)}
-    return {one.name: one for one in passing(scene, realise(scene), results)}, results
+    return scene_data(scene, realise(scene), results), results
 
 
 def test_conductances_are_those_of_the_frozen_contact_in_the_units_of_the_scene(written):
@@ -46,11 +45,11 @@ def test_conductances_are_those_of_the_frozen_contact_in_the_units_of_the_scene(
     coarse, fine = (frozen_contact(result, solid).stiffness for result in list(results.values())[1:])
     per = 2 / solid.contact_modulus
     electrical, thermal = found["electrical_conductance"], found["thermal_conductance"]
-    assert electrical.value == pytest.approx(per * fine / (17e-9 + 0.4e-6), rel=1e-9)
-    assert electrical.grid_error == pytest.approx(per * abs(fine - coarse) / 0.417e-6, rel=1e-6)
-    assert electrical.unit == "1/(ohm m^2)"
-    assert thermal.value == pytest.approx(per * fine / (2 / 400), rel=1e-9)  # 1/400 m K/W on each side
-    assert thermal.grid == (48, 24)
+    assert float(electrical) == pytest.approx(per * fine / (17e-9 + 0.4e-6), rel=1e-9)
+    change = found["electrical_conductance_error"].sel(source="grid")
+    assert float(change) == pytest.approx(per * abs(fine - coarse) / 0.417e-6, rel=1e-6)
+    assert electrical.attrs["units"] == "1/(ohm m^2)"
+    assert float(thermal) == pytest.approx(per * fine / (2 / 400), rel=1e-9)  # 1/400 m K/W on each side
 
 
 def test_the_leak_is_a_volume_per_time_through_one_period_along_either_axis(written):
@@ -60,18 +59,24 @@ def test_the_leak_is_a_volume_per_time_through_one_period_along_either_axis(writ
     for axis, along, across in (("x", 10e-6, 5e-6), ("y", 5e-6, 10e-6)):
         conductance = flow_conductance(gap, finest.lengths, axis=axis).conductance
         expected = conductance / 2e-3 * (3e3 / along) * across
-        assert found[f"leak_rate_{axis}"].value == pytest.approx(expected, rel=1e-12, abs=0)
+        assert float(found[f"leak_rate_{axis}"]) == pytest.approx(expected, rel=1e-12, abs=0)
 
 
-def test_the_scatter_is_that_of_the_surfaces_of_the_ensemble_on_its_finest_grid(written):
+def test_the_mean_is_that_of_the_surfaces_of_the_ensemble_on_its_finest_grid(written):
     scene = load_scene(written(THERMAL + ENSEMBLE))
     found, results = read_off(scene)
     solid = HalfSpace(solid=Solid(young=2e6, poisson=0.3))
     values = [frozen_contact(result, solid).stiffness for s, result in results.items() if s.grid == (32, 16)]
     assert len(values) == 3
-    one = found["thermal_conductance"]
-    assert one.surfaces == 3
-    assert one.scatter == pytest.approx(np.std(values, ddof=1) / np.mean(values), rel=1e-9)
+    each = found["thermal_conductance_each"]
+    assert each.values / each.values[0] == pytest.approx(np.array(values) / values[0], rel=1e-9)
+    assert float(found["thermal_conductance"]) == pytest.approx(float(each.mean()), rel=1e-12)
+    half = 4.302652729911275 * float(each.std(ddof=1)) / 3**0.5
+    error = found["thermal_conductance_error"]
+    assert float(error.sel(source="surfaces")) == pytest.approx(half, rel=1e-9)
+    own = found["thermal_conductance_own_error"].sel(source="grid") / found["thermal_conductance_own"]
+    share = error.sel(source="grid") / found["thermal_conductance"]
+    assert float(share) == pytest.approx(float(own), rel=1e-9)
 
 
 def test_yielded_points_conduct_too(written):
@@ -81,16 +86,15 @@ def test_yielded_points_conduct_too(written):
     assert finest.at_bound.any()
     solid = HalfSpace(solid=Solid(young=2e6, poisson=0.3))
     elastic_alone = frozen_contact(finest, solid).stiffness * 2 / solid.contact_modulus * 200
-    assert found["thermal_conductance"].value > 1.01 * elastic_alone
-    assert np.isnan(found["thermal_conductance"].theory)  # the elastic theory says nothing of it
+    assert float(found["thermal_conductance"]) > 1.01 * elastic_alone
+    assert "thermal_conductance_persson" not in found  # the elastic theory says nothing of it
 
 
 def test_complete_contact_conducts_without_bound_and_does_not_leak(written, tmp_path):
     scene = load_scene(written(THERMAL + LEAK, pressure="1 GPa"))
     outputs = run_scene(scene, tmp_path / "out", report=False)
-    said = " ".join(outputs.comparison.findings)
-    assert "thermal conductance of the contact is infinite: contact is complete" in said
-    assert "The leak through one period along x is 0 m^3/s: closed, no path leads through" in said
+    assert np.isinf(outputs.data.thermal_conductance)
+    assert float(outputs.data.leak_rate_x) == 0
 
 
 def test_page_and_records_have_the_quantities_with_unit_and_uncertainty_and_can_be_made_again(
@@ -98,18 +102,13 @@ def test_page_and_records_have_the_quantities_with_unit_and_uncertainty_and_can_
 ):
     scene = load_scene(written(ELECTRICAL + LEAK))
     outputs = run_scene(scene, tmp_path / "out", report=False)
-    (electrical, *_) = found = outputs.comparison.passing
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert summary["quantities"][0]["value"] == electrical.value
-    assert summary["quantities"][0]["unit"] == "1/(ohm m^2)"
-    (table,) = (t for t in outputs.page.tables if t.title == "What passes through contact and gap")
-    assert [row[:2] for row in table.rows] == [(one.words, one.unit) for one in found]
-    assert " +- " in table.rows[0][2]
-    assert any("electrical conductance" in said and " +- " in said for said in outputs.comparison.findings)
-    asked, store = load_run(tmp_path / "out")
-    assert asked.quantities.electrical.resistivity == (1.7e-8, 4e-7)
-    stored = Solves(solves=solves_of(asked), store=store)
-    assert repr(passing(asked, realise(asked), stored)) == repr(found)
+    said = summary["numbers"]["electrical_conductance"]
+    assert said["value"] == float(outputs.data.electrical_conductance)
+    listed = {row[0]: row for row in outputs.page.records["numbers"].rows}
+    row = listed["electrical conductance of the contact"]
+    assert row[2:] == (said["value"], said["error"], "1/(ohm m^2)")
+    assert report_scene(tmp_path / "out").data.equals(outputs.data)
 
 
 def test_a_sweep_has_them_over_the_load(written, tmp_path):
@@ -124,7 +123,8 @@ def test_what_is_not_asked_for_is_not_there(written):
     scene = load_scene(written())
     assert scene.quantities is None
     assert "quantities" not in scene.model_dump(exclude_none=True)
-    assert passing(scene, realise(scene), {}) == ()
+    found, _ = read_off(scene)
+    assert not any("conductance" in str(name) or "leak" in str(name) for name in found)
 
 
 @pytest.mark.parametrize(

@@ -43,7 +43,6 @@ def test_what_is_rendered_is_the_stored_contact(small_run, tmp_path, monkeypatch
 
 
 def test_a_run_renders_nothing_that_nobody_asked_for(small_run):
-    assert not small_run.comparison.scene.run.pictures
     assert small_run.page.pictures == ()
 
 

@@ -14,14 +14,12 @@ sys.path.insert(0, str(Path(__file__).parent))
 from solving import Numbers
 
 from validation import files
-from validation.comparison.run import _record, load_run
-from validation.comparison.sweep import report_sweep
 from validation.errors import RunFailed, UsageError
 from validation.files import prepare_folder, read_record, write_record
-from validation.scenes.scene import load_scene
 from validation.solves import store as store_module
 from validation.solves.attempt import attempt
 from validation.solves.bench import Bench
+from validation.solves.results import read_results, write_results
 from validation.solves.store import Store, read_numbers, write_numbers
 from validation.studies import area, find_study
 from validation.studies._outputs import report_study, run_study
@@ -30,14 +28,14 @@ VALUES = {"format": "x 1", "scene": {"a": 0.1, "b": [1, 2.5e-300, None]}, "store
 
 
 def test_a_record_comes_back_and_any_json_reader_reads_it(tmp_path):
-    path = write_record(tmp_path / "run.json", VALUES)
+    path = write_record(tmp_path / "x.json", VALUES)
     assert read_record(path) == VALUES
     assert json.loads(path.read_text())["scene"] == VALUES["scene"]
 
 
 @pytest.mark.parametrize("count", [500, pytest.param(20_000, marks=pytest.mark.slow)])
 def test_no_damage_to_a_record_passes_in_silence(tmp_path, count):
-    path = write_record(tmp_path / "run.json", VALUES)
+    path = write_record(tmp_path / "x.json", VALUES)
     whole, rng = path.read_bytes(), random.Random(6)
     for _ in range(count):
         data = bytearray(whole)
@@ -65,25 +63,25 @@ def test_no_damage_to_a_record_passes_in_silence(tmp_path, count):
     ],
 )
 def test_what_is_no_record_is_a_value_error(tmp_path, content, words):
-    (tmp_path / "run.json").write_bytes(content)
+    (tmp_path / "x.json").write_bytes(content)
     with pytest.raises(ValueError, match=words):
-        read_record(tmp_path / "run.json")
+        read_record(tmp_path / "x.json")
 
 
 def test_a_record_of_gigabytes_a_link_and_a_pipe_are_not_read(tmp_path):
-    path = tmp_path / "run.json"
+    path = tmp_path / "result.json"
     with path.open("wb") as file:
         file.truncate(2**36)
     with pytest.raises(UsageError, match=r"68719476736 bytes long; at most 16777216 are read"):
-        load_run(tmp_path)
+        read_results(tmp_path)
     path.unlink()
     os.mkfifo(path)
     with pytest.raises(UsageError, match="not a regular file"):
-        load_run(tmp_path)
+        read_results(tmp_path)
     path.unlink()
     path.symlink_to("/dev/zero")
-    with pytest.raises(UsageError, match="holds no run"):
-        load_run(tmp_path)
+    with pytest.raises(UsageError, match="holds no finished results"):
+        read_results(tmp_path)
 
 
 def test_a_stored_file_larger_than_memory_is_refused_unread_and_stays(tmp_path, monkeypatch):
@@ -98,15 +96,47 @@ def test_a_stored_file_larger_than_memory_is_refused_unread_and_stays(tmp_path, 
     assert store.path(solve).stat().st_size == 2**40
 
 
-def test_a_run_changed_by_hand_is_run_again(tmp_path):
-    scene = load_scene("quickstart")
-    _record(scene, tmp_path, Store(folder=tmp_path / "solves"))
-    assert load_run(tmp_path)[0] == scene
-    text = (tmp_path / "run.json").read_text()
-    assert '"hurst": 0.8' in text
-    (tmp_path / "run.json").write_text(text.replace('"hurst": 0.8', '"hurst": 0.7'))
-    with pytest.raises(UsageError, match="is not the record of a run of this version; run the scene again"):
-        load_run(tmp_path)
+def _kept(folder, **asked):
+    data = Numbers(2).measure()
+    return write_results(
+        folder, data, kind="run", name="x", asked=asked, store=folder / "s", words=["a word"]
+    )
+
+
+def test_what_was_written_comes_back(tmp_path):
+    kept = _kept(tmp_path, scene={"hurst": 0.8})
+    found = read_results(tmp_path)
+    assert found.data.equals(kept.data)
+    assert (found.kind, found.name, found.asked, found.words) == (
+        "run",
+        "x",
+        {"scene": {"hurst": 0.8}},
+        ("a word",),
+    )
+    assert found.store == (tmp_path / "s").resolve()
+
+
+def test_a_record_or_dataset_changed_by_hand_or_swapped_is_refused(tmp_path):
+    (tmp_path / "a").mkdir()
+    (tmp_path / "b").mkdir()
+    _kept(tmp_path / "a", scene={"hurst": 0.8})
+    _kept(tmp_path / "b", scene={"hurst": 0.7})
+    path = tmp_path / "a" / "result.json"
+    text = path.read_text()
+    path.write_text(text.replace("0.8", "0.7"))
+    with pytest.raises(UsageError, match=r"result\.json is not what was written \(SHA-256\).*run it again"):
+        read_results(tmp_path / "a")
+    path.write_text(text)
+    (tmp_path / "a" / "data.nc").write_bytes((tmp_path / "b" / "data.nc").read_bytes())
+    with pytest.raises(UsageError, match=r"data\.nc: damaged"):
+        read_results(tmp_path / "a")
+
+
+@pytest.mark.parametrize("name", ["run.json", "sweep.json", "study.json"])
+def test_a_record_of_an_earlier_version_is_refused_by_name_with_the_remedy(tmp_path, name):
+    (tmp_path / name).write_text("{}")
+    with pytest.raises(UsageError, match=rf"{name} is of an earlier version\); run it again"):
+        read_results(tmp_path)
 
 
 def test_a_study_says_how_its_solves_were_made_and_a_changed_one_is_not_reported(tmp_path):
@@ -121,10 +151,10 @@ def test_a_study_says_how_its_solves_were_made_and_a_changed_one_is_not_reported
     data = bytearray((tmp_path / "out" / "data.nc").read_bytes())
     data[300] ^= 2
     (tmp_path / "out" / "data.nc").write_bytes(data)
-    with pytest.raises(UsageError, match=r"data\.nc: damaged: .*; run it again"):
+    with pytest.raises(UsageError, match=r"data\.nc: damaged: .*run it again"):
         report_study(tmp_path / "out")
-    (tmp_path / "out" / "study.json").write_text("{}")
-    with pytest.raises(UsageError, match=r"holds no finished study \(study\.json is not what was written"):
+    (tmp_path / "out" / "result.json").write_text("{}")
+    with pytest.raises(UsageError, match=r"holds no finished results \(result\.json is not what was written"):
         report_study(tmp_path / "out")
     assert files.read_whole(tmp_path / "out" / "data.nc") == bytes(data)
 
@@ -135,5 +165,3 @@ def test_numbers_of_a_sweep_or_study_are_sealed(tmp_path):
     assert read_numbers(tmp_path / "data.nc").equals(data)
     with pytest.raises(RunFailed, match="is not there; run it again"):
         read_numbers(tmp_path / "other.nc")
-    with pytest.raises(UsageError, match="holds no finished sweep"):
-        report_sweep(tmp_path)

@@ -8,25 +8,33 @@ import hashlib
 import json
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import meshio
 import numpy as np
 import pytest
 import xarray as xr
 
-from validation.comparison.run import run_scene
+from fem_contact.patches import find_patches
+from validation.comparison.run import report_scene, run_scene
 from validation.errors import RunFailed, UsageError
 from validation.files import prepare_folder
 from validation.report.words import mathematics
-from validation.scenes.scene import load_scene
+from validation.scenes.scene import Load, load_scene
 from validation.scenes.surfaces import height_field, reference_field
 from validation.solves.press import Press, solves_of
 from validation.solves.running import solve_all
 from validation.solves.store import Store
+
+
+def _scene(run):
+    """The scene that it was told."""
+    return load_scene(str(run.folder.parent / "scene.toml"))
 
 
 def test_a_run_leaves_table_fields_block_and_report(small_run):
@@ -36,24 +44,93 @@ def test_a_run_leaves_table_fields_block_and_report(small_run):
     with (small_run.folder / "table.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert [(row["method"], row["grid"]) for row in rows] == [
-        ("bem", "12x12"),
-        ("bem", "24x24"),
-        ("bem", "48x48"),
-        ("fem", "12x12"),
-        ("fem", "24x24"),
+        ("bem", "12 x 12"),
+        ("bem", "24 x 24"),
+        ("bem", "48 x 48"),
+        ("fem", "12 x 12"),
+        ("fem", "24 x 24"),
     ]
     summary = json.loads((small_run.folder / "summary.json").read_text())
-    assert summary["findings"] == list(small_run.comparison.findings)
+    assert tuple(finding["text"] for finding in summary["findings"]) == small_run.page.findings
+    area, error = (summary["numbers"]["area"][key] for key in ("value", "error"))
+    assert area == float(small_run.data.area)
+    assert error == pytest.approx(float((small_run.data.area_error**2).sum() ** 0.5), rel=1e-12)
+
+
+def test_the_page_is_made_of_the_dataset_and_of_what_was_asked_alone(small_run, tmp_path):
+    alone = tmp_path / "alone"
+    alone.mkdir()
+    for name in ("result.json", "data.nc"):
+        shutil.copy(small_run.folder / name, alone / name)
+    again = report_scene(alone)
+    assert again.page.findings == small_run.page.findings
+    for name in ("table.csv", "numbers.csv", "figures/area.csv"):
+        assert (alone / name).read_bytes() == (small_run.folder / name).read_bytes()
+    first, second = (
+        json.loads((folder / "summary.json").read_text()) for folder in (small_run.folder, alone)
+    )
+    assert first == second
+
+
+def test_the_surface_stands_before_the_contact_and_every_figure_names_its_files(small_run):
+    names = [drawing.name for drawing in small_run.page.figures]
+    assert names == ["surface", "pressure-maps", "area", "pressure-distribution", "cost"]
+    for name in names:
+        suffixes = {path.suffix for path in (small_run.folder / "figures").glob(f"{name}*")}
+        assert suffixes == {".svg", ".pdf", ".csv", ".nc"}
+    heights = small_run.data.heights
+    field = reference_field(_scene(small_run).surface)
+    np.testing.assert_allclose(heights.values, field.resampled((24, 24)).heights, atol=1e-12)
+    spectrum = small_run.data.power_spectrum
+    assert spectrum.sizes["wavevector"] >= 2
+    # Parseval: rings of C(q) hold the variance of the heights.
+    told = small_run.data.power_spectrum_told
+    assert float((spectrum / told).mean()) == pytest.approx(1, abs=0.6)
+
+
+def test_contact_in_numbers_follows_from_the_fields(small_run):
+    scene = _scene(small_run)
+    store, data = Store(folder=small_run.folder / "solves"), small_run.data
+    own = [s for s in solves_of(scene) if s.method == "bem" and s.is_own]
+    before, finest = (store.load(solve) for solve in sorted(own, key=lambda s: s.grid)[-2:])
+    assert float(data.mean_gap) == pytest.approx(float(finest.gap.mean()), rel=1e-12)
+    change = abs(float(finest.gap.mean()) - float(before.gap.mean()))
+    assert float(data.mean_gap_error.sel(source="grid")) == pytest.approx(change, rel=1e-9)
+    assert float(data.approach) == -finest.offset
+    assert float(data.largest_pressure) == finest.pressure.max()
+    assert float(data.patches) == find_patches(finest.in_contact, finest.spacing).count
+    lx, ly = finest.lengths
+    assert float(data.contact_area) == pytest.approx(float(data.area_own) * lx * ly, rel=1e-12)
+    listed = {row[0]: row for row in small_run.page.records["numbers"].rows}
+    assert listed["area of real contact"][-1] == "um^2"
+    # The stiffness of the contact set: load over approach of a slightly larger load.
+    more = replace(own[-1], realised=replace(own[-1].realised, load=Load(reduced_pressure=(0.1002,))))
+    pressed = more.do().contact
+    slope = (pressed.mean_pressure - finest.mean_pressure) / (finest.offset - pressed.offset)
+    assert float(data.stiffness) == pytest.approx(
+        slope * float(data.rms_height) / finest.mean_pressure, rel=0.01
+    )
+
+
+def test_one_grid_gives_an_answer_that_says_what_it_rests_on(write_scene, tmp_path):
+    scene = load_scene(str(write_scene(("grids = [12, 24, 48]\nshifts = 2", "grids = [24]"), fem=False)))
+    outputs = run_scene(scene, tmp_path / "results")
+    data = outputs.data
+    assert float(data.area) == float(data.area_located.item()) > 0
+    assert np.isnan(data.area_error.sel(source="grid"))
+    (card, *_) = outputs.page.answers
+    assert "a second grid gives the limit" in card.basis
+    assert "not determinable" not in card.answer
+    assert "cost" not in {drawing.name for drawing in outputs.page.figures}
 
 
 def test_stored_fields_are_standard_netcdf_with_units(small_run):
-    scene = small_run.comparison.scene
-    solve = solves_of(scene)[-1]
+    solve = solves_of(_scene(small_run))[-1]
     with xr.open_dataset(small_run.folder / "solves" / f"{solve.key}.nc") as data:
         assert {"pressure", "gap", "displacement", "contacting_points"} <= set(data.data_vars)
         assert data.pressure.attrs["units"] == "Pa"
         assert data.gap.attrs["units"] == "m"
-        np.testing.assert_allclose(float(data.pressure.mean()), small_run.comparison.pressure, rtol=1e-9)
+        np.testing.assert_allclose(float(data.pressure.mean()), float(small_run.data.pressure), rtol=1e-9)
 
 
 def test_the_deformed_block_is_a_vtu_with_stress(small_run):
@@ -64,37 +141,40 @@ def test_the_deformed_block_is_a_vtu_with_stress(small_run):
 
 
 def test_running_again_repeats_nothing_and_finds_the_same(small_run, tmp_path):
-    again = run_scene(small_run.comparison.scene, small_run.folder)
+    again = run_scene(_scene(small_run), small_run.folder)
     assert again.solved == 0
     assert again.reused == small_run.solved
-    assert repr(again.comparison.rows) == repr(small_run.comparison.rows)
+    assert again.data.equals(small_run.data)
 
 
-def test_a_plain_run_leaves_nothing_of_an_earlier_run_to_an_accuracy(small_run, tmp_path, monkeypatch):
-    monkeypatch.setattr("validation.comparison.report._drawings", lambda *a: ())
-    (tmp_path / "accuracy.json").write_text("{}")
-    run_scene(small_run.comparison.scene, tmp_path, store_folder=small_run.folder / "solves")
-    assert (tmp_path / "report.html").exists()
+def test_a_run_leaves_nothing_of_earlier_versions(small_run, tmp_path):
+    for name in ("accuracy.json", "run.json"):
+        (tmp_path / name).write_text("{}")
+    scene = _scene(small_run)
+    run_scene(scene, tmp_path, store_folder=small_run.folder / "solves", report=False)
     assert not (tmp_path / "accuracy.json").exists()
+    assert not (tmp_path / "run.json").exists()
 
 
 def test_pixel_area_averaged_over_shifts_decreases_with_refinement(small_run):
-    pixel = [row.pixel for row in small_run.comparison.rows_of("bem")]
-    assert all(row.solves == 4 for row in small_run.comparison.rows_of("bem"))
+    bem = small_run.data.sel(solver="bem")
+    pixel = bem.area_pixel.values.tolist()
+    assert (bem.shifts == 4).all()
     assert pixel == sorted(pixel, reverse=True)
-    assert pixel[-1] > small_run.comparison.limit.value
+    assert pixel[-1] > float(small_run.data.area_own)
 
 
 def test_finite_and_boundary_elements_approach_each_other(small_run):
-    coarse, fine = small_run.comparison.cross
-    assert fine.pressure < coarse.pressure
-    assert abs(fine.pixel) < abs(coarse.pixel)
+    fem = small_run.data.sel(solver="fem")
+    coarse, fine = fem.sel(grid="12 x 12"), fem.sel(grid="24 x 24")
+    assert fine.pressure_difference < coarse.pressure_difference
+    assert abs(fine.area_pixel_difference) < abs(coarse.area_pixel_difference)
 
 
 def test_the_report_holds_five_figures_the_findings_and_one_script_that_its_policy_names(small_run):
     page = (small_run.folder / "report.html").read_text()
     assert page.count("<svg") == 5
-    for finding in small_run.comparison.findings:
+    for finding in small_run.page.findings:
         assert mathematics(finding) in page
     assert "default-src 'none'" in page
     (script,) = re.findall(r"<script>(.*?)</script>", page, re.DOTALL)
@@ -267,12 +347,12 @@ def test_a_surface_from_a_file_runs(write_scene, tmp_path):
     waves = 30 * np.cos(2 * np.pi * x)[:, None] * np.cos(2 * np.pi * x)[None, :]
     scene = load_scene(str(_file_scene(write_scene, tmp_path, waves)))
     outputs = run_scene(scene, tmp_path / "results")
-    assert outputs.comparison.rms_height == pytest.approx(15e-9, rel=1e-12)
-    assert outputs.comparison.theory.ensemble_area is None
-    # The grid of 12 cannot hold what 16 samples may: nobody asked for that.
-    (said,) = [text for text in outputs.comparison.findings if "Under-resolved" in text]
-    assert "the measured heights may hold waves down to two of their own samples" in said
-    assert "because the scene" not in said
+    assert float(outputs.data.rms_height) == pytest.approx(15e-9, rel=1e-12)
+    assert "area_ensemble" not in outputs.data
+    assert outputs.data.attrs["treatment"]
+    # The grid of 12 cannot hold what 16 samples may.
+    assert outputs.data.resolved.values.tolist() == [0, 1, 1]
+    assert any("Under-resolved" in text and "12 x 12" in text for text in outputs.page.findings)
 
 
 def test_nan_in_a_surface_file_is_refused_before_computing(write_scene, tmp_path, monkeypatch):

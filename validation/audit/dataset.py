@@ -15,10 +15,8 @@ import numpy as np
 
 from validation.audit.stored import Array, Stored
 
-__all__ = ["RECORDS", "Labelled", "Result", "Variable", "read_json", "rows_of"]
+__all__ = ["Labelled", "Result", "Variable", "read_json", "rows_of"]
 
-#: Records of what a folder is a result of.
-RECORDS = ("result.json", "study.json")
 #: No file that a result consists of is larger.
 _LARGEST = 2**31
 
@@ -87,7 +85,7 @@ class Result:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._read: dict[str, Any] = {}
-        (self.record,) = [read_json(folder / name) for name in RECORDS if (folder / name).exists()][:1]
+        self.record = read_json(folder / "result.json")
         self.data = Labelled.of(folder / "data.nc")
         self.summary = read_json(folder / "summary.json")
 

@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 
 import numpy as np
 
-from validation.audit.files import audit_figures, audit_page, audit_summary, audit_table
+from validation.audit.dataset import read_json
 from validation.audit.ledger import Ledger
 from validation.audit.recomputed import Run
-from validation.audit.sentences import audit_sentences
-from validation.audit.several import audit_accuracy, audit_sweep
+from validation.audit.runs import audit_run
 from validation.audit.stored import Array, Stored, wavevectors
-from validation.audit.values import audit_values, is_study
+from validation.audit.values import audit_values
 
 __all__ = ["audit", "judge_fields", "judge_surfaces"]
 
@@ -37,24 +35,16 @@ def audit(folder: Path) -> Ledger:
     OSError, ValueError, LookupError
         For a folder that holds no finished run of this version.
     """
-    if is_study(folder):
+    kind = read_json(folder / "result.json").get("kind")
+    if kind == "study":
         return audit_values(folder)
-    if (folder / "sweep.json").exists():
-        return audit_sweep(folder)
-    ledger = Ledger()
-    run = Run.of(folder)
-    if not run.methods:
-        raise LookupError("a scene of the theory alone stores no field")
-    for key, one in run.solves.items():
-        judge_fields(key[3], one, run, ledger)
-    judge_surfaces(run, ledger)
-    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    audit_table(folder, run, ledger)
-    audit_summary(summary, run, ledger)
-    audit_sentences(summary["findings"], run, ledger)
-    audit_figures(folder, run, ledger)
-    audit_page(folder, run, ledger)
-    audit_accuracy(folder, run, ledger)
+    if kind not in ("run", "sweep"):
+        raise LookupError(f"a {kind} stores no field")
+    ledger, runs = audit_run(folder)
+    for run in runs:
+        for key, one in run.solves.items():
+            judge_fields(key[3], one, run, ledger)
+        judge_surfaces(run, ledger)
     return ledger
 
 

@@ -54,7 +54,7 @@ class Run:
     Parameters
     ----------
     scene : mapping
-        What was asked for, as run.json has it.
+        What was asked for, as result.json has it.
     store : Path
         Folder of its solves.
     """
@@ -75,8 +75,8 @@ class Run:
     @classmethod
     def of(cls, folder: Path) -> Run:
         """Return the run of a results folder."""
-        record = json.loads((folder / "run.json").read_text(encoding="utf-8"))
-        return cls(record["scene"], (folder / record["store"]).resolve())
+        record = json.loads((folder / "result.json").read_text(encoding="utf-8"))
+        return cls(record["asked"]["scene"], (folder / record["store"]).resolve())
 
     def _find(self, store: Path) -> None:
         """Take from a store, which others may share, what this scene asked for."""

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from validation.audit.dataset import RECORDS, Labelled, Result, Variable
+from validation.audit.dataset import Labelled, Result, Variable
 from validation.audit.files import page_tables
 from validation.audit.ledger import Ledger
 from validation.audit.reductions import errors_of, recomputed
@@ -17,7 +17,6 @@ from validation.audit.stored import Array
 
 __all__ = [
     "audit_values",
-    "is_study",
     "judge_budget",
     "judge_dataset",
     "judge_findings",
@@ -30,11 +29,6 @@ _SOURCES = ("surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory"
 #: Those of the step to any spectrum and period.
 _SPECTRAL = ("size", "bandwidth")
 _INTERVAL = "+- (95 %)"
-
-
-def is_study(folder: Path) -> bool:
-    """Whether a folder holds a study."""
-    return any((folder / name).exists() for name in RECORDS[1:])
 
 
 def audit_values(folder: Path) -> Ledger:

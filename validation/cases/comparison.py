@@ -1,15 +1,12 @@
-"""The comparison itself: scenes whose every printed number is known, from the scene to table and sentence."""
+"""The comparison itself: scenes whose every number is known, from the scene to its dataset."""
 
 from __future__ import annotations
 
-import csv
-import json
 import math
-import re
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -17,13 +14,16 @@ import xarray as xr
 from validation.audit import audit
 from validation.cases import Check, case
 from validation.cases._closed_forms import westergaard_mean_pressure, westergaard_pressure
-from validation.comparison.compared import Scatter
 from validation.comparison.run import run_scene
 from validation.measures.ladders import fitted_line
 from validation.measures.statistics import combined, mean_over_surfaces, order_of_convergence
 from validation.report import estimates
 from validation.report.table import budget_table
 from validation.scenes.scene import Scene
+from validation.solves.results import read_results
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _YOUNG, _POISSON = 1e6, 0.3
 _MODULUS = _YOUNG / (1 - _POISSON**2)
@@ -33,32 +33,23 @@ _EDGE = {"bem": 0.103, "fem": 0.198}
 
 @dataclass(frozen=True, kw_only=True)
 class _Written:
-    """What a run left on disk: summary.json, table.csv by method and grid, and what the audit found wrong."""
+    """What a run left on disk: its dataset, what was found, and how many numbers the audit found wrong."""
 
-    summary: dict[str, Any]
-    table: dict[tuple[str, str], dict[str, str]]
+    data: xr.Dataset
+    findings: tuple[str, ...]
     wrong: int
 
-    def column(self, method: str, grid: str, name: str) -> float:
-        """Return one number of table.csv."""
-        return float(self.table[method, grid][name])
-
-    def said(self, pattern: str) -> re.Match[str]:
-        """Return what a sentence of that form says."""
-        found = [match for text in self.summary["findings"] if (match := re.search(pattern, text))]
-        if len(found) != 1:
-            raise AssertionError(f"{len(found)} sentences are of the form {pattern!r}")
-        return found[0]
+    def number(self, name: str, *at: str) -> float:
+        """Return one number of the dataset, at a method and grid where it has them."""
+        return float(self.data[name].sel(dict(zip(("solver", "grid"), at, strict=False))))
 
 
 def _run(scene: dict[str, Any], folder: Path) -> _Written:
-    """Run a scene into a folder and read back its files."""
+    """Run a scene into a folder and read back what it left."""
     said = {"name": "case", "solid": {"young": _YOUNG, "poisson": _POISSON}, **scene}
-    run_scene(Scene.model_validate(said), folder / "results", report=False)
-    with (folder / "results" / "table.csv").open(encoding="utf-8") as file:
-        table = {(row["method"], row["grid"]): row for row in csv.DictReader(file)}
-    summary = json.loads((folder / "results" / "summary.json").read_text(encoding="utf-8"))
-    return _Written(summary=summary, table=table, wrong=len(audit(folder / "results").wrong))
+    page = run_scene(Scene.model_validate(said), folder / "results", report=False).page
+    data = read_results(folder / "results").data
+    return _Written(data=data, findings=page.findings, wrong=len(audit(folder / "results").wrong))
 
 
 _HALF_WIDTH, _AMPLITUDE = 0.3, 1e-3
@@ -67,7 +58,7 @@ _WAVE_GRIDS = (64, 128, 256)
 
 @case(
     "comparison-wave",
-    "Of a wave pressed as a scene, every number of table, summary and sentences is Westergaard's.",
+    "Of a wave pressed as a scene, every number of the dataset is Westergaard's.",
     source="H. M. Westergaard, J. Appl. Mech. 6, 49 (1939); Persson 2006, Eq. 20",
 )
 def _wave() -> list[Check]:
@@ -85,42 +76,41 @@ def _wave() -> list[Check]:
                 "methods": {
                     "theory": {},
                     "bem": {"grids": [[n, n // 8] for n in _WAVE_GRIDS]},
-                    "fem": {"grids": [[64, 8]], "method": "reduced"},
+                    "fem": {"grids": [[64, 8]], "solver": "reduced"},
                 },
             },
             folder,
         )
-    said, gradient = found.summary, 2 * math.pi * _AMPLITUDE / math.sqrt(2)
+    gradient = 2 * math.pi * _AMPLITUDE / math.sqrt(2)
     reduced = load / (_MODULUS * gradient)
-    theory = math.erf(math.sqrt(2) * reduced)
-    limit, area = said["limit"], 2 * _HALF_WIDTH
-    distance = found.said(r"The limit lies ([\d.]+) % (above|below) it")
-    cross = said["cross_checks"][0]
-    counted = [found.column(method, "64x8", "pixel") for method in ("fem", "bem")]
+    theory, area = math.erf(math.sqrt(2) * reduced), 2 * _HALF_WIDTH
+    counted = [found.number("area_pixel", method, "64 x 8") for method in ("fem", "bem")]
+    error = float(found.data.area_own_error.sel(source="grid"))
     return [
-        Check.relative("E* [Pa]", said["contact_modulus_Pa"], _MODULUS, 1e-12),
-        Check.relative("p0 [Pa]", said["pressure_Pa"], load, 1e-12),
-        Check.relative("h_rms [m]", said["realised"]["rms_height_m"], _AMPLITUDE / math.sqrt(2), 1e-12),
-        Check.relative("h'_rms", said["realised"]["rms_gradient"], gradient, 1e-12),
-        Check.relative("Nayak parameter of a wave", said["realised"]["nayak"], 1.5, 1e-12),
-        Check.relative("p*", said["reduced_pressure"], reduced, 1e-12),
-        Check.relative("theory, erf(sqrt 2 p*)", said["theory"]["area"], theory, 1e-12),
+        Check.relative("E* [Pa]", found.number("contact_modulus"), _MODULUS, 1e-12),
+        Check.relative("p0 [Pa]", found.number("pressure"), load, 1e-12),
+        Check.relative("h_rms [m]", found.number("rms_height"), _AMPLITUDE / math.sqrt(2), 1e-12),
+        Check.relative("h'_rms", found.number("rms_gradient"), gradient, 1e-12),
+        Check.relative("Nayak parameter of a wave", found.number("nayak"), 1.5, 1e-12),
+        Check.relative("p*", found.number("reduced_pressure"), reduced, 1e-12),
+        Check.relative("theory, erf(sqrt 2 p*)", found.number("area_persson"), theory, 1e-12),
         # The law of error counts on edges that fall anywhere between grid points; those of a wave run along
         # the grid, two in all, and are placed to a tenth of a cell.
-        Check.near("limit of A/A0", limit["value"], area, 0.2 / _WAVE_GRIDS[-1]),
-        Check.below("error of the limit", limit["uncertainty"], 0.02 * area),
-        Check.relative("BEM solves of the limit", limit["grids"], 3, 0.0),
-        # Two digits are printed, and the limit is known as above.
+        Check.near("limit of A/A0", found.number("area_own"), area, 0.2 / _WAVE_GRIDS[-1]),
+        Check.below("95 % interval of the limit", error, 0.04 * area),
         Check.near(
-            "sentence: limit below the theory [%]",
-            float(distance[1]) * (1 if distance[2] == "below" else -1),
-            100 * (1 - area / theory),
-            20 / _WAVE_GRIDS[-1] / theory + 0.05,
+            "limit over the theory, less one",
+            found.number("area_excess"),
+            area / theory - 1,
+            0.2 / _WAVE_GRIDS[-1] / theory,
         ),
         Check.relative(
-            "FEM / BEM - 1 of the counted area", cross["pixel"], counted[0] / counted[1] - 1, 1e-9
+            "FEM / BEM - 1 of the counted area",
+            found.number("area_pixel_difference", "fem", "64 x 8"),
+            counted[0] / counted[1] - 1,
+            1e-9,
         ),
-        Check.below("FEM against BEM in pressure", cross["pressure"], 0.1),
+        Check.below("FEM against BEM in pressure", found.number("pressure_difference", "fem", "64 x 8"), 0.1),
         *(check for n in _WAVE_GRIDS for check in _wave_row(found, "bem", n, reduced)),
         *_wave_row(found, "fem", 64, reduced),
     ]
@@ -128,18 +118,20 @@ def _wave() -> list[Check]:
 
 def _wave_row(found: _Written, method: str, n: int, reduced: float) -> list[Check]:
     """Judge one row of the table: the strip has two edges in every line of n points."""
-    grid, name = f"{n}x{n // 8}", f"{method} {n}x{n // 8}"
-    pixel, perimeter = (found.column(method, grid, column) for column in ("pixel", "perimeter"))
+    grid, name = f"{n} x {n // 8}", f"{method} {n}x{n // 8}"
+    pixel, perimeter = (found.number(f"area_{how}", method, grid) for how in ("pixel", "perimeter"))
     # The window of P(0+): 0.2 E* h' (dx / l)^(1/2), with l = 1 the period.
     window = 0.2 / math.sqrt(n)
     x = np.linspace(0, _HALF_WIDTH, 200001)
     p = westergaard_pressure(x, half_width=_HALF_WIDTH, mean_pressure=reduced)
     share = 2 * (_HALF_WIDTH - float(x[np.argmax(p < window)]))
-    density = found.column(method, grid, "density_at_zero")
+    density = found.number("density_at_zero", method, grid)
     return [
         Check.near(f"{name}: pixel", pixel, 2 * _HALF_WIDTH, 2 / n),
         Check.relative(f"{name}: perimeter", perimeter, pixel - 2 * _EDGE[method] / n, 1e-12),
-        Check.relative(f"{name}: kappa", found.column(method, grid, "kappa"), perimeter / reduced, 1e-12),
+        Check.relative(
+            f"{name}: kappa", found.number("kappa_perimeter", method, grid), perimeter / reduced, 1e-12
+        ),
         # A point more or less on either edge.
         Check.near(f"{name}: P(0+)", density, share / window, 2 / n / window),
     ]
@@ -158,7 +150,7 @@ _ROUGH = {
 
 @case(
     "comparison-full-contact",
-    "Of a surface in full contact, every number of the table is exact.",
+    "Of a surface in full contact, every number of its table is exact.",
     source="Persson 2006, Eq. 20; exact",
 )
 def _full() -> list[Check]:
@@ -172,29 +164,32 @@ def _full() -> list[Check]:
                 "methods": {
                     "theory": {},
                     "bem": {"grids": [12, 24, 32]},
-                    "fem": {"grids": [12], "method": "reduced"},
+                    "fem": {"grids": [12], "solver": "reduced"},
                 },
             },
             Path(name),
         )
-    said = found.summary
-    found.said("^Contact is complete: A/A0 = 1")
+    complete = any("Contact is complete: A/A0 = 1" in text for text in found.findings)
     checks = [
         Check.relative("numbers that the audit disagrees with", found.wrong, 0.0, 0.0),
-        Check.relative("p*", said["reduced_pressure"], reduced, 1e-12),
-        Check.relative("limit of A/A0", said["limit"]["value"], 1.0, 1e-12),
-        Check.relative("theory", said["theory"]["area"], 1.0, 1e-12),
-        Check.relative("theory from C(q)", said["theory"]["ensemble_area"], 1.0, 1e-12),
-        Check.relative("FEM against BEM, counted area", said["cross_checks"][0]["pixel"], 0.0, 0.0),
+        Check.relative("it is said to be complete", float(complete), 1.0, 0.0),
+        Check.relative("p*", found.number("reduced_pressure"), reduced, 1e-12),
+        Check.relative("limit of A/A0", found.number("area_own"), 1.0, 1e-12),
+        Check.relative("theory", found.number("area_persson"), 1.0, 1e-12),
+        Check.relative("theory from C(q)", found.number("area_ensemble"), 1.0, 1e-12),
+        Check.relative(
+            "FEM against BEM, counted area", found.number("area_pixel_difference", "fem", "12 x 12"), 0.0, 0.0
+        ),
     ]
-    for (method, grid), row in found.table.items():
-        for column, exact in (
-            ("pixel", 1.0),
-            ("perimeter", 1.0),
-            ("kappa", 1 / reduced),
+    for method, grid in (("bem", "12 x 12"), ("bem", "24 x 24"), ("bem", "32 x 32"), ("fem", "12 x 12")):
+        for name, exact in (
+            ("area_pixel", 1.0),
+            ("area_perimeter", 1.0),
+            ("kappa_perimeter", 1 / reduced),
             ("density_at_zero", 0.0),
         ):
-            checks.append(Check.relative(f"{method} {grid}: {column}", float(row[column]), exact, 1e-12))
+            value = found.number(name, method, grid)
+            checks.append(Check.relative(f"{method} {grid}: {name}", value, exact, 1e-12))
     return checks
 
 
@@ -215,18 +210,18 @@ def _ensemble() -> list[Check]:
             },
             Path(name),
         )
-    said = found.summary
-    argument = math.sqrt(2) * said["reduced_pressure"]
-    spread = np.array(said["scatter"]["areas"]) / np.array(said["scatter"]["ratios"])
-    gradients = said["realised"]["rms_gradient"] / 0.02
-    ratios = np.array(said["scatter"]["ratios"])
-    standing = found.said(r"their mean lies ([\d.]+) % (above|below) the theory \(\+- ([\d.]+) %\)")
+    data = found.data
+    argument = math.sqrt(2) * found.number("reduced_pressure")
+    spread = data.area_persson_each.values
+    gradients = found.number("rms_gradient") / 0.02
+    ratios = data.area_each.values / spread
+    deviation = math.sqrt(float(np.sum((ratios - ratios.mean()) ** 2)) / 2)
     return [
         Check.relative("numbers that the audit disagrees with", found.wrong, 0.0, 0.0),
-        Check.relative("theory, erf(sqrt 2 p*)", said["theory"]["area"], math.erf(argument), 1e-12),
+        Check.relative("theory, erf(sqrt 2 p*)", found.number("area_persson_own"), math.erf(argument), 1e-12),
         Check.relative(
             "theory from C(q), erf(sqrt 2 p* h' / h'_C)",
-            said["theory"]["ensemble_area"],
+            found.number("area_ensemble"),
             math.erf(argument * gradients),
             1e-9,
         ),
@@ -234,17 +229,13 @@ def _ensemble() -> list[Check]:
         Check.within(
             "theories of the others, apart by [%]", 100 * float(np.ptp(spread) / spread[0]), 0.1, 50
         ),
-        Check.near(
-            "sentence: mean above the theory [%]",
-            float(standing[1]) * (1 if standing[2] == "above" else -1),
-            100 * (float(ratios.mean()) - 1),
-            0.5,
-        ),
-        Check.near(
-            "sentence: standard error of the mean [%]",
-            float(standing[3]),
-            100 * float(np.sqrt(np.sum((ratios - ratios.mean()) ** 2) / 2 / 3)),
-            0.05,
+        Check.relative("mean above the theory", found.number("area_excess"), float(ratios.mean()) - 1, 1e-12),
+        # Student's t of two degrees of freedom, 97.5 %, as tabled.
+        Check.relative(
+            "its 95 % half width",
+            float(data.area_excess_error.sel(source="surfaces")),
+            4.3027 * deviation / math.sqrt(3),
+            1e-4,
         ),
     ]
 
@@ -289,10 +280,4 @@ def _intervals() -> list[Check]:
     row = dict(zip(budget.columns, budget.rows[0], strict=True))
     for name, expected in (("for this spectrum and period [%]", 13.0), ("for any [%]", math.hypot(13, 84))):
         checks.append(Check.relative(name, float(row[name]), expected, 1e-12))
-    scatter = Scatter(areas=(0.1, 0.1, 0.1, 0.1), ratios=(1.1, 1.3, 1.1, 1.3), grid_error=0.0)
-    checks.append(Check.relative("mean of area over theory", scatter.mean_ratio, 1.2, 1e-12))
-    checks.append(
-        Check.relative("scatter of one surface", scatter.relative, 0.1 * math.sqrt(4 / 3) / 1.2, 1e-12)
-    )
-    checks.append(Check.relative("standard error of the mean", scatter.mean_error, 0.1 / math.sqrt(3), 1e-12))
     return checks

@@ -166,10 +166,7 @@ def _say(outputs: Outputs, reached: Reached | None, *, as_json: bool) -> None:
     from validation.cli.results import print_page
 
     if as_json:
-        summary = outputs.comparison.summary()
-        if reached is not None:
-            summary["accuracy"] = reached.summary()
-        typer.echo(json.dumps(summary, indent=2))
+        typer.echo(json.dumps(outputs.page.summary, indent=2))
         return
     solved, reused = (outputs.solved, outputs.reused) if reached is None else (reached.solves, reached.reused)
     print_page(
@@ -335,17 +332,12 @@ def report(
     as_json: JsonOption = False,
 ) -> None:
     """Write the report of a finished run or study again, from stored results alone. Solves nothing."""
-    from validation.comparison.run import report_run
-    from validation.comparison.sweep import is_sweep, report_sweep
-    from validation.studies._outputs import check_results, is_study, report_study
+    from validation.comparison.run import report_scene
+    from validation.solves.results import check_results
+    from validation.studies._outputs import is_study, report_study
 
     check_results(folder)
-    if is_sweep(folder):
-        files = report_sweep(folder).files
-    else:
-        files = (
-            report_study(folder).files if is_study(folder) else report_run(folder, pictures=pictures).files
-        )
+    files = report_study(folder).files if is_study(folder) else report_scene(folder, pictures=pictures).files
     if as_json:
         typer.echo(json.dumps([str(path) for path in files], indent=2))
     else:

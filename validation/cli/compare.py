@@ -31,7 +31,7 @@ def compare(
     are compared with runs, sweeps with sweeps, and a study with the same study of other options.
     """
     from validation.cli.results import print_page
-    from validation.comparison.beside_page import compare_folders
+    from validation.comparison.compare import compare_folders
 
     names = "-".join(re.sub(r"[^A-Za-z0-9._-]", "-", folder.resolve().name) for folder in folders)
     target = output or Path("results") / f"compare-{names[:80]}"

@@ -63,7 +63,7 @@ def _store_in(folder: Path) -> Path:
     if not folder.is_dir():
         raise UsageError(f"{folder}: is no folder; name the folder of a store, such as results/solves")
     inner = folder / "solves"
-    ours = any((folder / record).exists() for record in ("run.json", "sweep.json"))
+    ours = (folder / "result.json").exists()
     return inner if inner.is_dir() and ours else folder
 
 

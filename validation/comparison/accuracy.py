@@ -19,13 +19,12 @@ from typing import Any
 from validation.arrays import Grid
 from validation.comparison.accuracy_bench import Metered
 from validation.comparison.accuracy_search import Beside, Search, grid_words
-from validation.comparison.findings import percent
 from validation.comparison.run import Outputs, run_scene
 from validation.effects.base import effect_key
 from validation.errors import UsageError
 from validation.files import prepare_folder
 from validation.methods.bem import BemOptions
-from validation.report.words import json_ready
+from validation.report.words import json_ready, percent
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import realise
 from validation.scenes.scene import Scene

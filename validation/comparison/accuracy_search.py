@@ -14,12 +14,12 @@ from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.extrapolation import PlannedGrid, predicted_uncertainty
 from validation.arrays import Grid
 from validation.comparison.accuracy_bench import Metered
-from validation.comparison.findings import percent
 from validation.errors import RunFailed, UsageError
 from validation.measures.ensemble import MeanArea, mean_area
 from validation.measures.measurement import TOLERANCES_LEFT, has_square_cells, limit_over
 from validation.measures.pairs import AreaPairs
 from validation.methods.bem import BemOptions
+from validation.report.words import percent
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Methods, Scene
 from validation.solves.cost import memory_words

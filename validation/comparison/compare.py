@@ -1,279 +1,444 @@
-"""The comparison: stored solves of one scene read side by side with the theory."""
+"""Results folders side by side: their datasets along a new dimension, and how far each is from the first.
+
+Nothing here solves, and nothing but records and datasets is read.
+"""
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_contact.area import ContactAreas, contact_areas
-from fem_contact.contact import ContactResult
-from fem_contact.errors import InvalidInput
-from fem_contact.extrapolation import Limit, located_limit, perimeter_limit
-from fem_contact.stress import density_at_zero
-from validation.arrays import Array
-from validation.comparison.below import below
-from validation.comparison.compared import Comparison, CrossCheck, Row, Scatter, is_adhesive
-from validation.errors import RunFailed
-from validation.methods.theory import Prediction, predict
-from validation.scenes.realised import Realised
-from validation.scenes.scene import Load, Scene
-from validation.solves.press import Press
+from validation.errors import UsageError
+from validation.files import prepare_folder
+from validation.report.estimates import derive, each, value_of
+from validation.report.findings import Finding, finding, note
+from validation.report.marks import Figure, Line, Panel
+from validation.report.page import Page, page_of, write_page
+from validation.report.quantities import labelled, place_words, quantity_of
+from validation.report.table import INTERVAL, ResultTable, WordTable, shown
+from validation.report.views import Card, Views
+from validation.solves.results import Result, read_results, write_results
 
 if TYPE_CHECKING:
-    from validation.comparison.passing import Passing
+    import xarray as xr
 
-__all__ = ["compare"]
+__all__ = ["compare_folders", "side_by_side"]
 
-_TOO_FEW_GRIDS = (
-    "it needs two resolved grids of boundary elements with square cells, or three solves on two grids"
-)
+_KINDS = {"run": "runs", "sweep": "sweeps", "theory": "runs of the theory alone"}
+#: What is not compared: names of solves, maps, what a run took, and what says how another number was made.
+_LEFT_OUT = ("solve", "seconds", "points", "unknowns", "resolved", "stress_", "magnification", "plane_")
+#: Dimensions of what figures show of fields.
+_FIELDS = ("x", "y", "shift", "wave", "near", "near_exact", "wide", "wide_exact", "plane", "wavevector")
+#: Rows of the page, and of the variables with an interval that have a figure; table.csv has all of them.
+_ROWS, _FIGURES, _FINDINGS = 120, 3, 4
+#: What says again, in sentences, what another variable says.
+_TWICE = ("_own", "_limit", "_excess", "_located", "_each")
 
 
-def compare(
-    scene: Scene,
-    realised: Realised,
-    results: Mapping[Press, ContactResult],
-    *,
-    accurate: Mapping[str, Any] | None = None,
-) -> Comparison:
-    """Put all solves of a scene beside the theory.
+def compare_folders(
+    folders: Sequence[Path], output: Path, *, report: bool = True
+) -> tuple[Page, tuple[Path, ...]]:
+    """Put results folders on one page, and write it; return the page and the files.
 
-    Parameters
-    ----------
-    scene : Scene
-    realised : Realised
-        What the scene asks for.
-    results : mapping
-        Result of each of its solves, which is read once.
-    accurate : mapping, optional
-        What was reached, where its grids were chosen for an accuracy.
+    Raises
+    ------
+    UsageError
+        Where fewer than two can be compared, or `output` holds results of its own.
     """
-    asked = {name: scene.methods.options(name).grids for name in scene.methods.solvers}
-    readings = [
-        _Reading.of(solve, results[solve], bare=not scene.effects, shown=solve.grid in asked[solve.method])
-        for solve in results
-    ]
-    modulus = readings[0].contact_modulus
-    shown = [
-        one for one in readings if one.solve.realisation == 0 and one.solve.grid in asked[one.solve.method]
-    ]
-    groups = itertools.groupby(shown, key=lambda one: (one.solve.method, one.solve.grid))
-    if realised.load.held:
-        realised = realised.under(Load(pressure=_carried(shown)))
-    rows = tuple(_row(list(group), scene, realised, modulus) for _, group in groups)
-    continuum = None
-    if realised.spectrum is not None:
-        moments = realised.spectrum.moments()
-        continuum = {"rms_height_m": moments.rms_height, "rms_gradient": moments.rms_gradient}
-    limit, no_limit = _limit(readings, scene, rows)
-    passes: tuple[Passing, ...] = ()
-    if scene.quantities is not None and scene.quantities.passing:  # what is not asked for is not loaded
-        from validation.comparison.passing import passing
-
-        passes = passing(scene, realised, results)
-    field = realised.field
-    return Comparison(
-        scene=scene,
-        realised=realised,
-        pressure=realised.pressure,
-        contact_modulus=modulus,
-        rms_gradient=field.rms_gradient,
-        rms_height=field.rms_height,
-        nayak=field.nayak if field.rms_gradient > 0 else float("nan"),
-        continuum=continuum,
-        treatment=() if realised.topography is None else realised.topography.history,
-        rows=rows,
-        cross=_cross_checks(readings, scene, realised),
-        limit=limit,
-        no_limit=no_limit,
-        accurate=accurate,
-        theory=_theory(scene, realised),
-        scatter=_scatter(readings, scene, realised),
-        passing=passes,
-        below=below(scene, results),
-    )
-
-
-def _carried(shown: Sequence[_Reading]) -> float:
-    """Load [Pa] at the distance that is held, on the finest grid of the first method."""
-    own = [one for one in shown if one.solve.method == shown[0].solve.method]
-    found = max(own, key=lambda one: one.solve.realised.points_per_wave(one.solve.grid))
-    load = found.solve.realised.load
-    if not found.mean_pressure > 0:
-        raise RunFailed(
-            f"load.{load.key} = {load.values[0]:.6g} m: nothing touches so far apart; come closer"
-        )
-    return found.mean_pressure
-
-
-def _theory(scene: Scene, realised: Realised) -> Prediction | None:
-    options = scene.methods.options("theory")
-    return None if options is None else predict(realised, scene.effects, options)
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Reading:
-    """What the comparison needs of one solve, so that its fields are read once and let go.
-
-    Attributes
-    ----------
-    pressure : (nx, ny) array or None
-        Kept where it is compared with that of another method.
-    plastic : float
-        Share of points at the pressure bound.
-    """
-
-    solve: Press
-    areas: ContactAreas
-    density: float
-    plastic: float
-    residual: float
-    seconds: float
-    unknowns: int
-    contact_modulus: float
-    mean_pressure: float
-    pressure: Array | None
-
-    @classmethod
-    def of(cls, solve: Press, result: ContactResult, *, bare: bool, shown: bool) -> _Reading:
-        solver = solve.solver
-        dx, dy = result.spacing
-        # The place of an edge is known for the bare half-space, on square cells.
-        located = solver.locates_edges and bare and abs(dx / dy - 1) <= 0.05
-        at_bound = result.at_bound if result.weights is None else result.weights * result.at_bound
-        return cls(
-            solve=solve,
-            areas=contact_areas(result, edge_constant=solver.edge_constant(result), subcell=located),
-            density=_reduced_density(result, adhesive=is_adhesive(solve.effects)),
-            plastic=float(np.mean(at_bound)),
-            residual=result.residuals.worst,
-            seconds=result.cost.wall_seconds,
-            unknowns=result.cost.unknowns,
-            contact_modulus=result.contact_modulus,
-            mean_pressure=result.mean_pressure,
-            pressure=result.pressure if shown and solve.is_own else None,
-        )
-
-
-def _row(solves: Sequence[_Reading], scene: Scene, realised: Realised, modulus: float) -> Row:
-    scale = modulus * realised.field.rms_gradient
-    # Where a distance is held, each grid takes a load of its own.
-    held = float(np.mean([one.mean_pressure for one in solves]))
-    reduced_pressure = (held if scene.load.held else realised.pressure) / scale
-    solve = solves[0].solve
-    pixel = np.array([one.areas.pixel for one in solves])
-    perimeter = float(np.mean([one.areas.perimeter for one in solves]))
-    yields = any(effect.slot == "pressure bound" for effect in scene.effects)
-    return Row(
-        method=solve.method,
-        grid=solve.grid,
-        points_per_wave=realised.points_per_wave(solve.grid),
-        under_resolved=not realised.resolved_by(solve.grid),
-        solves=len(solves),
-        pixel=float(pixel.mean()),
-        pixel_scatter=float(pixel.std(ddof=1) / np.sqrt(pixel.size)) if pixel.size > 1 else float("nan"),
-        perimeter=perimeter,
-        kappa=perimeter / reduced_pressure,
-        density_at_zero=float(np.mean([one.density for one in solves])),
-        residual=max(one.residual for one in solves),
-        seconds=sum(one.seconds for one in solves),
-        unknowns=solves[0].unknowns,
-        plastic=float(np.mean([one.plastic for one in solves])) if yields else None,
-    )
-
-
-def _reduced_density(result: ContactResult, *, adhesive: bool) -> float:
-    if adhesive:  # a window from zero on would hold all the tension
-        return float("nan")
+    results, left_out = _read(folders)
     try:
-        found = density_at_zero(result)
-    except InvalidInput:  # a flat surface has no scale of pressure
-        return float("nan")
-    # A window that reaches up to the hardness sees what has yielded.
-    reached = np.any(result.at_bound & (result.pressure < found.threshold))
-    return float("nan") if reached else found.reduced
-
-
-def _cross_checks(readings: Sequence[_Reading], scene: Scene, realised: Realised) -> tuple[CrossCheck, ...]:
-    """Put every other method beside the first, on the grids they share."""
-    own = [one for one in readings if one.solve.is_own]
-    first, *others = scene.methods.solvers
-    reference = {one.solve.grid: one for one in own if one.solve.method == first}
-    checks = []
-    for one in own:
-        other = reference.get(one.solve.grid)
-        if one.solve.method not in others or other is None:
-            continue
-        if one.pressure is None or other.pressure is None:
-            continue
-        difference = np.linalg.norm(one.pressure - other.pressure) / np.linalg.norm(other.pressure)
-        checks.append(
-            CrossCheck(
-                method=one.solve.method,
-                reference=first,
-                grid=one.solve.grid,
-                points_per_wave=realised.points_per_wave(one.solve.grid),
-                pressure=float(difference),
-                pixel=one.areas.pixel / other.areas.pixel - 1,
-                perimeter=one.areas.perimeter / other.areas.perimeter - 1,
-            )
-        )
-    return tuple(checks)
-
-
-def _limit(readings: Sequence[_Reading], scene: Scene, rows: tuple[Row, ...]) -> tuple[Limit | None, str]:
-    """Limit of this surface, or why there is none: the first method that has one, resolved grids only."""
-    reasons = []
-    for method in scene.methods.solvers:
-        grids = {row.grid for row in rows if row.method == method and not row.under_resolved}
-        limit = _limit_over(
-            [
-                one.areas
-                for one in readings
-                if one.solve.method == method and one.solve.realisation == 0 and one.solve.grid in grids
-            ]
-        )
-        if limit is not None and limit.determinable:
-            return limit, ""
-        if limit is not None:
-            reasons.append(limit.doubt)
-    return None, reasons[0] if reasons else _TOO_FEW_GRIDS
-
-
-def _limit_over(areas: Sequence[ContactAreas]) -> Limit | None:
-    """Limit over at least two grids: of the located area where there is one, else of the corrected."""
-    if len({area.spacing for area in areas}) < 2:
-        return None
-    if all(area.subcell is not None for area in areas):
-        return located_limit(areas)
-    return perimeter_limit(areas)
-
-
-def _scatter(readings: Sequence[_Reading], scene: Scene, realised: Realised) -> Scatter | None:
-    if scene.ensemble is None or scene.ensemble_solver is None:
-        return None
-    surfaces = {one.solve.realisation: one.solve.realised for one in readings}
-    areas, ratios, errors = [], [], []
-    for k in range(scene.ensemble.realisations):
-        own = [
-            one.areas
-            for one in readings
-            if one.solve.method == scene.ensemble_solver.name
-            and one.solve.realisation == k
-            and one.solve.shift == (0.0, 0.0)
-            and one.solve.grid in scene.ensemble.grids
-        ]
-        limit = _limit_over(own)
-        if limit is None or not limit.determinable:
-            return None
-        theory = _theory(scene, surfaces.get(k, realised))
-        areas.append(limit.value)
-        ratios.append(limit.value / theory.area if theory is not None and theory.answers else limit.value)
-        errors.append(limit.uncertainty / limit.value)
-    return Scatter(
-        areas=tuple(areas), ratios=tuple(ratios), grid_error=float(np.sqrt(np.mean(np.square(errors))))
+        if read_results(output).kind != "compare":
+            raise UsageError(f"--output {output}: holds results of its own; name another folder")
+    except UsageError as error:
+        if "of its own" in str(error) or "damaged" in str(error):
+            raise
+    data = side_by_side(results)
+    table = _table(data)
+    page = page_of(
+        data,
+        _views(data, results, left_out),
+        figures=report,
+        title=" beside ".join(results),
+        lead=f"{_kind(results)}. What differs in what was asked, and in what came out; differences are from "
+        f"{next(iter(results))}",
+        tables=(_in_words(table), *_settings(results)),
+        settings={label: dict(result.asked) for label, result in results.items()},
+        seeds="; ".join(f"{label}: {_seed(result)}" for label, result in results.items()),
+        papers=(),
+        records={"table": table},
+        data=None,
+        summary={
+            "kind": "compare",
+            "results": {
+                label: str(folder)
+                for label, folder in zip(_labels(folders), folders, strict=True)
+                if label in results
+            },
+            "differing": {key: list(values) for key, values in differing(results).items()},
+            "not_compared": list(left_out),
+        },
     )
+    asked = {label: dict(result.asked) for label, result in results.items()}
+    write_results(prepare_folder(output), data, kind="compare", name=page.title, asked=asked, store=output)
+    return page, write_page(page, output, numbers_only=not report)
+
+
+def _read(folders: Sequence[Path]) -> tuple[dict[str, Result], tuple[str, ...]]:
+    """Read folders of one kind; say of the others why they are left out."""
+    if len({folder.resolve() for folder in folders}) < max(2, len(folders)):
+        raise UsageError("compare: needs at least two results folders, each named once")
+    results: dict[str, Result] = {}
+    left_out = []
+    for folder, label in zip(folders, _labels(folders), strict=True):
+        try:
+            found = read_results(folder)
+        except UsageError as error:
+            left_out.append(f"{folder}: not compared: {str(error).removeprefix(f'{folder}: ')}")
+            continue
+        first = next(iter(results.values()), found)
+        if _question(found) != _question(first):
+            left_out.append(
+                f"{folder}: not compared: it is a {_question(found)}, and the first is a {_question(first)}"
+            )
+        else:
+            results[label] = found
+    if len(results) < 2:
+        raise UsageError(
+            "; ".join(left_out) + "; fewer than two folders are left: name results folders of one kind"
+        )
+    return results, tuple(left_out)
+
+
+def _question(result: Result) -> str:
+    """Name what results must have in common."""
+    words = {"theory": "run of the theory alone", "study": f"study {result.name}"}
+    return words.get(result.kind, result.kind)
+
+
+def _kind(results: Mapping[str, Result]) -> str:
+    first = next(iter(results.values()))
+    return f"{len(results)} {_KINDS.get(first.kind, f'results of the {_question(first)}')}"
+
+
+def _labels(folders: Sequence[Path]) -> list[str]:
+    """Name folders by as much of their paths as tells them apart."""
+    parts = [folder.resolve().parts for folder in folders]
+    for length in range(1, max(map(len, parts)) + 1):
+        names = ["/".join(each[-length:]) for each in parts]
+        if len(set(names)) == len(names):
+            return names
+    return [str(folder) for folder in folders]
+
+
+def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
+    """Return the numbers that all results have, along ``result``, and of each its difference from the first.
+
+    Where they have other places (another grid, another load) those that all share are compared.
+
+    Raises
+    ------
+    UsageError
+        Where they share no place.
+    """
+    import xarray as xr
+
+    parts = [_numbers(result.data) for result in results.values()]
+    names = [name for name in parts[0].data_vars if all(_same(part, parts[0], str(name)) for part in parts)]
+    parts = [
+        part[names].drop_attrs(deep=False)
+        for part in xr.align(*(_placed(part) for part in parts), join="inner")
+    ]
+    # What has no place in common, such as grids, is left out.
+    parts = [part.drop_dims([dim for dim, size in part.sizes.items() if not size]) for part in parts]
+    names = list(parts[0].data_vars)
+    if not names:
+        shared = "their datasets share no place; compare results with common values"
+        raise UsageError(f"{', '.join(results)}: {shared}")
+    data = xr.concat(parts, dim="result", combine_attrs="drop_conflicts", join="exact").assign_coords(
+        result=list(results)
+    )
+    for name in (str(n) for n in names if not str(n).endswith("_error")):
+        first = data.isel(result=0, drop=True)
+        told = data[[n for n in (name, f"{name}_error") if n in data]]
+        told = told.assign({f"{n}_first": first[n] for n in told.data_vars if n == name})
+        if f"{name}_error" in told:
+            told[f"{name}_first_error"] = first[f"{name}_error"]
+        made = derive(told, **{f"{name}_apart": f"{name} - {name}_first"})
+        for added in (f"{name}_apart", f"{name}_apart_error"):
+            if added in made:
+                # The first is no further from itself than nothing.
+                data[added] = made[added].where(data.result != data.result[0], 0.0)
+    return labelled(data)
+
+
+def _numbers(data: xr.Dataset) -> xr.Dataset:
+    """Return what of a dataset is compared."""
+    data = data.drop_dims(_FIELDS, errors="ignore")
+    kept = [
+        str(name)
+        for name, values in data.data_vars.items()
+        if values.dtype.kind in "fiu"
+        and not str(name).startswith(_LEFT_OUT)
+        and not str(name).endswith("_drift")
+    ]
+    return data[kept]
+
+
+def _same(part: xr.Dataset, first: xr.Dataset, name: str) -> bool:
+    return name in part and part[name].dims == first[name].dims
+
+
+def _placed(data: xr.Dataset) -> xr.Dataset:
+    """Give dimensions without values of their own those of the first coordinate along them, as loads have."""
+    for dim in map(str, data.dims):
+        own = [str(n) for n, c in data.coords.items() if c.dims == (dim,)]
+        if dim not in data.coords and own:
+            values = data[own[0]].values
+            data = data.drop_vars(own).rename({dim: own[0]}).assign_coords({own[0]: values})
+    return data
+
+
+# ---- what was asked --------------------------------------------------------------------------------
+
+
+def _flat(tree: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, str]]:
+    """Yield dotted keys and their values in words; effects and swept keys are named by what they are."""
+    for key, value in tree.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{before}{key}.")
+        elif isinstance(value, list) and value and all(isinstance(item, Mapping) for item in value):
+            for item in value:
+                name = item.get("kind") or item.get("key", "")
+                yield f"{before}{key}.{name}", "listed"
+                inner = {k: v for k, v in item.items() if k not in ("kind", "key", "name", "meaning", "unit")}
+                yield from _flat(inner, f"{before}{key}.{name}.")
+        else:
+            yield before + key, _word(value)
+
+
+def _word(value: Any) -> str:
+    if isinstance(value, list):
+        return ", ".join(map(_word, value))
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _asked(result: Result) -> dict[str, str]:
+    """Return everything that was asked for by dotted key, as a scene names it."""
+    asked = dict(result.asked)
+    scene = {k: v for k, v in asked.pop("scene", {}).items() if k not in ("name", "title", "run")}
+    found = dict(_flat({**scene, **asked}))
+    for key in [k["key"] for k in asked.get("sweep", {}).get("keys", ())]:
+        found.pop(key, None)
+    return {
+        key: value
+        for key, value in found.items()
+        if not key.startswith("accuracy.") or key == "accuracy.target"
+    }
+
+
+def differing(results: Mapping[str, Result]) -> dict[str, tuple[str, ...]]:
+    """Return the settings that differ, each with its value in every result; "" where it has none."""
+    every = [_asked(result) for result in results.values()]
+    keys = dict.fromkeys(key for asked in every for key in asked)
+    values = {key: tuple(asked.get(key, "") for asked in every) for key in keys}
+    return {key: told for key, told in values.items() if len(set(told)) > 1}
+
+
+def _seed(result: Result) -> str:
+    asked = _asked(result)
+    return asked.get("surface.seed") or asked.get("seed") or "none"
+
+
+def _settings(results: Mapping[str, Result]) -> Iterator[WordTable]:
+    told = differing(results)
+    if told:
+        yield WordTable(
+            title="Settings that differ",
+            columns=("setting", *results),
+            rows=tuple((key, *values) for key, values in told.items()),
+            left=frozenset({"setting", *results}),
+        )
+
+
+# ---- what is shown ---------------------------------------------------------------------------------
+
+
+def _compared(data: xr.Dataset) -> list[str]:
+    """Names of the variables that are compared, those with an interval first."""
+    names = [str(n).removesuffix("_apart") for n in data.data_vars if str(n).endswith("_apart")]
+    names = [name for name in names if name in data]
+    return sorted(
+        names,
+        key=lambda name: (
+            f"{name}_apart_error" not in data,
+            not name.startswith("area"),
+            data[name].ndim,
+        ),
+    )
+
+
+def _places(data: xr.Dataset, name: str) -> Iterator[tuple[str, xr.Dataset]]:
+    """Yield a variable at each of its places, in words."""
+    dims = [str(dim) for dim in data[name].dims if dim != "result"]
+    told = [n for n in (name, f"{name}_error", f"{name}_apart", f"{name}_apart_error") if n in data]
+    for here in each(data[told], *dims):
+        if bool(here[name].notnull().all()):
+            yield ", ".join(filter(None, (_place(here, dim, data) for dim in dims))), here
+
+
+def _place(here: xr.Dataset, dim: str, data: xr.Dataset) -> str:
+    return place_words(here, dim, data) if dim in data.coords else f"{dim} {here.attrs['at'][dim] + 1}"
+
+
+def _table(data: xr.Dataset) -> ResultTable:
+    """Return every number, one line for each result."""
+    rows: list[dict[str, float | str]] = []
+    for name in _compared(data):
+        for place, here in _places(data, name):
+            for k, label in enumerate(data.result.values):
+                one = here.isel(result=k)
+                value, apart = value_of(one, name), value_of(one, f"{name}_apart")
+                rows.append(
+                    {
+                        "quantity": quantity_of(data, name).title,
+                        "where": place,
+                        "result": str(label),
+                        "value": value.value,
+                        f"value {INTERVAL}": np.nan if value.error is None else value.error,
+                        "less the first": apart.value if k else np.nan,
+                        f"less the first {INTERVAL}": np.nan if apart.error is None or not k else apart.error,
+                    }
+                )
+    return ResultTable.of_rows(rows)
+
+
+def _in_words(table: ResultTable) -> WordTable:
+    short = ResultTable.of(table.columns, table.rows[:_ROWS])
+    more = f"{len(table.rows) - _ROWS} more rows are in table.csv. " if len(table.rows) > _ROWS else ""
+    joint = (
+        "+-: 95 %; that of a difference is the root of the sum of the squares of both, as if they were "
+        "independent: of one "
+        "and the same surfaces differences are better known than that."
+    )
+    return shown(short, title="Numbers side by side", note=more + joint)
+
+
+def _views(data: xr.Dataset, results: Mapping[str, Result], left_out: Sequence[str]) -> Views:
+    return Views(
+        figures=tuple(_figures(data)),
+        findings=(*_findings(data, results), *map(note, left_out)),
+        cards=tuple(_cards(data, results)),
+    )
+
+
+def _cards(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Card]:
+    told = list(differing(results))
+    words = ", ".join(told[:3]) + (", ..." if len(told) > 3 else "")
+    count = f"{len(told)} setting{'' if len(told) == 1 else 's'}"
+    yield Card(question="What differs in what was asked?", answer=note(words or "nothing"), basis=note(count))
+    if "area" not in data or data.area.dims != ("result",):
+        return
+    for k, label in enumerate(results):
+        here = data.isel(result=k)
+        basis = note("the first, with which the others are compared")
+        if k:
+            basis = finding("value", "{area_apart:+} from it", here)
+        yield Card(question=f"A/A0, {label}", answer=finding("value", "{area}", here), basis=basis)
+
+
+def _findings(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Finding]:
+    told = differing(results)
+    if told:
+        said = [f"{key} ({'; '.join(v or 'none' for v in values)})" for key, values in told.items()]
+        more = f", and {len(said) - 6} more settings" if len(said) > 6 else ""
+        yield _plain(f"They differ in {', '.join(said[:6])}{more}.")
+    else:
+        yield note("No setting differs: these are results of one and the same question.")
+    judged = [n for n in _compared(data) if f"{n}_apart_error" in data and not n.endswith(_TWICE)]
+    for name in judged[:_FINDINGS]:
+        for k in range(1, data.sizes["result"]):
+            yield _farthest(data, name, k)
+    if not judged:
+        yield note("No number that they share has an interval: how far they are apart cannot be judged.")
+    if _other_surfaces(told) and "surfaces" in data and bool((data.surfaces == 1).any()):
+        yield note(
+            "Their surfaces differ, and an interval of one surface is that of the grids: another draw of "
+            "the same spectrum "
+            "would differ, too, by how much an [ensemble] in every scene tells."
+        )
+
+
+def _plain(text: str) -> Finding:
+    """Return words as they are, whatever braces are in them."""
+    return note("{words}", words=text)
+
+
+def _other_surfaces(told: Mapping[str, Any]) -> bool:
+    """Whether they press other draws of random surfaces."""
+    return any(
+        key.startswith(("surface.seed", "seed", "surface.hurst", "surface.lambda", "ensemble."))
+        for key in told
+    )
+
+
+def _farthest(data: xr.Dataset, name: str, k: int) -> Finding:
+    """Say how far a result is from the first in one quantity, where that is most for its interval."""
+
+    def weight(one: tuple[str, xr.Dataset]) -> float:
+        apart = value_of(one[1].isel(result=k), f"{name}_apart")
+        if apart.value == 0 or not apart.error or not np.isfinite(apart.error):
+            return 0.0 if apart.value == 0 else 1e300 if apart.error == 0 else -1.0
+        return abs(float(apart.value)) / apart.error
+
+    places = list(_places(data, name))
+    symbol, first, other = quantity_of(data, name).title, *(str(data.result.values[j]) for j in (0, k))
+    if not places:
+        return note("{symbol}: no value in common.", symbol=symbol)
+    place, here = max(places, key=weight)
+    at = f" ({place})" if place else ""
+    values: dict[str, Any] = {
+        "mine": value_of(here.isel(result=k), name),
+        "its": value_of(here.isel(result=0), name),
+        "apart": value_of(here.isel(result=k), f"{name}_apart"),
+    }
+    if values["apart"].value == 0 and all(weight(one) == 0 for one in places):
+        return note(
+            "{symbol}: {other} and {first} agree to the last digit.", symbol=symbol, other=other, first=first
+        )
+    return finding(
+        "agreement",
+        "{symbol}{place}: {other} has {mine} and {first} {its}; they {verdict} (difference {apart:+}).",
+        by="apart",
+        symbol=symbol,
+        place=at,
+        other=other,
+        first=first,
+        **values,
+    )
+
+
+def _figures(data: xr.Dataset) -> Iterator[Figure]:
+    """Draw quantities with an interval: of every result along what it depends on, or beside each other."""
+    made = 0
+    for name in _compared(data):
+        dims = [str(dim) for dim in data[name].dims if dim != "result"]
+        axes = [
+            dim
+            for dim in dims
+            if dim in data.coords and data[dim].dtype.kind in "fiu" and data.sizes[dim] > 1
+        ]
+        if made >= _FIGURES or f"{name}_error" not in data or len(dims) > 2 or (dims and not axes):
+            continue
+        rest = {dim: data.sizes[dim] // 2 for dim in dims if dim != axes[0]} if axes else {}
+        said = ", ".join(_place(data.isel({dim: k}), dim, data) for dim, k in rest.items())
+        marks = [Line(y=name, by="result" if axes else (), at=rest, joined=bool(axes))]
+        x = axes[0] if axes else "result"
+        made += 1
+        yield Figure(
+            name=name.replace("_", "-"),
+            caption=f"{quantity_of(data, name).meaning.capitalize()} of every result{said and f' ({said})'}.",
+            panels=[Panel(marks=marks, x=x)],
+        )

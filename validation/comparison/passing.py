@@ -2,103 +2,60 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Literal
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from fem_contact.conductance import contact_conductance, frozen_contact
 from fem_contact.contact import ContactResult
-from fem_contact.leak import flow_conductance, open_gap
-from fem_contact.response import HalfSpace
-from persson.leakage import effective_medium
-from persson.scale import Scale
-from persson.separation import contact_stiffness
-from validation.methods import find_method
-from validation.report.table import WordTable
-from validation.report.words import significant, with_error
+from validation.report.estimates import error_of
+from validation.report.estimates import mean as mean_over
 from validation.scenes.quantities import Leak, Quantities
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Scene
 from validation.solves.press import Press
 
-__all__ = ["Passing", "passing", "sentences", "words_table"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["passing"]
 
 #: What is asked of one result, and what a theory says of it: value, theory's value.
 _Read = Callable[[ContactResult], tuple[float, float]]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Passing:
-    """One quantity of a scene, on the finest grid that resolves its surface.
-
-    Attributes
-    ----------
-    name : str
-        As data name it, such as "thermal_conductance".
-    words, unit : str
-    value : float
-        Infinite where everything touches, so that nothing narrows the current.
-    grid_error : float
-        How far the value on the grid before lies; NaN from a single grid.
-    scatter : float
-        Relative standard deviation between the surfaces of the ensemble; NaN without one.
-    surfaces : int
-        How many it is over.
-    method : str
-    grid : tuple of int
-    theory : float
-        What a theory says; NaN where it says nothing.
-    beside : str
-        Which theory.
-    """
-
-    name: str
-    words: str
-    unit: str
-    value: float
-    grid_error: float
-    scatter: float
-    surfaces: int
-    method: str
-    grid: tuple[int, int]
-    theory: float
-    beside: str
-
-
-def passing(scene: Scene, realised: Realised, results: Mapping[Press, ContactResult]) -> tuple[Passing, ...]:
-    """Read off what the table [quantities] asks for; empty without it.
+def passing(
+    data: xr.Dataset, scene: Scene, realised: Realised, results: Mapping[Press, ContactResult]
+) -> xr.Dataset:
+    """Add to the dataset of a scene what its table [quantities] asks for.
 
     The set of contact is that of the solve, whatever effects made it; the current passes through homogeneous
-    half-spaces that touch there, yielded points included.
+    half-spaces that touch there, yielded points included. Values are those of the finest grid that resolves
+    the surface, with their change from the grid before; with an ensemble means over its surfaces.
     """
-    if scene.quantities is None:
-        return ()
+    import xarray as xr
+
+    if scene.quantities is None or not scene.quantities.passing:
+        return data
     own, ensemble = _ladder(scene, realised, results)
     if not own:
-        return ()
-    found = []
-    for name, words, unit, read, beside in _asked(scene.quantities, realised, bare=not scene.effects):
+        return data.assign(passing_note="not determinable: the points of every method weigh differently")
+    for name, read, beside in _asked(scene.quantities, realised, bare=not scene.effects):
         values = [read(results[solve]) for solve in own[-2:]]
-        others = [read(results[solve])[0] for solve in ensemble]
         (value, theory), before = values[-1], values[0][0]
-        found.append(
-            Passing(
-                name=name,
-                words=words,
-                unit=unit,
-                value=value,
-                grid_error=abs(value - before) if len(values) > 1 and np.isfinite(value) else float("nan"),
-                scatter=_scatter(others),
-                surfaces=len(others),
-                method=own[-1].method,
-                grid=own[-1].grid,
-                theory=theory,
-                beside=beside,
-            )
-        )
-    return tuple(found)
+        change = abs(value - before) if len(values) > 1 and np.isfinite(value) else np.nan
+        data[name] = xr.DataArray(value)
+        data[f"{name}_error"] = error_of(data[name], grid=change)
+        if np.isfinite(theory):
+            data[f"{name}_{beside}"] = theory
+        if len(ensemble) > 1:
+            data[f"{name}_each"] = ("surface", [read(results[solve])[0] for solve in ensemble])
+            data = mean_over(data.rename({name: f"{name}_own", f"{name}_error": f"{name}_own_error"}), name)
+            share = change / value if value and np.isfinite(value) else np.nan
+            errors = data[f"{name}_error"]
+            data[f"{name}_error"] = errors.where(errors.source != "grid", share * abs(data[name]))
+    return data
 
 
 def _ladder(
@@ -127,48 +84,26 @@ def _ladder(
     ]
 
 
-def _scatter(values: Sequence[float]) -> float:
-    mean = float(np.mean(values)) if values else 0.0
-    if len(values) < 2 or not np.isfinite(mean) or mean == 0:
-        return float("nan")
-    return float(np.std(values, ddof=1)) / mean
-
-
-def _asked(
-    quantities: Quantities, realised: Realised, *, bare: bool
-) -> Iterator[tuple[str, str, str, _Read, str]]:
-    """Yield name, words, unit, how it is read off a result, and whose theory stands beside."""
+def _asked(quantities: Quantities, realised: Realised, *, bare: bool) -> Iterator[tuple[str, _Read, str]]:
+    """Yield name, how it is read off a result, and whose theory stands beside."""
     if quantities.electrical is not None:
-        yield (
-            "electrical_conductance",
-            "electrical conductance of the contact",
-            "1/(ohm m^2)",
-            _conductance(quantities.electrical.resistivity, realised, bare=bare),
-            "Persson",
-        )
+        read = _conductance(quantities.electrical.resistivity, realised, bare=bare)
+        yield "electrical_conductance", read, "persson"
     if quantities.thermal is not None:
         first, second = quantities.thermal.conductivity
-        yield (
-            "thermal_conductance",
-            "thermal conductance of the contact",
-            "W/(m^2 K)",
-            _conductance((1 / first, 1 / second), realised, bare=bare),
-            "Persson",
-        )
+        yield "thermal_conductance", _conductance((1 / first, 1 / second), realised, bare=bare), "persson"
     if quantities.leak is not None:
-        axes: tuple[Literal["x", "y"], ...] = ("x", "y")
-        for axis in axes:
-            yield (
-                f"leak_rate_{axis}",
-                f"leak through one period along {axis}",
-                "m^3/s",
-                _leak(quantities.leak, axis),
-                "Bruggeman, same gaps",
-            )
+        yield "leak_rate_x", _leak(quantities.leak, "x"), "bruggeman"
+        yield "leak_rate_y", _leak(quantities.leak, "y"), "bruggeman"
 
 
 def _conductance(resistivities: tuple[float, float], realised: Realised, *, bare: bool) -> _Read:
     """Conductance per nominal area, by Barber's relation on the set of contact, yielded points included."""
+    from fem_contact.conductance import contact_conductance, frozen_contact
+    from fem_contact.response import HalfSpace
+    from persson.scale import Scale
+    from persson.separation import contact_stiffness
+
     half_space = HalfSpace(solid=realised.elastic)
     modulus = half_space.contact_modulus
 
@@ -194,6 +129,8 @@ def _conductance(resistivities: tuple[float, float], realised: Realised, *, bare
 
 def _leak(leak: Leak, axis: Literal["x", "y"]) -> _Read:
     """Volume per time through one period, along one axis, and what Bruggeman makes of the same gaps."""
+    from fem_contact.leak import flow_conductance, open_gap
+    from persson.leakage import effective_medium
 
     def read(result: ContactResult) -> tuple[float, float]:
         gap = open_gap(result)
@@ -203,46 +140,3 @@ def _leak(leak: Leak, axis: Literal["x", "y"]) -> _Read:
         return per * flow_conductance(gap, result.lengths, axis=axis).conductance, per * medium
 
     return read
-
-
-def _words(one: Passing) -> str:
-    """Return the value with what the grids leave open, in its unit."""
-    if one.value == np.inf:
-        return "infinite: contact is complete, and nothing narrows the current"
-    if one.value == 0:
-        return f"0 {one.unit}" + (": closed, no path leads through" if "leak" in one.name else "")
-    return f"{with_error(one.value, one.grid_error)} {one.unit}"
-
-
-def sentences(found: Sequence[Passing]) -> Iterator[str]:
-    """Yield one sentence for each quantity."""
-    for one in found:
-        where = f"{find_method(one.method).label} on {one.grid[0]} x {one.grid[1]}"
-        text = f"The {one.words} is {_words(one)} ({where}; grid: change from the one before)"
-        if np.isfinite(one.scatter):
-            text += f"; between {one.surfaces} surfaces it scatters by {100 * one.scatter:.2g} %"
-        if np.isfinite(one.theory):
-            text += f"; {one.beside}: {significant(one.theory)} {one.unit}"
-        yield text + "."
-
-
-def words_table(found: Sequence[Passing]) -> WordTable:
-    """Return the quantities as a table of the page."""
-    return WordTable(
-        title="What passes through contact and gap",
-        columns=("quantity", "unit", "value", "between surfaces", "theory", "which"),
-        rows=tuple(
-            (
-                one.words,
-                one.unit,
-                _words(one).removesuffix(f" {one.unit}"),
-                f"{100 * one.scatter:.2g} %" if np.isfinite(one.scatter) else "",
-                significant(one.theory),
-                one.beside if np.isfinite(one.theory) else "",
-            )
-            for one in found
-        ),
-        left=frozenset({"quantity", "unit", "which"}),
-        note="Value on the finest grid +- its change from the grid before; between surfaces: standard "
-        "deviation of one among those of the ensemble. Conductances are per nominal area, through the spots.",
-    )

@@ -2,46 +2,44 @@
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Mapping
+import shutil
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from validation.comparison import theory_alone
-from validation.comparison.compare import compare
-from validation.comparison.compared import Comparison
-from validation.comparison.report import write_outputs
-from validation.comparison.theory_alone import TheoryAlone
+from validation.comparison.below import write_below
+from validation.comparison.fields import with_fields
+from validation.comparison.numbers import scene_data
+from validation.comparison.pages import effects_words, write_result_page
+from validation.comparison.theory_alone import theory_data
 from validation.errors import UsageError
-from validation.files import atomic_path, json_text, prepare_folder, read_record, record_of, write_record
+from validation.files import atomic_path, prepare_folder
 from validation.report.page import Page, clear_page
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import Realised, realise
 from validation.scenes.scene import Scene
 from validation.solves.attempt import Progress
-from validation.solves.press import solves_of
+from validation.solves.press import Press, solves_of
+from validation.solves.provenance import SOLVES_MADE, made_words
+from validation.solves.results import Result, clear_results, read_results, write_results
 from validation.solves.running import Execution, Solves, solve_all
 from validation.solves.store import Store
 
-__all__ = ["ACCURACY_FILE", "Outputs", "load_run", "report_run", "run_scene"]
+if TYPE_CHECKING:
+    import xarray as xr
 
-_RUN_FILE = "run.json"
-_RUN_FORMAT = "fem-contact run 1"
-
-#: What a run to an accuracy reached, in its results folder.
-ACCURACY_FILE = "accuracy.json"
+__all__ = ["Outputs", "begin", "report_scene", "run_scene"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Outputs:
-    """What a run left behind.
+    """What a run or a sweep left behind.
 
     Attributes
     ----------
-    comparison : Comparison or TheoryAlone
-        The latter for a scene without a solver.
+    result : Result
     page : Page
     folder : Path
     files : tuple of Path
@@ -50,12 +48,17 @@ class Outputs:
         Jobs solved now, and solves found finished.
     """
 
-    comparison: Comparison | TheoryAlone
+    result: Result
     page: Page
     folder: Path
     files: tuple[Path, ...]
-    solved: int
-    reused: int
+    solved: int = 0
+    reused: int = 0
+
+    @property
+    def data(self) -> xr.Dataset:
+        """Every number."""
+        return self.result.data
 
 
 def run_scene(
@@ -87,10 +90,9 @@ def run_scene(
     pictures : bool
         Whether the report gets 3-D pictures, rendered off screen in some seconds.
     report : bool
-        Whether to draw figures and write the report, which `report_run` can do later.
+        Whether to draw figures and write the report, which `report_scene` can do later.
     accurate : mapping, optional
-        What was reached where the grids were chosen for an accuracy, which is kept beside the report; a
-        plain run removes what an earlier such run reached.
+        What was reached where the grids were chosen for an accuracy.
 
     Raises
     ------
@@ -103,31 +105,48 @@ def run_scene(
     check_scene(scene, realised)
     prepare_folder(folder)
     store = Store(folder=store_folder or folder / "solves")
-    if not scene.methods.solvers:
-        _record(scene, folder, store)
-        return _without_solver(scene, realised, folder, report=report)
-    # What an earlier run to an accuracy reached is not what this one finds.
-    (folder / ACCURACY_FILE).unlink(missing_ok=True)
-    _record(scene, folder, store)
-    results = solve_all(solves_of(scene, realised), store, progress=progress, execution=execution)
-    comparison = compare(scene, realised, results, accurate=accurate)
-    page, files = write_outputs(comparison, results, folder, pictures=pictures, report=report)
+    asked: dict[str, Any] = {"scene": scene.model_dump(mode="json", exclude_none=True)}
     if accurate is not None:
-        with atomic_path(folder / ACCURACY_FILE) as draft:
-            draft.write_text(json.dumps(accurate, indent=2) + "\n", encoding="utf-8")
-        files = (*files, folder / ACCURACY_FILE)
+        asked["accuracy"] = dict(accurate)
+    begin(folder, asked)
+    kind, solved = "theory", 0
+    written: tuple[Path, ...] = ()
+    results: Solves | None = None
+    if scene.methods.solvers:
+        kind = "run"
+        results = solve_all(solves_of(scene, realised), store, progress=progress, execution=execution)
+        data = with_fields(scene_data(scene, realised, results, accurate=accurate), scene, realised, results)
+        data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))
+        solved, below = results.solved, write_below(scene, results, folder / "fields")
+        written = (*_link_blocks(results, folder / "fields"), *below, store.folder)
+    else:
+        data = theory_data(scene, realised)
+    data.attrs["effects_words"] = effects_words(scene, realised)
+    result = write_results(folder, data, kind=kind, name=scene.name, asked=asked, store=store.folder)
+    page, files = write_result_page(result, folder, report=report, pictures=pictures)
+    reused = 0 if results is None else len(results) - solved
     return Outputs(
-        comparison=comparison,
-        page=page,
-        folder=folder,
-        files=files,
-        solved=results.solved,
-        reused=len(results) - results.solved,
+        result=result, page=page, folder=folder, files=(*files, *written), solved=solved, reused=reused
     )
 
 
-def report_run(folder: Path, *, pictures: bool | None = None) -> Outputs:
-    """Write tables, figures and report of a finished run again, from its stored solves alone.
+def begin(folder: Path, asked: Mapping[str, Any]) -> None:
+    """Take away what a folder holds of another question: if this is interrupted, nothing in it belies it."""
+    try:
+        held = read_results(folder)
+    except UsageError:
+        pass
+    else:
+        if held.asked == asked:
+            return
+    clear_results(folder)
+    clear_page(folder)
+    for block in (folder / "fields").glob("*.vtu"):
+        block.unlink(missing_ok=True)
+
+
+def report_scene(folder: Path, *, pictures: bool | None = None) -> Outputs:
+    """Write tables, figures and report of a run or a sweep again, from its stored dataset alone.
 
     Parameters
     ----------
@@ -138,80 +157,33 @@ def report_run(folder: Path, *, pictures: bool | None = None) -> Outputs:
     Raises
     ------
     UsageError
-        For a folder that holds no run.
-    RunFailed
-        When a solve of the run is missing.
+        For a folder that holds no finished run of this version.
     """
-    scene, store = load_run(folder)
-    realised = realise(scene)
-    if not scene.methods.solvers:
-        return _without_solver(scene, realised, prepare_folder(folder))
-    results = Solves(solves=solves_of(scene, realised), store=store)
-    comparison = compare(scene, realised, results, accurate=_reached(folder))
+    result = read_results(folder)
     if pictures is None:
-        pictures = scene.run.pictures or any(folder.glob("figures/*.png"))
-    page, files = write_outputs(comparison, results, prepare_folder(folder), pictures=pictures)
-    return Outputs(
-        comparison=comparison, page=page, folder=folder, files=files, solved=0, reused=len(results)
-    )
+        asked = result.asked.get("scene", {}).get("run", {}).get("pictures", False)
+        pictures = bool(asked) or any(folder.glob("figures/*.png"))
+    page, files = write_result_page(result, prepare_folder(folder), pictures=pictures)
+    return Outputs(result=result, page=page, folder=folder, files=files)
 
 
-def _reached(folder: Path) -> dict[str, Any] | None:
-    """Return what a run to an accuracy reached; None for a plain run."""
-    try:
-        found = json.loads((folder / ACCURACY_FILE).read_text(encoding="utf-8"))
-    except FileNotFoundError:
-        return None
-    except (OSError, ValueError):
-        raise UsageError(f"{folder / ACCURACY_FILE}: cannot be read; run the scene again") from None
-    return dict(found)
+def _link_blocks(results: Solves, folder: Path) -> Iterator[Path]:
+    """Yield the deformed blocks of this run, named by their grids; those of an earlier run are taken away.
 
-
-def _without_solver(scene: Scene, realised: Realised, folder: Path, *, report: bool = True) -> Outputs:
-    """Evaluate the theory, which takes a second, and write what it says."""
-    found = theory_alone.answer_alone(scene, realised)
-    page, files = theory_alone.write_outputs(found, folder, report=report)
-    return Outputs(comparison=found, page=page, folder=folder, files=files, solved=0, reused=0)
-
-
-def _record(scene: Scene, folder: Path, store: Store) -> None:
-    """Write down what the folder is a run of, so that its report can be made again without the scene file.
-
-    A report of something else goes first: if this run is interrupted, nothing in the folder belies it.
+    The store keeps the blocks of every scene that ran in it; here are those that belong to the report.
     """
-    said = {
-        "format": _RUN_FORMAT,
-        "scene": scene.model_dump(mode="json", exclude_none=True),
-        "store": os.path.relpath(store.folder.resolve(), folder.resolve()),
-    }
-    path = folder / _RUN_FILE
-    if not (path.exists() and path.read_bytes() == json_text(record_of(said)).encode()):
-        clear_page(folder)
-    for other in ("study.json", "sweep.json"):
-        if (folder / other).exists():  # of which the dataset was, too
-            (folder / "data.nc").unlink(missing_ok=True)
-            (folder / other).unlink()
-    write_record(path, said)
-
-
-def load_run(folder: Path) -> tuple[Scene, Store]:
-    """Return the scene and the store of the run in a folder.
-
-    Raises
-    ------
-    UsageError
-        When the folder holds none.
-    """
-    path = folder / _RUN_FILE
-    try:
-        said = read_record(path)
-        if said["format"] != _RUN_FORMAT:
-            raise ValueError
-        scene = Scene.model_validate(said["scene"])
-        return scene, Store(folder=(folder / said["store"]).resolve())
-    except OSError as error:
-        raise UsageError(
-            f"{folder}: holds no run ({_RUN_FILE}: {error.strerror}); name a results folder"
-        ) from None
-    except (ValueError, KeyError, TypeError):
-        raise UsageError(f"{path}: is not the record of a run of this version; run the scene again") from None
+    for earlier in folder.glob("*.vtu"):
+        earlier.unlink(missing_ok=True)
+    for solve in results:
+        assert isinstance(solve, Press)
+        stored = solve.block_file(results.store.folder) if solve.has_block else None
+        if stored is None or not stored.exists():
+            continue
+        folder.mkdir(exist_ok=True)
+        target = folder / f"{solve.prefix}.vtu"
+        try:
+            os.link(stored, target)
+        except OSError:  # another file system, or one without links
+            with atomic_path(target) as draft:
+                shutil.copyfile(stored, draft)
+        yield target

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,15 +12,15 @@ import numpy as np
 
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
-from validation.comparison import theory_alone
-from validation.comparison.compare import compare
-from validation.comparison.compared import Comparison, Row
 from validation.comparison.explain import Explanation, explain
-from validation.comparison.findings import layered
-from validation.comparison.sweep_page import sweep_page
-from validation.errors import RunFailed, UsageError
-from validation.files import prepare_folder, read_record, write_record
-from validation.report.page import Page, clear_page, write_page
+from validation.comparison.numbers import scene_data
+from validation.comparison.pages import write_result_page
+from validation.comparison.run import Outputs, begin
+from validation.comparison.theory_alone import theory_data
+from validation.errors import UsageError
+from validation.files import prepare_folder
+from validation.report.estimates import gather
+from validation.report.quantities import labelled
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import Realised, Surveyed, realise
 from validation.scenes.scene import Scene
@@ -30,83 +29,17 @@ from validation.solves.attempt import Progress
 from validation.solves.cost import transform_seconds
 from validation.solves.press import Press, solves_of
 from validation.solves.provenance import SOLVES_MADE, made_words
+from validation.solves.results import write_results
 from validation.solves.running import Execution, Solves, solve_all
-from validation.solves.store import Store, read_numbers, write_numbers
+from validation.solves.store import Store
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = [
-    "SweepExplanation",
-    "SweepOutputs",
-    "explain_sweep",
-    "is_sweep",
-    "realised_cases",
-    "report_sweep",
-    "run_sweep",
-    "solves_of_sweep",
-]
+__all__ = ["SweepExplanation", "explain_sweep", "realised_cases", "run_sweep", "solves_of_sweep"]
 
-_RECORD = "sweep.json"
-_FORMAT = "fem-contact sweep 1"
-_DATA = "data.nc"
 #: What checks of a scene, and making its surface, refuse.
 _UNFIT = (UsageError, fem_errors.InvalidInput, persson_errors.InvalidInput)
-
-#: Variables of the dataset, over the swept keys: unit, meaning.
-_VARIABLES = {
-    "area": ("1", "A/A0, limit over grids"),
-    "area_error": ("1", "standard error of the limit, grid only"),
-    "kappa": ("1", "kappa = (A/A0) / p*, limit over grids"),
-    "kappa_error": ("1", "standard error of kappa, grid only"),
-    "theory": ("1", "A/A0, Persson with the realised gradient"),
-    "theory_ensemble": ("1", "A/A0, Persson from C(q) alone"),
-    "theory_kappa": ("1", "kappa, Persson with the realised gradient"),
-    "theory_plastic": ("1", "A_pl/A0, Persson"),
-    "scatter": ("1", "standard deviation between surfaces over their mean"),
-    "electrical_conductance": ("1/(ohm m^2)", "electrical conductance of the contact"),
-    "electrical_conductance_error": ("1/(ohm m^2)", "its change from the grid before"),
-    "thermal_conductance": ("W/(m^2 K)", "thermal conductance of the contact"),
-    "thermal_conductance_error": ("W/(m^2 K)", "its change from the grid before"),
-    "leak_rate_x": ("m^3/s", "leak through one period along x"),
-    "leak_rate_x_error": ("m^3/s", "its change from the grid before"),
-    "leak_rate_y": ("m^3/s", "leak through one period along y"),
-    "leak_rate_y_error": ("m^3/s", "its change from the grid before"),
-    "pressure": ("Pa", "p0"),
-    "reduced_pressure": ("1", "p* = p0 / (E* h'_rms)"),
-    "contact_modulus": ("Pa", "E*"),
-    "rms_gradient": ("1", "h'_rms, realised"),
-}
-#: The same by method, on its finest resolved grid.
-_OF_METHODS = {
-    "pixel": ("1", "A/A0, points counted on the finest grid"),
-    "pixel_error": ("1", "standard error of the counted area over sub-grid shifts"),
-    "perimeter": ("1", "A/A0 with the perimeter correction, on the finest grid"),
-    "plastic": ("1", "A_pl/A0, points counted on the finest grid"),
-    "points_per_wave": ("1", "lambda_short / dx of the finest grid"),
-    "residual": ("1", "largest contact residual on the finest grid"),
-}
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SweepOutputs:
-    """What a sweep left behind; the report is the first file.
-
-    Attributes
-    ----------
-    data : xarray.Dataset
-        Over the swept keys, or over `case` where they run side by side.
-    page : Page
-    files : tuple of Path
-    solved, reused : int
-        Solves done now, and solves found finished.
-    """
-
-    data: xr.Dataset
-    page: Page
-    files: tuple[Path, ...]
-    solved: int = 0
-    reused: int = 0
 
 
 def realised_cases(sweep: Sweep, kind: type[Realised] = Realised) -> tuple[Realised, ...]:
@@ -148,7 +81,7 @@ def run_sweep(
     execution: Execution | None = None,
     store_folder: Path | None = None,
     report: bool = True,
-) -> SweepOutputs:
+) -> Outputs:
     """Run every scene of a sweep into one folder; finished solves found in the store are used.
 
     Parameters
@@ -164,7 +97,7 @@ def run_sweep(
     store_folder : Path, optional
         Where they are kept; `folder`/solves if not given.
     report : bool
-        Whether to draw figures and write the report, which `report_sweep` can do later.
+        Whether to draw figures and write the report, which `report_scene` can do later.
 
     Raises
     ------
@@ -176,202 +109,95 @@ def run_sweep(
     cases = cases or realised_cases(sweep)
     prepare_folder(folder)
     store = Store(folder=store_folder or folder / "solves")
-    _record(sweep, folder, store)
+    asked = {
+        "scene": sweep.scenes[0].model_dump(mode="json", exclude_none=True),
+        "sweep": {"mode": sweep.mode, "keys": [dataclasses.asdict(key) for key in sweep.keys]},
+    }
+    begin(folder, asked)
     solves = solves_of_sweep(sweep, cases)
     results = solve_all(solves, store, progress=progress, execution=execution)
-    data = _dataset(sweep, [_case(*pair, results) for pair in zip(sweep.scenes, cases, strict=True)])
-    asked = (solves_of(*pair) for pair in zip(sweep.scenes, cases, strict=True))
-    data.attrs.update(solves=len(solves), asked=sum(map(len, asked)))
+    data = sweep_data(sweep, cases, results)
+    each = (solves_of(*pair) for pair in zip(sweep.scenes, cases, strict=True))
+    data.attrs.update(solves=len(solves), asked=sum(map(len, each)))
     data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))
-    write_numbers(folder / _DATA, data, recipe=_said(sweep, folder, store))
-    outputs = report_sweep(folder, numbers_only=not report)
-    return dataclasses.replace(outputs, solved=results.solved, reused=len(results) - results.solved)
-
-
-def is_sweep(folder: Path) -> bool:
-    """Whether a results folder is that of a sweep."""
-    return (folder / _RECORD).exists()
-
-
-def report_sweep(folder: Path, *, numbers_only: bool = False) -> SweepOutputs:
-    """Write tables, figures and report of a sweep again, from its stored dataset alone.
-
-    Raises
-    ------
-    UsageError
-        For a folder that holds no finished sweep of this version.
-    """
-    try:
-        said = read_record(folder / _RECORD)
-        if said["format"] != _FORMAT:
-            raise ValueError(f"{_RECORD} is not of this version")
-        scene = Scene.model_validate(said["scene"])
-        keys = tuple(SweptKey(**{**key, "values": tuple(key["values"])}) for key in said["keys"])
-        data = read_numbers(folder / _DATA)
-    except RunFailed as error:
-        raise UsageError(str(error)) from None
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise UsageError(f"{folder}: holds no finished sweep ({error}); run it again") from None
-    page = sweep_page(data, keys, scene, figures=not numbers_only)
-    written = write_page(page, folder, numbers_only=numbers_only)
-    return SweepOutputs(data=data, page=page, files=(*written, folder / _DATA))
-
-
-def _record(sweep: Sweep, folder: Path, store: Store) -> None:
-    """Write down what the folder is a sweep of; what another run left in it goes."""
-    clear_page(folder)
-    for other in ("run.json", "study.json", "accuracy.json", _DATA):
-        (folder / other).unlink(missing_ok=True)
-    for block in (folder / "fields").glob("*.vtu"):
-        block.unlink()
-    write_record(folder / _RECORD, _said(sweep, folder, store))
-
-
-def _said(sweep: Sweep, folder: Path, store: Store) -> dict[str, Any]:
-    """Return what the folder is a sweep of, and where its solves are."""
-    return {
-        "format": _FORMAT,
-        "mode": sweep.mode,
-        "keys": [dataclasses.asdict(key) for key in sweep.keys],
-        "scene": sweep.scenes[0].model_dump(mode="json", exclude_none=True),
-        "store": os.path.relpath(store.folder.resolve(), folder.resolve()),
-    }
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Case:
-    """Numbers of one scene: by variable, and by method and variable."""
-
-    numbers: dict[str, float | None]
-    methods: dict[str, dict[str, float | None]]
-    grids: dict[str, str]
-    no_limit: str = ""
-    layered: bool = False
-
-
-def _case(scene: Scene, realised: Realised, results: Solves) -> _Case:
-    """Read the stored solves of one scene as its own run does."""
-    comparison = None
-    if scene.methods.solvers:
-        comparison = compare(scene, realised, {solve: results[solve] for solve in solves_of(scene, realised)})
-        realised = comparison.realised  # under the load that was found, where a distance is held
-    common: dict[str, float | None] = {
-        "pressure": realised.pressure,
-        "reduced_pressure": realised.reduced_pressure,
-        "contact_modulus": realised.contact_modulus,
-        "rms_gradient": realised.field.rms_gradient,
-    }
-    if comparison is None:
-        summary = theory_alone.answer_alone(scene, realised).summary()
-        (said,) = summary["answers"]
-        area = said["area"]
-        kappa = None if area is None else area / realised.reduced_pressure if realised.pressure > 0 else None
-        said = {"theory_ensemble": area, "theory_plastic": said["plastic"], "theory_kappa": kappa}
-        return _Case(numbers={**common, **said}, methods={}, grids={})
-    finest = {name: _finest(comparison.rows_of(name)) for name in scene.methods.solvers}
-    return _Case(
-        # On the modulus of the comparison: with a coating that is not the one of the solid below.
-        numbers={
-            **common,
-            "reduced_pressure": comparison.reduced_pressure,
-            "contact_modulus": comparison.contact_modulus,
-            **_numbers(comparison),
-        },
-        methods={
-            name: {variable: getattr(row, variable, None) for variable in _OF_METHODS}
-            | {"pixel_error": row.pixel_scatter}
-            for name, row in finest.items()
-        },
-        grids={name: f"{row.grid[0]} x {row.grid[1]}" for name, row in finest.items()},
-        no_limit=comparison.no_limit,
-        layered=layered(comparison),
+    result = write_results(folder, data, kind="sweep", name=sweep.name, asked=asked, store=store.folder)
+    page, files = write_result_page(result, folder, report=report)
+    return Outputs(
+        result=result,
+        page=page,
+        folder=folder,
+        files=files,
+        solved=results.solved,
+        reused=len(results) - results.solved,
     )
 
 
-def _finest(rows: Sequence[Row]) -> Row:
-    """Return the finest resolved row of a method; the finest where none resolves."""
-    return max(rows, key=lambda row: (not row.under_resolved, row.points_per_wave))
-
-
-def _numbers(c: Comparison) -> dict[str, float | None]:
-    load, limit, theory = c.reduced_pressure, c.limit, c.theory
-    answers = theory is not None and theory.answers
-    return {
-        "area": None if limit is None else limit.value,
-        "area_error": None if limit is None else limit.uncertainty,
-        "kappa": None if limit is None else limit.value / load,
-        "kappa_error": None if limit is None else limit.uncertainty / load,
-        "theory": theory.area if theory is not None and answers else None,
-        "theory_kappa": theory.area / load if theory is not None and answers else None,
-        "theory_ensemble": None if theory is None else theory.ensemble_area,
-        "theory_plastic": None if theory is None else theory.plastic,
-        "scatter": None if c.scatter is None else c.scatter.relative,
-        **{one.name: one.value for one in c.passing},
-        **{f"{one.name}_error": one.grid_error for one in c.passing},
+def sweep_data(sweep: Sweep, cases: Sequence[Realised], results: Solves) -> xr.Dataset:
+    """Gather the numbers of all cases over the swept keys, or over `case` where these run side by side."""
+    parts = _alike([_case(*pair, results) for pair in zip(sweep.scenes, cases, strict=True)])
+    names = [key.name for key in sweep.keys]
+    parts = [part.drop_vars(names, errors="ignore") for part in parts]
+    if sweep.mode == "zip":
+        data = gather(dict(enumerate(parts, 1)), case=range(1, len(parts) + 1))
+        data = data.assign_coords({key.name: ("case", list(key.values)) for key in sweep.keys})
+    else:
+        places = [key.values for key in sweep.keys]
+        every = [place[0] if len(names) == 1 else place for place in _product(places)]
+        data = gather(dict(zip(every, parts, strict=True)), **dict(zip(names, places, strict=True)))
+    for key in sweep.keys:
+        data[key.name].attrs.update(units=key.unit, long_name=key.key, key=key.key)
+    for key in sweep.keys if sweep.mode == "product" else ():
+        data = data.sortby(key.name) if key.numeric else data
+    first = parts[0].attrs
+    kept = {
+        name: first[name]
+        for name in ("title", "methods", "effects", "theory", "drawn", "adhesive")
+        if name in first
     }
+    return labelled(data).assign_attrs(kept, mode=sweep.mode, cases=len(parts), keys=" ".join(names))
 
 
-def _dataset(sweep: Sweep, cases: Sequence[_Case]) -> xr.Dataset:
-    """Lay the numbers of all cases out over the swept keys."""
+def _product(places: Sequence[Sequence[Any]]) -> Iterator[tuple[Any, ...]]:
+    import itertools
+
+    return itertools.product(*places)
+
+
+def _case(scene: Scene, realised: Realised, results: Mapping[Press, Any]) -> xr.Dataset:
+    """Return the numbers of one case, as its own run has them."""
+    if scene.methods.solvers:
+        return scene_data(scene, realised, {solve: results[solve] for solve in solves_of(scene, realised)})
+    alone = theory_data(scene, realised)
+    curves = [name for name in alone.data_vars if "wave" in alone[name].dims]
+    return alone.drop_vars(curves).isel(load=0).reset_coords(drop=False)
+
+
+def _alike(parts: Sequence[xr.Dataset]) -> list[xr.Dataset]:
+    """Give all cases the same dimensions and variables: what one of them lacks is NaN, or no words."""
     import xarray as xr
 
-    first = sweep.scenes[0]
-    over = ("case",) if sweep.mode == "zip" else tuple(key.name for key in sweep.keys)
-    coordinates: dict[str, Any] = {
-        key.name: ("case" if sweep.mode == "zip" else key.name, list(key.values), _attributes(key))
-        for key in sweep.keys
-    }
-    if sweep.mode == "zip":
-        coordinates["case"] = ("case", np.arange(1, len(cases) + 1), {"units": "1", "long_name": "case"})
-    solvers = list(first.methods.solvers)
-    variables: dict[str, Any] = {}
-    for name, (unit, words) in _VARIABLES.items():
-        values = _laid_out([case.numbers.get(name) for case in cases]).reshape(sweep.shape)
-        wanted = name == "area" and solvers
-        if name not in coordinates and (wanted or not np.isnan(values).all()):
-            variables[name] = (over, values, {"units": unit, "long_name": words})
-    if solvers:
-        coordinates["solver"] = ("solver", solvers, {"units": "1", "long_name": "method"})
-        shape = (len(solvers), *sweep.shape)
-        for name, (unit, words) in _OF_METHODS.items():
-            values = _laid_out([case.methods[m][name] for m in solvers for case in cases]).reshape(shape)
-            if not np.isnan(values).all():
-                variables[name] = (("solver", *over), values, {"units": unit, "long_name": words})
-        grids = np.array([case.grids[m] for m in solvers for case in cases], dtype=object).reshape(shape)
-        variables["grid"] = (("solver", *over), grids, {"units": "1", "long_name": "finest grid"})
-    attributes = {
-        "title": sweep.title or sweep.name,
-        "mode": sweep.mode,
-        "methods": " ".join(first.methods.asked),
-        "effects": " ".join(effect.kind for effect in first.effects),
-        "no_limit": next((case.no_limit for case in cases if case.no_limit), ""),
-        "layered": int(any(case.layered for case in cases)),
-    }
-    return xr.Dataset(variables, coords=coordinates, attrs=attributes)
+    like = {str(name): part[name] for part in parts for name in part.data_vars}
+    aligned = [part.assign(_shifts(part, parts)) for part in parts]
+    found = []
+    for part in xr.align(*aligned, join="outer"):
+        for name, other in like.items():
+            words = other.dtype.kind in "OU"
+            if name not in part:
+                shape = {dim: part.sizes.get(dim, other.sizes[dim]) for dim in other.dims}
+                fill = np.full(
+                    tuple(shape.values()), "" if words else np.nan, dtype=object if words else float
+                )
+                part = part.assign({name: (tuple(shape), fill.astype(str) if words else fill, other.attrs)})
+            elif words:
+                part[name] = part[name].where(part[name].notnull(), "").astype(str)
+        found.append(part[sorted(like)])
+    return found
 
 
-#: How the keys that are swept most stand at an axis.
-_AXES = {
-    "load.pressure": "p0",
-    "load.reduced_pressure": "p* = p0 / (E* h'_rms)",
-    "load.force": "force",
-    "load.mean_gap": "mean gap",
-    "load.offset": "offset",
-    "solid.young": "Young's modulus E",
-    "solid.poisson": "Poisson ratio",
-    "surface.hurst": "Hurst exponent H",
-    "surface.seed": "seed",
-    "effects.hardness.hardness": "hardness",
-    "effects.adhesion.work": "work of adhesion",
-}
-
-
-def _attributes(key: SweptKey) -> dict[str, str]:
-    return {"units": key.unit, "long_name": _AXES.get(key.key, key.key), "key": key.key}
-
-
-def _laid_out(values: Sequence[float | None]) -> Any:
-    return np.array([np.nan if value is None else value for value in values], dtype=float)
+def _shifts(part: xr.Dataset, parts: Sequence[xr.Dataset]) -> Mapping[str, Any]:
+    """Return names of the positions of the surface where cases have different numbers of them."""
+    sizes = {one.sizes.get("shift", 0) for one in parts}
+    return {"shift": np.arange(part.sizes["shift"])} if len(sizes) > 1 and "shift" in part.dims else {}
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,13 +12,14 @@ from typing import TYPE_CHECKING, Any, Literal
 from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import Limit
-from validation.comparison.compare import compare
-from validation.comparison.compared import Comparison, CrossCheck
+from validation.comparison.numbers import limit_of, scene_data
+from validation.comparison.reading import Reading, grid_name
 from validation.effects.base import Slots
 from validation.errors import UsageError
 from validation.methods.base import Solved
-from validation.methods.theory import Prediction
+from validation.methods.theory import Prediction, predict
 from validation.notebook._tables import GridLike, as_html, checked, fast_grid
+from validation.report.quantities import labelled
 from validation.report.words import significant
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import Realised
@@ -78,35 +79,55 @@ class Contact:
         grids : sequence, optional
             Grids it is taken over; 4, 6 and 8 points per shortest wave if not given.
         """
-        found = self._on(grids or [self._grid(n) for n in _LADDER]).comparison
-        if found.limit is not None:
-            return found.limit
+        found = self._on(grids or [self._grid(n) for n in _LADDER])
+        bare = not self.scene.effects
+        areas = [
+            Reading.of(solve, solved.contact, bare=bare, shown=False).areas
+            for solve, solved in found.solved.items()
+            if self.realised.resolved_by(solve.grid)
+        ]
+        limit = limit_of(areas)
+        if limit is not None:
+            return limit
+        doubt = str(found.data.no_limit.item())
         return Limit(
-            value=math.nan,
-            uncertainty=math.nan,
-            edge_constant=math.nan,
-            grids=len(found.rows),
-            doubt=found.no_limit,
+            value=math.nan, uncertainty=math.nan, edge_constant=math.nan, grids=len(areas), doubt=doubt
         )
 
-    def against(self, method: str = "fem") -> CrossCheck:
-        """Press by another method on the same grid, and return how far the two are apart."""
+    def against(self, method: str = "fem") -> xr.Dataset:
+        """Press by another method on the same grid, and return how far the two are apart.
+
+        ``pressure_difference`` is the relative L2 norm; ``area_pixel_difference`` and
+        ``area_perimeter_difference`` are relative, too.
+        """
         if method == self.solve.method:
             raise UsageError(f"against: it was pressed by {method!r}; name another method")
         other = {method: {"grids": [self.solve.grid]}}
-        (check,) = pressed(self._methods(other), self.realised, done=self.solved).comparison.cross
-        return check
+        data = pressed(self._methods(other), self.realised, done=self.solved).data
+        names = ["pressure_difference", "area_pixel_difference", "area_perimeter_difference"]
+        return data[names].sel(solver=method, grid=grid_name(self.solve.grid))
 
     @cached_property
-    def comparison(self) -> Comparison:
-        """What a run reports: rows, cross-checks, limit, theory, and findings in words."""
-        results = {solve: solved.contact for solve, solved in self.solved.items()}
-        return compare(self.scene, self.realised, results)
+    def data(self) -> xr.Dataset:
+        """Every number that a run reports: of each method, grid and shift, and of the theory beside."""
+        return scene_data(self.scene, self.realised, self._results)
 
     @property
+    def findings(self) -> tuple[str, ...]:
+        """What a run would say of it."""
+        from validation.comparison.run_views import run_views
+
+        return tuple(one.text for one in run_views(self.data).findings)
+
+    @property
+    def _results(self) -> dict[Press, ContactResult]:
+        return {solve: solved.contact for solve, solved in self.solved.items()}
+
+    @cached_property
     def theory(self) -> Prediction | None:
         """What Persson's theory says of this surface; None where it does not know an effect."""
-        return self.comparison.theory
+        options = self.scene.methods.options("theory")
+        return None if options is None else predict(self.realised, self.scene.effects, options)
 
     def patches(self) -> Patches:
         """Return the connected patches of the contact and their areas [m^2]."""
@@ -163,31 +184,18 @@ class Contact:
 
         A notebook shows it; ``.figure.savefig(...)`` writes it, ``.data`` has its numbers.
         """
-        from validation.comparison import figure_data, plots
-        from validation.report.drawing import Drawing
+        from validation.comparison import fields, run_views
+        from validation.report.marks import draw
 
+        own = {self.solve: self.result}
         if what == "pressure":
-            maps = {self.solve.label: self.result}
-            figure, data = (
-                plots.pressure_maps_figure(self.comparison, maps),
-                figure_data.pressure_maps_data(maps),
-            )
-            return Drawing(
-                name=what, figure=figure, data=data, caption="Contact pressure; white: no contact."
-            )
+            data = fields.with_maps(self.data, own)
+            return draw(run_views.maps_figure(data), labelled(data))
         if what == "distribution":
-            curves = {self.solve.label: [self.result]}
-            top = figure_data.largest_pressure(self.comparison, curves)
-            data = figure_data.pressure_at_zero_data(self.comparison, curves, top=top)
-            words = (
-                "Distribution of contact pressure per nominal area; no contact, a delta at zero, is left out."
-            )
-            return Drawing(name=what, figure=plots.pressure_at_zero_figure(data), data=data, caption=words)
+            data = fields.with_distribution(self.data, own, self.scene, self.realised)
+            return draw(run_views.pressure_figure(), labelled(data))
         if what == "grids":
-            found = self._on([self._grid(n) for n in _LADDER]).comparison
-            words = "Contact area against grid spacing, its limit, and the theory."
-            data = figure_data.area_data(found)
-            return Drawing(name=what, figure=plots.area_figure(found), data=data, caption=words)
+            return draw(run_views.area_figure(), self._on([self._grid(n) for n in _LADDER]).data)
         raise UsageError(f"plot: {what!r} is not drawn; one of: 'pressure', 'distribution', 'grids'")
 
     def _grid(self, points_per_wave: float) -> tuple[int, int]:

@@ -10,10 +10,10 @@ import numpy as np
 
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
-from validation.comparison.theory_alone import answer_alone
 from validation.effects import effect_kinds
 from validation.errors import UsageError
 from validation.methods import methods
+from validation.methods.theory import against_magnification
 from validation.notebook._contact import Contact, pressed
 from validation.notebook._surface import Surface
 from validation.notebook._tables import GridLike, Quantity, checked, fast_grid
@@ -120,7 +120,7 @@ def theory(
         surface=scene.surface, solid=scene.solid, load=scene.load, given=surface.given, drawn=False
     )
     check_scene(scene, realised)
-    answers = answer_alone(scene, realised).answers
+    answers = against_magnification(realised, scene.effects, scene.methods.options("theory"))
     loads = np.array([answer.pressure for answer in answers])
     columns = {
         "area": ([_at_last(answer.area) for answer in answers], "A/A0, Persson, from C(q)"),
@@ -215,11 +215,10 @@ def _numbers(contact: Contact, *, limit: bool) -> dict[str, float]:
         found |= {"kappa_limit": over.value / load, "kappa_limit_error": over.uncertainty / load}
     area = float("nan") if contact.theory is None else contact.theory.area
     found |= {"persson": area, "persson_kappa": area / load}
-    (row,) = contact.comparison.rows
-    if row.plastic is not None:
+    if "area_plastic_pixel" in contact.data:
         theory_says = None if contact.theory is None else contact.theory.plastic
         found |= {
-            "plastic": row.plastic,
+            "plastic": float(contact.data.area_plastic_pixel.item()),
             "persson_plastic": float("nan") if theory_says is None else theory_says,
         }
     return {**found, "residual": contact.result.residuals.worst}

@@ -13,7 +13,7 @@ from __future__ import annotations
 import ast
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -100,11 +100,17 @@ class Value:
     at: Mapping[str, int] | None = None
 
     def __format__(self, spec: str) -> str:
-        """Return it in words: ``%`` in per cent, ``+`` with sign, ``~`` without error, ``u`` with unit."""
+        """Return it in words: ``%`` in per cent, ``+`` with sign, ``~`` without error, ``u`` with unit.
+
+        With a number, as in ``.2`` or ``+.2%``, that many digits and no error.
+        """
         if isinstance(self.value, str):
             return self.value
         if "u" in spec:
             return in_prefixed_unit(self.value, quantity(self.name).unit, 3)
+        if "." in spec and math.isfinite(self.value):
+            plain = "%" not in spec
+            return f"{self.value:{spec}g}" if plain else f"{100 * self.value:{spec.rstrip('%')}g} %"
         factor, unit = (100.0, " %") if "%" in spec else (1.0, "")
         value = factor * self.value
         sign = "+" if "+" in spec and value > 0 else ""
@@ -273,9 +279,9 @@ def total_error(data: xr.Dataset, name: str, *, sources: Iterable[str] | None = 
     Size and bandwidth, which belong to the step to any spectrum, are left out unless they are named, or the
     variable is a limit in one of them.
     """
-    errors = data.get(f"{name}_error")
-    if errors is None:
+    if f"{name}_error" not in data.variables:  # which is cheaper to ask than to have looked for
         return None
+    errors = data[f"{name}_error"]
     asked = list(shown_sources(errors) if sources is None else sources)
     kept = errors.sel(source=asked)
     enter = kept.sel(source=[source for source in asked if source not in errors.attrs] or asked)
@@ -579,13 +585,10 @@ def _where(data: xr.Dataset, name: str) -> dict[str, int]:
     return {} if name.startswith(_PLACE) else place_of(data)
 
 
-def values_of(data: xr.Dataset) -> dict[str, Value]:
-    """Return all numbers of a dataset without dimensions, by name."""
-    names = [
-        str(n)
-        for n, v in data.variables.items()
-        if v.ndim == 0 and v.dtype.kind in "fiubUO" and not str(n).startswith(_PLACE)
-    ]
+def values_of(data: xr.Dataset, wanted: Callable[[str], bool] = lambda _: True) -> dict[str, Value]:
+    """Return all numbers of a dataset without dimensions, by name, or those that are wanted."""
+    single = (str(n) for n, v in data.variables.items() if v.ndim == 0 and v.dtype.kind in "fiubUO")
+    names = [name for name in single if wanted(name) and not name.startswith(_PLACE)]
     return {name: value_of(data, name) for name in names}
 
 

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import matplotlib
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.layout_engine import PlaceHolderLayoutEngine
 from matplotlib.patches import StepPatch
 from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, NullFormatter
 
@@ -133,17 +132,23 @@ def save_figure(figure: Figure, path: Path, *, dpi: int = 150) -> None:
 
 def _lay_out(figure: Figure) -> None:
     """Lay a figure out, once: ticks that can be read, a legend beside the data it would lie over."""
-    if figure.get_layout_engine() is None or isinstance(figure.get_layout_engine(), PlaceHolderLayoutEngine):
+    engine = figure.get_layout_engine()
+    if engine is None:
         return
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
             readable_ticks(axis)
+    if not any(axes.get_legend() for axes in figure.axes):
+        # Nothing can lie over the data: places are found without drawing.
+        engine.execute(figure)
+        figure.set_layout_engine(None)
+        return
     figure.draw_without_rendering()
     over = [axes for axes in figure.axes if axes.get_legend() is not None and _covers_data(axes)]
     if len(over) == 1 and len(figure.legends) == 0:
         _move_below(figure, over[0])
     # For the second format all this would cost as much as drawing.
-    figure.set_layout_engine("none")
+    figure.set_layout_engine(None)
 
 
 def _covers_data(axes: Axes) -> bool:
@@ -183,7 +188,13 @@ def readable_ticks(axis: Axis) -> None:
     """
     low, high = sorted(axis.get_view_interval())
     standard = isinstance(axis.get_major_formatter(), LogFormatterSciNotation)
-    if axis.get_scale() != "log" or not standard or not 1e-4 <= low < high <= 1e5 or high / low > 1e3:
+    if axis.get_scale() != "log" or not standard:
+        return
+    if not 1e-4 <= low < high <= 1e5 or high / low > 1e3:
+        if getattr(axis.get_transform(), "base", 10) == 10:
+            # As plain text: to set each label as a formula takes longer than to draw the figure.
+            axis.set_major_formatter(FuncFormatter(_power_of_ten))
+            axis.set_minor_formatter(NullFormatter())
         return
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axis.set_minor_formatter(NullFormatter())
@@ -197,6 +208,13 @@ def readable_ticks(axis: Axis) -> None:
     each = math.log10(high / low) * (0.45 if along else 0.3)
     dense = [subs for subs in _TICKS if len(subs) * each <= inches]
     axis.set_major_locator(LogLocator(subs=(dense or _TICKS[-1:])[0]))
+
+
+def _power_of_ten(value: float, _: int) -> str:
+    exponent = str(round(math.log10(value))) if value > 0 else ""
+    return "10" + exponent.translate(
+        str.maketrans("-0123456789", "\u207b\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079")
+    )
 
 
 def embeddable(svg: str, name: str, *, words: str) -> str:

@@ -160,7 +160,7 @@ class Finding:
         """Return it as data, with its text for those who read."""
         said: dict[str, Any] = {"kind": self.kind, "text": self.text, "form": self.form}
         if self.values:
-            said["values"] = {name: value.as_json() for name, value in self.values.items()}
+            said["values"] = {name: value.as_json() for name, value in sorted(self.values.items())}
         if self.rows:
             said["item"] = self.item
             said["rows"] = [{name: value.as_json() for name, value in row.items()} for row in self.rows]
@@ -203,7 +203,7 @@ def finding(
     if data is not None:
         data = data.squeeze([dim for dim, n in data.sizes.items() if n == 1 and dim not in over])
     told = {n: v if isinstance(v, Value) else Value(value=v) for n, v in more.items()}
-    here = {} if data is None else {n: v for n, v in values_of(data).items() if _named(n, form, item, by)}
+    here = {} if data is None else values_of(data, lambda name: _named(name, form, item, by))
     rows: list[dict[str, Value]] = []
     if data is not None and item:
         for place in each(data, *over):

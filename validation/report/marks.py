@@ -16,7 +16,14 @@ import numpy as np
 
 from validation.report.drawing import Drawing
 from validation.report.estimates import SOURCES, each, shown_sources, total_error
-from validation.report.quantities import place_words, prefixed_unit, quantity, registry
+from validation.report.quantities import (
+    Quantity,
+    place_words,
+    prefixed_unit,
+    quantity,
+    quantity_of,
+    registry,
+)
 from validation.report.words import mathtext
 
 if TYPE_CHECKING:
@@ -197,13 +204,16 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
         for k, here in enumerate(_places(mark, data.isel(_known(panel.at, data))))
     ]
     y = panel.y or panel.marks[0].y
-    scale_x = _scale(panel.x, [here[m.x or panel.x] for m, here, _ in places if (m.x or panel.x) in here])
-    scale_y = _scale(y, [here[m.y] for m, here, _ in places])
+    along = [here[m.x or panel.x] for m, here, _ in places if (m.x or panel.x) in here]
+    scale_x = _scale(quantity_of(data, panel.x), along)
+    scale_y = _scale(quantity(y), [here[m.y] for m, here, _ in places])
     colours = itertools.count()
     many = {id(mark) for mark, _, k in places if k}
     drawn: list[Drawn] = []
     for mark, here, k in places:
         label = _label(mark, here, data)
+        if isinstance(mark, Image):
+            label = _axis_label(quantity(mark.y), scale_y[1])
         numbers = _Numbers.of(mark, here, mark.x or panel.x, (scale_x[0], scale_y[0]))
         turn = k if mark.by else next(colours) if not quantity(mark.y).look else 0
         look = _look(mark, here, turn, several=id(mark) in many)
@@ -223,9 +233,9 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
         getattr(axes, f"set_{axis}scale")("log", base=panel.base if axis == "x" else 10)
     if isinstance(panel.marks[0], Image):
         y = panel.marks[0].rows
-        scale_y = _scale(y, [data[y]])
-    axes.set_xlabel(_axis_label(panel.x, scale_x[1]))
-    axes.set_ylabel(_axis_label(y, scale_y[1], width=32))
+        scale_y = _scale(quantity(y), [data[y]])
+    axes.set_xlabel(_axis_label(quantity_of(data, panel.x), scale_x[1]))
+    axes.set_ylabel(_axis_label(quantity(y), scale_y[1]))
     axes.set_title(mathtext(panel.title), fontsize=9)
     bottom = panel.bottom
     if "y" in panel.log and bottom is None:
@@ -249,11 +259,13 @@ def _known(at: Mapping[str, int | Sequence[int]], data: xr.Dataset) -> dict[str,
 
 
 def _places(mark: _Mark, data: xr.Dataset) -> Iterable[xr.Dataset]:
-    by = (mark.by,) if isinstance(mark.by, str) else mark.by
+    if mark.y not in data:
+        return ()
     data = data.isel(_known(mark.at, data))
     for name, value in mark.where.items():
         data = data.isel({data[name].dims[0]: np.flatnonzero(data[name].values == value)})
-    return each(data, *by)
+    # Where nothing was solved, nothing is drawn.
+    return (here for here in each(data, *_by(mark)) if bool(here[mark.y].notnull().any()))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -275,7 +287,9 @@ class _Numbers:
         if isinstance(mark, Band):
             high = here[mark.high].values * factors[1]
         elif isinstance(mark, Image):
-            high, shown = here[mark.rows].values, shown.transpose(*here[mark.rows].dims, *here[x].dims)
+            rows = here[mark.rows]
+            high = rows.values * _scale(quantity(mark.rows), [rows])[0]
+            shown = shown.transpose(*rows.dims, *here[x].dims)
         return cls(
             x=along,
             y=shown.values * factors[1],
@@ -302,8 +316,10 @@ def _put(mark: _Mark, axes: Axes, n: _Numbers, look: dict[str, Any]) -> Any:
             )[0]
         return axes.fill_between(n.x, n.y, n.high, color=colour, alpha=0.12, lw=0, label=look["label"])
     if isinstance(mark, Image):
-        image = axes.pcolormesh(n.x, n.high, n.y, cmap=mark.cmap)
+        image = axes.pcolormesh(n.x, n.high, n.y, cmap=mark.cmap, rasterized=True)
         axes.figure.colorbar(image, ax=axes, label=look["label"])
+        if quantity(mark.rows).name == "y":  # a place, not a parameter
+            axes.set_aspect("equal")
         return image
     assert isinstance(mark, Line)
     if not mark.joined:
@@ -322,15 +338,25 @@ def _look(mark: _Mark, here: xr.Dataset, k: int, *, several: bool) -> dict[str, 
 
     A place that is called as a qualifier is, such as a theory, is drawn as that is everywhere.
     """
-    from validation.report.figure import COLOURS, SYMBOLS
+    from validation.report.figure import COLOURS, STYLES, SYMBOLS
 
     fixed = dict(quantity(mark.y).look)
+    own: dict[str, Any] = {}
+    for dim in _by(mark):
+        if dim in here.coords and here[dim].ndim == 0:
+            own |= registry()["qualifiers"].get(str(here[dim].item()), {}).get("look", {})
+    if own and len(_by(mark)) > 1:
+        own["ls"] = STYLES[k % 4]
     if several:
         fixed.pop("color", None)
     qualifiers = registry()["qualifiers"].values()
     named = [c.item() for c in here.coords.values() if c.ndim == 0 and c.dtype.kind in "OU"]
     place = {k: v for one in qualifiers if one["words"] in named for k, v in one.get("look", {}).items()}
-    return {"color": COLOURS[k % 8], "marker": SYMBOLS[k % 8], **place, **fixed}
+    return {"color": COLOURS[k % 8], "marker": SYMBOLS[k % 8], **place, **own, **fixed}
+
+
+def _by(mark: _Mark) -> tuple[str, ...]:
+    return (mark.by,) if isinstance(mark.by, str) else mark.by
 
 
 def _label(mark: _Mark, here: xr.Dataset, data: xr.Dataset) -> str:
@@ -338,43 +364,44 @@ def _label(mark: _Mark, here: xr.Dataset, data: xr.Dataset) -> str:
     from validation.report.estimates import values_of
 
     if mark.label is not None:
-        values: dict[str, Any] = dict(values_of(here))
-        return mark.label.format(**values)
-    by = (mark.by,) if isinstance(mark.by, str) else mark.by
-    where = [words for dim in by if (words := place_words(here, dim, data))]
+        form = mark.label
+        return form.format(**dict(values_of(here, lambda name: f"{{{name}" in form)))
+    where = [words for dim in _by(mark) if (words := place_words(here, dim, data))]
     what = quantity(mark.y)
     return ", ".join([what.which] * bool(what.which) + where) or what.words
 
 
-def _scale(name: str, values: Iterable[xr.DataArray]) -> tuple[float, str]:
-    unit = quantity(name).unit
+def _scale(what: Quantity, values: Iterable[xr.DataArray]) -> tuple[float, str]:
     numbers = [np.abs(v.values.astype(float)) for v in values if v.dtype.kind in "fiu"]
     finite = [float(n[np.isfinite(n)].max()) for n in numbers if np.isfinite(n).any()]
-    return prefixed_unit(unit, max(finite, default=0.0))
+    return prefixed_unit(what.unit, max(finite, default=0.0))
 
 
-def _axis_label(name: str, unit: str, *, width: int = 38) -> str:
+def _axis_label(what: Quantity, unit: str, *, width: int = 36) -> str:
     """Words, symbol and unit of an axis."""
-    what = quantity(name)
-    words = what.words if what.symbol in what.words else f"{what.words}, {what.symbol}"
     unit = "" if unit == "1" else f" [{unit}]"
-    return "\n".join(
-        mathtext(line) for line in textwrap.wrap(f"{words}{unit}", width, break_on_hyphens=False)
-    )
+    lines = textwrap.wrap(what.words, width, break_on_hyphens=False) or [""]
+    if what.symbol in what.words:
+        return "\n".join(map(mathtext, lines)) + unit
+    whole = f"{lines[-1]}, {what.symbol}{unit}"
+    # A symbol is not broken.
+    lines[-1:] = [whole] if len(whole) <= width + 4 else [f"{lines[-1]},", what.symbol + unit]
+    return "\n".join(map(mathtext, lines))
 
 
-def _legend(canvas: Any, axes: list[Any]) -> None:
-    """One legend: in the axes where there is one, below all where all say the same, else in each."""
-    labels = [tuple(on.get_legend_handles_labels()[1]) for on in axes]
-    if len(axes) > 1 and len(set(labels)) == 1 and labels[0]:
-        handles, names = axes[0].get_legend_handles_labels()
-        canvas.legend(
-            handles, names, fontsize=7, ncols=min(4, len(names)), loc="outside lower center", frameon=False
-        )
+def _legend(canvas: Any, axes: Sequence[Axes]) -> None:
+    """One legend below all, in as many columns as find place: what has one name looks alike on all panels."""
+    told: dict[str, Any] = {}
+    for on in axes:
+        told |= {name: handle for handle, name in zip(*on.get_legend_handles_labels(), strict=True)}
+    if not told or (len(axes) > 1 and all(len(on.get_legend_handles_labels()[1]) < 2 for on in axes)):
         return
-    for on, names in zip(axes, labels, strict=True):
-        if len(names) > 1 or (names and len(axes) == 1):
-            on.legend(fontsize=7)
+    # Of letters of 7 points, behind a sample of the line.
+    widest = 0.055 * max(map(len, told)) + 0.6
+    columns = min(len(told), max(1, int(canvas.get_figwidth() / widest)))
+    rows = -(-len(told) // columns)
+    canvas.set_figheight(canvas.get_figheight() + 0.17 * rows + 0.1)
+    canvas.legend(told.values(), told, fontsize=7, ncols=columns, loc="outside lower center", frameon=False)
 
 
 def _caption(text: str, drawn: Sequence[Drawn]) -> str:

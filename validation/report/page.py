@@ -15,13 +15,23 @@ from typing import TYPE_CHECKING, Any
 from validation.errors import harmless
 from validation.files import atomic_path, remove_drafts, write_json
 from validation.report.drawing import Drawing, write_drawing
-from validation.report.table import ResultTable, WordTable, shown, write_dataset, write_table
-from validation.report.words import mathematics
+from validation.report.estimates import values_of
+from validation.report.table import (
+    ResultTable,
+    WordTable,
+    budget_table,
+    shown,
+    write_dataset,
+    write_table,
+)
+from validation.report.words import json_ready, mathematics
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Answer", "Note", "Page", "Picture", "clear_page", "render", "versions", "write_page"]
+    from validation.report.views import Views
+
+__all__ = ["Answer", "Note", "Page", "Picture", "clear_page", "page_of", "render", "versions", "write_page"]
 
 #: Width over height from which on a figure has several panels, and the width of the page to itself.
 _WIDE = 1.7
@@ -122,6 +132,53 @@ class Page:
     summary: Mapping[str, Any] | None = None
 
 
+def page_of(data: xr.Dataset, views: Views, /, *, figures: bool = True, **rest: Any) -> Page:
+    """Return the page of a dataset: what its views declare, drawn or not, and what else `Page` is told.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+    views : Views
+    figures : bool
+    rest
+        Fields of `Page`. Notes and the summary are added to those of the findings.
+    """
+    tables = [*([] if views.table is None else [views.table]), *views.more]
+    made = [(table, table.of(data)) for table in tables]
+    made = [(table, rows) for table, rows in made if rows.rows]
+    drawn: tuple[Drawing, ...] = ()
+    if figures:
+        from validation.report.marks import draw
+
+        every = (draw(figure, data) for figure in views.figures)
+        drawn = tuple(drawing for drawing in every if drawing.drawn)
+    numbers = {
+        name: {k: v for k, v in value.as_json().items() if k in ("value", "error")}
+        for name, value in sorted(values_of(data).items())
+    }
+    summary = {**views.as_json(data), "numbers": numbers}
+    told: dict[str, Any] = {
+        "answers": tuple(
+            Answer(
+                question=card.question,
+                answer=card.answer.text,
+                basis="" if card.basis is None else card.basis.text,
+            )
+            for card in views.cards
+        ),
+        "findings": tuple(one.text for one in views.findings),
+        "tables": tuple(shown(rows, title=table.title, note=table.note) for table, rows in made),
+        "budget": budget_table(data, views.budget) if views.budget else None,
+        "figures": drawn,
+        "records": {table.file: rows for table, rows in made},
+        "data": data,
+        "facts": tuple(str(data.attrs.get("solves_made", "")).splitlines()),
+    }
+    told |= rest
+    told["summary"] = json_ready({**summary, **rest.get("summary", {})})
+    return Page(**told)
+
+
 @dataclass(frozen=True, kw_only=True)
 class _Embedded:
     """A figure on disk, as the page shows it."""
@@ -146,7 +203,8 @@ def write_page(page: Page, folder: Path, *, numbers_only: bool = False) -> tuple
     """
     written: list[Path] = []
     if page.data is not None:
-        written += write_dataset(page.data, folder / "data.csv")
+        # Maps stand beside their figures.
+        written += write_dataset(page.data.drop_dims(["x", "y"], errors="ignore"), folder / "data.csv")
     records = page.records if page.budget is None else {**page.records, "budget": page.budget}
     written += [write_table(table, folder / f"{name}.csv") for name, table in records.items()]
     if page.summary is not None:
@@ -183,6 +241,11 @@ def clear_page(folder: Path, *, keep: Collection[Path] = ()) -> None:
         "claims.csv",
         "areas.csv",
         "magnification.csv",
+        "numbers.csv",
+        "methods.csv",
+        "below.csv",
+        "surfaces.csv",
+        "settings.csv",
         "budget.csv",
         "data.csv",
         "data-*.csv",

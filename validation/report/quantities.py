@@ -25,6 +25,7 @@ __all__ = [
     "place_words",
     "prefixed_unit",
     "quantity",
+    "quantity_of",
     "registry",
 ]
 
@@ -47,6 +48,8 @@ class Quantity:
         What tells it from its like, such as "counted" or "Persson"; empty for the thing itself.
     look : mapping
         How it is drawn wherever it is drawn, where that is fixed.
+    linear : bool
+        Whether its axis is linear, whatever it spans, and no power of it is a law.
     """
 
     name: str
@@ -55,6 +58,7 @@ class Quantity:
     unit: str = "1"
     which: str = ""
     look: Mapping[str, Any]
+    linear: bool = False
 
     @property
     def title(self) -> str:
@@ -106,6 +110,28 @@ def quantity(name: str) -> Quantity:
     raise KeyError(f"{name!r}: no such quantity; it belongs into validation/report/quantities.toml")
 
 
+def quantity_of(data: xr.Dataset, name: str) -> Quantity:
+    """Return what a variable is: as the registry has it, or as a swept key of a scene says of itself.
+
+    Raises
+    ------
+    KeyError
+        For a name that neither knows.
+    """
+    said = data[name].attrs if name in data.variables else {}
+    try:
+        found = quantity(name)
+    except KeyError:
+        if "key" not in said:
+            raise
+    else:
+        if "key" not in said or found.unit == said["units"]:
+            return found
+    return Quantity(
+        name=name, symbol=name.replace("_", " "), words=said["long_name"], unit=said["units"], look={}
+    )
+
+
 def _qualifiers(text: str, known: Mapping[str, Any]) -> list[str] | None:
     """Split what follows a quantity into qualifiers, longest first; None where that cannot be done."""
     if not text:
@@ -130,7 +156,7 @@ def labelled(data: xr.Dataset) -> xr.Dataset:
     for name in data.variables:
         if str(name).startswith(("source", "solve")) or (name in data.dims and data[name].dtype.kind in "OU"):
             continue
-        what = quantity(str(name))
+        what = quantity_of(data, str(name))
         data[name].attrs |= {"long_name": what.meaning, "units": what.unit}
     return data
 
@@ -143,6 +169,9 @@ def prefixed_unit(unit: str, largest: float) -> tuple[float, str]:
     """
     import math
 
+    if unit == "m^2" and math.isfinite(largest) and largest > 0:
+        factor, named = prefixed_unit("m", math.sqrt(largest))
+        return factor**2, f"{named}^2"
     if unit not in _PREFIXED or not math.isfinite(largest) or largest <= 0:
         return 1.0, unit
     power = min(max(math.floor(math.log10(largest) / 3 + 1e-9), -4), 3)
@@ -173,8 +202,8 @@ def place_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> str:
         return ""
     item = here[names[0]].item()
     if isinstance(item, str):
-        return item
-    what = quantity(names[0])
+        return str(registry()["qualifiers"].get(item, {}).get("words", item))
+    what = quantity_of(data, names[0])
     factor, unit = prefixed_unit(what.unit, abs(float(item)))
     return f"{what.symbol} = {float(item) * factor:.4g}" + ("" if what.unit == "1" else f" {unit}")
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from validation.files import atomic_path
 from validation.report.estimates import SOURCES, SPECTRAL, combined, each, value_of
-from validation.report.quantities import place_words, quantity
+from validation.report.quantities import place_words, prefixed_unit, quantity, quantity_of
 from validation.report.words import with_error
 
 if TYPE_CHECKING:
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Column",
+    "Listing",
     "ResultTable",
     "Table",
     "WordTable",
@@ -61,10 +62,20 @@ class Table:
     columns : tuple of str or Column
         Variables and coordinates. Titles and units are those of the registry, intervals stand behind their
         values.
+    title, note : str
+        Above and below it.
+    file : str
+        Its name as CSV.
+    sparse : bool
+        Whether places where nothing was solved have no row.
     """
 
     rows: tuple[str, ...]
     columns: tuple[str | Column, ...]
+    title: str = "Numbers"
+    note: str = ""
+    file: str = "table"
+    sparse: bool = False
 
     def of(self, data: xr.Dataset) -> ResultTable:
         """Return every number of it: a value with an interval takes two columns."""
@@ -79,7 +90,9 @@ class Table:
                 row[title] = value.value
                 if value.error is not None:
                     row[f"{title} {INTERVAL}"] = value.error
-            if any(isinstance(v, str) or not math.isnan(v) for k, v in row.items() if k not in places):
+            there = any(isinstance(v, str) or not math.isnan(v) for k, v in row.items() if k not in places)
+            own = [t for n, t, _ in made if n in data.data_vars and set(data[n].dims) >= set(self.rows)]
+            if there and (not self.sparse or any(_known(row[title]) for title in own)):
                 rows.append(row)
         return ResultTable.of_rows(rows)
 
@@ -95,11 +108,56 @@ class Table:
         return {"rows": list(self.rows), "columns": there, "coordinates": coordinates}
 
 
+@dataclass(frozen=True, kw_only=True)
+class Listing:
+    """A table of single numbers: a row for each variable that a dataset has, in words and in its unit.
+
+    Attributes
+    ----------
+    names : tuple of str
+    title, note, file : str
+        As of a `Table`.
+    """
+
+    names: tuple[str, ...]
+    title: str
+    note: str = ""
+    file: str = "numbers"
+
+    def of(self, data: xr.Dataset) -> ResultTable:
+        """Return the numbers that are there, in units that suit their size."""
+        rows: list[dict[str, float | str]] = []
+        for name in self.names:
+            if name not in data.variables or data[name].ndim:
+                continue
+            value, what = value_of(data, name), quantity_of(data, name)
+            if not _known(value.value):
+                continue
+            size = abs(value.value) if isinstance(value.value, float) else 0.0
+            factor, unit = prefixed_unit(what.unit, size)
+            scaled = value.value if isinstance(value.value, str) else factor * value.value
+            error = math.nan if value.error is None else factor * value.error
+            rows.append(
+                {
+                    "quantity": what.meaning,
+                    "symbol": what.symbol,
+                    "value": scaled,
+                    f"value {INTERVAL}": error,
+                    "unit": "" if unit == "1" else unit,
+                }
+            )
+        return ResultTable.of_rows(rows)
+
+
+def _known(value: float | str) -> bool:
+    return bool(value) if isinstance(value, str) else not math.isnan(value)
+
+
 def _place(column: str | Column, data: xr.Dataset) -> tuple[str, str, Mapping[str, int]]:
     """Name, title and place of a column."""
     if isinstance(column, str):
         column = Column(column)
-    title = quantity(column.name).title
+    title = quantity_of(data, column.name).title
     for dim, k in column.at.items():
         if dim in data.dims:
             title += f" at {place_words(data.isel({dim: k}), dim, data)}"

@@ -8,12 +8,21 @@ from typing import TYPE_CHECKING, Any
 
 from validation.report.findings import Finding
 from validation.report.marks import Figure
-from validation.report.table import Table
+from validation.report.table import Listing, Table
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Views"]
+__all__ = ["Card", "Views"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Card:
+    """A question on top of a page, its answer, and what the answer rests on."""
+
+    question: str
+    answer: Finding
+    basis: Finding | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,12 +37,17 @@ class Views:
     figures : sequence of Figure
     findings : sequence of Finding
         At most six, the most asked-for first.
+    cards : sequence of Card
+    more : sequence of Table or Listing
+        Further tables, below the first.
     """
 
     table: Table | None = None
     budget: Sequence[str] = ()
     figures: Sequence[Figure] = ()
     findings: Sequence[Finding] = ()
+    cards: Sequence[Card] = ()
+    more: Sequence[Table | Listing] = ()
 
     def as_json(self, data: xr.Dataset) -> dict[str, Any]:
         """Return what is shown as data: findings, and which variables table and budget are of."""

@@ -12,7 +12,7 @@ from validation.errors import harmless
 if TYPE_CHECKING:
     from markupsafe import Markup
 
-__all__ = ["json_ready", "mathematics", "mathtext", "significant", "with_error"]
+__all__ = ["json_ready", "mathematics", "mathtext", "percent", "significant", "with_error"]
 
 _GREEK = {"kappa": "κ", "sigma": "σ", "gamma": "γ", "lambda": "λ", "zeta": "ζ", "alpha": "α"}
 _APART = r"(?<![\w-])(?:{})(?![\w-])"
@@ -117,6 +117,21 @@ def significant(value: float, digits: int = 4) -> str:
     if -4 <= order < 5:
         return f"{value:.{max(0, digits - 1 - order)}f}"
     return f"{value:.{digits - 1}e}"
+
+
+def percent(value: float) -> str:
+    """Return a relative number as a percentage with two significant digits.
+
+    >>> percent(0.0312), percent(-0.5), percent(0.00004), percent(float("nan"))
+    ('3.1 %', '-50 %', '0.0040 %', 'not determinable')
+    """
+    if not np.isfinite(value):
+        return "not determinable"
+    size = abs(100 * value)
+    if size == 0:
+        return "0 %"
+    decimals = max(0, 1 - int(np.floor(np.log10(size))))
+    return f"{100 * value:.{decimals}f} %"
 
 
 def with_error(value: float, error: float) -> str:

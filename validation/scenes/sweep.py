@@ -52,7 +52,10 @@ _EITHER = (
 )
 _SURFACES = {"self-affine": SelfAffineSurface, "capillary-waves": CapillarySurface, "file": FileSurface}
 #: Last words of keys that mean something else in a dataset of a sweep.
-_TAKEN = frozenset({"area", "solver", "kappa", "theory", "case", "scatter"})
+_TAKEN = frozenset(
+    {"area", "solver", "kappa", "theory", "case", "scatter", "grid", "shift", "shifts", "surface", "surfaces"}
+    | {"source", "solve", "points", "spacing", "residual", "seconds", "unknowns", "resolved", "depth", "load"}
+)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS
 from validation.effects import effect_kinds
-from validation.errors import RunFailed, UsageError
-from validation.files import read_record, write_record
+from validation.errors import UsageError
 from validation.methods import methods
-from validation.report.page import Page, write_page
+from validation.report.page import Page, page_of, write_page
 from validation.report.papers import PAPERS
 from validation.report.table import shown, shown_dataset
 from validation.solves.provenance import SOLVES_MADE, made_words
-from validation.solves.store import read_numbers, write_numbers
+from validation.solves.results import DATA, holds_result, read_results, write_results
 from validation.studies import Study, StudyOptions, find_study
 
 if TYPE_CHECKING:
@@ -27,16 +25,11 @@ if TYPE_CHECKING:
 
 __all__ = [
     "StudyOutputs",
-    "check_results",
     "is_study",
     "report_study",
     "run_study",
     "study_page",
 ]
-
-_RECORD = "study.json"
-_FORMAT = "fem-contact study 1"
-_DATA = "data.nc"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,44 +46,22 @@ def run_study(
 ) -> StudyOutputs:
     """Run a study on a bench and write its outputs into a folder, without `report` tables and JSON alone."""
     data = study.compute(options, bench=bench)
-    said = {
-        "format": _FORMAT,
-        "study": study.name,
-        "options": options.said(),
-        "words": list(options.words()),
-        "store": os.path.relpath(bench.store.folder.resolve(), folder.resolve()),
-    }
     data.attrs[SOLVES_MADE] = "\n".join(made_words(bench.made()))
-    for other in ("run.json", "accuracy.json", "sweep.json"):  # the folder is that of this study now
-        (folder / other).unlink(missing_ok=True)
-    write_record(folder / _RECORD, said)
-    write_numbers(folder / _DATA, data, recipe=said)
+    write_results(
+        folder,
+        data,
+        kind="study",
+        name=study.name,
+        asked=options.said(),
+        store=bench.store.folder,
+        words=list(options.words()),
+    )
     return report_study(folder, numbers_only=not report)
 
 
 def is_study(folder: Path) -> bool:
     """Whether a results folder is that of a study."""
-    return (folder / _RECORD).exists()
-
-
-def check_results(folder: Path) -> None:
-    """Refuse a folder that holds neither a run nor a study, and name those beside it that do.
-
-    Raises
-    ------
-    UsageError
-    """
-    records = ("run.json", "sweep.json", _RECORD)
-    if any((folder / record).exists() for record in records):
-        return
-    places = sorted(
-        {path.parent for place in (folder.parent, Path("results")) for path in place.glob("*/*.json")}
-    )
-    found = [str(place) for place in places if any((place / record).exists() for record in records)]
-    raise UsageError(
-        f"{folder}: holds no run (run.json) and no study (study.json): run one first; results are in "
-        + (", ".join(found[:12]) + (", ..." if len(found) > 12 else "") if found else "no folder here")
-    )
+    return holds_result(folder, "study")
 
 
 def report_study(folder: Path, *, numbers_only: bool = False) -> StudyOutputs:
@@ -107,17 +78,13 @@ def report_study(folder: Path, *, numbers_only: bool = False) -> StudyOutputs:
     UsageError
         For a folder that holds no finished study of this version.
     """
-    try:
-        said = read_record(folder / _RECORD)
-        study = find_study(said["study"])
-        data = read_numbers(folder / _DATA)
-    except RunFailed as error:
-        raise UsageError(str(error)) from None
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise UsageError(f"{folder}: holds no finished study ({error})") from None
-    page = study_page(study, data, said["options"], words=said.get("words", ()), figures=not numbers_only)
+    result = read_results(folder)
+    if result.kind != "study":
+        raise UsageError(f"{folder}: holds a {result.kind}, not a study")
+    study, data = find_study(result.name), result.data
+    page = study_page(study, data, result.asked, words=result.words, figures=not numbers_only)
     written = write_page(page, folder, numbers_only=numbers_only)
-    return StudyOutputs(data=data, page=page, files=(*written, folder / _DATA))
+    return StudyOutputs(data=data, page=page, files=(*written, folder / DATA))
 
 
 def study_page(
@@ -129,26 +96,29 @@ def study_page(
     figures: bool = True,
 ) -> Page:
     """Return the page of a study, drawn or not: all of it from its dataset and from what was asked."""
-    table = study.table(data)
-    findings = (*study.findings(data), *_undetermined(data), *words)
+    more = (*_undetermined(data), *words)
+    told: dict[str, Any] = {
+        "title": f"Study: {study.name}",
+        "lead": study.question,
+        "settings": options,
+        "seeds": _seeds(options),
+        "papers": _papers(str(data.attrs.get("methods", "theory bem")).split()),
+    }
+    summary: dict[str, Any] = {"kind": "study", "study": study.name, "options": dict(options)}
+    if study.generic:
+        page = page_of(data, study.views(data), figures=figures, summary=summary, **told)
+        return replace(page, findings=(*page.findings, *more))
+    table, findings = study.table(data), (*study.findings(data), *more)
     return Page(
-        title=f"Study: {study.name}",
-        lead=study.question,
         findings=findings,
         tables=shown_dataset(data, title="Numbers") if table is None else (shown(table, title="Numbers"),),
         budget=study.budget(data),
         figures=study.figures(data) if figures else (),
         facts=tuple(str(data.attrs.get(SOLVES_MADE, "")).splitlines()),
-        settings=options,
-        seeds=_seeds(options),
-        papers=_papers(str(data.attrs.get("methods", "theory bem")).split()),
         records={} if table is None else {"table": table},
         data=data,
-        summary={
-            "study": study.name,
-            "options": dict(options),
-            **(study.views(data).as_json(data) if study.generic else {"findings": list(findings)}),
-        },
+        summary={**summary, "findings": list(findings)},
+        **told,
     )
 
 

@@ -20,12 +20,11 @@ import xarray as xr
 from reading_back import misdrawn
 
 from gold.asked import STUDIES, UNSTEADY
-from validation.report.page import Page
 from validation.scenes.scene import load_scene
 from validation.solves.bench import Bench
 from validation.studies import Study, StudyOptions, find_study
 
-__all__ = ["FOLDER", "compute", "machine", "new_numbers", "numbers_of", "read", "write"]
+__all__ = ["FOLDER", "compute", "machine", "new_numbers", "numbers_of", "of_dataset", "read", "write"]
 
 FOLDER = Path(__file__).parent / "stored"
 #: Longer arrays are stored as every k-th value, their sum and the sum of their squares.
@@ -73,22 +72,9 @@ def compute(name: str, bench: Bench, folder: Path) -> tuple[Record, xr.Dataset]:
     return {**_steady(name, record), "misdrawn": {"words": odd}}, data
 
 
-def of_page(name: str, page: Page) -> Record:
-    """Record what the page of a run holds: summary.json, tables, budget, dataset, figures and words."""
-    record: Record = {}
-    for place, value in _leaves("summary", {k: v for k, v in (page.summary or {}).items() if k != "scene"}):
-        record[place] = _entry((), value)
-    if page.data is not None:
-        record |= _of_dataset("data", page.data)
-    for part, table in (*page.records.items(), *([] if page.budget is None else [("budget", page.budget)])):
-        record |= _of_table(part, table.columns, table.rows)
-    for drawing in page.figures:
-        record |= _of_dataset(f"figure.{drawing.name}", drawing.data)
-    for k, table in enumerate(page.tables):
-        record |= _of_table(f"shown.{k}", table.columns, (*table.rows, *table.sums))
-    record |= _of_words("findings", page.findings)
-    record |= _of_words("answers", [f"{a.question}: {a.answer}; {a.basis}" for a in page.answers])
-    return _steady(name, record)
+def of_dataset(name: str, data: xr.Dataset) -> Record:
+    """Record the dataset that a run or a sweep left."""
+    return _steady(name, dict(_of_dataset("data", data)))
 
 
 def _steady(name: str, record: Record) -> Record:
@@ -123,18 +109,6 @@ def _of_words(part: str, sentences: Any) -> Record:
     said = list(sentences)
     found = [[float(number) for number in _NUMBER.findall(text)] for text in said]
     return {part: {"dims": ["sentence"], "words": said, "printed": found}}
-
-
-def _leaves(place: str, value: Any) -> Iterator[tuple[str, Any]]:
-    """Yield the leaves of a summary; rows of one kind become columns."""
-    if isinstance(value, Mapping):
-        for key, item in value.items():
-            yield from _leaves(f"{place}.{key}", item)
-    elif isinstance(value, list | tuple) and value and all(isinstance(row, Mapping) for row in value):
-        for key in dict.fromkeys(key for row in value for key in row):
-            yield from _leaves(f"{place}.{key}", [row.get(key) for row in value])
-    else:
-        yield place, value
 
 
 def _entry(dims: Any, values: Any, attrs: Mapping[str, Any] | None = None) -> dict[str, Any]:

@@ -2,64 +2,47 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import xarray as xr
 
 from gold.asked import ACCURATE, COMPARED, SCENES
-from gold.make import Record, of_page
+from gold.make import Record, of_dataset
 from validation.comparison.accuracy import run_accurate
-from validation.comparison.beside import beside
-from validation.comparison.beside_page import beside_page
-from validation.comparison.report import run_page
-from validation.comparison.run import Outputs, run_scene
+from validation.comparison.compare import compare_folders
+from validation.comparison.run import run_scene
 from validation.comparison.sweep import run_sweep
-from validation.comparison.sweep_page import sweep_page
-from validation.comparison.theory_alone import TheoryAlone, alone_page
-from validation.report.page import Page
 from validation.scenes.sweep import Sweep, load_asked
-from validation.solves.press import solves_of
-from validation.solves.running import Solves
-from validation.solves.store import Store
+from validation.solves.results import read_results
 
 __all__ = ["of_scene"]
 
 
 def of_scene(name: str, folder: Path) -> tuple[Record, xr.Dataset]:
-    """Run what an entry asks for as the command line does; its page has its figures, but draws none."""
-    page = _compared(name, folder) if name in COMPARED else _ran(name, folder, folder / "run")
-    return of_page(name, page), page.data if page.data is not None else xr.Dataset()
+    """Run what an entry asks for as the command line does, and read what it left."""
+    data = _compared(name, folder) if name in COMPARED else _ran(name, folder, folder / "run")
+    return of_dataset(name, data), data
 
 
-def _ran(name: str, folder: Path, results: Path) -> Page:
+def _ran(name: str, folder: Path, results: Path) -> xr.Dataset:
     scene, settings = SCENES[name]
     if "\n" in scene:
         path = folder / "mine.toml"
         path.write_text(scene, encoding="utf-8")
         scene = str(path)
     asked = load_asked(scene, settings, grids_chosen=name in ACCURATE)
-    told = {"store_folder": folder / "solves", "report": False}
     if isinstance(asked, Sweep):
-        data = run_sweep(asked, results, **told).data
-        return sweep_page(data, asked.keys, asked.scenes[0])
-    if name in ACCURATE:
-        return _page(run_accurate(asked, results, target=ACCURATE[name], **told).outputs, folder)
-    return _page(run_scene(asked, results, **told), folder)
+        run_sweep(asked, results, store_folder=folder / "solves", report=False)
+    elif name in ACCURATE:
+        run_accurate(asked, results, target=ACCURATE[name], store_folder=folder / "solves", report=False)
+    else:
+        run_scene(asked, results, store_folder=folder / "solves", report=False)
+    return read_results(results).data
 
 
-def _page(outputs: Outputs, folder: Path) -> Page:
-    found = outputs.comparison
-    if isinstance(found, TheoryAlone):
-        return alone_page(found)
-    solves = solves_of(found.scene, found.realised)
-    return run_page(found, Solves(solves=solves, store=Store(folder=folder / "solves")))
-
-
-def _compared(name: str, folder: Path) -> Page:
+def _compared(name: str, folder: Path) -> xr.Dataset:
     folders = [folder / f"run-{k}" for k in range(len(COMPARED[name]))]
     for one, results in zip(COMPARED[name], folders, strict=True):
         _ran(one, folder, results)
-    found = beside(folders)
-    steady = tuple(row for row in found.rows if row.quantity != "seconds")
-    return beside_page(replace(found, rows=steady))
+    compare_folders(folders, folder / "both", report=False)
+    return read_results(folder / "both").data

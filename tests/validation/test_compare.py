@@ -1,0 +1,175 @@
+"""Results side by side: their datasets concatenated and subtracted; what cannot be compared."""
+
+from __future__ import annotations
+
+import json
+import random
+import shutil
+
+import numpy as np
+import pytest
+import xarray as xr
+from typer.testing import CliRunner
+
+from validation.cli.commands import app
+from validation.comparison.compare import compare_folders, side_by_side
+from validation.comparison.run import run_scene
+from validation.comparison.sweep import run_sweep
+from validation.errors import UsageError
+from validation.scenes.sweep import load_asked
+from validation.solves.bench import Bench
+from validation.solves.results import Result, read_results
+from validation.studies import find_study
+from validation.studies._outputs import run_study
+
+
+@pytest.fixture(scope="module")
+def results(small_run, tmp_path_factory):
+    """Two runs of the small scene with other Hurst exponents, two studies, a sweep, all in one folder."""
+    from .conftest import _written
+
+    folder = tmp_path_factory.mktemp("beside")
+    shutil.copytree(small_run.folder, folder / "first")
+    scene = str(_written(folder, fem=False))
+    run_scene(load_asked(scene, ["surface.hurst=0.9"]), folder / "other", report=False)
+    area = find_study("area")
+    for seed in (3, 4):
+        (folder / f"area-{seed}").mkdir()
+        options = area.options(
+            reduced_pressures=(0.1, 0.5), seed=seed, surfaces=2, grids=(16, 24), bandwidth=2.0
+        )
+        bench = Bench.at(folder / "solves")
+        run_study(area, options, folder / f"area-{seed}", bench=bench, report=False)
+    loads = load_asked(scene, ["sweep.load.reduced_pressure=[0.05, 0.1]"])
+    run_sweep(loads, folder / "swept", store_folder=folder / "other" / "solves", report=False)
+    more = load_asked(scene, ["sweep.load.reduced_pressure=[0.1, 0.2]"])
+    run_sweep(more, folder / "swept-more", store_folder=folder / "other" / "solves", report=False)
+    return folder
+
+
+def _summary(folder):
+    return json.loads((folder / "summary.json").read_text())
+
+
+def test_runs_are_concatenated_and_subtracted_with_the_errors_of_both(results, tmp_path):
+    page, _ = compare_folders([results / "first", results / "other"], tmp_path)
+    a, b = (read_results(results / name).data for name in ("first", "other"))
+    data = read_results(tmp_path).data
+    assert data.area.values.tolist() == [float(a.area), float(b.area)]
+    assert float(data.area_apart.sel(result="other")) == float(b.area) - float(a.area)
+    joint = np.hypot(a.area_error.sel(source="grid"), b.area_error.sel(source="grid"))
+    assert float(data.area_apart_error.sel(result="other", source="grid")) == pytest.approx(
+        float(joint), rel=1e-12
+    )
+    finest = float(a.area_pixel.sel(solver="bem", grid="48 x 48"))
+    assert float(data.area_pixel.sel(result="first", solver="bem", grid="48 x 48")) == finest
+    assert (tmp_path / "table.csv").exists()
+    assert page.answers[0].answer.startswith("surface.hurst, methods.fem.grids")
+
+
+def _planted(value, error, **asked):
+    data = xr.Dataset({"area": ("load", value)}, coords={"reduced_pressure": ("load", [0.1, 0.2])})
+    sources = ["surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory"]
+    errors = np.full((2, 7), np.nan)
+    errors[:, 1] = error
+    data["area_error"] = (("load", "source"), errors)
+    told = {"scene": {"surface": {"seed": 1}, **asked}}
+    return Result(kind="run", name="x", asked=told, store=None, data=data.assign_coords(source=sources))
+
+
+@pytest.mark.parametrize(("error", "outcome"), [(0.001, "differ"), (0.02, "agree"), (np.nan, "?")])
+def test_whether_results_differ_is_decided_by_the_intervals_of_both(error, outcome):
+    from validation.comparison.compare import _findings
+
+    pair = {"a": _planted([0.1, 0.2], error), "b": _planted([0.1, 0.21], error)}
+    data = side_by_side(pair)
+    assert data.area_apart.sel(result="b").values == pytest.approx([0, 0.01])
+    found = [one for one in _findings(data, pair) if one.kind == "agreement"]
+    assert [one.outcomes for one in found] == [(outcome,)]
+
+
+def test_settings_that_differ_and_what_another_surface_would_change_are_said(results, tmp_path):
+    page, _ = compare_folders([results / "first", results / "other"], tmp_path, report=False)
+    differing = _summary(tmp_path)["differing"]
+    assert differing["surface.hurst"] == ["0.7", "0.9"]
+    assert "solid.young" not in differing
+    assert any("an [ensemble] in every scene tells" in text for text in page.findings)
+    assert not (tmp_path / "report.html").exists()
+
+
+def test_a_result_beside_its_copy_differs_in_nothing(results, tmp_path):
+    shutil.copytree(results / "first", tmp_path / "copy")
+    page, _ = compare_folders([results / "first", tmp_path / "copy"], tmp_path / "out", report=False)
+    assert page.findings[0].startswith("No setting differs")
+    assert any("agree to the last digit" in text for text in page.findings)
+    data = read_results(tmp_path / "out").data
+    assert all((data[name].fillna(0) == 0).all() for name in data if str(name).endswith("_apart"))
+
+
+def test_studies_are_compared_at_the_places_that_they_share(results, tmp_path):
+    compare_folders([results / "area-3", results / "area-4"], tmp_path, report=False)
+    data = read_results(tmp_path).data
+    for name in ("area-3", "area-4"):
+        own = read_results(results / name).data
+        for load in (0.1, 0.5):
+            assert float(data.kappa.sel(result=name, reduced_pressure=load)) == float(
+                own.kappa.sel(reduced_pressure=load)
+            )
+    assert _summary(tmp_path)["differing"] == {"seed": ["3", "4"]}
+
+
+def test_sweeps_are_compared_where_their_values_meet(results, tmp_path):
+    page, _ = compare_folders([results / "swept", results / "swept-more"], tmp_path)
+    data = read_results(tmp_path).data
+    assert data.reduced_pressure.values.tolist() == [0.1]  # of .05, .1 and of .1, .2
+    assert float(data.area_apart.isel(result=1).item()) == 0
+    assert page.findings
+
+
+def test_what_cannot_be_compared_gets_one_line_and_the_rest_is_compared(results, tmp_path):
+    (tmp_path / "empty").mkdir()
+    folders = [results / "first", results / "area-3", tmp_path / "empty", results / "other"]
+    page, _ = compare_folders(folders, tmp_path / "out", report=False)
+    left_out = [text for text in page.findings if "not compared" in text]
+    assert len(left_out) == 2
+    assert "it is a study area, and" in left_out[0]
+    assert "holds no finished results" in left_out[1]
+    with pytest.raises(UsageError, match="fewer than two folders are left"):
+        compare_folders([results / "first", results / "area-3"], tmp_path / "none")
+    with pytest.raises(UsageError, match="at least two results folders, each named once"):
+        compare_folders([results / "first", results / "first"], tmp_path / "none")
+
+
+def test_no_bit_of_what_is_read_changes_in_silence(results, tmp_path):
+    for name in ("first", "other"):
+        shutil.copytree(results / name, tmp_path / name, ignore=shutil.ignore_patterns("solves", "figures"))
+    folders, rng = [tmp_path / "first", tmp_path / "other"], random.Random(5)
+    truth = compare_folders(folders, tmp_path / "out", report=False)[0].summary
+    for name in ("result.json", "data.nc", "summary.json", "table.csv"):
+        path = tmp_path / "other" / name
+        whole = path.read_bytes()
+        for _ in range(12):
+            data = bytearray(whole)
+            data[rng.randrange(len(data))] ^= 1 << rng.randrange(8)
+            path.write_bytes(data)
+            try:
+                found = compare_folders(folders, tmp_path / "out", report=False)[0].summary
+            except UsageError:
+                continue
+            assert found == truth, name
+        path.write_bytes(whole)
+
+
+def test_a_results_folder_is_not_written_over(results):
+    with pytest.raises(UsageError, match="holds results of its own"):
+        compare_folders([results / "first", results / "other"], results / "other")
+
+
+def test_the_command_prints_and_writes(results, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    arguments = ["compare", str(results / "first"), str(results / "other"), "--no-report"]
+    done = CliRunner().invoke(app, arguments)
+    assert done.exit_code == 0, done.output
+    assert "They differ in" in done.output
+    assert (tmp_path / "results" / "compare-first-other" / "data.nc").exists()
+    assert json.loads(CliRunner().invoke(app, [*arguments, "--json"]).output)["differing"]

@@ -1,0 +1,153 @@
+"""What a page shows of the fields of a run: surface, C(q), pressures on one grid, and their distribution."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_contact.contact import ContactResult
+from fem_contact.stress import pressure_distribution
+from fem_contact.surface import HeightField, radial_spectrum
+from validation.arrays import Array
+from validation.comparison.below import planes
+from validation.comparison.reading import grid_name
+from validation.methods.theory import stress_distribution
+from validation.report.quantities import labelled
+from validation.scenes.realised import Realised
+from validation.scenes.scene import Load, Scene
+from validation.solves.press import Press
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["MAPS", "NEAR_ZERO", "with_distribution", "with_fields", "with_maps"]
+
+#: Pressures over E* h'_rms up to which the distribution near zero is shown.
+NEAR_ZERO = 0.6
+#: Dimensions of what belongs to figures alone.
+MAPS = ("x", "y")
+_CURVE = 401
+
+
+def with_fields(
+    data: xr.Dataset, scene: Scene, realised: Realised, results: Mapping[Press, ContactResult]
+) -> xr.Dataset:
+    """Add to the numbers of a run what its figures show of the fields."""
+    if realised.load.held:
+        realised = realised.under(Load(pressure=float(data.pressure)))
+    grids = {name: scene.methods.options(name).grids for name in scene.methods.solvers}
+    shown = {
+        solve: results[solve]
+        for solve in results
+        if solve.realisation == 0 and solve.grid in grids[solve.method]
+    }
+    data = with_maps(data, {s: r for s, r in shown.items() if s.is_own})
+    data = _with_spectrum(data, realised)
+    data = with_distribution(data, shown, scene, realised)
+    return labelled(planes(data, scene, results))
+
+
+def with_maps(data: xr.Dataset, own: Mapping[Press, ContactResult]) -> xr.Dataset:
+    """Add heights and pressures on the finest grid that all methods share, or on the finest of the first."""
+    methods = list(dict.fromkeys(solve.method for solve in own))
+    grids = [{solve.grid for solve in own if solve.method == name} for name in methods]
+    common = set.intersection(*grids) or grids[0]
+    finest = max(common, key=lambda grid: grid[0] * grid[1])
+    there = {solve.method: result for solve, result in own.items() if solve.grid == finest}
+    (nx, ny), first = finest, there[methods[0]]
+    maps = np.full((data.sizes["solver"], nx, ny), np.nan)
+    for k, name in enumerate(data.solver.values):
+        if name in there:
+            maps[k] = np.where(there[name].in_contact, there[name].pressure, np.nan)
+    (dx, dy) = first.spacing
+    data = data.assign_coords(x=("x", (np.arange(nx) + 0.5) * dx), y=("y", (np.arange(ny) + 0.5) * dy))
+    data = data.assign(
+        heights=(MAPS, first.heights - first.heights.mean()), contact_pressure=(("solver", *MAPS), maps)
+    )
+    if len(there) == 2:
+        one, other = (there[name] for name in data.solver.values if name in there)
+        touched = one.in_contact | other.in_contact
+        data["contact_pressure_difference"] = (MAPS, np.where(touched, other.pressure - one.pressure, np.nan))
+    return data.assign_attrs(map_grid=grid_name(finest))
+
+
+def _with_spectrum(data: xr.Dataset, realised: Realised) -> xr.Dataset:
+    """Add C(q) of the surface, ring by ring, and that of the scene."""
+    if not isinstance(realised.field, HeightField) or not realised.field.rms_gradient > 0:
+        return data
+    radial = radial_spectrum(realised.field)
+    kept = radial.power > 1e-12 * radial.power.max()
+    data = data.assign_coords(wavevector=("wavevector", radial.q[kept]))
+    data["power_spectrum"] = ("wavevector", radial.power[kept])
+    if realised.spectrum is not None:
+        told = np.asarray(realised.spectrum(radial.q[kept]), dtype=float)
+        data["power_spectrum_told"] = ("wavevector", np.where(told > 0, told, np.nan))
+    return data
+
+
+def with_distribution(
+    data: xr.Dataset, shown: Mapping[Press, ContactResult], scene: Scene, realised: Realised
+) -> xr.Dataset:
+    """Add P(sigma) on every grid near zero, on the finest to its end, and that of the theory.
+
+    All have the same bins, as many as the contact with the fewest points carries; shifts are averaged. With
+    adhesion it begins at the most negative pressure, since some points are pulled.
+    """
+    unit = float(data.pressure_scale)
+    if not unit > 0:
+        return data
+    groups: dict[tuple[str, str], list[ContactResult]] = {}
+    for solve, result in shown.items():
+        groups.setdefault((solve.method, grid_name(solve.grid)), []).append(result)
+    adhesive = bool(data.attrs.get("adhesive"))
+    lowest = (
+        min((float(r.pressure[r.in_contact].min(initial=0.0)) for r in shown.values()), default=0.0) / unit
+    )
+    lowest = lowest if adhesive else 0.0
+    finest = {method: (method, grid) for method, grid in groups}
+    ends = [float(r.pressure.max()) / unit for key in finest.values() for r in groups[key]]
+    if "stress_variance" in data and all(effect.slot != "pressure bound" for effect in scene.effects):
+        spread = math.sqrt(float(data.stress_variance)) * float(data.contact_modulus) / unit
+        ends.append(float(data.reduced_pressure) + 3 * spread)
+    for name, top, keys in (("near", NEAR_ZERO, groups), ("wide", 1.02 * max(ends), finest.values())):
+        data = _binned(data, name, {key: groups[key] for key in keys}, (lowest, top), unit)
+        theory = _by_theory(scene, realised, np.linspace(lowest, top, _CURVE), unit)
+        if theory is not None:
+            data = data.assign_coords(
+                {f"stress_{name}_exact": (f"{name}_exact", np.linspace(lowest, top, _CURVE))}
+            )
+            data[f"density_{name}_persson"] = (f"{name}_exact", theory)
+    return data
+
+
+def _binned(
+    data: xr.Dataset,
+    name: str,
+    groups: Mapping[tuple[str, str], Sequence[ContactResult]],
+    ends: tuple[float, float],
+    unit: float,
+) -> xr.Dataset:
+    """Add one histogram for each grid, in common bins."""
+    points = min(sum(np.count_nonzero(r.in_contact) for r in results) for results in groups.values())
+    bins = min(48, max(12, int(np.sqrt(points) / 2)))
+    edges = np.linspace(*ends, bins + 1)
+    over = np.full((data.sizes["solver"], data.sizes["grid"], bins), np.nan)
+    for (method, grid), results in groups.items():
+        place = list(data.solver.values).index(method), list(data.grid.values).index(grid)
+        over[place] = unit * np.mean(
+            [pressure_distribution(r, edges * unit).density for r in results], axis=0
+        )
+    data = data.assign_coords({f"stress_{name}": (name, (edges[1:] + edges[:-1]) / 2)})
+    return data.assign({f"density_{name}": (("solver", "grid", name), over)})
+
+
+def _by_theory(scene: Scene, realised: Realised, stress: Array, unit: float) -> Array | None:
+    """P(sigma) by the theory with the effects of the scene; None where it is not asked or has no answer."""
+    options = scene.methods.options("theory")
+    if options is None:
+        return None
+    found = stress_distribution(realised, scene.effects, options, stress * unit)
+    return None if found is None else found * unit

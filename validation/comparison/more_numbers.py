@@ -1,0 +1,179 @@
+"""What follows from the areas of a scene: how methods differ, what came close, the contact in numbers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fem_contact.contact import ContactResult
+from fem_contact.extrapolation import LEAST_CONTACT_POINTS
+from validation.arrays import Array
+from validation.comparison.reading import Reading, grid_name, is_adhesive
+from validation.effects.base import Slots
+from validation.measures.statistics import order_of_convergence
+from validation.methods import find_method
+from validation.report.estimates import derive, error_of
+from validation.scenes.realised import Realised
+from validation.scenes.scene import Scene
+from validation.solves.press import Press
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["beside_each_other", "cost_and_orders", "finest", "in_numbers"]
+
+#: Within which relative distance from the limit the cheapest solve is looked for.
+_CLOSE = 0.01
+_SIMULATED = {"theory": "it is simulated"}
+
+
+def beside_each_other(data: xr.Dataset, own: Sequence[Reading], scene: Scene) -> xr.Dataset:
+    """Put every other method beside the first, on the grids they share; how differences shrink with dx."""
+    methods, grids = list(scene.methods.solvers), list(data.grid.values)
+    if len(methods) < 2:
+        return data
+    found = {
+        name: np.full((len(methods), len(grids)), math.nan)
+        for name in ("pressure", "area_pixel", "area_perimeter")
+    }
+    still = {(o.solve.method, grid_name(o.solve.grid)): o for o in own if o.pressure is not None}
+    for (method, grid), one in still.items():
+        first = still.get((methods[0], grid))
+        if first is None or method == methods[0]:
+            continue
+        place = methods.index(method), grids.index(grid)
+        assert one.pressure is not None
+        assert first.pressure is not None
+        norm = float(np.linalg.norm(first.pressure))
+        found["pressure"][place] = (
+            float(np.linalg.norm(one.pressure - first.pressure)) / norm if norm else math.nan
+        )
+        found["area_pixel"][place] = one.areas.pixel / first.areas.pixel - 1
+        found["area_perimeter"][place] = one.areas.perimeter / first.areas.perimeter - 1
+    data = data.assign({f"{name}_difference": (("solver", "grid"), v) for name, v in found.items()})
+    spacing = data.spacing.values
+    for name in ("pressure", "area_pixel"):
+        orders = [_order(spacing, row) for row in np.abs(found[name])]
+        data[f"{name}_difference_order"] = (
+            "solver",
+            orders,
+            {"reduction": "order", "of": f"{name}_difference"},
+        )
+    return data
+
+
+def _order(spacing: Array, values: Array) -> float:
+    """Power of dx with which something shrinks, where three grids tell."""
+    known = np.isfinite(values) & (values > 0)
+    return order_of_convergence(spacing[known], values[known]) if known.sum() > 2 else math.nan
+
+
+def cost_and_orders(data: xr.Dataset) -> xr.Dataset:
+    """Add how far every area is from the limit, what it took to come close, and how P(0+) falls with dx."""
+    limit = float(data.area_own) if str(data.no_limit.item()) == "" else math.nan
+    if not 0 < limit < 1 - 1e-12:
+        limit = math.nan
+    for name in ("pixel", "perimeter"):
+        data[f"area_{name}_off"] = data[f"area_{name}"] / limit - 1
+        data[f"deviation_{name}"] = np.maximum(abs(data[f"area_{name}_off"]), 1e-6)
+    if "area_persson_own" in data:
+        data["deviation_persson"] = np.maximum(abs(data.area_persson_own / limit - 1), 1e-6)
+    data["seconds_total"] = data.seconds.sum()
+    data["unknowns_largest"] = data.unknowns.max()
+    good = data.resolved.values > 0
+    ways = [
+        (float(data.seconds[m, g]), m, g, name)
+        for m, g, name in (
+            (m, g, n)
+            for m in range(data.sizes["solver"])
+            for g in np.flatnonzero(good)
+            for n in ("pixel", "perimeter")
+        )
+        if abs(float(data[f"area_{name}_off"][m, g])) <= _CLOSE
+    ]
+    if ways:
+        seconds, m, g, name = min(ways)
+        label = find_method(str(data.solver.values[m])).label
+        how = {"pixel": "points counted", "perimeter": "corrected at its edge"}[name]
+        data = data.assign(
+            cheapest=f"{label} on {data.grid.values[g]}, {how}",
+            seconds_cheapest=seconds,
+            area_cheapest_off=float(data[f"area_{name}_off"][m, g]),
+        )
+    first = data.isel(solver=0)
+    cells = np.array([math.prod(map(int, str(g).split(" x "))) for g in data.grid.values])
+    enough = good & (first.area_pixel.values * cells >= LEAST_CONTACT_POINTS)
+    density = np.where(enough, first.density_at_zero.values, math.nan)
+    return data.assign(density_at_zero_order=_order(data.spacing.values, density))
+
+
+def finest(data: xr.Dataset) -> xr.Dataset:
+    """Add what every method says on its finest resolved grid, or on its finest where none resolves."""
+    import xarray as xr
+
+    names = [
+        name for name in ("area_pixel", "area_perimeter", "area_plastic_pixel", "residual") if name in data
+    ]
+    place = []
+    for solved in data.area_pixel.notnull().values:
+        good = np.flatnonzero(solved & (data.resolved.values > 0))
+        place.append(int(good[-1] if good.size else np.flatnonzero(solved)[-1]))
+    at = xr.DataArray(place, dims="solver")
+    found = {f"{name}_finest": data[name].isel(grid=at).drop_vars("grid") for name in names}
+    return data.assign({**found, "grid_finest": ("solver", data.grid.values[place])})
+
+
+def in_numbers(
+    data: xr.Dataset, own: Sequence[Reading], results: Mapping[Press, ContactResult], realised: Realised
+) -> xr.Dataset:
+    """Add what one asks of a contact, on the finest resolved grid of the first method."""
+    from fem_contact.patches import find_patches
+
+    first = [o.solve for o in own if o.solve.method == own[0].solve.method and o.solve.is_own]
+    solves = sorted(
+        [s for s in first if realised.resolved_by(s.grid)] or first,
+        key=lambda s: realised.points_per_wave(s.grid),
+    )
+    rows = []
+    for solve in solves[-2:]:
+        result = results[solve]
+        rows.append(
+            {
+                "mean_gap": float(np.mean(result.gap)),
+                "approach": -result.offset,
+                "largest_pressure": float(result.pressure.max()),
+                "patches": float(find_patches(result.in_contact, result.spacing).count),
+            }
+        )
+    if _answers_linearly(solves[-1], results[solves[-1]]):
+        for row, solve in zip(rows, solves[-2:], strict=True):
+            row["stiffness"] = (
+                _stiffness(results[solve], solve) * realised.field.rms_height / results[solve].mean_pressure
+            )
+    import xarray as xr
+
+    for name, value in rows[-1].items():
+        data[name] = xr.DataArray(value)
+        change = abs(value - rows[0][name]) if len(rows) > 1 else math.nan
+        data[f"{name}_error"] = error_of(data[name], grid=change, **_SIMULATED)
+    if realised.field.rms_height > 0:
+        data["rms_height"] = float(data.rms_height)
+        data = derive(data, gap="mean_gap / rms_height")
+    return derive(data, contact_area="area_own * nominal_area")
+
+
+def _answers_linearly(solve: Press, result: ContactResult) -> bool:
+    """Whether the stiffness follows from the contact set: points that weigh alike on an elastic response."""
+    some = bool(result.in_contact.any()) and not bool(result.in_contact.all())
+    return some and result.weights is None and not is_adhesive(solve.effects) and not solve.solver.sinks
+
+
+def _stiffness(result: ContactResult, solve: Press) -> float:
+    """K [Pa/m] of the contact set as it is, which is exact: its area changes in the second order only."""
+    from fem_contact.conductance import frozen_contact
+
+    response = Slots.filled(solve.realised.elastic, solve.effects).felt_response
+    return frozen_contact(result, response, tolerance=1e-6).stiffness

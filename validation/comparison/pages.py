@@ -1,0 +1,152 @@
+"""The page of a run, a theory or a sweep: its views, and what a reader should know of the scene."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from validation.comparison.explain import judgements
+from validation.comparison.pictures import render_stored
+from validation.comparison.run_views import run_views
+from validation.comparison.sweep_views import sweep_views
+from validation.comparison.theory_alone import theory_views
+from validation.errors import UsageError
+from validation.report.page import Note, Page, Picture, page_of, write_page
+from validation.report.papers import PAPERS
+from validation.report.quantities import in_prefixed_unit
+from validation.scenes.realised import Realised
+from validation.scenes.scene import Scene
+from validation.solves.results import DATA, Result
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["effects_words", "result_page", "write_result_page"]
+
+_VIEWS = {"run": run_views, "theory": theory_views, "sweep": sweep_views}
+
+
+def effects_words(scene: Scene, realised: Realised) -> str:
+    """Say in lines which effects ran and which were left out, with the number that decides."""
+    run, left_out = judgements(scene, realised)
+    lines = [f"Runs: {item.effect}: {item.number} - {item.verdict}" for item in run]
+    lines = lines or ["None beyond linear elasticity runs."]
+    return "\n".join(
+        lines + [f"Left out: {item.effect}: {item.number} - {item.verdict}" for item in left_out]
+    )
+
+
+def result_page(result: Result, *, figures: bool = True, pictures: bool = False) -> Page:
+    """Return the page of what a scene left, drawn or not, all of it from its dataset and from what was asked.
+
+    Raises
+    ------
+    UsageError
+        For a record of another kind.
+    """
+    if result.kind not in _VIEWS:
+        raise UsageError(f"holds a {result.kind}, of which this makes no page")
+    data, scene = result.data, Scene.model_validate(result.asked["scene"])
+    picture, missing = None, "not asked for" if result.kind == "run" else "no surface was pressed"
+    if pictures and figures and result.kind == "run":
+        picture, missing = _picture(result)
+    notes = [Note(title="Effects", sentences=tuple(data.attrs.get("effects_words", "").splitlines()))]
+    notes += [
+        Note(title="The measured surface", sentences=tuple(data.attrs.get("treatment", "").splitlines()))
+    ]
+    settings = {**result.asked, "scene": scene.model_dump(mode="json", exclude_none=True)}
+    return page_of(
+        data,
+        _VIEWS[result.kind](data),
+        figures=figures,
+        title=str(data.attrs["title"]),
+        lead=_lead(result.kind, data, scene),
+        notes=tuple(note for note in notes if note.sentences),
+        pictures=() if picture is None else (picture,),
+        no_picture="" if result.kind == "sweep" else missing,
+        settings=settings,
+        seeds=_seeds(scene, data),
+        papers=_papers(scene),
+        summary={"kind": result.kind, "name": result.name, **result.asked},
+        data=None,
+    )
+
+
+def write_result_page(
+    result: Result, folder: Path, *, report: bool = True, pictures: bool = False
+) -> tuple[Page, tuple[Path, ...]]:
+    """Write tables, figures and report of a result; return the page, and the files, the report first."""
+    page = result_page(result, figures=report, pictures=pictures)
+    return page, (*write_page(page, folder, numbers_only=not report), folder / DATA)
+
+
+def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
+    if kind == "sweep":
+        swept = [
+            f"{data[name].attrs['key']} ({data[name].size} values)"
+            for name in str(data.attrs["keys"]).split()
+        ]
+        joined = " beside " if data.attrs["mode"] == "zip" else " times "
+        return f"Swept: {joined.join(swept)}, {data.attrs['cases']} cases"
+    modulus = in_prefixed_unit(float(data.contact_modulus), "Pa")
+    if kind == "theory":
+        return (
+            f"Rigid rough surface on an elastic solid, by the theory alone: {data.attrs['theory']}; E* = "
+            f"{modulus}, "
+            f"h'_rms = {float(data.rms_gradient):.4g}"
+        )
+    kinds = [effect.kind.replace("-", " ") for effect in scene.effects]
+    effects = "effects: " + ", ".join(kinds) if kinds else "elastic, no adhesion"
+    bodies = "Rigid rough" if scene.solid.second_young is None else "Elastic rough"
+    held = "".join(
+        f"{key.replace('_', ' ')} {in_prefixed_unit(value, 'm')} held, "
+        for key, value in scene.load.held.items()
+    )
+    layered = not np.isclose(data.contact_modulus, data.contact_modulus_below, rtol=1e-9)
+    layer = " of the layer at the surface" if layered else ""
+    return (
+        f"{bodies} surface on an elastic solid, frictionless, {effects}; {held}p* = "
+        f"{float(data.reduced_pressure):.4g} "
+        f"(p0 = {in_prefixed_unit(float(data.pressure), 'Pa')}, E* = {modulus}{layer}, "
+        f"realised h'_rms = {float(data.rms_gradient):.4g})"
+    )
+
+
+def _papers(scene: Scene) -> tuple[str, ...]:
+    """Name what is to be cited: methods, effects, and how areas were corrected."""
+    cited = [paper for method in scene.methods.asked.values() for paper in method.cited(scene.effects)]
+    cited += [paper for effect in scene.effects for paper in effect.papers]
+    corrected = [PAPERS["perimeter"]] if scene.methods.solvers else []
+    return tuple(
+        dict.fromkeys((*cited, *corrected, *([PAPERS["measured"]] if scene.surface.kind == "file" else [])))
+    )
+
+
+def _seeds(scene: Scene, data: xr.Dataset) -> str:
+    """Say by which numbers surfaces are drawn."""
+    swept = [c for c in data.coords.values() if c.attrs.get("key") == "surface.seed"]
+    if swept:
+        return ", ".join(f"{value:g}" for value in swept[0].values)
+    surface = scene.surface
+    if surface.kind == "file":
+        return "none: the surface was measured"
+    if not scene.methods.solvers:
+        return "none: no surface was drawn"
+    if scene.ensemble is None or scene.ensemble.realisations < 2:
+        return str(surface.seed)
+    last = surface.seed_of(scene.ensemble.realisations - 1)
+    return f"{surface.seed} (the surface shown), {surface.seed} to {last} (scatter between surfaces)"
+
+
+def _picture(result: Result) -> tuple[Picture | None, str]:
+    """Render the finest finite-element solve, or the finest of all, of the surface as it stands."""
+    keys = result.data.solve.isel(shift=0)
+    found: list[tuple[Any, ...]] = []
+    for m, name in enumerate(keys.solver.values):
+        for g, grid in enumerate(keys.grid.values):
+            if key := str(keys.values[m, g]):
+                found.append(((result.store / f"{key}.vtu").exists(), g, key, f"{name} on {grid}"))
+    *_, key, label = max(found)
+    return render_stored(result.store / f"{key}.nc", label=label)

@@ -1,0 +1,498 @@
+"""What is shown of a run: cards, tables, figures and findings of its dataset."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from validation.methods import find_method
+from validation.report.estimates import value_of
+from validation.report.findings import Finding, finding, note
+from validation.report.marks import Figure, Image, Level, Line, Panel
+from validation.report.table import Listing, Table
+from validation.report.views import Card, Views
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["area_figure", "maps_figure", "pressure_figure", "run_views"]
+
+_NUMBERS = (
+    "area",
+    "area_own",
+    "area_lowest",
+    "area_highest",
+    "contact_area",
+    "nominal_area",
+    "kappa",
+    "area_persson",
+    "area_ensemble",
+    "area_other_energy",
+    "area_ratio",
+    "kappa_persson",
+    "area_plastic_persson",
+    "scatter",
+    "mean_gap",
+    "gap",
+    "approach",
+    "stiffness",
+    "largest_pressure",
+    "patches",
+    *(f"{name}{by}" for name in ("electrical_conductance", "thermal_conductance") for by in ("", "_persson")),
+    *(f"leak_rate_{axis}{by}" for axis in "xy" for by in ("", "_bruggeman")),
+    "pressure",
+    "reduced_pressure",
+    "contact_modulus",
+    "contact_modulus_below",
+    "felt_modulus",
+    "rms_height",
+    "rms_height_spectrum",
+    "rms_gradient",
+    "rms_gradient_spectrum",
+    "nayak",
+)
+_NOTE = (
+    "Of the scene's own surface, on the finest grid that resolves it; +-: 95 %, of what follows from "
+    "fields the "
+    "change from the grid before. A/A0 is the mean over the surfaces of an ensemble."
+)
+_GRIDS = (
+    "Counted: points of the contact set, mean over sub-grid positions; corrected: less the method's edge "
+    "constant times "
+    "edge length times dx; located: the edge placed inside the cells. kappa is the corrected area over "
+    "p*. The residual "
+    "is the largest of penetration/h_rms, tension/(E* h'_rms), complementarity and load error."
+)
+
+
+def run_views(data: xr.Dataset) -> Views:
+    """Return what is shown of the dataset of a run."""
+    return Views(
+        table=Table(
+            rows=("solver", "grid"),
+            columns=(
+                "solver",
+                "grid",
+                "area_pixel",
+                "area_perimeter",
+                "area_located",
+                "kappa_perimeter",
+                "area_plastic_pixel",
+                "density_at_zero",
+                "points_per_wave",
+                "residual",
+                "shifts",
+                "unknowns",
+                "seconds",
+            ),
+            title="Every grid",
+            note=_GRIDS,
+            sparse=True,
+        ),
+        more=tuple(_tables(data)),
+        budget=("area", "area_own", "kappa") if float(data.surfaces) > 1 else ("area", "kappa"),
+        figures=tuple(_figures(data)),
+        findings=tuple(_findings(data)),
+        cards=tuple(_cards(data)),
+    )
+
+
+def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
+    yield Listing(names=_NUMBERS, title="Contact in numbers", note=_NOTE)
+    if "pressure_difference" in data:
+        yield Table(
+            rows=("solver", "grid"),
+            columns=(
+                "solver",
+                "grid",
+                "pressure_difference",
+                "area_pixel_difference",
+                "area_perimeter_difference",
+            ),
+            title=f"Beside {_label(data, 0)} on the same grid",
+            note="Same surface, same points, same load; of the pressure the relative L2 norm of the "
+            "difference. " + _independence(data),
+            file="methods",
+            sparse=True,
+        )
+    if "von_mises" in data:
+        yield Table(
+            rows=("solver", "grid"),
+            columns=(
+                "solver",
+                "grid",
+                "von_mises_reduced",
+                "von_mises",
+                "von_mises_depth_reduced",
+                "von_mises_depth",
+            ),
+            title="Below the surface",
+            note="The surface itself is left out, where the edges of the contact ring. The solid is "
+            "elastic whatever "
+            "its hardness.",
+            file="below",
+            sparse=True,
+        )
+    if "area_each" in data:
+        yield Table(
+            rows=("surface",),
+            columns=("surface", "area_each", "area_persson_each", "area_ratio_each", "rms_gradient_each"),
+            title="Every surface",
+            file="surfaces",
+        )
+
+
+def _label(data: xr.Dataset, k: int) -> str:
+    return find_method(str(data.solver.values[k])).label
+
+
+def _independence(data: xr.Dataset) -> str:
+    """Say what the agreement of the methods proves."""
+    others = [find_method(str(name)) for name in data.solver.values[1:]]
+    apart = [method.label for method in others if method.independent]
+    if not apart:
+        return "They share a contact algorithm, so that agreement tests the discretisation alone."
+    return (
+        f"{' and '.join(apart)} has a contact algorithm of its own, so agreement tests both codes; the "
+        f"differences "
+        "include that of the discretisations."
+    )
+
+
+def _cards(data: xr.Dataset) -> Iterator[Card]:
+    several = float(data.surfaces) > 1
+    basis = (
+        f"mean over {data.surfaces.item():.0f} surfaces; this one {{area_own}}" if several else "{area_basis}"
+    )
+    yield Card(
+        question="How large is the contact? A/A0",
+        answer=finding("value", "{area}", data),
+        basis=finding("value", basis + "; kappa = {kappa}", data),
+    )
+    if "accuracy_asked" in data:
+        yield Card(
+            question="How sure?",
+            answer=finding("value", "asked {accuracy_asked:%}, reached {accuracy_reached:%~}", data),
+            basis=note("95 %: grid and solver" + (", surfaces" if several else ", of this surface")),
+        )
+    else:
+        words = (
+            "95 %: surfaces and grid; single surfaces scatter by {scatter:.2%}"
+            if several
+            else ("95 %: grid and solver of one surface; the scatter between surfaces is unknown")
+        )
+        yield Card(question="How sure?", answer=_share(data), basis=finding("value", words, data))
+    if "area_excess" in data and np.isfinite(data.area_persson_own):
+        yield Card(
+            question="How far from Persson's theory?",
+            answer=finding("value", "{area_excess:+%}", data),
+            basis=finding("value", "theory: A/A0 = {area_persson:.4} with the realised gradient", data),
+        )
+    if "area_plastic_pixel" in data:
+        predicted = "; theory: {area_plastic_persson:.4}" if "area_plastic_persson" in data else ""
+        yield Card(
+            question="How much has yielded? A_pl/A0",
+            answer=finding("value", "{area_plastic_pixel:.4}", _finest(data)),
+            basis=finding("value", "{solver} on {grid}, points counted" + predicted, _finest(data)),
+        )
+    yield Card(
+        question="What did it cost?",
+        answer=finding("cost", "{seconds_total:.3} s", data),
+        basis=finding(
+            "cost",
+            "{solves} solves shown, largest {unknowns_largest} unknowns",
+            data,
+            solves=float(data.shifts.sum()),
+        ),
+    )
+
+
+def _share(data: xr.Dataset) -> Finding:
+    area = value_of(data, "area")
+    if area.error is None or not np.isfinite(area.error) or not float(area.value):
+        return note("not measured")
+    return note("+- {share:.2%}", share=area.error / float(area.value))
+
+
+def _finest(data: xr.Dataset) -> xr.Dataset:
+    """Return the finest resolved grid of the first method."""
+    first = data.isel(solver=0)
+    return first.sel(grid=str(first.grid_finest.item()))
+
+
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
+    """Yield what was found, the most asked-for first."""
+    yield from _area(data)
+    yield from _theory(data)
+    if "area_plastic_pixel" in data:
+        beside = "; {area_plastic_persson:.4} by the theory" if "area_plastic_persson" in data else ""
+        text = (
+            "Yielded, A_pl/A0 = {area_plastic_pixel:.4} by {solver} on {grid} (points counted)" + beside + "."
+        )
+        yield finding("share", text, _finest(data))
+    yield from _methods(data)
+    yield from _edges(data)
+    if "von_mises" in data:
+        yield finding(
+            "value",
+            "The largest von Mises stress below the surface is {von_mises_reduced:.4} E* h'_rms "
+            "({von_mises:.4} Pa), at a depth "
+            "of {von_mises_depth_reduced:.3} lambda_short ({von_mises_depth:.3} m; {solver} on {grid}): "
+            "there the solid yields "
+            "first. From the grid before it changed by {von_mises_change:+.2%}.",
+            _finest(data),
+        )
+    if "cheapest" in data:
+        yield finding(
+            "cost",
+            "The cheapest way to within 1 % of the limit was {cheapest}: {seconds_cheapest:.2} s, off by "
+            "{area_cheapest_off:+.2%}.",
+            data,
+        )
+    elif "accuracy_asked" not in data and bool(data.deviation_pixel.notnull().any()):
+        yield note("No solve of this run is within 1 % of the limit: refine the grids.")
+    yield from _warnings(data)
+
+
+def _area(data: xr.Dataset) -> Iterator[Finding]:
+    if float(data.area_own) >= 1 - 1e-12:
+        yield note("Contact is complete: A/A0 = 1 on the resolved grids, and refinement changes nothing.")
+        return
+    text = (
+        "A/A0 = {area_own} for this surface ({area_basis}), kappa = {kappa_own} at p* = "
+        "{reduced_pressure:.4}."
+    )
+    own = data.assign(
+        kappa_own=data.area_own / data.reduced_pressure,
+        kappa_own_error=data.area_own_error / data.reduced_pressure,
+    )
+    yield finding("value", text, own)
+    if str(data.no_limit.item()):
+        yield finding("note", "No limit over the grids: {no_limit}.", data)
+    if float(data.surfaces) > 1:
+        text = (
+            "Over {surfaces} surfaces of this spectrum the mean is A/A0 = {area}; single ones scatter "
+            "by {scatter:.2%}."
+        )
+        yield finding("value", text, data)
+    elif "treatment" in data.attrs and not data.attrs["treatment"]:
+        yield note("One surface: without an ensemble the scatter between surfaces is unknown.")
+
+
+def _theory(data: xr.Dataset) -> Iterator[Finding]:
+    if "area_persson_own" not in data:
+        return
+    if not np.isfinite(data.area_persson_own):
+        yield finding("refusal", "Persson's theory gives {theory_note}.", data)
+        return
+    alone = ", {area_ensemble:.4} from C(q) alone" if "area_ensemble" in data else ""
+    part = " ({theory_note})" if str(data.theory_note.item()) else ""
+    other = ", {area_other_energy:.4} with another elastic energy" if "area_other_energy" in data else ""
+    yield finding(
+        "comparison",
+        "The area is {verdict} Persson's theory: {area_excess:+%} of A/A0 = {area_persson_own:.4} with "
+        "the realised gradient"
+        f"{alone}{other}{part}.",
+        data,
+        by="area_excess",
+    )
+
+
+def _methods(data: xr.Dataset) -> Iterator[Finding]:
+    """Compare every other method with the first, on the finest grid that both have."""
+    if "pressure_difference" not in data:
+        return
+    for k in range(1, data.sizes["solver"]):
+        here = data.isel(solver=k)
+        shared = np.flatnonzero(here.pressure_difference.notnull().values)
+        if not shared.size:
+            yield note(
+                f"{_label(data, k)} and {_label(data, 0)} share no grid: their pressures are not compared."
+            )
+            continue
+        at = here.isel(grid=int(shared[-1]))
+        order = ""
+        if np.isfinite(at.pressure_difference_order):
+            order = (
+                "; these shrink like dx^{pressure_difference_order:.3} and "
+                "dx^{area_pixel_difference_order:.3}"
+            )
+        yield finding(
+            "order",
+            f"{_label(data, k)} and {_label(data, 0)} on {{grid}} differ by {{pressure_difference:.2%}} "
+            f"in pressure "
+            f"(relative L2) and {{area_pixel_difference:.2%}} in counted area{order}.",
+            at,
+        )
+
+
+def _edges(data: xr.Dataset) -> Iterator[Finding]:
+    """Say what counting points leaves on the first grid, and how P(0+) falls."""
+    for k in range(data.sizes["solver"]):
+        here = data.isel(solver=k)
+        good = np.flatnonzero((here.resolved.values > 0) & here.area_pixel_off.notnull().values)
+        if good.size < 2:
+            continue
+        first, last = (here.isel(grid=int(k)) for k in (good[0], good[-1]))
+        yield finding(
+            "value",
+            f"Counted points ({_label(data, k)}) are {{area_pixel_off:+.2%}} off the limit on {{grid}}, "
+            f"{{last:+.2%}} on the "
+            "finest; corrected at the edge {area_perimeter_off:+.2%} on {grid}.",
+            first,
+            last=float(last.area_pixel_off),
+        )
+    if not data.attrs.get("adhesive") and np.isfinite(data.density_at_zero_order):
+        yield finding(
+            "order",
+            "P(sigma) at sigma -> 0 falls with refinement like dx^{density_at_zero_order:.2}; 0.5 is "
+            "expected of an edge.",
+            data,
+        )
+
+
+def _warnings(data: xr.Dataset) -> Iterator[Finding]:
+    solved = data.area_pixel.notnull().any("solver").values
+    coarse = data.grid.values[solved & (data.resolved.values == 0)]
+    if coarse.size:
+        names = ", ".join(map(str, coarse))
+        yield note(f"Under-resolved (lambda_short <= 2 dx) and left out of every limit: {names}.")
+    if float(data.rms_gradient) > 0.3:
+        yield finding(
+            "note",
+            "The gradient h'_rms = {rms_gradient:.3} is not small; all methods here assume small slopes.",
+            data,
+        )
+    if not np.isclose(data.contact_modulus, data.contact_modulus_below, rtol=1e-9):
+        yield finding(
+            "note",
+            "p* and kappa stand on E* = {contact_modulus:.4} Pa of the layer at the surface, and are no "
+            "numbers of a "
+            "homogeneous solid; below it E* = {contact_modulus_below:.4} Pa"
+            + (", and what the roughness feels is {felt_modulus:.4} Pa." if "felt_modulus" in data else "."),
+            data,
+        )
+    if "passing_note" in data:
+        yield finding("note", "What passes: {passing_note}.", data)
+
+
+def _figures(data: xr.Dataset) -> Iterator[Figure]:
+    """Yield the figures, the surface before the contact."""
+    if "heights" in data:
+        yield Figure(
+            name="surface",
+            caption="The rough surface, and its power spectrum, ring by ring.",
+            panels=[
+                Panel(marks=[Image(y="heights", rows="y", cmap="gray")], x="x"),
+                Panel(
+                    marks=[
+                        Line(y="power_spectrum", joined=False, label="this surface"),
+                        Line(y="power_spectrum_told"),
+                    ],
+                    x="wavevector",
+                    y="power_spectrum",
+                    log="xy",
+                ),
+            ],
+            width=8.4,
+            height=3.4,
+        )
+        yield maps_figure(data)
+    yield area_figure()
+    yield pressure_figure()
+    yield Figure(
+        name="cost",
+        caption="Distance of the area from its limit over the time of the solves.",
+        panels=[
+            Panel(
+                marks=[
+                    Line(y="deviation_pixel", by="solver"),
+                    Line(y="deviation_perimeter", by="solver"),
+                    Level(y="deviation_persson"),
+                ],
+                x="seconds",
+                y="deviation",
+                log="xy",
+            )
+        ],
+    )
+    if "plane_depth" in data:
+        lines = [
+            Line(y=f"plane_stress_{name}", by="solver", look={"marker": ""}) for name in ("largest", "rms")
+        ]
+        yield Figure(
+            name="below",
+            caption="Von Mises stress over depth, on the finest grid: the largest on each plane, and the "
+            "rms.",
+            panels=[Panel(marks=lines, x="plane_depth", y="plane_stress_largest", log="xy")],
+        )
+
+
+def area_figure() -> Figure:
+    """Declare area against grid spacing: counted, corrected, located, their limit and the theory."""
+    return Figure(
+        name="area",
+        caption="Contact area against grid spacing; coarse grids are on the right.",
+        panels=[
+            Panel(
+                marks=[
+                    Line(y="area_pixel", by="solver"),
+                    Line(y="area_perimeter", by="solver"),
+                    Level(y="area_own", look={"color": "black"}, label="this surface"),
+                    Level(y="area_persson_own"),
+                    Level(y="area_ensemble"),
+                ],
+                x="spacing",
+                y="area",
+                log="x",
+                base=2,
+            )
+        ],
+    )
+
+
+def pressure_figure() -> Figure:
+    """Declare P(sigma) near zero on every grid, and on the finest of each method to its end."""
+    panels = []
+    for name in ("near", "wide"):
+        marks = [
+            Line(y=f"density_{name}", by=("solver", "grid"), steps=True),
+            Line(y=f"density_{name}_persson", x=f"stress_{name}_exact", look={"lw": 2, "ls": "-"}),
+        ]
+        log = "" if name == "near" else "y"
+        panels.append(Panel(marks=marks, x=f"stress_{name}", y=f"density_{name}", log=log))
+    return Figure(
+        name="pressure-distribution",
+        caption="Distribution of contact pressure: left near zero on each grid, where what remains at "
+        "zero is the grid's; "
+        "right to the largest pressure, on the finest grid of each method.",
+        panels=panels,
+        width=8.4,
+        height=3.4,
+    )
+
+
+def maps_figure(data: xr.Dataset) -> Figure:
+    """Declare the pressure of every method on one grid, and their difference."""
+    there = [k for k in range(data.sizes["solver"]) if bool(data.contact_pressure[k].notnull().any())]
+    panels = [
+        Panel(
+            marks=[Image(y="contact_pressure", rows="y", cmap="viridis_r", at={"solver": k})],
+            x="x",
+            title=_label(data, k),
+        )
+        for k in there
+    ]
+    if "contact_pressure_difference" in data:
+        difference = Image(y="contact_pressure_difference", rows="y", cmap="RdBu_r")
+        title = f"{_label(data, there[1])} - {_label(data, there[0])}"
+        panels.append(Panel(marks=[difference], x="x", title=title))
+    return Figure(
+        name="pressure-maps",
+        caption=f"Contact pressure on {data.attrs['map_grid']} points; white: no contact.",
+        panels=panels,
+        width=3.9 * len(panels),
+        height=3.1,
+    )

@@ -1,0 +1,314 @@
+"""What is shown of a sweep: area, kappa and what has yielded along every swept key, beside the theory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from validation.methods import find_method
+from validation.report.estimates import derive, mean
+from validation.report.findings import Finding, finding, note
+from validation.report.marks import Band, Figure, Line, Panel
+from validation.report.quantities import place_words, quantity_of
+from validation.report.table import Column, Table
+from validation.report.views import Card, Views
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["sweep_views"]
+
+#: Lines of a figure that can be told apart.
+_MOST_LINES = 4
+#: Spans of a key and of a result from which on their axes are logarithmic.
+_WIDE_X, _WIDE_Y = 3.0, 10.0
+
+
+def sweep_views(data: xr.Dataset) -> Views:
+    """Return what is shown of the dataset of a sweep."""
+    keys = _keys(data)
+    answer = _answer(data)
+    of_methods = [
+        Column(name, {"solver": k})
+        for k in range(data.sizes.get("solver", 0))
+        for name in ("area_perimeter_finest", "area_pixel_finest", "area_plastic_pixel_finest", "grid_finest")
+    ]
+    return Views(
+        table=Table(
+            rows=_over(data),
+            columns=(
+                *keys,
+                answer,
+                "area_own",
+                "kappa" if answer == "area" else "kappa_ensemble",
+                "area_persson",
+                "area_ratio",
+                "scatter",
+                "area_plastic_persson",
+                "area_plastic_ensemble",
+                *(("area_ensemble",) if answer == "area" else ()),
+                *of_methods,
+                "reduced_pressure",
+                "pressure",
+                "electrical_conductance",
+                "thermal_conductance",
+                "leak_rate_x",
+                "leak_rate_y",
+            ),
+            title="Every case",
+            note="A/A0: the mean over the surfaces of an ensemble, else that of one surface; of the "
+            "methods on the finest "
+            "grid that resolves it.",
+        ),
+        budget=(answer,),
+        figures=tuple(_figures(data)),
+        findings=tuple(_findings(data)),
+        cards=tuple(_cards(data)),
+    )
+
+
+def _keys(data: xr.Dataset) -> list[str]:
+    """Names of the swept keys."""
+    return str(data.attrs["keys"]).split()
+
+
+def _over(data: xr.Dataset) -> tuple[str, ...]:
+    """Dimensions of the cases."""
+    return ("case",) if data.attrs["mode"] == "zip" else tuple(_keys(data))
+
+
+def _answer(data: xr.Dataset) -> str:
+    """Name the variable that answers."""
+    return "area" if "area" in data else "area_ensemble"
+
+
+def _several(data: xr.Dataset) -> bool:
+    """Whether cases are means over surfaces."""
+    return "surfaces" in data and bool((data.surfaces > 1).any())
+
+
+def _numeric(data: xr.Dataset, key: str) -> bool:
+    return data[key].dtype.kind in "fiu"
+
+
+def _varying(data: xr.Dataset) -> list[str]:
+    return [key for key in _keys(data) if len(set(data[key].values.tolist())) > 1]
+
+
+def _cards(data: xr.Dataset) -> Iterator[Card]:
+    """Yield the cards on top of the page."""
+    area = data[_answer(data)]
+    if not bool(area.notnull().any()):
+        return
+    low, high = f"{float(area.min()):.4g}", f"{float(area.max()):.4g}"
+    basis = "theory alone, from C(q)"
+    if "area" in data:
+        count = f"{float(data.surfaces.max()):.0f}"
+        basis = f"means over {count} surfaces of each spectrum" if _several(data) else "one surface"
+    yield Card(question="How large is the contact? A/A0", answer=note(f"{low} to {high}"), basis=note(basis))
+    if "scatter" in data and _several(data):
+        yield Card(
+            question="How far is one surface from another?",
+            answer=note(
+                "{low:.2%} to {high:.2%}", low=float(data.scatter.min()), high=float(data.scatter.max())
+            ),
+            basis=note("standard deviation of one over their mean"),
+        )
+    if "area_excess" in data and bool(data.area_excess.notnull().any()):
+        ends = {"low": float(data.area_excess.min()), "high": float(data.area_excess.max())}
+        yield Card(
+            question="How far from Persson's theory?",
+            answer=note("{low:+.3%} to {high:+.3%}", **ends),
+            basis=note("area over the theory with the realised gradient, less one"),
+        )
+
+
+def _findings(data: xr.Dataset) -> Iterator[Finding]:
+    for key in _varying(data):
+        yield from _along(data, key)
+    if "area_excess" in data and bool(data.area_excess.notnull().any()):
+        excess, error = data.area_excess, data.area_excess_error
+        half = (error.sel(source=["surfaces", "grid", "solver"]) ** 2).sum("source") ** 0.5
+        yield finding(
+            "value",
+            "The area lies between {low:+.2%} and {high:+.2%} of Persson's theory; in {agree} of {count} "
+            "cases the two agree "
+            "within the 95 % interval.",
+            low=float(excess.min()),
+            high=float(excess.max()),
+            agree=float((abs(excess) <= half).sum()),
+            count=float(excess.notnull().sum()),
+        )
+    if "no_limit" in data and bool((data.no_limit != "").any()):
+        why = next(str(words) for words in data.no_limit.values.ravel() if words)
+        missing = float((data.no_limit != "").sum())
+        yield note(
+            "In {missing} of {cases} cases the grids tell no limit: {why}.",
+            missing=missing,
+            cases=float(data.no_limit.size),
+            why=why,
+        )
+    if "area" in data and not _several(data) and not any(_is_seed(data, key) for key in _keys(data)):
+        yield note("Every case is one surface: the scatter between surfaces is unknown.")
+    if any(data[key].attrs["key"] == "surface.hurst" for key in _varying(data)):
+        yield note("Several surfaces for each H, with pairs h and -h and a budget: fem-contact study hurst.")
+    if "contact_modulus_below" in data and not np.allclose(
+        data.contact_modulus, data.contact_modulus_below, rtol=1e-9
+    ):
+        yield note(
+            "p* and kappa stand on E* of the layer at the surface: they are no numbers of a homogeneous "
+            "solid."
+        )
+    if int(data.attrs.get("solves", 0)):
+        shared = float(data.attrs["asked"] - data.attrs["solves"])
+        yield finding(
+            "cost",
+            "{cases} cases took {solves} solves; {shared} more were asked for by several cases and done "
+            "once.",
+            cases=float(data.attrs["cases"]),
+            solves=float(data.attrs["solves"]),
+            shared=shared,
+        )
+
+
+def _is_seed(data: xr.Dataset, key: str) -> bool:
+    return bool(data[key].attrs["key"] == "surface.seed")
+
+
+def _middle(data: xr.Dataset, *kept: str) -> tuple[xr.Dataset, str]:
+    """Return the cases with all but some keys at their middle value, and say which."""
+    said = []
+    for other in _over(data):
+        if other not in kept and other != "case":
+            data = data.isel({other: data.sizes[other] // 2})
+            said.append(place_words(data, other, data))
+    return data, f" (at {', '.join(said)})" if said else ""
+
+
+def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
+    """Say how the area changes from the first to the last value of a key, the others in the middle."""
+    import xarray as xr
+
+    name = _answer(data)
+    here, fixed = _middle(data, key)
+    dim = str(here[key].dims[0])
+    if _is_seed(data, key) and name == "area":
+        each = (
+            here[["area"]].rename({dim: "surface"}).rename(area="area_each").drop_vars(key, errors="ignore")
+        )
+        over = mean(each, "area")
+        scatter = float(each.area_each.std(ddof=1) / each.area_each.mean())
+        text = (
+            f"Over {{count}} surfaces{fixed} the mean is A/A0 = {{area}}; single ones scatter by "
+            "{scatter:.2%}."
+        )
+        yield finding("value", text, over, count=float(here.sizes[dim]), scatter=scatter)
+        return
+    ordered = here.sortby(key) if _numeric(data, key) else here
+    known = ordered.isel({dim: np.flatnonzero(ordered[name].notnull().values)})
+    if known.sizes[dim] < 2:
+        return
+    ends = {f"{name}_{end}": known[name].isel({dim: k}, drop=True) for end, k in (("start", 0), ("end", -1))}
+    ends |= {
+        f"{name}_{end}_error": known[f"{name}_error"].isel({dim: k}, drop=True)
+        for end, k in (("start", 0), ("end", -1))
+    }
+    pair = xr.Dataset({n: v.drop_vars([c for c in v.coords if c != "source"]) for n, v in ends.items()})
+    pair = derive(pair, change=f"{name}_end / {name}_start - 1")
+    first, last = (
+        place_words(known.isel({dim: k}), key if key in known.dims else dim, known) for k in (0, -1)
+    )
+    if dim == "case":
+        alone = xr.Dataset(coords={key: ("case", known[key].values, known[key].attrs)})
+        first, last = (place_words(alone.isel(case=k), "case", alone) for k in (0, -1))
+    where = f"From {first} to {last}{fixed} A/A0 "
+    if name == "area_ensemble":
+        yield finding(
+            "value", where + f"by the theory goes from {{{name}_start:.4}} to {{{name}_end:.4}}.", pair
+        )
+        return
+    yield finding(
+        "trend",
+        where + f"{{verdict}} from {{{name}_start}} to {{{name}_end}}, by {{change:+.3%}}.",
+        pair,
+        by="change",
+        words={
+            "0": "does not change by more than its interval,",
+            "?": "goes, by an interval that is not known,",
+        },
+    )
+
+
+def _figures(data: xr.Dataset) -> Iterator[Figure]:
+    """Yield area, kappa and yielded area against each key that has several values."""
+    answer = _answer(data)
+    drawn: dict[str, tuple[str, ...]] = {"area": (answer, "area_persson")}
+    drawn["kappa"] = ("kappa" if answer == "area" else "kappa_ensemble", "kappa_persson")
+    drawn["plastic"] = ("area_plastic_pixel_finest", "area_plastic_persson", "area_plastic_ensemble")
+    for key in _varying(data):
+        for name, variables in drawn.items():
+            variables = tuple(v for v in variables if v in data and bool(data[v].notnull().any()))
+            if variables:
+                yield _figure(data, key, name, variables)
+
+
+def _figure(data: xr.Dataset, key: str, name: str, variables: tuple[str, ...]) -> Figure:
+    """Declare one figure: a line for each of a few values of another key, the others in the middle."""
+    others = [other for other in _over(data) if other not in (key, "case") and data.sizes[other] > 1]
+    at: dict[str, int] = {other: data.sizes[other] // 2 for other in others[1:]}
+    marks: list[Any] = []
+    along = others[0] if others else ""
+    count = data.sizes[along] if along else 1
+    shown = (
+        np.unique(np.linspace(0, count - 1, min(count, _MOST_LINES)).round().astype(int)) if along else [0]
+    )
+    joined = not _numeric(data, key) or bool(np.all(np.diff(data[key].values) > 0))
+    band = name == "area" and "area_lowest" in data and not along
+    if band:
+        marks.append(Band(y="area_lowest", high="area_highest", label="single surfaces", at=at))
+    for n, k in enumerate(shown):
+        place = {**at, **({along: int(k)} if along else {}), "solver": 0}
+        where = place_words(data.isel({along: int(k)}), along, data) if along else ""
+        for variable in variables:
+            look = {"color": f"C{n}"} if along else {}
+            label = ", ".join(filter(None, (_which(data, variable), where)))
+            marks.append(Line(y=variable, at=place, look=look, label=label, joined=joined))
+    fixed = f", {', '.join(place_words(data.isel({o: k}), o, data) for o, k in at.items())}" if at else ""
+    one = "" if _several(data) or "area" not in data else " One surface."
+    return Figure(
+        name=f"{name}-against-{key.replace('_', '-')}",
+        caption=f"{_WORDS[name]} against {data[key].attrs['key']}{fixed}.{one}",
+        panels=[Panel(marks=marks, x=key, y=variables[0], log=_scales(data, key, variables))],
+    )
+
+
+_WORDS = {
+    "area": "Contact area",
+    "kappa": "Contact area over reduced load",
+    "plastic": "Yielded area, points counted",
+}
+
+
+def _which(data: xr.Dataset, variable: str) -> str:
+    """Say whose a line is."""
+    which = quantity_of(data, variable).which
+    if which or "solver" not in data.coords:
+        return which.removesuffix(", finest")
+    method = find_method(str(data.solver.values[0])).label
+    return f"{method}, mean over surfaces" if _several(data) else f"{method}, one surface"
+
+
+def _scales(data: xr.Dataset, key: str, variables: tuple[str, ...]) -> str:
+    """Return which axes are logarithmic: of keys and results that span enough, unless a key is never."""
+    spans: dict[str, tuple[Any, float]] = {
+        "y": (np.concatenate([data[v].values.ravel() for v in variables]), _WIDE_Y)
+    }
+    if _numeric(data, key) and not quantity_of(data, key).linear:
+        spans["x"] = (np.asarray(data[key].values, dtype=float), _WIDE_X)
+    return "".join(
+        axis
+        for axis, (v, least) in sorted(spans.items())
+        if np.nanmin(v) > 0 and np.nanmax(v) >= least * np.nanmin(v)
+    )
