@@ -104,7 +104,7 @@ class Table:
             for name, _, at in places
             if name in data.variables
         ]
-        coordinates = [str(name) for name in data.coords if not str(name).startswith("_")]
+        coordinates = sorted(str(name) for name in data.coords if not str(name).startswith("_"))
         return {"rows": list(self.rows), "columns": there, "coordinates": coordinates}
 
 
