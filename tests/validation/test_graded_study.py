@@ -43,7 +43,7 @@ def test_the_figures_tell_the_ratios_apart(data):
     assert [drawing.name for drawing in drawings] == ["felt-modulus-profile", "felt-modulus-coating"]
     shown = [one.data.felt_modulus_profile for one in drawings[0].drawn]
     assert all(np.array_equal(a, b) for a, b in zip(shown, data.felt_modulus_profile, strict=True))
-    labels = [text.get_text() for text in drawings[0].figure.axes[0].get_legend().get_texts()]
+    labels = [text.get_text() for text in drawings[0].figure.legends[0].get_texts()]
     assert [label.rpartition(" ")[2] for label in labels] == ["0.5", "2"]
 
 

@@ -163,7 +163,9 @@ class Finding:
             said["values"] = {name: value.as_json() for name, value in sorted(self.values.items())}
         if self.rows:
             said["item"] = self.item
-            said["rows"] = [{name: value.as_json() for name, value in sorted(row.items())} for row in self.rows]
+            said["rows"] = [
+                {name: value.as_json() for name, value in sorted(row.items())} for row in self.rows
+            ]
         if self.by:
             said |= {"by": self.by, "outcomes": list(self.outcomes)}
         return said
