@@ -126,10 +126,10 @@ def _mean_errors(result: Result, variable: Variable) -> dict[str, Array]:
         fewer = 1 if int(variable.attrs.get("alike", 0)) else np.maximum(counts, 1)
         grid = _mean_there(each["grid"] ** 2, there) / fewer
         found |= {s: _mean_there(each[s], there) for s in _SOURCES[2:]}
-    if f"{of}from_solves.drift" in result.data:
-        drift = np.broadcast_to(result.data[f"{of}from_solves.drift"].along(dims), values.shape)
+    if f"{of}_drift" in result.data:
+        drift = np.broadcast_to(result.data[f"{of}_drift"].along(dims), values.shape)
         grid = grid + _mean_there(drift, there) ** 2
-    if f"{of}_error" in result.data or f"{of}from_solves.drift" in result.data:
+    if f"{of}_error" in result.data or f"{of}_drift" in result.data:
         found["grid"] = np.sqrt(grid)
     return found
 
@@ -274,7 +274,7 @@ def _line(result: Result, name: str, variable: Variable) -> Array:
         found[(0, *place)], found[(1, *place)] = float(w @ means) - slope * middle, slope
     if str(told["reduction"]) == "line slope":
         return np.asarray(found[1])
-    reach = result.data[name.removesuffix("from_solves.limit") + "_reach"].along(dims)
+    reach = result.data[name.removesuffix("_limit") + "_reach"].along(dims)
     # Further off than two spans of what was measured a limit is none.
     return np.where(reach <= 2.0, found[0], np.nan)
 
