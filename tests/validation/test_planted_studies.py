@@ -445,18 +445,16 @@ def test_scaling_has_the_planted_exponents_and_what_they_allow(monkeypatch):
 # graded, near zero, costs -------------------------------------------------------------------------------
 
 
-def test_graded_says_the_planted_error_inside_and_outside_the_range_of_the_claim():
-    data = xr.Dataset(
-        {
-            "profile": (("ratio", "wave"), np.array([[1.3, 0.95, 1.04]])),
-            "coating": (("ratio", "wave"), np.array([[1.1, 0.6, 1.0]])),
-            "grading": (("ratio", "wave"), np.array([[5.0, 0.9, 0.1]])),
-        },
-        coords={"ratio": [0.5], "wave": [0.1, 1.0, 10.0]},
-    )
-    (text,) = graded.findings(data)
-    assert "-5.0 % off at worst where E'/(E q) < 1, 30 % over all waves" in text
-    assert "a coating, whose E' is infinite, -40 %" in text
+def test_graded_says_the_planted_error_inside_and_outside_the_range_of_the_claim(monkeypatch):
+    monkeypatch.setattr(graded, "_profile", lambda ratio, options, q: np.array([1.3, 0.95, 1.04]))
+    monkeypatch.setattr(graded, "_coating", lambda ratio, options, q: np.array([1.1, 0.6, 1.0]))
+    monkeypatch.setattr(graded, "_grading", lambda ratio, q: np.array([5.0, 0.9, 0.1]))
+    data = graded.run(graded.Options(ratios=(0.5,), waves=3), bench=PlantedBench(None))
+    (found,) = graded.views(data).findings
+    said = {**found.values, **found.rows[0]}
+    assert said["felt_error_mild"].value == pytest.approx(-0.05, rel=1e-12)
+    assert said["felt_error_profile"].value == pytest.approx(0.3, rel=1e-12)
+    assert said["felt_error_coating"].value == pytest.approx(-0.4, rel=1e-12)
 
 
 def test_near_zero_reads_density_and_slope_of_a_straight_start_in_their_own_windows():
