@@ -77,7 +77,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             _scorecard(said.output)
             continue
         if name == "reference":  # of the table that is shipped: to make it takes hours
-            drawings = find_study(name).module.figures(reference.table())
+            drawings = find_study(name).figures(reference.table())
         else:
             drawings = _outputs(name, redraw=said.redraw, workers=said.workers).page.figures
         figures = {drawing.name: drawing.figure for drawing in drawings}

@@ -46,3 +46,9 @@ def test_the_gallery_is_drawn_again_from_the_datasets_that_are_there(make, tmp_p
     make.main(["area", "--redraw", "--output", str(tmp_path)])
     assert imread(tmp_path / "kappa.png").shape[1] > 300
     assert "kappa.png" in capsys.readouterr().out
+
+
+def test_the_reference_of_the_gallery_is_drawn_from_the_table_that_is_shipped(make, tmp_path, capsys):
+    make.main(["reference", "--output", str(tmp_path)])
+    assert {path.stem for path in tmp_path.iterdir()} == set(make.SHOWN["reference"])
+    assert capsys.readouterr().out.count(".png") == 3
