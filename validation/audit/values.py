@@ -142,18 +142,23 @@ def _worst(
 
 
 def _total(data: Labelled, name: str, place: Mapping[str, int]) -> float | None:
-    """Root sum of squares of the sources that are measured; None for what has no errors."""
+    """Root sum of squares of the sources that enter and are measured; None for what has no errors."""
     if f"{name}_error" not in data:
         return None
+    return float(_totals(data, name, place))
+
+
+def _totals(data: Labelled, name: str, place: Mapping[str, int]) -> Array:
+    """Return these totals at a place, along the dimensions that are left there."""
     error = data[f"{name}_error"]
     limit = error.attrs.get("limit_in")
-    values = error.at(place).values.astype(float).ravel()
-    kept = [
-        value
-        for source, value in zip(_SOURCES, values, strict=True)
-        if (source not in _SPECTRAL or source == limit) and math.isfinite(value) and source not in error.attrs
-    ]
-    return math.sqrt(math.fsum(value**2 for value in kept)) if kept else math.nan
+    kept = [s for s in _SOURCES if (s not in _SPECTRAL or s == limit) and s not in error.attrs]
+    here = error.at(place)
+    dims = tuple(dim for dim in here.dims if dim != "source")
+    values = here.along((*dims, "source"))[..., [_SOURCES.index(s) for s in kept]].astype(float)
+    known = np.isfinite(values)
+    squares = np.where(known, values**2, 0.0).sum(axis=-1)
+    return np.where(known.any(axis=-1), np.sqrt(squares), np.nan)
 
 
 def judge_findings(result: Result, ledger: Ledger) -> None:
@@ -284,10 +289,14 @@ def _spread_out(result: Result, file: str, rows: list[list[str]], ledger: Ledger
     for k, name in enumerate(header):
         if name not in result.data or result.data[name].values.dtype.kind not in "fiu":
             continue
-        variable = result.data[name]
-        if len(variable.dims) and variable.values.size == len(lines) and variable.dims != (name,):
+        variable, base = result.data[name], name.removesuffix("_error")
+        expected = variable.values.astype(float)
+        if base != name and base in result.data:
+            # An interval stands there as one number.
+            expected = _totals(result.data, base, {})
+        if expected.ndim and expected.size == len(lines) and variable.dims != (name,):
             found = np.array([_float(line[k]) for line in lines])
-            _worst(file, name, found, variable.values.ravel().astype(float), ledger, rtol=1e-12, atol=0.0)
+            _worst(file, name, found, expected.ravel(), ledger, rtol=1e-12, atol=0.0)
 
 
 def _figure(result: Result, file: str, data: Labelled, ledger: Ledger) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.files import atomic_path
-from validation.report.estimates import SOURCES, SPECTRAL, combined, each, value_of
+from validation.report.estimates import SOURCES, SPECTRAL, combined, each, total_error, value_of
 from validation.report.quantities import place_words, prefixed_unit, quantity, quantity_of
 from validation.report.words import with_error
 
@@ -31,6 +31,8 @@ __all__ = [
 ]
 
 _ROWS_SHOWN = 60
+#: How variables of single surfaces end.
+_SINGLE = ("_each", "_each_error", "_each_drift")
 
 #: What a column of half widths is called, behind the title of its values.
 INTERVAL = "+- (95 %)"
@@ -297,15 +299,32 @@ def write_dataset(data: xr.Dataset, path: Path) -> tuple[Path, ...]:
 
 
 def _frames(data: xr.Dataset) -> dict[tuple[str, ...], Any]:
-    """Return one data frame for each set of dimensions: together they would be multiplied out."""
-    groups: dict[tuple[str, ...], list[str]] = {}
-    for name, variable in data.data_vars.items():
-        if variable.dims:
-            groups.setdefault(tuple(map(str, variable.dims)), []).append(str(name))
-    return {
-        dimensions: data[names].to_dataframe().reset_index()[[*dimensions, *names]]
-        for dimensions, names in groups.items()
-    }
+    """Return one data frame for each set of dimensions: together they would be multiplied out.
+
+    Coordinates stand in front, and intervals, as one number, behind their values. Values of single surfaces
+    and the shares of the sources are in data.nc.
+    """
+    groups: dict[tuple[str, ...], dict[str, Any]] = {}
+    for name in map(str, data.data_vars):
+        of_another = name.endswith("_error") and name.removesuffix("_error") in data
+        if of_another or name.endswith(_SINGLE) or name == "solve" or not data[name].dims:
+            continue
+        group = groups.setdefault(tuple(map(str, data[name].dims)), {})
+        group[name] = data[name]
+        error = total_error(data, name)
+        if error is not None:
+            group[f"{name}_error"] = error.transpose(*data[name].dims)
+    return {dims: _frame(data, dims, group) for dims, group in groups.items()}
+
+
+def _frame(data: xr.Dataset, dims: tuple[str, ...], group: Mapping[str, Any]) -> Any:
+    told = [
+        str(name)
+        for name, along in data.coords.items()
+        if name not in dims and along.ndim and set(along.dims) <= set(dims)
+    ]
+    frame = data[told].assign(group).to_dataframe(dim_order=list(dims)).reset_index()
+    return frame[[*dims, *told, *group]]
 
 
 def _in_words(columns: Sequence[str], rows: Iterable[Sequence[Any]], *, title: str, note: str) -> WordTable:
