@@ -76,7 +76,7 @@ def _wave() -> list[Check]:
                 "methods": {
                     "theory": {},
                     "bem": {"grids": [[n, n // 8] for n in _WAVE_GRIDS]},
-                    "fem": {"grids": [[64, 8]], "solver": "reduced"},
+                    "fem": {"grids": [[64, 8]], "method": "reduced"},
                 },
             },
             folder,
@@ -164,7 +164,7 @@ def _full() -> list[Check]:
                 "methods": {
                     "theory": {},
                     "bem": {"grids": [12, 24, 32]},
-                    "fem": {"grids": [12], "solver": "reduced"},
+                    "fem": {"grids": [12], "method": "reduced"},
                 },
             },
             Path(name),

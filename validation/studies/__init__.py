@@ -5,10 +5,8 @@ A study is a module with
 - a docstring whose first line says the question,
 - ``Options``, a `StudyOptions`: its options with units, ranges and meanings, as a table of a scene has them;
 - ``run(options, *, bench) -> xarray.Dataset``, which lists solves, has them solved by the bench, reads each result by
-  the solve it asked for, and returns numbers with ``units`` and ``long_name``;
-- optionally ``table(data) -> ResultTable``, one row for each thing compared;
-- optionally ``budget(data) -> ResultTable``: what is uncertain about its numbers, source by source;
-- optionally ``figures(data) -> tuple[Drawing, ...]`` and ``findings(data) -> tuple[str, ...]``.
+  the solve it asked for, and returns each number once, under a name of the registry, with its error by source;
+- ``views(data) -> Views``, which declares table, budget, figures and findings.
 
 `area` is the smallest, and the one to copy. Another package adds one by an entry point of the group
 ``fem_contact.studies`` that names the module. ``fem-contact study NAME`` does the rest: options from the command line,
