@@ -18,6 +18,7 @@ from typing import Any, cast
 import numpy as np
 
 from validation.errors import UsageError
+from validation.measures.statistics import order_of_convergence
 from validation.solves.attempt import one_blas_thread
 
 __all__ = ["Case", "Check", "Verdict", "all_cases", "case", "chosen_cases", "run_cases"]
@@ -89,7 +90,7 @@ class Check:
         expected, tolerance : float
             The order that is known beforehand, and how far these resolutions may be from its limit.
         """
-        found = -float(np.polyfit(np.log(resolutions), np.log(errors), 1)[0])
+        found = order_of_convergence(1 / np.asarray(resolutions), errors)
         ladder = tuple((float(n), float(error)) for n, error in zip(resolutions, errors, strict=True))
         return cls(quantity=quantity, computed=found, reference=expected, tolerance=tolerance, ladder=ladder)
 

@@ -13,6 +13,7 @@ from validation.cases import Check
 from validation.cases._closed_forms import HertzInPeriod, westergaard_mean_pressure, westergaard_pressure
 from validation.cases.scorecard.subject import SOFT, NotTried, Pressed, Subject, rough
 from validation.effects.base import Slots
+from validation.measures.statistics import order_of_convergence
 
 __all__ = ["hertz", "hertz_radius", "nested", "stress_near_zero", "symmetry", "units", "westergaard"]
 
@@ -27,7 +28,7 @@ def order(sizes: Sequence[int], errors: Sequence[float]) -> float:
     """Return the order at which errors fall with the spacing; NaN where one is not above zero."""
     if min(errors) <= 0:
         return float("nan")
-    return -float(np.polyfit(np.log(sizes), np.log(errors), 1)[0])
+    return order_of_convergence(1 / np.asarray(sizes), errors)
 
 
 def _observed(
