@@ -17,11 +17,11 @@ from fem_contact.surface import HeightField
 from persson.elastic import contact_area, stress_variance
 from persson.scale import Scale
 from persson.separation import mean_separation
-from validation.measures.budget import grid_drift
 from validation.measures.common import base_case, base_surface
 from validation.measures.distributions import Distributions, distance_to_reference
 from validation.measures.edge import inverse_square_coefficient, window_slope
 from validation.measures.ladders import bandwidth_order, fitted_line, line
+from validation.measures.limits import grid_drift
 from validation.measures.measurement import Measurement, grid_for
 from validation.measures.theory import WITH_ENERGY, Waves, ensemble_area, modes_finding
 from validation.report.estimates import claim, mean

@@ -16,7 +16,7 @@ from validation.errors import RunFailed, UsageError
 from validation.measures.common import SHIFTS, base_case, base_surface
 from validation.measures.limits import limits_of
 from validation.measures.measurement import Measurement, grid_for, grid_tolerance
-from validation.measures.statistics import combined, pair_means
+from validation.measures.statistics import pair_means
 from validation.report.estimates import (
     LIMIT,
     change,
@@ -104,16 +104,6 @@ class Line:
     def determinable(self) -> bool:
         """Whether the groups come near enough to x = 0."""
         return self.reach <= _REACH
-
-    @property
-    def limit_half_width(self) -> float:
-        """Half of the 95 % interval of the limit."""
-        return combined(self.limit_scatter, self.limit_drift)
-
-    @property
-    def slope_half_width(self) -> float:
-        """Half of the 95 % interval of the slope."""
-        return combined(self.slope_scatter, self.slope_drift)
 
 
 def fitted_line(samples: Sequence[ArrayLike], x: ArrayLike, *, common: bool = False) -> Line:

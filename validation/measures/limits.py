@@ -6,9 +6,10 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
+import numpy as np
+
 from fem_contact.area import contact_areas
 from validation.errors import UsageError
-from validation.measures.budget import grid_drift
 from validation.measures.common import LEAST_POINTS_PER_WAVE
 from validation.measures.measurement import Grid, area_limits, has_square_cells, limit_over
 from validation.report.estimates import NORMAL, error_of, evaluated
@@ -19,17 +20,20 @@ from validation.solves.solve import Solve
 
 if TYPE_CHECKING:
     import xarray as xr
+    from numpy.typing import NDArray
 
     from fem_contact.contact import ContactResult
 
 __all__ = [
     "ABSENT",
+    "grid_drift",
     "kept_of",
     "limit_of",
     "limits_of",
     "read_off",
     "resolved_grids",
     "solved",
+    "solver_error",
     "straight_limit",
 ]
 
@@ -96,6 +100,30 @@ def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
     data = xr.Dataset(made)
     kept = {name: measured.attrs[name] for name in ("solve",) if name in measured.attrs}
     return data.assign_attrs(kept)
+
+
+def grid_drift(dataset: xr.Dataset) -> NDArray[np.float64]:
+    """By how much the limit of one measurement moves without its coarsest resolved grid, for each load; signed.
+
+    The order of a fit is a systematic error: it does not average out over surfaces, and its sign is kept so
+    that what does may. It is 0 where too few grids are resolved to leave one out.
+    """
+    resolved = np.flatnonzero(dataset.points_per_wave.values >= LEAST_POINTS_PER_WAVE * (1 - 1e-9))
+    if resolved.size < 3 or (resolved.size - 1) * dataset.sizes["shift"] < 3:
+        return np.zeros(dataset.sizes["load"])
+    whole, _ = area_limits(dataset.isel(grid=resolved))
+    finer, _ = area_limits(dataset.isel(grid=resolved[1:]))
+    return np.asarray(finer - whole)
+
+
+def solver_error(usual: xr.Dataset, strict: xr.Dataset) -> float:
+    """Relative change of the limits of one surface when the residual of its solves is made smaller.
+
+    The largest load counts. Less than one contact point on the finest grid cannot be seen, and counts as one.
+    """
+    first, second = area_limits(usual)[0], area_limits(strict)[0]
+    one = 1 / float(usual.cells[-1]) / usual.sizes["shift"]
+    return float(np.max(np.maximum(np.abs(first - second), one) / second))
 
 
 def limit_of(solved: Mapping[Press, ContactResult]) -> xr.Dataset:

@@ -16,7 +16,7 @@ from validation.measures.single_solve import SingleSolve
 from validation.methods import find_solver
 from validation.methods.base import Settings, Solver
 from validation.scenes.scene import EffectSpec
-from validation.solves.cost import dearer_by
+from validation.solves.press import Press
 from validation.solves.solve import LOCATED_EDGES, Prediction
 
 if TYPE_CHECKING:
@@ -75,16 +75,8 @@ class ByMethod(SingleSolve):
 
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict as a scene does."""
-        cost = self.solver.cost(
-            self.grid,
-            self.realised.lengths,
-            settings=dict(self.settings),
-            effects=self.effects,
-            dearer=dearer_by(self.effects),
-        )
-        return Prediction(
-            seconds=cost.pairs * pair_seconds, peak_bytes=cost.peak_bytes, unknowns=cost.unknowns
-        )
+        told: dict[str, Any] = {"realised": self.realised, "settings": self.settings, "effects": self.effects}
+        return Press(method=self.method, grid=self.grid, **told).predict(pair_seconds=pair_seconds)
 
     @property
     def code_path(self) -> tuple[str, ...]:

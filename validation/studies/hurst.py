@@ -11,10 +11,9 @@ import numpy as np
 from pydantic import Field
 
 from persson.elastic import KAPPA_BGT, KAPPA_PERSSON
-from validation.measures.budget import solver_error
 from validation.measures.common import SHIFTS, Ladder, Rising, base_surface
 from validation.measures.ladders import Ladders, bandwidth_of, pressed_pairs, spectral_errors
-from validation.measures.limits import limits_of, solved
+from validation.measures.limits import limits_of, solved, solver_error
 from validation.measures.measurement import Measurement
 from validation.measures.references import papers_of, published
 from validation.measures.theory import RANKED, VARIANTS, with_ensemble, with_variants

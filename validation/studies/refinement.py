@@ -14,13 +14,12 @@ from pydantic import Field, model_validator
 from persson.elastic import pressure_distribution, stress_variance
 from validation.effects.base import SlotName
 from validation.measures.block import BlockMeasurement
-from validation.measures.budget import solver_error
 from validation.measures.common import SHIFTS, Ladder, RisingOrNone, persson_area
 from validation.measures.distributions import Distributions
 from validation.measures.grid_roughness import GridRoughness
 from validation.measures.grids import observed_order, on_grids, protocol, with_blocks, with_methods
 from validation.measures.ladders import Ladders, spectral_errors
-from validation.measures.limits import solved
+from validation.measures.limits import solved, solver_error
 from validation.measures.measurement import grid_for
 from validation.measures.references import papers_of, published
 from validation.measures.side_by_side import ByMethod

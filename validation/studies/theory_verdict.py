@@ -10,10 +10,9 @@ import numpy as np
 from pydantic import Field
 
 from persson import elastic
-from validation.measures.budget import solver_error
 from validation.measures.distributions import Distributions, largest_difference
 from validation.measures.ladders import Ladders, spectral_errors
-from validation.measures.limits import solved
+from validation.measures.limits import solved, solver_error
 from validation.measures.load_path import moved_shares
 from validation.measures.measurement import grid_for
 from validation.measures.theory import RANKED, modes_finding
