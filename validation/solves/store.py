@@ -10,7 +10,7 @@ import os
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from fem_contact.contact import ContactResult
 from validation.errors import RunFailed, UsageError
@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["Checked", "Store", "Stored", "check_store", "read_numbers", "read_result", "write_numbers"]
+
+_Content = TypeVar("_Content")
 
 _SUFFIX = ".nc"
 _ASIDE = ".nc.corrupt"
@@ -131,13 +133,7 @@ def read_result(path: Path) -> ContactResult:
     """
     from validation.solves.fields import decode_result
 
-    try:
-        data = _bytes_of(path)
-        if data is None:
-            raise RunFailed(f"{path}: is not there; run it again")
-        return decode_result(unseal(data).content)
-    except Damaged as damage:
-        raise RunFailed(f"{path}: damaged: {damage}; run it again") from None
+    return _content_of(path, decode_result)
 
 
 def write_numbers(path: Path, data: xr.Dataset, *, recipe: Mapping[str, Any]) -> None:
@@ -155,11 +151,16 @@ def read_numbers(path: Path) -> xr.Dataset:
     RunFailed
         When there is none, or it is damaged.
     """
+    return _content_of(path, read_dataset)
+
+
+def _content_of(path: Path, decode: Callable[[memoryview], _Content]) -> _Content:
+    """Verify a file that must be there, and decode its content."""
     try:
         data = _bytes_of(path)
         if data is None:
             raise RunFailed(f"{path}: is not there; run it again")
-        return read_dataset(unseal(data).content)
+        return decode(unseal(data).content)
     except Damaged as damage:
         raise RunFailed(f"{path}: damaged: {damage}; run it again") from None
 
