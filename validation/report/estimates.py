@@ -11,7 +11,6 @@ attributes, from which the audit makes it again.
 from __future__ import annotations
 
 import ast
-import json
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
@@ -590,14 +589,3 @@ def values_of(data: xr.Dataset, wanted: Callable[[str], bool] = lambda _: True) 
     single = (str(n) for n, v in data.variables.items() if v.ndim == 0 and v.dtype.kind in "fiubUO")
     names = [name for name in single if wanted(name) and not name.startswith(_PLACE)]
     return {name: value_of(data, name) for name in names}
-
-
-def reasons(data: xr.Dataset, name: str) -> dict[str, str]:
-    """Say of each source of the error of a variable: does not enter and why, or nothing."""
-    attributes = data[f"{name}_error"].attrs
-    return {source: str(attributes[source]) for source in SOURCES if source in attributes}
-
-
-def as_attribute(value: Any) -> str:
-    """Return data as text for an attribute of a netCDF file."""
-    return json.dumps(value, sort_keys=True)

@@ -33,13 +33,11 @@ __all__ = [
     "STYLE",
     "STYLES",
     "SYMBOLS",
-    "THEORY",
     "embeddable",
     "lines_figure",
     "look",
     "looks",
     "new_figure",
-    "plain_look",
     "readable_ticks",
     "save_figure",
 ]
@@ -85,10 +83,9 @@ MARKERS = [("#0b5394", "o"), ("#b45f06", "s"), ("#38761d", "^"), ("#674ea7", "D"
 STYLES = ["-", "--", "-.", ":"]
 
 
-#: Of studies: what is told apart by symbol and colour, and the theory, which is neither.
+#: What is told apart by symbol and colour.
 SYMBOLS = ("o", "s", "^", "D", "v", "P", "X", "*")
 COLOURS = ("#0b5394", "#b45f06", "#38761d", "#741b47", "#134f5c", "#7f6000", "#444444", "#990000")
-THEORY: dict[str, Any] = {"color": "#38761d", "ls": "-."}
 #: Digits of the labels of a logarithmic axis, most to least.
 _TICKS: tuple[tuple[float, ...], ...] = ((1, 2, 3, 5, 7), (1, 2, 5), (1, 3), (1,))
 
@@ -331,8 +328,3 @@ def new_figure(width: float = 5.0, height: float = 3.7, columns: int = 1) -> tup
 def look(k: int) -> dict[str, Any]:
     """Symbol and colour of the k-th thing compared, with caps for its error bars."""
     return {"marker": SYMBOLS[k % 8], "color": COLOURS[k % 8], "capsize": 2, "ms": 5}
-
-
-def plain_look(k: int) -> dict[str, Any]:
-    """Return the same for lines without error bars."""
-    return {"marker": SYMBOLS[k % 8], "color": COLOURS[k % 8], "ms": 5}
