@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.special
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["Estimate", "combined", "mean_over_surfaces", "order_of_convergence", "pair_means"]
+__all__ = ["Estimate", "order_of_convergence", "pair_means"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,53 +58,6 @@ def pair_means(values: ArrayLike) -> NDArray[np.float64]:
     if array.shape[-1] % 2:
         raise ValueError(f"{array.shape[-1]} values: pairs need an even number")
     return np.asarray(array.reshape(*array.shape[:-1], -1, 2).mean(axis=-1))
-
-
-def mean_over_surfaces(values: ArrayLike) -> Estimate:
-    """Mean of independent samples, with its standard error and Student's 95 % interval.
-
-    Parameters
-    ----------
-    values : (n,) array
-        One number for each surface, or for each pair.
-
-    Raises
-    ------
-    ValueError
-        For no sample.
-
-    Examples
-    --------
-    >>> estimate = mean_over_surfaces([1.0, 2.0, 3.0, 2.0])
-    >>> estimate.value, estimate.samples
-    (2.0, 4)
-    >>> print(estimate)
-    2 +- 1.3
-    """
-    array = np.asarray(values, dtype=float)
-    if array.ndim != 1 or not array.size:
-        raise ValueError(f"samples of shape {array.shape}: a mean needs at least one surface")
-    if array.size == 1:
-        nan = float("nan")
-        return Estimate(value=float(array[0]), standard_error=nan, half_width=nan, samples=1)
-    error = float(array.std(ddof=1) / np.sqrt(array.size))
-    return Estimate(
-        value=float(array.mean()),
-        standard_error=error,
-        half_width=float(scipy.special.stdtrit(array.size - 1, 0.975)) * error,
-        samples=array.size,
-    )
-
-
-def combined(*errors: float) -> float:
-    """Root sum of squares of independent errors.
-
-    Examples
-    --------
-    >>> combined(3.0, 4.0)
-    5.0
-    """
-    return float(np.sqrt(np.sum(np.square(errors))))
 
 
 def order_of_convergence(spacing: ArrayLike, error: ArrayLike) -> float:
