@@ -20,8 +20,6 @@ from validation.audit.stored import Array
 
 __all__ = ["REDUCTIONS", "errors_of", "recomputed"]
 
-#: Points per shortest wave below which a grid enters no limit.
-_LEAST_POINTS = 3.0
 _SOURCES = ("surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory")
 _NORMAL = 1.959963984540054
 

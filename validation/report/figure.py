@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
-import textwrap
-from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,26 +14,18 @@ from matplotlib.patches import StepPatch
 from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, NullFormatter
 
 from validation.errors import harmless
-from validation.report.words import mathtext
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
 
 
 __all__ = [
     "COLOURS",
-    "FILLS",
-    "LOOK",
-    "MARKERS",
     "STYLE",
     "STYLES",
     "SYMBOLS",
     "embeddable",
-    "lines_figure",
-    "look",
-    "looks",
     "new_figure",
     "readable_ticks",
     "save_figure",
@@ -57,29 +46,6 @@ STYLE: Any = {
 }
 
 
-LOOK: dict[tuple[str, str], dict[str, Any]] = {
-    ("bem", "pixel"): {"color": "#0b5394", "marker": "o", "ls": "-", "label": "BEM, pixel count"},
-    ("bem", "perimeter"): {
-        "color": "#0b5394",
-        "marker": "o",
-        "mfc": "white",
-        "ls": "--",
-        "label": "BEM, perimeter-corrected",
-    },
-    ("fem", "pixel"): {"color": "#b45f06", "marker": "s", "ls": "-", "label": "FEM, pixel count"},
-    ("fem", "perimeter"): {
-        "color": "#b45f06",
-        "marker": "s",
-        "mfc": "white",
-        "ls": "--",
-        "label": "FEM, perimeter-corrected",
-    },
-}
-
-
-MARKERS = [("#0b5394", "o"), ("#b45f06", "s"), ("#38761d", "^"), ("#674ea7", "D")]
-
-
 STYLES = ["-", "--", "-.", ":"]
 
 
@@ -88,35 +54,6 @@ SYMBOLS = ("o", "s", "^", "D", "v", "P", "X", "*")
 COLOURS = ("#0b5394", "#b45f06", "#38761d", "#741b47", "#134f5c", "#7f6000", "#444444", "#990000")
 #: Digits of the labels of a logarithmic axis, most to least.
 _TICKS: tuple[tuple[float, ...], ...] = ((1, 2, 3, 5, 7), (1, 2, 5), (1, 3), (1,))
-
-
-def looks(labels: Mapping[str, str]) -> dict[tuple[str, str], dict[str, Any]]:
-    """Return how the counted and the corrected area of each method are drawn, by name and definition.
-
-    Parameters
-    ----------
-    labels : mapping of str to str
-        What each method is called, by its name; those that have no look of their own take one in turn.
-    """
-    found: dict[tuple[str, str], dict[str, Any]] = {}
-    others = [name for name in labels if (name, "pixel") not in LOOK]
-    for name, label in labels.items():
-        if name not in others:
-            found |= {key: look for key, look in LOOK.items() if key[0] == name}
-            continue
-        turn = 3 + others.index(name) % (len(COLOURS) - 3)  # the third colour is the theory's
-        line = {"color": COLOURS[turn], "marker": SYMBOLS[turn]}
-        found[name, "pixel"] = {**line, "ls": "-", "label": f"{label}, pixel count"}
-        found[name, "perimeter"] = {
-            **line,
-            "mfc": "white",
-            "ls": "--",
-            "label": f"{label}, perimeter-corrected",
-        }
-    return found
-
-
-FILLS = [None, None, None, None, "white", "white", "white", "white"]
 
 
 def save_figure(figure: Figure, path: Path, *, dpi: int = 150) -> None:
@@ -233,98 +170,9 @@ def embeddable(svg: str, name: str, *, words: str) -> str:
     return drawing.replace("<svg", f'<svg role="img" aria-label="{escape(harmless(words))}"', 1)
 
 
-def lines_figure(
-    data: xr.Dataset,
-    *,
-    x: str,
-    lines: Sequence[str],
-    along: str | None = None,
-    logarithmic: str = "",
-    reference: dict[str, float] | None = None,
-) -> Figure:
-    """Lines of a dataset with error bars, in markers and styles that read in black and white.
-
-    Parameters
-    ----------
-    data : xarray.Dataset
-        Variables with `units` and `long_name`; a variable `<line>_error` is its standard error.
-    x : str
-        Coordinate or variable along the axis.
-    lines : sequence of str
-        Variables to draw; their words are the legend. The axis is what the words of all begin with, or else
-        those of the first.
-    along : str, optional
-        Second dimension; one line is drawn for each of its values, in one colour for all `lines`.
-    logarithmic : str
-        "x", "y" or "xy".
-    reference : dict of str to float, optional
-        Horizontal lines, by words.
-    """
-    figure, (axes,) = new_figure()
-    looks: Iterator[dict[str, Any]] = itertools.cycle(
-        {"color": colour, "marker": marker, "ls": style, "mfc": fill}
-        for (colour, marker), style, fill in zip(MARKERS * 2, STYLES * 2, FILLS, strict=True)
-    )
-    paired = along is not None and len(lines) > 1
-    for line, name in enumerate(lines):
-        values = [None] if along is None else list(data[along].values)
-        for k, value in enumerate(values):
-            here = data if value is None else data.sel({along: value})
-            look = _paired_look(line, k) if paired else next(looks)
-            words = str(data[name].attrs.get("long_name", name))
-            named = [] if value is None else [_named_value(data, str(along), value)]
-            # What all lines have in common stands at the axis.
-            label = mathtext(", ".join(named if named and len(lines) == 1 else [words, *named]))
-            error = here[f"{name}_error"].values if f"{name}_error" in data else None
-            axes.errorbar(here[x].values, here[name].values, yerr=error, capsize=2, label=label, **look)
-    for k, (words, level) in enumerate((reference or {}).items()):
-        axes.axhline(level, color="black", lw=1, ls=STYLES[k % 4], label=words)
-    if "x" in logarithmic:
-        axes.set_xscale("log")
-    if "y" in logarithmic:
-        axes.set_yscale("log")
-    axes.set_xlabel(_labelled(data[x], x))
-    axes.set_ylabel(_common_label(data, lines))
-    axes.legend(fontsize=7)
-    return figure
-
-
-def _paired_look(line: int, value: int) -> dict[str, Any]:
-    """Colour and symbol tell the value, style and filling the line, so that those of a value pair up."""
-    colour, marker = MARKERS[value % len(MARKERS)]
-    return {"color": colour, "marker": marker, "ls": STYLES[line % 4], "mfc": "white" if line else None}
-
-
-def _named_value(data: xr.Dataset, name: str, value: Any) -> str:
-    unit = data[name].attrs.get("units", "1")
-    said = str(value) if isinstance(value, str) else f"{value:g}"
-    return f"{name} = {said}" + ("" if unit == "1" else f" {unit}")
-
-
-def _common_label(data: xr.Dataset, lines: Sequence[str]) -> str:
-    """Words that all lines begin with, or else those of the first, wrapped to the height of a figure."""
-    each = [str(data[name].attrs.get("long_name", name)).replace(",", " ,").split() for name in lines]
-    common = [words[0] for words in itertools.takewhile(lambda w: len(set(w)) == 1, zip(*each, strict=False))]
-    words = " ".join(common).replace(" ,", ",").strip(" ,")
-    first = data[lines[0]]
-    if len(lines) == 1 or not words:
-        return textwrap.fill(_labelled(first, lines[0]), 44)
-    return _labelled(first.assign_attrs(long_name=words), lines[0])
-
-
-def _labelled(variable: xr.DataArray, name: str) -> str:
-    words, unit = str(variable.attrs.get("long_name", name)), variable.attrs.get("units", "1")
-    return mathtext(words) if unit == "1" else f"{mathtext(words)} [{unit}]"
-
-
 def new_figure(width: float = 5.0, height: float = 3.7, columns: int = 1) -> tuple[Figure, list[Axes]]:
     """Return a figure in this look, and its axes side by side."""
     with matplotlib.rc_context(STYLE):
         figure = Figure(figsize=(width, height), layout="constrained")
         axes = figure.subplots(1, columns, squeeze=False)[0]
     return figure, list(axes)
-
-
-def look(k: int) -> dict[str, Any]:
-    """Symbol and colour of the k-th thing compared, with caps for its error bars."""
-    return {"marker": SYMBOLS[k % 8], "color": COLOURS[k % 8], "capsize": 2, "ms": 5}
