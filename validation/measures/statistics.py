@@ -31,13 +31,6 @@ class Estimate:
     half_width: float
     samples: int
 
-    def __str__(self) -> str:
-        if not np.isfinite(self.value):
-            return "not determinable"
-        if self.samples == 1:
-            return f"{self.value:.4g} (one surface)"
-        return f"{self.value:.4g} +- {self.half_width:.2g}"
-
 
 def pair_means(values: ArrayLike) -> NDArray[np.float64]:
     """Means of the pairs (+h, -h) along the last axis, of shape (..., n/2).
