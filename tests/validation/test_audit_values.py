@@ -59,6 +59,26 @@ def test_every_number_of_a_study_follows_from_its_solves_or_is_listed(results, n
     assert len(odd) <= 6, odd
 
 
+@pytest.mark.parametrize(
+    ("name", "judged_now"),
+    [
+        ("refinement", {"area_each", "area_each_drift", "area_each_error, grid", "kappa_difference"}),
+        ("hurst", {"area_by_bandwidth_each", "kappa_by_bandwidth_limit", "kappa_by_size_slope"}),
+    ],
+)
+def test_drifts_ladders_and_several_kinds_of_solves_of_one_study_are_told_apart(name, judged_now, tmp_path):
+    study = find_study(name)
+    run_study(
+        study, study.options(**STUDIES[name]), tmp_path, bench=Bench.at(tmp_path / "solves"), report=False
+    )
+    result, ledger = dataset.Result(tmp_path), Ledger()
+    values.judge_dataset(result, ledger)
+    assert ledger.wrong == ()
+    assert not judged_now & {line.removeprefix("data.nc: ") for line in ledger.unread}
+    if name == "refinement":
+        assert np.abs(result.data["area_each_drift"].values).max() > 1e-5
+
+
 @pytest.mark.parametrize("name", SMALL)
 @pytest.mark.parametrize(
     ("file", "part"), [("table.csv", values.judge_table), ("budget.csv", values.judge_budget)]

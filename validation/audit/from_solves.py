@@ -33,16 +33,23 @@ _LEAST_POINTS = 3.0
 
 
 def _keys(result: Result, variable: Variable) -> Iterator[tuple[tuple[int, ...], str, tuple[str, ...]]]:
-    """Yield place, key and dimensions of the solves of a variable."""
-    for name, named in result.data.variables.items():
-        if name.startswith("solve") and set(named.dims) <= set(variable.dims):
-            for place in np.ndindex(named.values.shape):
-                yield place, str(named.values[place]), named.dims
-            return
+    """Yield place, key and dimensions of the solves of a variable: those with most of its dimensions."""
+    solves = [
+        named
+        for name, named in result.data.variables.items()
+        if name.startswith("solve") and set(named.dims) <= set(variable.dims)
+    ]
+    if solves:
+        named = max(solves, key=lambda one: len(one.dims))
+        for place in np.ndindex(named.values.shape):
+            yield place, str(named.values[place]), named.dims
 
 
 def over_solves(result: Result, variable: Variable, read: Callable[[Labelled], Any]) -> Array | None:
-    """Fill an array with what is read off the solve of each place; None where one is not to be had."""
+    """Fill an array with what is read off the solve of each place; None where one is not to be had.
+
+    Of a list by load that has one, a variable without that dimension is the value.
+    """
     found, seen = np.full(variable.values.shape, np.nan), False
     for place, key, dims in _keys(result, variable):
         if not key:
@@ -51,6 +58,8 @@ def over_solves(result: Result, variable: Variable, read: Callable[[Labelled], A
         values = None if solve is None else read(solve)
         if values is None:
             return None
+        if "load" not in variable.dims and isinstance(values, list) and len(values) == 1:
+            values = values[0]
         index: list[Any] = [slice(None)] * len(variable.dims)
         for dim, k in zip(dims, place, strict=True):
             index[variable.dims.index(dim)] = k
@@ -90,14 +99,14 @@ def limits(solve: Labelled, *, without: int = 0) -> list[tuple[float, float]]:
     return found
 
 
-def limit(result: Result, name: str, variable: Variable) -> Array | None:
-    """Limits over the grids of each solve."""
+def limit(result: Result, name: str, variable: Variable, *, error: bool = False) -> Array | None:
+    """Limits over the grids of each solve, or their standard errors."""
     if variable.attrs["of"] != "subcell":
-        return _limit_of_fields(result, variable)
-    return over_solves(result, variable, lambda solve: [value for value, _ in limits(solve)])
+        return _limit_of_fields(result, variable, error=error)
+    return over_solves(result, variable, lambda solve: [found[int(error)] for found in limits(solve)])
 
 
-def _limit_of_fields(result: Result, variable: Variable) -> Array | None:
+def _limit_of_fields(result: Result, variable: Variable, *, error: bool) -> Array | None:
     """Limits from the fields of several solves, whose keys stand beside each other."""
     found = np.full(variable.values.shape, np.nan)
     for place, keys, _ in _keys(result, variable):
@@ -106,7 +115,7 @@ def _limit_of_fields(result: Result, variable: Variable) -> Array | None:
             return None
         solves: list[Any] = fields
         limit = limit_over(solves, located=not any(one.recipe.get("effects") for one in solves))
-        found[place] = math.nan if limit is None else limit.value
+        found[place] = math.nan if limit is None else limit.error if error else limit.value
     return found
 
 

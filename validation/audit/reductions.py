@@ -14,7 +14,7 @@ import numpy as np
 from scipy.special import stdtrit
 
 from validation.audit import from_solves
-from validation.audit.dataset import Labelled, Result, Variable
+from validation.audit.dataset import Result, Variable
 from validation.audit.expressions import names_of, value_of
 from validation.audit.stored import Array
 
@@ -42,10 +42,6 @@ def errors_of(result: Result, name: str) -> dict[str, Array]:
         return {}
 
 
-def _limit_errors(solve: Labelled) -> list[float]:
-    return [_NORMAL * error for _, error in from_solves.limits(solve)]
-
-
 def _errors_of(result: Result, name: str, variable: Variable) -> dict[str, Array]:
     kind = variable.attrs.get("reduction")
     if kind == "mean" and "pairs" in variable.attrs:
@@ -53,8 +49,8 @@ def _errors_of(result: Result, name: str, variable: Variable) -> dict[str, Array
     if kind == "expression":
         return _expression_errors(result, variable)
     if kind == "limit":
-        found = from_solves.over_solves(result, variable, _limit_errors)
-        return {} if found is None else {"grid": found}
+        found = from_solves.limit(result, name, variable, error=True)
+        return {} if found is None else {"grid": _NORMAL * found}
     if kind == "second-order limit":
         found = from_solves.over_solves(
             result, variable, lambda one: _NORMAL * abs(from_solves.second_order_step(one, variable)[1])

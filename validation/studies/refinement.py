@@ -281,12 +281,9 @@ def _beside_published(data: xr.Dataset) -> xr.Dataset:
     """Add how far kappa is from each published range; NaN where its interval is wider than that range."""
     data = data.merge(published("kappa").isel(end=0, drop=True))
     inside = "minimum(maximum(kappa, kappa_published), kappa_published_high)"
-    data = derive(data, kappa_difference=f"kappa - {inside}")
     half, width = total_error(data, "kappa"), data.kappa_published_high - data.kappa_published
-    sure = (width == 0) | (half <= width / 2)
-    return data.assign(
-        kappa_difference=data.kappa_difference.where(sure).assign_attrs(data.kappa_difference.attrs)
-    )
+    data["kappa_comparable"] = (1.0 + 0.0 * width).where((width == 0) | (half <= width / 2))
+    return derive(data, kappa_difference=f"kappa_comparable * (kappa - {inside})")
 
 
 def views(data: xr.Dataset) -> Views:
