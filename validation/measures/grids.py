@@ -220,7 +220,9 @@ def protocol(rough: Mapping[tuple[Any, ...], xr.Dataset], points: Sequence[int])
     last = data[["kappa_protocol"]].isel(protocol_grid=-1)
     spread = derive(last, kappa_protocol_spread="kappa_protocol.max() / kappa_protocol.min() - 1")
     data = data.assign(kappa_protocol_spread=spread.kappa_protocol_spread)
-    return data.assign_coords(points_protocol=("protocol_grid", list(points)))
+    # By one word alone, `spectral` would be what is predicted from C(q).
+    slopes = [f"{name} slope" for name in data.slope.values]
+    return data.assign_coords(points_protocol=("protocol_grid", list(points)), slope=slopes)
 
 
 def observed_order(

@@ -390,7 +390,7 @@ def _of_others(data: xr.Dataset) -> Iterator[Finding]:
         last = data.isel(protocol_grid=-1)
         over = {"with": ", ".join(f"{{s{k}}} ({name})" for k, name in enumerate(data.slope.values))}
         told = {f"s{k}": value_of(last.isel(slope=k), "kappa_protocol") for k in range(data.sizes["slope"])}
-        form = "With roughness to the grid scale kappa is " + over["with"] + " by the slope, a spread of "
+        form = "With roughness to the grid scale kappa is " + over["with"] + ", a spread of "
         form += "{kappa_protocol_spread:%}; published kappa {each} the converged {kappa}."
         item = "{kappa_published} to {kappa_published_high} ({paper_kappa}) {verdict}"
         words = {
