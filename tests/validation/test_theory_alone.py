@@ -462,7 +462,10 @@ def test_the_command_line_runs_lists_and_plans_them(tmp_path, monkeypatch):
     area = found["findings"][0]["values"]["area_ensemble"]["value"]
     assert area == pytest.approx(0.9356, abs=2e-4)
     text = printed("run", "pmma-silane", "-q")
-    assert "0.91166" in text
+    kept = (tmp_path / "results" / "pmma-silane" / "summary.json").read_text(encoding="utf-8")
+    said = json.loads(kept)["findings"][0]
+    assert said["values"]["area_ensemble"]["value"] == pytest.approx(0.91166, abs=5e-6)
+    assert said["text"] in text
     assert "results/pmma-silane/report.html" in text
     assert "report.html" in printed("report", "results/pmma-silane")
 
