@@ -7,11 +7,10 @@ import pytest
 from planted import edge_data
 
 from validation.errors import UsageError
-from validation.files import write_record
 from validation.measures.common import base_case, base_surface, persson_area
 from validation.measures.load_path import moved_shares
 from validation.solves.bench import Bench
-from validation.solves.store import write_numbers
+from validation.solves.results import write_results
 from validation.studies import find_study, hurst, magnification, pressure, theory_verdict
 from validation.studies._outputs import report_study
 from validation.theories import Rough
@@ -109,9 +108,8 @@ def test_every_quantity_of_the_theory_is_scored_and_full_contact_is_no_compariso
 
 
 def test_a_report_lists_what_is_uncertain_and_writes_it_as_csv(scored, tmp_path):
-    said = {"format": "fem-contact study 1", "study": "theory-verdict", "options": {"seed": 2006}}
-    write_record(tmp_path / "study.json", said)
-    write_numbers(tmp_path / "data.nc", scored, recipe=said)
+    told = {"kind": "study", "name": "theory-verdict", "asked": {"seed": 2006}}
+    write_results(tmp_path, scored, store=tmp_path, **told)
     report_study(tmp_path)
     page = (tmp_path / "report.html").read_text()
     assert "What is uncertain" in page
