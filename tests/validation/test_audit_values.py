@@ -20,9 +20,9 @@ SMALL = ("cross", "magnification", "scaling")
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory):
+def results(tmp_path_factory, small_run):
     root = tmp_path_factory.mktemp("values")
-    found = {}
+    found = {"run": dataset.Result(small_run.folder)}
     for name in SMALL:
         folder = root / name
         folder.mkdir()
@@ -79,7 +79,7 @@ def test_drifts_ladders_and_several_kinds_of_solves_of_one_study_are_told_apart(
         assert np.abs(result.data["area_each_drift"].values).max() > 1e-5
 
 
-@pytest.mark.parametrize("name", SMALL)
+@pytest.mark.parametrize("name", ["run", *SMALL])
 @pytest.mark.parametrize(
     ("file", "part"), [("table.csv", values.judge_table), ("budget.csv", values.judge_budget)]
 )
@@ -101,10 +101,12 @@ def test_each_cell_of_a_table_that_is_blanked_or_moved_is_found(results, name, f
             assert wrong_in(part, changed(results[name], "tables", tables)), (file, i, rows[0][j], wrong)
 
 
-@pytest.mark.parametrize("name", SMALL)
+@pytest.mark.parametrize("name", ["run", *SMALL])
 def test_each_value_of_a_finding_that_is_blanked_or_moved_is_found_or_was_listed(results, name):
     result = results[name]
-    listed = judged(result).unread
+    ledger = Ledger()
+    values.judge_findings(result, ledger)
+    listed = ledger.unread
     for k, finding in enumerate(result.summary["findings"]):
         groups = [("values", None), *(("rows", r) for r in range(len(finding.get("rows", ()))))]
         for kind, r in groups:

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from validation.audit.dataset import read_json
+from validation.audit.dataset import Result, read_json
 from validation.audit.ledger import Ledger
 from validation.audit.recomputed import Run
 from validation.audit.runs import audit_run
 from validation.audit.stored import Array, Stored, wavevectors
-from validation.audit.values import audit_values
+from validation.audit.values import audit_values, judge_shown
 
 __all__ = ["audit", "judge_fields", "judge_surfaces"]
 
@@ -41,6 +41,7 @@ def audit(folder: Path) -> Ledger:
     if kind not in ("run", "sweep"):
         raise LookupError(f"a {kind} stores no field")
     ledger, runs = audit_run(folder)
+    judge_shown(Result(folder), ledger)
     for run in runs:
         for key, one in run.solves.items():
             judge_fields(key[3], one, run, ledger)

@@ -21,6 +21,7 @@ __all__ = [
     "judge_dataset",
     "judge_findings",
     "judge_page",
+    "judge_shown",
     "judge_table",
     "judged",
 ]
@@ -52,6 +53,12 @@ def judged(result: Result) -> Ledger:
     if result.store is None:
         ledger.unread.append("data.nc against the solves: its record names no store that is there")
     judge_dataset(result, ledger)
+    judge_shown(result, ledger)
+    return ledger
+
+
+def judge_shown(result: Result, ledger: Ledger) -> None:
+    """Judge all that shows the dataset: findings, tables, CSV files, data of figures, page."""
     judge_findings(result, ledger)
     judge_table(result, ledger)
     judge_budget(result, ledger)
@@ -61,7 +68,6 @@ def judged(result: Result) -> Ledger:
     for name, data in result.figures.items():
         _figure(result, name, data, ledger)
     judge_page(result, ledger)
-    return ledger
 
 
 # ---- the dataset -----------------------------------------------------------------------------------------
@@ -198,14 +204,28 @@ def judge_table(result: Result, ledger: Ledger) -> None:
         return
     expected = list(_rows(result.data, shown))
     ledger.same("table.csv", "number of rows", len(lines), len(expected))
-    ledger.same("table.csv", "number of columns", len(header), max(map(len, expected), default=0))
     for k, (line, row) in enumerate(zip(lines, expected, strict=False)):
-        for title, cell, value in zip(header, line, row, strict=False):
+        # Where no value of a column has an interval there is no column of it.
+        drawn = [
+            one for j, one in enumerate(row) if not isinstance(one, _Interval) or one.there(header, row, j)
+        ]
+        ledger.same("table.csv", f"number of columns in row {k + 1}", len(line), len(drawn))
+        for title, cell, value in zip(header, line, drawn, strict=False):
             where = f"row {k + 1}, {title}"
             if isinstance(value, str):
                 ledger.same("table.csv", where, cell, value)
             else:
                 ledger.number("table.csv", where, cell, value, rtol=1e-12, atol=0.0)
+
+
+class _Interval(float):
+    """Half width of an interval, in a row behind its value."""
+
+    def there(self, header: list[str], row: list[float | str], place: int) -> bool:
+        """Whether a table with this header has a column for it."""
+        before = sum(not isinstance(one, _Interval) for one in row[:place])
+        titles = [k for k, title in enumerate(header) if not title.endswith(_INTERVAL)]
+        return titles[before - 1] + 1 < len(header) and header[titles[before - 1] + 1].endswith(_INTERVAL)
 
 
 def _rows(data: Labelled, shown: Mapping[str, Any]) -> Iterator[list[float | str]]:
@@ -225,10 +245,11 @@ def _rows(data: Labelled, shown: Mapping[str, Any]) -> Iterator[list[float | str
             value = data[name].at(where).values.item()
             row.append(value if isinstance(value, str) else float(value))
             inside = isinstance(value, str) or not math.isnan(value)
-            known = known or (inside and name not in shown["coordinates"])
+            own = not shown.get("sparse") or set(data[name].dims) >= set(dims)
+            known = known or (inside and own and name not in shown["coordinates"])
             error = _total(data, name, where)
             if error is not None:
-                row.append(error)
+                row.append(_Interval(error))
         if known:
             yield row
 

@@ -106,8 +106,10 @@ class Table:
             for name, _, at in places
             if name in data.variables
         ]
+        there = [one for k, one in enumerate(there) if one not in there[:k]]
         coordinates = sorted(str(name) for name in data.coords if not str(name).startswith("_"))
-        return {"rows": list(self.rows), "columns": there, "coordinates": coordinates}
+        kept = {"sparse": True} if self.sparse else {}
+        return {"rows": list(self.rows), "columns": there, "coordinates": coordinates, **kept}
 
 
 @dataclass(frozen=True, kw_only=True)
