@@ -182,7 +182,7 @@ def test_the_data_behind_a_figure_are_the_numbers_of_the_run(small_run):
         np.testing.assert_array_equal(data["area_pixel"], run.area_pixel)
         assert float(data.area_own) == float(run.area_own)
     with xr.open_dataset(small_run.folder / "figures" / "pressure-maps.nc") as data:
-        share = np.isfinite(data.contact_pressure.sel(solver="bem")).mean()
+        share = np.isfinite(data.pressure_map.sel(solver="bem")).mean()
     assert float(share) == pytest.approx(float(run.area_pixel.sel(solver="bem", grid="24 x 24")), rel=0.2)
 
 

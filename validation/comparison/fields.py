@@ -65,12 +65,12 @@ def with_maps(data: xr.Dataset, own: Mapping[Press, ContactResult]) -> xr.Datase
     (dx, dy) = first.spacing
     data = data.assign_coords(x=("x", (np.arange(nx) + 0.5) * dx), y=("y", (np.arange(ny) + 0.5) * dy))
     data = data.assign(
-        heights=(MAPS, first.heights - first.heights.mean()), contact_pressure=(("solver", *MAPS), maps)
+        heights=(MAPS, first.heights - first.heights.mean()), pressure_map=(("solver", *MAPS), maps)
     )
     if len(there) == 2:
         one, other = (there[name] for name in data.solver.values if name in there)
         touched = one.in_contact | other.in_contact
-        data["contact_pressure_difference"] = (MAPS, np.where(touched, other.pressure - one.pressure, np.nan))
+        data["pressure_map_difference"] = (MAPS, np.where(touched, other.pressure - one.pressure, np.nan))
     return data.assign_attrs(map_grid=grid_name(finest))
 
 

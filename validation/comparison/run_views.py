@@ -476,17 +476,17 @@ def pressure_figure() -> Figure:
 
 def maps_figure(data: xr.Dataset) -> Figure:
     """Declare the pressure of every method on one grid, and their difference."""
-    there = [k for k in range(data.sizes["solver"]) if bool(data.contact_pressure[k].notnull().any())]
+    there = [k for k in range(data.sizes["solver"]) if bool(data.pressure_map[k].notnull().any())]
     panels = [
         Panel(
-            marks=[Image(y="contact_pressure", rows="y", cmap="viridis_r", at={"solver": k})],
+            marks=[Image(y="pressure_map", rows="y", cmap="viridis_r", at={"solver": k})],
             x="x",
             title=_label(data, k),
         )
         for k in there
     ]
-    if "contact_pressure_difference" in data:
-        difference = Image(y="contact_pressure_difference", rows="y", cmap="RdBu_r")
+    if "pressure_map_difference" in data:
+        difference = Image(y="pressure_map_difference", rows="y", cmap="RdBu_r")
         title = f"{_label(data, there[1])} - {_label(data, there[0])}"
         panels.append(Panel(marks=[difference], x="x", title=title))
     return Figure(

@@ -194,7 +194,7 @@ def _figures(data: xr.Dataset, m: int) -> Iterator[Figure]:
     at = {"method": m}
     grids = sorted({0, data.sizes["grid"] // 2, data.sizes["grid"] - 1})
     densities = [
-        Line(y="small_density", at={"grid": g}, look={"marker": ""}, label="dx/lambda_short = {spacing:.3g}")
+        Line(y="small_density", at={"grid": g}, look={"marker": ""}, label="dx/lambda_short = {spacing:.3}")
         for g in grids
     ]
     slopes = [Line(y=f"small_density_{way}", look={"marker": "", "ls": ls}) for way, ls in _WAYS.items()]
