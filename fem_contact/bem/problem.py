@@ -18,6 +18,7 @@ from fem_contact.complementarity import (
     operator_of,
     polonsky_keer,
     solve_nested,
+    surely_partial,
 )
 from fem_contact.complementarity.arrays import Device
 from fem_contact.contact import ContactResult, Cost, Residuals, Status, measure_residuals
@@ -106,7 +107,7 @@ class Problem:
 
     def at(self, load: float, *, start: Array | None = None, settings: Settings | None = None) -> Solution:
         """Solve at one mean pressure."""
-        partial = self._surely_partial(load)
+        partial = surely_partial(self.heights, coarse=self._coarse, mean_force=load)
         exact = self._all_at_bound(load) or (None if partial else self._full_contact(load))
         if exact is not None:
             return exact
@@ -168,22 +169,6 @@ class Problem:
         if force.min() < 0 or (self.bound is not None and np.any(force > self.bound)):
             return None
         return self.solution(force, pairs=2.0)
-
-    def _surely_partial(self, load: float) -> bool:
-        """Whether even averages over cells of the heights need tension to be touched everywhere.
-
-        A rougher surface needs more of it. Where that should ever be wrong full contact is iterated.
-        """
-        (nx, ny), part = self.surface.shape, _AVERAGED
-        if min(nx, ny) < 8 * part or nx % part or ny % part or isinstance(self.operator, FreeOperator):
-            return False
-        smooth = self.heights.reshape(nx, ny // part, part).mean(axis=2)
-        smooth = smooth.reshape(nx // part, part, ny // part).mean(axis=1)
-        operator = self._coarse((nx // part, ny // part))
-        assert isinstance(operator, FourierOperator)
-        pressure = np.empty(smooth.shape)
-        operator.invert(smooth, pressure)
-        return float(pressure.min()) < -load
 
     def _all_at_bound(self, load: float) -> Solution | None:
         """Answer where the bound leaves no choice, at the offset of least indentation."""
@@ -272,10 +257,6 @@ _PLACED = {
 #: Relative difference at which a load counts as equal to the bound: means of equal numbers differ by
 #: rounding.
 SLACK = 1e-12
-
-
-#: Points along each side of a cell whose heights are averaged to rule out full contact.
-_AVERAGED = 8
 
 #: Ratio of the sides of a cell beyond which a residual that no longer falls is put down to it.
 _OBLONG = 30.0

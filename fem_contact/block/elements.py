@@ -133,19 +133,14 @@ def quiet_skfem() -> Iterator[None]:
     """Keep scikit-fem's log lines about copied arrays from the user, to whom they are no news."""
     import logging
 
+    # Those of its modules have no level of their own.
     logger = logging.getLogger("skfem")
-    children = [
-        logging.getLogger(name) for name in logging.root.manager.loggerDict if name.startswith("skfem")
-    ]
-    loggers = [logger, *children]
-    levels = [each.level for each in loggers]
-    for each in loggers:
-        each.setLevel(logging.ERROR)
+    level = logger.level
+    logger.setLevel(logging.ERROR)
     try:
         yield
     finally:
-        for each, level in zip(loggers, levels, strict=True):
-            each.setLevel(level)
+        logger.setLevel(level)
 
 
 def scalar_basis(mesh: Any, element: Element) -> CellBasis:

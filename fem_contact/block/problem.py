@@ -34,7 +34,7 @@ class Found:
     fft_pairs : float
     bytes : int
         Memory of the arrays that were held.
-    method : {"multigrid", "refined", "reduced", "heterogeneous"}
+    method : {"multigrid", "refined", "reduced"}
     note : str
         What the solver reached, in words.
     field : (nx, ny, planes, 3) array or None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cache, cached_property
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Literal
 
@@ -41,7 +41,6 @@ from fem_contact.surface import HeightField
 if TYPE_CHECKING:
     from fem_contact.block.full.multigrid import StencilBlock
     from fem_contact.block.full.quadratic import QuadraticBlock
-    from fem_contact.block.reduced.heterogeneous import HeterogeneousBlock
     from fem_contact.block.reduced.surface import SurfaceOperator
 
 __all__ = ["Method", "Modulus", "Session", "check_method", "needed_bytes", "planned_mesh"]
@@ -56,8 +55,6 @@ _METHODS = {
     "refined": "finite elements, full system: active set, conjugate gradients with multigrid of the "
     "trilinear cells between the nodes",
     "reduced": "finite elements, reduced exactly to the surface nodes by Fourier transform",
-    "heterogeneous": "finite elements, all unknowns: active set, matrix-free conjugate gradients, "
-    "preconditioned by Fourier solves of a layered block",
 }
 
 #: Peak bytes per unknown of the full system: some nineteen fields; where the modulus varies sideways, nine
@@ -66,9 +63,6 @@ _BYTES_PER_UNKNOWN, _BYTES_OF_FACTORS = 158, 80
 
 #: Libraries, and what does not grow with the block.
 _BASE_BYTES = 250_000_000
-
-#: Peak bytes per unknown of a block whose modulus varies sideways: some twenty fields.
-_BYTES_PER_FREE_UNKNOWN = 200
 
 #: Peak bytes per surface node of the reduced system, by order: some 14 arrays, or 4 x 4 tables.
 _BYTES_PER_NODE = {1: 120, 2: 400}
@@ -82,6 +76,9 @@ _STIFFEST = 1e60
 
 #: Largest ratio of a cell's Young's modulus and the solid's, and the reciprocal of the least.
 _HARDEST = 1e30
+
+#: Reading the records of a package takes milliseconds.
+_version = cache(version)
 
 #: Least tolerance: rounding leaves more.
 _FINEST = 1e-16
@@ -112,8 +109,6 @@ def needed_bytes(mesh: BlockMesh, method: Method, *, lateral: bool = False) -> i
     """Estimate the memory of a solve."""
     if method == "full":
         return _BASE_BYTES + (_BYTES_PER_UNKNOWN + lateral * _BYTES_OF_FACTORS) * mesh.unknowns
-    if lateral:
-        return _BYTES_PER_FREE_UNKNOWN * mesh.unknowns
     return _BYTES_PER_NODE[mesh.element.order] * mesh.shape[0] * mesh.shape[1]
 
 
@@ -150,17 +145,20 @@ class Session:
         tolerance = within("tolerance", tolerance, _FINEST, 1, interval=f"[{_FINEST:g}, 1)")
         if max_iterations is not None:
             whole("max_iterations", max_iterations, least=1, most=10**7)
-        if method == "full" and solid.poisson == 0.5:
-            raise InvalidInput(
-                "poisson = 0.5: the full system has no finite stiffness there; take method = 'reduced', or "
-                "poisson below 0.5"
-            )
         mesh = planned_mesh(surface.shape, surface.lengths, poisson=solid.poisson, options=options)
         width, top = surface.lengths[0] / mesh.cells[0], float(np.max(surface.heights))
         moduli = _cell_moduli(modulus, mesh, width)
         lateral = moduli is not None and moduli.shape[:2] != (1, 1)
+        if lateral:
+            # Columns that differ have no waves of their own: nothing can be eliminated.
+            method = "full"
+        if method == "full" and solid.poisson == 0.5:
+            remedy = "a modulus that varies in depth only" if lateral else "method = 'reduced'"
+            raise InvalidInput(
+                f"poisson = 0.5: the full system has no finite stiffness there; take {remedy}, or "
+                "poisson below 0.5"
+            )
         _refuse_beyond_memory(mesh, method, lateral=lateral)
-        sets = method == "full" or lateral
         problem = Problem(
             mesh=mesh,
             heights=(surface.heights - top) / width,
@@ -170,7 +168,7 @@ class Session:
             gradient=surface.rms_gradient,
             modulus=moduli,
             tolerance=tolerance,
-            steps=max_iterations or (_SETS if sets else _STEPS),
+            steps=max_iterations or (_SETS if method == "full" else _STEPS),
             growth=options.get("growth", 1.2),
             bound=_checked_bound(pressure_bound, surface.shape, young=solid.young),
         )
@@ -210,10 +208,6 @@ class Session:
             from fem_contact.block.full.system import solve_full
 
             found = solve_full(problem, start, self.shared)
-        elif problem.lateral:
-            from fem_contact.block.reduced.heterogeneous import solve_heterogeneous
-
-            found = solve_heterogeneous(problem, self.free_block, start)
         else:
             found = solve_reduced(problem, self.response, self.operator, start=start)
         self._latest = found
@@ -225,8 +219,6 @@ class Session:
             return _apart(problem)
         if self.method == "full":
             return self._find(problem, None)
-        if problem.lateral:
-            return self._find(problem, problem.heights > problem.offset)
         from fem_contact.block.reduced.surface import solve_reduced_offset
 
         return solve_reduced_offset(problem, self.response, self.operator)
@@ -254,26 +246,12 @@ class Session:
         """The operator of its surface."""
         return surface_operator(self.response, threads=available_processors())
 
-    @cached_property
-    def free_block(self) -> HeterogeneousBlock:
-        """The block whose modulus varies sideways."""
-        from fem_contact.block.reduced.heterogeneous import HeterogeneousBlock
-
-        mesh = self.problem.mesh
-        assert self.problem.modulus is not None
-        modulus = np.ascontiguousarray(np.broadcast_to(self.problem.modulus, (*mesh.cells, mesh.nz)))
-        return HeterogeneousBlock(
-            mesh=mesh,
-            heights=self.problem.heights,
-            bound=self.problem.force_bound,
-            poisson=self.problem.poisson,
-            modulus=modulus,
-        )
-
     def _source(self, found: Found) -> FieldSource:
         if found.field is not None:
             return ArraySource(field=found.field * self.width, order=self.problem.mesh.element.order)
-        return FourierSource(response=self.response, force=found.force, width=self.width)
+        return FourierSource(
+            response=self.response, force=found.force, width=self.width, threads=available_processors()
+        )
 
     def _dressed(self, found: Found, *, target: float | None) -> BlockSolution:
         contact = self._result(found, target=target)
@@ -367,7 +345,7 @@ def _provenance(problem: Problem, *, width: float, found: Found) -> dict[str, st
         "depth": f"{float(-mesh.planes[0]) * width:.6g} m, clamped",
         "pressure": f"nodal force over {share}; contact area counts the same areas",
         "tolerance": f"{problem.tolerance:.3g} (reached: {found.note})",
-        "scikit-fem": version("scikit-fem"),
+        "scikit-fem": _version("scikit-fem"),
     }
 
 

@@ -93,8 +93,8 @@ def solve(
         for the surface by FFT: the same discrete solution at a small part of the cost.
     modulus : callable, optional
         Young's modulus of the block over `solid.young`, evaluated at the cells' centres x (nx, 1, 1), y (1,
-        ny, 1), z (1, 1, nz) [m]. Where it varies sideways, the reduced method keeps the whole block, with a
-        layered one as preconditioner.
+        ny, 1), z (1, 1, nz) [m]. Where it varies sideways, nothing can be eliminated and either method is
+        "full".
     pressure_bound : float or (nx, ny) array, optional
         Hardness H [Pa]: the pressure obeys 0 <= p <= H, and where p = H the gap may be negative, which is
         plastic indentation (`fem_contact.hardness.yielded` reads it). Its mean must not be below

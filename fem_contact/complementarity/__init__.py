@@ -15,7 +15,7 @@ from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.free import FreeOperator, operator_of
 from fem_contact.complementarity.operator import Operator, Solution
 from fem_contact.complementarity.polonsky_keer import polonsky_keer
-from fem_contact.complementarity.solve import solve_bounded, solve_nested
+from fem_contact.complementarity.solve import solve_bounded, solve_nested, surely_partial
 
 __all__ = [
     "FourierOperator",
@@ -26,4 +26,5 @@ __all__ = [
     "polonsky_keer",
     "solve_bounded",
     "solve_nested",
+    "surely_partial",
 ]

@@ -24,8 +24,8 @@ __all__ = ["ArrayOperator", "ArrayPasses", "Device"]
 
 Array = NDArray[np.float64]
 
-#: As in the compiled passes.
-DECAY = 0.74
+#: What the compiled passes have as `PARTS`, for one and for two.
+ALONE, PAIRED = 0.5, 0.46
 
 #: An array of any library: they share no type.
 Values = Any
@@ -185,24 +185,23 @@ class ArrayPasses(Passes):
         """Turn the residual into z = E' M E residual; sum z, and z times the image of the last step."""
         xp = self.xp
         one, nothing = xp.ones_like, xp.zeros_like
-        counts = [xp.where(self.working, one(self.gap), nothing(self.gap))]
-        values = [-self.gap * counts[0]]
+        shares = [xp.where(self.working, one(self.gap), nothing(self.gap))]
+        values = [-self.gap * shares[0]]
         while max(values[-1].shape) > 4 or len(values) < 2:
-            summed = self._summed(xp.where(counts[-1] > 0, one(counts[-1]), nothing(counts[-1])))
-            values.append(self._summed(values[-1]) / xp.where(summed > 0, summed, one(summed)))
-            counts.append(summed)
+            count = self._summed(xp.where(shares[-1] > 0, one(shares[-1]), nothing(shares[-1])))
+            few = xp.where(count > 1, PAIRED * one(count), ALONE * count)
+            shares.append(xp.where(count > 2, 1 / xp.where(count > 2, count, one(count)), few))
+            values.append(self._summed(values[-1]) * shares[-1])
         for k in range(len(values) - 2, -1, -1):
-            spread = DECAY * self._spread(values[k + 1], values[k].shape)
-            values[k] = xp.where(counts[k] > 0, values[k], spread)
+            values[k] = xp.where(shares[k] > 0, values[k], self._spread(values[k + 1], values[k].shape))
         self.operator.precondition(values[0], self.buffer)
         levels = [self.buffer]
         for k in range(len(values) - 1):
-            rest = xp.where(counts[k] > 0, nothing(levels[k]), levels[k])
-            levels.append(DECAY * self._gathered(rest))
+            rest = xp.where(shares[k] > 0, nothing(levels[k]), levels[k])
+            levels.append(self._gathered(rest))
         above = nothing(levels[-1])
         for k in range(len(levels) - 1, -1, -1):
-            share = xp.where(counts[k] > 0, counts[k], one(counts[k]))
-            own = xp.where(counts[k] > 0, (levels[k] + above) / share, nothing(levels[k]))
+            own = (levels[k] + above) * shares[k]
             above = self._repeated(own, levels[k - 1].shape) if k else own
         self.buffer[...] = above
         return self._sum(above), self._sum(above * self.image)

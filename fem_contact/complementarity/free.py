@@ -7,7 +7,8 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from fem_contact.complementarity.fourier import FourierOperator
-from fem_contact.response import FreeHalfSpace, HalfSpace, Response
+from fem_contact.response import FreeHalfSpace, Response
+from fem_contact.settings import available_processors
 
 __all__ = ["FreeOperator", "operator_of"]
 
@@ -23,8 +24,8 @@ class FreeOperator:
               F(x, y) = x \operatorname{arsinh}\frac{y}{|x|} + y \operatorname{arsinh}\frac{x}{|y|}
 
     with the sum of F over the corners of the cell, signs alternating. The convolution is done by FFT on twice
-    the points along both axes, so that no image acts on the patch. The inverse of the periodic half-space
-    preconditions it.
+    the points along both axes, so that no image acts on the patch. The inverse response of cosine waves
+    preconditions it: unlike periodic ones they do not tie the edges of the patch to each other.
 
     Parameters
     ----------
@@ -42,8 +43,8 @@ class FreeOperator:
     Doubling: R. W. Hockney, J. W. Eastwood, Computer Simulation Using Particles (1988), Sec. 6-5-4.
     """
 
-    #: A pair of transforms on four times the points.
-    pairs = 4.0
+    #: Along rows half of the doubled grid is zero or not asked for, along columns all of it is transformed.
+    pairs = 3.0
 
     def __init__(
         self,
@@ -54,13 +55,15 @@ class FreeOperator:
         threads: int | None = None,
     ) -> None:
         self.shape = shape
-        self._periodic = FourierOperator(HalfSpace(solid=response.solid), shape, lengths, threads=threads)
-        self.threads = self._periodic.threads
-        self.stiffness = self._periodic.stiffness
+        self.threads = available_processors() if threads is None else threads
         cells = _cell_kernel(shape, lengths) / (np.pi * response.contact_modulus)
+        qx, qy = (np.pi * np.arange(n) / length for n, length in zip(shape, lengths, strict=True))
+        stiffness: Array = 0.5 * response.contact_modulus * np.hypot(qx[:, None], qy[None, :])
+        self.stiffness = float(np.mean(stiffness))
         # A uniform pressure sinks the middle of the patch by this.
-        self.compliance = self._periodic.compliance.copy()
-        self.compliance[0, 0] = 4 * cells[: (shape[0] + 1) // 2, : (shape[1] + 1) // 2].sum()
+        middle = 4 * cells[: (shape[0] + 1) // 2, : (shape[1] + 1) // 2].sum()
+        stiffness[0, 0] = 1 / middle
+        self.compliance: Array = 1 / stiffness
         # Even along both axes, so that the transform is real; distances of n cells never occur.
         rows, columns = (np.minimum(np.arange(2 * n), 2 * n - np.arange(2 * n)) for n in shape)
         doubled = cells[np.ix_(rows, columns)]
@@ -69,18 +72,22 @@ class FreeOperator:
     @property
     def nbytes(self) -> int:
         """Memory of the arrays held, and of one transform."""
-        return self._periodic.nbytes + 3 * self._kernel.nbytes
+        return self.compliance.nbytes + 3 * self._kernel.nbytes
 
     def apply(self, force: Array, out: Array) -> None:
         """Write the displacement [m] under the pressure ``force`` [Pa] into ``out``."""
-        (nx, ny), doubled = self.shape, (2 * self.shape[0], 2 * self.shape[1])
-        spectrum = scipy.fft.rfft2(force, s=doubled, workers=self.threads)
+        (nx, ny), workers = self.shape, self.threads
+        along = scipy.fft.rfft(force, n=2 * ny, axis=1, workers=workers)
+        spectrum = scipy.fft.fft(along, n=2 * nx, axis=0, workers=workers)
         spectrum *= self._kernel
-        out[...] = scipy.fft.irfft2(spectrum, s=doubled, workers=self.threads, overwrite_x=True)[:nx, :ny]
+        along = scipy.fft.ifft(spectrum, axis=0, workers=workers, overwrite_x=True)[:nx]
+        out[...] = scipy.fft.irfft(along, n=2 * ny, axis=1, workers=workers)[:, :ny]
 
     def precondition(self, residual: Array | Single, out: Array | Single) -> None:
-        """Write the pressure [Pa] of a periodic half-space under a displacement [m] into ``out``."""
-        self._periodic.precondition(residual, out)
+        """Write the pressure [Pa] of cosine waves under a displacement [m] into ``out``."""
+        waves = scipy.fft.dctn(residual, workers=self.threads)
+        waves /= self.compliance
+        out[...] = scipy.fft.idctn(waves, workers=self.threads, overwrite_x=True)
 
 
 def _cell_kernel(shape: tuple[int, int], lengths: tuple[float, float]) -> Array:

@@ -32,14 +32,17 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-_OPTIONS = {"cache": True, "nogil": True, "fastmath": {"reassoc", "contract", "nsz"}}
+_OPTIONS = {
+    "cache": True,
+    "nogil": True,
+    "error_model": "numpy",
+    "fastmath": {"reassoc", "contract", "nsz"},
+}
 
-#: Reciprocals of the possible numbers of occupied cells in a cell of the next level; nothing comes from an
-#: empty one.
-_PARTS = (0.0, 1.0, 1 / 2, 1 / 3, 1 / 4)
-
-#: Share of a value that the extension keeps per level; see `complementarity`.
-DECAY = 0.74
+#: Weight of each of the occupied cells in a cell of the next level, by their number: the mean where they fill
+#: it. One or two are mostly the whole or the end of a contact, away from which the residual falls. The two
+#: numbers are those of the fewest steps on rough surfaces.
+PARTS = (0.0, 0.5, 0.46, 1 / 3, 1 / 4)
 
 
 @njit(**_OPTIONS)
@@ -78,7 +81,10 @@ def move(lo, hi, x, g, s, v, bound, factor, shift, unit, stiffness, work, sums, 
     moment, total, free, last, image = 0.0, 0.0, 0.0, 0.0, 0.0
     zero, one = g.dtype.type(0), g.dtype.type(1)
     factor, shift, stiffness = g.dtype.type(factor), g.dtype.type(shift), g.dtype.type(stiffness)
-    lows, highs = np.full(ny, np.inf, g.dtype), np.full(ny, -np.inf, g.dtype)
+    lows, highs = np.empty(ny, g.dtype), np.empty(ny, g.dtype)
+    lowest, highest = g.dtype.type(np.inf), g.dtype.type(-np.inf)
+    for j in range(ny):
+        lows[j], highs[j] = lowest, highest
     for row in range(lo, hi):
         for i in range(2 * row, min(2 * row + 2, nx)):
             row_moment, row_total, row_free, row_last, row_image = zero, zero, zero, zero, zero
@@ -113,7 +119,10 @@ def move(lo, hi, x, g, s, v, bound, factor, shift, unit, stiffness, work, sums, 
             last += row_last
             image += row_image
         _sum_gaps(row, g, work, sums, counts)
-    return moment, total, lows.min(), highs.max(), free, last, image
+    # Loops, because numba takes a second to compile `min` and `max` of an array.
+    for j in range(ny):
+        lowest, highest = min(lowest, lows[j]), max(highest, highs[j])
+    return moment, total, lowest, highest, free, last, image
 
 
 @njit(**_OPTIONS)
@@ -140,18 +149,17 @@ def _sum_gaps(row, g, work, sums, counts):
 
 
 @njit(**_OPTIONS)
-def extend(lo, hi, out, g, work, coarse, decay):
+def extend(lo, hi, out, g, work, coarse):
     """Write the residual: -g on the working set, beyond it `push` from the coarser level."""
     ny = out.shape[1]
     mx, my = coarse.shape
     line, wide = np.empty(my + 2, coarse.dtype), np.empty(2 * my, coarse.dtype)
     near, far = out.dtype.type(0.75), out.dtype.type(0.25)
-    keep = out.dtype.type(decay)
     for i in range(lo, hi):
         parent = i // 2
         other = (parent + (1 if i % 2 else -1)) % mx
         for j in range(my):
-            line[j + 1] = keep * (near * coarse[parent, j] + far * coarse[other, j])
+            line[j + 1] = near * coarse[parent, j] + far * coarse[other, j]
         line[0] = line[my]
         line[my + 1] = line[1]
         for p in range(my):
@@ -192,23 +200,22 @@ def pull(fine, counts, sums, coarse_counts):
     for row in range(sums.shape[0]):
         for i in range(2 * row, min(2 * row + 2, nx)):
             for j in range(ny):
-                fine[i, j] *= _PARTS[counts[i, j]]
+                fine[i, j] *= PARTS[counts[i, j]]
         _sum_cells(row, fine, counts, sums, coarse_counts)
 
 
 @njit(**_OPTIONS)
-def push(lo, hi, fine, occupied, coarse, decay):
-    """Fill the empty cells of a level with `decay` times the bilinear interpolant of the next coarser one."""
+def push(lo, hi, fine, occupied, coarse):
+    """Fill the empty cells of a level with the bilinear interpolant of the next coarser one."""
     ny = fine.shape[1]
     mx, my = coarse.shape
     line = np.empty(my + 2, coarse.dtype)
     near, far = fine.dtype.type(0.75), fine.dtype.type(0.25)
-    keep = fine.dtype.type(decay)
     for i in range(lo, hi):
         parent = i // 2
         other = (parent + (1 if i % 2 else -1)) % mx
         for j in range(my):
-            line[j + 1] = keep * (near * coarse[parent, j] + far * coarse[other, j])
+            line[j + 1] = near * coarse[parent, j] + far * coarse[other, j]
         line[0] = line[my]
         line[my + 1] = line[1]
         for p in range(ny // 2):
@@ -221,7 +228,7 @@ def push(lo, hi, fine, occupied, coarse, decay):
 
 
 @njit(**_OPTIONS)
-def push_transposed(lo, hi, fine, occupied, coarse, decay):
+def push_transposed(lo, hi, fine, occupied, coarse):
     """Transpose of `push`: gather the empty cells of a level on rows lo..hi of the next coarser one."""
     nx, ny = fine.shape
     mx, my = coarse.shape
@@ -232,13 +239,13 @@ def push_transposed(lo, hi, fine, occupied, coarse, decay):
         for k in range(4):
             if k < 2:
                 i = 2 * row + k
-                weight = fine.dtype.type(0.75 * decay)
+                weight = fine.dtype.type(0.75)
             elif k == 2:
                 i = 2 * ((row + 1) % mx)
-                weight = fine.dtype.type(0.25 * decay)
+                weight = fine.dtype.type(0.25)
             else:
                 i = 2 * ((row - 1) % mx) + 1
-                weight = fine.dtype.type(0.25 * decay)
+                weight = fine.dtype.type(0.25)
             if i < nx:
                 for j in range(ny):
                     line[j + 1] += zero if occupied[i, j] else weight * fine[i, j]
@@ -254,7 +261,7 @@ def pull_transposed(fine, counts, coarse):
     """Transpose of `pull` in place: occupied cells take up the coarser level, divided by their count."""
     for i in range(fine.shape[0]):
         for j in range(fine.shape[1]):
-            fine[i, j] = (fine[i, j] + coarse[i // 2, j // 2]) * _PARTS[counts[i, j]]
+            fine[i, j] = (fine[i, j] + coarse[i // 2, j // 2]) * PARTS[counts[i, j]]
 
 
 @njit(**_OPTIONS)
@@ -324,7 +331,9 @@ def restore(lo, hi, x, g, s, bound, unit, toward):
     ny = x.shape[1]
     zero, one, toward = s.dtype.type(0), s.dtype.type(1), s.dtype.type(toward)
     least = s.dtype.type(2 * np.finfo(s.dtype).eps)
-    slope, most = 0.0, np.zeros(ny, s.dtype)
+    slope, most = 0.0, np.empty(ny, s.dtype)
+    for j in range(ny):
+        most[j] = zero
     for i in range(lo, hi):
         row_slope = zero
         for j in range(ny):
@@ -342,7 +351,10 @@ def restore(lo, hi, x, g, s, bound, unit, toward):
             row_slope += g[i, j] * change
             s[i, j] = change
         slope += row_slope
-    return slope, most.max()
+    largest = zero
+    for j in range(ny):
+        largest = max(largest, most[j])
+    return slope, largest
 
 
 @njit(**_OPTIONS)

@@ -20,7 +20,7 @@ An :class:`Operator` offers
     Force per displacement [Pa/m] of a single node, roughly: the mean over wavevectors of the inverse
     response.
 ``pairs``
-    FFT pairs that one ``apply`` costs, counted on the finest grid; ``precondition`` is counted the same.
+    FFT pairs that one ``apply`` costs, counted on the finest grid; ``precondition`` is counted as one.
 
 Whether S moves the mean (layer, block) or leaves it out (half-space) does not matter when the load is
 prescribed: a constant displacement only changes the offset.

@@ -105,7 +105,9 @@ class Passes:
         from fem_contact.complementarity import kernels
 
         self.kernels, self.operator, self.quick = kernels, operator, operator
-        self.heights, self.bound = heights, bound
+        # Told once that they are only read, given and coarser heights alike need one compiled pass.
+        self.heights, self.bound = heights.view(), bound
+        self.heights.setflags(write=False)
         self.single = units is not None
         self.force_unit, self.length_unit = (1.0, 1.0) if units is None else units
         if units is not None:
@@ -214,16 +216,17 @@ class Passes:
         k, sums, counts = self.kernels, self.sums, self.counts
         for fine in range(len(sums) - 1):
             k.pull(sums[fine], counts[fine], sums[fine + 1], counts[fine + 1])
-        sums[-1] /= np.maximum(counts[-1], 1)
+        shares = np.take(k.PARTS, counts[-1])
+        sums[-1] *= shares
         for fine in range(len(sums) - 2, -1, -1):
-            k.push(0, sums[fine].shape[0], sums[fine], counts[fine], sums[fine + 1], k.DECAY)
-        self.rows.run(k.extend, self.buffer, self.gap, self.working, sums[0], k.DECAY)
+            k.push(0, sums[fine].shape[0], sums[fine], counts[fine], sums[fine + 1])
+        self.rows.run(k.extend, self.buffer, self.gap, self.working, sums[0])
         self.quick.precondition(self.buffer, self.buffer)
-        self.coarse_rows.run(k.push_transposed, self.buffer, self.working, sums[0], k.DECAY)
+        self.coarse_rows.run(k.push_transposed, self.buffer, self.working.view(np.uint8), sums[0])
         for fine in range(len(sums) - 1):
             rows = sums[fine + 1].shape[0]
-            k.push_transposed(0, rows, sums[fine], counts[fine], sums[fine + 1], k.DECAY)
-        sums[-1] *= (counts[-1] > 0) / np.maximum(counts[-1], 1)
+            k.push_transposed(0, rows, sums[fine], counts[fine], sums[fine + 1])
+        sums[-1] *= shares
         for fine in range(len(sums) - 2, -1, -1):
             k.pull_transposed(sums[fine], counts[fine], sums[fine + 1])
         total, image = self.rows.add(k.finish, self.buffer, self.working, sums[0], self.image)

@@ -18,7 +18,7 @@ from fem_contact.complementarity.passes import Errors, Passes
 from fem_contact.contact import Status
 from fem_contact.settings import Settings
 
-__all__ = ["solve_bounded", "solve_nested"]
+__all__ = ["solve_bounded", "solve_nested", "surely_partial"]
 
 Array = NDArray[np.float64]
 
@@ -131,7 +131,7 @@ def _iterate(
     # Where all that bear have yielded but for rounding, the points between say nothing of the offset.
     vanishing = 0.0 if passes.bound is None else _VANISHING * load
     offset, errors = _afresh(passes, vanishing, roughly=True)
-    applications, iteration, length, curvature = 1, 0, _FIRST, 0.0
+    applications, preconditions, iteration, length, curvature = 1, 0, 0, _FIRST, 0.0
     least, patience, status, renewed = np.inf, enough, Status.ITERATION_LIMIT, errors.size
     exact, verified, plain = not passes.single, draft, False
     while True:
@@ -169,7 +169,7 @@ def _iterate(
             shift = (z_sum + beta * errors.last) / free if free > 0 else 0.0
             passes.trial(load, length=length, beta=beta, shift=shift)
         curvature = passes.bend()
-        applications += 1 if plain else 2
+        applications, preconditions = applications + 1, preconditions + (not plain)
         verified, exact = draft, False
         best = -passes.slope / curvature if curvature > 0 else 0.0
         # The trial force keeps the bounds: a single step does.
@@ -200,7 +200,8 @@ def _iterate(
     if not (draft or exact):
         offset, errors = _afresh(passes, vanishing)
         applications += 1
-    return _solution(passes, offset=offset, status=status, iterations=iteration, applications=applications)
+    pairs = applications * passes.operator.pairs + preconditions
+    return _solution(passes, offset=offset, status=status, iterations=iteration, pairs=pairs)
 
 
 def _afresh(passes: Passes, vanishing: float, *, roughly: bool = False) -> tuple[float, Errors]:
@@ -275,9 +276,7 @@ def _offset_between(passes: Passes) -> float:
     return -highest if lowest >= highest else -0.5 * (lowest + highest)
 
 
-def _solution(
-    passes: Passes, *, offset: float, status: Status, iterations: int, applications: int
-) -> Solution:
+def _solution(passes: Passes, *, offset: float, status: Status, iterations: int, pairs: float) -> Solution:
     force, bound = passes.force, passes.bound
     return Solution(
         force=force,
@@ -287,7 +286,7 @@ def _solution(
         at_bound=force < 0 if bound is None else force >= bound,
         status=status,
         iterations=iterations,
-        fft_pairs=applications * passes.operator.pairs,
+        fft_pairs=pairs,
         peak_bytes=passes.nbytes,
     )
 
@@ -369,6 +368,25 @@ def solve_nested(
     return replace(solution, fft_pairs=solution.fft_pairs + pairs)
 
 
+def surely_partial(
+    heights: Array, *, coarse: Callable[[tuple[int, int]], Operator], mean_force: float
+) -> bool:
+    """Whether even averages of the heights over cells need tension to be touched everywhere.
+
+    A rougher surface needs more of it. Where that should ever be wrong full contact is iterated.
+    """
+    (nx, ny), part = heights.shape, _AVERAGED
+    if min(nx, ny) < 8 * part or nx % part or ny % part:
+        return False
+    smooth = heights.reshape(nx, ny // part, part).mean(axis=2)
+    smooth = smooth.reshape(nx // part, part, ny // part).mean(axis=1)
+    operator, force = coarse((nx // part, ny // part)), np.empty(smooth.shape)
+    if not isinstance(operator, FourierOperator):
+        return False
+    operator.invert(smooth, force)
+    return float(force.min()) < -mean_force
+
+
 def _placed(
     device: Device | None,
     operator: Operator,
@@ -390,6 +408,9 @@ def _placed(
     )
     return device.fetched(solution)
 
+
+#: Points along each side of a cell whose heights are averaged to rule out full contact.
+_AVERAGED = 8
 
 #: Grids with fewer points are solved in double precision.
 _SINGLE = 256**2

@@ -1,11 +1,13 @@
-"""Cost of the boundary-element solver per grid, and against tamaas where that is installed.
+"""Cost of the boundary-element solver per grid, and against tamaas and ASPHER where they are installed.
 
 Surface: H = .8, lambda_long = L/4, lambda_short = 8 dx, p* = .05; stopped at a complementarity of 1e-8,
 measured by `fem_contact.contact.measure_residuals` on the fields of either code. "ratio" is seconds over
 pairs times the seconds of one pair, by the wall clock and by processor time: the latter is the one to trust
 on a machine that is not idle.
 
-Run as ``python tests/benchmarks/bem_speed.py [sizes, comma separated] [threads] [method] [tamaas]``.
+Run as ``python tests/benchmarks/bem_speed.py [sizes, comma separated] [threads] [method] [peer]``. A peer is
+tamaas, aspher or free, the same surface as a patch of a `FreeHalfSpace`. The last two are run at three loads
+and compared by processor time; ASPHER takes no number of threads (set OMP_NUM_THREADS=1).
 """
 
 from __future__ import annotations
@@ -20,7 +22,7 @@ from numpy.typing import NDArray
 from fem_contact.bem import Method, solve
 from fem_contact.complementarity import FourierOperator
 from fem_contact.contact import Residuals, measure_residuals
-from fem_contact.response import HalfSpace
+from fem_contact.response import FreeHalfSpace, HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 
@@ -113,6 +115,55 @@ def run_tamaas(n: int) -> tuple[float, Residuals]:
     return seconds, residuals
 
 
+def run_aspher(n: int, pressure: float) -> str:
+    """Ratio of processor times at one load; of ASPHER's settings the fastest that meets the same residual."""
+    import aspher
+
+    surface = benchmark_surface(n)
+    ours = min(
+        (solve(surface, SOFT, mean_pressure=pressure, threads=1).checked() for _ in range(3)),
+        key=lambda result: result.cost.cpu_seconds,
+    )
+    best = np.inf, "no setting meets 1e-8", 0.0, 0
+    for precision in ("double", "float_then_double"):
+        for tolerance in (1e-6, 1e-7, 1e-8, 1e-9, 1e-10):
+            clock = time.process_time()
+            found = aspher.solve_nested(
+                n, -surface.heights.ravel(), pressure, tol=tolerance, backend="periodic", precision=precision
+            )
+            seconds = time.process_time() - clock
+            force = np.array(found.pressure).reshape(n, n)
+            displacement = np.empty_like(force)
+            FourierOperator(SOFT, (n, n), (1.0, 1.0), threads=1).apply(force, displacement)
+            gap = displacement - surface.heights
+            gap -= np.sum(force * gap) / np.sum(force)
+            missed = float(np.sum(force * np.abs(gap)) / (np.sum(force) * surface.rms_height))
+            if missed <= 1e-8:
+                if seconds < best[0]:
+                    differ = int(np.count_nonzero((force > 0) != ours.in_contact))
+                    apart = float(np.max(np.abs(force - ours.pressure)) / ours.pressure.max())
+                    best = seconds, f"{precision}, tol {tolerance:g}", apart, differ
+                break
+    return (
+        f"       aspher, p* {pressure}: {best[0]:.3f} s, {best[0] / ours.cost.cpu_seconds:.1f} times ours "
+        f"({ours.cost.cpu_seconds:.3f}); {best[1]}; pressures {best[2]:.1e} apart, {best[3]} points differ"
+    )
+
+
+def run_free(n: int, pressure: float) -> str:
+    """Pairs and processor seconds of a patch beside those of the periodic surface."""
+    surface, patch = benchmark_surface(n), FreeHalfSpace(solid=SOFT.solid)
+    period, free = (
+        solve(surface, response, mean_pressure=pressure, threads=1).checked().cost
+        for response in (SOFT, patch)
+    )
+    return (
+        f"       free, p* {pressure}: {free.fft_pairs:.1f} pairs, "
+        f"{free.fft_pairs / period.fft_pairs:.2f} times; {free.cpu_seconds:.3f} s, "
+        f"{free.cpu_seconds / period.cpu_seconds:.1f} times"
+    )
+
+
 def main(
     sizes: str = "512,1024,2048", threads: int = 2, method: Method = "preconditioned", peer: str = ""
 ) -> None:
@@ -124,6 +175,8 @@ def main(
         if peer == "tamaas":
             seconds, residuals = run_tamaas(n)
             print(f"       tamaas {seconds:.2f} s, {seconds / ours:.1f} times ours; {residuals}", flush=True)
+        for pressure in (0.005, 0.05, 0.3) if peer in ("aspher", "free") else ():
+            print(run_aspher(n, pressure) if peer == "aspher" else run_free(n, pressure), flush=True)
 
 
 if __name__ == "__main__":

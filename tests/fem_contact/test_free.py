@@ -6,6 +6,7 @@ import pickle
 import numpy as np
 import pytest
 from scipy.integrate import dblquad
+from surfaces import rough_surface
 
 from fem_contact import adhesion, bem
 from fem_contact.complementarity import FreeOperator
@@ -172,3 +173,9 @@ def test_a_wave_under_a_window_keeps_its_power():
     x = (np.arange(64) + 0.5) / 64
     patch = Patch(heights=np.cos(16 * np.pi * x)[:, None] * np.ones(64), lengths=(1.0, 1.0))
     assert patch.spectral_sum(np.ones_like) == pytest.approx(0.5, rel=1e-9)
+
+
+def test_a_rough_patch_pressed_to_its_edges_takes_few_steps():
+    surface = rough_surface((96, 96), seed=5, waves=12)
+    load = 0.3 * MODULUS * surface.rms_gradient
+    assert bem.solve(surface, FREE, mean_pressure=load).checked().cost.iterations <= 18

@@ -75,7 +75,6 @@ class ActiveSetSolution:
     linear_iterations: int
     linear_residual: float
     matrix_bytes: int
-    most_linear_iterations: int
     at_bound: Mask | None = None
 
 
@@ -280,12 +279,12 @@ def solve_contact(
     seen: set[bytes] = set()
     tolerance = max(_LOOSE, settings.tolerance)
     status = Status.ITERATION_LIMIT
-    linear, most, peak, sets = 0, 0, 0, 0
+    linear, peak, sets = 0, 0, 0
     while sets < settings.max_iterations:
         problem = _SetProblem(block, state.nodes)
         peak, sets = max(peak, problem.preconditioner.nbytes), sets + 1
         state, solution = problem.advance(state, load=load, settings=settings, tolerance=tolerance)
-        linear, most = linear + solution.iterations, max(most, solution.iterations)
+        linear += solution.iterations
         if not solution.converged and solution.iterations >= settings.max_linear_iterations:
             # What is not solved loosely will not be solved tightly, and sets read off it mean nothing.
             status = Status.ITERATION_LIMIT
@@ -294,7 +293,7 @@ def solve_contact(
             tolerance = settings.tolerance
             seen.clear()
             state, solution = problem.advance(state, load=load, settings=settings, tolerance=tolerance)
-            linear, most = linear + solution.iterations, max(most, solution.iterations)
+            linear += solution.iterations
         if tolerance == settings.tolerance:
             verdict = _verdict(state, solution, seen=seen, settings=settings, violation=violation)
             if verdict is not None:
@@ -314,7 +313,6 @@ def solve_contact(
         linear_iterations=linear,
         linear_residual=solution.relative_residual,
         matrix_bytes=peak,
-        most_linear_iterations=most,
         at_bound=_at_bound(state, block, settings.tolerance),
     )
 

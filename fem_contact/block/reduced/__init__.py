@@ -1,1 +1,1 @@
-"""The block reduced to its surface by Fourier transform, exactly; and blocks that vary sideways."""
+"""The block reduced to its surface by Fourier transform, exactly."""

@@ -15,13 +15,16 @@ Lengths are in cell widths, stiffness in Young's modulus; theta is the phase per
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.elements import element_matrices
+from fem_contact.block.elements import Element, element_matrices
 from fem_contact.block.mesh import BlockMesh
+from fem_contact.complementarity.rows import Rows
+from fem_contact.settings import available_processors
 
 __all__ = [
     "FoldedLayers",
@@ -94,9 +97,17 @@ def fold(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Fo
     modulus : (nz,) array, optional
         Young's modulus of each layer over the reference modulus, from the bottom upwards.
     """
+    folded = _folded(tuple(mesh.layers.tolist()), mesh.aspect, mesh.element, poisson)
+    if modulus is None:
+        return folded
+    return replace(folded, coefficients=folded.coefficients * modulus[:, None, None, None, None])
+
+
+@lru_cache(maxsize=4)
+def _folded(layers: tuple[float, ...], aspect: float, element: Element, poisson: float) -> FoldedLayers:
+    """Fold a column of one material; the columns of a sweep or an ensemble are alike."""
+    mesh = BlockMesh(cells=(1, 1), aspect=aspect, layers=np.array(layers), element=element)
     matrices, offsets = element_matrices(mesh, poisson)
-    if modulus is not None:
-        matrices = matrices * modulus[:, None, None]
     order, types = mesh.element.order, mesh.element.types
     pressures = matrices.shape[1] - 3 * len(offsets)
     inner = 3 * types if order == 2 else 0
@@ -117,6 +128,7 @@ def fold(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Fo
             shift = positions[b][0] - positions[a][0], positions[b][1] - positions[a][1]
             for i, j, sign in _wave_terms(shift, turned[b] - turned[a]):
                 coefficients[:, i, j, row, column] += sign * matrices[:, a, b]
+    coefficients.setflags(write=False)
     return FoldedLayers(coefficients=coefficients, types=types, pressures=pressures)
 
 
@@ -213,7 +225,7 @@ def surface_compliance(folded: FoldedLayers, phases: Array) -> Array:
     phases : (n, 2) array
         Phases per cell.
     """
-    from fem_contact.block.reduced.dense_kernels import compliances, plan_folding
+    from fem_contact.block.reduced.dense_kernels import LANES, compliances, plan_folding
 
     plane, inner, pressures = folded.plane, folded.inner, folded.pressures
     eliminated, size = plane + inner + pressures, plane + pressures
@@ -225,6 +237,7 @@ def surface_compliance(folded: FoldedLayers, phases: Array) -> Array:
     state_places = np.concatenate([bottom, plane + inner + np.arange(pressures)])
     out = np.empty((len(phases), folded.types, folded.types))
     counts = np.array([eliminated, size, folded.types])
-    plan = plan_folding(folded.coefficients)
-    compliances(*plan, places, state_places, counts, np.ascontiguousarray(phases), out)
+    plan, phases = plan_folding(folded.coefficients), np.ascontiguousarray(phases)
+    rows = Rows(-(-len(phases) // LANES), threads=available_processors(), least=8)
+    rows.run(compliances, *plan, places, state_places, counts, phases, out)
     return out

@@ -5,16 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["FoldingPlan", "compliances", "plan_folding"]
+__all__ = ["LANES", "FoldingPlan", "compliances", "plan_folding"]
 
 Array = NDArray[np.float64]
 FoldingPlan = tuple[NDArray[np.int64], NDArray[np.int64], Array]
 
 #: Columns treated side by side by one instruction stream.
-_LANES = 16
+LANES = 16
 
 
 def plan_folding(coefficients: Array) -> FoldingPlan:
@@ -54,19 +54,19 @@ def _eliminate(w: Any, count: int, size: int) -> None:
     Displacements come before the pressures that constrain them, so that every pivot is of one sign and none
     small.
     """
-    f = np.empty(_LANES)
+    f = np.empty(LANES)
     for k in range(count):
         for i in range(k + 1, size):
-            for p in range(_LANES):
+            for p in range(LANES):
                 f[p] = w[k, i, p] / w[k, k, p]
             for j in range(i, size):
-                for p in range(_LANES):
+                for p in range(LANES):
                     w[i, j, p] -= f[p] * w[k, j, p]
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
 def _write_products(phases: Any, first: int, out: Any) -> None:
-    for p in range(_LANES):
+    for p in range(LANES):
         point = min(first + p, phases.shape[0] - 1)
         x, y = phases[point, 0], phases[point, 1]
         fx = (1.0, np.cos(0.5 * x), np.cos(x), np.sin(0.5 * x), np.sin(x))
@@ -86,7 +86,7 @@ def _write_layer(entries: Any, terms: Any, weights: Any, places: Any, products: 
         for t in range(4):
             weight = weights[e, t]
             if weight != 0.0:
-                for p in range(_LANES):
+                for p in range(LANES):
                     w[r, c, p] += weight * products[terms[e, t], p]
 
 
@@ -98,13 +98,13 @@ def _stand_on(w: Any, state: Any, state_places: Any, clamped: bool) -> None:
         for k in range(size):
             r = state_places[k]
             for c in range(total):
-                for p in range(_LANES):
+                for p in range(LANES):
                     w[min(r, c), max(r, c), p] = 1.0 if r == c else 0.0
         return
     for r in range(size):
         for c in range(r, size):
             a, b = state_places[r], state_places[c]
-            for p in range(_LANES):
+            for p in range(LANES):
                 w[min(a, b), max(a, b), p] += state[r, c, p]
 
 
@@ -115,14 +115,14 @@ def _columns(
     """Compliances of some columns side by side, (types, types, lanes)."""
     eliminated, size, types = counts[0], counts[1], counts[2]
     total = eliminated + size
-    w = np.empty((total, total, _LANES))
-    state = np.zeros((size, size, _LANES))
+    w = np.empty((total, total, LANES))
+    state = np.zeros((size, size, LANES))
     for layer in range(weights.shape[0]):
         _write_layer(entries, terms, weights[layer], places, products, w)
         _stand_on(w, state, state_places, layer == 0)
         _eliminate(w, eliminated, total)
         state[:] = w[eliminated:, eliminated:]
-    v = np.zeros((size + types, size + types, _LANES))
+    v = np.zeros((size + types, size + types, LANES))
     v[:size, :size] = state
     for t in range(types):
         v[3 * t + 2, size + t] = 1.0
@@ -130,11 +130,20 @@ def _columns(
     return -v[size:, size:]
 
 
-@njit(cache=True, parallel=True)  # type: ignore[untyped-decorator]
+@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
 def compliances(
-    entries: Any, terms: Any, weights: Any, places: Any, state_places: Any, counts: Any, phases: Any, out: Any
-) -> None:
-    """Vertical surface displacement under unit vertical forces, for every kind of node.
+    lo: int,
+    hi: int,
+    entries: Any,
+    terms: Any,
+    weights: Any,
+    places: Any,
+    state_places: Any,
+    counts: Any,
+    phases: Any,
+    out: Any,
+) -> tuple[float]:
+    """Vertical surface displacement under unit vertical forces, for every kind of node; blocks of `LANES`.
 
     Parameters
     ----------
@@ -150,11 +159,12 @@ def compliances(
     out : (n, types, types) array
         Receives the compliance over E times the cell width.
     """
-    for block in prange((phases.shape[0] + _LANES - 1) // _LANES):
-        products = np.empty((25, _LANES))
-        _write_products(phases, block * _LANES, products)
+    for block in range(lo, hi):
+        products = np.empty((25, LANES))
+        _write_products(phases, block * LANES, products)
         found = _columns(entries, terms, weights, places, state_places, counts, products)
-        for p in range(min(_LANES, phases.shape[0] - block * _LANES)):
+        for p in range(min(LANES, phases.shape[0] - block * LANES)):
             for r in range(counts[2]):
                 for c in range(counts[2]):
-                    out[block * _LANES + p, r, c] = found[min(r, c), max(r, c), p]
+                    out[block * LANES + p, r, c] = found[min(r, c), max(r, c), p]
+    return (0.0,)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from fem_contact.block.reduced.column import eliminate, split_layer
 from fem_contact.block.reduced.surface import BlockResponse, phase_pairs
 from fem_contact.block.solution import CellLayer
+from fem_contact.complementarity.rows import Rows
 from fem_contact.errors import InsufficientMemory
 
 __all__ = ["FourierSource"]
@@ -64,11 +65,11 @@ class FourierSource:
         waves = surface[number] * load[:, :, None]
         waves[mirrored, :, 0] *= -1
         quadrant = np.where(mirrored[:, None], -1 - number, number)
-        upper = self._plane(waves)
+        upper, rows = self._plane(waves), Rows(nx, threads=self.threads, least=32)
         for layer in range(mesh.nz - 1, -1, -1):
             lower = np.zeros_like(upper)
             if layer > 0:
-                descend(packed[layer], parity, phases, states[layer - 1], quadrant, waves)
+                rows.run(descend, packed[layer], parity, phases, states[layer - 1], quadrant, waves)
                 lower = self._plane(waves)
             yield CellLayer(index=layer, nodes=np.stack([lower, upper]))
             upper = lower

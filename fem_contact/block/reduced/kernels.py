@@ -5,15 +5,19 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 from numpy.typing import NDArray
 
-__all__ = ["ENTRIES", "apply_cells", "descend", "pack", "solve_columns", "sweep"]
+__all__ = ["ENTRIES", "SIDE_BY_SIDE", "descend", "pack", "sweep"]
 
 Array = NDArray[np.float64]
 
 #: Columns treated together.
-_SIDE_BY_SIDE = 64
+SIDE_BY_SIDE = 64
+
+#: Logarithm by which a wave has fallen where what lies below changes nothing (it comes back as much smaller),
+#: and by which it falls within one layer at most: in a thick one to 2 - sqrt(3).
+_REACH, _FALL = 17.0, 1.3
 
 #: Upper triangle of the 6 x 6 folded matrix (bottom, top), in the order the kernel reads it.
 ENTRIES = (
@@ -115,16 +119,24 @@ def _climb(s: Any, m: Any) -> None:
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
-def _sweep_block(packed: Any, parity: Any, phases: Any, states: Any, response: Any, start: int) -> None:
-    layers = packed.shape[0]
-    size = min(_SIDE_BY_SIDE, phases.shape[0] - start)
+def _sweep_block(
+    packed: Any, parity: Any, falls: Any, phases: Any, states: Any, response: Any, start: int
+) -> None:
+    size = min(SIDE_BY_SIDE, phases.shape[0] - start)
     f, m, s = np.zeros((16, size)), np.empty((21, size)), np.empty((6, size))
+    least = np.inf
     for p in range(size):
-        _write_functions(phases[start + p, 0], phases[start + p, 1], f, p)
-    for layer in range(layers):
-        for e in range(15 if layer == 0 else 0, 21):
+        x, y = phases[start + p, 0], phases[start + p, 1]
+        _write_functions(x, y, f, p)
+        least = min(least, np.hypot(x, y))
+    first, fall = (packed.shape[0] - 1 if states.shape[0] == 0 else 0), 0.0
+    while first > 0 and fall < _REACH:
+        fall += min(least * falls[first], _FALL)
+        first -= 1
+    for layer in range(first, packed.shape[0]):
+        for e in range(15 if layer == first else 0, 21):
             _combine(packed[layer, e], f[4 * parity[e] : 4 * parity[e] + 4], m[e])
-        if layer == 0:
+        if layer == first:
             s[:] = m[15:]
             continue
         if states.shape[0] > 0:
@@ -144,14 +156,18 @@ def _sweep_block(packed: Any, parity: Any, phases: Any, states: Any, response: A
         response[start + p, 0] = -l2 * z + l1 * l3 * z
 
 
-@njit(cache=True, parallel=True)  # type: ignore[untyped-decorator]
-def sweep(packed: Any, parity: Any, phases: Any, states: Any, response: Any) -> None:
-    """Eliminate columns from the bottom upwards.
+@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
+def sweep(
+    lo: int, hi: int, packed: Any, parity: Any, falls: Any, phases: Any, states: Any, response: Any
+) -> tuple[float]:
+    """Eliminate columns from the bottom upwards, blocks lo to hi of `SIDE_BY_SIDE`.
 
     Parameters
     ----------
     packed, parity : arrays
         From `pack`.
+    falls : (nz,) array
+        Logarithm by which a wave of phase 1 at least falls within each layer, if it is thin.
     phases : (n, 2) array
     states : (nz - 1, n, 6) array, or (0, 0, 6) to keep none
         Receives the stiffness at the inner boundaries (packed upper triangle).
@@ -161,10 +177,11 @@ def sweep(packed: Any, parity: Any, phases: Any, states: Any, response: Any) -> 
     Notes
     -----
     Columns are treated in blocks whose numbers lie side by side, so that one instruction serves several of
-    them.
+    them. Where no state is kept, layers that no wave of a block reaches are left out.
     """
-    for block in prange((phases.shape[0] + _SIDE_BY_SIDE - 1) // _SIDE_BY_SIDE):
-        _sweep_block(packed, parity, phases, states, response, block * _SIDE_BY_SIDE)
+    for block in range(lo, hi):
+        _sweep_block(packed, parity, falls, phases, states, response, block * SIDE_BY_SIDE)
+    return (0.0,)
 
 
 @njit(cache=True)  # type: ignore[untyped-decorator]
@@ -191,9 +208,11 @@ def _descend_row(packed: Any, parity: Any, phases: Any, state: Any, quadrant: An
         amplitudes[j, 2] = -complex(x[2, 0], x[2, 1])
 
 
-@njit(cache=True, parallel=True)  # type: ignore[untyped-decorator]
-def descend(packed: Any, parity: Any, phases: Any, state: Any, quadrant: Any, amplitudes: Any) -> None:
-    """Step from the top plane of one layer to its bottom plane.
+@njit(cache=True, nogil=True)  # type: ignore[untyped-decorator]
+def descend(
+    lo: int, hi: int, packed: Any, parity: Any, phases: Any, state: Any, quadrant: Any, amplitudes: Any
+) -> tuple[float]:
+    """Step from the top plane of one layer to its bottom plane, rows lo to hi of waves.
 
     Parameters
     ----------
@@ -209,124 +228,6 @@ def descend(packed: Any, parity: Any, phases: Any, state: Any, quadrant: Any, am
     amplitudes : (nx, ny, 3) complex array
         Amplitudes of the top plane on entry, of the bottom plane on return.
     """
-    for i in prange(amplitudes.shape[0]):
+    for i in range(lo, hi):
         _descend_row(packed, parity, phases, state, quadrant[i], amplitudes[i])
-
-
-@njit(cache=True)  # type: ignore[untyped-decorator]
-def _solve_row(packed: Any, parity: Any, phase_x: float, phases_y: Any, waves: Any) -> None:
-    layers = packed.shape[0]
-    f = np.zeros((16, 1))
-    m, s = np.empty((21, 1)), np.empty(6)
-    a, coupling = np.empty((layers, 6)), np.empty((layers, 3, 3))
-    x, y = np.empty((3, 3)), np.empty((3, 3))
-    g = np.empty((layers, 3), dtype=np.complex128)
-    for j in range(waves.shape[0]):
-        _write_functions(phase_x, phases_y[j], f, 0)
-        for k in range(layers):
-            g[k, 0], g[k, 1] = waves[j, k, 0], waves[j, k, 1]
-            g[k, 2] = -1j * waves[j, k, 2]
-        for layer in range(layers):
-            for e in range(21):
-                _combine(packed[layer, e], f[4 * parity[e] : 4 * parity[e] + 4], m[e])
-            if layer == 0:
-                for e in range(6):
-                    s[e] = m[15 + e, 0]
-                continue
-            # Plane layer - 1 is complete: what lies below it, and the bottom of this layer.
-            for e in range(6):
-                a[layer - 1, e] = s[e] + m[e, 0]
-            for r in range(3):
-                for c in range(3):
-                    coupling[layer, r, c] = m[6 + 3 * r + c, 0]
-                    x[r, c] = coupling[layer, r, c]
-            _solve3(a[layer - 1], x)
-            for r in range(3):
-                g[layer, r] -= (
-                    x[0, r] * g[layer - 1, 0] + x[1, r] * g[layer - 1, 1] + x[2, r] * g[layer - 1, 2]
-                )
-            e = 0
-            for r in range(3):
-                for c in range(r, 3):
-                    s[e] = m[15 + e, 0] - (
-                        coupling[layer, 0, r] * x[0, c]
-                        + coupling[layer, 1, r] * x[1, c]
-                        + coupling[layer, 2, r] * x[2, c]
-                    )
-                    e += 1
-        for e in range(6):
-            a[layers - 1, e] = s[e]
-        for k in range(layers - 1, -1, -1):
-            if k < layers - 1:
-                for r in range(3):
-                    for c in range(3):
-                        g[k, r] -= coupling[k + 1, r, c] * g[k + 1, c]
-            for r in range(3):
-                y[r, 0], y[r, 1], y[r, 2] = g[k, r].real, g[k, r].imag, 0.0
-            _solve3(a[k], y)
-            for r in range(3):
-                g[k, r] = complex(y[r, 0], y[r, 1])
-            waves[j, k, 0], waves[j, k, 1] = g[k, 0], g[k, 1]
-            waves[j, k, 2] = 1j * g[k, 2]
-
-
-@njit(cache=True, parallel=True)  # type: ignore[untyped-decorator]
-def solve_columns(packed: Any, parity: Any, phases_x: Any, phases_y: Any, waves: Any) -> None:
-    """Solve the homogeneous block for nodal forces anywhere in it, wave by wave.
-
-    Parameters
-    ----------
-    packed, parity : arrays
-        From `pack`.
-    phases_x, phases_y : (nx,) and (m,) arrays
-        Phases per cell, signed.
-    waves : (nx, m, nz, 3) complex array
-        Forces above the clamped plane on entry, displacement on return; vertical components as they are.
-    """
-    for i in prange(waves.shape[0]):
-        _solve_row(packed, parity, phases_x[i], phases_y, waves[i])
-
-
-@njit(cache=True, fastmath={"reassoc", "contract"})  # type: ignore[untyped-decorator]
-def _apply_slab(i: int, matrices: Any, modulus: Any, field: Any, forces: Any) -> None:
-    nx, ny, nz = field.shape[0], field.shape[1], field.shape[2]
-    u, v = np.empty(24), np.empty(24)
-    for j in range(ny):
-        for k in range(nz):
-            for node in range(8):
-                a, b, c = (i + (node >> 2)) % nx, (j + ((node >> 1) & 1)) % ny, k - 1 + (node & 1)
-                for t in range(3):
-                    u[3 * node + t] = field[a, b, c, t] if c >= 0 else 0.0
-            scale = modulus[i, j, k]
-            for r in range(24):
-                total = 0.0
-                for t in range(24):
-                    total += matrices[k, r, t] * u[t]
-                v[r] = scale * total
-            for node in range(8):
-                a, b, c = (i + (node >> 2)) % nx, (j + ((node >> 1) & 1)) % ny, k - 1 + (node & 1)
-                if c >= 0:
-                    for t in range(3):
-                        forces[a, b, c, t] += v[3 * node + t]
-
-
-@njit(cache=True, parallel=True)  # type: ignore[untyped-decorator]
-def apply_cells(matrices: Any, modulus: Any, field: Any, forces: Any) -> None:
-    """Add the nodal forces of a block of trilinear cells, cell by cell.
-
-    Parameters
-    ----------
-    matrices : (nz, 24, 24) array
-        Element matrices of the layers; local node 4 a + 2 b + c at offset (a, b, c).
-    modulus : (nx, ny, nz) array
-    field, forces : (nx, ny, nz, 3) arrays
-        Displacement and nodal forces above the clamped plane.
-    """
-    nx = field.shape[0]
-    # Slabs two apart share no nodes; with an odd number of slabs the last one goes alone.
-    for i in prange(nx // 2):
-        _apply_slab(2 * i, matrices, modulus, field, forces)
-    for i in prange(nx // 2):
-        _apply_slab(2 * i + 1, matrices, modulus, field, forces)
-    if nx % 2 == 1:
-        _apply_slab(nx - 1, matrices, modulus, field, forces)
+    return (0.0,)

@@ -14,12 +14,13 @@ from fem_contact._checks import alike, array, instance, positive, samples, shown
 from fem_contact.block.mesh import BlockMesh, node_weights
 from fem_contact.block.problem import Found, Problem
 from fem_contact.block.reduced.column import FoldedLayers, fold, surface_compliance
-from fem_contact.complementarity import Operator, Solution, solve_nested
+from fem_contact.complementarity import Operator, Solution, solve_nested, surely_partial
 from fem_contact.complementarity.fourier import FourierOperator
+from fem_contact.complementarity.rows import Rows
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput
 from fem_contact.response import BondedLayer
-from fem_contact.settings import Settings
+from fem_contact.settings import Settings, available_processors
 from fem_contact.solid import Solid
 
 __all__ = ["BlockResponse", "SurfaceOperator", "phase_pairs", "solve_reduced", "surface_operator"]
@@ -92,8 +93,14 @@ class BlockResponse:
         alike(qx=qx, qy=qy)
         # The response is even in both components: each size of a component is computed once.
         (x, from_x), (y, from_y) = _sizes(qx), _sizes(qy)
-        phases = phase_pairs(x * self.width, y * (self.width * self.mesh.aspect))
-        table = self.trilinear(phases).reshape(x.size, y.size)
+        x, y = x * self.width, y * (self.width * self.mesh.aspect)
+        if self.mesh.aspect == 1 and np.array_equal(x, y):
+            # Square cells do not tell x from y, either.
+            upper = np.triu_indices(x.size)
+            table = np.empty((x.size, x.size))
+            table[upper] = table.T[upper] = self.trilinear(np.stack([x[upper[0]], x[upper[1]]], axis=1))
+        else:
+            table = self.trilinear(phase_pairs(x, y)).reshape(x.size, y.size)
         return np.asarray(table[from_x, from_y])
 
     def trilinear(self, phases: Array, *, states: Array | None = None) -> Array:
@@ -106,12 +113,18 @@ class BlockResponse:
 
     def surface_amplitudes(self, phases: Array, *, states: Array | None = None) -> Array:
         """Amplitudes (n, 3) over the cell width under unit vertical nodal force over E width^2."""
-        from fem_contact.block.reduced.kernels import pack, sweep
+        from fem_contact.block.reduced.kernels import SIDE_BY_SIDE, pack, sweep
 
         packed, parity = pack(self.folded.coefficients)
         response = np.empty((len(phases), 3))
         kept = np.empty((0, 0, 6)) if states is None else states
-        sweep(packed, parity, np.ascontiguousarray(phases), kept, response)
+        # Where cells lock, waves fall as slowly as those of pressure do under shear; of the modes that a mean
+        # dilatation leaves to thick cells nothing is known.
+        nu, longer = self.solid.poisson, max(self.mesh.aspect, 1.0)
+        rate = 0.0 if self.mesh.element.pressures else math.sqrt((0.5 - nu) / (1 - nu)) / longer
+        falls = rate * self.mesh.layers
+        rows = Rows(-(-len(phases) // SIDE_BY_SIDE), threads=available_processors())
+        rows.run(sweep, packed, parity, falls, np.ascontiguousarray(phases), kept, response)
         return response
 
 
@@ -223,17 +236,23 @@ def solve_reduced(
         # Some force everywhere: one loaded node alone leaves no direction to search.
         first = None if start is None else np.where(start, 1.0, _SPREAD)
     weights, bound = node_weights(mesh), problem.bound
-    direct = _bound_everywhere(problem, operator) or _touching_everywhere(problem, operator)
+    lengths = float(mesh.cells[0]), mesh.cells[1] * mesh.aspect
+    # Coarser grids only lead to a first guess, for which the homogeneous layer is near enough.
+    layer = BondedLayer(solid=response.solid, thickness=float(-mesh.planes[0]))
+
+    def coarse(shape: tuple[int, int]) -> FourierOperator:
+        return FourierOperator(layer, shape, lengths, threads=threads)
+
+    direct = _bound_everywhere(problem, operator)
+    if direct is None and not surely_partial(problem.heights, coarse=coarse, mean_force=problem.pressure):
+        direct = _touching_everywhere(problem, operator)
     if direct is not None:
         solution, gap = direct.judged(problem), direct.gap
     else:
-        lengths = float(mesh.cells[0]), mesh.cells[1] * mesh.aspect
-        # Coarser grids only lead to a first guess, for which the homogeneous layer is near enough.
-        layer = BondedLayer(solid=response.solid, thickness=float(-mesh.planes[0]))
         solution = solve_nested(
             operator,
             problem.heights,
-            coarse=lambda shape: FourierOperator(layer, shape, lengths, threads=threads),
+            coarse=coarse,
             mean_force=problem.pressure,
             length_scale=problem.roughness,
             settings=Settings(tolerance=problem.tolerance, max_iterations=problem.steps, threads=threads),

@@ -5,6 +5,7 @@ import scipy.sparse.linalg as sla
 from fem_contact.block import ELEMENTS, BlockMesh, BlockResponse, Element, plan_mesh
 from fem_contact.block.elements import element_for
 from fem_contact.block.full.assembly import assemble
+from fem_contact.block.mesh import graded_layers
 from fem_contact.block.reduced.column import eliminate, fold, surface_compliance, surface_response
 from fem_contact.block.reduced.fields import FourierSource
 from fem_contact.block.reduced.kernels import pack, sweep
@@ -109,7 +110,7 @@ def test_compiled_sweep_equals_its_numpy_twin() -> None:
     phases[0], phases[1] = 0, np.pi
     packed, parity = pack(folded.coefficients)
     response, states = np.empty((300, 3)), np.empty((mesh.nz - 1, 300, 6))
-    sweep(packed, parity, phases, states, response)
+    sweep(0, 5, packed, parity, np.zeros(mesh.nz), phases, states, response)
     twin = eliminate(folded, phases, keep=True)
     np.testing.assert_allclose(
         response, surface_response(folded, twin)[:, :, 0], atol=1e-12 * np.abs(response).max()
@@ -118,6 +119,33 @@ def test_compiled_sweep_equals_its_numpy_twin() -> None:
     for layer in range(mesh.nz - 1):
         expected = twin.below[layer][:, upper[0], upper[1]]
         np.testing.assert_allclose(states[layer], expected, atol=1e-13 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("poisson", [-0.5, 0.3, 0.4])
+@pytest.mark.parametrize(("growth", "first", "aspect"), [(1.2, 1.0, 1.0), (1.05, 0.1, 0.2), (3.0, 6.0, 5.0)])
+def test_layers_that_no_wave_reaches_change_nothing(poisson, growth, first, aspect) -> None:
+    layers = graded_layers(200.0, first=first, growth=growth)[::-1]
+    mesh = BlockMesh(cells=(8, 8), aspect=aspect, layers=layers, element=element_for(None, poisson=poisson))
+    moduli = np.random.default_rng(8).uniform(0.1, 10, mesh.nz)
+    solid = Solid(young=1.0, poisson=poisson)
+    response = BlockResponse(mesh=mesh, solid=solid, width=1.0, layer_modulus=moduli)
+    angles = np.linspace(0, np.pi / 2, 5)
+    for size in np.geomspace(0.01, np.pi, 9):
+        phases = size * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        whole = response.surface_amplitudes(phases, states=np.empty((mesh.nz - 1, 5, 6)))
+        short = response.surface_amplitudes(phases)
+        # Rounding of some hundred eliminations.
+        np.testing.assert_allclose(short, whole, rtol=0, atol=1e-12 * np.abs(whole).max())
+
+
+@pytest.mark.parametrize("width", [1.0, 1.5])
+def test_a_table_of_waves_is_that_of_each_alone(width: float) -> None:
+    mesh = plan_mesh((12, 12), (1.0, width))
+    response = BlockResponse(mesh=mesh, solid=Solid(young=2.0, poisson=0.3), width=0.25)
+    qx, qy = np.linspace(-8, 8, 13)[:, None], np.linspace(0, 8, 7)[None, :]
+    table = response.compliance(qx, qy)
+    alone = np.array([[response.compliance(x, y) for y in qy[0]] for x in qx[:, 0]])
+    np.testing.assert_allclose(table, alone, rtol=1e-12)
 
 
 @pytest.mark.parametrize(
