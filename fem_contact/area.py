@@ -298,6 +298,17 @@ class Edges:
         fields = [self.inner**a * self.outer**b for a, b in _BEND_POWERS]
         return np.concatenate([first * field[:, None] for field in fields], axis=1)
 
+    def shift(self, coefficients: NDArray[np.float64]) -> float:
+        """Cells by which an edge map moves these edges, all together."""
+        first, second = np.split(coefficients, [_FIRST])
+        place = np.clip(self.features() @ first, -0.6, 1.2) + self.bends() @ second
+        return float(np.sum((place - 0.5) * self.cosine**2))
+
+    def harmonics(self) -> NDArray[np.float64]:
+        """Length of these edges, and sums over it of cos 4 theta and cos 8 theta of their direction."""
+        fourth = 8 * self.cosine**4 - 8 * self.cosine**2 + 1
+        return np.array([np.sum(part * self.cosine**2) for part in (1.0, fourth, 2 * fourth**2 - 1)])
+
     def _monomials(self, degrees: tuple[int, int]) -> NDArray[np.float64]:
         v = 1 / (1 + self.ratio ** (2 / 3))
         powers = [v**k * self.cosine ** (2 * m) for k in range(degrees[0] + 1) for m in range(degrees[1] + 1)]
@@ -389,22 +400,19 @@ def _located(result: ContactResult, edge_map: Sequence[float] | None) -> tuple[f
             f"edge_map of {coefficients.size} numbers: must have {len(EDGE_MAPS['bem'])}, as in `EDGE_MAPS`"
         )
     edges = contact_edges(result)
-    first, second = np.split(coefficients, [_FIRST])
-    place = np.clip(edges.features() @ first, -0.6, 1.2) + edges.bends() @ second
-    shift = float(np.sum((place - 0.5) * edges.cosine**2))
-    return float(np.mean(result.in_contact)) + shift / result.in_contact.size, _alignment(edges)
+    shift = edges.shift(coefficients)
+    return float(np.mean(result.in_contact)) + shift / result.in_contact.size, alignment(edges.harmonics())
 
 
-def _alignment(edges: Edges) -> float:
+def alignment(harmonics: Sequence[float] | NDArray[np.float64]) -> float:
     """How far the directions of a contour are from even: 0 within what rough contacts show, 1 for a line.
 
     The errors of the edge map repeat every quarter turn: the means of cos 4 theta and cos 8 theta vanish
     where all directions are alike. Of a line the larger one is 1 along the grid and its diagonals, and near
     .5 only for such slopes that its edges lie evenly between the points anyway.
     """
-    if not edges.cosine.size:
+    length, *both = harmonics
+    if length == 0:
         return 0.0
-    fourth = 8 * edges.cosine**4 - 8 * edges.cosine**2 + 1
-    means = [np.average(harmonic, weights=edges.cosine**2) for harmonic in (fourth, 2 * fourth**2 - 1)]
     low, high = _UNEVEN
-    return float(np.clip((np.max(np.abs(means)) - low) / (high - low), 0, 1))
+    return float(np.clip((np.max(np.abs(both)) / length - low) / (high - low), 0, 1))

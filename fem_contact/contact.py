@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from enum import Enum
 from types import MappingProxyType
@@ -14,7 +14,15 @@ from numpy.typing import NDArray
 from fem_contact._checks import doubles, finite, instance, non_negative, pair, positive, shape_of, shown
 from fem_contact.errors import InvalidInput, NotConverged
 
-__all__ = ["ContactResult", "Cost", "Residuals", "Status", "measure_residuals"]
+__all__ = [
+    "ContactResult",
+    "Cost",
+    "Residuals",
+    "Status",
+    "measure_residuals",
+    "residual_sums",
+    "residuals_of",
+]
 
 Array = NDArray[np.float64]
 
@@ -283,12 +291,16 @@ def measure_residuals(
     rms_gradient = non_negative("rms_gradient", rms_gradient)
     if target_pressure is not None:
         target_pressure = finite("target_pressure", target_pressure, unit="Pa")
+    heights = fields[2]
     with np.errstate(all="ignore"):
-        return _measured(
-            fields,
+        return residuals_of(
+            residual_sums(fields[0], fields[1], at_bound=fields[3], weights=fields[4]),
+            points=heights.size,
+            rms_height=float(np.std(heights)),
+            highest=float(np.max(np.abs(heights))),
             longest=longest,
             contact_modulus=contact_modulus,
-            stress_scale=contact_modulus * rms_gradient,
+            rms_gradient=rms_gradient,
             target_pressure=target_pressure,
         )
 
@@ -320,11 +332,17 @@ def _checked_fields(
 _PART = 2**15
 
 
-def _sums(fields: _Fields) -> NDArray[np.float64]:
+def residual_sums(
+    pressure: Array,
+    gap: Array,
+    *,
+    at_bound: NDArray[np.bool_] | None = None,
+    weights: Array | None = None,
+) -> list[float]:
     """Return sums of w p, w |p| and w |p g|, the least gap off the bound and the least pressure."""
-    pressure, gap, _, at_bound, weights = (None if field is None else field.reshape(-1) for field in fields)
-    assert pressure is not None
-    assert gap is not None
+    pressure, gap = pressure.reshape(-1), gap.reshape(-1)
+    at_bound = None if at_bound is None else at_bound.reshape(-1)
+    weights = None if weights is None else weights.reshape(-1)
     found = []
     for first in range(0, pressure.size, _PART):
         part = slice(first, first + _PART)
@@ -334,24 +352,40 @@ def _sums(fields: _Fields) -> NDArray[np.float64]:
         size = np.abs(borne)
         found.append((borne.sum(), size.sum(), np.abs(size * closed).sum(), closed.min(), p.min()))
     parts = np.array(found).T
-    return np.array([*parts[:3].sum(axis=1), parts[3].min(), parts[4].min()])
+    return [*parts[:3].sum(axis=1).tolist(), float(parts[3].min()), float(parts[4].min())]
 
 
-def _measured(
-    fields: _Fields,
+def residuals_of(
+    sums: Sequence[float],
     *,
+    points: int,
+    rms_height: float,
+    highest: float,
     longest: float,
     contact_modulus: float,
-    stress_scale: float,
+    rms_gradient: float,
     target_pressure: float | None,
 ) -> Residuals:
-    heights = fields[2]
-    borne, total, work, lowest, least = (float(value) for value in _sums(fields))
-    mean = borne / heights.size
+    """Return the residuals of fields of which these sums are known.
+
+    Parameters
+    ----------
+    sums : sequence of float
+        As `residual_sums` gives them.
+    points : int
+    rms_height, highest : float
+        Of the heights [m], and their largest absolute value.
+    longest : float
+        The longer period [m].
+    contact_modulus, rms_gradient, target_pressure
+        As in `measure_residuals`.
+    """
+    borne, total, work, lowest, least = sums
+    mean = borne / points
     load_scale = abs(mean if target_pressure is None else target_pressure)
-    length_scale = float(np.std(heights))
+    length_scale, stress_scale = rms_height, contact_modulus * rms_gradient
     # A constant surface has h_rms of rounding size: it is flat, and roughness can be no scale.
-    if length_scale <= 8 * np.finfo(float).eps * float(np.max(np.abs(heights), initial=0.0)):
+    if length_scale <= 8 * np.finfo(float).eps * highest:
         length_scale = load_scale * longest / contact_modulus
         stress_scale = load_scale
 

@@ -4,7 +4,8 @@ The pressure is collocated at the grid points; between them it is the trigonomet
 discrete response is the continuum's, C(q), at every wavevector of the grid.
 """
 
+from fem_contact.bem.parallel import SlabResult, SlabSurface
 from fem_contact.bem.problem import Method
 from fem_contact.bem.solve import solve, solve_displacement, solve_path
 
-__all__ = ["Method", "solve", "solve_displacement", "solve_path"]
+__all__ = ["Method", "SlabResult", "SlabSurface", "solve", "solve_displacement", "solve_path"]

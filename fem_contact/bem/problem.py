@@ -2,28 +2,30 @@
 
 from __future__ import annotations
 
+import math
 import time
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact._checks import LEAST, array, choice, instance, positive
 from fem_contact._checks import field as field_of
+from fem_contact.bem.parallel import SlabSurface
 from fem_contact.complementarity import (
-    FourierOperator,
     FreeOperator,
     Solution,
-    operator_of,
     polonsky_keer,
     solve_nested,
     surely_partial,
 )
-from fem_contact.complementarity.arrays import Device
-from fem_contact.contact import ContactResult, Cost, Residuals, Status, measure_residuals
+from fem_contact.complementarity.arrays import ArrayGrids
+from fem_contact.complementarity.grids import Grids
+from fem_contact.complementarity.in_slabs import SlabGrids
+from fem_contact.contact import ContactResult, Cost, Residuals, Status, residuals_of
 from fem_contact.errors import InvalidInput
-from fem_contact.response import Response, check_response
+from fem_contact.response import FreeHalfSpace, Response, check_response
 from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
@@ -35,24 +37,27 @@ Method = Literal["preconditioned", "double", "polonsky-keer"]
 
 @dataclass(kw_only=True)
 class Problem:
-    """A surface, a solid and solver settings, ready to be solved at any load."""
+    """A surface, a solid and solver settings, ready to be solved at any load.
 
-    surface: HeightField
-    heights: Array
+    Heights, bound and what the operator acts on are arrays of `grids`: of NumPy, on a device, or slabs.
+    """
+
+    surface: HeightField | SlabSurface
+    grids: Grids
+    heights: Any
     level: float
     response: Response
-    operator: FourierOperator | FreeOperator
-    bound: Array | None
+    operator: Any
+    bound: Any
     settings: Settings
     method: Method
-    device: Device | None = None
     clock: float = field(default_factory=time.perf_counter)
     processor: float = field(default_factory=time.process_time)
 
     @classmethod
     def checked(
         cls,
-        surface: HeightField,
+        surface: HeightField | SlabSurface,
         response: Response,
         *,
         bound: float | Array | None,
@@ -62,27 +67,26 @@ class Problem:
     ) -> Problem:
         """Refuse what no computation can start from, and set up the operator."""
         clock, processor = time.perf_counter(), time.process_time()
-        instance("surface", surface, HeightField, what="a `HeightField`")
+        if not isinstance(surface, SlabSurface):
+            instance("surface", surface, HeightField, what="a `HeightField`")
         check_response(response)
         choice("method", method, ("preconditioned", "double", "polonsky-keer"))
-        if method == "polonsky-keer" and device is not None:
-            raise InvalidInput("method = 'polonsky-keer' runs on no device: use 'preconditioned'")
+        if method == "polonsky-keer" and (device is not None or isinstance(surface, SlabSurface)):
+            raise InvalidInput("method = 'polonsky-keer' runs on no device and no MPI: use 'preconditioned'")
         if method == "polonsky-keer" and bound is not None:
             raise InvalidInput("method = 'polonsky-keer' knows no pressure bound: use 'preconditioned'")
-        operator = operator_of(response, surface.shape, surface.lengths, threads=settings.threads)
-        if device is not None and isinstance(operator, FreeOperator):
-            raise InvalidInput("device: runs periodic solids; leave it out for a `FreeHalfSpace`")
-        heights, level = _levelled(surface)
+        grids = _grids(surface, response, device=device, threads=settings.workers)
+        heights, level = _levelled(surface, grids)
         return cls(
             surface=surface,
+            grids=grids,
             heights=heights,
             level=level,
             response=response,
-            operator=operator,
-            bound=_checked_bound(bound, surface),
+            operator=grids.operator_of(response, surface.shape, surface.lengths),
+            bound=grids.put(_checked_bound(bound, surface)),
             settings=settings,
             method=method,
-            device=None if device is None else Device(device),
             clock=clock,
             processor=processor,
         )
@@ -90,24 +94,27 @@ class Problem:
     def check_load(self, mean_pressure: float) -> None:
         """Refuse a load that cannot be carried."""
         positive("mean_pressure", mean_pressure, unit="Pa")
-        if self.bound is not None and float(np.mean(self.bound)) < mean_pressure * (1 - SLACK):
+        mean = None if self.bound is None else float(self.grids.xp.mean(self.bound))
+        if mean is not None and mean < mean_pressure * (1 - SLACK):
             raise InvalidInput(
-                f"pressure_bound with mean {float(np.mean(self.bound)):.6g} Pa: must not be below "
+                f"pressure_bound with mean {mean:.6g} Pa: must not be below "
                 f"mean_pressure = {mean_pressure:.6g} Pa, or nothing carries the load"
             )
 
-    def checked_start(self, start: Array | None) -> Array | None:
+    def checked_start(self, start: Array | None) -> Any:
         """Refuse a start that is no pressure field."""
         if start is None:
             return None
         values = field_of("start", start, self.surface.shape, unit="Pa")
         if values.min() < 0 or not np.mean(values) > LEAST:
             raise InvalidInput("start: must be pressures in Pa, none negative, not all zero")
-        return values
+        return self.grids.put(values)
 
-    def at(self, load: float, *, start: Array | None = None, settings: Settings | None = None) -> Solution:
+    def at(self, load: float, *, start: Any = None, settings: Settings | None = None) -> Solution:
         """Solve at one mean pressure."""
-        partial = surely_partial(self.heights, coarse=self._coarse, mean_force=load)
+        partial = not self.grids.in_slabs and surely_partial(
+            self.heights, coarse=self._coarse, mean_force=load, xp=self.grids.xp
+        )
         exact = self._all_at_bound(load) or (None if partial else self._full_contact(load))
         if exact is not None:
             return exact
@@ -116,7 +123,7 @@ class Problem:
         asked = 0.0 if partial else self.operator.pairs
         return replace(solution, fft_pairs=solution.fft_pairs + asked)
 
-    def _iterated(self, load: float, *, start: Array | None, settings: Settings) -> Solution:
+    def _iterated(self, load: float, *, start: Any, settings: Settings) -> Solution:
         heights, operator = self.heights, self.operator
         if self.method == "polonsky-keer":
             return polonsky_keer(
@@ -131,30 +138,34 @@ class Problem:
             operator,
             heights,
             coarse=self._coarse,
+            grids=self.grids,
             mean_force=load,
             length_scale=self._length_scale(load),
             settings=settings,
             start=start,
             bound=self.bound,
             double=self.method == "double",
-            device=self.device,
         )
 
     def _length_scale(self, load: float) -> float:
         """Length [m] of residuals: that of the roughness, or of a flat patch the one it sinks by."""
         scale = self.surface.rms_height
-        flat = scale <= 8 * np.finfo(float).eps * float(np.max(np.abs(self.surface.heights)))
+        flat = scale <= 8 * np.finfo(float).eps * self._highest()
         return load * max(self.surface.lengths) / self.response.contact_modulus if flat else scale
 
-    def _coarse(self, shape: tuple[int, int]) -> FourierOperator | FreeOperator:
-        return operator_of(self.response, shape, self.surface.lengths, threads=self.operator.threads)
+    def _highest(self) -> float:
+        """Largest absolute height [m] of the surface as it was given."""
+        ends = self.grids.xp.max(self.heights), self.grids.xp.min(self.heights)
+        return max(abs(float(end) + self.level) for end in ends)
 
-    def full_pressure(self) -> Array:
+    def _coarse(self, shape: tuple[int, int]) -> Any:
+        return self.grids.operator_of(self.response, shape, self.surface.lengths)
+
+    def full_pressure(self) -> Any:
         """Pressure [Pa] of full contact but for its mean: p-hat = h-hat / C(q)."""
-        assert isinstance(self.operator, FourierOperator)
-        pressure = np.empty(self.surface.shape)
+        pressure = self.grids.xp.empty_like(self.heights)
         self.operator.invert(self.heights, pressure)
-        pressure -= np.mean(pressure)
+        pressure -= self.grids.xp.mean(pressure)
         return pressure
 
     def _full_contact(self, load: float) -> Solution | None:
@@ -162,36 +173,39 @@ class Problem:
 
         The pressure of a patch is not found in a step: what presses it full is iterated.
         """
+        xp = self.grids.xp
         if isinstance(self.operator, FreeOperator):
             return None
         force = self.full_pressure()
         force += load
-        if force.min() < 0 or (self.bound is not None and np.any(force > self.bound)):
+        if float(xp.min(force)) < 0 or (self.bound is not None and bool(xp.any(force > self.bound))):
             return None
         return self.solution(force, pairs=2.0)
 
     def _all_at_bound(self, load: float) -> Solution | None:
         """Answer where the bound leaves no choice, at the offset of least indentation."""
-        if self.bound is None or float(np.mean(self.bound)) > load * (1 + SLACK):
+        xp = self.grids.xp
+        if self.bound is None or float(xp.mean(self.bound)) > load * (1 + SLACK):
             return None
-        solution = self.solution(self.bound.copy(), pairs=1.0)
-        offset = -float(np.max(solution.displacement - self.heights))
-        return replace(solution, offset=offset, at_bound=np.ones(self.surface.shape, dtype=bool))
+        solution = self.solution(xp.asarray(self.bound, copy=True), pairs=1.0)
+        offset = -float(xp.max(solution.displacement - self.heights))
+        return replace(solution, offset=offset, at_bound=solution.in_contact)
 
-    def solution(self, force: Array, *, pairs: float) -> Solution:
+    def solution(self, force: Any, *, pairs: float) -> Solution:
         """Wrap a known pressure that makes contact everywhere it is positive, or everywhere at all."""
-        displacement = np.empty(force.shape)
+        xp = self.grids.xp
+        displacement = xp.empty_like(force)
         self.operator.apply(force, displacement)
         return Solution(
             force=force,
             displacement=displacement,
-            offset=float(np.mean(self.heights - displacement)),
-            in_contact=np.ones(force.shape, dtype=bool),
-            at_bound=np.zeros(force.shape, dtype=bool),
+            offset=float(xp.mean(self.heights - displacement)),
+            in_contact=xp.ones_like(force, dtype=xp.bool),
+            at_bound=xp.zeros_like(force, dtype=xp.bool),
             status=Status.CONVERGED,
             iterations=0,
             fft_pairs=pairs,
-            peak_bytes=force.nbytes + displacement.nbytes,
+            peak_bytes=16 * force.shape[0] * force.shape[1],
         )
 
     def _judged(self, status: Status, residuals: Residuals) -> Status:
@@ -202,22 +216,32 @@ class Problem:
         oblong = max(dx, dy) > _OBLONG * min(dx, dy)
         return Status.OBLONG_CELLS if status is Status.STAGNATED and oblong else status
 
+    def _residuals(self, solution: Solution, gap: Any, target: float | None) -> Residuals:
+        """Measure them where the fields are."""
+        surface = self.surface
+        with np.errstate(all="ignore"):
+            return residuals_of(
+                self.grids.residual_sums(solution.force, gap, solution.at_bound),
+                points=math.prod(surface.shape),
+                rms_height=surface.rms_height,
+                highest=self._highest(),
+                longest=max(surface.lengths),
+                contact_modulus=self.response.contact_modulus,
+                rms_gradient=self.grids.rms_gradient(surface, self.heights),
+                target_pressure=target,
+            )
+
     def result(self, solution: Solution, *, target: float | None) -> ContactResult:
         """Measure a solution and dress it up."""
-        surface = self.surface
+        surface, grids, lengths = self.surface, self.grids, self.surface.lengths
         gap = solution.displacement - self.heights
         gap += solution.offset
-        residuals = measure_residuals(
-            pressure=solution.force,
-            gap=gap,
-            heights=self.heights,
-            lengths=surface.lengths,
-            contact_modulus=self.response.contact_modulus,
-            rms_gradient=surface.rms_gradient,
-            target_pressure=target,
-            at_bound=solution.at_bound,
-        )
-        held = self.operator.nbytes + (0 if self.bound is None else self.bound.nbytes)
+        residuals = self._residuals(solution, gap, target)
+        mean = float(grids.xp.mean(solution.force))
+        solution, gap = grids.fetched(solution), grids.fetched_field(gap)
+        held = self.operator.nbytes + (0 if self.bound is None else gap.nbytes)
+        if grids.in_slabs:
+            lengths = surface.spacing[0] * gap.shape[0], lengths[1]
         return ContactResult(
             pressure=solution.force,
             gap=gap,
@@ -225,10 +249,10 @@ class Problem:
             in_contact=solution.in_contact,
             at_bound=solution.at_bound,
             heights=surface.heights,
-            lengths=surface.lengths,
+            lengths=lengths,
             contact_modulus=self.response.contact_modulus,
             offset=solution.offset + self.level,
-            mean_pressure=float(np.mean(solution.force)),
+            mean_pressure=mean,
             status=self._judged(solution.status, residuals),
             tolerance=self.settings.tolerance,
             residuals=residuals,
@@ -237,11 +261,11 @@ class Problem:
                 cpu_seconds=time.process_time() - self.processor,
                 iterations=solution.iterations,
                 fft_pairs=solution.fft_pairs,
-                unknowns=gap.size,
+                unknowns=math.prod(surface.shape),
                 peak_bytes=max(solution.peak_bytes + held, 4 * gap.nbytes + held),
             ),
             provenance={
-                "method": f"boundary elements by FFT, {_PLACED[type(self.operator)]}",
+                "method": f"boundary elements by FFT, {_PLACED[isinstance(self.operator, FreeOperator)]}",
                 "solver": f"bounded conjugate gradients, {self.method}",
                 "tolerance": repr(self.settings.tolerance),
             },
@@ -250,8 +274,8 @@ class Problem:
 
 #: What stands for the pressure between the points of a grid, in words.
 _PLACED = {
-    FourierOperator: "pressure collocated at the grid points",
-    FreeOperator: "pressure constant on each cell of a patch with free surroundings",
+    False: "pressure collocated at the grid points",
+    True: "pressure constant on each cell of a patch with free surroundings",
 }
 
 #: Relative difference at which a load counts as equal to the bound: means of equal numbers differ by
@@ -266,15 +290,28 @@ _OBLONG = 30.0
 _DISTANT = 100.0
 
 
-def _levelled(surface: HeightField) -> tuple[Array, float]:
+def _grids(surface: HeightField | SlabSurface, response: Response, *, device: object, threads: int) -> Grids:
+    """Where the arrays of a solve are."""
+    name = "device" if device is not None else "comm"
+    if device is None and not isinstance(surface, SlabSurface):
+        return Grids(surface.shape, threads=threads)
+    if isinstance(response, FreeHalfSpace):
+        raise InvalidInput(f"{name}: runs periodic solids; leave it out for a `FreeHalfSpace`")
+    if not isinstance(surface, SlabSurface):
+        return ArrayGrids(device, surface.shape, threads=threads)
+    if device is not None:
+        raise InvalidInput("device, comm: give one of them")
+    return SlabGrids(surface.slabs, threads=threads)
+
+
+def _levelled(surface: HeightField | SlabSurface, grids: Grids) -> tuple[Any, float]:
     """Heights to solve with, and the level [m] they are counted from."""
-    mean = float(np.mean(surface.heights))
-    if abs(mean) <= _DISTANT * surface.rms_height:
-        return surface.heights, 0.0
-    return surface.heights - mean, mean
+    heights = grids.put(surface.heights)
+    mean = float(grids.xp.mean(heights))
+    return (heights, 0.0) if abs(mean) <= _DISTANT * surface.rms_height else (heights - mean, mean)
 
 
-def _checked_bound(bound: float | Array | None, surface: HeightField) -> Array | None:
+def _checked_bound(bound: float | Array | None, surface: HeightField | SlabSurface) -> Array | None:
     if bound is None:
         return None
     values = array("pressure_bound", bound, unit="Pa")
@@ -284,4 +321,4 @@ def _checked_bound(bound: float | Array | None, surface: HeightField) -> Array |
         )
     if not np.all(values >= LEAST):
         raise InvalidInput("pressure_bound: must be positive and finite everywhere, in Pa")
-    return np.array(np.broadcast_to(values, surface.shape))
+    return np.array(np.broadcast_to(values, surface.shape if values.ndim else surface.heights.shape))

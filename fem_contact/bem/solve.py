@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact._checks import finite, numbers_of, positive
 from fem_contact.bem.distance import LoadSearch
+from fem_contact.bem.parallel import SlabResult, SlabSurface
 from fem_contact.bem.problem import Method, Problem
+from fem_contact.complementarity.slabs import SlabSettings
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput, UnsupportedEffect
 from fem_contact.response import FreeHalfSpace, Response
@@ -21,6 +24,7 @@ __all__ = ["solve", "solve_displacement", "solve_path"]
 Array = NDArray[np.float64]
 
 
+@overload
 def solve(
     surface: HeightField,
     response: Response,
@@ -34,7 +38,39 @@ def solve(
     threads: int | None = None,
     method: Method = "preconditioned",
     device: object = None,
-) -> ContactResult:
+    comm: None = None,
+) -> ContactResult: ...
+@overload
+def solve(
+    surface: HeightField | SlabSurface,
+    response: Response,
+    *,
+    mean_pressure: float,
+    pressure_bound: float | Array | None = None,
+    tolerance: float = 1e-8,
+    max_iterations: int = 1000,
+    start: Array | None = None,
+    time_limit: float | None = None,
+    threads: int | None = None,
+    method: Method = "preconditioned",
+    device: object = None,
+    comm: object,
+) -> SlabResult: ...
+def solve(
+    surface: HeightField | SlabSurface,
+    response: Response,
+    *,
+    mean_pressure: float,
+    pressure_bound: float | Array | None = None,
+    tolerance: float = 1e-8,
+    max_iterations: int = 1000,
+    start: Array | None = None,
+    time_limit: float | None = None,
+    threads: int | None = None,
+    method: Method = "preconditioned",
+    device: object = None,
+    comm: object = None,
+) -> ContactResult | SlabResult:
     """Press a rigid rough surface against an elastic solid with a given mean pressure.
 
     Parameters
@@ -66,11 +102,15 @@ def solve(
     device : str or array, optional
         Where to iterate by plain array operations in double precision: a device of PyTorch, such as "cuda",
         or an array of any Array-API library that lies there. Needs the extra `arrays`.
+    comm : communicator, optional
+        Of mpi4py: its processes, which all call this, share one solve, one thread each if not said otherwise.
+        Needs the extra `mpi`.
 
     Returns
     -------
     ContactResult
-        Its `status` says how the solve ended; use `.checked()` before relying on it.
+        Its `status` says how the solve ended; use `.checked()` before relying on it. With `comm` a
+        `SlabResult`: the rows of this process.
 
     Raises
     ------
@@ -78,19 +118,19 @@ def solve(
         For a pressure that is not positive and finite, a bound below it, or a start of the wrong shape or
         sign.
     """
+    limits: dict[str, Any] = {"max_iterations": max_iterations, "time_limit": time_limit}
+    if comm is None:
+        settings = Settings(tolerance=tolerance, threads=threads, **limits)
+    else:
+        settings = SlabSettings(tolerance=tolerance, threads=threads or 1, comm=comm, **limits)
+        surface = surface if isinstance(surface, SlabSurface) else SlabSurface.of(surface, comm)
     problem = Problem.checked(
-        surface,
-        response,
-        bound=pressure_bound,
-        settings=Settings(
-            tolerance=tolerance, max_iterations=max_iterations, time_limit=time_limit, threads=threads
-        ),
-        method=method,
-        device=device,
+        surface, response, bound=pressure_bound, settings=settings, method=method, device=device
     )
     problem.check_load(mean_pressure)
     solution = problem.at(mean_pressure, start=problem.checked_start(start))
-    return problem.result(solution, target=mean_pressure)
+    result = problem.result(solution, target=mean_pressure)
+    return SlabResult(contact=result, slabs=surface.slabs) if isinstance(surface, SlabSurface) else result
 
 
 def solve_displacement(

@@ -6,6 +6,7 @@ threads or compiled code, in the library and on the device of the heights. It ch
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -13,16 +14,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact._checks import shown
+from fem_contact.complementarity.fourier import FourierOperator
+from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.passes import Errors, Passes
 from fem_contact.errors import InvalidInput
+from fem_contact.response import Response
 
 if TYPE_CHECKING:
-    from fem_contact.complementarity.fourier import FourierOperator
     from fem_contact.complementarity.operator import Operator, Solution
 
-__all__ = ["ArrayOperator", "ArrayPasses", "Device"]
+__all__ = ["ArrayGrids", "ArrayOperator", "ArrayPasses"]
 
 Array = NDArray[np.float64]
+Shape = tuple[int, int]
 
 #: What the compiled passes have as `PARTS`, for one and for two.
 ALONE, PAIRED = 0.5, 0.46
@@ -42,16 +46,19 @@ def namespace(values: Values) -> Any:
     return array_namespace(values)
 
 
-class Device:
-    """The library and the device that the arrays of a solve are put on.
+class ArrayGrids(Grids):
+    """Grids whose arrays lie in a library and on a device of one's choice.
 
     Parameters
     ----------
     where : str or array
         A device of PyTorch, such as "cuda", or an array that lies there already, of any library.
+    shape, threads
+        As of `Grids`.
     """
 
-    def __init__(self, where: str | Values) -> None:
+    def __init__(self, where: str | Values, shape: Shape, *, threads: int) -> None:
+        super().__init__(shape, threads=threads)
         if not isinstance(where, str):
             try:
                 self.xp, self.device = namespace(where), where.device
@@ -70,26 +77,75 @@ class Device:
             reason = " ".join(str(error).split())[:80]
             raise InvalidInput(f"device = {where!r}: must be one that PyTorch has here ({reason})") from None
 
-    def put(self, field: Array | None) -> Values:
+    def put(self, field: NDArray[Any] | None) -> Values:
         """Return a field there."""
         return None if field is None else self.xp.asarray(field, device=self.device, copy=True)
 
     def fetched(self, solution: Solution) -> Solution:
         """Return a solution whose fields are NumPy's."""
-        return replace(
-            solution,
-            force=self._fetched(solution.force),
-            displacement=self._fetched(solution.displacement),
-            in_contact=self._fetched(solution.in_contact),
-            at_bound=self._fetched(solution.at_bound),
-        )
+        names = ("force", "displacement", "in_contact", "at_bound")
+        fields: dict[str, Any] = {name: self.fetched_field(getattr(solution, name)) for name in names}
+        return replace(solution, **fields)
 
-    def _fetched(self, field: Values) -> NDArray[Any]:
+    def fetched_field(self, field: Values) -> NDArray[Any]:
+        """Return one field as NumPy's."""
         if isinstance(field, np.ndarray):
             return field
         from array_api_compat import is_torch_array
 
         return np.array(np.from_dlpack(field.cpu() if is_torch_array(field) else field))
+
+    def residual_sums(self, pressure: Values, gap: Values, at_bound: Values) -> list[float]:
+        """Return what the residuals are made of."""
+        xp, size = self.xp, self.xp.abs(pressure)
+        closed = xp.where(at_bound, xp.zeros_like(gap), gap)
+        sums = xp.sum(pressure), xp.sum(size), xp.sum(size * xp.abs(closed)), xp.min(closed), xp.min(pressure)
+        return [float(value) for value in sums]
+
+    def rms_gradient(self, surface: Any, heights: Values) -> float:
+        """Return h'_rms of the surface, of its heights there, as `HeightField.rms_gradient` has it."""
+        xp, (nx, ny) = self.xp, self.shape
+        power = xp.abs(xp.fft.rfftn(heights, axes=(0, 1), norm="forward")) ** 2
+        m, n = np.fft.fftfreq(nx, 1 / nx), np.arange(ny // 2 + 1)
+        # Half of the waves stand for both signs; those of the Nyquist limit for half of either.
+        of_m, of_n = np.where(2 * m == -nx, 0.5, 1.0), np.where(n == 0, 1.0, np.where(2 * n == ny, 0.5, 2.0))
+        qx, qy = (2 * np.pi / length * waves for length, waves in zip(surface.lengths, (m, n), strict=True))
+        rows = xp.sum(power * self.put(of_n)[None, :], axis=1)
+        columns = xp.sum(power * self.put(of_m)[:, None], axis=0)
+        squares = xp.sum(rows * self.put(of_m * qx**2)) + xp.sum(columns * self.put(of_n * qy**2))
+        return math.sqrt(float(squares))
+
+    def operator_of(self, response: Response, shape: Shape, lengths: tuple[float, float]) -> ArrayOperator:
+        """Return the response of a solid on one of the grids; C(q) itself is evaluated by NumPy."""
+        return ArrayOperator(FourierOperator(response, shape, lengths, threads=self.threads), self)
+
+    def coarsened(self, heights: Values, old: Shape, new: Shape) -> Values:
+        """Return heights on a coarser grid, freed of the waves that it cannot carry."""
+        xp, top = self.xp, (min(old[0], new[0]) - 1) // 2
+        kept = (min(old[1], new[1]) - 1) // 2 + 1
+        waves = xp.fft.rfftn(heights, axes=(0, 1), norm="forward")[:, :kept]
+        coarse = xp.zeros((new[0], new[1] // 2 + 1), dtype=waves.dtype, device=self.device)
+        coarse[: top + 1, :kept] = waves[: top + 1, :]
+        if top:
+            coarse[new[0] - top :, :kept] = waves[old[0] - top :, :]
+        return xp.fft.irfftn(coarse, s=new, axes=(0, 1), norm="forward")
+
+    def refined(self, field: Values, old: Shape, new: Shape) -> Values:
+        """Carry a field to a finer grid, bilinearly."""
+        for axis in (0, 1):
+            place = np.arange(new[axis]) * (old[axis] / new[axis])
+            below = place.astype(int)
+            share = self.put(np.expand_dims(place - below, 1 - axis))
+            sides = (self.xp.take(field, self.put((below + k) % old[axis]), axis=axis) for k in (0, 1))
+            field = (1 - share) * next(sides) + share * next(sides)
+        return field
+
+    def nearest(self, field: Values, new: Shape) -> Values:
+        """Take a field of the finest grid at the points of a coarser one nearest below."""
+        for axis in (0, 1):
+            places = np.arange(new[axis]) * self.shape[axis] // new[axis]
+            field = self.xp.take(field, self.put(places), axis=axis)
+        return field
 
 
 class ArrayOperator:
@@ -97,21 +153,32 @@ class ArrayOperator:
 
     pairs = 1.0
 
-    def __init__(self, operator: FourierOperator, device: Device) -> None:
-        self.xp, self.shape, self.stiffness = device.xp, operator.shape, operator.stiffness
-        inverse = 1 / np.where(operator.compliance > 0, operator.compliance, 1.0)
-        inverse[0, 0] = 0.0
+    def __init__(self, operator: FourierOperator, grids: ArrayGrids) -> None:
+        self.xp, self.shape, self.stiffness = grids.xp, operator.shape, operator.stiffness
+        self.nbytes = 2 * operator.compliance.nbytes
+        self.compliance = grids.put(operator.compliance)
+        self.inverse = 1 / self.xp.where(
+            self.compliance > 0, self.compliance, self.xp.ones_like(self.compliance)
+        )
+        self.inverse[0, 0] = 0.0
         if operator.long_waves is not None:
             rows, factor = operator.long_waves
-            inverse[rows, : factor.shape[1]] *= factor
-        self.compliance, self.inverse = device.put(operator.compliance), device.put(inverse)
+            weaker = np.ones(operator.compliance.shape)
+            weaker[rows, : factor.shape[1]] = factor
+            self.inverse *= grids.put(weaker)
 
     def apply(self, force: Values, out: Values) -> None:
         """Write the displacement [m] under the pressure ``force`` [Pa] into ``out``."""
         self._filter(force, out, self.compliance)
 
+    def invert(self, displacement: Values, out: Values) -> None:
+        """Write the full-contact pressure [Pa] under a displacement [m], with no mean, into ``out``."""
+        positive = self.xp.where(self.compliance > 0, self.compliance, self.xp.ones_like(self.compliance))
+        self._filter(displacement, out, 1 / positive)
+        out -= self.xp.mean(out)
+
     def precondition(self, residual: Values, out: Values) -> None:
-        """Write the full-contact pressure [Pa] under a displacement [m], without its mean, into ``out``."""
+        """Do as `invert`, but with long waves no stiffer than contacts feel them: see `FourierOperator`."""
         self._filter(residual, out, self.inverse)
 
     def _filter(self, field: Values, out: Values, factor: Values) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import importlib.util
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Self
 
 import numpy as np
@@ -17,7 +17,7 @@ from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
 from fem_contact.settings import available_processors
 
-__all__ = ["FourierOperator", "coarsened", "refined"]
+__all__ = ["FourierOperator", "carried", "coarsened", "long_waves", "nearest", "refined", "refined_along"]
 
 Array = NDArray[np.float64]
 Single = NDArray[np.float32]
@@ -63,7 +63,15 @@ class FourierOperator:
         self.shape = shape
         self.threads = available_processors() if threads is None else threads
         self.stiffness = float(np.mean(1 / positive)) if positive.size else 0.0
-        self.long_waves = _long_waves(self.compliance, qx=qx, qy=qy)
+        self.extremes = (float(positive.min()), float(positive.max())) if positive.size else (1.0, 1.0)
+        top = np.unravel_index(int(np.argmax(self.compliance)), self.compliance.shape)
+        self.long_waves = long_waves(
+            self.compliance,
+            qx=qx,
+            qy=qy,
+            peak=(float(self.compliance[top]), float(np.hypot(qx[top[0]], qy[top[1]]))),
+            longest=(*self.compliance[1:2, 0], *self.compliance[0, 1:2]),
+        )
         self._in_place = importlib.util.find_spec("ducc0") is not None
         self._rows = Rows(shape[0], threads=self.threads)
         # Rows of single precision a power of two apart compete for the same lines of the cache.
@@ -154,22 +162,22 @@ class FourierOperator:
 _WEAKENED = 0.3
 
 
-def _long_waves(compliance: Array, *, qx: Array, qy: Array) -> tuple[NDArray[np.intp], Array] | None:
+def long_waves(
+    compliance: Array, *, qx: Array, qy: Array, peak: tuple[float, float], longest: Sequence[float]
+) -> tuple[NDArray[np.intp], Array] | None:
     """Return rows of the spectrum, and factors of their first columns, that weaken long stiff waves.
 
     A thin incompressible layer answers waves longer than its thickness with C ~ q^2. Their inverse is that of
     the whole period; within contacts that are smaller they do not exist, and left as stiff they spoil the
     direction: 500 pairs where 100 do. They are taken to be `_WEAKENED` times as compliant as the most
-    compliant wave. None where there are none, as on a half-space.
+    compliant wave, whose compliance and wavevector `peak` has. None where there are none, as on a half-space:
+    the longest waves, whose compliances are given, are the stiffest, if any is.
     """
-    top = np.unravel_index(int(np.argmax(compliance)), compliance.shape)
-    least = _WEAKENED * float(compliance[top])
-    # The longest waves are the stiffest of them, if any is.
-    if all(float(longest) >= least for longest in (*compliance[1:2, 0], *compliance[0, 1:2])):
+    least = _WEAKENED * peak[0]
+    if all(float(compliance) >= least for compliance in longest):
         return None
     q = np.hypot(qx[:, None], qy[None, :])
-    stiff = (q < q[top]) & (compliance < least)
-    stiff[0, 0] = False
+    stiff = (q < peak[1]) & (compliance < least) & (q > 0)
     if not stiff.any():
         return None
     rows = np.flatnonzero(stiff.any(axis=1))
@@ -184,7 +192,7 @@ _BLOCK = 64
 
 def coarsened(heights: Array, shape: Shape, *, threads: int = 1) -> Array:
     """Heights on a coarser grid of the same period, freed of the waves that it cannot carry."""
-    rows = _carried(heights.shape[0], shape[0])
+    rows = carried(heights.shape[0], shape[0])
     columns = (min(heights.shape[1], shape[1]) - 1) // 2 + 1
     # Columns that the coarse grid does not carry are left out before the second transform.
     along = scipy.fft.rfft(heights, axis=1, norm="forward", workers=threads)[:, :columns]
@@ -194,7 +202,7 @@ def coarsened(heights: Array, shape: Shape, *, threads: int = 1) -> Array:
     return np.ascontiguousarray(scipy.fft.irfft2(coarse, s=shape, norm="forward", workers=threads))
 
 
-def _carried(old: int, new: int) -> NDArray[np.int64]:
+def carried(old: int, new: int) -> NDArray[np.int64]:
     """Wave numbers below the Nyquist limit of both grids, negative ones counted from the end."""
     top = (min(old, new) - 1) // 2
     return np.arange(-top, top + 1)
@@ -206,13 +214,25 @@ def refined(field: Array, shape: Shape) -> Array:
         return _doubled(field)
     for axis, points in enumerate(shape):
         old = field.shape[axis]
-        place = np.arange(points) * (old / points)
-        below = place.astype(int)
-        share = np.expand_dims(place - below, 1 - axis)
-        field = (1 - share) * np.take(field, below % old, axis) + share * np.take(
-            field, (below + 1) % old, axis
-        )
+        field = refined_along(field, axis, np.arange(points) * (old / points))
     return np.ascontiguousarray(field)
+
+
+def refined_along(field: Array, axis: int, places: NDArray[Any]) -> Array:
+    """Interpolate a periodic field at places between its points of one axis."""
+    old, below = field.shape[axis], places.astype(int)
+    share = np.expand_dims(places - below, 1 - axis)
+    fine, above = (np.take(field, (below + k) % old, axis) for k in (0, 1))
+    fine *= 1 - share
+    above *= share
+    fine += above
+    return np.asarray(fine)
+
+
+def nearest(field: Array, shape: Shape) -> Array:
+    """Take a field at the points of a coarser grid nearest below."""
+    rows, columns = (np.arange(new) * old // new for old, new in zip(field.shape, shape, strict=True))
+    return np.ascontiguousarray(field[np.ix_(rows, columns)])
 
 
 def _doubled(field: Array) -> Array:

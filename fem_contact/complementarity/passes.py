@@ -275,13 +275,13 @@ class Passes:
         aim = force - self.stiffness * self.gap
         top = np.inf if self.bound is None else self.bound * self.load_unit
         mean = load / self.count
-        low = mean - float(np.max(aim))
-        high = (mean if self.bound is None else float(np.max(top))) - float(np.min(aim))
+        low = mean - float(self.xp.max(aim))
+        high = (mean if self.bound is None else float(self.xp.max(top))) - float(self.xp.min(aim))
         for _ in range(200):
             middle = 0.5 * (low + high)
             if not low < middle < high:
                 break
-            if float(np.mean(np.clip(aim + middle, 0.0, top))) < mean:
+            if float(self.xp.mean(np.clip(aim + middle, 0.0, top))) < mean:
                 low = middle
             else:
                 high = middle

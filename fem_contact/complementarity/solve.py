@@ -11,8 +11,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.complementarity.arrays import ArrayOperator, ArrayPasses, Device
-from fem_contact.complementarity.fourier import FourierOperator, coarsened, refined
+from fem_contact.complementarity.arrays import ArrayOperator, ArrayPasses
+from fem_contact.complementarity.fourier import FourierOperator
+from fem_contact.complementarity.grids import Grids
+from fem_contact.complementarity.in_slabs import SlabOperator, SlabPasses
 from fem_contact.complementarity.operator import Operator, Solution
 from fem_contact.complementarity.passes import Errors, Passes
 from fem_contact.contact import Status
@@ -78,10 +80,13 @@ def solve_bounded(
         passes: Passes = ArrayPasses(operator, heights, bound=bound, caution=_CAUTION)
     else:
         units = _units(operator, mean_force=mean_force, length_scale=length_scale) if single else None
-        passes = Passes(
-            operator, heights, bound=bound, caution=_CAUTION, units=units, threads=settings.workers
-        )
+        options: dict[str, Any] = {"bound": bound, "caution": _CAUTION, "threads": settings.workers}
+        if isinstance(operator, SlabOperator):
+            passes = SlabPasses(operator, heights, units=units, **options)
+        else:
+            passes = Passes(operator, heights, units=units, **options)
     _set_start(passes, start, mean_force)
+    del start
     return _iterate(passes, mean_force=mean_force, length_scale=length_scale, settings=settings, draft=draft)
 
 
@@ -90,8 +95,7 @@ def _units(operator: Operator, *, mean_force: float, length_scale: float) -> tup
     if not (isinstance(operator, FourierOperator) and length_scale > 0):
         return None
     factor, range_ = mean_force / length_scale, np.finfo(np.float32)
-    sizes = operator.compliance.ravel()[1:]
-    least, most = float(np.min(sizes)) * factor, float(np.max(sizes)) * factor
+    least, most = (factor * size for size in operator.extremes)
     return (mean_force, length_scale) if range_.tiny * 1e6 < least and most < range_.max * 1e-6 else None
 
 
@@ -217,7 +221,7 @@ def _afresh(passes: Passes, vanishing: float, *, roughly: bool = False) -> tuple
 def _set_start(passes: Passes, start: Array | None, mean_force: float) -> None:
     xp, force, bound = passes.xp, passes.force, passes.bound
     if start is not None:
-        if xp is np:
+        if isinstance(force, np.ndarray):
             np.maximum(start, 0.0, out=force)
         else:
             force[...] = xp.where(start > 0, start, xp.zeros_like(start))
@@ -239,8 +243,7 @@ def _settle(passes: Passes, mean_force: float) -> None:
         force[~passes.working] = 0
         if not float(xp.mean(force)) > 0:
             # At vanishing load the gap's rounding may leave no point in the set: the closest one carries it.
-            closest = int(xp.argmin(passes.gap))
-            force[closest // force.shape[1], closest % force.shape[1]] = mean_force
+            force[passes.gap <= xp.min(passes.gap)] = mean_force
         force *= mean_force / float(xp.mean(force))
     else:
         at_rest = xp.where(force < 0.5 * bound, xp.zeros_like(bound), bound)
@@ -277,7 +280,9 @@ def _offset_between(passes: Passes) -> float:
 
 
 def _solution(passes: Passes, *, offset: float, status: Status, iterations: int, pairs: float) -> Solution:
-    force, bound = passes.force, passes.bound
+    force, bound, held = passes.force, passes.bound, passes.nbytes
+    # Done with: what is returned may have their room.
+    del passes.step, passes.image
     return Solution(
         force=force,
         displacement=passes.displacement,
@@ -287,7 +292,7 @@ def _solution(passes: Passes, *, offset: float, status: Status, iterations: int,
         status=status,
         iterations=iterations,
         fft_pairs=pairs,
-        peak_bytes=passes.nbytes,
+        peak_bytes=held,
     )
 
 
@@ -303,7 +308,7 @@ def solve_nested(
     bound: Array | None = None,
     weights: Array | None = None,
     double: bool = False,
-    device: Device | None = None,
+    grids: Grids | None = None,
 ) -> Solution:
     """Solve from coarse to fine: each grid starts from the interpolated forces of the one before.
 
@@ -318,8 +323,8 @@ def solve_nested(
         Weights of the nodes of the finest grid, where they differ.
     double : bool
         No single precision anywhere.
-    device : Device, optional
-        Where each grid is solved by plain array operations, all in double precision.
+    grids : Grids, optional
+        Where the arrays of the grids are; NumPy's, as a whole, if not given.
     operator, heights, mean_force, length_scale, settings, bound
         As in `solve_bounded`. Coarse grids are solved to `_COARSE` at best; the time is for all grids.
 
@@ -329,47 +334,58 @@ def solve_nested(
     of all grids, each by its share of points.
     """
     given, pairs, began = start is not None, 0.0, time.monotonic()
+    grids = grids or Grids((heights.shape[0], heights.shape[1]), threads=settings.workers)
+    finest, size = grids.shape, math.prod(grids.shape)
     coarsely = replace(settings, tolerance=max(settings.tolerance, _COARSE))
-    levels = [heights]
-    for shape in [] if given else _coarse_shapes(heights.shape):
-        levels.append(coarsened(levels[-1], shape, threads=settings.workers))
-    for smooth in reversed(levels[1:]):
-        shape = (smooth.shape[0], smooth.shape[1])
-        solution = _placed(
-            device,
+    levels, shapes = [heights], [finest]
+    for shape in [] if given else _coarse_shapes(finest):
+        levels.append(grids.coarsened(levels[-1], shapes[-1], shape))
+        shapes.append(shape)
+    previous = finest
+    while len(levels) > 1:
+        smooth, shape = levels.pop(), shapes.pop()
+        solution = solve_bounded(
             coarse(shape),
             smooth,
             mean_force=mean_force,
             length_scale=length_scale,
             settings=coarsely.remaining(began),
-            start=None if start is None else refined(start, shape),
-            bound=None if bound is None else _nearest(bound if weights is None else bound / weights, shape),
+            start=None if start is None else grids.refined(start, previous, shape),
+            bound=None
+            if bound is None
+            else grids.nearest(bound if weights is None else bound / weights, shape),
             draft=True,
-            single=not double and smooth.size >= _SINGLE,
+            single=not double and math.prod(shape) >= _SINGLE,
         )
-        start = solution.force
-        pairs += solution.fft_pairs * start.size / heights.size
+        start, previous = solution.force, shape
+        pairs += solution.fft_pairs * math.prod(shape) / size
+        del solution
     if start is not None and not given:
-        start = refined(start, heights.shape)
+        start = grids.refined(start, previous, finest)
         start = start if weights is None else start * weights
-    options: dict[str, Any] = {
-        "mean_force": mean_force,
-        "length_scale": length_scale,
-        "settings": settings.remaining(began),
-        "start": start,
-        "bound": bound,
-    }
-    single = not double and heights.size >= _SINGLE
-    solution = _placed(device, operator, heights, single=single, **options)
-    if solution.status is Status.STAGNATED and single:
+    # Handed over, not kept: it is as large as any array of the iteration.
+    handed, start = [start], None
+    single = not double and size >= _SINGLE
+    while True:
+        solution = solve_bounded(
+            operator,
+            heights,
+            mean_force=mean_force,
+            length_scale=length_scale,
+            settings=settings.remaining(began),
+            start=handed.pop(),
+            bound=bound,
+            single=single,
+        )
+        pairs += solution.fft_pairs
+        if not (solution.status is Status.STAGNATED and single):
+            return replace(solution, fft_pairs=pairs)
         # Next to a bound that leaves hardly a choice the digits of a step may be too few.
-        options["start"], pairs = solution.force, pairs + solution.fft_pairs
-        solution = _placed(device, operator, heights, **options)
-    return replace(solution, fft_pairs=solution.fft_pairs + pairs)
+        handed, single = [solution.force], False
 
 
 def surely_partial(
-    heights: Array, *, coarse: Callable[[tuple[int, int]], Operator], mean_force: float
+    heights: Any, *, coarse: Callable[[tuple[int, int]], Any], mean_force: float, xp: Any = np
 ) -> bool:
     """Whether even averages of the heights over cells need tension to be touched everywhere.
 
@@ -378,35 +394,13 @@ def surely_partial(
     (nx, ny), part = heights.shape, _AVERAGED
     if min(nx, ny) < 8 * part or nx % part or ny % part:
         return False
-    smooth = heights.reshape(nx, ny // part, part).mean(axis=2)
-    smooth = smooth.reshape(nx // part, part, ny // part).mean(axis=1)
-    operator, force = coarse((nx // part, ny // part)), np.empty(smooth.shape)
-    if not isinstance(operator, FourierOperator):
+    smooth = xp.mean(xp.reshape(heights, (nx, ny // part, part)), axis=2)
+    smooth = xp.mean(xp.reshape(smooth, (nx // part, part, ny // part)), axis=1)
+    operator, force = coarse((nx // part, ny // part)), xp.empty_like(smooth)
+    if not isinstance(operator, (ArrayOperator, FourierOperator)):
         return False
     operator.invert(smooth, force)
-    return float(force.min()) < -mean_force
-
-
-def _placed(
-    device: Device | None,
-    operator: Operator,
-    heights: Array,
-    *,
-    start: Array | None,
-    bound: Array | None,
-    **options: Any,
-) -> Solution:
-    """Solve one grid where it is to be solved."""
-    if device is None or not isinstance(operator, FourierOperator):
-        return solve_bounded(operator, heights, start=start, bound=bound, **options)
-    solution = solve_bounded(
-        ArrayOperator(operator, device),
-        device.put(heights),
-        start=device.put(start),
-        bound=device.put(bound),
-        **options,
-    )
-    return device.fetched(solution)
+    return float(xp.min(force)) < -mean_force
 
 
 #: Points along each side of a cell whose heights are averaged to rule out full contact.
@@ -430,9 +424,3 @@ def _coarse_shapes(shape: tuple[int, ...]) -> list[tuple[int, int]]:
         nx, ny = (n if n <= _COARSEST // 2 else -(-n // 2) for n in (nx, ny))
         shapes.append((nx, ny))
     return shapes
-
-
-def _nearest(field: Array, shape: tuple[int, int]) -> Array:
-    """Take a field at the points of a coarser grid nearest below."""
-    rows, columns = (np.arange(new) * old // new for old, new in zip(field.shape, shape, strict=True))
-    return np.ascontiguousarray(field[np.ix_(rows, columns)])

@@ -160,14 +160,18 @@ def random_waves(
     seed: int | np.random.Generator,
     amplitudes: Literal["exact", "gaussian"] = "exact",
     isotropic: bool = True,
+    columns: tuple[int, int] | None = None,
 ) -> RandomWaves:
-    """Draw the waves of one realisation; parameters and errors as of `random_surface`."""
+    """Draw the waves of one realisation; parameters and errors as of `random_surface`.
+
+    With `columns` only those whose wave number n is at least the first and below the second of them.
+    """
     lengths = checked_lengths(lengths)
     q_short = positive("q_short", q_short, unit="1/m")
     truth("isotropic", isotropic)
     function("spectrum", spectrum, of=("q",) if isotropic else ("qx", "qy"))
     choice("amplitudes", amplitudes, ("exact", "gaussian"))
-    m, n, q = _half_plane(lengths, q_short)
+    m, n, q = _half_plane(lengths, q_short, columns)
     if isotropic:
         power = array("spectrum(q)", spectrum(q), power=4)
     else:
@@ -212,16 +216,19 @@ def _checked_generator(seed: int | np.random.Generator) -> np.random.Generator:
     return np.random.default_rng(int(seed))
 
 
-def _half_plane(lengths: Lengths, q_short: float) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+def _half_plane(
+    lengths: Lengths, q_short: float, columns: tuple[int, int] | None
+) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
     """Wave numbers (m, n) with 0 < |q| <= q_short, one of each pair +-q, and |q| [1/m]."""
     unit_x, unit_y = (2 * np.pi / length for length in lengths)
     limit = q_short * (1 + _EDGE)
     top_x, top_y = int(limit / unit_x), int(limit / unit_y)
-    room_for("q_short", q_short, needed=80.0 * (2 * top_x + 1) * (top_y + 1))
-    m, n = np.meshgrid(np.arange(-top_x, top_x + 1), np.arange(top_y + 1), indexing="ij")
+    first, last = (0, top_y + 1) if columns is None else (columns[0], min(columns[1], top_y + 1))
+    room_for("q_short", q_short, needed=80.0 * (2 * top_x + 1) * max(last - first, 0))
+    m, n = np.meshgrid(np.arange(-top_x, top_x + 1), np.arange(first, last), indexing="ij")
     q = np.hypot(m * unit_x, n * unit_y)
     keep = (q <= limit) & ((n > 0) | (m > 0))
-    if not keep.any():
+    if columns is None and not keep.any():
         raise InvalidInput(
             f"no wave fits: lambda_short = {2 * np.pi / q_short:.6g} m exceeds the periods {lengths} m"
         )
@@ -235,9 +242,23 @@ def _random_waves(
     ring = np.maximum(np.abs(m), n)
     along = np.where(m == ring, n, np.where(n == ring, 2 * ring - m, 4 * ring - n))
     position = 2 * ring * (ring - 1) + along
-    count = int(position.max()) + 1
     phases, sizes = _checked_generator(seed).spawn(2)
-    waves: NDArray[np.complex128] = np.exp(2j * np.pi * phases.random(count)[position])
+    waves: NDArray[np.complex128] = np.exp(2j * np.pi * _drawn(phases, position))
     if gaussian:
-        waves *= np.sqrt(-np.log1p(-sizes.random(count)[position]))
+        waves *= np.sqrt(-np.log1p(-_drawn(sizes, position)))
     return waves
+
+
+#: Random numbers drawn at once, whether they are wanted or not.
+_DRAWN = 2**20
+
+
+def _drawn(generator: np.random.Generator, position: NDArray[np.int64]) -> Array:
+    """Return the random numbers at these positions of the sequence, of which little is held at once."""
+    order, out = np.argsort(position), np.empty(position.shape)
+    ordered = position[order]
+    for first in range(0, int(position.max(initial=-1)) + 1, _DRAWN):
+        drawn = generator.random(_DRAWN)
+        part = slice(*np.searchsorted(ordered, (first, first + _DRAWN)))
+        out[order[part]] = drawn[ordered[part] - first]
+    return out

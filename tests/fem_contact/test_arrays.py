@@ -9,11 +9,13 @@ import pytest
 from surfaces import rough_surface
 
 from fem_contact.bem import solve
-from fem_contact.complementarity.arrays import ArrayPasses
+from fem_contact.complementarity.arrays import ArrayGrids, ArrayPasses
+from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.passes import Passes
 from fem_contact.errors import InvalidInput
 from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.solid import Solid
+from fem_contact.surface import HeightField
 
 SOLID = Solid(young=1.0, poisson=0.3)
 LIBRARIES = ("numpy", "array_api_strict", "torch")
@@ -95,6 +97,42 @@ def test_each_pass_is_the_twin_of_the_compiled_one(shape: tuple[int, int], bound
         answers.append(found)
     for compiled, plain in zip(*answers, strict=True):
         np.testing.assert_allclose(plain, compiled, rtol=1e-10, atol=1e-12)
+
+
+@pytest.mark.parametrize("library", LIBRARIES)
+@pytest.mark.parametrize(
+    ("shape", "coarse"), [((24, 20), (12, 10)), ((45, 61), (23, 31)), ((1, 40), (1, 20))]
+)
+def test_fields_are_carried_between_grids_as_by_numpy(
+    library: str, shape: tuple[int, int], coarse: tuple[int, int]
+) -> None:
+    surface = HeightField(heights=np.random.default_rng(9).standard_normal(shape), lengths=(1.0, 1.7))
+    plain, there = Grids(shape, threads=1), ArrayGrids(place(library), shape, threads=1)
+    heights = there.put(surface.heights)
+    assert there.rms_gradient(surface, heights) == pytest.approx(surface.rms_gradient, rel=1e-12)
+    smooth = plain.coarsened(surface.heights, shape, coarse)
+    size = surface.rms_height
+    for field, expected in (
+        (there.coarsened(heights, shape, coarse), smooth),
+        (there.refined(there.put(smooth), coarse, shape), plain.refined(smooth, coarse, shape)),
+        (there.nearest(heights, coarse), plain.nearest(surface.heights, coarse)),
+    ):
+        np.testing.assert_allclose(there.fetched_field(field), expected, atol=1e-13 * size)
+
+
+@pytest.mark.parametrize("library", LIBRARIES)
+def test_nothing_but_the_answer_is_fetched(library: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    there, fetched, fetch = place(library), [], ArrayGrids.fetched_field
+    monkeypatch.setattr(
+        ArrayGrids, "fetched_field", lambda self, field: fetched.append(field.shape) or fetch(self, field)
+    )
+    surface = rough_surface((64, 56), (1.0, 56 / 64), seed=7, waves=12, longest=4, gradient=1.0)
+    for load, bound in ((0.1, None), (0.3, 0.6), (0.6, 0.6), (40.0, None)):
+        fetched.clear()
+        solve(
+            surface, HalfSpace(solid=SOLID), mean_pressure=load, pressure_bound=bound, device=there
+        ).checked()
+        assert fetched == [surface.shape] * 5, "pressure, displacement, gap and two sets, once"
 
 
 @pytest.mark.parametrize("where", ["nowhere", 5, None.__class__, [1.0]])

@@ -19,6 +19,7 @@ from validation.cli.options import (
     DryRunOption,
     JsonOption,
     MemoryOption,
+    MpiOption,
     OutputOption,
     PicturesOption,
     QuietOption,
@@ -100,6 +101,7 @@ def run(
     with_report: ReportOption = True,
     quiet: QuietOption = False,
     as_json: JsonOption = False,
+    mpi: MpiOption = False,
 ) -> None:
     """Run a scene: solve, compare, write table, fields and report.
 
@@ -120,6 +122,13 @@ def run(
     loaded = load_asked(scene, settings or (), grids_chosen=accuracy is not None)
     said = loaded.run
     folder, store_folder = _folders(loaded, output, store, accurate=accuracy is not None)
+    if mpi:
+        from validation.cli.parallel import run_parallel
+
+        unfit = {"--workers": workers, "--scheduler": scheduler}
+        unfit |= {"--accuracy": accuracy, "--dry-run": dry_run, "--time-limit": time_limit}
+        run_parallel(loaded, folder / "mpi", as_json=as_json, unfit=unfit)
+        return
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
     if isinstance(loaded, Sweep):
         run_swept(

@@ -26,6 +26,7 @@ __all__ = [
     "DryRunOption",
     "JsonOption",
     "MemoryOption",
+    "MpiOption",
     "OutputOption",
     "PicturesOption",
     "QuietOption",
@@ -95,6 +96,14 @@ SchedulerOption = Annotated[
 MemoryOption = Annotated[
     str | None,
     typer.Option("--memory", help='Memory for all solves together, e.g. "4 GiB". Default: what is free.'),
+]
+MpiOption = Annotated[
+    bool,
+    typer.Option(
+        "--mpi",
+        help="Under mpiexec: boundary elements alone, each solve shared out over all processes, into "
+        "results/NAME/mpi.",
+    ),
 ]
 AccuracyOption = Annotated[
     str | None,

@@ -1,0 +1,340 @@
+"""The contact iteration on grids in slabs: the response, the passes, and what is carried between grids."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import scipy.fft
+from numpy.typing import NDArray
+
+from fem_contact._checks import LEAST, array
+from fem_contact.complementarity.fourier import (
+    FourierOperator,
+    carried,
+    coarsened,
+    long_waves,
+    nearest,
+    refined,
+    refined_along,
+)
+from fem_contact.complementarity.grids import Grids
+from fem_contact.complementarity.passes import Errors, Passes
+from fem_contact.complementarity.rows import Rows
+from fem_contact.complementarity.slabs import SlabNumpy, Slabs, shares
+from fem_contact.errors import InvalidInput
+from fem_contact.response import Response
+
+__all__ = ["SlabGrids", "SlabOperator", "SlabPasses"]
+
+Array = NDArray[np.float64]
+AnyArray = NDArray[Any]
+Shape = tuple[int, int]
+
+
+class SlabOperator(FourierOperator):
+    """The response of a solid on one grid in slabs; see `FourierOperator`."""
+
+    def __init__(
+        self, response: Response, slabs: Slabs, lengths: tuple[float, float], *, threads: int
+    ) -> None:
+        (nx, ny), self.slabs, self.shape, self.threads = slabs.shape, slabs, slabs.shape, threads
+        mine = slice(*slabs.columns[slabs.rank : slabs.rank + 2])
+        qx = 2 * np.pi * scipy.fft.fftfreq(nx, lengths[0] / nx)
+        qy = 2 * np.pi * scipy.fft.rfftfreq(ny, lengths[1] / ny)[mine]
+        with_mean = mine.start == 0
+        self.compliance = np.array(array("compliance", response.compliance(qx[:, None], qy), power=2))
+        positive = self.compliance.ravel()[with_mean:]
+        valid = self.compliance.shape == (nx, qy.size) and bool(np.all(positive > LEAST**2))
+        valid = valid and self.compliance[0, 0] >= 0
+        top = np.unravel_index(int(np.argmax(self.compliance)), self.compliance.shape)
+        parts = slabs.gathered(
+            valid,
+            float(np.sum(1 / positive)) if valid else 0.0,
+            positive.size,
+            float(np.min(positive)),
+            float(self.compliance[top]),
+            float(np.hypot(qx[top[0]], qy[top[1]])),
+            float(np.max(positive)),
+        )
+        if not parts[:, 0].all():
+            raise InvalidInput("the compliance is not positive and finite at every wavevector but q = 0")
+        self.stiffness = float(parts[:, 1].sum() / parts[:, 2].sum())
+        self.extremes = float(parts[:, 3].min()), float(parts[:, 6].max())
+        peak = parts[int(np.argmax(parts[:, 4]))]
+        axes = 2 * np.pi / np.array(lengths)
+        longest = response.compliance(np.array([axes[0], 0]), np.array([0, axes[1]]))
+        self.long_waves = long_waves(
+            self.compliance, qx=qx, qy=qy, peak=(float(peak[4]), float(peak[5])), longest=tuple(longest)
+        )
+        self._with_mean = with_mean
+        self._rows = Rows(nx, threads=threads)
+        self._spectrum = np.empty(self.compliance.shape, dtype=complex)
+
+    def _filter(
+        self, field: AnyArray, out: AnyArray, kernel: Callable[..., Any], *, weaken: bool = False
+    ) -> None:
+        import ducc0.fft
+
+        from fem_contact.complementarity.kernels import divide
+
+        room = self._spectrum if field.dtype == np.float64 else self._spectrum.view(np.complex64)
+        spectrum = room.reshape(-1)[: self._spectrum.size].reshape(self._spectrum.shape)
+        slabs, threads, waves = self.slabs, self.threads, self.shape[1] // 2 + 1
+
+        def lines(lo: int, hi: int) -> AnyArray:
+            along = np.empty((hi - lo, waves), dtype=spectrum.dtype)
+            ducc0.fft.r2c(field[lo:hi], axes=(1,), out=along, nthreads=threads)
+            return along
+
+        slabs.to_columns(lines, slabs.columns, spectrum)
+        ducc0.fft.c2c(spectrum, axes=(0,), out=spectrum, nthreads=threads)
+        first = spectrum[0, 0]
+        self._rows.run(kernel, spectrum, self.compliance)
+        if not self._with_mean and kernel is divide:
+            # The kernel takes the first number for the mean.
+            spectrum[0, 0] = first / self.compliance[0, 0]
+        self._weaken(spectrum, weaken)
+        ducc0.fft.c2c(spectrum, axes=(0,), forward=False, inorm=2, out=spectrum, nthreads=threads)
+        slabs.to_rows(spectrum, slabs.columns, lambda lo, hi, part: self._along_rows(part, out[lo:hi]))
+
+
+class _SlabRows(Rows):
+    """Passes over the rows of a slab, whose sums are those of all slabs."""
+
+    def __init__(self, slabs: Slabs, *, threads: int) -> None:
+        super().__init__(slabs.last - slabs.first, threads=threads)
+        self._slabs = slabs
+
+    def add(self, kernel: Callable[..., Any], *arguments: object) -> list[float]:
+        """Add up a kernel's results over all blocks of all slabs."""
+        parts = self._slabs.gathered(*super().add(kernel, *arguments))
+        return [float(total) for total in parts.sum(axis=0)]
+
+
+class SlabPasses(Passes):
+    """The arrays of one slab and the compiled passes over them; see `Passes`.
+
+    Levels of the extension have rows of the neighbouring slabs behind their own. As the coarser level of two,
+    r rows are followed by the one after and the one before, where a period of r + 2 rows looks for them; as
+    the finer one, its 2 r rows by the one after and, third from that, the one before.
+    """
+
+    def __init__(
+        self,
+        operator: SlabOperator,
+        heights: Array,
+        *,
+        bound: Array | None,
+        caution: float,
+        units: tuple[float, float] | None,
+        threads: int,
+    ) -> None:
+        super().__init__(operator, heights, bound=bound, caution=caution, units=units, threads=threads)
+        slabs = self.slabs = operator.slabs
+        self.xp = SlabNumpy(slabs)
+        self.count = slabs.shape[0] * slabs.shape[1]
+        self.rows = _SlabRows(slabs, threads=threads)
+        rows, ny = heights.shape
+        precision = self.gap.dtype
+        self._buffer, self._working = _padded(rows, ny, precision), _padded(rows, ny, np.bool_)
+        self.buffer, self.working = self._buffer[:rows], self._working[:rows]
+        self._sums, self._counts = [], []
+        for _ in range(slabs.depth):
+            rows, ny = -(-rows // 2), -(-ny // 2)
+            self._sums.append(_padded(rows, ny, precision))
+            self._counts.append(_padded(rows, ny, np.uint8))
+        self.sums = [level[: len(level) - 5] for level in self._sums]
+        self.counts = [level[: len(level) - 5] for level in self._counts]
+        #: The coarser levels, whole.
+        nx = -(-slabs.shape[0] // 2**slabs.depth)
+        self.top, self.top_counts = [np.empty((nx, ny), precision)], [np.empty((nx, ny), np.uint8)]
+        while max(nx, ny) > 4:
+            nx, ny = -(-nx // 2), -(-ny // 2)
+            self.top.append(np.empty((nx, ny), precision))
+            self.top_counts.append(np.empty((nx, ny), np.uint8))
+
+    def move(self, factor: float, shift: float) -> Errors:
+        """Move the gap, and measure the conditions there."""
+        errors = super().move(factor, shift)
+        parts = self.slabs.gathered(*vars(errors).values())
+        total = dict(zip(vars(errors), parts.sum(axis=0).tolist(), strict=True))
+        names = list(vars(errors))
+        total["lowest"] = float(parts[:, names.index("lowest")].min())
+        total["highest"] = float(parts[:, names.index("highest")].max())
+        return Errors(**total)
+
+    def _restore(self, toward: float) -> None:
+        super()._restore(toward)
+        parts = self.slabs.gathered(self.slope, self.most)
+        self.slope, self.most = float(parts[:, 0].sum()), float(parts[:, 1].max())
+
+    def precondition(self) -> tuple[float, float]:
+        """Turn the residual into z = E' M E residual; sum z, and z times the image of the last step."""
+        k, sums, counts, top, top_counts = self.kernels, self.sums, self.counts, self.top, self.top_counts
+        for fine in range(len(sums) - 1):
+            k.pull(sums[fine], counts[fine], sums[fine + 1], counts[fine + 1])
+        top[0], top_counts[0] = self.slabs.whole(sums[-1]), self.slabs.whole(counts[-1])
+        for fine in range(len(top) - 1):
+            k.pull(top[fine], top_counts[fine], top[fine + 1], top_counts[fine + 1])
+        parts = np.take(k.PARTS, top_counts[-1])
+        top[-1] *= parts
+        for fine in range(len(top) - 2, -1, -1):
+            k.push(0, len(top[fine]), top[fine], top_counts[fine], top[fine + 1])
+        self._take_top()
+        for fine in range(len(sums) - 2, -1, -1):
+            k.push(0, len(sums[fine]), sums[fine], counts[fine], self._as_coarse(fine + 1))
+        self.rows.run(k.extend, self.buffer, self.gap, self.working, self._as_coarse(0))
+        self.quick.precondition(self.buffer, self.buffer)
+        self._fill_fine(self._buffer, self._working)
+        rows = len(sums[0])
+        self.coarse_rows.run(
+            k.push_transposed,
+            self._buffer[: 2 * rows + 4],
+            self._working[: 2 * rows + 4].view(np.uint8),
+            self._sums[0][: rows + 2],
+        )
+        for fine in range(len(sums) - 1):
+            self._fill_fine(self._sums[fine], self._counts[fine])
+            rows = len(sums[fine + 1])
+            both = (level[fine][: 2 * rows + 4] for level in (self._sums, self._counts))
+            k.push_transposed(0, rows, *both, self._sums[fine + 1][: rows + 2])
+        top[0] = self.slabs.whole(sums[-1])
+        for fine in range(len(top) - 1):
+            k.push_transposed(0, len(top[fine + 1]), top[fine], top_counts[fine], top[fine + 1])
+        top[-1] *= parts
+        for fine in range(len(top) - 2, -1, -1):
+            k.pull_transposed(top[fine], top_counts[fine], top[fine + 1])
+        self._take_top()
+        for fine in range(len(sums) - 2, -1, -1):
+            k.pull_transposed(sums[fine], counts[fine], sums[fine + 1])
+        total, image = self.rows.add(k.finish, self.buffer, self.working, sums[0], self.image)
+        return total, image
+
+    def _take_top(self) -> None:
+        first = self.slabs.first >> self.slabs.depth
+        self.sums[-1][...] = self.top[0][first : first + len(self.sums[-1])]
+
+    def _as_coarse(self, level: int) -> AnyArray:
+        own, rows = self._sums[level], len(self.sums[level])
+        own[rows + 1], own[rows] = self.slabs.beyond(own[0], own[rows - 1])
+        return own[: rows + 2]
+
+    def _fill_fine(self, own: AnyArray, occupied: AnyArray) -> None:
+        """Add rows of the neighbours; nothing comes from occupied cells, nor from a row that is alone."""
+        rows = len(own) - 5
+        even = rows + rows % 2
+        ends = [np.where(occupied[row], own.dtype.type(0), own[row]) for row in (0, rows - 1)]
+        own[rows:] = 0
+        own[even + 3], own[even] = self.slabs.beyond(ends[0], ends[1] * (1 - rows % 2))
+
+
+def _padded(rows: int, columns: int, dtype: Any) -> AnyArray:
+    out = np.empty((rows + 5, columns), dtype=dtype)
+    out[rows:] = 0
+    return out
+
+
+class SlabGrids(Grids):
+    """Fields carried between grids in slabs; grids much smaller than a slab are on every process as a whole.
+
+    Parameters
+    ----------
+    slabs : Slabs
+        Of the finest grid.
+    threads : int
+    """
+
+    in_slabs = True
+
+    def __init__(self, slabs: Slabs, *, threads: int) -> None:
+        super().__init__(slabs.shape, threads=threads)
+        self.slabs, self.xp = slabs, SlabNumpy(slabs)
+
+    def slabs_of(self, shape: Shape) -> Slabs | None:
+        """Return the slabs of a grid; None where every process has the whole."""
+        finest = self.slabs
+        if shape == finest.shape:
+            return finest
+        few = 4 * finest.size * shape[0] * shape[1] <= finest.shape[0] * finest.shape[1]
+        if few or finest.size > min(shape[0] // 2, shape[1] // 2 + 1):
+            return None
+        return Slabs(finest.comm, shape)
+
+    def operator_of(self, response: Response, shape: Shape, lengths: tuple[float, float]) -> Any:
+        """Return the response of a solid on one of the grids."""
+        slabs = self.slabs_of(shape)
+        if slabs is None:
+            return FourierOperator(response, shape, lengths, threads=self.threads)
+        return SlabOperator(response, slabs, lengths, threads=self.threads)
+
+    def put(self, field: Any) -> Any:
+        """Return the rows of this process; what has but those is taken for them."""
+        whole = field is not None and field.shape == self.shape
+        return field[self.slabs.first : self.slabs.last] if whole else field
+
+    def residual_sums(self, pressure: Any, gap: Any, at_bound: Any) -> list[float]:
+        """Return what the residuals of the whole are made of."""
+        parts = self.slabs.gathered(*super().residual_sums(pressure, gap, at_bound))
+        return [*parts[:, :3].sum(axis=0).tolist(), *parts[:, 3:].min(axis=0).tolist()]
+
+    def coarsened(self, heights: Array, old: Shape, new: Shape) -> Array:
+        """Return heights on a coarser grid, freed of the waves that it cannot carry."""
+        import ducc0.fft
+
+        source, target = self.slabs_of(old), self.slabs_of(new)
+        if source is None:
+            return coarsened(heights, new, threads=self.threads)
+        waves, kept = new[1] // 2 + 1, (min(old[1], new[1]) - 1) // 2 + 1
+        columns = shares(waves, source.size)
+
+        def lines(lo: int, hi: int) -> AnyArray:
+            along = np.zeros((hi - lo, waves), dtype=complex)
+            along[:, :kept] = scipy.fft.rfft(heights[lo:hi], norm="forward", workers=self.threads)[:, :kept]
+            return along
+
+        spectrum = np.empty((old[0], columns[source.rank + 1] - columns[source.rank]), dtype=complex)
+        source.to_columns(lines, columns, spectrum)
+        rows = carried(old[0], new[0])
+        coarse = np.zeros((new[0], spectrum.shape[1]), dtype=complex)
+        coarse[rows % new[0]] = scipy.fft.fft(spectrum, axis=0, norm="forward", overwrite_x=True)[rows]
+        coarse = scipy.fft.ifft(coarse, axis=0, norm="forward", overwrite_x=True)
+        if target is None:
+            lines_here = np.concatenate(source.comm.allgather(coarse), axis=1)
+            return np.asarray(scipy.fft.irfft(lines_here, n=new[1], norm="forward"))
+        out = np.empty((target.last - target.first, new[1]))
+
+        def put(lo: int, hi: int, part: AnyArray) -> None:
+            ducc0.fft.c2r(part, axes=(1,), lastsize=new[1], forward=False, out=out[lo:hi])
+
+        target.to_rows(coarse, columns, put)
+        return out
+
+    def refined(self, field: Array, old: Shape, new: Shape) -> Array:
+        """Carry a field to a finer grid, bilinearly."""
+        source, target = self.slabs_of(old), self.slabs_of(new)
+        if target is None:
+            return refined(field, new)
+
+        def wanted(rank: int) -> NDArray[np.int64]:
+            first, last = target.rows[rank : rank + 2]
+            ends = first * old[0] // new[0], (last - 1) * old[0] // new[0]
+            return np.arange(ends[0], ends[1] + 2) % old[0]
+
+        rows = wanted(target.rank)
+        block = field[rows] if source is None else source.taken(field, wanted)
+        place = np.arange(target.first, target.last) * (old[0] / new[0])
+        block = refined_along(block, 0, place - target.first * old[0] // new[0])
+        return refined_along(block, 1, np.arange(new[1]) * (old[1] / new[1]))
+
+    def nearest(self, field: Array, new: Shape) -> Array:
+        """Take a field of the finest grid at the points of a coarser grid nearest below."""
+        old, target = self.shape, self.slabs_of(new)
+
+        def wanted(rank: int) -> NDArray[np.int64]:
+            first, last = (0, new[0]) if target is None else target.rows[rank : rank + 2]
+            return np.arange(first, last) * old[0] // new[0]
+
+        rows = self.slabs.taken(field, wanted)
+        return nearest(rows, (rows.shape[0], new[1]))

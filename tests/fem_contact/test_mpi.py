@@ -1,0 +1,142 @@
+"""The processes of MPI themselves, skipped where there is none; test_slabs.py has threads in their place."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import h5py
+import pytest
+
+pytest.importorskip("mpi4py", exc_type=ImportError)
+MPIEXEC = shutil.which("mpiexec")
+pytestmark = pytest.mark.skipif(MPIEXEC is None, reason="no mpiexec")
+
+EQUAL = """
+import sys
+import numpy as np
+from fem_contact import BondedLayer, HalfSpace, Solid, bem, contact_areas, random_surface
+from fem_contact.bem.parallel import communicator
+
+comm, solid = communicator(), Solid(young=1.0, poisson=0.5)
+for shape, response, bound in (
+    ((64, 64), HalfSpace(solid=solid), None),
+    ((45, 61), HalfSpace(solid=solid), 0.2),
+    ((300, 257), HalfSpace(solid=solid), None),
+    ((48, 33), BondedLayer(solid=solid, thickness=0.05), None),
+):
+    options = {
+        "q_short": 60.0, "lengths": (1.0, shape[1] / shape[0]), "shape": shape, "seed": 7, "isotropic": True
+    }
+    spectrum = lambda q: 1e-3 * q**-3.6
+    slabs = bem.SlabSurface.random(spectrum, comm=comm, **options)
+    pressed = {"mean_pressure": 0.02, "pressure_bound": bound, "tolerance": 1e-11}
+    result = bem.solve(slabs, response, comm=comm, **pressed).checked()
+    areas, whole = result.areas(), result.whole()
+    alone = bem.solve(random_surface(spectrum, **options), response, threads=1, **pressed).checked()
+    assert np.abs(whole.pressure - alone.pressure).max() < 1e-9 * alone.pressure.max(), shape
+    assert np.array_equal(whole.in_contact, alone.in_contact), shape
+    assert abs(areas.subcell - contact_areas(alone, subcell=True).subcell) < 1e-9, shape
+if all(comm.allgather(True)) and comm.rank == 0:
+    print("equal", comm.size)
+"""
+
+SCENE = """
+[surface]
+kind = "self-affine"
+length = "1 mm"
+hurst = 0.8
+lambda_long = "500 um"
+lambda_short = "125 um"
+rms_gradient = 0.1
+seed = 8
+
+[solid]
+young = "1 GPa"
+poisson = 0.3
+
+[load]
+reduced_pressure = 0.05
+
+[methods.bem]
+grids = [32, 48]
+"""
+
+
+def mpiexec(count: int, *arguments: str) -> list[str]:
+    assert MPIEXEC is not None
+    return [MPIEXEC, "--oversubscribe", "-n", str(count), sys.executable, *arguments]
+
+
+def surroundings() -> dict[str, str]:
+    """Return what Open MPI asks for in containers, and on fewer processors than processes."""
+    names = ("OMPI_ALLOW_RUN_AS_ROOT", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM", "OMPI_MCA_mpi_yield_when_idle")
+    return os.environ | dict.fromkeys(names, "1") | {"OMP_NUM_THREADS": "1"}
+
+
+def run(count: int, *arguments: str) -> subprocess.CompletedProcess[str]:
+    command = mpiexec(count, *arguments)
+    return subprocess.run(
+        command, env=surroundings(), capture_output=True, text=True, timeout=300, check=False
+    )
+
+
+def told(text: str) -> Any:
+    """Return the JSON in what all processes have printed; Open MPI adds codes for terminals."""
+    return json.loads(text[text.index("{") : text.rindex("}") + 1])
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_any_number_of_processes_gives_the_answer_of_one(count: int) -> None:
+    done = run(count, "-c", EQUAL)
+    assert done.returncode == 0, done.stderr
+    assert f"equal {count}" in done.stdout
+
+
+def test_the_command_writes_the_same_with_one_process_and_with_three(tmp_path: Path) -> None:
+    scene = tmp_path / "small.toml"
+    scene.write_text(SCENE)
+    found = []
+    for count in (1, 3):
+        folder = tmp_path / str(count)
+        command = ("-m", "validation.cli", "run", str(scene), "--mpi", "--json", "-o", str(folder))
+        done = run(count, *command)
+        assert done.returncode == 0, done.stderr
+        found.append(told(done.stdout))
+        assert told(run(count, *command).stdout) == found[-1], "finished grids are used again"
+        assert len(list((folder / "mpi").glob("*.h5"))) == 2
+    one, three = found
+    assert (one["processes"], three["processes"]) == (1, 3)
+    assert three["limit"]["value"] == pytest.approx(one["limit"]["value"], rel=1e-8)
+    refused = run(3, *command, "--accuracy", "1%")
+    assert refused.returncode == 2
+    assert refused.stderr.count("--accuracy: does not go with --mpi") == 1
+
+
+def test_a_killed_process_ends_the_run_and_what_was_stored_stays(tmp_path: Path) -> None:
+    scene = tmp_path / "large.toml"
+    scene.write_text(SCENE.replace("[32, 48]", "[32, 2048]"))
+    command = mpiexec(3, "-m", "validation.cli", "run", str(scene), "--mpi", "-o", str(tmp_path / "out"))
+    process = subprocess.Popen(command, env=surroundings(), stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    began = time.monotonic()
+    while not (stored := list(tmp_path.glob("out/mpi/bem-32x32-*.h5"))):
+        assert time.monotonic() - began < 200
+        time.sleep(0.2)
+    listed = subprocess.run(
+        ["ps", "-o", "pid=", "--ppid", str(process.pid)], capture_output=True, text=True, check=True
+    )
+    os.kill(int(listed.stdout.split()[-1]), signal.SIGKILL)
+    killed = time.monotonic()
+    process.communicate(timeout=60)
+    assert time.monotonic() - killed < 60
+    assert process.returncode != 0
+    with h5py.File(stored[0]) as file:
+        assert file["pressure"].shape == (32, 32)
+    assert not list(tmp_path.glob("out/mpi/bem-2048*.h5"))

@@ -1,0 +1,241 @@
+"""One surface in slabs: the answer of one process, for any number of processes; here they are threads."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import pytest
+from surfaces import rough_surface
+from thread_processes import ThreadComm, run_threads
+
+from fem_contact import HeightField, contact_areas, random_surface
+from fem_contact.bem import SlabSurface, solve
+from fem_contact.complementarity.fourier import FourierOperator
+from fem_contact.complementarity.grids import Grids
+from fem_contact.complementarity.in_slabs import SlabGrids, SlabOperator, SlabPasses
+from fem_contact.complementarity.passes import Passes
+from fem_contact.complementarity.slabs import Slabs
+from fem_contact.contact import ContactResult, Status
+from fem_contact.errors import InvalidInput
+from fem_contact.response import BondedLayer, FreeHalfSpace, GivenResponse, HalfSpace
+from fem_contact.solid import Solid
+
+SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.3))
+JELLY = BondedLayer(solid=Solid(young=1.0, poisson=0.5), thickness=0.02)
+OBLIQUE = GivenResponse(
+    contact_modulus=1.0,
+    function=lambda qx, qy: 2 / np.sqrt(qx**2 + qx * qy + qy**2 + (qx**2 + qy**2 == 0)) * (qx**2 + qy**2 > 0),
+)
+
+
+def field(shape: tuple[int, int]) -> HeightField:
+    return rough_surface(shape, (1.0, shape[1] / shape[0]), seed=7, waves=12, longest=4, gradient=1.0)
+
+
+def hardness_field(shape: tuple[int, int]) -> np.ndarray:
+    return 0.5 + 0.1 * np.random.default_rng(3).random(shape)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+@pytest.mark.parametrize(
+    ("shape", "response", "load", "bound"),
+    [
+        ((48, 45), SOFT, 0.05, None),
+        ((37, 64), SOFT, 0.6, None),
+        ((64, 64), SOFT, 1e-4, None),
+        ((64, 56), SOFT, 0.3, "field"),
+        ((45, 56), SOFT, 0.599, 0.6),
+        ((64, 64), JELLY, 0.05, None),
+        ((51, 40), OBLIQUE, 0.1, None),
+        ((48, 40), SOFT, 0.6, 0.6),
+        ((48, 40), SOFT, 40.0, None),
+    ],
+)
+def test_slabs_give_the_answer_of_one_process(
+    count: int, shape: tuple[int, int], response: Any, load: float, bound: Any
+) -> None:
+    surface = field(shape)
+    options = {
+        "mean_pressure": load,
+        "pressure_bound": hardness_field(shape) if bound == "field" else bound,
+        "tolerance": 1e-13,
+    }
+    alone = solve(surface, response, threads=1, **options).checked()
+
+    def press(comm: ThreadComm) -> tuple[ContactResult, Any]:
+        result = solve(surface, response, comm=comm, **options).checked()
+        return result.whole(), result.areas()
+
+    # Double precision on small grids: what sums in another order leave, through some twenty steps.
+    for whole, areas in run_threads(count, press):
+        assert np.abs(whole.pressure - alone.pressure).max() < 1e-11 * alone.pressure.max()
+        assert np.abs(whole.gap - alone.gap).max() < 1e-11 * surface.rms_height
+        assert np.array_equal(whole.in_contact, alone.in_contact)
+        assert np.array_equal(whole.at_bound, alone.at_bound)
+        assert whole.offset == pytest.approx(alone.offset, abs=1e-11 * surface.rms_height)
+        assert abs(whole.cost.iterations - alone.cost.iterations) <= 1
+        assert whole.residuals.worst < 1e-12
+        expected = contact_areas(alone, subcell=True)
+        for name in ("pixel", "perimeter", "edge_length", "edge_fraction", "subcell", "alignment", "cells"):
+            assert getattr(areas, name) == pytest.approx(getattr(expected, name), rel=1e-10, abs=1e-12), name
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+@pytest.mark.parametrize("shape", [(48, 45), (45, 37), (9, 30), (129, 64)])
+@pytest.mark.parametrize("bounded", [False, True])
+def test_each_pass_over_slabs_is_that_over_the_whole(
+    count: int, shape: tuple[int, int], bounded: bool
+) -> None:
+    generator = np.random.default_rng(29)
+    heights = generator.standard_normal(shape)
+    bound = 1 + generator.random(shape) if bounded else None
+    fields = [generator.standard_normal(shape) for _ in range(3)]
+    force = np.clip(generator.standard_normal(shape), 0, 1)
+
+    def passed(passes: Passes, own: slice) -> list[Any]:
+        passes.force[...], passes.step[...], passes.image[...] = (v[own] for v in (force, *fields[:2]))
+        numbers = [*passes.start(), *vars(passes.place(0.2)).values(), *vars(passes.move(0.3, 0.1)).values()]
+        numbers += passes.precondition()
+        direction = np.where(passes.working, passes.buffer, 0)
+        passes.trial(0.4 * heights.size, length=0.7, beta=0.4, shift=0.2)
+        numbers += [passes.slope, passes.bend(), passes.room()]
+        trial = passes.step.copy()
+        passes.project(0.4 * heights.size)
+        numbers += [passes.slope, *passes.advance(0.8)]
+        return [np.array(numbers), direction, trial, passes.force.copy()]
+
+    operator = FourierOperator(JELLY, shape, (1.0, 1.2), threads=1)
+    alone = passed(Passes(operator, heights, bound=bound, caution=0.1, threads=1), slice(None))
+
+    def work(comm: ThreadComm) -> list[Any]:
+        slabs = Slabs(comm, shape)
+        own = slice(slabs.first, slabs.last)
+        there = SlabOperator(JELLY, slabs, (1.0, 1.2), threads=1)
+        part = None if bound is None else bound[own]
+        passes = SlabPasses(there, heights[own].copy(), bound=part, caution=0.1, units=None, threads=1)
+        numbers, *found = passed(passes, own)
+        return [numbers, *(slabs.whole(field) for field in found)]
+
+    for found in run_threads(count, work):
+        for value, expected in zip(found, alone, strict=True):
+            size = np.abs(expected[np.isfinite(expected)]).max()
+            np.testing.assert_allclose(value, expected, rtol=1e-10, atol=1e-11 * size)
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_single_precision_in_slabs_differs_by_less_than_the_tolerance(count: int) -> None:
+    surface = field((300, 270))
+    alone = solve(surface, SOFT, mean_pressure=0.05, tolerance=1e-10, threads=1).checked()
+    results = run_threads(
+        count, lambda comm: solve(surface, SOFT, mean_pressure=0.05, tolerance=1e-10, comm=comm).whole()
+    )
+    assert np.abs(results[0].pressure - alone.pressure).max() < 1e-9 * alone.pressure.max()
+    assert np.array_equal(results[0].in_contact, alone.in_contact)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+@pytest.mark.parametrize("shape", [(64, 64), (45, 61), (128, 40), (64, 6)])
+def test_fields_are_carried_between_grids_in_slabs_as_between_whole_ones(
+    count: int, shape: tuple[int, int]
+) -> None:
+    values = np.random.default_rng(5).standard_normal(shape)
+    half = (-(-shape[0] // 2), -(-shape[1] // 2))
+    plain = Grids(shape, threads=1)
+    coarse = plain.coarsened(values, shape, half)
+
+    def carry(comm: ThreadComm) -> list[np.ndarray]:
+        slabs = Slabs(comm, shape)
+        grids = SlabGrids(slabs, threads=1)
+        own = grids.put(values)
+        there = grids.coarsened(own, shape, half)
+        kind = grids.slabs_of(half)
+        back = slabs.whole(grids.refined(there, half, shape))
+        below = grids.nearest(own, half)
+        return [
+            there if kind is None else kind.whole(there),
+            back,
+            below if kind is None else kind.whole(below),
+        ]
+
+    for there, back, below in run_threads(count, carry):
+        np.testing.assert_allclose(there, coarse, atol=1e-13)
+        np.testing.assert_allclose(back, plain.refined(coarse, half, shape), atol=1e-13)
+        assert np.array_equal(below, plain.nearest(values, half))
+
+
+@pytest.mark.parametrize("count", [1, 3, 4])
+@pytest.mark.parametrize("amplitudes", ["exact", "gaussian"])
+@pytest.mark.parametrize("isotropic", [True, False])
+def test_a_random_surface_made_in_slabs_is_that_made_at_once(
+    count: int, amplitudes: Any, isotropic: bool
+) -> None:
+    options: dict[str, Any] = {
+        "q_short": 2 * np.pi * 11,
+        "lengths": (1.0, 1.5),
+        "shape": (40, 51),
+        "seed": 8,
+        "amplitudes": amplitudes,
+        "isotropic": isotropic,
+    }
+
+    def power(qx: np.ndarray, qy: np.ndarray | float = 0.0) -> np.ndarray:
+        return (qx**2 + 2 * qy**2 + 1) ** -2.0
+
+    whole = random_surface(power, **options)
+
+    def make(comm: ThreadComm) -> tuple[np.ndarray, float, float]:
+        surface = SlabSurface.random(power, comm=comm, **options)
+        return surface.slabs.whole(surface.heights), surface.rms_height, surface.rms_gradient
+
+    for heights, rms_height, rms_gradient in run_threads(count, make):
+        np.testing.assert_allclose(heights, whole.heights, atol=1e-13 * whole.rms_height)
+        assert rms_height == pytest.approx(whole.rms_height, rel=1e-12)
+        assert rms_gradient == pytest.approx(whole.rms_gradient, rel=1e-12)
+
+
+def test_the_file_of_all_processes_is_that_of_one(tmp_path: Path) -> None:
+    surface, path = field((37, 44)), tmp_path / "fields.h5"
+
+    def press(comm: ThreadComm) -> ContactResult:
+        result = solve(surface, SOFT, mean_pressure=0.1, pressure_bound=0.4, comm=comm)
+        result.write(path, about={"scene": "three slabs"})
+        return result.whole()
+
+    whole = run_threads(3, press)[0]
+    with h5py.File(path) as file:
+        assert file.attrs["scene"] == "three slabs"
+        for name in ("pressure", "gap", "displacement", "heights", "in_contact", "at_bound"):
+            assert np.array_equal(file[name][...], getattr(whole, name)), name
+    netcdf = pytest.importorskip("netCDF4")
+    with netcdf.Dataset(path) as file:
+        assert file["pressure"].dimensions == ("x", "y")
+        assert file["pressure"].units == "Pa"
+        assert np.array_equal(file["gap"][...], whole.gap)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["fields.h5"]
+
+
+def test_what_cannot_be_shared_is_refused_by_all_in_one_line() -> None:
+    def press(surface: HeightField, **options: Any) -> Any:
+        return lambda comm: solve(
+            surface, options.pop("response", SOFT), mean_pressure=0.1, comm=comm, **options
+        )
+
+    with pytest.raises(InvalidInput, match="4 processes: a grid of 7 x 32 points can be shared by 3 at most"):
+        run_threads(4, press(field((7, 32))))
+    with pytest.raises(InvalidInput, match="comm: runs periodic solids"):
+        run_threads(2, press(field((32, 32)), response=FreeHalfSpace(solid=SOFT.solid)))
+    with pytest.raises(InvalidInput, match="runs on no device and no MPI"):
+        run_threads(2, press(field((32, 32)), method="polonsky-keer"))
+    with pytest.raises(InvalidInput, match="square cells only"):
+        run_threads(2, lambda comm: press(rough_surface((32, 32), (1.0, 2.0), seed=7, waves=6))(comm).areas())
+
+
+def test_all_processes_stop_at_the_time_limit_of_the_first() -> None:
+    surface = field((64, 64))
+    results = run_threads(
+        3, lambda comm: solve(surface, SOFT, mean_pressure=0.1, time_limit=1e-6, comm=comm).contact.status
+    )
+    assert results == [Status.TIME_LIMIT] * 3

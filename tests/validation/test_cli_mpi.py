@@ -1,0 +1,89 @@
+"""`fem-contact run --mpi` with threads in place of processes: its numbers, its file, its refusals."""
+
+from __future__ import annotations
+
+import json
+import sys
+import threading
+from dataclasses import asdict
+
+import pytest
+from thread_processes import ThreadComm, run_threads
+from typer.testing import CliRunner
+
+from fem_contact import contact_areas
+from fem_contact.bem import parallel
+from validation.cli.commands import app
+from validation.cli.parallel import run_parallel
+from validation.errors import UsageError
+from validation.scenes.realised import realise
+from validation.scenes.scene import load_scene
+from validation.solves.press import solves_of
+
+
+def alone() -> ThreadComm:
+    return ThreadComm(0, [None], threading.Barrier(1))
+
+
+@pytest.mark.parametrize(
+    "effect",
+    [
+        "",
+        '[[effects]]\nkind = "hardness"\nhardness = "25 kPa"\n',
+        '[[effects]]\nkind = "thickness"\nthickness = "2 um"\n',
+        '[[effects]]\nkind = "coating"\nyoung = "8 MPa"\nthickness = "0.3 um"\n',
+    ],
+)
+def test_the_command_presses_the_surface_of_the_scene_and_uses_finished_grids_again(
+    tmp_path, write_scene, monkeypatch, effect
+):
+    path = write_scene(("[methods.bem]", f"{effect}[methods.bem]"), ("[methods.theory]", ""), fem=False)
+    monkeypatch.setattr(parallel, "communicator", alone)
+    command = ["run", str(path), "--mpi", "--json", "-o", str(tmp_path / "out")]
+    done = CliRunner().invoke(app, command)
+    assert done.exit_code == 0, done.output
+    found = json.loads(done.stdout)
+    scene = load_scene(str(path))
+    solves = [solve for solve in solves_of(scene, realise(scene)) if solve.method == "bem" and solve.is_own]
+    for row, solve in zip(found["grids"], solves, strict=True):
+        expected = contact_areas(solve.do(threads=1).contact, subcell="hardness" not in effect)
+        assert row["grid"] == list(solve.grid)
+        for name, value in asdict(expected).items():
+            same = value if value is None else pytest.approx(value, rel=1e-9)
+            assert row["areas"][name] == same, name
+        assert (tmp_path / "out" / "mpi" / f"{solve.key}.h5").exists()
+    monkeypatch.setattr("fem_contact.bem.solve", None)
+    assert json.loads(CliRunner().invoke(app, command).stdout) == found
+    shown = CliRunner().invoke(app, [*command[:3], *command[4:]]).stdout
+    assert f"{found['limit']['value']:.6g}" in shown
+
+
+def test_all_threads_write_one_file_and_the_first_speaks(tmp_path, write_scene, monkeypatch, capsys):
+    scene = load_scene(str(write_scene(fem=False)))
+    # Threads share their modules: each asks for its own communicator by its name.
+    own = threading.local()
+    monkeypatch.setattr(parallel, "communicator", lambda: own.comm)
+
+    def work(comm):
+        own.comm = comm
+        run_parallel(scene, tmp_path / "out", as_json=True, unfit={})
+
+    run_threads(3, work)
+    assert json.loads(capsys.readouterr().out)["processes"] == 3
+
+
+def test_what_does_not_go_with_mpi_is_refused_in_one_line(tmp_path, write_scene, monkeypatch):
+    scene = load_scene(str(write_scene(fem=False)))
+    monkeypatch.setitem(sys.modules, "mpi4py", None)
+    with pytest.raises(UsageError, match="--mpi: MPI: needs pip install"):
+        run_parallel(scene, tmp_path, as_json=True, unfit={})
+    monkeypatch.setattr(parallel, "communicator", alone)
+    with pytest.raises(UsageError, match="--workers: does not go with --mpi"):
+        run_parallel(scene, tmp_path, as_json=True, unfit={"--workers": 2})
+    held = write_scene(("reduced_pressure = 0.1", 'mean_gap = "50 nm"'), fem=False)
+    with pytest.raises(UsageError, match="mean_gap: --mpi presses with a load"):
+        run_parallel(load_scene(str(held)), tmp_path, as_json=True, unfit={})
+    coarse = ("[12, 24, 48]", "[4, 48]"), ("shifts = 2", "under_resolved = true")
+    under_resolved = write_scene(*coarse, fem=False)
+    with pytest.raises(UsageError, match="does not resolve lambda_short"):
+        run_parallel(load_scene(str(under_resolved)), tmp_path, as_json=True, unfit={})

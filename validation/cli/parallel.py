@@ -1,0 +1,202 @@
+"""`fem-contact run --mpi`: the boundary elements of a scene, each solve shared out over processes of MPI."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from fem_contact.area import ContactAreas
+from fem_contact.errors import FemContactError, NotConverged
+from validation.errors import RunFailed, UsageError
+
+if TYPE_CHECKING:
+    from fem_contact.bem import SlabSurface
+    from validation.scenes.scene import Scene
+    from validation.scenes.sweep import Sweep
+    from validation.solves.press import Press
+
+__all__ = ["run_parallel"]
+
+#: Where Open MPI, MPICH and Slurm say which process this is, should MPI itself be missing.
+_RANKS = ("OMPI_COMM_WORLD_RANK", "PMI_RANK", "SLURM_PROCID")
+
+
+def run_parallel(scene: Scene | Sweep, folder: Path, *, as_json: bool, unfit: Mapping[str, Any]) -> None:
+    """Press the surface of a scene on each of its grids of boundary elements; areas, their limit, fields.
+
+    Finished grids found in the folder are used again. Every process calls this, the first one speaks.
+    """
+    from fem_contact.bem.parallel import communicator
+    from validation.scenes.sweep import Sweep
+
+    try:
+        comm = communicator()
+    except FemContactError as error:
+        if any(os.environ.get(name, "0") != "0" for name in _RANKS):
+            raise typer.Exit(2) from None
+        raise UsageError(f"--mpi: {error}") from None
+    with _together(comm):
+        for name, given in unfit.items():
+            if given:
+                raise UsageError(f"{name}: does not go with --mpi; leave it out")
+        if isinstance(scene, Sweep):
+            raise UsageError("[sweep]: makes it many scenes; --mpi runs one")
+        rows = [_solved(solve, folder, comm) for solve in _solves(scene)]
+        if comm.rank == 0:
+            _print(rows, folder, comm.size, as_json=as_json)
+
+
+@contextlib.contextmanager
+def _together(comm: Any) -> Iterator[None]:
+    """End all processes when one fails: a mistake in the request in the words of the first, once."""
+    try:
+        yield
+    except (UsageError, FemContactError) as error:
+        # All processes refuse alike, and before they would wait for each other.
+        if comm.rank:
+            # The first one's exit code is that of all; they wait for each other at the end.
+            raise typer.Exit(0) from None
+        raise (RunFailed if isinstance(error, NotConverged) else UsageError)(str(error)) from None
+    except BaseException:
+        if comm.size > 1:
+            sys.excepthook(*sys.exc_info())
+            sys.stderr.flush()
+            comm.Abort(1)
+        raise
+
+
+def _solves(scene: Scene) -> list[Press]:
+    """Return the solves of the scene's own surface by boundary elements, coarse grids first."""
+    from validation.effects.base import Effect
+    from validation.scenes.checks import check_scene
+    from validation.scenes.realised import realise
+    from validation.solves.press import solves_of
+
+    # No process has the whole surface: what is checked are the moments of its C(q).
+    realised = replace(realise(scene), drawn=False)
+    check_scene(scene, realised)
+    if realised.load.held:
+        raise UsageError(f"load.{realised.load.key}: --mpi presses with a load; give a pressure or a force")
+    for effect in scene.effects:
+        if effect.slot in ("gap law", "boundary") or type(effect).shaped is not Effect.shaped:
+            raise UsageError(f"effect {effect.kind!r}: is not solved with --mpi; leave one of them out")
+    if "bem" not in scene.methods.solvers:
+        raise UsageError("--mpi: solves by boundary elements; list methods.bem")
+    grids = scene.methods.options("bem").grids
+    own = [solve for solve in solves_of(scene, realised) if solve.method == "bem" and solve.is_own]
+    return [solve for solve in own if solve.grid in grids]
+
+
+def _surface(solve: Press, comm: Any) -> SlabSurface:
+    """Make a random surface in slabs; every process reads a measured one."""
+    from fem_contact.bem import SlabSurface
+    from validation.scenes.surfaces import spectrum_of
+    from validation.scenes.tables import FileSurface
+
+    surface = solve.realised.surface
+    if isinstance(surface, FileSurface):
+        return SlabSurface.of(solve.height_field(), comm)
+    spectrum = spectrum_of(surface)
+    directional = getattr(spectrum, "directional", None)
+    return SlabSurface.random(
+        directional or spectrum,
+        q_short=spectrum.q_short,
+        lengths=surface.length,
+        shape=solve.grid,
+        seed=surface.seed_of(0),
+        amplitudes=surface.amplitudes,
+        isotropic=directional is None,
+        comm=comm,
+    )
+
+
+def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:
+    """Solve, or find finished, one grid; what is told of it."""
+    from fem_contact import bem
+    from validation.effects.base import Slots
+
+    path = folder / f"{solve.key}.h5"
+    found = comm.bcast(_finished(path, solve) if comm.rank == 0 else None)
+    if found is not None:
+        return dict(found)
+    surface = _surface(solve, comm)
+    slots = Slots.filled(solve.realised.elastic, solve.effects)
+    (load,) = solve.realised.load.values
+    if solve.realised.load.key == "reduced_pressure":
+        load *= slots.solid.contact_modulus * surface.rms_gradient
+    else:
+        load = solve.realised.pressure
+    options: dict[str, Any] = dict(solve.settings)
+    result = bem.solve(
+        surface,
+        slots.felt_response,
+        mean_pressure=load,
+        pressure_bound=slots.pressure_bound,
+        comm=comm,
+        **options,
+    ).checked()
+    dx, dy = surface.spacing
+    areas = result.areas(subcell=slots.pressure_bound is None and abs(dx / dy - 1) <= 0.05)
+    contact = result.contact
+    bytes_ = float(surface.slabs.gathered(contact.cost.peak_bytes).max())
+    row = {
+        "grid": list(solve.grid),
+        "areas": asdict(areas),
+        "mean_pressure": load,
+        "pairs": contact.cost.fft_pairs,
+        "seconds": contact.cost.wall_seconds,
+        "peak_bytes": bytes_,
+        "processes": comm.size,
+    }
+    if comm.rank == 0:
+        folder.mkdir(parents=True, exist_ok=True)
+    result.write(path, about={"recipe": solve.recipe_text, "row": json.dumps(row)})
+    return row
+
+
+def _finished(path: Path, solve: Press) -> dict[str, Any] | None:
+    import h5py
+
+    if not path.exists():
+        return None
+    with h5py.File(path) as file:
+        same = file.attrs.get("recipe") == solve.recipe_text
+        return json.loads(file.attrs["row"]) if same else None
+
+
+def _print(rows: list[dict[str, Any]], folder: Path, processes: int, *, as_json: bool) -> None:
+    from rich.table import Table
+
+    from validation.cli.options import show
+    from validation.measures.measurement import limit_over
+
+    def area(row: dict[str, Any]) -> ContactAreas:
+        return ContactAreas(**row["areas"] | {"spacing": tuple(row["areas"]["spacing"])})
+
+    limit = limit_over([area(row) for row in rows])
+    if as_json:
+        typer.echo(json.dumps({"processes": processes, "grids": rows, "limit": asdict(limit)}, indent=2))
+        return
+    table = Table("grid", "A/A0 counted", "located", "pairs", "seconds", "MiB of a process", "processes")
+    for row in rows:
+        located = row["areas"]["subcell"]
+        table.add_row(
+            "{} x {}".format(*row["grid"]),
+            f"{row['areas']['pixel']:.6g}",
+            "-" if located is None else f"{located:.6g}",
+            f"{row['pairs']:.1f}",
+            f"{row['seconds']:.2f}",
+            f"{row['peak_bytes'] / 2**20:.4g}",
+            str(row["processes"]),
+        )
+    show(table)
+    claim = limit.doubt or f"{limit.value:.6g} +- {2 * limit.uncertainty:.2g} (95 %)"
+    show(f"Limit of A/A0 over these grids: {claim}. Boundary elements alone. Fields: {folder}/*.h5")
