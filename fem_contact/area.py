@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import TypeVar
 
 import numpy as np
 import scipy.ndimage
@@ -18,25 +19,34 @@ from numpy.typing import NDArray
 from fem_contact._checks import finite, listed, samples, truth, whole
 from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput
+from fem_contact.height_traits import height_traits
 
 __all__ = [
     "EDGE_CONSTANTS",
     "EDGE_MAPS",
+    "TRAITS",
     "ContactAreas",
     "Edges",
     "contact_areas",
     "contact_edges",
+    "discretisation",
     "mean_areas",
     "subcell_area",
     "subgrid_shifts",
 ]
 
+_T = TypeVar("_T")
+
 #: Excess of the counted area over the true one, per counted edge length and spacing: "bem" for pressures
 #: collocated at the points of a Fourier grid, from Hertzian contacts 18 to 38 cells in radius (standard error
-#: .0015); "fem" for nodal forces on trilinear hexahedra as deep as wide at nu = .3 (.002; .17 at nu = 0); and
+#: .0015); "bem free" for pressures constant on each cell of a patch with free surroundings (10 to 38 cells,
+#: .002); "fem" for nodal forces on trilinear hexahedra as deep as wide at nu = .3 (.002; .17 at nu = 0); and
 #: for each element of the block by its name (.003).
 EDGE_CONSTANTS = MappingProxyType(
-    {"bem": 0.103, "fem": 0.198, "Hex1": 0.198, "Hex1/P0": 0.260, "Hex2": 0.137, "Hex2/P1disc": 0.205}
+    {
+        **{"bem": 0.103, "bem free": 0.090, "fem": 0.198},
+        **{"Hex1": 0.198, "Hex1/P0": 0.260, "Hex2": 0.137, "Hex2/P1disc": 0.205},
+    }
 )
 
 
@@ -44,8 +54,8 @@ EDGE_CONSTANTS = MappingProxyType(
 _SMOOTHING = 1.5
 
 #: Unevenness of the directions of a contour: below the first, rough contacts of a few tens of edges lie, too;
-#: above the second, lines.
-_UNEVEN = (0.5, 0.75)
+#: the second is that of lines.
+_UNEVEN = (0.4, 1.0)
 
 #: Degrees of the edge map in v = 1 / (1 + rho^(2/3)) and in the squared cosine of the edge's direction.
 _DEGREES = (5, 2)
@@ -68,6 +78,16 @@ _BEND = (
     *(-1.83037, 2.96412, 2.64263, -5.25835, -4.54529, 6.66232),
 )
 
+#: Coefficients of the first part for boundary elements, after that of degree 0.
+_PERIODIC = (
+    *(1.22766, -0.82019),
+    *(1.27074, -2.94378, 1.77380),
+    *(4.62251, -4.40885, 3.91618),
+    *(-7.25598, 13.76495, -10.79373),
+    *(0.11590, -1.55225, 1.97152),
+    *(2.48050, -5.54267, 3.60049),
+)
+
 #: Coefficients of the edge map of trilinear hexahedra as deep as wide at nu = .3.
 _TRILINEAR = (
     *(-0.94792, 1.43228, -0.73378),
@@ -85,19 +105,17 @@ _STRAIGHT = (0.0,) * len(_BEND)
 #: Coefficients of the edge map per discretisation, by degree in v and then in cos^2; see `subcell_area`.
 EDGE_MAPS = MappingProxyType(
     {
-        "bem": (
-            *(-0.57804, 1.22766, -0.82019),
-            *(1.27074, -2.94378, 1.77380),
-            *(4.62251, -4.40885, 3.91618),
-            *(-7.25598, 13.76495, -10.79373),
-            *(0.11590, -1.55225, 1.97152),
-            *(2.48050, -5.54267, 3.60049),
-            *_BEND,
-        ),
+        "bem": (-0.57804, *_PERIODIC, *_BEND),
+        # On paraboloids of 5 to 38 cells in radius edges lie .0191 +- .0006 cells further out at any radius.
+        "bem free": (-0.57804 + 0.0191, *_PERIODIC, *_BEND),
         "fem": _TRILINEAR + _STRAIGHT,
         "Hex1": _TRILINEAR + _STRAIGHT,
     }
 )
+
+
+#: Attributes of `ContactAreas` that say what contour and heights are like.
+TRAITS = ("alignment", "anisotropy", "unresolved", "wavenumber")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -125,7 +143,16 @@ class ContactAreas:
         Number of cells of the nominal area.
     alignment : float
         0 where the contour runs in all directions, as that of a rough surface does; 1 where it runs in one,
-        so that its edges all lie alike between the grid points. Measured where the edge is located.
+        so that its edges all lie alike between the grid points.
+    anisotropy : float
+        Of the slopes of the heights: 0 where they are alike along x, y and between, 1 where they run in one
+        direction; 1 less Peklenik's number.
+    unresolved : float
+        Share of the mean square curvature of the heights in waves of less than four grid points: 0 where the
+        grid resolves them, about half at kinks and nearly all at steps, however fine the grid.
+    wavenumber : float
+        Root mean square of the curvature of the heights, times the spacing: some 5 over the points per
+        shortest wave.
     """
 
     pixel: float
@@ -137,6 +164,9 @@ class ContactAreas:
     subcell: float | None = None
     cells: int = 1
     alignment: float = 0.0
+    anisotropy: float = 0.0
+    unresolved: float = 0.0
+    wavenumber: float = 0.0
 
     @property
     def cell_share(self) -> float:
@@ -180,7 +210,7 @@ def contact_areas(
     """
     check_result("result", result)
     if edge_constant is None:
-        edge_constant = EDGE_CONSTANTS[_discretisation(result, EDGE_CONSTANTS, "edge_constant")]
+        edge_constant = _known(result, EDGE_CONSTANTS, "edge_constant")
     edge_constant = finite("edge_constant", edge_constant)
     truth("subcell", subcell)
     contact = result.in_contact
@@ -189,7 +219,7 @@ def contact_areas(
     across_y = int(np.count_nonzero(contact != np.roll(contact, 1, axis=1)))
     pixel = float(np.mean(contact if result.weights is None else contact * result.weights))
     fraction = (across_x + across_y) / contact.size
-    located, alignment = _located(result, edge_map) if subcell else (None, 0.0)
+    edges = contact_edges(result)
     return ContactAreas(
         pixel=pixel,
         perimeter=pixel - edge_constant * fraction,
@@ -197,24 +227,33 @@ def contact_areas(
         edge_fraction=fraction,
         edge_constant=edge_constant,
         spacing=(dx, dy),
-        subcell=located,
+        subcell=_located(result, edges, edge_map) if subcell else None,
         cells=contact.size,
-        alignment=alignment,
+        alignment=alignment(edges.harmonics()),
+        # The sides of a patch do not continue each other.
+        **vars(height_traits(result.heights, result.spacing, patch=discretisation(result) == "bem free")),
     )
 
 
-def _discretisation(result: ContactResult, known: Mapping[str, object], name: str) -> str:
-    """Name under which the discretisation of a result is known, refused where it is not."""
-    told = result.provenance.get("element", "")
-    if not told and result.provenance.get("method", "").startswith("boundary elements"):
-        told = "bem"
+def discretisation(result: ContactResult) -> str:
+    """Name of the discretisation of a result in `EDGE_CONSTANTS`; empty where the result does not say."""
+    check_result("result", result)
+    element, method = (result.provenance.get(key, "") for key in ("element", "method"))
+    if element or not method.startswith("boundary elements"):
+        return element
+    return "bem free" if method.endswith("free surroundings") else "bem"
+
+
+def _known(result: ContactResult, known: Mapping[str, _T], name: str) -> _T:
+    """Return what is known for the discretisation of a result, refused where nothing is."""
+    told = discretisation(result)
     if told not in known:
         found = repr(told) if told else "the result does not say"
         raise InvalidInput(
             f"{name}: none is known for the discretisation ({found}): give one, "
             f"or take a result of {', '.join(known)}"
         )
-    return told
+    return known[told]
 
 
 def subgrid_shifts(per_axis: int = 2) -> list[tuple[float, float]]:
@@ -253,7 +292,7 @@ def mean_areas(areas: Sequence[ContactAreas]) -> ContactAreas:
         spacing=areas[0].spacing,
         subcell=float(np.mean(located)) if len(located) == len(areas) else None,
         cells=areas[0].cells,
-        alignment=float(np.mean([area.alignment for area in areas])),
+        **{name: float(np.mean([getattr(area, name) for area in areas])) for name in TRAITS},
     )
 
 
@@ -305,9 +344,9 @@ class Edges:
         return float(np.sum((place - 0.5) * self.cosine**2))
 
     def harmonics(self) -> NDArray[np.float64]:
-        """Length of these edges, and sums over it of cos 4 theta and cos 8 theta of their direction."""
+        """Length of these edges, and the sum over it of cos 8 theta of their direction."""
         fourth = 8 * self.cosine**4 - 8 * self.cosine**2 + 1
-        return np.array([np.sum(part * self.cosine**2) for part in (1.0, fourth, 2 * fourth**2 - 1)])
+        return np.array([np.sum(part * self.cosine**2) for part in (1.0, 2 * fourth**2 - 1)])
 
     def _monomials(self, degrees: tuple[int, int]) -> NDArray[np.float64]:
         v = 1 / (1 + self.ratio ** (2 / 3))
@@ -382,37 +421,32 @@ def subcell_area(result: ContactResult, *, edge_map: Sequence[float] | None = No
     Needs a few cells per patch; at the edge of a plastic or adhesive contact the law of the edge is another,
     and the estimate means nothing.
     """
-    return _located(result, edge_map)[0]
+    return _located(result, contact_edges(result), edge_map)
 
 
-def _located(result: ContactResult, edge_map: Sequence[float] | None) -> tuple[float, float]:
-    """Area with its edge located, and the alignment of its contour."""
-    check_result("result", result)
+def _located(result: ContactResult, edges: Edges, edge_map: Sequence[float] | None) -> float:
+    """Area with its edge located."""
     dx, dy = result.spacing
     if abs(dx / dy - 1) > 0.05:
         raise InvalidInput(f"cells of {dx:.6g} m x {dy:.6g} m: the edge is located on square cells only")
     if result.weights is not None:
         raise InvalidInput("nodes of unequal weight: the edge is located on uniform nodes only")
-    given = EDGE_MAPS[_discretisation(result, EDGE_MAPS, "edge_map")] if edge_map is None else edge_map
+    given = _known(result, EDGE_MAPS, "edge_map") if edge_map is None else edge_map
     coefficients = samples("edge_map", given)
     if coefficients.size != len(EDGE_MAPS["bem"]):
         raise InvalidInput(
             f"edge_map of {coefficients.size} numbers: must have {len(EDGE_MAPS['bem'])}, as in `EDGE_MAPS`"
         )
-    edges = contact_edges(result)
-    shift = edges.shift(coefficients)
-    return float(np.mean(result.in_contact)) + shift / result.in_contact.size, alignment(edges.harmonics())
+    return float(np.mean(result.in_contact)) + edges.shift(coefficients) / result.in_contact.size
 
 
 def alignment(harmonics: Sequence[float] | NDArray[np.float64]) -> float:
     """How far the directions of a contour are from even: 0 within what rough contacts show, 1 for a line.
 
-    The errors of the edge map repeat every quarter turn: the means of cos 4 theta and cos 8 theta vanish
-    where all directions are alike. Of a line the larger one is 1 along the grid and its diagonals, and near
-    .5 only for such slopes that its edges lie evenly between the points anyway.
+    The errors of the edge map repeat every quarter turn. The mean of cos 8 theta vanishes where directions
+    are even; it is 1 for lines along the grid and its diagonals and .8 to 1 for other short steps, and falls
+    soon where lines wander, as those that grinding leaves.
     """
-    length, *both = harmonics
-    if length == 0:
-        return 0.0
+    length, eighth = harmonics
     low, high = _UNEVEN
-    return float(np.clip((np.max(np.abs(both)) / length - low) / (high - low), 0, 1))
+    return float(np.clip((abs(eighth) / length - low) / (high - low), 0, 1)) if length > 0 else 0.0

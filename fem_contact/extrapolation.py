@@ -1,35 +1,28 @@
-r"""The limit of the located contact area over grids, and how far it may be from the truth.
-
-The area with its edge located inside the cells (`fem_contact.area.subcell_area`) is off by
-
-.. math:: A_h - A = f \left( k_0 + k_1 z + k_{3/2} z^{3/2} + k_2 z^2 + k_3 z^3 \right)
-          + f^{1/2} n^{-1/2} \nu(z), \qquad z = \frac{f}{A (1 - A)^{5/4}}
-
-where f is the edge fraction, in proportion to the spacing, z is the spacing in units of the width of the
-contact patches (near full contact, of a little less than that of the gaps), n the number of cells and nu a
-random number. The edge map takes out the first order, of contours of all directions, but for k_0, which is
-what another map fitted to the same surfaces says; and of the second order what can be known: how the fields
-bend beside the edge. Where the contour runs in one direction (`ContactAreas.alignment`), as that of a wave
-does, f (k_a + k'_h) is left, too. The half power follows from the square-root fields of the edge.
-
-The coefficients k depend on surface and load, and k' on the grid, too: on a few grids they cannot all be
-fitted, and leaving one out makes any fit look better than it is. They are therefore taken as random numbers,
-whose means and sizes were measured, and the limit is what the areas of the grids at hand then say of A, with
-the spread that remains. Each patch of contact has its own, so that they differ the less from surface to
-surface the more patches there are.
-"""
+"""The limit of a contact area over grids, and how far it may be from the truth (`fem_contact.area_error`)."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact._checks import choice, finite, instance, listed, pair, positive, whole
-from fem_contact.area import ContactAreas
+from fem_contact._checks import choice, finite, instance, listed, pair, positive
+from fem_contact.area import ContactAreas, mean_areas
+from fem_contact.area_error import (
+    ALONE,
+    LOCATED,
+    PERIMETER,
+    PlannedGrid,
+    error_covariance,
+    kink_error,
+    kinked,
+    mean_error,
+    too_rough,
+)
 from fem_contact.errors import InvalidInput
 
 __all__ = [
@@ -47,65 +40,6 @@ Array = NDArray[np.float64]
 
 #: Scatter of the place of an edge on the grid [cells], per edge, as counted areas of Hertzian contacts show.
 _SCATTER = 0.2
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Law:
-    """What the areas of a definition are off by.
-
-    Attributes
-    ----------
-    terms : tuple of (float, float, float)
-        Powers of z, and the means and standard deviations of their coefficients.
-    odd : float
-        Standard deviation of what each grid is off by anew, whatever its shifts, over f z^2.
-    noise : tuple of float
-        Of one solve, from where the edges fall between the grid points: nu = hypot(a, b z).
-    averaging : float
-        All deviations but that of power 0 fall with this power of the number of patches; they are those of
-        `_PATCHES`.
-    """
-
-    terms: tuple[tuple[float, float, float], ...]
-    odd: float
-    noise: tuple[float, float]
-    averaging: float = 0.0
-
-
-#: Boundary elements, edge located, from 352 surfaces (H = .1 to 1, lambda_long/lambda_short = 4 to 32, p* =
-#: .01 to .6, grids of 3 to 48 points per shortest wave, tests/benchmarks/area_law.py): means of largest
-#: likelihood; deviations near it, with four fifths of its noise, which rare surfaces make wider than 95 %
-#: intervals ask for. Power 0 has no mean there (-.0001 +- .0002), nor on Hertzian contacts of 40 and 60 cells
-#: in radius (.00004 +- .00005, .00008 +- .00003); its deviation covers other maps fitted to these surfaces.
-_LOCATED = _Law(
-    terms=(
-        (0.0, 0.0, 0.00011),
-        (1.0, -0.00359, 0.0003),
-        (1.5, 0.00919, 0.00055),
-        (2.0, -0.00678, 0.00015),
-        (3.0, 0.00087, 0.00025),
-    ),
-    odd=0.0005,
-    noise=(0.006, 0.026),
-    averaging=0.25,
-)
-
-#: Number of patches to which the deviations of a law belong, and f^2 n / (A (1 - A)^(5/4)) of a round one.
-_PATCHES, _ROUND = 80.0, 20.0
-
-#: Largest z for which means were measured.
-_WIDEST = 3.5
-
-#: Corrected at the edge by a constant, which depends a little on what is pressed: likewise of 45 surfaces
-#: with a hardness of .1 to 1.5 E* h'_rms and 30 pressed on trilinear hexahedra (nu = 0 to .4, growth 1.2).
-_PERIMETER = _Law(terms=((0.0, 0.0, 0.025), (1.0, 0.0, 0.01)), odd=0.0, noise=(0.23, 0.0))
-
-#: Power of 1 - A in z.
-_GAP_POWER = 1.25
-
-#: What edges of one direction are off by together, in cells: the same on every grid, and anew on each, where
-#: they all lie alike between the points. Of straight waves in five directions; a contour of all averages it.
-_ALIKE = (0.008, 0.012)
 
 #: Contact points on the finest grid below which no limit is claimed. On 8 surfaces of H = .3 and .8 at p*
 #: from 1e-5 to .02, twice the claimed error held the limit of grids of 384 and 512 points in 315 of 320
@@ -148,32 +82,6 @@ class Limit:
         return not self.doubt
 
 
-@dataclass(frozen=True, kw_only=True)
-class PlannedGrid:
-    """A grid that is to be solved.
-
-    Attributes
-    ----------
-    spacing : tuple of float
-        (dx, dy) [m].
-    cells : int
-        Number of its cells.
-    solves : int
-        Sub-grid shifts that are averaged.
-    """
-
-    spacing: tuple[float, float]
-    cells: int
-    solves: int = 1
-
-    def __post_init__(self) -> None:
-        dx, dy = pair("spacing", self.spacing, what="the size of a cell (dx, dy) in m")
-        positive("spacing", dx, unit="m")
-        positive("spacing", dy, unit="m")
-        whole("cells", self.cells, least=1, most=10**15)
-        whole("solves", self.solves, least=1, most=10**6)
-
-
 def located_limit(areas: Sequence[ContactAreas]) -> Limit:
     """Limit of the located area of one surface over its grids, with an uncertainty that holds.
 
@@ -187,8 +95,10 @@ def located_limit(areas: Sequence[ContactAreas]) -> Limit:
     -------
     Limit
         Its `uncertainty` is one standard error; twice that holds the truth on 95 % of surfaces. Where the
-        grids disagree by more than the law allows, it is widened by the factor they disagree. NaN, with a
-        `doubt`, for a contact of too few points to carry the law, and for an estimate outside (0, 1].
+        grids disagree by more than the law allows, it is widened by the factor they disagree, and where
+        heights have kinks by all that they disagree, as if areas converged in first order. NaN, with a
+        `doubt`, for a contact of too few points to carry the law, for heights with steps, or kinks that a
+        single grid or one in full contact does not tell the error of, and for an estimate outside (0, 1].
 
     Raises
     ------
@@ -241,7 +151,7 @@ def _limit(areas: Sequence[ContactAreas], definition: Literal["subcell", "perime
     doubt = too_small(areas)
     if doubt:
         return _no_limit(doubt, len(areas), definition=definition)
-    law, alignment = _LOCATED if definition == "subcell" else _PERIMETER, 0.0
+    law = LOCATED if definition == "subcell" else PERIMETER
     groups: dict[tuple[float, float], list[ContactAreas]] = {}
     for area in areas:
         groups.setdefault(area.spacing, []).append(area)
@@ -255,24 +165,34 @@ def _limit(areas: Sequence[ContactAreas], definition: Literal["subcell", "perime
         PlannedGrid(spacing=group[0].spacing, cells=group[0].cells, solves=len(group)) for group in shifts
     ]
     told: dict[str, Any] = {"grids": len(areas), "definition": definition}
+    finest = mean_areas(shifts[0])
+    doubt = too_rough(finest, alone=len(plan) == 1)
+    if doubt:
+        return _no_limit(doubt, len(areas), definition=definition)
     if fraction == 0 or not 0 < value[0] < 1:
         return _checked(Limit(value=float(value[0]), uncertainty=0.0, edge_constant=0.0, **told))
-    if definition == "subcell":
-        alignment = float(np.mean([area.alignment for area in shifts[0]]))
-    covariance = _covariance(law, float(value[0]), fraction, plan, alignment=alignment)
+    size = np.array([grid.size for grid in plan])
+    coarser = size > 1.01 * size[0]
+    weights = np.linalg.inv(error_covariance(law, float(value[0]), fraction, plan, like=finest))
     own = np.array([np.mean([area.edge_fraction for area in group]) for group in shifts])
-    expected = value - _known(law, value, own)
-    weights = np.linalg.inv(covariance)
+    expected = value - mean_error(law, value, own)
     precision = float(weights.sum())
     # Around the finest area, so that nothing is lost to rounding where all are nearly equal.
     limit = float(expected[0] + (weights @ (expected - expected[0])).sum() / precision)
     rest = expected - limit
-    disagreement = float(rest @ weights @ rest) / max(len(plan) - 1, 1)
-    coarsest = fraction * _size(plan[-1]) / _size(plan[0])
+    disagreement = float(rest @ weights @ rest) / (len(plan) - 1) if len(plan) > 1 else ALONE**2
+    uncertainty = float(np.sqrt(max(disagreement, 1.0) / precision))
+    left = np.abs(value - value[0])[coarser] * size[0] / (size[coarser] - size[0])
+    uncertainty = math.hypot(
+        uncertainty,
+        kinked(finest) * float(np.max(left, initial=0.0)),
+        kink_error(finest, alone=not left.size),
+    )
+    coarsest = fraction * size[-1] / size[0]
     return _checked(
         Limit(
             value=limit,
-            uncertainty=float(np.sqrt(max(disagreement, 1.0) / precision)),
+            uncertainty=uncertainty,
             edge_constant=float((value[-1] - limit) / coarsest),
             **told,
         )
@@ -338,55 +258,16 @@ def predicted_uncertainty(coarse: ContactAreas, grids: Sequence[PlannedGrid]) ->
     area = min(max(area, coarse.cell_share), 1 - coarse.cell_share)
     if coarse.edge_fraction == 0:
         return 0.0
-    ordered = sorted(grids, key=_size)
+    ordered = sorted(grids, key=lambda grid: grid.size)
     if area * ordered[0].cells < LEAST_CONTACT_POINTS:
         return float("inf")
     size = np.sqrt(coarse.spacing[0] * coarse.spacing[1])
-    fraction = coarse.edge_fraction * _size(ordered[0]) / float(size)
+    fraction = coarse.edge_fraction * ordered[0].size / float(size)
     located = coarse.subcell is not None
-    covariance = _covariance(
-        _LOCATED if located else _PERIMETER,
-        area,
-        fraction,
-        ordered,
-        alignment=coarse.alignment if located else 0.0,
-    )
-    return float(1 / np.sqrt(np.linalg.inv(covariance).sum()))
-
-
-def _size(grid: PlannedGrid) -> float:
-    return float(np.sqrt(grid.spacing[0] * grid.spacing[1]))
-
-
-def _known(law: _Law, areas: Array, fractions: Array) -> Array:
-    """Return what areas are off by on average."""
-    inside = np.clip(areas, 1e-9, 1 - 1e-9)
-    width = np.minimum(fractions / (inside * (1 - inside) ** _GAP_POWER), _WIDEST)
-    return fractions * sum(mean * width**power for power, mean, _ in law.terms)
-
-
-def _covariance(
-    law: _Law, area: float, fraction: float, grids: Sequence[PlannedGrid], *, alignment: float
-) -> Array:
-    """Covariance of the areas of grids, the first of which has the edge fraction given."""
-    fractions = fraction * np.array([_size(grid) for grid in grids]) / _size(grids[0])
-    width = fractions / (area * (1 - area) ** _GAP_POWER)
-    patches = fraction * width[0] * grids[0].cells / _ROUND
-    spread = (max(patches, 1.0) / _PATCHES) ** -law.averaging
-    terms = np.stack(
-        [
-            fractions * width**power * deviation * (spread if power else 1.0)
-            for power, _, deviation in law.terms
-        ],
-        axis=1,
-    )
-    noise = np.hypot(law.noise[0], law.noise[1] * width) ** 2 * fractions
-    each = np.array([grid.cells * grid.solves for grid in grids])
-    common, anew = (alignment * deviation * fractions for deviation in _ALIKE)
-    solves = np.array([grid.solves for grid in grids])
-    odd = law.odd * spread * fractions * width**2
-    own = noise / each + anew**2 / solves + odd**2
-    return np.asarray(terms @ terms.T + np.outer(common, common) + np.diag(own))
+    covariance = error_covariance(LOCATED if located else PERIMETER, area, fraction, ordered, like=coarse)
+    alone = ALONE if len(ordered) == 1 else 1.0
+    expected = alone / float(np.sqrt(np.linalg.inv(covariance).sum()))
+    return math.hypot(expected, kink_error(replace(coarse, edge_fraction=fraction), alone=len(ordered) == 1))
 
 
 def limit_area(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Sequence
 
-__all__ = ["RunFailed", "SceneError", "UsageError", "harmless"]
+__all__ = ["NoLimit", "RunFailed", "SceneError", "UsageError", "harmless"]
 
 
 def harmless(text: object) -> str:
@@ -50,3 +50,7 @@ class SceneError(UsageError):
 
 class RunFailed(Exception):
     """A run that ended early; what was finished is stored and the next run continues after it."""
+
+
+class NoLimit(RunFailed):
+    """A contact whose area has no limit over the grids it was pressed on; finer ones may have."""

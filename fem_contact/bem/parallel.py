@@ -21,6 +21,7 @@ from fem_contact._checks import instance
 from fem_contact.complementarity.slabs import Slabs
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
+from fem_contact.height_traits import HeightTraits, are_level, traits_of, wave_sums
 from fem_contact.surface import HeightField, random_waves, resolves
 
 if TYPE_CHECKING:
@@ -208,7 +209,7 @@ class SlabResult:
             return np.append(np.arange(first - _BEYOND, first), np.arange(last, last + _BEYOND)) % nx
 
         ends = {name: np.split(slabs.taken(getattr(contact, name), wanted), 2) for name in names}
-        total, rows = np.zeros(7), slabs.last - slabs.first
+        total, rows = np.zeros(6), slabs.last - slabs.first
         for first in range(0, rows, _BAND):
             last = min(first + _BAND, rows)
             fields: dict[str, Any] = {}
@@ -224,12 +225,11 @@ class SlabResult:
                 np.sum(touching != band.in_contact[_BEYOND - 1 : -_BEYOND - 1]),
                 np.sum(touching != np.roll(touching, 1, axis=1)),
             )
-            if subcell:
-                edges = contact_edges(band)
-                row = edges.inside // ny
-                here = (row >= _BEYOND) & (row < count - _BEYOND)
-                edges = replace(edges, **{name: values[here] for name, values in vars(edges).items()})
-                total[3:] += edges.shift(map_), *edges.harmonics()
+            edges = contact_edges(band)
+            row = edges.inside // ny
+            here = (row >= _BEYOND) & (row < count - _BEYOND)
+            edges = replace(edges, **{name: values[here] for name, values in vars(edges).items()})
+            total[3:] += edges.shift(map_), *edges.harmonics()
         sums = slabs.gathered(*total).sum(axis=0) / (nx * ny)
         pixel, fraction = float(sums[0]), float(sums[1] + sums[2])
         return ContactAreas(
@@ -242,7 +242,25 @@ class SlabResult:
             subcell=float(sums[0] + sums[3]) if subcell else None,
             cells=nx * ny,
             alignment=alignment(sums[4:]),
+            **vars(self._height_traits()),
         )
+
+    def _height_traits(self) -> HeightTraits:
+        """Find what the heights of all slabs are like."""
+        slabs, heights = self.slabs, self.contact.heights
+        mean = slabs.gathered(float(np.sum(heights))).sum() / (slabs.shape[0] * slabs.shape[1])
+        extremes = float(np.max(np.abs(heights - mean))), float(np.max(np.abs(heights)))
+        largest, height = slabs.gathered(*extremes).max(axis=0)
+        if are_level(largest, height):
+            return HeightTraits()
+        first, last = slabs.columns[slabs.rank : slabs.rank + 2]
+        waves = np.empty((slabs.shape[0], last - first), dtype=complex)
+        slabs.to_columns(
+            lambda lo, hi: scipy.fft.rfft((heights[lo:hi] - mean) / largest), slabs.columns, waves
+        )
+        waves = scipy.fft.fft(waves, axis=0, overwrite_x=True)
+        own = wave_sums(waves, slabs.shape, self.contact.spacing, first)
+        return traits_of(slabs.gathered(*own).sum(axis=0))
 
     def write(self, path: Path, *, about: Mapping[str, Any]) -> None:
         """Write all fields into one file of HDF5, which netCDF reads, too; each process its own rows at once.

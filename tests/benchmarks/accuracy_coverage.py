@@ -2,11 +2,13 @@
 
 H = .1 to 1, lambda_long/lambda_short = 2 to 8, at most 8 shortest waves on the period, exact or random
 amplitudes, p* = .01 to .6, and an accuracy of 5 % to .2 % that is asked for; with a hardness of .1 to
-1.5 E* h'_rms, or a layer of .05 to 1 periods on a rigid base, of 10 % to 1 %. The truth is the limit over 16,
-24 and 32 points per shortest wave (with effects 24, 32 and 48), whose own interval counts, too.
+1.5 E* h'_rms, or a layer of .05 to 1 periods on a rigid base, of 10 % to 1 %; stretched 1.5 to 8 times; and
+maps of 32 x 32 to 48 x 48 heights, smooth ones that are not Gaussian, with kinks and steps, and tapered ones
+like measured ones. The truth is the limit over 16, 24 and 32 points per shortest wave (with effects 24, 32
+and 48), whose own interval counts, too.
 
 Run as ``python tests/benchmarks/accuracy_coverage.py [elastic | hardness | thickness | coating | graded |
-all] [cases] [first seed]``; 100 elastic cases take about a minute.
+stretched | smooth | kinked | measured | all] [cases] [first seed]``; 100 elastic cases take about a minute.
 """
 
 from __future__ import annotations
@@ -16,7 +18,9 @@ import sys
 import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
+import area_cases
 import numpy as np
 
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
@@ -30,12 +34,14 @@ from validation.effects.thickness import Thickness
 from validation.measures.measurement import grid_for, limit_over
 from validation.methods.bem import BemOptions
 from validation.scenes.realised import realise
-from validation.scenes.scene import Load, Methods, Scene, SelfAffineSurface, SolidSpec
+from validation.scenes.scene import FileSurface, Load, Methods, Scene, SelfAffineSurface, SolidSpec
 from validation.solves.bench import Bench
 from validation.solves.press import solves_of
 
 _TRUTH = {True: (16, 24, 32), False: (24, 32, 48)}
 _WAVES = 8
+_EFFECTS = ("hardness", "thickness", "coating", "graded")
+_MAPS = ("smooth", "kinked", "measured")
 _LENGTH = 1e-3
 
 
@@ -51,24 +57,28 @@ class Case:
     target: float
 
     @classmethod
-    def drawn(cls, seed: int, kind: str) -> Case:
-        """Draw one."""
+    def drawn(cls, seed: int, kind: str, folder: Path) -> Case:
+        """Draw one; a map lies in the folder."""
         generator = np.random.default_rng([seed, 20261122])
         ratio = _log_uniform(generator, 2, 8)
         periods = _log_uniform(generator, 1, min(4.0, _WAVES / ratio))
-        surface = SelfAffineSurface(
+        stretch = _log_uniform(generator, 1.5, 8) if kind == "stretched" else None
+        surface: SelfAffineSurface | FileSurface = SelfAffineSurface(
             kind="self-affine",
             length=(_LENGTH, _LENGTH),
             hurst=generator.uniform(0.1, 1.0),
-            lambda_long=_LENGTH / periods,
-            lambda_short=_LENGTH / periods / ratio,
+            lambda_long=_LENGTH / max(periods, stretch or 0),
+            lambda_short=_LENGTH / max(periods, stretch or 0) / ratio,
             rms_gradient=0.1,
             amplitudes=str(generator.choice(["exact", "gaussian"])),
             seed=seed,
+            stretch=stretch,
         )
         load = _log_uniform(generator, 0.01, 0.6)
         effects: tuple[Effect, ...] = ()
         solid, scale = SolidSpec(young=0.91e9, poisson=0.3), 1e9 * 0.1
+        if kind in _MAPS:
+            surface = _mapped(seed, kind, folder, points=int(generator.integers(32, 49)))
         depth = _LENGTH * _log_uniform(generator, 0.05, 1.0)
         if kind == "hardness":
             hardness = _log_uniform(generator, 0.1, 1.5)
@@ -87,7 +97,7 @@ class Case:
             methods=Methods(bem=BemOptions(grids=((512, 512),))),
             effects=effects,
         )
-        asked = (0.002, 0.05) if kind == "elastic" else (0.01, 0.1)
+        asked = (0.01, 0.1) if kind in _EFFECTS else (0.002, 0.05)
         return cls(scene=scene, target=_log_uniform(generator, *asked))
 
     def truth(self) -> Limit:
@@ -99,6 +109,16 @@ class Case:
         results = [solve.do(threads=1).contact for solve in solves]
         told = {"edge_constant": EDGE_CONSTANTS["bem"], "subcell": not self.scene.effects}
         return limit_over([contact_areas(result, **told) for result in results])
+
+
+def _mapped(seed: int, kind: str, folder: Path, *, points: int) -> FileSurface:
+    """Write a map of heights; a measured one is a window of a larger surface."""
+    drawn = area_cases.Case.drawn(seed, kind="stretched" if kind == "measured" else kind)
+    larger = points * 3 // 2 if kind == "measured" else points
+    path = folder / f"{kind}-{seed}.npy"
+    np.save(path, drawn.field(larger, (0.0, 0.0)).heights[:points, :points] * 0.1 * _LENGTH)
+    edges = "tukey" if kind == "measured" else "periodic"
+    return FileSurface(kind="file", path=path, length=(_LENGTH, _LENGTH), unit=1.0, edges=edges, tilt="plane")
 
 
 def judged(case: Case) -> tuple[Reached, float, bool]:
@@ -114,11 +134,12 @@ def main(arguments: Sequence[str]) -> None:
     """Print each case that fails, and the share that holds."""
     kind = arguments[0] if arguments else "elastic"
     cases, first = (int(text) for text in (*arguments[1:], *("100", "7001")[len(arguments[1:]) :]))
-    kinds = ("elastic", "hardness", "thickness", "coating", "graded") if kind == "all" else (kind,)
+    kinds = ("elastic", *_EFFECTS, "stretched", *_MAPS) if kind == "all" else (kind,)
+    folder = Path(tempfile.mkdtemp())
     for name in kinds:
         held, distances, spent = 0, [], 0.0
         for done, seed in enumerate(range(first, first + cases), start=1):
-            case = Case.drawn(seed, name)
+            case = Case.drawn(seed, name, folder)
             reached, distance, holds = judged(case)
             assert reached.error <= case.target
             held, spent = held + holds, spent + reached.seconds

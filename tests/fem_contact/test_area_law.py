@@ -11,7 +11,8 @@ import pytest
 from fem_contact.extrapolation import located_limit, perimeter_limit
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
-from area_law import KINDS, LADDERS, TRUTH, Case, limit_of, measured
+from area_cases import KINDS, SHAPES, Case
+from area_law import LADDERS, TRUTH, coverage, limit_of, measured
 
 #: Seeds that no fit has seen: those of `area_law.py` are below 10,000.
 FRESH = 20_000
@@ -19,6 +20,31 @@ FRESH = 20_000
 
 #: How many of each kind, and most shortest waves on the period.
 _SURFACES = {"elastic": (100, 16), "hardness": (40, 16), "elements": (40, 16)}
+
+
+#: First seeds of a few that are unlike each other: a cone, absolute values, steps, a ridge and a wedge.
+FIRST = {"stretched": FRESH, "smooth": FRESH, "kinked": FRESH + 9}
+
+
+@pytest.mark.parametrize("kind", FIRST)
+def test_claims_hold_on_a_few_surfaces_unlike_those_of_the_law(kind):
+    """By the law of isotropic Gaussian surfaces alone they held 40 to 80 %, and were up to 50 errors off."""
+    off, share = np.moveaxis(coverage(kind, 5, FIRST[kind]), -1, 0)
+    # Steps have no limit, nor have kinks on one grid.
+    off = off[np.isfinite(share)]
+    assert off.size >= 24
+    assert np.mean(np.abs(off) < 2) >= 0.9
+    assert np.max(np.abs(off)) < 4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", SHAPES)
+def test_two_standard_errors_hold_on_surfaces_unlike_those_of_the_law(kind):
+    off, share = np.moveaxis(coverage(kind, 12 if kind == "wide" else 60, FRESH), -1, 0)
+    off = off[np.isfinite(share)]
+    assert np.mean(np.abs(off) < 2) >= 0.93
+    # Claims at kinks are two to three times as wide as they need be.
+    assert (0.2 if kind == "kinked" else 0.4) < np.sqrt(np.mean(np.square(off))) < 1.15
 
 
 @pytest.mark.slow

@@ -141,10 +141,28 @@ def test_a_thousandfold_modulus_is_solved_and_the_conditions_hold(velocity):
 def test_both_frictions_meet_as_the_grid_is_refined():
     load = load_of(rough(32))
     found = [slide(rough(n), standard(10.0), velocity=0.03, mean_pressure=load) for n in (32, 64, 256)]
-    apart = [abs(one.friction / one.dissipation - 1) for one in found]
+    apart = [abs(one.slopes / one.dissipation - 1) for one in found]
     # At least of first order: a power of the spacing at the edges of the contact.
     assert apart[2] < apart[1] / 4 < apart[0] / 4
     assert apart[2] < 0.005
+
+
+@pytest.mark.parametrize("velocity", [0.03, 0.3, 30.0])
+def test_the_interval_of_friction_holds_that_of_a_finer_grid(velocity):
+    """At v tau/L = 30 and 8 points per shortest wave the slopes say a quarter of it."""
+    load = load_of(rough(32))
+    found = [slide(rough(n), standard(100.0), velocity=velocity, mean_pressure=load) for n in (32, 64, 192)]
+    coarse, middle, fine = found
+    for one in (coarse, middle):
+        low, high = one.friction_interval
+        assert low < fine.friction < high
+        assert one.friction == pytest.approx((low + high) / 2)
+    widths = [one.friction_interval[1] - one.friction_interval[0] for one in found]
+    assert widths[2] < widths[1] / 2 < widths[0] / 2
+    assert widths[2] < 0.05 * fine.friction
+    if velocity == 30.0:
+        assert middle.friction == pytest.approx(fine.friction, rel=0.03)
+        assert middle.slopes < 0.5 * fine.friction
 
 
 def test_sliding_backwards_is_the_mirror_image():

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import xarray as xr
 
-from fem_contact import extrapolation
+from fem_contact import area_error
 from validation.measures.distributions import PATCH_EDGES, STRESS_EDGES
 
 #: Student's factor of 95 % intervals, by number of samples (printed tables).
@@ -39,7 +39,7 @@ def located(area: float, edges: float) -> float:
     """Return the located area whose mean error, taken out, leaves `area`."""
     value = np.array([area])
     for _ in range(50):
-        value = area + extrapolation._known(extrapolation._LOCATED, value, np.array([edges]))
+        value = area + area_error.mean_error(area_error.LOCATED, value, np.array([edges]))
     return float(value[0])
 
 

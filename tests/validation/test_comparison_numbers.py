@@ -178,8 +178,8 @@ def test_an_accuracy_claims_twice_the_standard_error_of_the_grids_and_the_tolera
 
 
 def test_the_mean_over_surfaces_claims_their_interval_the_grids_whole_error_and_the_tolerance():
-    read = np.empty((7, 64, 2))
-    read[:] = np.array([0.2, 0.2, 0.2, 0.02, 0.0, 1.0, 8.0])[:, None, None]
+    read = np.empty((10, 64, 2))
+    read[:] = np.array([0.2, 0.2, 0.2, 0.02, 1.0, 8.0, 0.0, 0.0, 0.0, 0.0])[:, None, None]
     read[2, :, 0] = 0.2 + 0.01 * np.sin(np.arange(64.0))
     read[2, :, 1] = read[2, :, 0] + 1e-3
     ending = [Areas(grids=((32, 32), (64, 64))[:n], lengths=(1.0, 1.0), read=read[..., :n]) for n in (1, 2)]

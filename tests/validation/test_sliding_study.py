@@ -39,7 +39,7 @@ def test_the_friction_of_the_study_is_that_of_the_surface_on_each_grid(slid):
             case.heights(grid_for(case, points)), solid, velocity=2.0, mean_pressure=case.pressure, threads=1
         )
         assert float(data.friction_grid_each[1, g, 1]) == pytest.approx(
-            own.friction / case.field.rms_gradient, rel=1e-5
+            own.slopes / case.field.rms_gradient, rel=1e-5
         )
         assert float(data.friction_dissipated_grid_each[1, g, 1]) == pytest.approx(
             own.dissipation / case.field.rms_gradient, rel=1e-5

@@ -12,7 +12,7 @@ import numpy as np
 
 from validation.audit.dataset import Labelled, Result, Variable
 from validation.audit.expressions import value_of
-from validation.audit.limits import limit_over
+from validation.audit.limits import TRAITS, limit_over
 from validation.audit.stored import Array
 
 __all__ = [
@@ -78,6 +78,7 @@ def limits(solve: Labelled, *, without: int = 0) -> list[tuple[float, float]]:
         solve[name].along(("grid", "shift", "load"))
         for name in ("pixel", "perimeter", "subcell", "edge_fraction")
     )
+    traits = {name: solve[name].along(("grid", "shift", "load")) for name in TRAITS}
     found = []
     for load in range(pixel.shape[2]):
         areas: list[Any] = [
@@ -88,7 +89,7 @@ def limits(solve: Labelled, *, without: int = 0) -> list[tuple[float, float]]:
                 perimeter=float(perimeter[i, j, load]),
                 edges=float(edges[i, j, load]),
                 subcell=float(subcell[i, j, load]),
-                alignment=0.0,
+                **{name: float(one[i, j, load]) for name, one in traits.items()},
             )
             for i in grids
             for j in range(pixel.shape[1])

@@ -9,7 +9,10 @@ from typing import Protocol
 
 import numpy as np
 
-__all__ = ["Limit", "limit_over"]
+__all__ = ["TRAITS", "Limit", "limit_over"]
+
+#: What contour and heights are like.
+TRAITS = ("alignment", "anisotropy", "unresolved", "wavenumber")
 
 
 class Areas(Protocol):
@@ -43,6 +46,18 @@ class Areas(Protocol):
     def alignment(self) -> float:
         """How far the contour runs in one direction."""
 
+    @property
+    def anisotropy(self) -> float:
+        """How unlike the slopes of the heights are in different directions."""
+
+    @property
+    def unresolved(self) -> float:
+        """Share of the curvature of the heights in waves of less than four points."""
+
+    @property
+    def wavenumber(self) -> float:
+        """Of the curvature, times the spacing."""
+
 
 #: Powers of the width in the error law, means and deviations of their coefficients; noise; least contact.
 _LAW = {
@@ -58,8 +73,15 @@ _GAP_POWER, _NOISE, _LEAST_POINTS = 1.25, (0.006, 0.026), 16
 _ODD, _WIDEST, _PATCHES, _ROUND, _AVERAGING = 0.0005, 3.5, 80.0, 20.0, 0.25
 #: Likewise of the area that is corrected by a constant.
 _CORRECTED, _CORRECTED_NOISE = {0.0: (0.0, 0.025), 1.0: (0.0, 0.01)}, (0.23, 0.0)
-#: What edges that lie alike between the grid points are off by: on every grid, and anew on each, in cells.
-_ALIKE = (0.008, 0.012)
+#: What edges that lie alike between the grid points are off by, in cells and over the width: on every grid,
+#: and anew on each; likewise of the corrected area.
+_ALIKE, _CORRECTED_ALIKE = ((0.0075, 0.01), (0.003, 0.03)), ((0.05, 0.0), (0.3, 0.0))
+#: Growth of the deviations with anisotropy beyond what is chance; with a share of the curvature that is
+#: unresolved; least share of them on many patches; least width over wavenumber.
+_ANISOTROPIC, _CHANCE, _COARSE, _COARSE_SHARE, _LEAST, _NARROW = 6.5, 0.12, 1.5, 0.05, 0.8, 1.5
+#: Unresolved shares between which heights become kinked, and that of steps; error there that grids may not
+#: show, and of one, in cells.
+_SMOOTH, _KINKED, _STEPS, _HIDDEN, _UNSEEN = 0.05, 0.2, 0.7, 0.02, 0.15
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,31 +118,47 @@ def _best(grids: Sequence[Sequence[Areas]], *, located: bool) -> tuple[float, fl
     area = np.array([means[k] for k in used])
     step = np.array([math.sqrt(grids[k][0].spacing[0] * grids[k][0].spacing[1]) for k in used])
     fraction = float(np.mean([one.edges for one in grids[0]])) * step / step[0]
+    unresolved = np.mean([one.unresolved for one in grids[0]])
+    # Kinks that one grid or one in full contact says nothing of, and steps.
+    if unresolved > _SMOOTH and (fraction[0] == 0 or unresolved >= (_STEPS if area.size > 1 else _KINKED)):
+        return math.nan, math.nan
     if fraction[0] == 0 or not 0 < area[0] < 1:
         return float(area[0]), 0.0
     z = fraction / (area[0] * (1 - area[0]) ** _GAP_POWER)
     count = np.array([len(grids[k]) * grids[k][0].cells for k in used])
     law, noise, odd = (_LAW, _NOISE, _ODD) if located else (_CORRECTED, _CORRECTED_NOISE, 0.0)
-    few = 1.0
-    if located:
-        few = (_PATCHES / max(fraction[0] * z[0] * grids[0][0].cells / _ROUND, 1.0)) ** _AVERAGING
+    finest = {name: float(np.mean([getattr(one, name) for one in grids[0]])) for name in TRAITS}
+    patches = max(fraction[0] * z[0] * grids[0][0].cells / _ROUND, 1.0)
+    few = max((_PATCHES / patches) ** _AVERAGING, _LEAST) if located else 1.0
+    few = few * (1 + _ANISOTROPIC * max(finest["anisotropy"] - _CHANCE, 0.0))
+    few += _COARSE * min(finest["unresolved"] / _COARSE_SHARE, 1.0) ** 0.25
+    z = np.maximum(z, _NARROW * finest["wavenumber"] * fraction / fraction[0])
     spread = np.diag(
         fraction * (noise[0] ** 2 + (noise[1] * z) ** 2) / count + (odd * few * fraction * z * z) ** 2
     )
     own = np.array([float(np.mean([one.edges for one in grids[k]])) for k in used])
     wide = np.minimum(own / (area * np.maximum(1 - area, 1e-9) ** _GAP_POWER), _WIDEST)
+    raw = area
     for power, (mean, deviation) in law.items():
         term = (few if power else 1.0) * deviation * fraction * z**power
         spread = spread + np.outer(term, term)
         area = area - mean * own * wide**power
-    aligned = fraction * (float(np.mean([one.alignment for one in grids[0]])) if located else 0.0)
-    shifts = np.array([len(grids[k]) for k in used])
-    spread = (
-        spread + np.outer(aligned, aligned) * _ALIKE[0] ** 2 + np.diag((_ALIKE[1] * aligned) ** 2 / shifts)
+    common, anew = (
+        finest["alignment"] * fraction * (a + b * z) for a, b in (_ALIKE if located else _CORRECTED_ALIKE)
     )
+    lines = np.sqrt(patches) * np.array([len(grids[k]) for k in used])
+    spread = spread + np.outer(common, common) + np.diag(anew**2 / lines)
     ones = np.ones(area.size)
     weight = np.linalg.solve(spread, ones)
     value = float(area[0] + weight @ (area - area[0]) / weight.sum())
     rest = area - value
-    misfit = float(rest @ np.linalg.solve(spread, rest)) / max(area.size - 1, 1)
-    return value, math.sqrt(max(1.0, misfit) / float(weight.sum()))
+    # What one grid is told by the law alone is a tenth wider.
+    misfit = float(rest @ np.linalg.solve(spread, rest)) / (area.size - 1) if area.size > 1 else 1.1**2
+    error = math.sqrt(max(1.0, misfit) / float(weight.sum()))
+    if finest["unresolved"] <= _SMOOTH:
+        return value, error
+    kinked = min(max((finest["unresolved"] - _SMOOTH) / (_KINKED - _SMOOTH), 0.0), 1.0)
+    # As if areas converged in first order, and never better than some share of a cell.
+    apart = [abs(a - raw[0]) * step[0] / (h - step[0]) for a, h in zip(raw[1:], step[1:], strict=True)]
+    hidden = (_HIDDEN if apart else _UNSEEN) * fraction[0]
+    return value, math.hypot(error, kinked * max(apart, default=0.0), kinked * hidden)

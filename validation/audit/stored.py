@@ -16,7 +16,10 @@ __all__ = ["Array", "Stored", "moments", "wavevectors"]
 Array = NDArray[Any]
 
 #: Excess of the counted area per edge and cell, by the element that the result names.
-EDGE_CONSTANTS = {"bem": 0.103, "Hex1": 0.198, "Hex1/P0": 0.260, "Hex2": 0.137, "Hex2/P1disc": 0.205}
+EDGE_CONSTANTS = {
+    **{"bem": 0.103, "bem free": 0.090},
+    **{"Hex1": 0.198, "Hex1/P0": 0.260, "Hex2": 0.137, "Hex2/P1disc": 0.205},
+}
 #: The edge map of boundary elements: powers of v in rows, of the squared cosine in columns.
 EDGE_MAP = np.array(
     [
@@ -151,7 +154,8 @@ class Stored:
     @property
     def edge_constant(self) -> float:
         """The constant that belongs to the discretisation."""
-        return EDGE_CONSTANTS[self.provenance.get("element", "bem")]
+        points = "bem free" if self.provenance.get("method", "").endswith("free surroundings") else "bem"
+        return EDGE_CONSTANTS[self.provenance.get("element", points)]
 
     @property
     def perimeter(self) -> float:
@@ -256,13 +260,47 @@ class Stored:
 
     @cached_property
     def alignment(self) -> float:
-        """0 for a contour of all directions, 1 for a line: from the means of cos 4 theta and cos 8 theta."""
+        """0 for a contour of all directions, 1 for a line: from the mean of cos 8 theta."""
         angle = np.arccos(np.concatenate([cosine for *_, cosine in self._edge_directions]))
         if not angle.size:
             return 0.0
         weight = np.cos(angle) ** 2
-        uneven = max(abs(float(np.sum(weight * np.cos(k * angle)))) for k in (4, 8)) / float(weight.sum())
-        return min(max((uneven - 0.5) / 0.25, 0.0), 1.0)
+        uneven = abs(float(np.sum(weight * np.cos(8 * angle)))) / float(weight.sum())
+        return min(max((uneven - 0.4) / 0.6, 0.0), 1.0)
+
+    @cached_property
+    def _waves(self) -> tuple[Array, Array, Array, Array]:
+        """Power of the heights, wavevectors along x and y, and which of them have less than four points."""
+        free = self.provenance.get("method", "").endswith("free surroundings")
+        window = np.outer(np.hanning(self.grid[0]), np.hanning(self.grid[1])) if free else 1.0
+        power = np.abs(np.fft.fft2((self.h - np.mean(self.h)) * window)) ** 2
+        x, y = (np.fft.fftfreq(n) for n in self.grid)
+        beyond = np.sqrt((4 * x[:, None]) ** 2 + (4 * y[None, :]) ** 2) > 1 + 1e-9
+        dx, dy = self.spacing
+        return power, 2 * np.pi * x[:, None] / dx + 0 * y, 2 * np.pi * y / dy + 0 * x[:, None], beyond
+
+    @cached_property
+    def anisotropy(self) -> float:
+        """1 less the root of the ratio of least and largest mean square slope."""
+        power, x, y, _ = self._waves
+        slopes = np.array([[np.sum(power * a * b) for b in (x, y)] for a in (x, y)])
+        least, largest = np.linalg.eigvalsh(slopes)
+        return 1 - math.sqrt(max(least, 0.0) / largest) if largest > 0 else 0.0
+
+    @cached_property
+    def unresolved(self) -> float:
+        """Share of the mean square curvature in waves of less than four points."""
+        power, x, y, beyond = self._waves
+        curvature = power * (x**2 + y**2) ** 2
+        return float(np.sum(curvature[beyond]) / np.sum(curvature)) if np.any(curvature) else 0.0
+
+    @cached_property
+    def wavenumber(self) -> float:
+        """Root of the sixth over the fourth moment, times the spacing."""
+        power, x, y, _ = self._waves
+        fourth, sixth = (float(np.sum(power * (x**2 + y**2) ** k)) for k in (2, 3))
+        step = math.sqrt(self.spacing[0] * self.spacing[1])
+        return math.sqrt(sixth / fourth) * step if fourth > 0 else 0.0
 
 
 def _bounded_power(one: Array, other: Array, power: float) -> Array:

@@ -80,7 +80,7 @@ class Reached:
         Whether the limit is that of the area with its edge located inside the cells, or corrected at its
         edge.
     tolerance : float
-        Of the solver, which leaves a relative error of at most seven times that in the area.
+        Of the solver; seven times that is counted as left in the area, relative.
     beside : tuple of Beside
         What the other methods of the scene say of the same surface.
     surfaces : int

@@ -11,10 +11,10 @@ import numpy as np
 import scipy.fft
 
 from fem_contact.area import ContactAreas, contact_areas
-from fem_contact.extrapolation import PlannedGrid, predicted_uncertainty
+from fem_contact.extrapolation import PlannedGrid, predicted_uncertainty, too_small
 from validation.arrays import Grid
 from validation.comparison.accuracy_bench import Metered
-from validation.errors import RunFailed, UsageError
+from validation.errors import NoLimit, RunFailed, UsageError
 from validation.measures.ensemble import MeanArea, mean_area
 from validation.measures.measurement import TOLERANCES_LEFT, has_square_cells, limit_over
 from validation.measures.pairs import AreaPairs
@@ -49,6 +49,10 @@ _GRID_SHARE = 0.4
 #: Points per shortest wave that the finest grid of a mean has unless memory or time forbid it: what is saved
 #: on coarser ones is lost to their scatter.
 _USUAL_LEVEL = 12
+
+#: Points per shortest wave from which on a contact without a limit will have none on finer grids, unless it
+#: is too small.
+_RESOLVED = 16
 
 #: How far the sides of the cells of a grid may differ.
 _OBLONG = 0.02
@@ -163,6 +167,9 @@ class Search:
             limit = limit_over(areas)
             error = 2 * limit.uncertainty / limit.value + self.left if limit.determinable else np.inf
             known = min(areas, key=lambda area: area.spacing)
+            resolved = self.realised.points_per_wave(ladder.grids[-1]) >= _RESOLVED
+            if limit.doubt and resolved and not too_small(areas):
+                raise RunFailed(f"{self.bench.wanted}: {limit.doubt}; all solves are stored")
             # Where grids disagree by more than the law allows, they will again.
             self.doubt = max(self.doubt, _SPARE * error / ladder.error) if np.isfinite(error) else self.doubt
             if error <= self.target:
@@ -177,15 +184,20 @@ class Search:
             possible = any(self.bench.affordable(one.seconds, one.peak_bytes) for one in usual)
             ladder = self._cheapest(usual if possible else chains, tried, share=_GRID_SHARE)
             tried.add(ladder.grids)
-            found = mean_area(
-                self.realised,
-                half_width=self.target,
-                bench=self.bench,
-                grids=ladder.grids,
-                effects=self.scene.effects,
-                tolerance=self.tolerance,
-                watch=self._watch,
-            )
+            try:
+                found = mean_area(
+                    self.realised,
+                    half_width=self.target,
+                    bench=self.bench,
+                    grids=ladder.grids,
+                    effects=self.scene.effects,
+                    tolerance=self.tolerance,
+                    watch=self._watch,
+                )
+            except NoLimit:
+                # One of many contacts is too small for these grids; the next are finer.
+                tried |= {one.grids for one in chains if one.seconds <= ladder.seconds}
+                continue
             self.peak_bytes = max(self.peak_bytes, found.peak_bytes)
             if found.half_width <= self.target * found.estimate.value:
                 return found

@@ -13,7 +13,7 @@ import numpy as np
 import scipy.special
 
 from validation.arrays import Array
-from validation.errors import RunFailed
+from validation.errors import NoLimit
 from validation.measures.common import results_of
 from validation.measures.controlled import Controlled, Known, Level, allocation, chained_mean
 from validation.measures.measurement import TOLERANCES_LEFT, Grid, area_limits, grid_for
@@ -208,7 +208,9 @@ class _Pressed(Chained):
     @property
     def doubt(self) -> str:
         """Why a surface has no limit; empty where all have."""
-        limits = (limit for areas in self.ending for limit in areas.limits(len(areas.grids) - 1))
+        # Coarser ones are controls: their areas are read as they are.
+        used = [areas for areas in self.ending if len(areas.grids) >= min(3, self.levels)]
+        limits = (limit for areas in used for limit in areas.limits(len(areas.grids) - 1))
         return next((limit.doubt for limit in limits if limit.doubt), "")
 
 
@@ -298,7 +300,7 @@ def mean_area(
     effects : sequence
         Of a scene: of those whose corrected area has a law of error (`fem_contact.extrapolation.perimeter_limit`).
     tolerance : float
-        Of the solver, which leaves a relative error of at most seven times that.
+        Of the solver; seven times that is counted as left.
     watch : callable, optional
         Called before each round but the first with what was found and the solves that come next; raises to stop.
 
@@ -309,7 +311,7 @@ def mean_area(
 
     Raises
     ------
-    RunFailed
+    NoLimit
         For a surface without a limit, as a contact of too few points has none.
 
     Notes
@@ -343,7 +345,7 @@ def mean_area(
 def _found(drawn: _Drawn, solved: Mapping[_Name, xr.Dataset]) -> tuple[MeanArea, tuple[Controlled, ...]]:
     samples = drawn.samples(solved)
     if samples.doubt:
-        raise RunFailed(f"a surface of the ensemble has no limit: {samples.doubt}; all solves are stored")
+        raise NoLimit(f"a surface of the ensemble has no limit: {samples.doubt}; all solves are stored")
     (chain,) = samples.chains("area")
     estimate, coarse = chain[-1].estimate, samples.values("area", 0, 0)
     return (

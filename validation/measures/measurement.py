@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_contact.area import EDGE_CONSTANTS, ContactAreas, contact_areas, subgrid_shifts
+from fem_contact.area import EDGE_CONSTANTS, TRAITS, ContactAreas, contact_areas, subgrid_shifts
 from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import Limit, located_limit, perimeter_limit
 from fem_contact.patches import find_patches
@@ -50,6 +50,10 @@ QUANTITIES = {
     "perimeter": ("1", "A/A0, perimeter-corrected"),
     "subcell": ("1", "A/A0, edge located inside the cells"),
     "edge_fraction": ("1", "edges between contact and non-contact per grid point"),
+    "alignment": ("1", "0 for a contour of all directions, 1 for a line"),
+    "anisotropy": ("1", "1 less Peklenik's number of the heights"),
+    "unresolved": ("1", "share of the curvature of the heights in waves of less than four points"),
+    "wavenumber": ("1", "rms wavenumber of the curvature of the heights, times the spacing"),
     "density_at_zero": ("1", "P(0+) E* h'_rms from pressures below a threshold ~ sqrt(dx)"),
     "patches": ("1", "number of contact patches"),
     "patch_size": ("m^2", "mean patch size, sum A_i^2 / sum A_i"),
@@ -75,7 +79,7 @@ def grid_for(realised: Realised, points_per_wave: float) -> Grid:
 #: shortest wave; that falls with the cube of the spacing (docs/bem.md).
 _TOLERANCE, _AT_POINTS, _LEAST_TOLERANCE = 1e-5, 8, 1e-8
 
-#: The located area of a solve is off by at most so many tolerances, relative, at any load (docs/bem.md).
+#: The located area of a solve is off by so many tolerances, relative, but for rare ones (docs/bem.md).
 TOLERANCES_LEFT = 7.0
 
 
@@ -295,7 +299,7 @@ def without_waves_beyond(field: HeightField, last: float) -> HeightField:
 
 
 def _read_off(result: ContactResult, *, located: bool) -> dict[str, float]:
-    areas = contact_areas(result, edge_constant=EDGE_CONSTANTS["bem"], subcell=located)
+    areas = contact_areas(result, subcell=located)
     patches = find_patches(result.in_contact, result.spacing)
     sizes = np.sort(patches.areas)[::-1]
     cell = result.spacing[0] * result.spacing[1]
@@ -305,6 +309,7 @@ def _read_off(result: ContactResult, *, located: bool) -> dict[str, float]:
         "perimeter": areas.perimeter,
         "subcell": np.nan if areas.subcell is None else areas.subcell,
         "edge_fraction": areas.edge_fraction,
+        **{name: getattr(areas, name) for name in TRAITS},
         "density_at_zero": density_at_zero(result).reduced,
         "patches": patches.count,
         "patch_size": patches.mean_size,
@@ -346,6 +351,7 @@ def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0
             spacing=(1 / int(dataset.points[i]), int(dataset.points[i]) / int(dataset.cells[i])),
             subcell=None if np.isnan(dataset.subcell[i, j, load]) else float(dataset.subcell[i, j, load]),
             cells=int(dataset.cells[i]),
+            **{name: float(dataset[name][i, j, load]) for name in TRAITS if name in dataset},
         )
         for i, j in itertools.product(np.flatnonzero(keep), range(dataset.sizes["shift"]))
     ]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_contact.area import EDGE_CONSTANTS, ContactAreas, contact_areas
+from fem_contact.area import EDGE_CONSTANTS, TRAITS, ContactAreas, contact_areas
 from fem_contact.extrapolation import Limit
 from validation.arrays import Array
 from validation.measures.measurement import Grid, has_square_cells, limit_over
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["AreaPairs", "Areas"]
 
 #: What is read off every solve; the located area is NaN where edges cannot be located.
-_READ = ("pixel", "perimeter", "subcell", "edge_fraction", "alignment", "seconds", "peak_bytes")
+_READ = ("pixel", "perimeter", "subcell", "edge_fraction", "seconds", "peak_bytes", *TRAITS)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,11 +115,11 @@ class AreaPairs(NumbersSolve):
         began = time.process_time()
         result = self._press(grid, surface).do(threads=1).contact
         located = not self.effects and has_square_cells(surface, grid)
-        areas = contact_areas(result, edge_constant=EDGE_CONSTANTS["bem"], subcell=located)
+        areas = contact_areas(result, subcell=located)
         subcell = np.nan if areas.subcell is None else areas.subcell
         spent = time.process_time() - began
-        told = areas.pixel, areas.perimeter, subcell, areas.edge_fraction, areas.alignment
-        return (*told, spent, result.cost.peak_bytes)
+        told = areas.pixel, areas.perimeter, subcell, areas.edge_fraction, spent, result.cost.peak_bytes
+        return (*told, *(getattr(areas, name) for name in TRAITS))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,15 +153,15 @@ class Areas:
     @property
     def seconds(self) -> Array:
         """Processor time of each surface, on all grids."""
-        return np.asarray(self.read[5].sum(axis=1))
+        return np.asarray(self.read[4].sum(axis=1))
 
     @property
     def peak_bytes(self) -> int:
         """Largest memory of the arrays of any solve."""
-        return int(self.read[6].max())
+        return int(self.read[5].max())
 
     def _areas(self, surface: int, grid: int) -> ContactAreas:
-        pixel, perimeter, subcell, fraction, alignment, *_ = self.read[:, surface, grid]
+        pixel, perimeter, subcell, fraction, _, _, *traits = self.read[:, surface, grid]
         shape = self.grids[grid]
         return ContactAreas(
             pixel=pixel,
@@ -172,7 +172,7 @@ class Areas:
             spacing=(self.lengths[0] / shape[0], self.lengths[1] / shape[1]),
             subcell=None if np.isnan(subcell) else subcell,
             cells=shape[0] * shape[1],
-            alignment=alignment,
+            **dict(zip(TRAITS, traits, strict=True)),
         )
 
     @classmethod

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import scipy.ndimage
 
-from fem_contact.area import ContactAreas, contact_areas
+from fem_contact.area import TRAITS, ContactAreas, contact_areas
 from fem_contact.contact import ContactResult, Status
 from validation.effects.base import Slots
 from validation.measures.measurement import has_square_cells
@@ -118,6 +118,7 @@ class ByMethod(SingleSolve):
         data |= {
             "subcell": np.nan if areas.subcell is None else areas.subcell,
             "edge_fraction": areas.edge_fraction,
+            **{name: getattr(areas, name) for name in TRAITS},
             "edge_constant": constant,
             "converged": float(found.status is Status.CONVERGED),
             "iterations": found.cost.iterations,
@@ -138,6 +139,7 @@ def areas_by_method(data: xr.Dataset, grid: tuple[int, int]) -> ContactAreas:
         spacing=(1 / nx, 1 / ny),
         subcell=None if np.isnan(subcell) else subcell,
         cells=nx * ny,
+        **{name: float(data[name]) for name in TRAITS},
     )
 
 

@@ -109,7 +109,7 @@ class SlideSolve(NumbersSolve):
         located = contact_areas(contact, subcell=True).subcell
         assert located is not None
         return {
-            "friction": found.friction / gradient,
+            "friction": found.slopes / gradient,
             "dissipation": found.dissipation / gradient,
             "area": located,
             "contraction": found.contraction,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import Field, StrictInt
 
-from fem_contact.area import EDGE_CONSTANTS
+from fem_contact.area import EDGE_CONSTANTS, discretisation
 from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
@@ -173,8 +173,8 @@ class Bem(Solver):
         )
 
     def edge_constant(self, result: ContactResult) -> float:
-        """Return that of boundary elements."""
-        return EDGE_CONSTANTS["bem"]
+        """Return that of boundary elements, periodic or with free surroundings."""
+        return EDGE_CONSTANTS[discretisation(result)]
 
     def facts(self, options: BemOptions, realised: Realised) -> Iterator[tuple[str, str]]:
         """Nothing beyond the table of grids."""

@@ -21,7 +21,7 @@ RESULTS_VERSION = 2
 
 #: How `fem_contact.area.EDGE_MAPS` locate edges of contact: in the recipe of every solve that keeps a located
 #: area, since one whose edges were located otherwise is another one.
-LOCATED_EDGES = "edges of second order"
+LOCATED_EDGES = "edges of second order, traits of contour and heights"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -57,6 +57,23 @@ def test_a_wrong_claim_is_mended_by_aiming_lower() -> None:
     assert found.converged
 
 
+@pytest.mark.parametrize(("noise", "converged"), [(1e-13, True), (1e-8, False)])
+def test_what_rounding_leaves_converges_where_it_is_little(noise: float, converged: bool) -> None:
+    # A product that is rounded to so much of the right side, whatever x is.
+    matrix, right = laplacian(30), np.random.default_rng(5).standard_normal(30)
+    found = conjugate_gradients(
+        lambda x: np.round(matrix @ x / noise) * noise,
+        right,
+        precondition=lambda r: r.copy(),
+        start=np.zeros(30),
+        scale=float(np.linalg.norm(right)),
+        tolerance=noise / 1e3,
+        max_iterations=500,
+    )
+    assert found.relative_residual > noise / 1e3
+    assert found.converged is converged
+
+
 @pytest.mark.parametrize(("poison", "limit"), [(np.nan, 200), (1.0, 3)])
 def test_nan_and_too_few_steps_end_unconverged(poison: float, limit: int) -> None:
     matrix, right = laplacian(30), np.ones(30)

@@ -29,6 +29,18 @@ def solution() -> BlockSolution:
     return press(rough((20, 20)))
 
 
+@pytest.mark.parametrize("element", ["Hex1/P0", "Hex2/P1disc"])
+def test_a_nearly_incompressible_block_ends_where_rounding_stops_it_and_is_right(element: str) -> None:
+    """Its residual stays above 1e-12 of the forces: it was called stagnated, though right to 1e-12."""
+    surface = rough((12, 12), seed=8)
+    solid = Solid(young=3e9, poisson=0.4999)
+    told = {"mean_pressure": 0.05 * solid.contact_modulus * surface.rms_gradient, "element": element}
+    full = solve(surface, solid, method="full", tolerance=1e-13, **told).contact.checked()
+    reduced = solve(surface, solid, tolerance=1e-14, **told).contact
+    assert np.array_equal(full.in_contact, reduced.in_contact)
+    assert np.abs(full.pressure - reduced.pressure).max() < 5e-12 * reduced.pressure.max()
+
+
 def test_hertz_peak_and_profile_within_one_percent() -> None:
     n, radius = 32, 1.0
     a, dx = 5.0 / n, 1 / n
