@@ -312,21 +312,26 @@ COMPARED = {
 #: Places that two runs do not share, by entry: times, memory of the machine, and what follows from them.
 UNSTEADY: dict[str, tuple[str, ...]] = {
     "*": (
+        *("*seconds*", "*time*", "*cheapest*", "*free_bytes*", "*peak_bytes*", "*memory*"),
         *("*seconds*", "answers: What did it cost*", "findings: The cheapest way to*", "findings: It cost*"),
         *("*@solves_made", "summary.results.*"),
         "summary.findings",  # they are those of the page
     ),
     "accuracy-cost": (
+        *("*fastest*", "*leanest*", "*front*", "*least memory*", "*no other*"),
         *("table.cheapest way", "table.rms error*", "table.MiB", "table.leanest way", "table.its MiB"),
         *("findings: * costs *", "findings: *cheapest*", "data@measured_by", "figure.*@measured_by"),
     ),
     "cross": ("table.processor time*",),
-    "reference": ("*.saving", "findings: Plain means*"),
-    "scaling": ("data@memory", "figure.*@memory", "findings: *"),
+    "reference": ("*saving*", "findings: Plain means*"),
+    "scaling": (
+        *("*decade*", "*side*", "*excess_exponent*", "*.decades"),
+        *("data@memory", "figure.*@memory", "findings: *"),
+    ),
 }
 #: Places that are rounding, its logarithm, or what a solver or an integral leaves: compared on the machine of
 #: the gold file alone. The errors of `stability` are among them.
 ROUNDING = (
     *("*residual*", "*.balance", "*.left_*", "*.work*", "energy*: table.+- solver", "*error_estimate"),
-    "stability: *error",
+    *("stability: *error", "stability: *deviation*"),
 )

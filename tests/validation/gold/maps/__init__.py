@@ -5,7 +5,7 @@ changes one.
 ``CHANGED`` gives the reason for numbers that changed on purpose or went; it stands under *Numbers changed* in
 CHANGELOG.md, too. A place is "data.kappa", "table.+- (95 %)", "budget.grid [%]", "figure.NAME.kappa", or a
 pattern of such; a figure's number is looked up like that of the dataset. Maps of one case of several stand in
-``CASES``, by its name, as pairs of both. What a study says in words is compared until it has a module here.
+``CASES``, by its name, as pairs of both. What a study says in words is kept to be read and not compared.
 
 ::
 
@@ -35,7 +35,7 @@ def maps_of(name: str) -> tuple[dict[str, Look], dict[str, str], bool]:
     """Return the new names of an entry, what changed on purpose, and whether its words were rewritten."""
     module = f"gold.maps.{name.partition(' ')[0].replace('-', '_')}"
     if importlib.util.find_spec(module) is None:
-        return {}, {}, False
+        return {}, {}, True
     found = importlib.import_module(module)
     names, changed = getattr(found, "CASES", {}).get(name, ({}, {}))
     return {**found.NAMES, **names}, {**found.CHANGED, **changed}, True
