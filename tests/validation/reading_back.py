@@ -167,7 +167,9 @@ def _named(one, place: dict[str, int], data: xr.Dataset) -> bool:
             continue
         value = data[names[0]].values[place[dim]]
         if isinstance(value, str | np.str_):
-            if value not in text:
+            # A solver or a theory is called by its words.
+            words = REGISTRY["qualifiers"].get(str(value), {"words": value})["words"]
+            if value not in text and words not in text:
                 return False
             continue
         numbers = [float(n) for n in re.findall(r"-?\d+\.?\d*(?:e[-+]?\d+)?", text)]

@@ -77,6 +77,7 @@ def test_the_recipes_run_in_their_order(capsys, tmp_path, monkeypatch):
         exec(compile(source, "how_to.md", "exec"), space)
     assert list(space["sweep"].limit) == sorted(space["sweep"].limit)
     # Each method's own edge constant brings the areas of the two nearer.
-    assert abs(space["check"].perimeter) < abs(space["check"].pixel)
+    check = space["check"]
+    assert abs(check.area_perimeter_difference) < abs(check.area_pixel_difference)
     assert (tmp_path / "block.vtu").exists()
     assert float(capsys.readouterr().out.split()[0]) == pytest.approx(0.1125, abs=5e-5)
