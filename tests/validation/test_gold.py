@@ -39,7 +39,9 @@ def test_every_study_and_every_scene_of_the_library_has_gold_numbers():
 @pytest.mark.parametrize("name", ALL)
 def test_any_number_that_moves_by_a_billionth_or_goes_is_found(stored, name):
     for place, entry in stored[name].items():
-        numbers = np.array(entry.get("numbers", ()), dtype=float)
+        if "numbers" not in entry:  # words are kept to be read
+            continue
+        numbers = np.array(entry["numbers"], dtype=float)
         assert told({place: entry}, {place: entry}) == []
         assert len(told({place: entry}, {}, xr.Dataset())) == 1
         if np.isfinite(numbers).any():
