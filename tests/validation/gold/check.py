@@ -64,7 +64,7 @@ def differences(
             continue
         # Figures of what was rebuilt show variables of the dataset: they are where those are.
         at = place
-        if reworded and place.startswith("figure."):
+        if reworded and place.startswith("figure.") and place not in new:
             at = f"data@{place.split('@')[1]}" if "@" in place else f"data.{place.rpartition('.')[2]}"
         found = _found(place if place in names else at, entry, names, new, data)
         if found is None:
