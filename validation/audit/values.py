@@ -151,7 +151,7 @@ def _total(data: Labelled, name: str, place: Mapping[str, int]) -> float | None:
     """Root sum of squares of the sources that enter and are measured; None for what has no errors."""
     if f"{name}_error" not in data:
         return None
-    return float(_totals(data, name, place))
+    return float(_totals(data, name, place).item())
 
 
 def _totals(data: Labelled, name: str, place: Mapping[str, int]) -> Array:
