@@ -56,7 +56,8 @@ addEventListener("load", () => {
   const view = document.querySelector("dialog.zoom"), figure = document.querySelector("figure svg");
   const shown = () => view.querySelector("svg").getAttribute("viewBox").split(" ").map(Number);
   figure.dispatchEvent(new MouseEvent("click"));
-  const all = figure.viewBox.baseVal.width;
+  // baseVal would round to single precision.
+  const all = Number(figure.getAttribute("viewBox").split(" ")[2]);
   told.zoom = [view.open, shown()[2] === all, view.getBoundingClientRect().width / innerWidth];
   view.dispatchEvent(new WheelEvent("wheel", { deltaY: -1, clientX: innerWidth / 2, clientY: 300 }));
   told.zoom.push(shown()[2] / all);
