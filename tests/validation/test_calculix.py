@@ -11,15 +11,15 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.effects.base import Slots
 from validation.methods import find_solver
-from validation.methods.base import example_field
+from validation.methods.base import Job, example_field
 
 CALCULIX, FEM = find_solver("calculix"), find_solver("fem")
 present = pytest.mark.skipif(CALCULIX.available() is not None, reason=str(CALCULIX.available()))
 
 
 def pressed(solver, field: HeightField, load: float, solid: Solid, **settings):
-    slots = Slots(solid=solid)
-    return solver.solve(field, mean_pressure=load * solid.young, slots=slots, settings=settings).contact
+    load = {"mean_pressure": load * solid.young}
+    return solver.solve(Job(field=field, load=load, slots=Slots(solid=solid), settings=settings)).contact
 
 
 @present

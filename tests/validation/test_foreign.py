@@ -18,7 +18,8 @@ from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
 from validation.errors import UsageError
 from validation.methods import find_method, find_solver, methods
-from validation.methods.base import Solver, example_field
+from validation.methods.base import Job, Solver, example_field
+from validation.methods.bem import Bem
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import realise
 from validation.scenes.scene import load_scene
@@ -53,13 +54,15 @@ def own_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def pressed(solver: str, **settings: float):
-    slots = Slots(solid=Solid(young=1.0, poisson=0.0))
-    return (
-        find_solver("own")
-        .solve(example_field(32), mean_pressure=0.01, slots=slots, settings={"solver": solver, **settings})
-        .contact
+def job(load: float = 0.01, *, points: int = 32, slots: Slots | None = None, **settings: object) -> Job:
+    slots = slots or Slots(solid=Solid(young=1.0, poisson=0.0))
+    return Job(
+        field=example_field(points), load={"mean_pressure": load}, slots=slots, settings=settings, threads=1
     )
+
+
+def pressed(solver: str, **settings: float):
+    return find_solver("own").solve(job(solver=solver, **settings)).contact
 
 
 def written(name: str, body: str) -> str:
@@ -69,16 +72,7 @@ def written(name: str, body: str) -> str:
 
 
 def test_the_solver_of_the_docs_agrees_with_boundary_elements(own_module: Path) -> None:
-    reference = (
-        find_solver("bem")
-        .solve(
-            example_field(32),
-            mean_pressure=0.01,
-            slots=Slots(solid=Solid(young=1.0, poisson=0.0)),
-            settings={"tolerance": 1e-10},
-        )
-        .contact
-    )
+    reference = find_solver("bem").solve(job(tolerance=1e-10)).contact
     found = pressed("my_module:solve", tolerance=1e-6).checked()
     # An energy error of the tolerance leaves its square root in the pressure.
     assert np.linalg.norm(found.pressure - reference.pressure) < 1e-3 * np.linalg.norm(reference.pressure)
@@ -163,12 +157,7 @@ def test_a_point_with_a_pressure_of_rounding_size_is_not_in_contact(own_module: 
 
 
 def test_the_edge_of_a_foreign_contact_is_located_as_that_of_boundary_elements(own_module: Path) -> None:
-    reference = find_solver("bem").solve(
-        example_field(32),
-        mean_pressure=0.01,
-        slots=Slots(solid=Solid(young=1.0, poisson=0.0)),
-        settings={"tolerance": 1e-10},
-    )
+    reference = find_solver("bem").solve(job(tolerance=1e-10))
     found = contact_areas(pressed("my_module:solve").checked(), subcell=True)
     assert found.subcell == pytest.approx(contact_areas(reference.contact, subcell=True).subcell, rel=1e-4)
 
@@ -204,6 +193,15 @@ def test_a_layer_that_slides_on_its_base_is_refused_by_name(own_module: Path) ->
         find_method("contact_mechanics").check(options, realise(scene), scene.effects)
 
 
+def test_a_method_that_takes_no_job_is_refused_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Old(Bem):
+        def solve(self, field, *, mean_pressure, slots, settings, threads=None): ...
+
+    monkeypatch.setattr("validation.methods.found_in", lambda *_, **__: (Old,))
+    with pytest.raises(UsageError, match=r"method 'bem' of .*: its `solve` takes one `job` now"):
+        methods.__wrapped__()
+
+
 @pytest.mark.parametrize("name", ["tamaas", "contact_mechanics"])
 def test_a_peer_that_is_missing_says_what_to_install(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("importlib.util.find_spec", lambda package: None)
@@ -217,15 +215,8 @@ def test_a_peer_agrees_with_boundary_elements(name: str, load: float) -> None:
     if peer.available() is not None:
         pytest.skip(str(peer.available()))
     solid = Solid(young=2e9, poisson=0.3)
-    found, ours = (
-        solver.solve(
-            example_field(64),
-            mean_pressure=load * solid.contact_modulus,
-            slots=Slots(solid=solid),
-            settings={"tolerance": 1e-9},
-        ).contact.checked()
-        for solver in (peer, find_solver("bem"))
-    )
+    asked = job(load * solid.contact_modulus, points=64, slots=Slots(solid=solid), tolerance=1e-9)
+    found, ours = (solver.solve(asked).contact.checked() for solver in (peer, find_solver("bem")))
     assert np.linalg.norm(found.pressure - ours.pressure) < 1e-4 * np.linalg.norm(ours.pressure)
     assert np.array_equal(found.in_contact, ours.in_contact)
 
@@ -243,10 +234,8 @@ def test_a_peer_with_an_effect_agrees_with_boundary_elements(name: str, effect: 
     if peer.available() is not None:
         pytest.skip(str(peer.available()))
     slots = Slots.filled(Solid(young=1.0, poisson=0.3), [effect])
-    found, ours = (
-        solver.solve(example_field(64), mean_pressure=0.02, slots=slots, settings={"tolerance": 1e-9})
-        for solver in (peer, find_solver("bem"))
-    )
+    asked = job(0.02, points=64, slots=slots, tolerance=1e-9)
+    found, ours = (solver.solve(asked) for solver in (peer, find_solver("bem")))
     theirs = found.contact.checked()
     # An energy error of the tolerance leaves its square root in the pressure.
     apart = np.linalg.norm(theirs.pressure - ours.contact.pressure)

@@ -74,11 +74,12 @@ class Descent(Solver):
     independent = True
     papers = ("Descent: A. Nobody, J. Toys 1, 2 (2026).",)
 
-    def cost(self, grid, lengths, *, settings, effects, dearer):
-        return Predicted(pairs=10.0, peak_bytes=10 * 8 * grid[0] * grid[1], unknowns=grid[0] * grid[1])
+    def cost(self, size):
+        return Predicted(pairs=10.0, peak_bytes=10 * 8 * size.points, unknowns=size.points)
 
-    def solve(self, field, *, mean_pressure, slots, settings, threads=None):
+    def solve(self, job):
         began = time.perf_counter()
+        field, mean_pressure, slots = job.field, job.mean_pressure, job.slots
         nx, ny = field.shape
         qx = 2 * np.pi * np.fft.fftfreq(nx, field.lengths[0] / nx)
         qy = 2 * np.pi * np.fft.rfftfreq(ny, field.lengths[1] / ny)

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from fem_contact.contact import ContactResult
 from validation.cases import Check, Verdict, run_cases
 from validation.cases.scorecard import Scorecard, Subject, excess, rows, score
 from validation.cases.scorecard.sheet import scorecard_page
 from validation.cli import app
+from validation.effects.base import Slots
 from validation.methods import chosen_solver
 from validation.methods.base import Claim, Cost, Solved
 from validation.methods.bem import Bem
@@ -27,23 +27,19 @@ class Toy(Bem):
     controls = frozenset()
     fault = ""
 
-    def solve(self, field, *, mean_pressure, slots, settings, threads=None) -> Solved:
+    def solve(self, job) -> Solved:
+        slots = job.slots
         if self.fault == "factor":
-            solid = type(slots.solid)(young=2 * slots.solid.young, poisson=slots.solid.poisson)
-            slots = type(slots)(solid=solid)
-        return super().solve(
-            field, mean_pressure=mean_pressure, slots=slots, settings=self.told(settings), threads=threads
-        )
+            slots = Slots(solid=replace(slots.solid, young=2 * slots.solid.young))
+        return super().solve(replace(job, slots=slots, settings=self.told(job.settings)))
 
     def told(self, settings):
         # So loose a tolerance is refused by nobody, and met after a few steps.
         return {"tolerance": 3e-3} if self.fault == "honesty" else {"tolerance": settings["tolerance"]}
 
-    def claim(self, field, *, mean_pressure, slots, settings) -> Claim:
-        found: ContactResult = self.solve(
-            field, mean_pressure=mean_pressure, slots=slots, settings=settings
-        ).contact
-        claim = Claim.of(found)
+    def claim(self, job) -> Claim:
+        field, slots = job.field, job.slots
+        mean_pressure, claim = job.mean_pressure, Claim.of(self.solve(job).contact)
         pressure, mask = claim.pressure, claim.in_contact
         if self.fault == "tension":
             q = np.hypot(
@@ -177,14 +173,14 @@ class Deaf(Bem):
     score_points = 16
     ignored = ""
 
-    def claim(self, field, *, mean_pressure, slots, settings) -> Claim:
+    def claim(self, job) -> Claim:
         if self.ignored == "layer":
-            slots = replace(slots, response=None)
+            job = replace(job, slots=replace(job.slots, response=None))
         if self.ignored == "hardness":
-            slots = replace(slots, pressure_bound=None)
-        if self.ignored == "offset" and mean_pressure is None:
-            settings = {**settings, "offset": settings["offset"] + 0.01 * field.rms_height}
-        found = super().claim(field, mean_pressure=mean_pressure, slots=slots, settings=settings)
+            job = replace(job, slots=replace(job.slots, pressure_bound=None))
+        if self.ignored == "offset" and "offset" in job.load:
+            job = replace(job, load={"offset": job.load["offset"] + 0.01 * job.field.rms_height})
+        found = super().claim(job)
         return replace(found, converged=None) if self.ignored == "end" else found
 
 
@@ -216,8 +212,8 @@ class Hazy(Bem):
 
     score_points = 16
 
-    def claim(self, field, *, mean_pressure, slots, settings) -> Claim:
-        found = super().claim(field, mean_pressure=mean_pressure, slots=slots, settings=settings)
+    def claim(self, job) -> Claim:
+        found = super().claim(job)
         return replace(found, pressure=np.maximum(found.pressure, 1e-9 * found.pressure.max()))
 
 
@@ -232,11 +228,11 @@ class Dear(Bem):
 
     score_points = 16
 
-    def cost(self, grid, lengths, **told) -> Cost:
-        return Cost(pairs=float(grid[0] * grid[1]), peak_bytes=1, unknowns=1)
+    def cost(self, size) -> Cost:
+        return Cost(pairs=float(size.points), peak_bytes=1, unknowns=1)
 
-    def claim(self, field, *, mean_pressure, slots, settings) -> Claim:
-        found = super().claim(field, mean_pressure=mean_pressure, slots=slots, settings=settings)
+    def claim(self, job) -> Claim:
+        found = super().claim(job)
         return replace(found, cpu_seconds=1e-3 * found.pressure.size)
 
 

@@ -20,7 +20,7 @@ from validation.measures.limits import solved
 from validation.measures.measurement import grid_for
 from validation.measures.single_solve import SingleSolve, Takes
 from validation.methods import find_solver
-from validation.methods.base import Settings
+from validation.methods.base import Job, Settings
 from validation.report.estimates import gather
 from validation.scenes.realised import Realised
 from validation.solves.bench import Bench
@@ -90,14 +90,14 @@ class EdgeMeasurement(SingleSolve):
         import xarray as xr
 
         unit, solver = self.realised.pressure_scale, find_solver(self.method)
-        solved = solver.solve(
-            self.heights(),
-            mean_pressure=reduced_load(self.realised) * unit,
+        job = Job(
+            field=self.heights(),
+            load={"mean_pressure": reduced_load(self.realised) * unit},
             slots=Slots(solid=self.realised.elastic),
             settings=dict(self.settings),
             threads=1,
         )
-        result = solved.contact.checked()
+        result = solver.solve(job).contact.checked()
         edges = np.linspace(0, _TOP, _BINS + 1)
         density = pressure_distribution(result, edges * unit).density * unit
         wave = self.realised.shortest

@@ -19,6 +19,7 @@ from validation.arrays import Grid
 from validation.effects.base import Slots
 from validation.measures.common import LEAST_POINTS_PER_WAVE, SHIFTS, named, reduced_load
 from validation.methods import find_solver
+from validation.methods.base import Job
 from validation.scenes.realised import Realised
 from validation.scenes.scene import EffectSpec, FileSurface, SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
@@ -279,14 +280,14 @@ class Measurement(NumbersSolve):
 
     def _with_effects(self, field: HeightField, pressure: float) -> ContactResult:
         """Press as a scene with these effects does."""
-        solved = find_solver("bem").solve(
-            field,
-            mean_pressure=pressure,
+        job = Job(
+            field=field,
+            load={"mean_pressure": pressure},
             slots=Slots.filled(self.realised.elastic, self.effects),
             settings={"tolerance": self.tolerance},
             threads=1,
         )
-        return solved.contact.checked()
+        return find_solver("bem").solve(job).contact.checked()
 
 
 def without_waves_beyond(field: HeightField, last: float) -> HeightField:

@@ -19,14 +19,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
-from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
+from validation.effects.base import Slots
 from validation.errors import RunFailed
 from validation.measures import peer_solve
 from validation.measures.common import reduced_load
 from validation.measures.single_solve import SingleSolve
-from validation.methods.base import Claim
+from validation.methods.base import Claim, Job
 from validation.methods.foreign import judged
 from validation.solves.solve import Prediction
 
@@ -126,10 +126,12 @@ class PeerMeasurement(SingleSolve):
                 cpu_seconds=took["seconds"],
                 peak_bytes=int(took["peak_bytes"]) if math.isfinite(took["peak_bytes"]) else 0,
             ),
-            HeightField(heights=heights, lengths=(1.0, 1.0)),
-            response=HalfSpace(solid=Solid(young=1.0, poisson=0.0)),
-            mean_pressure=reduced_load(own),
-            tolerance=took["tolerance"],
+            Job(
+                field=HeightField(heights=heights, lengths=(1.0, 1.0)),
+                load={"mean_pressure": reduced_load(own)},
+                slots=Slots(solid=Solid(young=1.0, poisson=0.0)),
+                settings={"tolerance": took["tolerance"]},
+            ),
             method=self.code,
         )
         areas = contact_areas(contact, edge_constant=EDGE_CONSTANTS["bem"], subcell=True)

@@ -14,7 +14,7 @@ from validation.effects.base import Slots
 from validation.measures.measurement import has_square_cells
 from validation.measures.single_solve import SingleSolve
 from validation.methods import find_solver
-from validation.methods.base import Settings, Solver
+from validation.methods.base import Job, Settings, Solver
 from validation.scenes.scene import EffectSpec
 from validation.solves.press import Press
 from validation.solves.solve import LOCATED_EDGES, Prediction
@@ -102,13 +102,9 @@ class ByMethod(SingleSolve):
         field, solver = self.heights(), self.solver
 
         def solved(by: Solver, settings: Mapping[str, Any]) -> ContactResult:
-            return by.solve(
-                field,
-                mean_pressure=self.realised.pressure,
-                slots=Slots.filled(self.realised.elastic, self.effects),
-                settings=settings,
-                threads=1,
-            ).contact
+            slots = Slots.filled(self.realised.elastic, self.effects)
+            load = {"mean_pressure": self.realised.pressure}
+            return by.solve(Job(field=field, load=load, slots=slots, settings=settings, threads=1)).contact
 
         found, ours = solved(solver, dict(self.settings)), solved(find_solver("bem"), {}).checked()
         constant = solver.edge_constant(found)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Mapping
 from functools import cache
 
@@ -21,6 +22,12 @@ def methods() -> Mapping[str, Method]:
     elsewhere stand last.
     """
     kinds = found_in(__name__, Method, group="fem_contact.methods")  # type: ignore[type-abstract]
+    for kind in kinds:
+        if issubclass(kind, Solver) and "job" not in inspect.signature(kind.solve).parameters:
+            raise UsageError(
+                f"method {kind.name!r} of {kind.__module__}: its `solve` takes one `job` now, and its "
+                "`cost` one `size` (validation.methods.base); see ARCHITECTURE.md"
+            )
     ours_first = sorted(kinds, key=lambda kind: getattr(kind, "foreign", False))
     return {kind.name: kind() for kind in ours_first}
 

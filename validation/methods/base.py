@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -24,7 +26,19 @@ from validation.units import Grids, Number, Table
 if TYPE_CHECKING:
     from validation.scenes.realised import Realised
 
-__all__ = ["Claim", "Cost", "Grid", "Gridded", "Method", "Settings", "Solved", "Solver", "example_field"]
+__all__ = [
+    "Claim",
+    "Cost",
+    "Grid",
+    "Gridded",
+    "Job",
+    "Method",
+    "Settings",
+    "Size",
+    "Solved",
+    "Solver",
+    "example_field",
+]
 
 Shift = tuple[float, float]
 #: What a solver was told beyond surface, load and slots; only what was said, so that it is its own recipe.
@@ -39,6 +53,77 @@ class Gridded(Table):
     under_resolved: StrictBool = Field(
         default=False, description="run grids with lambda_short <= 2 dx, labelled"
     )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Job:
+    """What a solver is asked.
+
+    Attributes
+    ----------
+    field : HeightField
+        The surface [m].
+    load : mapping
+        One of ``{"mean_pressure": p0}`` [Pa], ``{"mean_gap": d}`` and ``{"offset": d}`` [m].
+    slots : Slots
+        The solid and what effects filled in.
+    settings : mapping
+        What else it is told, such as its tolerance.
+    threads : int or None
+        All that there are if None.
+    """
+
+    field: HeightField
+    load: Mapping[str, float]
+    slots: Slots
+    settings: Mapping[str, Any] = dataclasses.field(default_factory=dict)
+    threads: int | None = None
+
+    @property
+    def mean_pressure(self) -> float:
+        """The load [Pa].
+
+        Raises
+        ------
+        UsageError
+            Where a distance is to be held, which the solver that asks cannot.
+        """
+        if "mean_pressure" not in self.load:
+            raise UsageError(f"load: the solver presses with a load, and holds no {' or '.join(self.load)}")
+        return self.load["mean_pressure"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Size:
+    """What the cost of a solve is predicted from.
+
+    Attributes
+    ----------
+    grid : tuple of int
+    lengths : tuple of float
+        Periods [m].
+    settings : mapping
+        What the solver is told.
+    effects : sequence of Effect
+    dearer : float
+        What the effects make of the time of boundary elements.
+    """
+
+    grid: Grid
+    lengths: tuple[float, float]
+    settings: Mapping[str, Any]
+    effects: Sequence[Effect] = ()
+    dearer: float = 1.0
+
+    @property
+    def points(self) -> int:
+        """Number of grid points."""
+        return self.grid[0] * self.grid[1]
+
+    @property
+    def transforms(self) -> float:
+        """Cost of a pair of transforms on the grid over that on 256 x 256 points."""
+        return self.points * math.log2(max(self.points, 2)) / (256**2 * 16)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -211,76 +296,24 @@ class Solver(Method):
         return (("tolerance", options.tolerance),)
 
     @abstractmethod
-    def cost(
-        self,
-        grid: Grid,
-        lengths: tuple[float, float],
-        *,
-        settings: Mapping[str, Any],
-        effects: Sequence[Effect],
-        dearer: float,
-    ) -> Cost:
-        """Predict what a solve takes; `dearer` is what the effects make of the time of boundary elements."""
+    def cost(self, size: Size) -> Cost:
+        """Predict what a solve takes."""
 
     @abstractmethod
-    def solve(
-        self,
-        field: HeightField,
-        *,
-        mean_pressure: float,
-        slots: Slots,
-        settings: Mapping[str, Any],
-        threads: int | None = None,
-    ) -> Solved:
-        """Press a surface [m] with a nominal pressure [Pa]."""
+    def solve(self, job: Job) -> Solved:
+        """Press a surface with the load, or to the distance, that is asked for."""
 
-    def hold(
-        self,
-        field: HeightField,
-        *,
-        distance: Mapping[str, float],
-        slots: Slots,
-        settings: Mapping[str, Any],
-        threads: int | None = None,
-    ) -> Solved:
-        """Press a surface [m] to a mean gap or offset [m], ``{"mean_gap": 1e-8}``, and find the load.
-
-        Raises
-        ------
-        UsageError
-            For a method that presses with a load alone.
-        """
-        raise UsageError(f"method {self.name!r}: presses with a load, and holds no {' or '.join(distance)}")
-
-    def felt(self, field: HeightField, *, slots: Slots, settings: Mapping[str, Any]) -> Response:
+    def felt(self, job: Job) -> Response:
         """Return the response by which displacements follow from its pressures at the points of a surface."""
-        return slots.felt_response
+        return job.slots.felt_response
 
     def controlled(self, settings: Mapping[str, Any]) -> frozenset[str]:
         """Return which of `controls` it takes as it is set."""
         return self.controls
 
-    def claim(
-        self, field: HeightField, *, mean_pressure: float | None, slots: Slots, settings: Mapping[str, Any]
-    ) -> Claim:
-        """Return what it says, unjudged.
-
-        Parameters
-        ----------
-        field : HeightField
-        mean_pressure : float or None
-            [Pa]; None where the settings hold an "offset".
-        slots : Slots
-        settings : mapping
-            What a solve is told, and of `controls` what is wanted.
-        """
-        told: dict[str, Any] = {"slots": slots, "threads": 1}
-        if mean_pressure is None:
-            others = {name: value for name, value in settings.items() if name != "offset"}
-            found = self.hold(field, distance={"offset": settings["offset"]}, settings=others, **told)
-        else:
-            found = self.solve(field, mean_pressure=mean_pressure, settings=settings, **told)
-        return Claim.of(found.contact)
+    def claim(self, job: Job) -> Claim:
+        """Return what it says, unjudged; `settings` and `load` may have what `controls` names."""
+        return Claim.of(self.solve(job).contact)
 
     def score_settings(self, points: int) -> dict[str, float | str]:
         """Return what its scorecard tells it on a grid, so that refining the grid refines all of it."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
@@ -12,10 +11,9 @@ from pydantic import Field, StrictInt
 from fem_contact.area import EDGE_CONSTANTS, discretisation
 from fem_contact.contact import ContactResult
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 from validation.effects.base import Effect, SlotName, Slots, effect_key
 from validation.errors import UsageError
-from validation.methods.base import Cost, Grid, Gridded, Shift, Solved, Solver, example_field
+from validation.methods.base import Cost, Grid, Gridded, Job, Shift, Size, Solved, Solver, example_field
 from validation.units import Table
 
 if TYPE_CHECKING:
@@ -73,54 +71,35 @@ class Bem(Solver):
         steps = [k / options.shifts for k in range(options.shifts)]
         yield from itertools.product(sorted(options.grids), itertools.product(steps, steps))
 
-    def cost(
-        self,
-        grid: Grid,
-        lengths: tuple[float, float],
-        *,
-        settings: Mapping[str, Any],
-        effects: Sequence[Effect],
-        dearer: float,
-    ) -> Cost:
+    def cost(self, size: Size) -> Cost:
         """Predict from the size of the grid."""
-        points = grid[0] * grid[1]
-        scale = points * math.log2(points) / (256**2 * 16)
-        doubled = any(effect.slot == "boundary" for effect in effects)
+        doubled = any(effect.slot == "boundary" for effect in size.effects)
         return Cost(
-            pairs=FIXED_PAIRS + _PAIRS * dearer * scale,
-            peak_bytes=FIXED_BYTES + (BYTES_PER_POINT + (_DOUBLED if doubled else 0)) * points,
-            unknowns=points,
+            pairs=FIXED_PAIRS + _PAIRS * size.dearer * size.transforms,
+            peak_bytes=FIXED_BYTES + (BYTES_PER_POINT + (_DOUBLED if doubled else 0)) * size.points,
+            unknowns=size.points,
         )
 
-    def solve(
-        self,
-        field: HeightField,
-        *,
-        mean_pressure: float,
-        slots: Slots,
-        settings: Mapping[str, Any],
-        threads: int | None = None,
-    ) -> Solved:
+    def solve(self, job: Job) -> Solved:
         """Press; attraction makes the problem one of many minima, which another algorithm finds."""
-        said: dict[str, Any] = {"mean_pressure": mean_pressure, "threads": threads, **settings}
+        field, slots, response = job.field, job.slots, job.slots.felt_response
+        said: dict[str, Any] = {"threads": job.threads, **job.load, **job.settings}
         if slots.gap_law is not None:
             from fem_contact import adhesion
 
-            state = adhesion.solve(
-                field, slots.felt_response, law=slots.gap_law, hardness=slots.pressure_bound, **said
-            )
+            state = adhesion.solve(field, response, law=slots.gap_law, hardness=slots.pressure_bound, **said)
             return Solved(contact=state.contact)
+        from fem_contact import bem
+
+        if "mean_pressure" not in job.load:
+            held = bem.solve_displacement(field, response, pressure_bound=slots.pressure_bound, **said)
+            return Solved(contact=held)
         if slots.pressure_bound is not None:
             from fem_contact.hardness import Hardness, press
 
-            return Solved(
-                contact=press(
-                    field, slots.felt_response, hardness=Hardness(pressure=slots.pressure_bound), **said
-                )
-            )
-        from fem_contact import bem
-
-        return Solved(contact=bem.solve(field, slots.felt_response, **said))
+            limit = Hardness(pressure=slots.pressure_bound)
+            return Solved(contact=press(field, response, hardness=limit, **said))
+        return Solved(contact=bem.solve(field, response, **said))
 
     def check(self, options: BemOptions, realised: Realised, effects: Sequence[Effect]) -> None:
         """Refuse a mean gap with attraction, of which several states may have one, and shifts of a patch."""
@@ -137,40 +116,13 @@ class Bem(Solver):
                 "have the same; give load.offset"
             )
 
-    def hold(
-        self,
-        field: HeightField,
-        *,
-        distance: Mapping[str, float],
-        slots: Slots,
-        settings: Mapping[str, Any],
-        threads: int | None = None,
-    ) -> Solved:
-        """Seek the load at which the mean gap or the offset is the one asked for."""
-        said: dict[str, Any] = {"threads": threads, **distance, **settings}
-        if slots.gap_law is not None:
-            from fem_contact import adhesion
-
-            state = adhesion.solve(
-                field, slots.felt_response, law=slots.gap_law, hardness=slots.pressure_bound, **said
-            )
-            return Solved(contact=state.contact)
-        from fem_contact import bem
-
-        return Solved(
-            contact=bem.solve_displacement(
-                field, slots.felt_response, pressure_bound=slots.pressure_bound, **said
-            )
-        )
-
     def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Press a small surface: large enough for all passes, those of single precision among them."""
         points = 256
         examples = [type(effect).example(1 / points) for effect in effects]
         slots = Slots.filled(Solid(young=1.0, poisson=0.0), examples)
-        self.solve(
-            example_field(points), mean_pressure=0.02, slots=slots, settings={"tolerance": 1e-6}, threads=1
-        )
+        load, settings = {"mean_pressure": 0.02}, {"tolerance": 1e-6}
+        self.solve(Job(field=example_field(points), load=load, slots=slots, settings=settings, threads=1))
 
     def edge_constant(self, result: ContactResult) -> float:
         """Return that of boundary elements, periodic or with free surroundings."""

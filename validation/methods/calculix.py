@@ -11,7 +11,7 @@ import shutil
 import subprocess
 import tempfile
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
@@ -23,13 +23,11 @@ from fem_contact.area import EDGE_CONSTANTS
 from fem_contact.contact import ContactResult
 from fem_contact.errors import NotConverged
 from fem_contact.response import Response
-from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 from validation.arrays import Array
-from validation.effects.base import Effect, SlotName, Slots
-from validation.methods.base import Claim, Cost, Grid, Gridded, Settings, Solved, Solver, check_bodies
+from validation.effects.base import Effect, SlotName
+from validation.methods.base import Claim, Cost, Gridded, Job, Settings, Size, Solved, Solver, check_bodies
 from validation.methods.bem import FIXED_BYTES, FIXED_PAIRS
-from validation.methods.fem import block_response
+from validation.methods.fem import block_response, planned, unknowns_of
 from validation.methods.foreign import judged
 from validation.units import Duration, Length, Number, Table
 
@@ -95,9 +93,9 @@ class Calculix(Solver):
         """Refuse a layer that is not bonded to its base, and two depths."""
         check_bodies(self.name, realised.elastic, effects, depth=options.depth)
 
-    def felt(self, field: HeightField, *, slots: Slots, settings: Mapping[str, Any]) -> Response:
+    def felt(self, job: Job) -> Response:
         """Return the block of its mesh by our reduction to the surface."""
-        return block_response(field, slots=slots, settings=settings)
+        return block_response(job)
 
     def words(self, options: Any) -> str:
         """Name it in a sentence."""
@@ -117,35 +115,16 @@ class Calculix(Solver):
         """Refine the layers with the grid."""
         return {"growth": 1.2 ** (self.score_points / points)}
 
-    def cost(
-        self,
-        grid: Grid,
-        lengths: tuple[float, float],
-        *,
-        settings: Mapping[str, Any],
-        effects: Sequence[Effect],
-        dearer: float,
-    ) -> Cost:
+    def cost(self, size: Size) -> Cost:
         """Predict from the unknowns of the mesh."""
-        from fem_contact.block import estimate
-
-        mesh = {name: settings[name] for name in ("depth", "growth") if name in settings}
-        unknowns = estimate(grid, lengths, method="full", **mesh).unknowns
+        unknowns = unknowns_of(size, "full")
         return Cost(
             pairs=FIXED_PAIRS + _PAIRS * unknowns ** (5 / 3),
             peak_bytes=FIXED_BYTES + int(_BYTES * unknowns ** (4 / 3)),
             unknowns=unknowns,
         )
 
-    def solve(
-        self,
-        field: HeightField,
-        *,
-        mean_pressure: float,
-        slots: Slots,
-        settings: Mapping[str, Any],
-        threads: int | None = None,
-    ) -> Solved:
+    def solve(self, job: Job) -> Solved:
         """Write the deck, run ccx, and judge the nodal forces it prints.
 
         Raises
@@ -153,10 +132,9 @@ class Calculix(Solver):
         NotConverged
             When it fails, takes too long, or prints no answer.
         """
-        deep = {} if slots.body is None or slots.body.depth is None else {"depth": slots.body.depth}
-        deck = _Deck.of(field, slots.solid, mean_pressure=mean_pressure, settings={**settings, **deep})
+        deck = _Deck.of(job)
         clock, began = os.times(), time.perf_counter()
-        forces, rises = deck.run(float(settings.get("seconds", _SECONDS)))
+        forces, rises = deck.run(float(job.settings.get("seconds", _SECONDS)))
         spent = os.times()
         claim = Claim(
             pressure=np.asarray(-forces / deck.cell * deck.stress),
@@ -166,17 +144,10 @@ class Calculix(Solver):
             cpu_seconds=spent.children_user - clock.children_user,
             peak_bytes=0,
         )
-        contact = judged(
-            claim,
-            field,
-            response=slots.felt_response,
-            mean_pressure=mean_pressure,
-            tolerance=float(settings.get("tolerance", _ACCEPTED)),
-            method=self.label,
-            element="Hex1",
-            displacement=np.asarray(-rises * deck.length),
-        )
-        unknowns = 3 * field.heights.size * (deck.planes.size - 1)
+        asked = replace(job, settings={"tolerance": _ACCEPTED, **job.settings})
+        rise = np.asarray(-rises * deck.length)
+        contact = judged(claim, asked, method=self.label, element="Hex1", displacement=rise)
+        unknowns = 3 * job.field.heights.size * (deck.planes.size - 1)
         return Solved(contact=replace(contact, cost=replace(contact.cost, unknowns=unknowns)))
 
     def edge_constant(self, result: ContactResult) -> float:
@@ -210,24 +181,20 @@ class _Deck:
     length: float
 
     @classmethod
-    def of(
-        cls, field: HeightField, solid: Solid, *, mean_pressure: float, settings: Mapping[str, Any]
-    ) -> _Deck:
+    def of(cls, job: Job) -> _Deck:
         """Scale a problem."""
-        from fem_contact.block.mesh import plan_mesh
-
+        field, young = job.field, job.slots.solid.young
         longest = max(field.lengths)
         rise = float(np.ptp(field.heights)) / longest
-        shrink = _RANGE / max(rise, mean_pressure / solid.young)
-        shown = {name: settings[name] for name in ("depth", "growth") if name in settings}
-        edges = plan_mesh(field.shape, field.lengths, **shown).edges * field.spacing[0] / longest
-        stress = solid.young / (_YOUNG * shrink)
+        shrink = _RANGE / max(rise, job.mean_pressure / young)
+        edges = planned(job).edges * field.spacing[0] / longest
+        stress = young / (_YOUNG * shrink)
         return cls(
             heights=field.heights * (shrink / longest),
             sides=(field.lengths[0] / longest, field.lengths[1] / longest),
             planes=edges[::-1],
-            poisson=solid.poisson,
-            load=mean_pressure / stress,
+            poisson=job.slots.solid.poisson,
+            load=job.mean_pressure / stress,
             stress=stress,
             length=longest / shrink,
         )

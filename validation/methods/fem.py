@@ -11,14 +11,15 @@ from pydantic import Field
 from fem_contact.contact import ContactResult
 from fem_contact.response import Response
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 from validation.effects.base import Effect, SlotName, Slots, effect_key
 from validation.errors import UsageError
 from validation.methods.base import (
     Cost,
     Grid,
     Gridded,
+    Job,
     Settings,
+    Size,
     Solved,
     Solver,
     check_bodies,
@@ -28,9 +29,10 @@ from validation.methods.bem import BYTES_PER_POINT, FIXED_BYTES, FIXED_PAIRS
 from validation.units import Length, Number, Table
 
 if TYPE_CHECKING:
+    from fem_contact.block.mesh import BlockMesh
     from validation.scenes.realised import Realised
 
-__all__ = ["Fem", "FemOptions"]
+__all__ = ["Fem", "FemOptions", "block_response", "planned", "unknowns_of"]
 
 # In units of a pair of real 256 x 256 transforms on one thread.
 #: The reduced block, per pair of transforms on the grid; it makes its compliance first.
@@ -122,74 +124,34 @@ class Fem(Solver):
         """Only the full method holds the inside of the block, which may be a thousand times the surface."""
         return self.variant(settings) == "full"
 
-    def cost(
-        self,
-        grid: Grid,
-        lengths: tuple[float, float],
-        *,
-        settings: Mapping[str, Any],
-        effects: Sequence[Effect],
-        dearer: float,
-    ) -> Cost:
+    def cost(self, size: Size) -> Cost:
         """Predict from the unknowns of the mesh."""
-        from fem_contact.block import estimate
-
-        points = grid[0] * grid[1]
-        method = self.variant(settings)
-        mesh = {name: settings[name] for name in ("depth", "growth") if name in settings}
-        unknowns = estimate(grid, lengths, method=method, **mesh).unknowns  # type: ignore[arg-type]
-        if method == "full":
-            yields = any(effect.slot == "pressure bound" for effect in effects)
+        unknowns = unknowns_of(size, self.variant(size.settings))
+        if self.has_block(size.settings):
+            yields = any(effect.slot == "pressure bound" for effect in size.effects)
             sets = _YIELDING_SETS if yields else 1.0
             return Cost(
                 pairs=FIXED_PAIRS + _FULL_PAIRS_PER_UNKNOWN * sets * unknowns,
                 peak_bytes=FIXED_BYTES + _FULL_BYTES_PER_UNKNOWN * unknowns,
                 unknowns=unknowns,
             )
-        scale = points * math.log2(points) / (256**2 * 16)
         return Cost(
-            pairs=FIXED_PAIRS + _REDUCED_PAIRS * scale,
-            peak_bytes=FIXED_BYTES + BYTES_PER_POINT * points,
+            pairs=FIXED_PAIRS + _REDUCED_PAIRS * size.transforms,
+            peak_bytes=FIXED_BYTES + BYTES_PER_POINT * size.points,
             unknowns=unknowns,
         )
 
-    def solve(
-        self,
-        field: HeightField,
-        *,
-        mean_pressure: float,
-        slots: Slots,
-        settings: Mapping[str, Any],
-        threads: int | None = None,
-    ) -> Solved:
-        """Press the block."""
+    def solve(self, job: Job) -> Solved:
+        """Press the block with a load, or to an offset."""
         from fem_contact import block
 
-        said = _told(slots, settings)
-        if slots.pressure_bound is not None:
-            said["pressure_bound"] = slots.pressure_bound
-        solution = block.solve(field, slots.solid, mean_pressure=mean_pressure, **said)
+        press = block.solve if "mean_pressure" in job.load else block.solve_displacement
+        solution = press(job.field, job.slots.solid, **_told(job))
         return Solved(contact=solution.contact, block=solution)
 
-    def hold(
-        self,
-        field: HeightField,
-        *,
-        distance: Mapping[str, float],
-        slots: Slots,
-        settings: Mapping[str, Any],
-        threads: int | None = None,
-    ) -> Solved:
-        """Press the block to an offset."""
-        from fem_contact import block
-
-        said = {**_told(slots, settings), **distance}
-        solution = block.solve_displacement(field, slots.solid, **said)
-        return Solved(contact=solution.contact, block=solution)
-
-    def felt(self, field: HeightField, *, slots: Slots, settings: Mapping[str, Any]) -> Response:
+    def felt(self, job: Job) -> Response:
         """Return the block of its mesh, reduced to the surface by the other of the two codes."""
-        return block_response(field, slots=slots, settings=settings)
+        return block_response(job)
 
     def score_settings(self, points: int) -> dict[str, float | str]:
         """Refine the layers with the grid: at one growth, finer grids approach a block that is .2 % off."""
@@ -202,7 +164,7 @@ class Fem(Solver):
         examples = [type(effect).example(1 / points) for effect in effects]
         slots = Slots.filled(Solid(young=1.0, poisson=0.0), examples)
         said = {"method": self.variant(settings or {})}
-        self.solve(example_field(points), mean_pressure=0.02, slots=slots, settings=said)
+        self.solve(Job(field=example_field(points), load={"mean_pressure": 0.02}, slots=slots, settings=said))
 
     def edge_constant(self, result: ContactResult) -> float:
         """Return that of the finite element used."""
@@ -240,24 +202,44 @@ class Fem(Solver):
             )
 
 
-def _told(slots: Slots, settings: Mapping[str, Any]) -> dict[str, Any]:
+def unknowns_of(size: Size, method: str) -> int:
+    """Return how many unknowns the block of a grid has."""
+    from fem_contact.block import estimate
+
+    return estimate(size.grid, size.lengths, method=method, **_mesh(size.settings)).unknowns  # type: ignore[arg-type]
+
+
+def _mesh(settings: Mapping[str, Any], slots: Slots | None = None) -> dict[str, Any]:
+    """Return depth and growth of the layers, where they are said; an effect may say the depth."""
+    mesh = {name: settings[name] for name in ("depth", "growth") if name in settings}
+    if slots is not None and slots.body is not None and slots.body.depth is not None:
+        mesh["depth"] = slots.body.depth
+    return mesh
+
+
+def planned(job: Job) -> BlockMesh:
+    """Return the mesh of a job."""
+    from fem_contact.block import plan_mesh
+
+    return plan_mesh(job.field.shape, job.field.lengths, **_mesh(job.settings, job.slots))
+
+
+def _told(job: Job) -> dict[str, Any]:
     """Return what a block is told: the whole system unless said otherwise, and the body of an effect."""
-    said: dict[str, Any] = {"method": "full", **settings}
-    if slots.body is not None:
-        body = {"depth": slots.body.depth, "modulus": slots.body.modulus}
-        said |= {name: value for name, value in body.items() if value is not None}
+    slots = job.slots
+    said: dict[str, Any] = {"method": "full", **job.load, **job.settings, **_mesh(job.settings, slots)}
+    if slots.body is not None and slots.body.modulus is not None:
+        said["modulus"] = slots.body.modulus
+    if slots.pressure_bound is not None:
+        said["pressure_bound"] = slots.pressure_bound
     return said
 
 
-def block_response(field: HeightField, *, slots: Slots, settings: Mapping[str, Any]) -> Response:
+def block_response(job: Job) -> Response:
     """Return the response of the block of trilinear cells whose nodes are the points of a surface."""
-    from fem_contact.block import BlockResponse, plan_mesh
+    from fem_contact.block import BlockResponse
 
-    mesh = {name: settings[name] for name in ("depth", "growth") if name in settings}
-    if slots.body is not None and slots.body.depth is not None:
-        mesh["depth"] = slots.body.depth
-    planned = plan_mesh(field.shape, field.lengths, **mesh)
-    return BlockResponse(mesh=planned, solid=slots.solid, width=field.spacing[0])
+    return BlockResponse(mesh=planned(job), solid=job.slots.solid, width=job.field.spacing[0])
 
 
 def _check_layers(options: FemOptions, grid: Grid, lengths: tuple[float, float]) -> None:

@@ -10,12 +10,12 @@ import contextlib
 import importlib
 import importlib.util
 import inspect
-import math
 import sys
 import tempfile
 import time
 from abc import abstractmethod
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
@@ -35,9 +35,10 @@ from validation.effects.base import Effect, Slots
 from validation.methods.base import (
     Claim,
     Cost,
-    Grid,
     Gridded,
+    Job,
     Settings,
+    Size,
     Solved,
     Solver,
     check_bodies,
@@ -127,9 +128,7 @@ class Foreign(Solver):
         said = tuple((name, value) for name, value in given.items() if value is not None)
         return said + self.source(dict(said))
 
-    def claim(
-        self, field: HeightField, *, mean_pressure: float | None, slots: Slots, settings: Mapping[str, Any]
-    ) -> Claim:
+    def claim(self, job: Job) -> Claim:
         """Return what the solver says, unjudged.
 
         Raises
@@ -137,57 +136,24 @@ class Foreign(Solver):
         NotConverged
             When it raised, crashed, took too much time or memory, or returned no pressures.
         """
-        function, more = self.call(settings)
-        wanted = {name: settings[name] for name in self.controls if name in settings}
+        function, more = self.call(job.settings)
+        wanted = {name: job.settings[name] for name in self.controls if name in job.settings}
+        tolerance = job.settings.get("tolerance", self.accepted)
         return claimed_in_own_process(
-            function,
-            field,
-            contact_modulus=slots.solid.contact_modulus,
-            mean_pressure=mean_pressure,
-            told={"tolerance": settings.get("tolerance", self.accepted), **wanted, **_effects(slots), **more},
-            seconds=float(settings.get("seconds", _SECONDS)),
-            memory=int(settings.get("memory", _MEMORY)),
+            function, job, told={"tolerance": tolerance, **wanted, **_effects(job.slots), **more}
         )
 
-    def solve(
-        self,
-        field: HeightField,
-        *,
-        mean_pressure: float,
-        slots: Slots,
-        settings: Mapping[str, Any],
-        threads: int | None = None,
-    ) -> Solved:
+    def solve(self, job: Job) -> Solved:
         """Ask the solver, and judge its pressures; its process has one thread."""
-        claim = self.claim(field, mean_pressure=mean_pressure, slots=slots, settings=settings)
-        return Solved(
-            contact=judged(
-                claim,
-                field,
-                response=slots.felt_response,
-                mean_pressure=mean_pressure,
-                tolerance=float(settings.get("tolerance", self.accepted)),
-                method=self.label,
-                bound=slots.pressure_bound,
-            )
-        )
+        _ = job.mean_pressure  # no distance: who wrote it may or may not have thought of them
+        return Solved(contact=judged(self.claim(job), _with_tolerance(job, self.accepted), method=self.label))
 
-    def cost(
-        self,
-        grid: Grid,
-        lengths: tuple[float, float],
-        *,
-        settings: Mapping[str, Any],
-        effects: Sequence[Effect],
-        dearer: float,
-    ) -> Cost:
+    def cost(self, size: Size) -> Cost:
         """Guess from the size of the grid."""
-        points = grid[0] * grid[1]
-        scale = points * math.log2(max(points, 2)) / (256**2 * 16)
         return Cost(
-            pairs=FIXED_PAIRS + _PAIRS * scale,
-            peak_bytes=FIXED_BYTES + _BYTES_PER_POINT * points,
-            unknowns=points,
+            pairs=FIXED_PAIRS + _PAIRS * size.transforms,
+            peak_bytes=FIXED_BYTES + _BYTES_PER_POINT * size.points,
+            unknowns=size.points,
         )
 
     def words(self, options: Any) -> str:
@@ -196,13 +162,23 @@ class Foreign(Solver):
 
     def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Let its process import and compile what it needs; what it fails at, a solve says."""
-        slots = Slots(solid=Solid(young=1.0, poisson=0.0))
+        job = Job(
+            field=example_field(16),
+            load={"mean_pressure": 0.02},
+            slots=Slots(solid=Solid(young=1.0, poisson=0.0)),
+            settings=settings or {},
+        )
         with contextlib.suppress(NotConverged):
-            self.claim(example_field(16), mean_pressure=0.02, slots=slots, settings=settings or {})
+            self.claim(job)
 
     def edge_constant(self, result: ContactResult) -> float:
         """Return that of boundary elements: the residuals say that it is the same discrete problem."""
         return EDGE_CONSTANTS["bem"]
+
+
+def _with_tolerance(job: Job, accepted: float) -> Job:
+    """Return a job that says its tolerance."""
+    return replace(job, settings={"tolerance": accepted, **job.settings})
 
 
 def _effects(slots: Slots) -> dict[str, float]:
@@ -217,13 +193,10 @@ def _effects(slots: Slots) -> dict[str, float]:
 
 def judged(
     claim: Claim,
-    field: HeightField,
+    job: Job,
     *,
-    response: Response,
-    mean_pressure: float | None,
-    tolerance: float,
     method: str,
-    bound: float | None = None,
+    response: Response | None = None,
     element: str = "bem",
     displacement: Array | None = None,
 ) -> ContactResult:
@@ -232,28 +205,25 @@ def judged(
     .. math:: \hat u = C(q)\, \hat p, \qquad g = u - h + z, \qquad \sum_{0 < p < H} p g = 0
 
     A point is in contact where p exceeds g in units of E* h'_rms and h_rms: the rule of an active set, in
-    which no pressure is small by itself.
+    which no pressure is small by itself. Where it reaches the hardness the gap may be negative.
 
     Parameters
     ----------
     claim : Claim
         Of which the pressure and the cost are used.
-    field : HeightField
-    response : Response
-        C(q) of the solid at the grid points.
-    mean_pressure : float or None
-        The load that was asked for [Pa]; None where an offset was.
-    tolerance : float
-        Of the residuals; one above it makes the status say so.
+    job : Job
+        What was asked; a residual above the tolerance of its settings makes the status say so.
     method : str
         Named in the provenance.
-    bound : float, optional
-        Hardness [Pa]: where the pressure reaches it the gap may be negative.
+    response : Response, optional
+        C(q) of the solid at the grid points; that of the job if not given.
     element : str
         What the edges are those of: "bem" by its residuals, or a finite element.
     displacement : (nx, ny) array, optional
         u [m] as a code of finite elements gives it: then this is believed, and not recomputed.
     """
+    response = response or job.slots.felt_response
+    field, bound, tolerance = job.field, job.slots.pressure_bound, float(job.settings["tolerance"])
     pressure, modulus = claim.pressure, response.contact_modulus
     told = "pressure and displacement" if displacement is not None else "pressure alone"
     if displacement is None:
@@ -268,7 +238,7 @@ def judged(
         lengths=field.lengths,
         contact_modulus=modulus,
         rms_gradient=field.rms_gradient,
-        target_pressure=mean_pressure,
+        target_pressure=job.load.get("mean_pressure"),
         at_bound=at_bound,
     )
     good = np.isfinite(pressure).all() and residuals.within(tolerance)
@@ -317,47 +287,42 @@ def felt_displacement(pressure: Array, field: HeightField, *, response: Response
     return np.asarray(np.fft.irfft2(compliance * np.fft.rfft2(pressure), s=field.shape))
 
 
-def claimed_in_own_process(
-    function: str,
-    field: HeightField,
-    *,
-    contact_modulus: float,
-    mean_pressure: float | None,
-    told: Mapping[str, Any],
-    seconds: float,
-    memory: int,
-) -> Claim:
+def claimed_in_own_process(function: str, job: Job, *, told: Mapping[str, Any]) -> Claim:
     """Call a solver in a child process and return what it says.
 
     Parameters
     ----------
     function : str
         ``module:name``; the module may also lie in the folder the command was started in.
-    field : HeightField
-    contact_modulus, mean_pressure : float
-        E* and p0 [Pa]; None for p0 where `told` has an offset.
+    job : Job
+        Its settings bound the call: ``seconds`` and ``memory`` [bytes].
     told : mapping
         Keywords that it is given if it takes them.
-    seconds, memory : float, int
-        Bounds of the call [s, bytes].
 
     Raises
     ------
     NotConverged
         When nothing comes of it, with what happened.
     """
+    field = job.field
+    request = {
+        "lengths": list(field.lengths),
+        "modulus": job.slots.solid.contact_modulus,
+        "pressure": job.load.get("mean_pressure"),
+        "told": {**told, **{name: value for name, value in job.load.items() if name != "mean_pressure"}},
+        "folder": str(Path.cwd()),
+    }
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "heights.npy"
         np.save(file, field.heights)
-        request = {"lengths": list(field.lengths), "modulus": contact_modulus, "pressure": mean_pressure}
         try:
             said = bounded.call(
                 serve,
                 function,
                 str(file),
-                {**request, "told": dict(told), "folder": str(Path.cwd())},
-                seconds=seconds,
-                memory=memory,
+                request,
+                seconds=float(job.settings.get("seconds", _SECONDS)),
+                memory=int(job.settings.get("memory", _MEMORY)),
             )
         except bounded.OutOfBounds as problem:
             raise NotConverged(
@@ -371,15 +336,8 @@ def claimed_in_own_process(
             f"{function}: pressures of shape {pressure.shape}: must have that of the heights, {field.shape}"
         )
     mask = said["in_contact"]
-    return Claim(
-        pressure=pressure,
-        in_contact=None if mask is None or mask.shape != field.shape else mask.astype(bool),
-        iterations=int(said["iterations"]),
-        wall_seconds=float(said["wall_seconds"]),
-        cpu_seconds=float(said["cpu_seconds"]),
-        peak_bytes=int(said["peak_bytes"]),
-        converged=said["converged"],
-    )
+    in_contact = None if mask is None or mask.shape != field.shape else mask.astype(bool)
+    return Claim(**{**said, "pressure": pressure, "in_contact": in_contact})
 
 
 def _imported(function: str) -> Any:

@@ -107,7 +107,7 @@ def _measured(points: int, repeats: int, tell: Callable[[str], None] | None) -> 
     """Processor seconds of each solve, all on one surface, grid and load, on one thread."""
     from fem_contact.solid import Solid
     from validation.effects.base import Slots
-    from validation.methods.base import example_field
+    from validation.methods.base import Job, example_field
 
     field, solid, bem = example_field(points), Solid(young=1.0, poisson=0.0), find_solver("bem")
     cases: dict[str, tuple[Effect, ...]] = {"plain": ()}
@@ -117,13 +117,14 @@ def _measured(points: int, repeats: int, tell: Callable[[str], None] | None) -> 
     # In turns, and the least processor time counts: other processes of the machine must not decide a ratio.
     for turn in range(repeats + 1):
         for name, effects in cases.items():
-            contact = bem.solve(
-                field,
-                mean_pressure=0.005,
+            job = Job(
+                field=field,
+                load={"mean_pressure": 0.005},
                 slots=Slots.filled(solid, effects),
                 settings={"tolerance": 1e-8},
                 threads=1,
-            ).contact.checked()
+            )
+            contact = bem.solve(job).contact.checked()
             if turn > 0:
                 seconds[name] = min(seconds[name], contact.cost.cpu_seconds)
                 pairs[name] = contact.cost.fft_pairs

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +12,7 @@ from fem_contact.contact import ContactResult
 from validation.effects.base import Slots
 from validation.files import atomic_path
 from validation.methods import find_solver
-from validation.methods.base import Grid, Settings, Shift, Solved, Solver
+from validation.methods.base import Grid, Job, Settings, Shift, Size, Solved, Solver
 from validation.scenes.realised import Realised, realise
 from validation.scenes.scene import EffectSpec, Scene
 from validation.solves.cost import dearer_by
@@ -112,11 +112,13 @@ class Press(Solve):
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
         """Predict from the sizes of grid and mesh, and what the effects cost on this machine."""
         cost = self.solver.cost(
-            self.grid,
-            self.realised.lengths,
-            settings=dict(self.settings),
-            effects=self.effects,
-            dearer=dearer_by(self.effects),
+            Size(
+                grid=self.grid,
+                lengths=self.realised.lengths,
+                settings=dict(self.settings),
+                effects=self.effects,
+                dearer=dearer_by(self.effects),
+            )
         )
         return Prediction(
             seconds=cost.pairs * pair_seconds, peak_bytes=cost.peak_bytes, unknowns=cost.unknowns
@@ -130,17 +132,15 @@ class Press(Solve):
         FemContactError
             When the solve failed.
         """
-        solver, load = self.solver, self.realised.load
-        press = (
-            partial(solver.hold, distance=load.held)
-            if load.held
-            else partial(solver.solve, mean_pressure=self.realised.pressure)
-        )
-        solved = press(
-            self.height_field(),
-            slots=Slots.filled(self.realised.elastic, self.effects),
-            settings=dict(self.settings),
-            threads=threads,
+        realised = self.realised
+        solved = self.solver.solve(
+            Job(
+                field=self.height_field(),
+                load=realised.load.held or {"mean_pressure": realised.pressure},
+                slots=Slots.filled(realised.elastic, self.effects),
+                settings=dict(self.settings),
+                threads=threads,
+            )
         )
         solved.contact.checked()
         return solved

@@ -15,10 +15,9 @@ from fem_contact.surface import HeightField
 from validation.arrays import Array
 from validation.cases.scorecard import Scorecard, ladder, rows, score
 from validation.cases.scorecard.subject import Subject, Unanswered
-from validation.effects.base import Slots
 from validation.errors import UsageError
 from validation.files import atomic_path, write_json
-from validation.methods.base import Claim
+from validation.methods.base import Claim, Job
 from validation.methods.bem import Bem
 
 __all__ = ["export", "score_folder"]
@@ -63,15 +62,11 @@ class _Recorder(_Posed):
         self.score_points = points  # type: ignore[misc]
         self.asked: dict[tuple[object, ...], _Problem] = {}
 
-    def claim(
-        self, field: HeightField, *, mean_pressure: float | None, slots: Slots, settings: Mapping[str, Any]
-    ) -> Claim:
+    def claim(self, job: Job) -> Claim:
         """Remember the problem and solve it, since rows read the answers."""
-        assert mean_pressure is not None
-        modulus = slots.solid.contact_modulus
-        problem = _Problem(field=field, modulus=modulus, load=mean_pressure)
-        self.asked.setdefault(_key(field, modulus, mean_pressure), problem)
-        return super().claim(field, mean_pressure=mean_pressure, slots=slots, settings=settings)
+        problem = _Problem(field=job.field, modulus=job.slots.solid.contact_modulus, load=job.mean_pressure)
+        self.asked.setdefault(_key(problem.field, problem.modulus, problem.load), problem)
+        return super().claim(job)
 
 
 class _Answers(_Posed):
@@ -87,9 +82,7 @@ class _Answers(_Posed):
     def rehearse(self, effects: object, settings: object = None) -> None:
         """Nothing is compiled."""
 
-    def claim(
-        self, field: HeightField, *, mean_pressure: float | None, slots: Slots, settings: Mapping[str, Any]
-    ) -> Claim:
+    def claim(self, job: Job) -> Claim:
         """Read the answer of a problem.
 
         Raises
@@ -97,12 +90,11 @@ class _Answers(_Posed):
         Unanswered
             Where there is none.
         """
-        assert mean_pressure is not None
-        number = self.numbers[_key(field, slots.solid.contact_modulus, mean_pressure)]
+        number = self.numbers[_key(job.field, job.slots.solid.contact_modulus, job.mean_pressure)]
         folder = _problem_folder(self.folder, number)
         said = _said(folder / "answer.json")
         return Claim(
-            pressure=_pressure(folder, field.shape),
+            pressure=_pressure(folder, job.field.shape),
             in_contact=None,
             iterations=int(said.get("iterations", 0)),
             wall_seconds=float(said.get("seconds", np.nan)),

@@ -16,7 +16,7 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 from validation.effects.base import Slots
 from validation.methods import Solver
-from validation.methods.base import Claim
+from validation.methods.base import Claim, Job, Size
 from validation.methods.foreign import judged
 
 __all__ = ["SOFT", "Inconclusive", "NotTried", "Pressed", "Subject", "Unanswered", "rough"]
@@ -173,16 +173,15 @@ class Subject:
                 f"{nx} x {ny} points would take some {seconds:.2g} s, and of {self.seconds:.3g} s there are "
                 f"{max(left, 0.0):.2g} left (--seconds)"
             )
-        claim = self.solver.claim(field, mean_pressure=load, slots=slots, settings=told)
-        response = self.solver.felt(field, slots=slots, settings=told)
+        settings = {name: value for name, value in told.items() if name != "offset"}
+        asked = {"offset": told["offset"]} if load is None else {"mean_pressure": load}
+        job = Job(field=field, load=asked, slots=slots, settings=settings, threads=1)
+        claim = self.solver.claim(job)
         result = judged(
             claim,
-            field,
-            response=response,
-            mean_pressure=load,
-            tolerance=self.tolerance,
+            job,
             method=self.solver.label,
-            bound=slots.pressure_bound,
+            response=self.solver.felt(job),
             element=self.solver.score_element,
         )
         return Pressed(claim=claim, result=result, pairs=self._pairs(field.shape, field.lengths, told))
@@ -194,7 +193,7 @@ class Subject:
     def _pairs(
         self, shape: tuple[int, int], lengths: tuple[float, float], settings: Mapping[str, Any]
     ) -> float:
-        return self.solver.cost(shape, lengths, settings=settings, effects=(), dearer=1.0).pairs
+        return self.solver.cost(Size(grid=shape, lengths=lengths, settings=settings)).pairs
 
     def _predicted(
         self, shape: tuple[int, int], lengths: tuple[float, float], settings: Mapping[str, Any]

@@ -15,6 +15,7 @@ from fem_contact.surface import HeightField
 from validation.effects.base import Slots
 from validation.measures.hard_cases.cases import HALF_SPACE, HardCase, Measured, judged, rough, wave
 from validation.methods import chosen_solver
+from validation.methods.base import Job
 
 __all__ = ["ELASTIC", "SINGLE_PRECISION", "by_method"]
 
@@ -182,7 +183,8 @@ def by_method(name: str) -> tuple[HardCase, ...]:
 
     def press(surface: HeightField, load: float) -> ContactResult:
         slots = Slots(solid=HALF_SPACE.solid)
-        return solver.solve(surface, mean_pressure=load, slots=slots, settings=told, threads=1).contact
+        job = Job(field=surface, load={"mean_pressure": load}, slots=slots, settings=told, threads=1)
+        return solver.solve(job).contact
 
     return elastic_cases(name, press)
 
