@@ -21,13 +21,10 @@ from fem_contact.errors import InvalidInput
 if TYPE_CHECKING:
     from skfem import CellBasis
 
-    from fem_contact.block.mesh import BlockMesh
-
 __all__ = [
     "ELEMENTS",
     "Element",
     "element_for",
-    "element_matrices",
     "lame",
     "local_dilatation",
     "local_shear",
@@ -239,39 +236,3 @@ def local_dilatation(forms: LocalForms, a: int, b: int) -> Array:
         return forms.product(b, a)
     scaled: Array = forms.dilatations[:, b] / forms.masses[:, None]
     return np.asarray(np.einsum("mie,mje->ije", forms.dilatations[:, a], scaled), dtype=float)
-
-
-def element_matrices(
-    mesh: BlockMesh, poisson: float, *, condensed: bool = False
-) -> tuple[Array, NDArray[np.int64]]:
-    """Element matrices (nz, m, m) of the column, and the local nodes' offsets (n, 3) in half cells.
-
-    Discontinuous linear pressures are unknowns of their own behind the displacements, unless they are
-    `condensed`.
-    """
-    basis, element = mesh.column(), mesh.element
-    forms = LocalForms.integrate(basis, element)
-    nodes, mixed = basis.Nbfun, element.pressures == 4 and not condensed
-    pressures = element.pressures if mixed else 0
-    matrices = np.zeros((mesh.nz, 3 * nodes + pressures, 3 * nodes + pressures))
-    second = 0.5 / (1 + poisson)
-    first = 0.0 if mixed else lame(poisson)[0]
-    for a in range(3):
-        for b in range(3):
-            block = second * local_shear(forms, a, b)
-            if not mixed:
-                block = block + first * local_dilatation(forms, a, b)
-            matrices[:, a : 3 * nodes : 3, b : 3 * nodes : 3] = np.moveaxis(block, -1, 0)
-    for mode in range(pressures):
-        row = 3 * nodes + mode
-        for a in range(3):
-            coupling = forms.dilatations[mode, a].T
-            matrices[:, row, a : 3 * nodes : 3] = coupling
-            matrices[:, a : 3 * nodes : 3, row] = coupling
-        # 1 / lambda, which vanishes for the incompressible solid.
-        matrices[:, row, row] = -forms.masses[mode] * (1 + poisson) * (1 - 2 * poisson) / poisson
-    corner = basis.doflocs[:, basis.element_dofs]
-    low, high = corner.min(axis=1, keepdims=True), corner.max(axis=1, keepdims=True)
-    offsets = np.rint(2 * ((corner - low) / (high - low))[:, :, 0]).astype(int).T
-    order = np.argsort(basis.mesh.doflocs[2, basis.mesh.t].mean(axis=0))
-    return matrices[order], offsets

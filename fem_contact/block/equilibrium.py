@@ -2,17 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.elements import element_matrices
-from fem_contact.block.mesh import BlockMesh, node_weights
-
-if TYPE_CHECKING:
-    from fem_contact.block.solution import BlockSolution
+from fem_contact.block.mesh import BlockMesh, element_matrices, node_weights
 
 __all__ = ["Equilibrium", "measure_equilibrium"]
 
@@ -35,38 +31,46 @@ class Equilibrium:
     energy: float
 
 
-def measure_equilibrium(solution: BlockSolution) -> Equilibrium:
-    """Apply the element matrices to the field, layer by layer from the surface down.
+def measure_equilibrium(
+    layers: Iterable[tuple[int, Array]],
+    *,
+    mesh: BlockMesh,
+    poisson: float,
+    pressure: Array,
+    modulus: Array | None,
+) -> tuple[float, float]:
+    """Apply the element matrices to a field, layer by layer from the surface down.
 
-    Nothing of the Fourier reduction enters but the field it produced.
+    Displacements are over the cell width, pressure and modulus over E. Nothing of the Fourier reduction
+    enters but the field it produced.
+
+    Returns
+    -------
+    residual, energy : float
+        As in `Equilibrium`, the energy over E times the cell width.
 
     Raises
     ------
     InvalidInput
         For the incompressible solid, whose element matrices are not finite.
     """
-    mesh, contact = solution.mesh, solution.contact
-    matrices, offsets = element_matrices(mesh, solution.solid.poisson, condensed=True)
-    width, young = solution.cell_size[0], solution.solid.young
+    matrices, offsets = element_matrices(mesh, poisson, condensed=True)
     weights = node_weights(mesh)
     area = mesh.aspect / mesh.element.types
-    applied = contact.pressure / young * area * (1.0 if weights is None else weights)
+    applied = pressure * area * (1.0 if weights is None else weights)
     squared, energy = 0.0, 0.0
     # Forces on the upper plane of the layer at hand from what lies above it; on the surface, the contact's.
     above = np.zeros((*mesh.shape, 3))
     above[..., 2] = applied
-    for layer in solution.source.descend():
-        nodes = layer.nodes / width
-        modulus = 1.0 if solution.modulus is None else solution.modulus[:, :, layer.index].reshape(-1, 1)
-        forces, stored = _layer_forces(mesh, nodes, matrices[layer.index], offsets=offsets, modulus=modulus)
+    for index, nodes in layers:
+        stiffness = 1.0 if modulus is None else modulus[:, :, index].reshape(-1, 1)
+        forces, stored = _layer_forces(mesh, nodes, matrices[index], offsets=offsets, modulus=stiffness)
         energy += stored
         forces[-1] += above
         squared += float(np.sum(forces[1:] ** 2))
         above = forces[0]
-    return Equilibrium(
-        residual=float(np.sqrt(squared)) / float(np.linalg.norm(applied)),
-        energy=energy * young * width / (mesh.cells[0] * mesh.cells[1] * mesh.aspect),
-    )
+    residual = float(np.sqrt(squared)) / float(np.linalg.norm(applied))
+    return residual, energy / (mesh.cells[0] * mesh.cells[1] * mesh.aspect)
 
 
 def _layer_forces(

@@ -39,8 +39,7 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 
 if TYPE_CHECKING:
-    from fem_contact.block.full.multigrid import StencilBlock
-    from fem_contact.block.full.quadratic import QuadraticBlock
+    from fem_contact.block.full.block import Block
     from fem_contact.block.reduced.surface import SurfaceOperator
 
 __all__ = ["Method", "Modulus", "Session", "check_method", "needed_bytes", "planned_mesh"]
@@ -224,7 +223,7 @@ class Session:
         return solve_reduced_offset(problem, self.response, self.operator)
 
     @cached_property
-    def shared(self) -> StencilBlock | QuadraticBlock:
+    def shared(self) -> Block:
         """What all full solves share: the block with the grids of its multigrid."""
         from fem_contact.block.full.system import prepared
 

@@ -236,7 +236,15 @@ class BlockSolution:
         InvalidInput
             For the incompressible solid, whose element matrices are not finite.
         """
-        return measure_equilibrium(self)
+        width, young = self.cell_size[0], self.solid.young
+        residual, energy = measure_equilibrium(
+            ((layer.index, layer.nodes / width) for layer in self.source.descend()),
+            mesh=self.mesh,
+            poisson=self.solid.poisson,
+            pressure=self.contact.pressure / young,
+            modulus=self.modulus,
+        )
+        return Equilibrium(residual=residual, energy=energy * young * width)
 
     def _size(self, layer: CellLayer) -> tuple[float, float, float]:
         return *self.cell_size, float(self.layers[layer.index])

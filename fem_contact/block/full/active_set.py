@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.full.block import Block
+from fem_contact.block.full.block import Block, CyclePreconditioner
 from fem_contact.block.full.linear import LinearSolution, conjugate_gradients
 from fem_contact.contact import Status
 
@@ -179,7 +179,7 @@ class _SetProblem:
 
     def __init__(self, block: Block, nodes: Mask) -> None:
         self.block, self.tied = block, block.vertical(nodes)
-        self.preconditioner = block.preconditioner(nodes)
+        self.preconditioner = CyclePreconditioner(block, nodes)
 
     def _apply(self, x: Array) -> Array:
         full = x[:-1].copy()

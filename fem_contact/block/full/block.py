@@ -3,41 +3,27 @@
 from __future__ import annotations
 
 import math
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from fem_contact.block.mesh import BlockMesh
+from fem_contact.block.full.levels import StencilLevel, Transfer
+from fem_contact.block.full.multigrid import Hierarchy
 
-__all__ = ["Block", "MeshedBlock", "SetPreconditioner"]
+__all__ = ["Block", "CyclePreconditioner"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
-
-class SetPreconditioner(Protocol):
-    """An approximate solution of the linear problem of one active set."""
-
-    @property
-    def nbytes(self) -> int:
-        """Memory it holds."""
-        ...
-
-    def apply(self, residual: Array, load: float | None) -> tuple[Array, float]:
-        """Displacement and offset answering a residual that vanishes at tied unknowns, and a residual load.
-
-        Where the load is None the offset is held.
-        """
-        ...
+#: Least ratio of what the bound can carry and the load on a coarser grid.
+_CARRYING = 1.01
 
 
 @dataclass(frozen=True, kw_only=True)
-class Block(ABC):
-    """A block that displacements can be applied to, and the profile pressed into it.
+class Block:
+    """The trilinear cells of a hierarchy's finest grid, and the profile pressed into them.
 
     Displacements are flat arrays over the nodes above the clamped plane, numbered (i ny + j) nz + k.
 
@@ -49,32 +35,38 @@ class Block(ABC):
         Largest nodal force, over E times the cell width squared.
     """
 
+    hierarchy: Hierarchy
     heights: Array
     bound: Array | None = None
 
+    #: Whether the hierarchy's cells are others than the block's.
+    refined: ClassVar[bool] = False
+
+    def coarser(self, *, load: float | None) -> Block:
+        """Return the profile on the next coarser grid, under a bound that can carry the load there."""
+        fine, coarse = self.hierarchy.levels[:2]
+        heights, bound = _sampled(self.heights, coarse.shape), None
+        if self.bound is not None:
+            bound = _sampled(self.bound, coarse.shape) * (coarse.area / fine.area)
+            if load is not None:
+                bound *= max(1.0, _CARRYING * load / float(bound.sum()))
+        return Block(hierarchy=self.hierarchy.coarser(), heights=heights, bound=bound)
+
     @property
-    @abstractmethod
     def levels(self) -> int:
         """Planes of nodes above the clamped one."""
-
-    @property
-    @abstractmethod
-    def depth(self) -> float:
-        """Thickness over the cell width."""
-
-    @abstractmethod
-    def apply(self, field: Array) -> Array:
-        """Nodal forces over E times the cell width squared under a displacement, flat arrays."""
-
-    @abstractmethod
-    def preconditioner(self, nodes: Mask) -> SetPreconditioner:
-        """Prepare the linear problem in which the profile's nodes move alike."""
+        return len(self.hierarchy.levels[0].coefficients)
 
     @property
     def shape(self) -> tuple[int, int]:
         """Surface nodes along both axes."""
         nx, ny = self.heights.shape
         return nx, ny
+
+    def apply(self, field: Array) -> Array:
+        """Nodal forces over E times the cell width squared under a displacement, flat arrays."""
+        level = self.hierarchy.levels[0]
+        return level.apply(field.reshape(level.field_shape)).ravel()
 
     def vertical(self, nodes: Mask) -> NDArray[np.int64]:
         """Numbers of the vertical unknowns at surface nodes."""
@@ -88,30 +80,56 @@ class Block(ABC):
         if load is not None:
             return load / math.sqrt(max(int(nodes.sum()), 1))
         deepest = float(np.max(self.heights)) - offset
-        return deepest / self.depth
+        return deepest / self.hierarchy.depth
 
     def surface(self, field: Array) -> Array:
         """Vertical component at the surface of a field over all unknowns, (nx, ny)."""
         return field.reshape(*self.shape, self.levels, 3)[:, :, -1, 2]
 
 
-@dataclass(frozen=True, kw_only=True)
-class MeshedBlock(Block):
-    """A block that knows its mesh.
+def _sampled(values: Array, shape: tuple[int, int]) -> Array:
+    """Interpolate a periodic array linearly at the nodes of a coarser grid."""
+    for axis in (0, 1):
+        at = Transfer.between(shape[axis], values.shape[axis])
+        along = np.reshape(at.weight, (-1, 1) if axis == 0 else (1, -1))
+        after = np.take(values, (at.low + 1) % at.size, axis=axis)
+        values = (1 - along) * np.take(values, at.low, axis=axis) + along * after
+    return np.ascontiguousarray(values)
 
-    Attributes
-    ----------
-    mesh : BlockMesh
-    """
 
-    mesh: BlockMesh
+class CyclePreconditioner:
+    """One cycle on the free unknowns; the offset by its Schur complement."""
 
-    @property
-    def levels(self) -> int:
-        """Planes of nodes above the clamped one."""
-        return self.mesh.planes.size - 1
+    def __init__(self, block: Block, nodes: Mask) -> None:
+        self.hierarchy, self.tied = block.hierarchy, block.hierarchy.tied(nodes)
+        self.field_shape = self.hierarchy.levels[0].field_shape
+        held = block.vertical(nodes)
+        unit = np.zeros(int(np.prod(self.field_shape)))
+        unit[held] = 1
+        coupling = block.apply(unit)
+        diagonal = float(coupling[held].sum())
+        coupling[held] = 0
+        answer, share = self._free(coupling), 1.0
+        moment = float(coupling @ answer)
+        if block.refined or not isinstance(self.hierarchy.levels[0], StencilLevel):
+            # A cycle on other cells or mean moduli may overestimate the inverse; scaled to the least energy,
+            # the answer still leaves a positive complement. On the same cells it never does.
+            image = block.apply(answer)
+            image[held] = 0
+            energy = float(answer @ image)
+            share = moment / energy if energy > 0 else 0.0
+        self.answer = share * answer
+        self.schur = diagonal - share * moment
+        self.nbytes = 5 * self.answer.nbytes
 
-    @property
-    def depth(self) -> float:
-        """Thickness over the cell width."""
-        return float(-self.mesh.planes[0])
+    def _free(self, residual: Array) -> Array:
+        return self.hierarchy.cycle(residual.reshape(self.field_shape), self.tied).ravel()
+
+    def apply(self, residual: Array, load: float | None) -> tuple[Array, float]:
+        """Displacement and offset answering a residual; the offset is held where the load is None."""
+        free = self._free(residual)
+        if load is None:
+            return free, 0.0
+        shift = (load - float(self.answer @ residual)) / self.schur
+        free -= shift * self.answer
+        return free, shift

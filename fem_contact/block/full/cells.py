@@ -10,15 +10,11 @@ coupling to itself, which is factorised to relax it.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.elements import element_matrices
-
-if TYPE_CHECKING:
-    from fem_contact.block.mesh import BlockMesh
+from fem_contact.block.mesh import BlockMesh, element_matrices
 
 __all__ = ["BlockFactors", "corner_coefficients", "overlap_means"]
 

@@ -13,25 +13,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.full.block import Block, SetPreconditioner
 from fem_contact.block.full.cells import BlockFactors, corner_coefficients, overlap_means
 from fem_contact.block.full.levels import CellLevel, Level, StencilLevel, Transfer
 from fem_contact.block.full.stencil import LineFactors, stencil
 
 if TYPE_CHECKING:
-    from fem_contact.block.full.quadratic import QuadraticBlock
     from fem_contact.block.mesh import BlockMesh
 
-__all__ = ["CyclePreconditioner", "Hierarchy", "Level", "StencilBlock", "Transfer", "build_hierarchy"]
+__all__ = ["Hierarchy", "Level", "Transfer", "build_hierarchy"]
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 #: Spacings along both axes count as equal up to this ratio, and are then doubled together.
 _ALIKE = 1.5
-
-#: Least ratio of what the bound can carry and the load on a coarser grid.
-_CARRYING = 1.01
 
 #: A coarse node is tied where this share of its weight lies on tied nodes.
 _TIED_SHARE = 0.25
@@ -137,92 +132,3 @@ def _coarser(shape: tuple[int, int], spacings: tuple[float, float]) -> tuple[int
     least = min((h for n, h in zip(shape, spacings, strict=True) if n > 1), default=0.0)
     x, y = ((n + 1) // 2 if h <= _ALIKE * least else n for n, h in zip(shape, spacings, strict=True))
     return x, y
-
-
-@dataclass(frozen=True, kw_only=True)
-class StencilBlock(Block):
-    """The finest grid of a hierarchy, pressed by a profile.
-
-    Attributes
-    ----------
-    hierarchy : Hierarchy
-    """
-
-    hierarchy: Hierarchy
-
-    def coarser(self, *, load: float | None) -> StencilBlock:
-        """Return the profile on the next coarser grid, under a bound that can carry the load there."""
-        fine, coarse = self.hierarchy.levels[:2]
-        heights, bound = _sampled(self.heights, coarse.shape), None
-        if self.bound is not None:
-            bound = _sampled(self.bound, coarse.shape) * (coarse.area / fine.area)
-            if load is not None:
-                bound *= max(1.0, _CARRYING * load / float(bound.sum()))
-        return StencilBlock(hierarchy=self.hierarchy.coarser(), heights=heights, bound=bound)
-
-    @property
-    def levels(self) -> int:
-        """Planes of nodes above the clamped one."""
-        return len(self.hierarchy.levels[0].coefficients)
-
-    @property
-    def depth(self) -> float:
-        """Thickness over the cell width."""
-        return self.hierarchy.depth
-
-    def apply(self, field: Array) -> Array:
-        """Sum the forces of the cells."""
-        level = self.hierarchy.levels[0]
-        return level.apply(field.reshape(level.field_shape)).ravel()
-
-    def preconditioner(self, nodes: Mask) -> SetPreconditioner:
-        """Tie the nodes on all grids."""
-        return CyclePreconditioner(self, nodes)
-
-
-def _sampled(values: Array, shape: tuple[int, int]) -> Array:
-    """Interpolate a periodic array linearly at the nodes of a coarser grid."""
-    for axis in (0, 1):
-        at = Transfer.between(shape[axis], values.shape[axis])
-        along = np.reshape(at.weight, (-1, 1) if axis == 0 else (1, -1))
-        after = np.take(values, (at.low + 1) % at.size, axis=axis)
-        values = (1 - along) * np.take(values, at.low, axis=axis) + along * after
-    return np.ascontiguousarray(values)
-
-
-class CyclePreconditioner:
-    """One cycle on the free unknowns; the offset by its Schur complement."""
-
-    def __init__(self, block: StencilBlock | QuadraticBlock, nodes: Mask) -> None:
-        self.hierarchy, self.tied = block.hierarchy, block.hierarchy.tied(nodes)
-        self.field_shape = self.hierarchy.levels[0].field_shape
-        held = block.vertical(nodes)
-        unit = np.zeros(int(np.prod(self.field_shape)))
-        unit[held] = 1
-        coupling = block.apply(unit)
-        diagonal = float(coupling[held].sum())
-        coupling[held] = 0
-        answer, share = self._free(coupling), 1.0
-        moment = float(coupling @ answer)
-        if not (isinstance(block, StencilBlock) and isinstance(self.hierarchy.levels[0], StencilLevel)):
-            # A cycle on other cells or mean moduli may overestimate the inverse; scaled to the least energy,
-            # the answer still leaves a positive complement. On the same cells it never does.
-            image = block.apply(answer)
-            image[held] = 0
-            energy = float(answer @ image)
-            share = moment / energy if energy > 0 else 0.0
-        self.answer = share * answer
-        self.schur = diagonal - share * moment
-        self.nbytes = 5 * self.answer.nbytes
-
-    def _free(self, residual: Array) -> Array:
-        return self.hierarchy.cycle(residual.reshape(self.field_shape), self.tied).ravel()
-
-    def apply(self, residual: Array, load: float | None) -> tuple[Array, float]:
-        """Displacement and offset answering a residual; the offset is held where the load is None."""
-        free = self._free(residual)
-        if load is None:
-            return free, 0.0
-        shift = (load - float(self.answer @ residual)) / self.schur
-        free -= shift * self.answer
-        return free, shift

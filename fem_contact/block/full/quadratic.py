@@ -9,22 +9,19 @@ the 6561 entries of the element matrix are left. `quadratic_kernels` multiplies 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.elements import ELEMENTS, element_matrices
-from fem_contact.block.full.block import MeshedBlock, SetPreconditioner
-from fem_contact.block.full.multigrid import CyclePreconditioner, Hierarchy, build_hierarchy
-
-if TYPE_CHECKING:
-    from fem_contact.block.mesh import BlockMesh
+from fem_contact.block.elements import ELEMENTS
+from fem_contact.block.full.block import Block
+from fem_contact.block.full.multigrid import Hierarchy, build_hierarchy
+from fem_contact.block.mesh import BlockMesh, element_matrices
 
 __all__ = ["QuadraticBlock", "parity_blocks", "refined_hierarchy"]
 
 Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 #: a + c, m and c - a from the nodes a, m, c of one axis, and whether they are odd.
 _COMBINATIONS = np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])
@@ -76,21 +73,22 @@ def parity_blocks(mesh: BlockMesh, *, poisson: float) -> ParityBlocks:
 
 
 @dataclass(frozen=True, kw_only=True)
-class QuadraticBlock(MeshedBlock):
+class QuadraticBlock(Block):
     """Triquadratic cells, preconditioned by the trilinear cells between their nodes.
 
     Attributes
     ----------
-    cells : ParityBlocks
     modulus : (nx, ny, nz) array
         Young's modulus of the cells over E.
     hierarchy : Hierarchy
         As `refined_hierarchy` builds it.
     """
 
+    mesh: BlockMesh
     cells: ParityBlocks
     modulus: Array
-    hierarchy: Hierarchy
+
+    refined: ClassVar[bool] = True
 
     def apply(self, field: Array) -> Array:
         """Sum the forces of the cells."""
@@ -100,10 +98,6 @@ class QuadraticBlock(MeshedBlock):
         forces = np.zeros_like(u)
         apply_quadratic(cells.entries, cells.sizes, cells.places, self.modulus, u, forces)
         return forces.ravel()
-
-    def preconditioner(self, nodes: Mask) -> SetPreconditioner:
-        """Tie the nodes on all grids."""
-        return CyclePreconditioner(self, nodes)
 
 
 def refined_hierarchy(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Hierarchy:

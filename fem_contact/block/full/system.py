@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact.block.full.active_set import ActiveSetSolution, Settings, solve_contact
-from fem_contact.block.full.multigrid import StencilBlock, build_hierarchy
+from fem_contact.block.full.block import Block
+from fem_contact.block.full.multigrid import build_hierarchy
 from fem_contact.block.full.quadratic import QuadraticBlock, parity_blocks, refined_hierarchy
 from fem_contact.block.mesh import node_weights
 from fem_contact.block.problem import Found, Problem
@@ -35,13 +36,13 @@ _INSIDE = 0.999
 _LINEAR_STEPS = 3000
 
 
-def prepared(problem: Problem) -> StencilBlock | QuadraticBlock:
+def prepared(problem: Problem) -> Block:
     """Return the block with its grids, which all solves of one session share."""
     mesh, poisson, modulus = problem.mesh, problem.poisson, problem.modulus
     cells = np.broadcast_to(1.0 if modulus is None else modulus, (*mesh.cells, mesh.nz))
     varying = None if modulus is None else cells if problem.lateral else cells[0, 0]
     if mesh.element.order == 1:
-        return StencilBlock(
+        return Block(
             hierarchy=build_hierarchy(mesh, poisson=poisson, modulus=varying),
             heights=problem.heights,
             bound=problem.force_bound,
@@ -56,7 +57,7 @@ def prepared(problem: Problem) -> StencilBlock | QuadraticBlock:
     )
 
 
-def solve_full(problem: Problem, start: Mask | Found | None, block: StencilBlock | QuadraticBlock) -> Found:
+def solve_full(problem: Problem, start: Mask | Found | None, block: Block) -> Found:
     """Solve the whole block from a first set or solution, by default from a coarser grid's."""
     from threadpoolctl import threadpool_limits
 
@@ -82,24 +83,24 @@ def solve_full(problem: Problem, start: Mask | Found | None, block: StencilBlock
         linear_iterations=found.linear_iterations,
         fft_pairs=0.0,
         bytes=found.matrix_bytes,
-        method="multigrid" if isinstance(block, StencilBlock) else "refined",
+        method="refined" if block.refined else "multigrid",
         note=f"linear residual {found.linear_residual:.3g} of the contact forces",
         field=field,
         at_bound=found.at_bound,
     )
 
 
-def _first(block: StencilBlock | QuadraticBlock, problem: Problem, start: Mask | Found | None) -> First:
+def _first(block: Block, problem: Problem, start: Mask | Found | None) -> First:
     """Set, offset and displacement to start from: what is known, or what coarser or simpler cells answer."""
     if isinstance(start, Found):
         assert start.field is not None
         return start.in_contact, start.offset, start.field[:, :, 1:]
     if start is not None:
         return start, 0.0, None
-    if isinstance(block, StencilBlock):
+    if not isinstance(block, QuadraticBlock):
         return _proposed(block, problem)
     bound, weights = block.bound, node_weights(block.mesh)
-    trilinear = StencilBlock(
+    trilinear = Block(
         hierarchy=block.hierarchy,
         heights=block.heights,
         bound=bound if bound is None or weights is None else bound / weights,
@@ -108,7 +109,7 @@ def _first(block: StencilBlock | QuadraticBlock, problem: Problem, start: Mask |
     return found.in_contact, found.offset, found.displacement
 
 
-def _loosely(block: StencilBlock, problem: Problem) -> ActiveSetSolution:
+def _loosely(block: Block, problem: Problem) -> ActiveSetSolution:
     """Solve a block that only proposes a set."""
     return _pressed(
         block,
@@ -119,7 +120,7 @@ def _loosely(block: StencilBlock, problem: Problem) -> ActiveSetSolution:
     )
 
 
-def _proposed(block: StencilBlock, problem: Problem) -> First:
+def _proposed(block: Block, problem: Problem) -> First:
     """First set, offset and displacement, prolonged from the contact solved on the next coarser grid."""
     if min(block.shape) < _COARSEST:
         return highest_nodes(block.heights, problem), 0.0, None
@@ -131,7 +132,7 @@ def _proposed(block: StencilBlock, problem: Problem) -> First:
 
 
 def _pressed(
-    block: StencilBlock | QuadraticBlock,
+    block: Block,
     problem: Problem,
     first: First,
     *,

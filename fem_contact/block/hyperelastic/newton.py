@@ -22,8 +22,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from fem_contact.block.full.block import Block, CyclePreconditioner
 from fem_contact.block.full.linear import conjugate_gradients
-from fem_contact.block.full.multigrid import Hierarchy, StencilBlock
+from fem_contact.block.full.multigrid import Hierarchy
 from fem_contact.block.hyperelastic.cells import Cells, Strained
 from fem_contact.block.hyperelastic.profile import Heights, Profile
 
@@ -256,8 +257,8 @@ class _Tangent:
         closing[nodes, -1, 2] = self.gap
         right = -self.dropped(self.internal + self.times(closing))
         right[-1] -= self.press.load
-        block = StencilBlock(hierarchy=self.press.hierarchy, heights=np.zeros(nodes.shape))
-        inverse = block.preconditioner(nodes)
+        block = Block(hierarchy=self.press.hierarchy, heights=np.zeros(nodes.shape))
+        inverse = CyclePreconditioner(block, nodes)
 
         def precondition(rest: Array) -> Array:
             field, shift = inverse.apply(rest[:-1], float(rest[-1]))

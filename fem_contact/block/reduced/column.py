@@ -21,8 +21,8 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact.block.elements import Element, element_matrices
-from fem_contact.block.mesh import BlockMesh
+from fem_contact.block.elements import Element
+from fem_contact.block.mesh import BlockMesh, element_matrices
 from fem_contact.complementarity.rows import Rows
 from fem_contact.settings import available_processors
 

@@ -6,8 +6,9 @@ import pytest
 from fem_contact.block import plan_mesh, solve
 from fem_contact.block.full import active_set, system
 from fem_contact.block.full.active_set import Settings, solve_contact
+from fem_contact.block.full.block import Block
 from fem_contact.block.full.linear import LinearSolution
-from fem_contact.block.full.multigrid import StencilBlock, build_hierarchy
+from fem_contact.block.full.multigrid import build_hierarchy
 from fem_contact.contact import Status
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
@@ -15,10 +16,10 @@ from fem_contact.surface import HeightField
 SETTINGS = Settings(tolerance=1e-9, max_iterations=30, max_linear_iterations=100)
 
 
-def bumpy_block() -> StencilBlock:
+def bumpy_block() -> Block:
     mesh = plan_mesh((4, 4), (1.0, 1.0))
     heights = -np.random.default_rng(21).random((4, 4))
-    return StencilBlock(hierarchy=build_hierarchy(mesh, poisson=0.3), heights=heights)
+    return Block(hierarchy=build_hierarchy(mesh, poisson=0.3), heights=heights)
 
 
 class _Flipping:

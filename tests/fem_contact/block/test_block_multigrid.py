@@ -7,14 +7,10 @@ from surfaces import rough_surface
 from fem_contact.block import ELEMENTS, estimate, plan_mesh, solve, solve_displacement, solve_path
 from fem_contact.block.full import kernels
 from fem_contact.block.full.assembly import assemble
+from fem_contact.block.full.block import Block
 from fem_contact.block.full.cells import overlap_means
 from fem_contact.block.full.linear import conjugate_gradients
-from fem_contact.block.full.multigrid import (
-    Hierarchy,
-    StencilBlock,
-    Transfer,
-    build_hierarchy,
-)
+from fem_contact.block.full.multigrid import Hierarchy, Transfer, build_hierarchy
 from fem_contact.block.full.quadratic import QuadraticBlock, parity_blocks, refined_hierarchy
 from fem_contact.block.full.stencil import TERMS
 from fem_contact.block.session import needed_bytes
@@ -99,7 +95,7 @@ def test_the_stencil_is_the_assembled_matrix(element, shape, layered):
     matrix = assemble(mesh, poisson=0.41, modulus=moduli).free()
     u = np.random.default_rng(9).standard_normal(matrix.shape[0])
     exact = matrix @ u
-    found = StencilBlock(hierarchy=hierarchy, heights=np.zeros(shape)).apply(u)
+    found = Block(hierarchy=hierarchy, heights=np.zeros(shape)).apply(u)
     np.testing.assert_allclose(found, exact, rtol=0, atol=1e-14 * np.abs(exact).max())
 
 
@@ -233,7 +229,7 @@ def test_a_single_column_is_solved_exactly():
 
 def steps_of(hierarchy: Hierarchy, tied, block=None) -> int:
     """Conjugate-gradient steps to 1e-8 under random forces with tied nodes."""
-    block = block or StencilBlock(hierarchy=hierarchy, heights=np.zeros(tied.shape))
+    block = block or Block(hierarchy=hierarchy, heights=np.zeros(tied.shape))
     masks, held = hierarchy.tied(tied), block.vertical(tied)
     shape = hierarchy.levels[0].field_shape
 
