@@ -20,7 +20,7 @@ from fem_contact.response import Response
 from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
-__all__ = ["Hardness", "YieldedContact", "press", "unload", "yielded"]
+__all__ = ["Hardness", "YieldedContact", "press_yielding", "unload", "yielded"]
 
 Array = NDArray[np.float64]
 
@@ -93,7 +93,7 @@ def yielded(contact: ContactResult) -> YieldedContact:
     >>> x = np.arange(16) / 16
     >>> wave = HeightField(heights=0.1 * np.cos(2 * np.pi * x)[:, None] * np.ones(4), lengths=(1.0, 0.25))
     >>> solid = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
-    >>> found = yielded(press(wave, solid, hardness=Hardness(pressure=0.2), mean_pressure=0.1))
+    >>> found = yielded(press_yielding(wave, solid, hardness=Hardness(pressure=0.2), mean_pressure=0.1))
     >>> f"{found.elastic_area + found.plastic_area + found.open_area:.12g}"
     '1'
     >>> f"{found.elastic_load + found.plastic_load:.12g}"
@@ -118,7 +118,7 @@ def yielded(contact: ContactResult) -> YieldedContact:
     )
 
 
-def press(
+def press_yielding(
     surface: HeightField,
     response: Response,
     *,
@@ -192,7 +192,7 @@ def unload(
         if not load <= contact.mean_pressure * (1 + tolerance):
             raise InvalidInput(
                 f"mean_pressures: {load!r} Pa is above the {contact.mean_pressure!r} Pa that the surface "
-                "yielded under; press further with `press`"
+                "yielded under; press further with `press_yielding`"
             )
     return bem.solve_path(
         yielded(contact).surface,

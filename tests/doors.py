@@ -43,7 +43,9 @@ def solver_doors() -> dict[str, Door]:
     q = np.array([1.0, 2.0])
     result = bem.solve(surface, half, mean_pressure=0.02)
     path = bem.solve_path(surface, half, mean_pressures=[0.01, 0.02, 0.03])
-    yielding = hardness.press(surface, half, hardness=hardness.Hardness(pressure=0.06), mean_pressure=0.02)
+    yielding = hardness.press_yielding(
+        surface, half, hardness=hardness.Hardness(pressure=0.06), mean_pressure=0.02
+    )
     law = adhesion.Exponential(work=1e-4, reach=0.02)
     dugdale = adhesion.Dugdale(work=1e-4, reach=0.02, ramp=0.5)
     state = adhesion.solve(surface, half, law=law, mean_pressure=0.01)
@@ -169,8 +171,8 @@ def solver_doors() -> dict[str, Door]:
         ),
         "bem.solve_path": (bem.solve_path, solve | {"mean_pressures": [0.01, 0.02], "pressure_bound": 0.2}),
         "Hardness": (hardness.Hardness, {"pressure": 1.0}),
-        "press": (
-            hardness.press,
+        "press_yielding": (
+            hardness.press_yielding,
             solve | {"hardness": hardness.Hardness(pressure=0.06), "mean_pressure": 0.02},
         ),
         "unload": (

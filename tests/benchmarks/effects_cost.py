@@ -12,7 +12,7 @@ from fem_contact import adhesion, bem
 from fem_contact.adhesion.laws import Dugdale, Exponential
 from fem_contact.contact import ContactResult
 from fem_contact.graded import ExponentialSolid, LayeredSolid
-from fem_contact.hardness import Hardness, press
+from fem_contact.hardness import Hardness, press_yielding
 from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
@@ -47,7 +47,9 @@ def main(points: int) -> None:
         "thickness": lambda: bem.solve(surface, layer, mean_pressure=load),
         "coating": lambda: bem.solve(surface, coated, mean_pressure=load),
         "graded": lambda: bem.solve(surface, graded, mean_pressure=load),
-        "hardness 0.06": lambda: press(surface, half, hardness=Hardness(pressure=0.06), mean_pressure=load),
+        "hardness 0.06": lambda: press_yielding(
+            surface, half, hardness=Hardness(pressure=0.06), mean_pressure=load
+        ),
         "adhesion, exponential": lambda: sticky(Exponential(work=work, reach=reach)),
         "adhesion, hardness 0.06": lambda: sticky(Exponential(work=work, reach=reach), 0.06),
         "adhesion, Dugdale": lambda: sticky(Dugdale(work=work, reach=reach)),

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from fem_contact.hardness import Hardness, press, yielded
+from fem_contact.hardness import Hardness, press_yielding, yielded
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
@@ -44,7 +44,7 @@ def main() -> None:
                 for points in GRIDS:
                     field = surface(points, seed)
                     unit = field.rms_gradient
-                    contact = press(
+                    contact = press_yielding(
                         field,
                         solid,
                         hardness=Hardness(pressure=relative * unit),

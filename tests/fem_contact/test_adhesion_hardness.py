@@ -10,7 +10,7 @@ from fem_contact import adhesion
 from fem_contact.adhesion.descent import Landscape
 from fem_contact.adhesion.laws import Dugdale, Exponential
 from fem_contact.errors import InvalidInput
-from fem_contact.hardness import Hardness, press, yielded
+from fem_contact.hardness import Hardness, press_yielding, yielded
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
@@ -60,7 +60,7 @@ def test_a_hardness_above_every_pressure_leaves_adhesion_as_it_is():
 
 def test_without_much_adhesion_the_answer_is_that_of_hardness_alone():
     hardness = 0.06
-    alone = press(
+    alone = press_yielding(
         rough(), HALF, hardness=Hardness(pressure=hardness), mean_pressure=LOAD, tolerance=1e-10, threads=1
     )
     distances = []

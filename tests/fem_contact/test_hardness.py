@@ -6,7 +6,7 @@ from surfaces import rough_surface
 
 from fem_contact import bem
 from fem_contact.errors import InvalidInput
-from fem_contact.hardness import Hardness, press, unload, yielded
+from fem_contact.hardness import Hardness, press_yielding, unload, yielded
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
@@ -20,7 +20,7 @@ def rough(points=64, *, waves=8, gradient=0.1):
 
 
 def pressed(hardness, load=LOAD, **options):
-    return press(
+    return press_yielding(
         rough(), ELASTIC, hardness=Hardness(pressure=hardness), mean_pressure=load, threads=1, **options
     ).checked()
 
@@ -107,7 +107,7 @@ def test_other_units_of_length_and_pressure_change_no_bit():
     soft = HalfSpace(solid=Solid(young=pressure, poisson=0.0))
     one = yielded(pressed(0.05))
     two = yielded(
-        press(
+        press_yielding(
             scaled,
             soft,
             hardness=Hardness(pressure=0.05 * pressure),

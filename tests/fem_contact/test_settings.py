@@ -6,7 +6,7 @@ import pytest
 from fem_contact import HalfSpace, HeightField, Solid, bem
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput, NotConverged
-from fem_contact.hardness import Hardness, press
+from fem_contact.hardness import Hardness, press_yielding
 from fem_contact.settings import Settings
 
 SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
@@ -68,7 +68,7 @@ def test_every_elastic_question_has_a_time_limit():
     assert bem.solve_displacement(surface, SOFT, mean_gap=0.5, time_limit=short).status is Status.TIME_LIMIT
     loads = bem.solve_path(surface, SOFT, mean_pressures=[0.5, 1.0], time_limit=short)
     assert [result.status for result in loads] == [Status.TIME_LIMIT] * 2
-    hard = press(surface, SOFT, hardness=Hardness(pressure=9.0), mean_pressure=1.0, time_limit=short)
+    hard = press_yielding(surface, SOFT, hardness=Hardness(pressure=9.0), mean_pressure=1.0, time_limit=short)
     assert hard.status is Status.TIME_LIMIT
 
 

@@ -9,7 +9,7 @@ from small_scene import small_scene
 from fem_contact import bem
 from fem_contact.area import contact_areas
 from fem_contact.extrapolation import located_limit, perimeter_limit
-from fem_contact.hardness import Hardness, press
+from fem_contact.hardness import Hardness, press_yielding
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
@@ -107,7 +107,9 @@ def test_a_scene_that_yields_is_pressed_with_its_hardness_and_shares_solves_with
     load = 0.1 * realise(mine).pressure_scale
     response = HalfSpace(solid=Solid(young=2e6, poisson=0.3))
     yielded = [
-        press(realise(mine).heights((n, n)), response, hardness=Hardness(pressure=3e4), mean_pressure=load)
+        press_yielding(
+            realise(mine).heights((n, n)), response, hardness=Hardness(pressure=3e4), mean_pressure=load
+        )
         for n in (24, 36, 48)
     ]
     limit = perimeter_limit([contact_areas(one) for one in yielded])
@@ -223,7 +225,7 @@ def test_finite_elements_of_a_scene_stand_beside_boundary_elements_with_its_effe
     assert data.leg.values.tolist() == ["fem"]
     own = {solve.method: solve for solve in solves_of(mine) if solve.grid == (12, 12)}
     found = own["fem"].do().contact
-    ours = press(
+    ours = press_yielding(
         own["fem"].height_field(),
         HalfSpace(solid=Solid(young=2e6, poisson=0.3)),
         hardness=Hardness(pressure=3e4),

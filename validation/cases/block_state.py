@@ -106,7 +106,7 @@ def _unloading() -> list[Check]:
     body, surface = HalfSpace(solid=Solid(young=1.0, poisson=0.3)), _rough(48)
     unit = body.contact_modulus * surface.rms_gradient
     load = 0.15 * unit
-    pressed = hardness.press(
+    pressed = hardness.press_yielding(
         surface, body, hardness=hardness.Hardness(pressure=0.5 * unit), mean_pressure=load, tolerance=1e-10
     ).checked()
     parts = hardness.yielded(pressed)

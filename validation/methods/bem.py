@@ -95,10 +95,10 @@ class Bem(Solver):
             held = bem.solve_displacement(field, response, pressure_bound=slots.pressure_bound, **said)
             return Solved(contact=held)
         if slots.pressure_bound is not None:
-            from fem_contact.hardness import Hardness, press
+            from fem_contact.hardness import Hardness, press_yielding
 
             limit = Hardness(pressure=slots.pressure_bound)
-            return Solved(contact=press(field, response, hardness=limit, **said))
+            return Solved(contact=press_yielding(field, response, hardness=limit, **said))
         return Solved(contact=bem.solve(field, response, **said))
 
     def check(self, options: BemOptions, realised: Realised, effects: Sequence[Effect]) -> None:

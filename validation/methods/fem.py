@@ -76,8 +76,9 @@ class Fem(Solver):
     score_element = "Hex1"
     score_points = 16
     papers = (
-        "Finite elements: T. Gustafsson, G. D. McBain, scikit-fem, J. Open Source Softw. 5, 2369 (2020); "
-        "linear systems: N. Bell, L. N. Olson, J. Schroder, PyAMG, J. Open Source Softw. 7, 4142 (2022).",
+        "Finite elements: T. Gustafsson, G. D. McBain, scikit-fem, J. Open Source Softw. 5, 2369 (2020).",
+        "Full system, contact set: M. Hintermüller, K. Ito, K. Kunisch, SIAM J. Optim. 13, 865 (2002); "
+        "multigrid: A. Brandt, Math. Comput. 31, 333 (1977).",
     )
 
     def handles(self, effect: type[Effect]) -> bool:

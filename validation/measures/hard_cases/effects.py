@@ -18,10 +18,12 @@ _LOAD = 0.01
 
 def _hard(ratio: float) -> Measured:
     """Hardness over the mean pressure: plastic load is hardness times plastic area, and loads add up."""
-    from fem_contact.hardness import Hardness, press
+    from fem_contact.hardness import Hardness, press_yielding
 
     hardness = ratio * _LOAD
-    result = press(rough(), HALF_SPACE, hardness=Hardness(pressure=hardness), mean_pressure=_LOAD, threads=1)
+    result = press_yielding(
+        rough(), HALF_SPACE, hardness=Hardness(pressure=hardness), mean_pressure=_LOAD, threads=1
+    )
     return judged(result, load_errors(result, load=_LOAD, hardness=hardness))
 
 
