@@ -284,8 +284,8 @@ def test_surfaces_are_generated_inspected_and_converted(tool, tmp_path):
     assert facts["h'_rms (spectral)"] == pytest.approx(scene["h'_rms (spectral)"], rel=1e-9)
     assert facts["missing points"] == 0
     assert "C(q)" in tool("surface", "inspect", "rough.nc")[1]
-    assert tool("surface", "convert", "rough.nc", "rough.x3p")[0] == 0
-    code, out, _ = tool("surface", "convert", "rough.x3p", "rough.npy")
+    assert tool("surface", "convert", "rough.nc", "rough.txt")[0] == 0
+    code, out, _ = tool("surface", "convert", "rough.txt", "rough.npy", "--length", "100 um", "--unit", "1 m")
     assert code == 0
     assert 'it does not say length = [0.0001, 0.0001] (m) and unit = "1 m"' in out
     from validation.scenes.topography import read_topography

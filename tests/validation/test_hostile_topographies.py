@@ -21,7 +21,7 @@ _SPEC.loader.exec_module(files)
 
 #: Those that are odd, but hold a map.
 READ = {"overflow.csv"}
-SUFFIXES = (".npy", ".txt", ".nc", ".x3p")
+SUFFIXES = (".npy", ".txt", ".nc")
 
 
 def tried(path) -> str:
@@ -49,7 +49,7 @@ def corpus():
 
 
 def test_every_hostile_file_is_refused_in_one_sentence(tmp_path, corpus):
-    assert len(corpus) > 150
+    assert len(corpus) > 100
     slowest, taken = 0.0, set()
     for name, raw in corpus.items():
         path = tmp_path / name
@@ -68,15 +68,9 @@ def test_every_hostile_file_is_refused_in_one_sentence(tmp_path, corpus):
     ("name", "words"),
     [
         ("petabytes.npy", "100000000 x 100000000 heights; at most 67108864"),
-        ("bomb-xml.x3p", "'main.xml' is 268435456 bytes long; at most 4194304"),
-        ("bomb-data.x3p", "'bindata/data.bin' is 268435456 bytes long; at most 960"),
-        ("laughs.x3p", "declares a document type"),
-        ("laughs-16.x3p", "declares a document type"),
-        ("external.x3p", "declares a document type"),
-        ("deep.x3p", "nested more than 64 deep"),
-        ("encrypted.x3p", "is encrypted"),
-        ("packing.x3p", "packed in way 99"),
-        ("bad-encoding.x3p", "unknown encoding"),
+        ("virtual.nc", "its data set 'heights' lies in another file .*virtual or external storage"),
+        ("external.nc", "its data set 'heights' lies in another file"),
+        ("linked.nc", "its data set 'heights' lies in another file"),
         ("huge.nc", "1000000 x 1000000 heights; at most"),
         ("huge-chunk.nc", "30000 x 30000 heights; at most"),
         ("empty-axis.nc", r"shape \(0, 5\); a map of at least 2 x 2"),
@@ -114,7 +108,7 @@ def test_damage_to_good_files_ends_in_heights_or_a_sentence(tmp_path, monkeypatc
     # A library that loops for ever is ended after this time; without that, this test would hang.
     monkeypatch.setattr(reading, "_SECONDS", 10.0)
     counts = swept(tmp_path, range(40))
-    assert sum(counts.values()) == 160
+    assert sum(counts.values()) == 120
     assert all(counts[f"{suffix} refused"] for suffix in SUFFIXES)
 
 
@@ -123,7 +117,7 @@ def test_damage_to_good_files_ends_in_heights_or_a_sentence_thousands_of_times(t
     monkeypatch.setattr(reading, "_SECONDS", 10.0)
     counts = swept(tmp_path, range(1000, 2500))
     print(dict(counts))
-    assert sum(counts.values()) == 6000
+    assert sum(counts.values()) == 4500
 
 
 def test_what_is_no_file_is_not_waited_for(tmp_path):

@@ -69,7 +69,7 @@ def test_the_recipes_run_in_their_order(capsys, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     rough = {"hurst": 0.8, "lambda_long": "500 nm", "lambda_short": "125 nm", "rms_gradient": 0.1, "seed": 21}
     field = self_affine(length="1 um", **rough).heights(24)
-    write_topography(tmp_path / "afm.x3p", HeightField(heights=field.values, lengths=(1e-6, 1e-6)))
+    write_topography(tmp_path / "afm.nc", HeightField(heights=field.values, lengths=(1e-6, 1e-6)))
     space: dict[str, object] = {}
     for source in _blocks(DOCS / "how_to.md", "python"):
         if 'study("hurst"' in source:  # minutes; the study has tests of its own

@@ -6,6 +6,7 @@ import hashlib
 import io
 import math
 import os
+import sys
 
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ from validation.scenes.topography import (
     reading,
     write_topography,
 )
+from validation.scenes.topography.formats import read_plain
 
 LENGTH = 1e-5
 SPECTRUM = SelfAffine.from_rms_gradient(
@@ -59,12 +61,12 @@ def measured_patch(n: int = 96) -> tuple[np.ndarray, np.ndarray]:
     return np.where(holes, np.nan, tilted), holes
 
 
-@pytest.mark.parametrize("suffix", [".npy", ".txt", ".nc", ".x3p"])
+@pytest.mark.parametrize("suffix", [".npy", ".txt", ".nc"])
 def test_every_format_is_written_and_read_back_exactly(tmp_path, suffix):
     field = HeightField(heights=patch(48)[:24, :18], lengths=(2.4e-6, 1.8e-6))
     path = tmp_path / f"surface{suffix}"
     write_topography(path, field)
-    says_size = suffix in (".nc", ".x3p")
+    says_size = suffix == ".nc"
     found = read_topography(
         path, lengths=None if says_size else field.lengths, unit=None if says_size else 1.0
     )
@@ -97,46 +99,39 @@ def test_netcdf_units_are_converted(tmp_path):
     assert found.heights[3, 2] == pytest.approx(11e-9, rel=1e-7)
 
 
-def test_integer_x3p_with_invalid_points_is_read(tmp_path):
-    import zipfile
-
-    from validation.scenes import topography
-
-    heights = HeightField(heights=np.zeros((3, 2)), lengths=(3e-6, 2e-6))
-    path = tmp_path / "made.x3p"
-    topography.write_topography(path, heights)
-    with zipfile.ZipFile(path) as archive:
-        xml = archive.read("main.xml").decode()
-    xml = xml.replace(
-        "<AxisType>A</AxisType><DataType>D</DataType><Increment>1.0",
-        "<AxisType>A</AxisType><DataType>I</DataType><Increment>1e-9",
-    ).replace("</PointDataLink>", "</PointDataLink><ValidPointsLink>bindata/valid.bin</ValidPointsLink>")
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("main.xml", xml)
-        archive.writestr("bindata/data.bin", np.arange(6, dtype="<i2").tobytes())
-        archive.writestr("bindata/valid.bin", bytes([0b111011]))
-    found = read_topography(path).heights
-    # x runs fastest: the third point is x = 2, y = 0.
-    assert np.isnan(found[2, 0])
-    np.testing.assert_allclose(
-        found[[0, 1, 0, 1, 2], [0, 0, 1, 1, 1]], [0, 1e-9, 3e-9, 4e-9, 5e-9], rtol=1e-14
-    )
-
-
-def test_other_formats_are_read_by_surfacetopography_or_refused_by_name(tmp_path, monkeypatch):
-    path = tmp_path / "scan.al3d"
-    with pytest.raises(UsageError, match="No such file"):
-        read_topography(path)
-    path.write_bytes(b"nonsense")
+def test_other_formats_are_read_and_written_with_surfacetopography(tmp_path):
     library = pytest.importorskip("SurfaceTopography", reason="LOUD: SurfaceTopography is not installed")
-    with pytest.raises(UsageError, match="is no topography of its kind"):
-        read_topography(path)
-    heights = patch(48)[:16, :16]
-    other = tmp_path / "scan.asc_xyz"
-    library.Topography(heights * 1e9, (1e4, 1e4), unit="nm").to_netcdf(str(other))
-    found = read_topography(other)
-    np.testing.assert_allclose(found.heights, heights, rtol=1e-9)
-    np.testing.assert_allclose(found.lengths, (1e-5, 1e-5), rtol=1e-12)
+    field = HeightField(heights=patch(48)[:24, :18], lengths=(2.4e-6, 1.8e-6))
+    holed = np.ma.masked_greater(field.heights * 1e9, np.quantile(field.heights * 1e9, 0.9))
+    made = library.Topography(holed, (2400.0, 1800.0), unit="nm")
+    with (tmp_path / "whole-numbers.x3p").open("wb") as file:
+        made.to_unit("m").to_x3p(file, dtype="L")
+    made.to_netcdf(str(tmp_path / "classic.data"))
+    made.to_gwy(str(tmp_path / "scan.gwy"))
+    for path in ("whole-numbers.x3p", "classic.data", "scan.gwy"):
+        found = read_topography(tmp_path / path)
+        np.testing.assert_allclose(found.lengths, field.lengths, rtol=1e-12)
+        np.testing.assert_array_equal(np.isnan(found.heights), holed.mask)
+        np.testing.assert_allclose(found.heights[~holed.mask], field.heights[~holed.mask], atol=1e-9 * 1e-8)
+    write_topography(tmp_path / "plain.x3p", field)
+    found = read_topography(tmp_path / "plain.x3p")
+    np.testing.assert_array_equal(found.heights, field.heights)
+    # Text of a program whose header is not ours, and binary data of a suffix that is ours.
+    (tmp_path / "binary.dat").write_bytes((tmp_path / "scan.gwy").read_bytes())
+    assert read_topography(tmp_path / "binary.dat").heights.shape == (24, 18)
+    for name in ("scan.al3d", "scan.x3p"):
+        (tmp_path / name).write_bytes(b"nonsense")
+        with pytest.raises(UsageError, match="is no topography of its kind"):
+            read_topography(tmp_path / name)
+
+
+def test_without_surfacetopography_a_line_says_what_to_install(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "SurfaceTopography", None)
+    (tmp_path / "scan.x3p").write_bytes(b"PK")
+    with pytest.raises(UsageError, match=r"for x3p and other formats install .*fem-contact\[topography\]"):
+        read_plain(str(tmp_path / "scan.x3p"))
+    with pytest.raises(UsageError, match=r"written by SurfaceTopography: pip install 'fem-contact\[topo"):
+        write_topography(tmp_path / "scan.x3p", HeightField(heights=np.eye(4), lengths=(1.0, 1.0)))
 
 
 def test_a_plane_is_found_from_the_known_points_alone():
@@ -295,8 +290,8 @@ def test_a_measured_topography_goes_through_theory_and_solvers(tmp_path):
 
 def test_a_file_that_says_its_size_needs_no_length_in_the_scene(tmp_path):
     field = HeightField(heights=patch()[:24, :24], lengths=(LENGTH / 4, LENGTH / 4))
-    write_topography(tmp_path / "scan.x3p", field)
-    (tmp_path / "scene.toml").write_text(SCENE.format(path="scan.x3p", length=""))
+    write_topography(tmp_path / "scan.nc", field)
+    (tmp_path / "scene.toml").write_text(SCENE.format(path="scan.nc", length=""))
     surface = load_scene(str(tmp_path / "scene.toml")).surface
     np.testing.assert_allclose(surface.length, field.lengths, rtol=1e-14)
     assert measured_surface(surface).period.height_field().shape == (24, 24)
@@ -373,7 +368,6 @@ def test_more_holes_than_a_membrane_is_stretched_over_are_refused(monkeypatch):
     [
         ("scan.txt", b"1 2 3\n4 5", "is no topography of its kind"),
         ("scan.npy", b"no array", "is no topography of its kind"),
-        ("scan.x3p", b"no archive", "is no topography of its kind .*not a zip file"),
         ("scan.nc", b"no netcdf", "cannot be read: it is damaged, cut short or no netCDF"),
         ("scan.txt", b"1 2 3 4", "at least 2 x 2 heights"),
         ("scan.npy", npy(np.ones((4, 4)) * (1 + 2j)), "complex128 values; heights are real numbers"),

@@ -118,7 +118,7 @@ class CapillarySurface(RandomSurface):
 
 
 class FileSurface(Table):
-    """Heights read from a file: .npy, text, .nc, .x3p, or what SurfaceTopography reads; shape (nx, ny).
+    """Heights read from a file: .npy, text, .nc, or what SurfaceTopography reads; shape (nx, ny).
 
     They are levelled, filled and made periodic, in this order, as the table says.
     """

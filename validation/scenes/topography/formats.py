@@ -1,8 +1,13 @@
-"""One file of heights read, whatever its format; run in a child process that is held within bounds."""
+"""One file of heights read, whatever its format; run in a child process that is held within bounds.
+
+.npy, text and .nc are read here; every other format, and text that is none of ours, by SurfaceTopography.
+"""
 
 from __future__ import annotations
 
 import hashlib
+import io
+import math
 import os
 import stat
 from collections.abc import Callable
@@ -11,24 +16,11 @@ from typing import Any
 import numpy as np
 
 from validation.errors import UsageError, harmless
-from validation.scenes.topography.arrays import read_npy
 from validation.scenes.topography.netcdf import read_netcdf
-from validation.scenes.topography.raw import MOST_BYTES, Raw, check_shape, plain_attribute
+from validation.scenes.topography.raw import MOST_BYTES, Raw, check_shape, plain_attribute, real
 from validation.scenes.topography.text import read_text
-from validation.scenes.topography.x3p import read_x3p
 
-__all__ = ["READERS", "one_line", "read_plain"]
-
-READERS: dict[str, Callable[[bytes], Raw]] = {
-    ".npy": read_npy,
-    ".txt": read_text,
-    ".csv": read_text,
-    ".dat": read_text,
-    ".asc": read_text,
-    ".xyz": read_text,
-    ".nc": read_netcdf,
-    ".x3p": read_x3p,
-}
+__all__ = ["one_line", "read_plain"]
 
 
 def read_plain(path: str) -> dict[str, Any]:
@@ -42,8 +34,8 @@ def read_plain(path: str) -> dict[str, Any]:
     """
     try:
         data = _bytes_of(path)
-        reader = READERS.get(os.path.splitext(path)[1].lower())
-        raw = _read_other(path) if reader is None else reader(data)
+        _refuse_links(data)
+        raw = _read(path, data)
         check_shape(raw.heights.shape)
     except (UsageError, MemoryError):
         raise
@@ -84,13 +76,75 @@ def _bytes_of(path: str) -> bytes:
         return file.read(MOST_BYTES)
 
 
-def _read_other(path: str) -> Raw:
+def _refuse_links(data: bytes) -> None:
+    """Refuse HDF5 whose numbers lie in other files: any file could be read so, and a missing one gives 0."""
+    starts = (0, *(2**k for k in range(9, len(data).bit_length())))
+    if not any(data.startswith(b"\x89HDF\r\n\x1a\n", start) for start in starts):
+        return
+    import h5py
+
+    elsewhere: list[str] = []
+
+    def look(name: str, item: Any) -> None:
+        if isinstance(item, h5py.Dataset) and (item.is_virtual or item.external):
+            elsewhere.append(name)
+
+    def follow(name: str, link: Any) -> None:
+        if isinstance(link, h5py.ExternalLink):
+            elsewhere.append(name)
+
+    with h5py.File(io.BytesIO(data)) as file:
+        file.visititems(look)
+        file.visititems_links(follow)
+    if elsewhere:
+        raise UsageError(
+            f"its data set {one_line(elsewhere[0])[:80]!r} lies in another file (virtual or external "
+            "storage); copy the numbers into one file, for example with h5repack"
+        )
+
+
+def _read(path: str, data: bytes) -> Raw:
+    suffix = os.path.splitext(path)[1].lower()
+    if suffix in (".npy", ".nc"):
+        return _read_npy(data) if suffix == ".npy" else read_netcdf(data)
+    if suffix not in (".txt", ".csv", ".dat", ".asc", ".xyz"):
+        return _read_other(path, suffix)
+    try:
+        return read_text(data)
+    except ValueError as error:
+        try:  # text of other programs, and binary data of the same suffix
+            return _read_other(path, suffix)
+        except (ValueError, UsageError):
+            raise error from None
+
+
+def _read_npy(data: bytes) -> Raw:
+    """Read a .npy file, whose size is known from its header; one that needs pickles is refused."""
+    from numpy.lib import format as npy
+
+    file = io.BytesIO(data)
+    version = npy.read_magic(file)
+    readers: dict[tuple[int, int], Callable[..., Any]]
+    readers = {(1, 0): npy.read_array_header_1_0, (2, 0): npy.read_array_header_2_0}
+    if version not in readers:
+        raise ValueError(f"version {version} of .npy, in which names are written, not heights")
+    shape, _, kind = readers[version](file)
+    real(np.empty(0, kind))
+    check_shape(shape)
+    announced, there = math.prod(shape) * kind.itemsize, len(data) - file.tell()
+    if there < announced:
+        raise ValueError(f"{there} bytes of heights where {announced} are announced")
+    file.seek(0)
+    return Raw(heights=real(np.load(file, allow_pickle=False)))
+
+
+def _read_other(path: str, suffix: str) -> Raw:
     try:
         from SurfaceTopography import read_topography as read
     except ImportError:
         raise UsageError(
-            f"{os.path.splitext(path)[1] or 'no suffix'} is none of {', '.join(READERS)}; for other formats "
-            "install SurfaceTopography: pip install 'fem-contact[topography]'"
+            f"{suffix or 'no suffix'} is none of .npy, .txt, .csv, .dat, .asc, .xyz, .nc; for x3p and other "
+            "formats install SurfaceTopography: pip install 'fem-contact[topography]'"
         ) from None
     try:
         found: Any = read(path)

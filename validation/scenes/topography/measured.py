@@ -17,15 +17,7 @@ __all__ = ["Measured", "measured"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Measured:
-    """Everything that is known of a measured surface.
-
-    Attributes
-    ----------
-    surface : FileSurface
-        The table of the scene.
-    raw : Topography
-        Heights [m] as they are, NaN where there are none; sizes, unit, history and digest of the file.
-    """
+    """A measured surface: its table of the scene, and its heights as the file has them."""
 
     surface: FileSurface
     raw: Topography
@@ -37,22 +29,12 @@ class Measured:
 
     @cached_property
     def patch(self) -> Topography:
-        """Levelled and filled; its edges are as they were.
-
-        Raises
-        ------
-        UsageError
-        """
+        """Levelled and filled; its edges are as they were."""
         return _frozen(self.raw.levelled(self.surface.tilt).filled(self.surface.missing))
 
     @cached_property
     def period(self) -> Topography:
-        """The patch made periodic: what is pressed.
-
-        Raises
-        ------
-        UsageError
-        """
+        """The patch made periodic: what is pressed."""
         return _frozen(self.patch.made_periodic(self.surface.edges, margin=self.surface.margin))
 
 

@@ -1,4 +1,4 @@
-"""Reader of netCDF, that of SurfaceTopography included, which says `length` and `unit` of its axes."""
+"""Reader of netCDF, with the units, positions and fill values that SurfaceTopography's does not know."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from validation.arrays import Array
 from validation.errors import UsageError
 from validation.scenes.topography.raw import Raw, check_shape, even_steps, plain_attribute, real
 
@@ -21,41 +20,43 @@ def read_netcdf(data: bytes) -> Raw:
 
     try:
         with netCDF4.Dataset("heights.nc", memory=data) as file:
-            heights, unit, axes = _read(file)
+            return _read(file)
     except (OSError, RuntimeError) as error:
         said = getattr(error, "strerror", None) or error
         raise UsageError(
             f"cannot be read: it is damaged, cut short or no netCDF (its library says {str(said)[:80]!r})"
         ) from None
-    heights = _turned(heights, axes)
-    sizes = [axis["length"] for axis in axes]
-    units = [axis["unit"] for axis in axes]
-    # SurfaceTopography says one unit for all, on the axes.
-    if unit is None and all(axis["says_length"] for axis in axes) and units[0] == units[1]:
-        unit = units[0]
-    # Positions without a unit may be plain numbers of points.
-    if None in sizes or None in units:
-        return Raw(heights=heights, unit=unit)
-    return Raw(heights=heights, lengths=(sizes[0], sizes[1]), length_units=(units[0], units[1]), unit=unit)
 
 
-def _read(file: Any) -> tuple[Array, str | None, list[dict[str, Any]]]:
-    """Return heights, their unit, and what the axes say."""
-    variable = _map_of(file)
-    kind = np.dtype(variable.dtype)
-    if kind.kind not in "biuf":
-        raise ValueError(f"it holds {kind.name} values; heights are real numbers")
+def _read(file: Any) -> Raw:
+    maps = {name: v for name, v in file.variables.items() if v.ndim == 2 and name.lower() != "mask"}
+    named = [name for name in _NAMES if name in maps] or list(maps)
+    if not named or (len(named) > 1 and named[0] not in _NAMES):
+        raise ValueError(f"no variable 'heights' among {', '.join(list(file.variables)[:8]) or 'none'}")
+    variable = maps[named[0]]
     check_shape(variable.shape)
+    real(np.empty(0, variable.dtype))
     for key in {"scale_factor", "add_offset"} & set(variable.ncattrs()):
         # The library would leave the heights unscaled, with a warning that nobody reads.
         _number(variable.getncattr(key), f"{key!r} of {variable.name!r}")
-    axes = [_axis(file, name) for name in variable.dimensions]
     values = np.ma.asarray(variable[...])
     heights = np.where(np.ma.getmaskarray(values), np.nan, real(values.data))
     mask = file.variables.get("mask")
     if mask is not None and mask.shape == variable.shape and np.dtype(mask.dtype).kind in "biu":
         heights = np.where(np.ma.getdata(mask[...]) != 0, np.nan, heights)
-    return heights, _unit_of(variable), axes
+    unit = _unit_of(variable)
+    axes = [_axis(file.variables[name]) for name in variable.dimensions if name in file.variables]
+    if len(axes) < 2:
+        return Raw(heights=heights, unit=unit)
+    (lx, x_unit, x_said, dx), (ly, y_unit, y_said, dy) = axes
+    heights = heights[:: -1 if dx < 0 else 1, :: -1 if dy < 0 else 1]
+    # SurfaceTopography says one unit for all, on the axes.
+    if unit is None and x_said and y_said and x_unit == y_unit:
+        unit = x_unit
+    # Positions without a unit may be plain numbers of points.
+    if x_unit is None or y_unit is None:
+        return Raw(heights=heights, unit=unit)
+    return Raw(heights=heights, lengths=(lx, ly), length_units=(x_unit, y_unit), unit=unit)
 
 
 def _number(value: Any, what: str) -> float:
@@ -65,47 +66,25 @@ def _number(value: Any, what: str) -> float:
     return float(array.reshape(-1)[0])
 
 
-def _map_of(file: Any) -> Any:
-    maps: dict[str, Any] = {
-        name: v for name, v in file.variables.items() if v.ndim == 2 and name.lower() != "mask"
-    }
-    named = [name for name in _NAMES if name in maps] or list(maps)
-    if not named or (len(named) > 1 and named[0] not in _NAMES):
-        listed = ", ".join(list(file.variables)[:8]) or "none"
-        raise ValueError(f"no variable 'heights' among {listed}")
-    return maps[named[0]]
-
-
 def _unit_of(variable: Any) -> str | None:
-    for key in ("units", "unit"):
-        if key in variable.ncattrs():
-            return plain_attribute(variable.getncattr(key), f"{key!r} of {variable.name!r}")
-    return None
+    key = next((key for key in ("units", "unit") if key in variable.ncattrs()), None)
+    return key and plain_attribute(variable.getncattr(key), f"{key!r} of {variable.name!r}")
 
 
-def _axis(file: Any, name: str) -> dict[str, Any]:
-    """Return length, unit and direction of an axis; None for what it does not say."""
-    axis: dict[str, Any] = {"length": None, "unit": None, "says_length": False, "falls": False}
-    if name not in file.variables:
-        return axis
-    position = file.variables[name]
+def _axis(position: Any) -> tuple[float, str | None, bool, float]:
+    """Return length and unit of an axis, whether it says its length itself, and its step."""
+    name = position.name
     if position.ndim != 1 or np.dtype(position.dtype).kind not in "biuf":
         raise ValueError(f"{name!r} holds no positions")
-    axis["unit"] = _unit_of(position)
     x = np.ma.filled(np.ma.asarray(position[...]).astype(float), np.nan)
     try:
         step = even_steps(x, name)
     except ValueError as error:
         raise ValueError(f"{error}; interpolate the heights onto an even grid") from None
-    axis["length"], axis["falls"] = abs(step) * x.size, step < 0
-    if "length" in position.ncattrs():
-        said = _number(position.getncattr("length"), f"'length' of {name!r}")
-        if not abs(said - axis["length"]) <= 0.02 * axis["length"]:
-            raise ValueError(f"'length' of {name!r} is {said:.6g}, its positions say {axis['length']:.6g}")
-        axis["length"], axis["says_length"] = said, True
-    return axis
-
-
-def _turned(heights: Array, axes: list[dict[str, Any]]) -> Array:
-    """Turn round what is listed against its axis."""
-    return heights[:: -1 if axes[0]["falls"] else 1, :: -1 if axes[1]["falls"] else 1]
+    length = abs(step) * x.size
+    if "length" not in position.ncattrs():
+        return length, _unit_of(position), False, step
+    said = _number(position.getncattr("length"), f"'length' of {name!r}")
+    if not abs(said - length) <= 0.02 * length:
+        raise ValueError(f"'length' of {name!r} is {said:.6g}, its positions say {length:.6g}")
+    return said, _unit_of(position), True, step

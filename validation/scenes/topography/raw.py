@@ -46,12 +46,7 @@ class Raw:
 
 
 def check_shape(shape: tuple[int, ...]) -> None:
-    """Refuse what is no map, or one too large, before it is read.
-
-    Raises
-    ------
-    ValueError
-    """
+    """Refuse what is no map, or one too large, with a ValueError, before it is read."""
     if len(shape) != 2 or min(shape) < 2:
         raise ValueError(f"shape {shape}; a map of at least 2 x 2 heights is needed")
     if math.prod(shape) > MOST_POINTS:
@@ -61,12 +56,7 @@ def check_shape(shape: tuple[int, ...]) -> None:
 
 
 def real(values: Any) -> Array:
-    """Return heights as real numbers; complex ones are refused rather than halved.
-
-    Raises
-    ------
-    ValueError
-    """
+    """Return heights as real numbers; complex ones are refused with a ValueError rather than halved."""
     array = np.asarray(values)
     if array.dtype.kind not in "biuf":
         raise ValueError(f"it holds {array.dtype.name} values; heights are real numbers")
@@ -74,30 +64,17 @@ def real(values: Any) -> Array:
 
 
 def plain_attribute(value: Any, what: str) -> str | None:
-    """Return an attribute that should be a short text; None for an empty one.
-
-    Raises
-    ------
-    ValueError
-        For an array, or an essay.
-    """
+    """Return an attribute that should be a short text; None for an empty one, ValueError for others."""
     if value is None:
         return None
-    if not isinstance(value, str):
-        raise ValueError(f"{what} is a {type(value).__name__}, and must be a text such as 'um'")
-    if len(value) > 64:
-        raise ValueError(f"{what} is {len(value)} characters long, and must be a text such as 'um'")
+    if not isinstance(value, str) or len(value) > 64:
+        found = f"{len(value)} characters long" if isinstance(value, str) else f"a {type(value).__name__}"
+        raise ValueError(f"{what} is {found}, and must be a text such as 'um'")
     return value.strip() or None
 
 
 def even_steps(positions: Array, name: str) -> float:
-    """Return the step of evenly spaced positions, negative where they fall.
-
-    Raises
-    ------
-    ValueError
-        For others: the methods here know no other grid.
-    """
+    """Return the step of evenly spaced positions, negative where they fall; ValueError for others."""
     n = positions.size
     if n < 2:
         raise ValueError(f"{name} has {n} position{'s' * (n != 1)}; at least 2 are needed")
@@ -106,8 +83,7 @@ def even_steps(positions: Array, name: str) -> float:
     step = float(positions[-1] - positions[0]) / (n - 1)
     if not math.isfinite(step) or step == 0:
         raise ValueError(f"{name} runs from {positions[0]:.6g} to {positions[-1]:.6g}")
-    off = np.abs(positions - (positions[0] + step * np.arange(n))).max() / abs(step)
-    if not off <= _UNEVEN:
+    if not np.abs(positions - (positions[0] + step * np.arange(n))).max() <= _UNEVEN * abs(step):
         steps = np.diff(positions)
         raise ValueError(
             f"{name} is not evenly spaced: its steps run from {steps.min():.4g} to {steps.max():.4g}"

@@ -53,7 +53,6 @@ class FileSays:
         Unit of the heights [m].
     digest : str
         SHA-256 of the file.
-    notes : tuple of str
     """
 
     heights: Array

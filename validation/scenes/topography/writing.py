@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +19,7 @@ def write_topography(path: Path, field: HeightField) -> None:
     Raises
     ------
     UsageError
-        For another suffix.
+        For another suffix, and for .x3p without SurfaceTopography, which writes it.
     """
     writers = {".npy": _write_npy, ".txt": _write_text, ".nc": _write_netcdf, ".x3p": _write_x3p}
     writer = writers.get(path.suffix.lower())
@@ -56,20 +55,11 @@ def _write_netcdf(path: Path, field: HeightField) -> None:
 
 
 def _write_x3p(path: Path, field: HeightField) -> None:
-    (nx, ny), (dx, dy) = field.shape, field.spacing
-    axes = "".join(
-        f"<{name}><AxisType>{kind}</AxisType><DataType>D</DataType><Increment>{step!r}</Increment>"
-        f"<Offset>0</Offset></{name}>"
-        for name, kind, step in (("CX", "I", dx), ("CY", "I", dy), ("CZ", "A", 1.0))
-    )
-    xml = (
-        '<?xml version="1.0" encoding="UTF-8"?>'
-        '<p:ISO5436_2 xmlns:p="http://www.opengps.eu/2008/ISO5436_2">'
-        f"<Record1><Revision>ISO5436 - "
-        f"2000</Revision><FeatureType>SUR</FeatureType><Axes>{axes}</Axes></Record1>"
-        f"<Record3><MatrixDimension><SizeX>{nx}</SizeX><SizeY>{ny}</SizeY><SizeZ>1</SizeZ></MatrixDimension>"
-        "<DataLink><PointDataLink>bindata/data.bin</PointDataLink></DataLink></Record3></p:ISO5436_2>"
-    )
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
-        archive.writestr("main.xml", xml)
-        archive.writestr("bindata/data.bin", np.ascontiguousarray(field.heights.T, dtype="<f8").tobytes())
+    try:
+        from SurfaceTopography import Topography
+    except ImportError:
+        raise UsageError(
+            ".x3p is written by SurfaceTopography: pip install 'fem-contact[topography]'"
+        ) from None
+    with path.open("wb") as file:
+        Topography(np.array(field.heights), field.lengths, unit="m").to_x3p(file)
