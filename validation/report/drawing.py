@@ -6,7 +6,7 @@ import html
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from validation.files import atomic_path
 from validation.report.table import write_dataset
@@ -15,9 +15,20 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from validation.report.marks import Drawn
+__all__ = ["Drawing", "Drawn", "write_drawing"]
 
-__all__ = ["Drawing", "write_drawing"]
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Drawn:
+    """One thing that was drawn: artist, axes, mark, and the slice it shows."""
+
+    artist: Any
+    axes: Any
+    mark: Any
+    x: str
+    data: xr.Dataset
+    label: str
+    factors: tuple[float, float]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -34,7 +45,7 @@ class Drawing:
     caption : str
         What is seen, in words.
     drawn : tuple of Drawn
-        What was drawn of which slice of a dataset (`validation.report.marks`).
+        What was drawn of which slice of a dataset.
     """
 
     name: str

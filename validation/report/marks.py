@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.report.drawing import Drawing
+from validation.report.drawing import Drawing, Drawn
 from validation.report.estimates import SOURCES, each, shown_sources, total_error
 from validation.report.quantities import (
     Quantity,
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
 
-__all__ = ["Band", "Drawn", "Figure", "Image", "Level", "Line", "Panel", "against", "draw", "panels_along"]
+__all__ = ["Band", "Figure", "Image", "Level", "Line", "Panel", "against", "draw", "panels_along"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,19 +135,6 @@ class Figure:
     panels: Sequence[Panel]
     width: float = 5.0
     height: float = 3.7
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Drawn:
-    """One thing that was drawn: artist, axes, mark, and the slice it shows."""
-
-    artist: Any
-    axes: Any
-    mark: _Mark
-    x: str
-    data: xr.Dataset
-    label: str
-    factors: tuple[float, float]
 
 
 def against(x: str, *names: str, by: tuple[str, ...] | str = (), log: str = "") -> Panel:

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, RandomWaves, resolves
 from validation.arrays import Grid
 from validation.errors import UsageError
 from validation.scenes import surfaces
-from validation.scenes.scene import Scene
 from validation.scenes.tables import FileSurface, Load, SolidSpec, Surface
 
 if TYPE_CHECKING:
@@ -253,7 +252,16 @@ class Surveyed(Realised):
 _OF_THE_SURFACE = ("_waves", "measured", "field", "spectrum", "_estimate")
 
 
-def realise(scene: Scene, *, like: Realised | None = None, kind: type[Realised] = Realised) -> Realised:
+class _Scene(Protocol):
+    """What of a scene is made; all else in it is how it is solved."""
+
+    surface: Surface
+    solid: SolidSpec
+    load: Load
+    methods: Any
+
+
+def realise(scene: _Scene, *, like: Realised | None = None, kind: type[Realised] = Realised) -> Realised:
     """Return what a scene asks for, to be made once and handed down.
 
     Parameters

@@ -10,7 +10,7 @@ from validation.scenes.topography.patch import Topography
 from validation.scenes.topography.reading import read_topography
 
 if TYPE_CHECKING:
-    from validation.scenes.scene import FileSurface
+    from validation.scenes.tables import FileSurface
 
 __all__ = ["Measured", "measured"]
 

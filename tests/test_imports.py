@@ -1,0 +1,38 @@
+"""No module imports itself by way of others, in functions and for annotations included."""
+
+from __future__ import annotations
+
+import ast
+from graphlib import TopologicalSorter
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+
+
+def imports() -> dict[str, set[str]]:
+    """Each module of the three packages, and those of them that it imports anywhere."""
+    paths = [
+        path for name in ("persson", "fem_contact", "validation") for path in (ROOT / name).rglob("*.py")
+    ]
+    files = {
+        ".".join(path.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): path
+        for path in paths
+    }
+    found: dict[str, set[str]] = {}
+    for module, path in files.items():
+        named = set()
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                named |= {alias.name for alias in node.names}
+            elif isinstance(node, ast.ImportFrom):
+                named |= {f"{node.module}.{alias.name}" for alias in node.names} & files.keys() or {
+                    node.module
+                }
+        found[module] = {name for name in named if name in files and name != module}
+    return found
+
+
+def test_there_are_no_import_circles():
+    graph = imports()
+    assert sum(map(len, graph.values())) > 1000
+    TopologicalSorter(graph).prepare()  # raises CycleError, which lists the circle
