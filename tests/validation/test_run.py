@@ -20,6 +20,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from fem_contact.errors import NotConverged
 from fem_contact.patches import find_patches
 from validation.comparison.run import report_scene, run_scene
 from validation.errors import RunFailed, UsageError
@@ -326,6 +327,43 @@ def test_a_failed_solve_names_itself_and_keeps_the_others(write_scene, tmp_path)
     path = write_scene(("shifts = 2", "shifts = 1\ntolerance = 1e-300"), fem=False)
     with pytest.raises(RunFailed, match="BEM 12x12"):
         run_scene(load_scene(str(path)), tmp_path / "results")
+
+
+def test_a_failed_solve_is_a_row_of_the_report_which_is_made_of_the_others(
+    write_scene, tmp_path, monkeypatch
+):
+    """In the table of grids and, for a surface of the ensemble, in that of surfaces, whose mean is none."""
+    path = write_scene()
+    path.write_text(path.read_text() + "\n[ensemble]\nrealisations = 3\ngrids = [12, 24]\n")
+    do = Press.do
+
+    def failing(solve, threads=None):
+        if solve.method == "fem" or (solve.realisation == 1 and solve.grid == (24, 24)):
+            raise NotConverged("stopped at the iteration limit; allow more")
+        return do(solve, threads=threads)
+
+    monkeypatch.setattr(Press, "do", failing)
+    outputs = run_scene(load_scene(str(path)), tmp_path / "results")
+    data, why = outputs.data, "FEM 12x12: stopped at the iteration limit; allow more"
+    assert (tmp_path / "results" / "report.html").exists()
+    assert data.failure.sel(solver="fem", grid="12 x 12").item() == why
+    assert (data.failure.sel(solver="bem") == "").all()
+    assert outputs.page.findings[0] == f"Not all solves succeeded: {data.failures.item()}."
+    assert data.failures.item().endswith("; allow more, and 2 more")
+    (row,) = [row for row in outputs.page.tables[0].rows if row[:2] == ("fem", "12 x 12")]
+    assert row[-1] == why
+    assert set(row[2:7]) == {""}
+    assert data.area_own_error.sel(source="grid") > 0
+    assert data.area_each.isnull().values.tolist() == [False, True, False]
+    assert "surface 2" in data.failure_each.values[1]
+    assert np.isnan(data.area)
+    with pytest.raises(RunFailed, match="the report is of the others"):
+        outputs.check()
+    monkeypatch.undo()
+    again = run_scene(load_scene(str(path)), tmp_path / "results")
+    assert again.solved == 3
+    assert "failures" not in again.data
+    again.check()
 
 
 def _file_scene(write_scene, tmp_path, heights):

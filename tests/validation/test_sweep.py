@@ -10,14 +10,17 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from fem_contact.errors import NotConverged
 from validation.cli.commands import app
 from validation.comparison.run import report_scene, run_scene
 from validation.comparison.sweep import explain_sweep, realised_cases, run_sweep, solves_of_sweep
 from validation.comparison.sweep_views import sweep_views
-from validation.errors import SceneError, UsageError
+from validation.errors import RunFailed, SceneError, UsageError
 from validation.report.words import with_error
 from validation.scenes.scene import load_scene, scene_text
 from validation.scenes.sweep import Sweep, load_asked
+from validation.solves.press import Press
+from validation.solves.results import read_results
 
 _HARD = "sweep.effects.hardness.hardness=['200 kPa', 60e3]"
 
@@ -298,6 +301,34 @@ def test_the_sweep_in_the_docs_can_be_run(tmp_path):
     sweep = load_asked(str(path))
     assert sweep.shape == (5, 2)
     realised_cases(sweep)
+
+
+def test_a_case_whose_solves_fail_is_a_row_and_the_command_says_so(small_scene, tmp_path, monkeypatch):
+    do = Press.do
+
+    def failing(solve, threads=None):
+        if solve.realised.load.values == (0.2,):
+            raise NotConverged("stopped at the iteration limit; allow more")
+        return do(solve, threads=threads)
+
+    monkeypatch.setattr(Press, "do", failing)
+    told = [
+        "run",
+        small_scene,
+        "--set",
+        "sweep.reduced_pressure=[0.1, 0.2, 0.3]",
+        "--output",
+        str(tmp_path),
+        "--quiet",
+    ]
+    outcome = CliRunner().invoke(app, told)
+    assert isinstance(outcome.exception, RunFailed)
+    assert "not all solves succeeded, the report is of the others" in str(outcome.exception)
+    assert "In 1 of 3 cases solves failed: BEM" in outcome.output
+    data = read_results(tmp_path).data
+    assert (tmp_path / "report.html").exists()
+    assert (data.failures != "").values.tolist() == [False, True, False]
+    assert data.area.isnull().values.tolist() == [False, True, False]
 
 
 def test_the_command_plans_explains_and_runs_a_sweep(small_scene, tmp_path, monkeypatch):

@@ -176,6 +176,7 @@ def _say(outputs: Outputs, reached: Reached | None, *, as_json: bool) -> None:
 
     if as_json:
         typer.echo(json.dumps(outputs.page.summary, indent=2))
+        outputs.check()
         return
     solved, reused = (outputs.solved, outputs.reused) if reached is None else (reached.solves, reached.reused)
     print_page(
@@ -184,6 +185,7 @@ def _say(outputs: Outputs, reached: Reached | None, *, as_json: bool) -> None:
         more=() if reached is None else tuple(reached.sentences()),
         done=f"{solved} solves done, {reused} found finished. Written:",
     )
+    outputs.check()
 
 
 def _folders(

@@ -77,6 +77,8 @@ def run_swept(
         )
     if as_json:
         typer.echo(json.dumps(outputs.page.summary, indent=2))
+        outputs.check()
         return
     done = f"{outputs.solved} solves done, {outputs.reused} found finished. Written:"
     print_page(outputs.page, (*outputs.files, store_folder), done=done)
+    outputs.check()

@@ -120,7 +120,8 @@ def finest(data: xr.Dataset) -> xr.Dataset:
     place = []
     for solved in data.area_pixel.notnull().values:
         good = np.flatnonzero(solved & (data.resolved.values > 0))
-        place.append(int(good[-1] if good.size else np.flatnonzero(solved)[-1]))
+        # Of a method that failed on every grid the last one says nothing.
+        place.append(int(next(reversed(good if good.size else [-1, *np.flatnonzero(solved)]))))
     at = xr.DataArray(place, dims="solver")
     found = {f"{name}_finest": data[name].isel(grid=at).drop_vars("grid") for name in names}
     return data.assign({**found, "grid_finest": ("solver", data.grid.values[place])})

@@ -44,6 +44,7 @@ def scene_data(
     realised: Realised,
     results: Mapping[Press, ContactResult],
     *,
+    failures: Mapping[Press, str] | None = None,
     accurate: Mapping[str, Any] | None = None,
 ) -> xr.Dataset:
     """Put all solves of a scene into one dataset, beside the theory.
@@ -55,6 +56,8 @@ def scene_data(
         What the scene asks for.
     results : mapping
         Result of each of its solves, which is read once.
+    failures : mapping, optional
+        Why others failed, and what to do: a row without numbers.
     accurate : mapping, optional
         What was reached, where its grids were chosen for an accuracy.
 
@@ -72,18 +75,28 @@ def scene_data(
     own = [
         one for one in readings if one.solve.realisation == 0 and one.solve.grid in asked[one.solve.method]
     ]
+    if not own:
+        raise RunFailed(_failures_words(failures or {}))
     if realised.load.held:
         realised = realised.under(Load(pressure=_carried(own)))
-    data = _on_grids(own, scene, realised)
+    failures = failures or {}
+    data = _on_grids(own, failures, scene, realised)
     data = _own_area(data, own, scene, realised)
     data = _beside_theory(data, scene, realised)
-    data = _over_surfaces(data, readings, scene, realised, accurate)
+    data = _over_surfaces(data, readings, failures, scene, realised, accurate)
     data = beside_each_other(data, own, scene)
     data = finest(cost_and_orders(data))
     data = in_numbers(data, own, results, realised)
     data = passing(data, scene, realised, results)
     data = below(data, scene, realised, results)
+    if failures:
+        data = data.assign(failures=_failures_words(failures))
     return labelled(data).assign_attrs(_words(scene, realised))
+
+
+def _failures_words(failures: Mapping[Press, str]) -> str:
+    more = f", and {len(failures) - 1} more" if len(failures) > 1 else ""
+    return f"{next(iter(failures.values()))}{more}"
 
 
 def _words(scene: Scene, realised: Realised) -> dict[str, Any]:
@@ -109,12 +122,18 @@ def _carried(own: Sequence[Reading]) -> float:
     return found.mean_pressure
 
 
-def _on_grids(own: Sequence[Reading], scene: Scene, realised: Realised) -> xr.Dataset:
+def _on_grids(
+    own: Sequence[Reading], failures: Mapping[Press, str], scene: Scene, realised: Realised
+) -> xr.Dataset:
     """Lay the solves of the scene's own surface out over method, grid and shift; means over the shifts."""
     import xarray as xr
 
     methods = list(scene.methods.solvers)
-    grids = sorted({one.solve.grid for one in own}, key=lambda grid: (grid[0] * grid[1], grid))
+    failed = {(one.method, one.grid): why for one, why in failures.items() if one.realisation == 0}
+    grids = sorted(
+        {grid for name in methods for grid in scene.methods.options(name).grids},
+        key=lambda grid: (grid[0] * grid[1], grid),
+    )
     groups: dict[tuple[str, Any], list[Reading]] = {}
     for one in own:
         groups.setdefault((one.solve.method, one.solve.grid), []).append(one)
@@ -154,6 +173,9 @@ def _on_grids(own: Sequence[Reading], scene: Scene, realised: Realised) -> xr.Da
             data[f"{name}_error"] = error_of(data[name], grid=_scatter_half(values), **_ABSENT)
     if not bool(data.area_located.notnull().any()):
         data = data.drop_vars(["area_located", "area_located_error", "area_located_shift"])
+    if failed:
+        words = [[failed.get((method, grid), "") for grid in grids] for method in methods]
+        data["failure"] = (("solver", "grid"), words)
     count = data.area_pixel_shift.count("shift")
     data["shifts"] = count.where(count > 0)
     data["density_at_zero"] = each["density_at_zero"].mean("shift")
@@ -212,6 +234,8 @@ def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> tuple[float, f
         grids = len({area.spacing for area in areas})
         left = TOLERANCES_LEFT * tolerance * limit.value if located else math.nan
         return limit.value, NORMAL * limit.uncertainty, left, f"limit over {grids} grids, {how}", ""
+    if not areas:
+        return math.nan, math.nan, math.nan, "no solve succeeded", "no solve of it succeeded"
     finest = min(areas, key=lambda area: area.spacing)
     values = [
         a.subcell if a.subcell is not None else a.perimeter for a in areas if a.spacing == finest.spacing
@@ -238,8 +262,8 @@ def _own_area(data: xr.Dataset, own: Sequence[Reading], scene: Scene, realised: 
         areas = areas or [o.areas for o in own if o.solve.method == method]
         found.append(_value_of(areas, float(scene.methods.options(method).tolerance)))
     values, grid, solver, basis, why = (list(column) for column in zip(*found, strict=True))
-    known = [k for k, words in enumerate(why) if not words]
-    first = known[0] if known else 0
+    succeeded = [k for k, method in enumerate(methods) if any(o.solve.method == method for o in own)]
+    first = next((k for k in succeeded if not why[k]), succeeded[0])
     data = data.assign(
         area_limit=("solver", np.where([not words for words in why], values, math.nan)),
         area_basis=f"{find_method(methods[first]).label}, {basis[first]}",
@@ -276,6 +300,7 @@ def _beside_theory(data: xr.Dataset, scene: Scene, realised: Realised) -> xr.Dat
 def _over_surfaces(
     data: xr.Dataset,
     readings: Sequence[Reading],
+    failures: Mapping[Press, str],
     scene: Scene,
     realised: Realised,
     accurate: Mapping[str, Any] | None,
@@ -286,7 +311,7 @@ def _over_surfaces(
     has_theory = "area_persson_own" in data
     if accurate is not None:
         data = _as_claimed(data, accurate)
-    several = _surfaces(readings, scene, realised, float(data.contact_modulus))
+    several = _surfaces(readings, failures, scene, realised, float(data.contact_modulus))
     if several is not None:
         several = derive(several, kappa_each="area_each / reduced_pressure_each")
         names = ["area", "kappa"]
@@ -351,7 +376,11 @@ def _as_claimed(data: xr.Dataset, accurate: Mapping[str, Any]) -> xr.Dataset:
 
 
 def _surfaces(
-    readings: Sequence[Reading], scene: Scene, realised: Realised, modulus: float
+    readings: Sequence[Reading],
+    failures: Mapping[Press, str],
+    scene: Scene,
+    realised: Realised,
+    modulus: float,
 ) -> xr.Dataset | None:
     """Return area, load and theory of each surface of the ensemble; None without one."""
     import xarray as xr
@@ -360,6 +389,8 @@ def _surfaces(
         return None
     options, solver = scene.methods.options("theory"), scene.ensemble_solver
     parts = {}
+    failed = {one.realisation: why for one, why in failures.items() if one.grid in scene.ensemble.grids}
+    grids = sorted(scene.ensemble.grids)
     for k in range(scene.ensemble.realisations):
         own = [
             one
@@ -368,14 +399,15 @@ def _surfaces(
             and one.solve.grid in scene.ensemble.grids
         ]
         own.sort(key=lambda one: one.solve.grid)
-        here = own[0].solve.realised if own else realised
+        keys = {one.solve.grid: one.solve.key for one in own}
+        here = own[0].solve.realised if own else realised.further(k)
         limit = limit_of([one.areas for one in own])
         value, half = (
             (math.nan, math.nan)
             if limit is None or not limit.determinable
             else (limit.value, NORMAL * limit.uncertainty)
         )
-        pressure = here.pressure if not here.load.held else own[-1].mean_pressure
+        pressure = here.pressure if not here.load.held else own[-1].mean_pressure if own else math.nan
         area = xr.DataArray(value)
         part = xr.Dataset(
             {
@@ -383,9 +415,10 @@ def _surfaces(
                 "area_each_error": error_of(area, grid=half, **_ABSENT, **_HALF_SPACE),
                 "rms_gradient_each": here.field.rms_gradient,
                 "reduced_pressure_each": pressure / (modulus * here.field.rms_gradient),
-                "solve_surface": ("surface_grid", [one.solve.key for one in own]),
+                "solve_surface": ("surface_grid", [keys.get(grid, "") for grid in grids]),
+                **({"failure_each": failed.get(k, "")} if failed else {}),
             },
-            coords={"surface_grid": [grid_name(one.solve.grid) for one in own]},
+            coords={"surface_grid": [grid_name(grid) for grid in grids]},
         )
         if options is not None:
             under = here.under(Load(pressure=pressure)) if here.load.held else here

@@ -14,7 +14,7 @@ from validation.comparison.fields import with_fields
 from validation.comparison.numbers import scene_data
 from validation.comparison.pages import effects_words, write_result_page
 from validation.comparison.theory_alone import theory_data
-from validation.errors import UsageError
+from validation.errors import RunFailed, UsageError
 from validation.files import atomic_path, prepare_folder
 from validation.report.page import Page, clear_page
 from validation.scenes.checks import check_scene
@@ -46,6 +46,8 @@ class Outputs:
         Everything a reader may want to open, the report first.
     solved, reused : int
         Jobs solved now, and solves found finished.
+    failures : tuple of str
+        Why solves failed, and what to do: rows without numbers.
     """
 
     result: Result
@@ -54,11 +56,18 @@ class Outputs:
     files: tuple[Path, ...]
     solved: int = 0
     reused: int = 0
+    failures: tuple[str, ...] = ()
 
     @property
     def data(self) -> xr.Dataset:
         """Every number."""
         return self.result.data
+
+    def check(self) -> None:
+        """Raise `RunFailed` where solves failed, which are rows of the report without numbers."""
+        if self.failures:
+            failures = "\n".join(f"  {why}" for why in self.failures)
+            raise RunFailed(f"not all solves succeeded, the report is of the others:\n{failures}")
 
 
 def run_scene(
@@ -114,8 +123,15 @@ def run_scene(
     results: Solves | None = None
     if scene.methods.solvers:
         kind = "run"
-        results = solve_all(solves_of(scene, realised), store, progress=progress, execution=execution)
-        data = with_fields(scene_data(scene, realised, results, accurate=accurate), scene, realised, results)
+        results = solve_all(
+            solves_of(scene, realised),
+            store,
+            progress=progress,
+            execution=execution,
+            despite_failures=True,
+        )
+        data = scene_data(scene, realised, results, failures=results.failures, accurate=accurate)
+        data = with_fields(data, scene, realised, results)
         data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))
         solved, below = results.solved, write_below(scene, results, folder / "fields")
         written = (*_link_blocks(results, folder / "fields"), *below, store.folder)
@@ -126,8 +142,21 @@ def run_scene(
     page, files = write_result_page(result, folder, report=report, pictures=pictures)
     reused = 0 if results is None else len(results) - solved
     return Outputs(
-        result=result, page=page, folder=folder, files=(*files, *written), solved=solved, reused=reused
+        result=result,
+        page=page,
+        folder=folder,
+        files=(*files, *written),
+        solved=solved,
+        reused=reused,
+        failures=failures_of(data),
     )
+
+
+def failures_of(data: xr.Dataset) -> tuple[str, ...]:
+    """Return why solves of a run or of cases of a sweep failed, each once; nothing where all succeeded."""
+    if "failures" not in data:
+        return ()
+    return tuple(dict.fromkeys(filter(None, data.failures.values.ravel().tolist())))
 
 
 def begin(folder: Path, asked: Mapping[str, Any]) -> None:

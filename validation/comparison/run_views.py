@@ -86,6 +86,7 @@ def run_views(data: xr.Dataset) -> Views:
                 "shifts",
                 "unknowns",
                 "seconds",
+                "failure",
             ),
             title="Every grid",
             note=_GRIDS,
@@ -138,7 +139,14 @@ def _tables(data: xr.Dataset) -> Iterator[Table | Listing]:
     if "area_each" in data:
         yield Table(
             rows=("surface",),
-            columns=("surface", "area_each", "area_persson_each", "area_ratio_each", "rms_gradient_each"),
+            columns=(
+                "surface",
+                "area_each",
+                "area_persson_each",
+                "area_ratio_each",
+                "rms_gradient_each",
+                "failure_each",
+            ),
             title="Every surface",
             file="surfaces",
         )
@@ -217,13 +225,15 @@ def _share(data: xr.Dataset) -> Finding:
 
 
 def _finest(data: xr.Dataset) -> xr.Dataset:
-    """Return the finest resolved grid of the first method."""
-    first = data.isel(solver=0)
+    """Return the finest resolved grid of the first method that succeeded."""
+    first = data.isel(solver=int(data.area_pixel_finest.notnull().values.argmax()))
     return first.sel(grid=str(first.grid_finest.item()))
 
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     """Yield what was found, the most asked-for first."""
+    if "failures" in data:
+        yield finding("refusal", "Not all solves succeeded: {failures}.", data)
     yield from _area(data)
     yield from _theory(data)
     if "area_plastic_pixel" in data:

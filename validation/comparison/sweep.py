@@ -15,9 +15,9 @@ from persson import errors as persson_errors
 from validation.comparison.explain import Explanation, explain
 from validation.comparison.numbers import scene_data
 from validation.comparison.pages import write_result_page
-from validation.comparison.run import Outputs, begin
+from validation.comparison.run import Outputs, begin, failures_of
 from validation.comparison.theory_alone import theory_data
-from validation.errors import UsageError
+from validation.errors import RunFailed, UsageError
 from validation.files import prepare_folder
 from validation.report.estimates import gather
 from validation.report.quantities import labelled
@@ -115,7 +115,7 @@ def run_sweep(
     }
     begin(folder, asked)
     solves = solves_of_sweep(sweep, cases)
-    results = solve_all(solves, store, progress=progress, execution=execution)
+    results = solve_all(solves, store, progress=progress, execution=execution, despite_failures=True)
     data = sweep_data(sweep, cases, results)
     each = (solves_of(*pair) for pair in zip(sweep.scenes, cases, strict=True))
     data.attrs.update(solves=len(solves), asked=sum(map(len, each)))
@@ -129,12 +129,19 @@ def run_sweep(
         files=files,
         solved=results.solved,
         reused=len(results) - results.solved,
+        failures=failures_of(data),
     )
 
 
 def sweep_data(sweep: Sweep, cases: Sequence[Realised], results: Solves) -> xr.Dataset:
     """Gather the numbers of all cases over the swept keys, or over `case` where these run side by side."""
-    parts = _alike([_case(*pair, results) for pair in zip(sweep.scenes, cases, strict=True)])
+    import xarray as xr
+
+    found = [_case(*pair, results) for pair in zip(sweep.scenes, cases, strict=True)]
+    like = next((one for one in found if isinstance(one, xr.Dataset)), None)
+    if like is None:
+        raise RunFailed("; ".join(dict.fromkeys(map(str, found))))
+    parts = _alike([one if isinstance(one, xr.Dataset) else _failed(one, like) for one in found])
     names = [key.name for key in sweep.keys]
     parts = [part.drop_vars(names, errors="ignore") for part in parts]
     if sweep.mode == "zip":
@@ -163,13 +170,28 @@ def _product(places: Sequence[Sequence[Any]]) -> Iterator[tuple[Any, ...]]:
     return itertools.product(*places)
 
 
-def _case(scene: Scene, realised: Realised, results: Mapping[Press, Any]) -> xr.Dataset:
-    """Return the numbers of one case, as its own run has them."""
+def _case(scene: Scene, realised: Realised, results: Solves) -> xr.Dataset | RunFailed:
+    """Return the numbers of one case, as its own run has them, or why it has none."""
     if scene.methods.solvers:
-        return scene_data(scene, realised, {solve: results[solve] for solve in solves_of(scene, realised)})
+        solves = solves_of(scene, realised)
+        failed = {solve: results.failures[solve] for solve in solves if solve in results.failures}
+        done = {solve: results[solve] for solve in solves if solve not in failed}
+        try:
+            return scene_data(scene, realised, done, failures=failed)
+        except RunFailed as error:
+            return error
     alone = theory_data(scene, realised)
     curves = [name for name in alone.data_vars if "wave" in alone[name].dims]
     return alone.drop_vars(curves).isel(load=0).reset_coords(drop=False)
+
+
+def _failed(error: RunFailed, like: xr.Dataset) -> xr.Dataset:
+    """Return a case without numbers, and why it has none."""
+    empty = {
+        name: values.where(values == "", "") if values.dtype.kind in "OU" else values * np.nan
+        for name, values in like.data_vars.items()
+    }
+    return like.assign(empty).assign(failures=str(error))
 
 
 def _alike(parts: Sequence[xr.Dataset]) -> list[xr.Dataset]:

@@ -56,6 +56,7 @@ def sweep_views(data: xr.Dataset) -> Views:
                 "thermal_conductance",
                 "leak_rate_x",
                 "leak_rate_y",
+                "failures",
             ),
             title="Every case",
             note="A/A0: the mean over the surfaces of an ensemble, else that of one surface; of the "
@@ -126,6 +127,13 @@ def _cards(data: xr.Dataset) -> Iterator[Card]:
 
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
+    if "failures" in data:
+        yield note(
+            "In {failed} of {cases} cases solves failed: {why}.",
+            failed=float((data.failures != "").sum()),
+            cases=float(data.failures.size),
+            why="; ".join(dict.fromkeys(filter(None, data.failures.values.ravel().tolist()))),
+        )
     for key in _varying(data):
         yield from _along(data, key)
     if "area_excess" in data and bool(data.area_excess.notnull().any()):
@@ -155,7 +163,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     if any(data[key].attrs["key"] == "surface.hurst" for key in _varying(data)):
         yield note("Several surfaces for each H, with pairs h and -h and a budget: fem-contact study hurst.")
     if "contact_modulus_below" in data and not np.allclose(
-        data.contact_modulus, data.contact_modulus_below, rtol=1e-9
+        data.contact_modulus, data.contact_modulus_below, rtol=1e-9, equal_nan=True
     ):
         yield note(
             "p* and kappa stand on E* of the layer at the surface: they are no numbers of a homogeneous "

@@ -60,11 +60,14 @@ class Solves(Mapping[Any, Any]):
     store : Store
     solved : int
         How many were solved now; the others were found finished.
+    failures : mapping
+        Of those that failed, which are not among the others, why and what to do; where that is no end.
     """
 
     solves: tuple[Solve, ...]
     store: Store
     solved: int = 0
+    failures: Mapping[Any, str] = field(default_factory=dict)
     kept: _Kept = field(default_factory=lambda: _Kept(_KEPT_BYTES))
 
     def __getitem__(self, solve: Solve) -> Any:
@@ -127,11 +130,13 @@ def solve_all(
     *,
     progress: Progress | None = None,
     execution: Execution | None = None,
+    despite_failures: bool = False,
 ) -> Solves:
     """Solve and store what is not stored yet; return all results.
 
     Each result is on disk as soon as its solve ends, written by whoever solved it: an interruption loses at
-    most the solves under way. A solve that fails does not keep the others from being done.
+    most the solves under way. A solve that fails does not keep the others from being done; with
+    `despite_failures` it is named beside their results, unless nothing has one.
 
     Raises
     ------
@@ -165,9 +170,16 @@ def solve_all(
             else:
                 synced()
                 progress.done(outcome.solve)
-    if failures:
+    if failures and not (despite_failures and len(failures) < len(wanted)):
         raise RunFailed(_failed(failures, len(missing)))
-    return Solves(solves=wanted, store=store, solved=len(missing), kept=kept)
+    failed = {outcome.solve.key: str(outcome.error) for outcome in failures}
+    return Solves(
+        solves=tuple(solve for solve in wanted if solve.key not in failed),
+        store=store,
+        solved=len(missing) - len(failed),
+        failures={solve: failed[solve.key] for solve in wanted if solve.key in failed},
+        kept=kept,
+    )
 
 
 @contextlib.contextmanager
