@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from fem_contact._checks import instance, positive, within
+from fem_contact._checks import instance, poisson_ratio, positive
 
 __all__ = ["Solid", "composite_modulus"]
 
@@ -36,7 +36,7 @@ class Solid:
 
     def __post_init__(self) -> None:
         positive("young", self.young, unit="Pa")
-        within("poisson", self.poisson, -1, 0.5, interval="(-1, 0.5]")
+        poisson_ratio(self.poisson)
 
     @property
     def contact_modulus(self) -> float:

@@ -10,7 +10,7 @@ from typing import Protocol, Self, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fem_contact._checks import array, instance, positive, samples, within
+from fem_contact._checks import array, instance, poisson_ratio, positive, samples
 from fem_contact.errors import InvalidInput
 
 __all__ = ["PronySolid", "TabulatedSolid", "ViscoelasticSolid"]
@@ -187,7 +187,7 @@ class TabulatedSolid:
 
 
 def _check_poisson(value: object) -> None:
-    within("poisson", value, -1, 0.5, interval="(-1, 0.5]")
+    poisson_ratio(value)
 
 
 def _frequencies(frequency: ArrayLike) -> Array:

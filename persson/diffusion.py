@@ -21,7 +21,7 @@ import numpy as np
 from numpy.polynomial import legendre
 from numpy.typing import ArrayLike, NDArray
 
-from persson._checks import Array, in_proportion, non_negative, real, scalar, sequence, whole, within
+from persson._checks import Array, in_proportion, non_negative, numbers_of, real, scalar, whole, within
 from persson._window import TAIL, Grid, Pieces, Problem, Wall, distance, find_pieces, make_grid
 from persson.errors import InvalidInput, NotConverged
 
@@ -186,7 +186,7 @@ def solve_diffusion(
         whole("modes", modes, least=4, most=400)
     if step is not None:
         within("step", step, 1e-4, 1, interval="[1e-4, 1]")
-    kinks = np.array([scalar("breaks", kink, unit="Pa^2", power=2) for kink in sequence("breaks", breaks)])
+    kinks = np.array([scalar("breaks", kink, unit="Pa^2", power=2) for kink in numbers_of("breaks", breaks)])
     levels = _LEVELS if modes is None and step is None else ((step or 0.1, modes or 48),)
     with in_proportion():
         return _refined(problem, outputs, kinks, levels=levels, tolerance=tolerance)

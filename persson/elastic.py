@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import erf, erfc, erfinv
 
-from persson._checks import Array, instance, non_negative, positive, real, together
+from persson._checks import Array, alike, instance, non_negative, positive, real
 from persson.errors import InvalidInput
 from persson.spectrum import Spectrum
 
@@ -75,7 +75,7 @@ def _argument(pressure: ArrayLike, variance: ArrayLike) -> Array:
     """sigma0 / sqrt(2 V), infinite where V = 0 under load and 0 without load."""
     load = non_negative("pressure", pressure, unit="Pa")
     width = np.sqrt(2 * non_negative("stress_variance", variance, unit="Pa^2", power=2))
-    together(pressure=load, stress_variance=width)
+    alike(pressure=load, stress_variance=width)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         return np.where(load > 0, load / width, 0.0)
 
@@ -136,7 +136,7 @@ def pressure_for_area(area: ArrayLike, *, stress_variance: ArrayLike) -> Array:
             f"area = {float(np.max(fraction))!r}: must lie in [0, 1); full contact needs infinite pressure"
         )
     variance = non_negative("stress_variance", stress_variance, unit="Pa^2", power=2)
-    together(area=fraction, stress_variance=variance)
+    alike(area=fraction, stress_variance=variance)
     return np.sqrt(2 * variance) * erfinv(fraction)
 
 
@@ -203,7 +203,7 @@ def pressure_distribution(stress: ArrayLike, *, pressure: ArrayLike, stress_vari
     load = non_negative("pressure", pressure, unit="Pa")
     width = np.sqrt(_positive_variance(stress_variance))
     sigma = np.maximum(real("stress", stress, unit="Pa"), 0.0)
-    together(stress=sigma, pressure=load, stress_variance=width)
+    alike(stress=sigma, pressure=load, stress_variance=width)
     sigma = sigma / width
     mean = load / width
     # One Gaussian times 1 - exp(-2 sigma sigma0 / V): the difference itself would cancel for small sigma
@@ -232,7 +232,7 @@ def initial_slope(pressure: ArrayLike, *, stress_variance: ArrayLike) -> Array:
     """
     width = np.sqrt(_positive_variance(stress_variance))
     load = non_negative("pressure", pressure, unit="Pa")
-    together(pressure=load, stress_variance=width)
+    alike(pressure=load, stress_variance=width)
     mean = load / width
     with np.errstate(under="ignore"):
         return 2 * mean * np.exp(-0.5 * mean**2) / math.sqrt(2 * math.pi) / width / width
@@ -261,7 +261,7 @@ def kappa(area: ArrayLike, *, reduced_pressure: ArrayLike) -> Array:
             "reduced_pressure = 0: the secant slope needs a load; its limit in the theory is KAPPA_PERSSON"
         )
     fraction = non_negative("area", area)
-    together(area=fraction, reduced_pressure=load)
+    alike(area=fraction, reduced_pressure=load)
     return fraction / load
 
 

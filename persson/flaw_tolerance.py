@@ -10,13 +10,13 @@ from scipy.special import erf, erfc
 
 from persson._checks import (
     Array,
+    alike,
     in_proportion,
     instance,
     non_negative,
     poisson_ratio,
     positive,
     scalar,
-    together,
     whole,
     within,
 )
@@ -51,7 +51,7 @@ def crack_stress(work: ArrayLike, *, contact_modulus: float, length: ArrayLike) 
     energy, size = non_negative("work", work, unit="J/m^2"), non_negative("length", length, unit="m")
     if np.any(size == 0):
         raise InvalidInput("length = 0: must be positive [m]")
-    together(work=energy, length=size)
+    alike(work=energy, length=size)
     return np.sqrt(energy / size * positive("contact_modulus", contact_modulus, unit="Pa"))
 
 

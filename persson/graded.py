@@ -12,11 +12,11 @@ from persson._checks import (
     Array,
     function,
     non_negative,
+    numbers_of,
     poisson_ratio,
     positive,
     real,
     returned,
-    sequence,
 )
 from persson.errors import InvalidInput
 
@@ -69,7 +69,7 @@ class GradedModulus:
     def __post_init__(self) -> None:
         poisson_ratio(self.poisson)
         function("young", self.young)
-        for depth in sequence("breaks", self.breaks):
+        for depth in numbers_of("breaks", self.breaks):
             positive("breaks", depth, unit="m")
 
     def __call__(self, wavevector: ArrayLike) -> Array:
@@ -115,7 +115,7 @@ class ExponentialLayers:
     def __post_init__(self) -> None:
         positive("bulk", self.bulk, unit="Pa")
         poisson_ratio(self.poisson)
-        excess, depths = sequence("excess", self.excess), sequence("depths", self.depths)
+        excess, depths = numbers_of("excess", self.excess), numbers_of("depths", self.depths)
         if len(excess) != len(depths):
             raise InvalidInput(f"{len(excess)} excess moduli and {len(depths)} depths: must be as many")
         for depth in depths:

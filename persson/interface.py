@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from persson._checks import Array, choice, instance, non_negative, positive, real, together
+from persson._checks import Array, alike, choice, instance, non_negative, positive, real
 
 __all__ = ["Interface", "closing_work", "crossover_length", "detachment_stress", "opening_work"]
 
@@ -74,7 +74,7 @@ def detachment_stress(
     energy = np.maximum(real("work", work, unit="J/m^2"), 0.0)
     instance("interface", interface, Interface, what="an `Interface`")
     modulus = non_negative("contact_modulus", contact_modulus, unit="Pa")
-    together(work=energy, contact_modulus=modulus, wavevector=non_negative("wavevector", wavevector))
+    alike(work=energy, contact_modulus=modulus, wavevector=non_negative("wavevector", wavevector))
     bare = np.sqrt(interface.alpha * energy * modulus * non_negative("wavevector", wavevector, unit="1/m"))
     strength = interface.ideal_strength
     return np.asarray(bare if strength is None else bare / (1 + bare / strength))[()]

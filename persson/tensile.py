@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from persson._checks import Array, non_negative, positive, real, together
+from persson._checks import Array, alike, non_negative, positive, real
 from persson.elastic import contact_area, non_contact_area
 from persson.errors import OutsideTheory
 
@@ -66,7 +66,7 @@ def adhesion_load(pressure: ArrayLike, *, stress_variance: ArrayLike, tensile_li
     limit = positive("tensile_limit", tensile_limit, unit="Pa")
     load = real("pressure", pressure, unit="Pa")
     variance = non_negative("stress_variance", stress_variance, unit="Pa^2", power=2)
-    together(pressure=load, stress_variance=variance)
+    alike(pressure=load, stress_variance=variance)
     if np.any(load + limit <= 0):
         raise OutsideTheory(
             f"pressure = {float(np.min(load))!r} Pa: the tension must stay below tensile_limit = {limit!r} Pa"

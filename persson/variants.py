@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import PchipInterpolator
 from scipy.special import erf, erfc, erfinv
 
-from persson._checks import Array, choice, non_negative, real, shown, together, within
+from persson._checks import Array, alike, choice, non_negative, real, shown, within
 from persson.elastic import KAPPA_PERSSON, contact_area
 from persson.errors import InvalidInput
 
@@ -192,7 +192,7 @@ def corrected_contact_area(
     ratio = _ratio(variant, energy_ratio)
     if variant == "persson":
         return contact_area(load, stress_variance=full)
-    together(pressure=load, stress_variance=full)
+    alike(pressure=load, stress_variance=full)
     load, full = np.broadcast_arrays(load, full)
     loaded = (load > 0) & (full > 0)
     root = np.sqrt(full)

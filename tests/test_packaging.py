@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("persson", "fem_contact", "validation")
+PACKAGES = ("contact_checks", "persson", "fem_contact", "validation")
 
 #: Libraries that a computation, a picture or the command line needs, but never the bare import of a package.
 HEAVY = {

@@ -9,7 +9,7 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact._checks import numbers_of, positive, shown, within
+from fem_contact._checks import numbers_of, poisson_ratio, positive, shown
 from fem_contact.block.mesh import MeshOptions
 from fem_contact.block.reduced.column import eliminate, fold, surface_response
 from fem_contact.block.session import planned_mesh
@@ -84,7 +84,7 @@ def wave_errors(
     >>> fine.worst < 0.005, 0.01 < coarse.along_axis < 0.02
     (True, True)
     """
-    poisson = within("poisson", poisson, -1, 0.5, interval="(-1, 0.5]")
+    poisson = poisson_ratio(poisson)
     members = numbers_of("wavelengths", wavelengths, unit="m")
     sought = [positive("wavelengths", wavelength, unit="m") for wavelength in members]
     planned = planned_mesh(shape, lengths, poisson=poisson, options=mesh)

@@ -9,7 +9,7 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact._checks import instance, numbers_of, positive, within
+from fem_contact._checks import instance, numbers_of, poisson_ratio, positive
 from fem_contact.block.mesh import MeshOptions
 from fem_contact.block.session import Method, Modulus, Session, check_method, needed_bytes, planned_mesh
 from fem_contact.block.solution import BlockSolution
@@ -57,7 +57,7 @@ def estimate(
     184320
     """
     check_method(method)
-    poisson = within("poisson", poisson, -1, 0.5, interval="(-1, 0.5]")
+    poisson = poisson_ratio(poisson)
     planned = planned_mesh(shape, lengths, poisson=poisson, options=mesh)
     return Estimate(unknowns=planned.unknowns, bytes=needed_bytes(planned, method), layers=planned.nz)
 

@@ -29,7 +29,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGES = ("persson", "fem_contact", "validation")
+PACKAGES = ("contact_checks", "persson", "fem_contact", "validation")
 _CASES = Path(__file__).with_name("validate_cases.py")
 _COPIED = (*PACKAGES, "tests", "docs", "pyproject.toml", "README.md", "ARCHITECTURE.md", "CHANGELOG.md")
 

@@ -118,7 +118,7 @@ def test_kernels_compile_with_a_read_only_home_and_package(tmp_path, package, ke
     """Both on a file system that nobody can write to, as in a container; solvers and theory alone, too."""
     inside, mount = tmp_path / "image", shutil.which("mount")
     inside.mkdir()
-    for name in ("persson", "fem_contact", "validation"):
+    for name in ("contact_checks", "persson", "fem_contact", "validation"):
         shutil.copytree(ROOT / name, inside / name, ignore=shutil.ignore_patterns("__pycache__"))
     bound = mount and subprocess.run([mount, "--bind", inside, inside], capture_output=True, check=False)
     if not bound or bound.returncode:
