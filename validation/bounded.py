@@ -26,7 +26,7 @@ import numpy as np
 
 from validation import errors
 
-__all__ = ["Child", "OutOfBounds", "call"]
+__all__ = ["Child", "OutOfBounds", "call", "end"]
 
 #: What an interpreter may take to start and to import a function [s]; a loaded machine needs many.
 _START_SECONDS = 120.0
@@ -211,7 +211,8 @@ class Child:
 
 #: One child for a whole process, since an interpreter takes a third of a second to start.
 _SHARED = Child()
-atexit.register(_SHARED.close)
+end = _SHARED.close
+atexit.register(end)
 
 
 def call(

@@ -1,13 +1,21 @@
 """The known failures of other codes, found by the scorecard; skipped where they are absent."""
 
+from pathlib import Path
+
 import pytest
 
 from validation.cases import run_cases
 from validation.cases.scorecard import Subject, rows
 from validation.methods import chosen_solver
 
-BY_GAPS = "validation.methods.peers:tamaas_by_gaps"
-BY_DEFAULT = "validation.methods.peers:contact_mechanics_by_default"
+BY_GAPS = "peers_called_otherwise:tamaas_by_gaps"
+BY_DEFAULT = "peers_called_otherwise:contact_mechanics_by_default"
+
+
+@pytest.fixture(autouse=True)
+def _in_this_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Functions of the user's are looked for in the folder of the command, too."""
+    monkeypatch.chdir(Path(__file__).parent)
 
 
 def failed(name: str, package: str, *, among: set[str]) -> dict[str, str]:
@@ -36,6 +44,11 @@ def test_tamaas_with_gaps_as_unknowns_is_wrong_near_full_contact_and_counts_open
 def test_contact_mechanics_with_its_tolerance_of_forces_stops_at_once_at_light_load() -> None:
     found = failed(BY_DEFAULT, "ContactMechanics", among={"one-cell", "factor", "hertz", "cut-short"})
     assert set(found) == {"one-cell"}
+
+
+def test_aspher_holds_all_that_it_can_be_asked() -> None:
+    among = {"factor", "load", "contact-set", "honesty", "cut-short", "hertz", "near-full", "units"}
+    assert failed("aspher", "aspher", among=among) == {}
 
 
 def test_contact_mechanics_as_its_method_here_calls_it_holds_these_rows() -> None:

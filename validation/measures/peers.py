@@ -2,17 +2,10 @@
 
 from __future__ import annotations
 
-import importlib.metadata
-import importlib.util
-import json
-import math
-import os
 import platform
-import subprocess
-import sys
-import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -21,28 +14,38 @@ import numpy as np
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
+from validation import bounded
+from validation.arrays import Array
 from validation.effects.base import Slots
-from validation.errors import RunFailed
-from validation.measures import peer_solve
 from validation.measures.common import reduced_load
 from validation.measures.single_solve import SingleSolve
+from validation.methods import chosen_solver, methods
 from validation.methods.base import Claim, Job
-from validation.methods.foreign import judged
+from validation.methods.foreign import Foreign, judged
 from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["PeerMeasurement", "code_words", "installed_peers"]
+__all__ = ["OWN", "PeerMeasurement", "code_words", "installed_peers", "known_peers", "own_pressure"]
 
-#: Part of its grid error that a peer's solver may leave in its area: equal error, not equal residual.
+#: Part of its grid error that a solver may leave in its area: equal error, not equal residual.
 _SOLVER_SHARE = 0.1
+_TOLERANCES = tuple(10.0**-k for k in range(2, 12))
+
+#: The package of this project, whose boundary elements are measured as the others are.
+OWN = "fem_contact"
+
+
+def known_peers() -> dict[str, str]:
+    """Return the methods that call another code, by its package."""
+    foreign = [method for method in methods().values() if isinstance(method, Foreign)]
+    return {method.package: method.name for method in foreign if method.package is not None}
 
 
 def installed_peers() -> tuple[str, ...]:
-    """Name the other codes that are installed, of those there is a solve for."""
-    others = (name for name in peer_solve.SOLVERS if name != peer_solve.OWN)
-    return tuple(name for name in others if importlib.util.find_spec(name) is not None)
+    """Name the packages of other codes that are installed."""
+    return tuple(code for code, name in known_peers().items() if methods()[name].available() is None)
 
 
 def code_words(codes: Sequence[str]) -> str:
@@ -52,7 +55,7 @@ def code_words(codes: Sequence[str]) -> str:
 
 
 def _version(code: str) -> str:
-    return importlib.metadata.version("fem-contact" if code == peer_solve.OWN else code)
+    return metadata.version("fem-contact" if code == OWN else code)
 
 
 def _processor() -> str:
@@ -64,6 +67,24 @@ def _processor() -> str:
         return platform.processor() or platform.machine()
 
 
+def own_pressure(
+    heights: Array,
+    lengths: tuple[float, float],
+    *,
+    contact_modulus: float,
+    mean_pressure: float,
+    tolerance: float,
+) -> Array:
+    """Solve with the boundary elements of this project, called as another code is."""
+    from fem_contact import HalfSpace, bem
+
+    half_space = HalfSpace(solid=Solid(young=contact_modulus, poisson=0.0))
+    surface = HeightField(heights=heights, lengths=lengths)
+    told: dict[str, Any] = {"mean_pressure": mean_pressure, "tolerance": tolerance}
+    found: Array = bem.solve(surface, half_space, threads=1, **told).pressure
+    return found
+
+
 @dataclass(frozen=True, kw_only=True)
 class PeerMeasurement(SingleSolve):
     """One surface at one load on one grid, by another code, solved no further than its grid deserves.
@@ -72,9 +93,6 @@ class PeerMeasurement(SingleSolve):
     ----------
     code : str
         Name of its package.
-    realised : Realised
-        Surface, solid and load.
-    grid : tuple of int
     """
 
     located = True
@@ -84,7 +102,7 @@ class PeerMeasurement(SingleSolve):
     @property
     def recipe(self) -> dict[str, Any]:
         """Everything that determines the numbers."""
-        return super().recipe | {"version": _version(self.code), "areas": "pressures"}
+        return super().recipe | {"version": _version(self.code), "areas": "pressures of the method"}
 
     @property
     def prefix(self) -> str:
@@ -113,53 +131,41 @@ class PeerMeasurement(SingleSolve):
         ours = contact_areas(
             bem.solve(field, self.half_space, mean_pressure=own.pressure, threads=1).checked()
         )
-        # Unit period, gradient and modulus: their tolerances are not free of units.
+        # Unit period, gradient and modulus: their tolerances need not be free of units.
         heights = field.heights / (max(own.lengths) * own.field.rms_gradient)
-        allowed = _SOLVER_SHARE * EDGE_CONSTANTS["bem"] * ours.edge_fraction
-        took, pressures = self._solved(heights, pixel=ours.pixel, allowed=allowed)
-        contact = judged(
-            Claim(
-                pressure=pressures,
-                in_contact=None,
-                iterations=0,
-                wall_seconds=took["seconds"],
-                cpu_seconds=took["seconds"],
-                peak_bytes=int(took["peak_bytes"]) if math.isfinite(took["peak_bytes"]) else 0,
-            ),
-            Job(
-                field=HeightField(heights=heights, lengths=(1.0, 1.0)),
-                load={"mean_pressure": reduced_load(own)},
-                slots=Slots(solid=Solid(young=1.0, poisson=0.0)),
-                settings={"tolerance": took["tolerance"]},
-            ),
-            method=self.code,
+        sides = (own.lengths[0] / max(own.lengths), own.lengths[1] / max(own.lengths))
+        job = Job(
+            field=HeightField(heights=heights, lengths=sides),
+            load={"mean_pressure": reduced_load(own)},
+            slots=Slots(solid=Solid(young=1.0, poisson=0.0)),
+            threads=1,
         )
-        areas = contact_areas(contact, edge_constant=EDGE_CONSTANTS["bem"], subcell=True)
-        named = {name: getattr(areas, name) for name in ("pixel", "perimeter", "subcell")}
-        found = {**took, **named}
+        allowed = _SOLVER_SHARE * EDGE_CONSTANTS["bem"] * ours.edge_fraction
+        done, claim, error = self._solved(job, pixel=ours.pixel, allowed=allowed)
+        areas = contact_areas(
+            judged(claim, done, method=self.code), edge_constant=EDGE_CONSTANTS["bem"], subcell=True
+        )
+        found = {
+            "seconds": claim.cpu_seconds,
+            "tolerance": done.settings["tolerance"],
+            "solver_error": error,
+            "peak_bytes": claim.peak_bytes,
+            **{name: getattr(areas, name) for name in ("pixel", "perimeter", "subcell")},
+        }
         return xr.Dataset({name: ((), float(value)) for name, value in found.items()})
 
-    def _solved(
-        self, heights: np.ndarray, *, pixel: float, allowed: float
-    ) -> tuple[dict[str, Any], np.ndarray]:
-        """Run the code in a process of its own; return what it took, and its pressures."""
-        one = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-        with tempfile.TemporaryDirectory() as folder:
-            file = Path(folder) / "heights.npy"
-            np.save(file, heights)
-            numbers = (reduced_load(self.realised), pixel, allowed)
-            # The file, not the module: a process that imports this package would have its memory, too.
-            command = [sys.executable, "-P", peer_solve.__file__, self.code, str(file)]
-            done = subprocess.run(
-                [*command, *map(repr, numbers)],
-                env={**os.environ, **one},
-                capture_output=True,
-                text=True,
-                check=False,
-            )
-            try:
-                took: dict[str, Any] = json.loads(done.stdout.strip().splitlines()[-1])
-                return took, np.load(file.with_name("pressure.npy"))
-            except (ValueError, IndexError):
-                last = (done.stderr.strip() or "no answer").splitlines()[-1]
-                raise RunFailed(f"{self.describe()}: {last}") from None
+    def _solved(self, job: Job, *, pixel: float, allowed: float) -> tuple[Job, Claim, float]:
+        """Tighten the tolerance by decades until the share of points in contact is within `allowed` of `pixel`."""
+        by = f"{__name__}:{own_pressure.__name__}" if self.code == OWN else known_peers()[self.code]
+        solver, told = chosen_solver(by)
+        bounded.end()  # its memory shall be its own
+        solver.rehearse((), {**told, "tolerance": 1e-3})
+        most = 0
+        for tolerance in _TOLERANCES:
+            job = replace(job, settings={**told, "tolerance": tolerance})
+            claim = solver.claim(job)
+            most = max(most, claim.peak_bytes)
+            error = abs(float(np.mean(claim.pressure > 0)) - pixel)
+            if error <= allowed:
+                break
+        return job, replace(claim, peak_bytes=most), error

@@ -79,7 +79,9 @@ class Foreign(Solver):
     accepted : float
         Tolerance that holds where none is said.
     package : str or None
-        What must be installed, of the extra `peers`; its version is part of the recipe.
+        What must be installed; its version is part of the recipe.
+    install : str
+        How.
     """
 
     options: ClassVar[type[Table]] = ForeignOptions
@@ -87,13 +89,14 @@ class Foreign(Solver):
     foreign = True
     accepted: ClassVar[float] = 1e-6
     package: ClassVar[str | None] = None
+    install: ClassVar[str] = "pip install 'fem-contact[peers]'"
     controls: ClassVar[frozenset[str]] = frozenset({"offset", "max_iterations"})
 
     def available(self) -> str | None:
         """Say what to install."""
         if self.package is None or importlib.util.find_spec(self.package) is not None:
             return None
-        return f"{self.package} is not installed; install it with: pip install 'fem-contact[peers]'"
+        return f"{self.package} is not installed; install it with: {self.install}"
 
     @abstractmethod
     def call(self, settings: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:

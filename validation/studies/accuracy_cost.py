@@ -14,8 +14,7 @@ from validation.measures.block import BlockMeasurement
 from validation.measures.common import Ladder, RisingOrNone
 from validation.measures.limits import solved
 from validation.measures.measurement import Measurement, area_limits, grid_for
-from validation.measures.peer_solve import OWN, SOLVERS
-from validation.measures.peers import PeerMeasurement, code_words, installed_peers
+from validation.measures.peers import OWN, PeerMeasurement, code_words, installed_peers, known_peers
 from validation.measures.side_by_side import ByMethod
 from validation.measures.ways import AREAS, chosen_ways, covered, way, ways_of_bem
 from validation.report.estimates import NORMAL, error_of, gather
@@ -33,9 +32,6 @@ if TYPE_CHECKING:
 __all__ = ["Options", "design", "run", "views"]
 
 _ELEMENTS = ("Hex1", "Hex2")
-
-#: Methods of this project by the packages that they call: what is to be cited for them.
-_METHODS = {"tamaas": "tamaas", "ContactMechanics": "contact_mechanics"}
 
 #: Of the solver: its error of the area is a tenth to a half of that, far below all that is to be told apart.
 _TOLERANCE, _FINE_TOLERANCE = 1e-5, 1e-8
@@ -68,7 +64,7 @@ class Options(PressedOptions):
     )
     peer_points_per_wave: RisingOrNone = Field(
         default=(4.0, 8.0, 16.0),
-        description="grids of tamaas and ContactMechanics, where they are installed and no other methods are asked for, "
+        description="grids of other codes, where they are installed and no other methods are asked for, "
         "at equal error; none: they are left out",
     )
     method_points_per_wave: RisingOrNone = Field(
@@ -166,16 +162,16 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         reference_rms=float(np.sqrt(np.mean(uncertainty**2))),
     )
     data["area_deviation_rms"] = (data.area_deviation_each**2).mean("surface") ** 0.5
-    codes, others = options.peers, _others(options)
+    codes, others, known = options.peers, _others(options), known_peers()
     cited = ["bem", *(["fem"] if _blocks(options) else []), *(a.method for a in others)]
     return chosen_ways(covered(data)).assign_attrs(
         study="accuracy-cost",
         reduced_pressure=options.reduced_pressure,
         peers=" ".join([*codes, *(asked.name for asked in others)]),
-        absent="" if others else ", ".join(n for n in SOLVERS if n not in (*codes, OWN)),
+        absent="" if others else ", ".join(code for code in known if code not in codes),
         measured_by=code_words(_codes(options)) if codes else "",
         unsettled=_unsettled(found),
-        methods=" ".join([*cited, *(_METHODS[code] for code in codes), "perimeter"]),
+        methods=" ".join([*cited, *(known[code] for code in codes), "perimeter"]),
     )
 
 

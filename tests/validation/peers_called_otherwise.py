@@ -1,8 +1,4 @@
-"""Other ways to call the peers than their methods here do, in which their known failures show.
-
-They are scored as any own solver is, by ``fem-contact validate --method
-validation.methods.peers:tamaas_by_gaps``.
-"""
+"""Other ways to call the peers than their methods do, in which their known failures show."""
 
 from __future__ import annotations
 
