@@ -12,6 +12,7 @@ them as small PNG files beside this script. Solves are kept in results/solves, b
 from __future__ import annotations
 
 import argparse
+import shutil
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -91,8 +92,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def _scorecard(folder: Path) -> None:
     """Score our solvers beside those of others that are installed, and write their page."""
+    from validation.cases._result import write_scorecards
     from validation.cases.scorecard import Subject, score
-    from validation.cases.scorecard.sheet import write_scorecards
     from validation.methods import find_solver
 
     solvers = {name: find_solver(name) for name in SCORED}
@@ -101,10 +102,10 @@ def _scorecard(folder: Path) -> None:
         for name, solver in solvers.items()
         if solver.available() is None
     ]
-    page, data = write_scorecards(
-        [score(subject, tell=print) for subject in subjects], prepare_folder(folder)
-    )
-    data.unlink()
+    cards = [score(subject, tell=print) for subject in subjects]
+    results = prepare_folder(Path("results") / "scorecard")
+    page = prepare_folder(folder) / "scorecard.html"
+    shutil.copyfile(write_scorecards(results, cards)[0], page)
     print(f"{page}: {page.stat().st_size / 1024:.0f} KB")
 
 

@@ -21,7 +21,7 @@ def test_a_quick_case_passes(case):
     (verdict,) = run_cases([case])
     assert verdict.error is None, verdict.error
     assert verdict.passed, [check for check in verdict.checks if not check.passed]
-    assert verdict.source or case.name.startswith("units")
+    assert verdict.source
 
 
 @pytest.mark.slow
@@ -36,16 +36,13 @@ def test_names_are_unique_and_claims_are_sentences():
     assert len(set(names)) == len(names)
     for case in all_cases():
         assert case.claim.endswith(".")
-    for topic in ("hertz", "westergaard", "full-contact", "fem-against-bem", "units", "theory"):
+    for topic in ("hertz", "westergaard", "full-contact", "against-bem", "units", "theory"):
         assert chosen_cases([topic], quick=False), topic
 
 
 def test_a_case_is_chosen_by_name_or_by_the_beginning_of_its_name():
-    assert {case.name for case in chosen_cases(["hertz"], quick=True)} == {
-        "hertz-bem",
-        "hertz-fem",
-        "hertz-radius-bem",
-    }
+    names = {f"hertz{part}-{solver}" for part in ("", "-radius") for solver in ("bem", "fem", "reduced")}
+    assert {case.name for case in chosen_cases(["hertz"], quick=True)} == names
     with pytest.raises(UsageError, match=r"case 'hert': no such case; one of: .*hertz-bem"):
         chosen_cases(["hert"], quick=False)
 
@@ -112,9 +109,3 @@ def test_hertz_and_westergaard_carry_their_load():
         load, rel=1e-6
     )
     assert westergaard_mean_pressure(0.02, half_width=0.5, contact_modulus=3.0) == pytest.approx(0.06 * np.pi)
-
-
-def test_numbers_of_numpy_do_not_keep_a_verdict_from_json():
-    check = Check.relative("two", np.float64(2.0), np.float64(2.0), 0.01)
-    assert check.passed is True
-    assert json.loads(json.dumps(check.passed)) is True

@@ -10,13 +10,14 @@ import pytest
 from typer.testing import CliRunner
 
 from validation.cases import Check, Verdict, run_cases
-from validation.cases.scorecard import Scorecard, Subject, excess, rows, score
-from validation.cases.scorecard.sheet import scorecard_page
+from validation.cases._result import claims_dataset, claims_views
+from validation.cases.scorecard import Scorecard, Subject, rows, score
 from validation.cli import app
 from validation.effects.base import Slots
 from validation.methods import chosen_solver
 from validation.methods.base import Claim, Cost, Solved
 from validation.methods.bem import Bem
+from validation.solves.results import read_results
 
 
 class Toy(Bem):
@@ -96,23 +97,23 @@ def test_a_wrong_solver_is_caught_and_its_fault_is_named(fault: str) -> None:
     assert card.fault is not None
     assert card.fault[0] == fault
     assert not card.verdict(fault).passed
-    page = scorecard_page([card])
-    assert page.answers[0].answer.startswith("no: ")
-    assert card.fault[1] in [answer.answer for answer in page.answers]
+    views = claims_views(claims_dataset(card.verdicts, [card]))
+    assert views.cards[0].answer.text.startswith("no: ")
+    assert views.cards[1].answer.text == card.diagnosis
 
 
 def test_the_worst_failure_stands_first() -> None:
     card = card_of("factor")
-    failures = [excess(verdict) for verdict in card.failed if "Inconclusive" not in (verdict.error or "")]
+    failures = [verdict.used for verdict in card.failed]
     assert failures == sorted(failures, reverse=True)
-    flags = [verdict.passed for verdict in card.verdicts]
+    flags = [verdict.passed for verdict in card.judged]
     assert flags == sorted(flags)
 
 
 def test_a_nan_is_the_worst_failure_of_all() -> None:
     check = Check.below("something", float("nan"), 1.0)
     verdict = Verdict(case="x", claim="", source="", checks=(check,), seconds=0.0)
-    assert excess(verdict) == float("inf")
+    assert verdict.used == float("inf")
     assert not verdict.passed
 
 
@@ -126,8 +127,8 @@ def test_boundary_elements_are_scored_in_less_than_two_minutes_of_processor_time
     assert outcome.exit_code == 0, outcome.output
     (card,) = json.loads(outcome.output)["scorecards"]
     assert card["passed"]
-    page = (tmp_path / "results" / "scorecard-bem" / "scorecard.html").read_text(encoding="utf-8")
-    assert "Every claim holds for bem." in page
+    page = (tmp_path / "results" / "scorecard-bem" / "report.html").read_text(encoding="utf-8")
+    assert "Every claim holds: " in page
 
 
 def test_a_failing_solver_of_ones_own_exits_with_one_and_is_named(
@@ -144,12 +145,9 @@ def test_a_failing_solver_of_ones_own_exits_with_one_and_is_named(
         app, ["validate", "--method", "flat_toy:solve", "--quick", "--output", "card"]
     )
     assert outcome.exit_code == 1
-    written = (tmp_path / "card" / "scorecard.json").read_text(encoding="utf-8")
-    (card,) = json.loads(written)["scorecards"]
-    assert not card["passed"]
-    failed = {row["case"] for row in card["rows"] if not row["passed"]}
+    card = read_results(tmp_path / "card").data.isel(solver=0).verdict.to_series()
+    failed, holds = (set(card.index[card == word]) for word in ("FAILS", "holds"))
     assert {"honesty", "hertz", "westergaard", "rough-4"} <= failed
-    holds = {row["case"] for row in card["rows"] if row["passed"]}
     assert {"tension", "load", "symmetry", "units"} <= holds
 
 
@@ -163,7 +161,7 @@ def test_a_solver_that_crashes_fails_its_rows_and_the_others_go_on(
     verdicts = rows_of(
         Subject(name="dying", solver=solver, settings=settings), {"tension", "hertz", "offset", "odd-axes"}
     )
-    assert set(verdicts) == {"tension", "hertz", "odd-axes"}
+    assert "cannot be told" in verdicts.pop("offset").left_out
     assert all("crashed its process" in str(verdict.error) for verdict in verdicts.values())
 
 
@@ -203,7 +201,7 @@ def test_what_a_solver_is_told_beside_the_load_must_be_heard(ignored: str, fails
     solver.ignored = ignored
     asked = {"layer", "yielding-wave", "offset", "offset-near-full", "cut-short"}
     verdicts = rows_of(Subject(name="deaf", solver=solver, settings={}), asked)
-    assert {name for name, verdict in verdicts.items() if not verdict.passed} == fails
+    assert {name for name, verdict in verdicts.items() if verdict.word != "holds"} == fails
     assert set(verdicts) == asked
 
 
@@ -242,8 +240,7 @@ def test_what_would_take_too_long_is_not_tried_and_said_so() -> None:
     assert {"tension", "factor", "honesty", "hertz"} <= {verdict.case for verdict in card.verdicts}
     assert card.left_out["rough-4"].startswith("not tried: 64 x 64 points would take some ")
     assert sum(card.subject.asked_seconds) <= 60.0
-    words = scorecard_page([card]).tables[0]
-    assert {row[1] for row in words.rows} == {"holds"}
+    assert set(claims_dataset(card.verdicts, [card]).verdict.values.ravel()) == {"holds", "not judged"}
 
 
 def test_coarse_grids_that_the_time_allows_show_no_orders() -> None:

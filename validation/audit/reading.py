@@ -36,7 +36,7 @@ def audit(folder: Path) -> Ledger:
         For a folder that holds no finished run of this version.
     """
     kind = read_json(folder / "result.json").get("kind")
-    if kind == "study":
+    if kind in ("study", "claims", "paper"):
         return audit_values(folder)
     if kind not in ("run", "sweep"):
         raise LookupError(f"a {kind} stores no field")

@@ -21,7 +21,11 @@ from validation.errors import UsageError
 from validation.measures.statistics import order_of_convergence
 from validation.solves.attempt import one_blas_thread
 
-__all__ = ["Case", "Check", "Verdict", "all_cases", "case", "chosen_cases", "run_cases"]
+__all__ = ["Case", "Check", "NotJudged", "Verdict", "all_cases", "case", "chosen_cases", "run_cases"]
+
+
+class NotJudged(Exception):
+    """Why a claim is not judged of a solver: not answered, not tried, or not read, as another one fails."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,33 +94,23 @@ class Check:
         expected, tolerance : float
             The order that is known beforehand, and how far these resolutions may be from its limit.
         """
-        found = order_of_convergence(1 / np.asarray(resolutions), errors)
+        sizes = 1 / np.asarray(resolutions)
+        found = order_of_convergence(sizes, errors) if min(errors) > 0 else math.nan
         ladder = tuple((float(n), float(error)) for n, error in zip(resolutions, errors, strict=True))
         return cls(quantity=quantity, computed=found, reference=expected, tolerance=tolerance, ladder=ladder)
 
     @property
-    def is_range(self) -> bool:
-        """Whether what passes is a wide range (more than 20 % either way) and not a value or a bound."""
-        return self.tolerance > 0.2 * abs(self.reference) > 0
-
-    @property
-    def allowed(self) -> str:
-        """What passes, in words: a bound, a value with its tolerance, or a range.
-
-        >>> Check.below("error", 0.1, 0.5).allowed, Check.within("factor", 1.2, 0.8, 2.5).allowed
-        ('at most 0.5', '0.8 to 2.5')
-        """
-        if self.reference == 0:
-            return f"at most {self.tolerance:.2g}"
-        if self.is_range:
-            return f"{self.reference - self.tolerance:.4g} to {self.reference + self.tolerance:.4g}"
-        return f"{self.reference:.6g} +- {self.tolerance:.2g}"
+    def used(self) -> float:
+        """Distance over the tolerance: at most 1 passes; infinite where nothing was computed."""
+        apart = abs(self.computed - self.reference)
+        if not math.isfinite(apart):
+            return math.inf
+        return apart / self.tolerance if self.tolerance > 0 else (0.0 if apart == 0 else math.inf)
 
     @property
     def passed(self) -> bool:
         """Whether the two agree; a NaN never does."""
-        # A case may hand in a NumPy number, whose comparisons are not Python's booleans.
-        return math.isfinite(self.computed) and bool(abs(self.computed - self.reference) <= self.tolerance)
+        return math.isfinite(self.computed) and abs(self.computed - self.reference) <= self.tolerance
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,6 +129,8 @@ class Case:
         Where the reference comes from.
     quick : bool
         Whether it takes seconds rather than minutes.
+    solver : str
+        Of whom it is asked, where several are.
     """
 
     name: str
@@ -142,6 +138,7 @@ class Case:
     run: Callable[[], Sequence[Check]]
     source: str = ""
     quick: bool = True
+    solver: str = ""
 
 
 def case(
@@ -153,42 +150,54 @@ def case(
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """How a case ended.
-
-    Attributes
-    ----------
-    case, claim, source : str
-    checks : tuple of Check
-    seconds : float
-    error : str or None
-        Why it could not be computed.
-    """
+    """How a case ended: its checks, or the `error` that it ended with, or why it was `left_out`."""
 
     case: str
     claim: str
     source: str
-    checks: tuple[Check, ...]
-    seconds: float
+    checks: tuple[Check, ...] = ()
+    seconds: float = math.nan
     error: str | None = None
+    left_out: str = ""
+    solver: str = ""
 
     @property
     def passed(self) -> bool:
         """Whether there were checks and all of them passed."""
         return self.error is None and bool(self.checks) and all(check.passed for check in self.checks)
 
+    @property
+    def row(self) -> str:
+        """Name of the claim, of whichever solver."""
+        return self.case.removesuffix(f"-{self.solver}")
+
+    @property
+    def word(self) -> str:
+        """What it comes to."""
+        return "not judged" if self.left_out else "holds" if self.passed else "FAILS"
+
+    @property
+    def used(self) -> float:
+        """Largest difference over its tolerance; infinite where nothing could be computed."""
+        if self.error is not None or not self.checks:
+            return math.inf
+        return max(check.used for check in self.checks)
+
     def summary(self) -> dict[str, Any]:
         """Everything as JSON-ready data."""
         checks = [{**asdict(check), "passed": check.passed} for check in self.checks]
-        return {**asdict(self), "checks": checks, "passed": self.passed}
+        return {**asdict(self), "checks": checks, "passed": self.passed, "over_tolerance": self.used}
 
 
 def all_cases() -> tuple[Case, ...]:
-    """Return the cases of every module of this package."""
+    """Return the cases of every module of this package, and those of the scorecard for each own solver."""
+    from validation.cases.scorecard import own_cases
+
     # A folder is no module of cases: a scorecard's are made for a solver.
     found = [info for info in pkgutil.iter_modules(__path__) if not info.ispkg]
     names = sorted(info.name for info in found if not info.name.startswith("_"))
     modules = (importlib.import_module(f"{__name__}.{name}") for name in names)
-    return tuple(one for module in modules for one in _cases_of(vars(module)))
+    return (*own_cases(), *(one for module in modules for one in _cases_of(vars(module))))
 
 
 def _cases_of(names: Mapping[str, object]) -> Iterator[Case]:
@@ -224,11 +233,13 @@ def _chooses(name: str, case: Case) -> bool:
 def run_cases(cases: Iterable[Case], *, tell: Callable[[str], None] | None = None) -> Iterator[Verdict]:
     """Run cases and yield their verdicts; a case that raises has failed, and the others go on."""
     for case in cases:
-        began, error = time.perf_counter(), None
+        began, error, left_out = time.perf_counter(), None, ""
         checks: tuple[Check, ...] = ()
         try:
             with one_blas_thread():
                 checks = tuple(case.run())
+        except NotJudged as problem:
+            left_out = str(problem)
         except Exception as problem:
             error = f"{type(problem).__name__}: {problem}"
         verdict = Verdict(
@@ -238,7 +249,12 @@ def run_cases(cases: Iterable[Case], *, tell: Callable[[str], None] | None = Non
             checks=checks,
             seconds=time.perf_counter() - began,
             error=error,
+            left_out=left_out,
+            solver=case.solver,
         )
         if tell is not None:
-            tell(f"{'passed' if verdict.passed else 'FAILED'}  {case.name}  ({verdict.seconds:.1f} s)")
+            tell(f"{_TOLD[verdict.word]}  {case.name}  ({verdict.seconds:.1f} s)")
         yield verdict
+
+
+_TOLD = {"holds": "passed", "FAILS": "FAILED", "not judged": "not judged"}

@@ -8,13 +8,11 @@ from functools import partial
 import numpy as np
 
 from fem_contact import block
-from fem_contact.area import contact_areas
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 from persson.spectrum import SelfAffine
 from validation.arrays import Array
 from validation.cases import Case, Check
-from validation.cases._closed_forms import HertzInPeriod
 
 __all__ = ["CASES"]
 
@@ -124,26 +122,6 @@ def _heterogeneous() -> list[Check]:
     ]
 
 
-def _radius() -> list[Check]:
-    case = HertzInPeriod(radius=0.1, contact_modulus=Solid(young=1.0, poisson=0.3).contact_modulus)
-    shifts, weights = ((0.0, 0.0), (0.5, 0.5), (0.25, 0.5), (0.25, 0.25)), (1, 1, 2, 4)
-    sizes, excess, peaks = (60, 120, 240, 480), [], []
-    for n in sizes:
-        radii = []
-        for shift in shifts:
-            solid = Solid(young=1.0, poisson=0.3)
-            contact = block.solve(case.surface(n, shift), solid, mean_pressure=case.load).contact.checked()
-            radii.append(math.sqrt(contact_areas(contact).pixel / math.pi))
-            if shift == (0.0, 0.0):
-                peaks.append(abs(contact.pressure.max() / case.peak - 1))
-        excess.append(float(np.average(radii, weights=weights)) / case.radius - 1)
-    return [
-        Check.below("largest error of the peak from six cells per radius", max(peaks), 4e-3),
-        Check.order("observed order of the counted radius", sizes, excess, expected=1, tolerance=0.25),
-        Check.below(f"excess of the counted radius at n = {sizes[-1]}", excess[-1], 0.5 / (0.1 * sizes[-1])),
-    ]
-
-
 CASES = (
     *(
         Case(
@@ -186,11 +164,5 @@ CASES = (
         run=_heterogeneous,
         source=_SAME,
         quick=False,
-    ),
-    Case(
-        name="block-hertz",
-        claim="The reduced block gives Hertz's peak within .4 %, and a counted radius of first order.",
-        run=_radius,
-        source="H. Hertz, J. reine angew. Math. 92, 156 (1882)",
     ),
 )

@@ -57,7 +57,7 @@ def _oblong() -> list[Check]:
 
 @case(
     "bodies-layers",
-    "Thin layers give by their confined modulus, and thick ones are half-spaces.",
+    "Layers give by their compliance: thin ones by their confined modulus, thick ones as half-spaces.",
     source="K. L. Johnson, Contact Mechanics, Sec. 5.8",
 )
 def _layers() -> list[Check]:
@@ -83,6 +83,27 @@ def _layers() -> list[Check]:
             Check.relative(f"C of a long wave, {name} [m/Pa]", _felt(layer, 1e-3), long, 1e-5),
             Check.relative(f"C of a short wave, {name} [m/Pa]", _felt(layer, 200.0), half, 1e-10),
         ]
+    return [*checks, *_pressed_flat()]
+
+
+def _pressed_flat() -> list[Check]:
+    """Press a wave flat on a layer: the pressure amplitude is the height over the compliance, exactly."""
+    checks = []
+    x = np.cos(2 * np.pi * np.arange(48) / 48)
+    surface = HeightField(heights=0.01 * x[:, None] * np.ones(4), lengths=(1.0, 1.0))
+    for poisson in (0.3, 0.5):
+        solid = Solid(young=1.0, poisson=poisson)
+        a, k = 2 * math.pi * 0.1, 3 - 4 * poisson
+        bonded = (k * math.sinh(2 * a) - 2 * a) / (k * math.cosh(2 * a) + 2 * a**2 + (k**2 + 1) / 2)
+        sliding = (math.cosh(2 * a) - 1) / (math.sinh(2 * a) + 2 * a)
+        for kind, layer, ratio in (
+            ("bonded", BondedLayer(solid=solid, thickness=0.1), bonded),
+            ("frictionless", FrictionlessLayer(solid=solid, thickness=0.1), sliding),
+        ):
+            amplitude = float(np.ptp(bem.solve(surface, layer, mean_pressure=10.0).checked().pressure)) / 2
+            exact = 0.01 * math.pi * solid.contact_modulus / ratio
+            name = f"pressure amplitude, {kind}, nu = {poisson}"
+            checks.append(Check.relative(name, amplitude, exact, 1e-10))
     return checks
 
 

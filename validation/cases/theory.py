@@ -104,3 +104,19 @@ def _area_factor() -> list[Check]:
         Check.relative("A*/A0 at <|grad h|^2> = 0.99", found, average, 1e-9),
         Check.near("increase of the area that the paper prints [%]", 100 * (found - 1), 38, 0.5),
     ]
+
+
+@case(
+    "theory-units",
+    "Lengths times 2^20 and pressures times 2^-30 leave the area of the theory bit for bit.",
+    source="symmetry",
+)
+def _units() -> list[Check]:
+    areas = []
+    for length, stress in ((1.0, 1.0), (2.0**20, 2.0**-30)):
+        spectrum = SelfAffine.from_rms_gradient(
+            0.1, hurst=0.8, q_long=4 * math.pi / length, q_short=400 * math.pi / length
+        )
+        variance = elastic.stress_variance(spectrum.m2(), contact_modulus=stress)
+        areas.append(float(elastic.contact_area(0.01 * stress, stress_variance=variance)))
+    return [Check.near("A/A0", areas[1], areas[0], 0.0)]

@@ -113,7 +113,7 @@ def _energy_shares() -> list[Check]:
     for energy, exact in (("old", area), ("as_printed", mean), ("improved", mean - lost)):
         found = energy_share(load, stress_variance=variance, energy=energy)  # type: ignore[arg-type]
         checks.append(
-            Check.relative(f"P~ at p0^2/V = {load**2 / variance:.3g}, {energy}", float(found), exact, 1e-8)
+            Check.relative(f"P~ at p0^2/V = {load**2 / variance:.2g}, {energy}", float(found), exact, 1e-8)
         )
     near = variance * np.array([1 - 1e-4, 1.0, 1 + 1e-4])
     areas = corrected_contact_area(load, stress_variance=near, variant="xu")

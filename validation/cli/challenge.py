@@ -8,7 +8,6 @@ from typing import Annotated
 import typer
 
 from validation.cli.options import JsonOption, say, stopping_cleanly
-from validation.errors import RunFailed
 
 __all__ = ["challenge_app"]
 
@@ -44,12 +43,10 @@ def score(
     as_json: JsonOption = False,
 ) -> None:
     """Score the answers of a folder, all or some; exit with 1 if a row fails."""
+    from validation.cases._result import write_scorecards
     from validation.cases.scorecard.challenge import score_folder
-    from validation.cases.scorecard.sheet import write_scorecards
+    from validation.cli.validate import show_scorecards
 
     with stopping_cleanly():
         card = score_folder(folder, tell=None if as_json else lambda line: say(line, prefix=""))
-    html, file = write_scorecards([card], folder)
-    typer.echo(file.read_text(encoding="utf-8") if as_json else f"Written: {html}")
-    if card.failed:
-        raise RunFailed(card.sentence)
+    show_scorecards([card], write_scorecards(folder, [card]), as_json=as_json)

@@ -342,13 +342,20 @@ def report(
     pictures: PicturesOption = None,
     as_json: JsonOption = False,
 ) -> None:
-    """Write the report of a finished run or study again, from stored results alone. Solves nothing."""
+    """Write the report of finished results again, from what is stored alone. Solves nothing."""
     from validation.comparison.run import report_scene
-    from validation.solves.results import check_results
+    from validation.solves.results import check_results, holds_result
     from validation.studies._outputs import is_study, report_study
 
     check_results(folder)
-    files = report_study(folder).files if is_study(folder) else report_scene(folder, pictures=pictures).files
+    if holds_result(folder, "claims"):
+        from validation.cases._result import report_claims
+
+        files = report_claims(folder)[1]
+    elif is_study(folder):
+        files = report_study(folder).files
+    else:
+        files = report_scene(folder, pictures=pictures).files
     if as_json:
         typer.echo(json.dumps([str(path) for path in files], indent=2))
     else:

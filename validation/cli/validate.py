@@ -5,15 +5,20 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from validation.cli.options import JsonOption, OutputOption, QuietOption, ReportOption, say, stopping_cleanly
 from validation.errors import RunFailed
+from validation.report.words import json_ready
 
-__all__ = ["reproduce", "validate"]
+if TYPE_CHECKING:
+    from validation.cases.scorecard import Scorecard
+
+__all__ = ["reproduce", "show_scorecards", "validate"]
 
 
 def validate(
@@ -32,9 +37,7 @@ def validate(
     ] = None,
     seconds: Annotated[
         float,
-        typer.Option(
-            "--seconds", min=1.0, help="Processor time all solves of a solver may take, with --method."
-        ),
+        typer.Option("--seconds", min=1.0, help="Time all solves of a solver may take, with --method."),
     ] = 300.0,
     tolerance: Annotated[
         float, typer.Option("--tolerance", min=1e-12, max=1e-2, help="Of the residuals, with --method.")
@@ -49,13 +52,20 @@ def validate(
     further ones stand beside the first.
     """
     from validation.cases import chosen_cases, run_cases
-    from validation.cases._page import validation_page
+    from validation.cases._result import write_claims
     from validation.cli.results import print_page
     from validation.files import prepare_folder
-    from validation.report.page import write_page
 
     if method:
-        _score(method, quick=quick, tolerance=tolerance, seconds=seconds, output=output, as_json=as_json)
+        _score(
+            method,
+            quick=quick,
+            tolerance=tolerance,
+            seconds=seconds,
+            output=output,
+            as_json=as_json,
+            report=with_report,
+        )
         return
     cases = chosen_cases(names or [], quick=quick)
     if list_all:
@@ -65,23 +75,31 @@ def validate(
     folder = prepare_folder(output or Path("results") / "validation")
     with stopping_cleanly():
         verdicts = tuple(run_cases(cases, tell=None if as_json else lambda line: say(line, prefix="")))
-    page = validation_page(verdicts, asked={"cases": list(names or []), "quick": quick}, figures=with_report)
-    files = write_page(page, folder, numbers_only=not with_report)
+    failed_first = sorted(verdicts, key=lambda verdict: verdict.passed)
+    asked = {"cases": list(names or []), "quick": quick}
+    page, files = write_claims(folder, failed_first, name="validate", asked=asked, report=with_report)
     if as_json:
         typer.echo(json.dumps([verdict.summary() for verdict in verdicts], indent=2))
     else:
         print_page(page, files)
-    failed = [verdict.case for verdict in verdicts if not verdict.passed]
+    failed = [verdict.case for verdict in verdicts if verdict.word == "FAILS"]
     if failed:
         raise RunFailed(f"{len(failed)} of {len(verdicts)} cases failed: {', '.join(failed)}")
 
 
 def _score(
-    names: list[str], *, quick: bool, tolerance: float, seconds: float, output: Path | None, as_json: bool
+    names: list[str],
+    *,
+    quick: bool,
+    tolerance: float,
+    seconds: float,
+    output: Path | None,
+    as_json: bool,
+    report: bool,
 ) -> None:
     """Write the scorecards of solvers; fail where the first of them does."""
+    from validation.cases._result import write_scorecards
     from validation.cases.scorecard import Subject, score
-    from validation.cases.scorecard.sheet import write_scorecards
     from validation.files import prepare_folder
     from validation.methods import chosen_solver
 
@@ -97,17 +115,22 @@ def _score(
             if not as_json:
                 typer.echo(f"{name}:")
             cards.append(score(subject, tell=None if as_json else lambda line: say(line, prefix="")))
-    files = write_scorecards(cards, folder)
+    files = write_scorecards(folder, cards, report=report)
+    show_scorecards(cards, files, as_json=as_json)
+
+
+def show_scorecards(cards: Sequence[Scorecard], files: Iterable[Path], *, as_json: bool) -> None:
+    """Print what scorecards come to; fail where the first of them does."""
     if as_json:
-        typer.echo(files[1].read_text(encoding="utf-8"), nl=False)
+        said = json_ready({"scorecards": [card.summary() for card in cards]})
+        typer.echo(json.dumps(said, indent=2))
     else:
         for path in files:
             typer.echo(f"  {path}")
-    first = cards[0]
-    if first.failed:
-        raise RunFailed(first.sentence)
+    if cards[0].failed:
+        raise RunFailed(cards[0].sentence)
     if not as_json:
-        typer.echo(first.sentence)
+        typer.echo(cards[0].sentence)
 
 
 def reproduce(

@@ -4,42 +4,77 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import Any
 
 from validation.cases import Case, Check, Verdict, run_cases
-from validation.cases.scorecard import control, effects, elementary, hard, known, ladder
+from validation.cases.scorecard import elementary, hard, known, ladder
 from validation.cases.scorecard.ladder import CostRow
-from validation.cases.scorecard.subject import Inconclusive, NotTried, Subject, Unanswered
+from validation.cases.scorecard.subject import Subject
+from validation.methods import chosen_solver
 
-__all__ = ["FAULTS", "Scorecard", "Subject", "rows", "score"]
+__all__ = ["FAULTS", "Scorecard", "Subject", "own_cases", "rows", "score"]
 
-#: Row, claim and function.
-_ROWS: tuple[tuple[str, str, Callable[[Subject], Sequence[Check]]], ...] = (
-    ("tension", "No pressure is below zero.", elementary.tension),
-    ("place", "The pressure lies where the heights are.", elementary.place),
-    ("factor", "The stiffness is that of E*.", elementary.factor),
-    ("full-contact", "Each wave is pressed flat by E* q h / 2.", elementary.full_contact),
-    ("load", "The mean pressure is the one asked for.", elementary.load),
-    ("contact-set", "What is called contact carries load on a closed gap.", elementary.contact_set),
-    ("honesty", "Recomputed residuals are within the tolerance asked for.", elementary.honesty),
-    ("cut-short", "A solve that ends early says so.", control.cut_short),
-    ("hertz", "A paraboloid carries Hertz's pressure.", known.hertz),
-    ("hertz-radius", "The counted radius converges to Hertz's in first order.", known.hertz_radius),
-    ("stress-near-zero", "P(sigma) starts from zero, but for the grid.", known.stress_near_zero),
-    ("westergaard", "A wave carries Westergaard's pressure.", known.westergaard),
-    ("layer", "On a bonded layer each wave is pressed flat by h / C(q).", effects.layer),
-    ("yielding-wave", "Crests yield over the width that Westergaard's solution says.", effects.yielding),
-    ("symmetry", "A mirrored surface has the mirrored pressure.", known.symmetry),
-    ("units", "Units of length and pressure change nothing.", known.units),
-    ("nested-grids", "Finer and finer grids approach one answer.", known.nested),
-    ("offset", "An offset leads to the pressures of the load that it belongs to.", control.offset),
-    ("offset-near-full", "So it does near full contact.", control.offset_near_full),
-    ("near-full", "Full contact just above and below the flattening load.", hard.near_full),
-    ("one-cell", "A load that one point carries is carried by one point.", hard.one_cell),
-    ("elongated", "Long periods and long cells change nothing.", hard.elongated),
-    ("odd-axes", "Odd numbers of points are solved as well.", hard.odd_axes),
+_JOHNSON = "K. L. Johnson, J. A. Greenwood, J. G. Higginson, Int. J. Mech. Sci. 27, 383 (1985)"
+_HERTZ = "H. Hertz, J. reine angew. Math. 92, 156 (1882); K. L. Johnson, Contact Mechanics, Sec. 4.2"
+_WESTERGAARD = "H. M. Westergaard, J. Appl. Mech. 6, 49 (1939)"
+_LAYER = "K. L. Johnson, Contact Mechanics, Sec. 5.8"
+_LIMITS = "limits of boundary elements over grids and shifts"
+
+#: Row, claim, source and function of a solver.
+_ROWS: tuple[tuple[str, str, str, Callable[[Subject], Sequence[Check]]], ...] = (
+    ("finite", "Every pressure is a finite number.", "definition", elementary.finite),
+    ("repeatable", "The same question has the same answer.", "definition", elementary.repeatable),
+    ("tension", "No pressure is below zero.", "definition", elementary.tension),
+    ("place", "The pressure lies where the heights are.", "full contact, exact", elementary.place),
+    ("factor", "The stiffness is that of E*.", "full contact, exact", elementary.factor),
+    ("full-contact", "Each wave is pressed flat by E* q h / 2.", "exact", elementary.full_contact),
+    ("load", "The mean pressure is the one asked for.", "definition", elementary.load),
+    (
+        "contact-set",
+        "What is called contact carries load on a closed gap.",
+        "definition",
+        elementary.contact_set,
+    ),
+    ("honesty", "Recomputed residuals are within the tolerance asked for.", "definition", elementary.honesty),
+    ("cut-short", "A solve that ends early says so.", "definition", hard.cut_short),
+    ("hertz", "A paraboloid carries Hertz's pressure.", _HERTZ, known.hertz),
+    ("hertz-radius", "The counted radius converges to Hertz's in first order.", _HERTZ, known.hertz_radius),
+    ("stress-near-zero", "P(sigma) starts from zero, but for the grid.", _HERTZ, known.stress_near_zero),
+    ("westergaard", "A wave carries Westergaard's pressure.", _WESTERGAARD, known.westergaard),
+    ("layer", "On a bonded layer each wave is pressed flat by h / C(q).", _LAYER, known.layer),
+    (
+        "yielding-wave",
+        "Crests yield over the width that Westergaard's solution says.",
+        f"{_WESTERGAARD}, mirrored",
+        known.yielding,
+    ),
+    ("symmetry", "A mirrored surface has the mirrored pressure.", "symmetry", known.symmetry),
+    ("units", "Units of length and pressure change nothing.", "symmetry", known.units),
+    (
+        "against-bem",
+        "Pressures approach those of boundary elements as the grid is refined.",
+        "code verification: no shared contact algorithm",
+        known.against_bem,
+    ),
+    ("nested-grids", "Finer and finer grids approach one answer.", "self-consistency", known.nested),
+    (
+        "offset",
+        "An offset leads to the pressures of the load that it belongs to.",
+        "uniqueness of the elastic solution",
+        hard.offset,
+    ),
+    (
+        "offset-near-full",
+        "So it does near full contact.",
+        "uniqueness of the elastic solution",
+        hard.offset_near_full,
+    ),
+    ("near-full", "Full contact just above and below the flattening load.", _JOHNSON, hard.near_full),
+    ("one-cell", "A load that one point carries is carried by one point.", "exact", hard.one_cell),
+    ("elongated", "Long periods and long cells change nothing.", _WESTERGAARD, hard.elongated),
+    ("odd-axes", "Odd numbers of points are solved as well.", "definition", hard.odd_axes),
 )
 
 #: Rows that name a fault, in the order in which they are believed: each is read as if those before held.
@@ -52,6 +87,13 @@ FAULTS: tuple[tuple[str, str], ...] = (
     ("honesty", "the iteration ends before its tolerance is met"),
 )
 
+#: Our own solvers, whose scorecards are cases of `fem-contact validate`: method and settings.
+_OWN: dict[str, tuple[str, dict[str, Any]]] = {
+    "bem": ("bem", {}),
+    "fem": ("fem", {"method": "full"}),
+    "reduced": ("fem", {"method": "reduced"}),
+}
+
 
 @dataclass(frozen=True, kw_only=True)
 class Scorecard:
@@ -61,23 +103,29 @@ class Scorecard:
     ----------
     subject : Subject
     verdicts : tuple of Verdict
-        The worst failure first.
+        Of all rows, the worst failure first; what was not judged says why.
     cost : tuple of CostRow
         Of one rough surface; empty where rough surfaces were not solved.
-    left_out : mapping of str to str
-        Rows that were not judged, and why: not answered, not tried, or asking for what the solver is not
-        given.
     """
 
     subject: Subject
     verdicts: tuple[Verdict, ...]
     cost: tuple[CostRow, ...]
-    left_out: Mapping[str, str]
+
+    @property
+    def judged(self) -> tuple[Verdict, ...]:
+        """Verdicts of rows that could be judged."""
+        return tuple(verdict for verdict in self.verdicts if not verdict.left_out)
 
     @property
     def failed(self) -> tuple[Verdict, ...]:
         """Verdicts that did not pass."""
-        return tuple(verdict for verdict in self.verdicts if not verdict.passed)
+        return tuple(verdict for verdict in self.judged if not verdict.passed)
+
+    @property
+    def left_out(self) -> Mapping[str, str]:
+        """Rows that were not judged, and why: not answered, not tried, or asking for what it is not given."""
+        return {verdict.case: verdict.left_out for verdict in self.verdicts if verdict.left_out}
 
     @property
     def fault(self) -> tuple[str, str] | None:
@@ -86,27 +134,28 @@ class Scorecard:
         return next((fault for fault in FAULTS if fault[0] in known_by), None)
 
     @property
+    def diagnosis(self) -> str:
+        """What is wrong, in words; empty where no row names it."""
+        return "" if self.fault is None else self.fault[1]
+
+    @property
     def sentence(self) -> str:
         """What came out, in a line."""
         name, failed = self.subject.name, self.failed
         if not failed:
-            return f"{name}: all {len(self.verdicts)} rows hold"
-        fault = "" if self.fault is None else f"; {self.fault[1]}"
+            return f"{name}: all {len(self.judged)} rows hold"
         count = "1 row fails" if len(failed) == 1 else f"{len(failed)} rows fail"
-        return f"{name}: {count}: {', '.join(verdict.case for verdict in failed)}{fault}"
+        why = f"; {self.diagnosis}" if self.diagnosis else ""
+        return f"{name}: {count}: {', '.join(verdict.case for verdict in failed)}{why}"
 
-    def verdict(self, row: str) -> Verdict | None:
-        """Return the verdict of a row; None where it does not apply."""
-        return next((verdict for verdict in self.verdicts if verdict.case == row), None)
+    def verdict(self, row: str) -> Verdict:
+        """Return the verdict of a row."""
+        return next(verdict for verdict in self.verdicts if verdict.case == row)
 
-    def seconds_to(self, error: float) -> float:
-        """Return processor seconds of the cheapest grid whose area is that near; NaN where none is."""
-        near = [row.seconds for row in self.cost if row.error <= error and not math.isnan(row.seconds)]
-        return min(near, default=math.nan)
-
-    def bytes_to(self, error: float) -> float:
-        """Return the memory of the smallest grid whose area is that near; NaN where none is."""
-        return min((row.peak_bytes for row in self.cost if row.error <= error), default=math.nan)
+    def needed(self, what: str, accuracy: float) -> float:
+        """Return the least `seconds` or `peak_bytes` of a grid whose area is that near; NaN where none is."""
+        near = [float(getattr(row, what)) for row in self.cost if row.area_miss <= accuracy]
+        return min((value for value in near if not math.isnan(value)), default=math.nan)
 
     def summary(self) -> dict[str, Any]:
         """Everything as JSON-ready data."""
@@ -116,58 +165,43 @@ class Scorecard:
             "tolerance": self.subject.tolerance,
             "passed": not self.failed,
             "fault": None if fault is None else {"row": fault[0], "words": fault[1]},
-            "rows": [{**verdict.summary(), "over_tolerance": excess(verdict)} for verdict in self.verdicts],
+            "rows": [verdict.summary() for verdict in self.judged],
             "left_out": dict(self.left_out),
             "cost": [asdict(row) for row in self.cost],
         }
 
 
-def excess(verdict: Verdict) -> float:
-    """Return the largest difference over its tolerance; infinite where nothing could be computed."""
-    if verdict.error is not None or not verdict.checks:
-        return math.inf
-    return max(_excess(check) for check in verdict.checks)
-
-
-def _excess(check: Check) -> float:
-    difference = abs(check.computed - check.reference)
-    if not math.isfinite(difference):
-        return math.inf
-    if check.tolerance == 0:
-        return 0.0 if difference == 0 else math.inf
-    return difference / check.tolerance
-
-
-def _refused(subject: Subject, name: str) -> str | None:
-    """Say what a row asks for that a solver cannot be given; None where it can."""
-    effect, told = effects.NEEDED.get(name), control.NEEDED.get(name)
-    if effect is not None and not subject.solver.handles(effect):
-        return f"{subject.solver.label} cannot be given the effect {effect.kind_name()!r}"
-    if told is not None and told not in subject.controlled:
-        return f"{subject.solver.label} cannot be told {told!r}"
-    return None
-
-
 def rows(subject: Subject) -> tuple[Case, ...]:
-    """Return the rows that apply to a solver."""
+    """Return the rows of a scorecard as cases of a solver."""
     found = [
-        Case(name=name, claim=claim, run=partial(function, subject))
-        for name, claim, function in _ROWS
-        if _refused(subject, name) is None
+        Case(name=name, claim=claim, source=source, run=partial(function, subject), solver=subject.name)
+        for name, claim, source, function in _ROWS
     ]
     found += [
         Case(
             name=f"rough-{width}",
             claim=f"Areas, gap, stiffness, energy, low pressures: the limit's (lambda_l/lambda_s = {width}).",
+            source=_LIMITS,
             run=partial(ladder.rough_surface, subject, width),
+            solver=subject.name,
         )
         for width in ladder.bandwidths(subject)
     ]
     return tuple(found)
 
 
+def own_cases() -> tuple[Case, ...]:
+    """Return the rows of the scorecards of our own solvers, named ``row-solver``."""
+    found = []
+    for name, (method, settings) in _OWN.items():
+        subject = Subject(name=name, solver=chosen_solver(method)[0], settings=settings, own=True)
+        own = (row for row in rows(subject) if row.name != f"against-{name}")
+        found += [replace(row, name=f"{row.name}-{name}") for row in own]
+    return tuple(found)
+
+
 def score(subject: Subject, *, tell: Callable[[str], None] | None = None) -> Scorecard:
-    """Run every row that applies; one that raises has failed, and the others go on.
+    """Run every row; one that raises has failed, and the others go on.
 
     Parameters
     ----------
@@ -176,40 +210,17 @@ def score(subject: Subject, *, tell: Callable[[str], None] | None = None) -> Sco
         Given a line for every row.
     """
     subject.warm_up()
-    refused = {row[0]: _refused(subject, row[0]) for row in _ROWS}
-    left_out = {name: why for name, why in refused.items() if why is not None}
-    found = []
-    for verdict in run_cases(rows(subject)):
-        why = _why_not(verdict)
-        if why is None:
-            found.append(verdict)
-        else:
-            left_out[verdict.case] = why
-        if tell is not None:
-            word = "passed" if verdict.passed else "FAILED" if why is None else why.partition(":")[0]
-            tell(f"{word}  {verdict.case}  ({verdict.seconds:.1f} s)")
-    verdicts = sorted(found, key=_worst_first)
-    return Scorecard(
-        subject=subject, verdicts=tuple(verdicts), cost=_cost(subject, verdicts), left_out=left_out
-    )
-
-
-def _why_not(verdict: Verdict) -> str | None:
-    """Say why a row was not judged; None where it was."""
-    for kind, words in ((Unanswered, "not answered"), (NotTried, "not tried")):
-        if (verdict.error or "").startswith(f"{kind.__name__}: "):
-            return f"{words}: {str(verdict.error).removeprefix(f'{kind.__name__}: ')}"
-    return None
+    verdicts = sorted(run_cases(rows(subject), tell=tell), key=_worst_first)
+    return Scorecard(subject=subject, verdicts=tuple(verdicts), cost=_cost(subject, verdicts))
 
 
 def _cost(subject: Subject, verdicts: Sequence[Verdict]) -> tuple[CostRow, ...]:
     """Price a digit where the surface that it is priced on was solved."""
-    if any(verdict.case == f"rough-{ladder.PRICED}" and verdict.error is None for verdict in verdicts):
+    if any(v.case == f"rough-{ladder.PRICED}" and v.error is None and not v.left_out for v in verdicts):
         return ladder.cost(subject)
     return ()
 
 
 def _worst_first(verdict: Verdict) -> tuple[bool, bool, float]:
-    """Sort failures first, the larger before the smaller; what another failure hides, after them."""
-    hidden = (verdict.error or "").startswith(Inconclusive.__name__)
-    return verdict.passed, hidden, -excess(verdict)
+    """Sort failures first, the larger before the smaller."""
+    return bool(verdict.left_out), verdict.passed, -verdict.used

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 from collections.abc import Callable, Mapping
@@ -13,8 +14,9 @@ import numpy as np
 
 from fem_contact.surface import HeightField
 from validation.arrays import Array
+from validation.cases import NotJudged
 from validation.cases.scorecard import Scorecard, ladder, rows, score
-from validation.cases.scorecard.subject import Subject, Unanswered
+from validation.cases.scorecard.subject import Subject
 from validation.errors import UsageError
 from validation.files import atomic_path, write_json
 from validation.methods.base import Claim, Job
@@ -87,7 +89,7 @@ class _Answers(_Posed):
 
         Raises
         ------
-        Unanswered
+        NotJudged
             Where there is none.
         """
         number = self.numbers[_key(job.field, job.slots.solid.contact_modulus, job.mean_pressure)]
@@ -166,7 +168,8 @@ def _problems(points: int, tolerance: float) -> list[_Problem]:
     recorder = _Recorder(points)
     subject = Subject(name="recorder", solver=recorder, settings={}, tolerance=tolerance, seconds=math.inf)
     for row in rows(subject):
-        row.run()
+        with contextlib.suppress(NotJudged):
+            row.run()
     ladder.cost(subject)
     asked = list(recorder.asked.values())
     return [asked[k] for k in np.random.default_rng(_ORDER_SEED).permutation(len(asked))]
@@ -210,7 +213,7 @@ def _answer(folder: Path) -> Path | None:
 def _pressure(folder: Path, shape: tuple[int, int]) -> Array:
     file = _answer(folder)
     if file is None:
-        raise Unanswered(f"{folder.name} has no answer")
+        raise NotJudged(f"{folder.name} has no answer")
     try:
         if file.suffix == ".npy":
             found = np.asarray(np.load(file, allow_pickle=False), dtype=float)

@@ -17,8 +17,8 @@ from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import located_limit
 from fem_contact.response import HalfSpace
 from fem_contact.surface import HeightField
-from validation.cases import Check
-from validation.cases.scorecard.subject import SOFT, NotTried, Subject, rough
+from validation.cases import Check, NotJudged
+from validation.cases.scorecard.subject import SOFT, Subject, rough
 
 __all__ = ["PRICED", "CostRow", "bandwidths", "cost", "rough_surface"]
 
@@ -75,9 +75,9 @@ class CostRow:
 
     Attributes
     ----------
-    grid : int
-        Points along a side.
-    error : float
+    points : int
+        Along a side.
+    area_miss : float
         Relative error of the area, located in the cells where the solver's edges can be and corrected by the
         perimeter elsewhere; what is not known of the limit counts as error.
     seconds : float
@@ -86,8 +86,8 @@ class CostRow:
     iterations : int
     """
 
-    grid: int
-    error: float
+    points: int
+    area_miss: float
     seconds: float
     peak_bytes: int
     iterations: int
@@ -204,14 +204,14 @@ def cost(subject: Subject) -> tuple[CostRow, ...]:
             break
         try:
             result = subject.press(_surface(PRICED, points), _PRESSURE).result
-        except NotTried:
+        except NotJudged:
             break
         constant, located = subject.solver.edge_constant(result), subject.solver.locates_edges
         areas = contact_areas(result, edge_constant=constant, subcell=located)
         found.append(
             CostRow(
-                grid=n,
-                error=_error(areas, limit),
+                points=n,
+                area_miss=_error(areas, limit),
                 seconds=result.cost.cpu_seconds,
                 peak_bytes=result.cost.peak_bytes,
                 iterations=result.cost.iterations,

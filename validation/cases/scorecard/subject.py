@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import contextlib
+import math
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -14,31 +16,23 @@ from fem_contact.contact import ContactResult
 from fem_contact.errors import NotConverged
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
-from validation.effects.base import Slots
+from validation.cases import NotJudged
+from validation.effects.base import Effect, Slots
 from validation.methods import Solver
 from validation.methods.base import Claim, Job, Size
 from validation.methods.foreign import judged
 
-__all__ = ["SOFT", "Inconclusive", "NotTried", "Pressed", "Subject", "Unanswered", "rough"]
+__all__ = ["SOFT", "Pressed", "Subject", "rough"]
 
 #: E* = 1.
 SOFT = Solid(young=1.0, poisson=0.0)
 
 
+#: A call is given as much, however little of the time is left [s].
+_LEAST_SECONDS = 1.0
+
 #: Solves on the finest grid of a ladder, about.
 _FINEST = 12
-
-
-class Inconclusive(Exception):
-    """A row that cannot be read, because another one fails."""
-
-
-class Unanswered(Exception):
-    """A problem that the solver was not asked, or left out."""
-
-
-class NotTried(Exception):
-    """A problem that would take longer than what is left of the time."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,7 +69,9 @@ class Subject:
     quick : bool
         Whether small grids do.
     seconds : float
-        Processor time that all its solves together may take.
+        That all its solves together may take: processor time, or time on the clock where nothing came of one.
+    own : bool
+        Whether it is one of ours, of which more is asked: units change no bit, waves are exact.
     """
 
     name: str
@@ -84,6 +80,8 @@ class Subject:
     tolerance: float = 1e-6
     quick: bool = True
     seconds: float = 300.0
+    own: bool = False
+    _lost: list[float] = field(default_factory=list, init=False, repr=False)
     _asked: dict[object, Pressed | NotConverged] = field(default_factory=dict, init=False, repr=False)
 
     @property
@@ -95,7 +93,7 @@ class Subject:
     def ladder(self) -> tuple[int, int, int]:
         """Three grids: each twice as fine as the one before, or less where that takes too long."""
         n = self.points
-        side = self._predicted((4 * n, 4 * n), (1.0, 1.0), self._told(None, (4 * n, 4 * n)))
+        side = self._predicted((4 * n, 4 * n), (1.0, 1.0), self.told(None, (4 * n, 4 * n)))
         return (n, 2 * n, 4 * n) if _FINEST * side <= self.seconds else (n, 3 * n // 2, 2 * n)
 
     @property
@@ -103,16 +101,33 @@ class Subject:
         """Whether the grids of the ladder are far enough apart to observe an order."""
         return self.ladder[-1] == 4 * self.ladder[0]
 
+    def needs(self, *, control: str = "", effect: type[Effect] | None = None) -> None:
+        """Leave a row out that asks for what the solver cannot be told or given.
+
+        Raises
+        ------
+        NotJudged
+        """
+        if effect is not None and not self.solver.handles(effect):
+            raise NotJudged(f"{self.solver.label} cannot be given the effect {effect.kind_name()!r}")
+        if control and control not in self._controlled:
+            raise NotJudged(f"{self.solver.label} cannot be told {control!r}")
+
     @cached_property
-    def controlled(self) -> frozenset[str]:
+    def _controlled(self) -> frozenset[str]:
         """What it may be told beside the load."""
         return self.solver.controlled(self.settings)
 
     @property
     def asked_seconds(self) -> list[float]:
-        """Processor time of each of its solves so far; 0 where it is not known."""
+        """Seconds of each of its solves so far; 0 where they are not known."""
         solved = [found.claim.cpu_seconds for found in self._asked.values() if isinstance(found, Pressed)]
-        return [float(seconds) for seconds in np.nan_to_num(solved)]
+        return [*np.nan_to_num(solved).tolist(), *self._lost]
+
+    @property
+    def left(self) -> float:
+        """Seconds that are left of its time."""
+        return max(self.seconds - sum(self.asked_seconds), 0.0)
 
     @property
     def pressure_error(self) -> float:
@@ -126,6 +141,7 @@ class Subject:
         *,
         slots: Slots | None = None,
         more: Mapping[str, float] | None = None,
+        again: bool = False,
     ) -> Pressed:
         """Press a surface [m] with a mean pressure [Pa], once; what was asked before is known.
 
@@ -137,23 +153,27 @@ class Subject:
         slots : Slots, optional
             The solid and its effects; that of E* = 1 if not given.
         more : mapping, optional
-            Of the solver's controls.
+            Of what the solver is told: its controls, its tolerance.
+        again : bool
+            Whether it is asked anew.
 
         Raises
         ------
         NotConverged
             Where nothing comes of it.
-        NotTried
+        NotJudged
             Where the time that is left does not allow it.
         """
         slots = slots or Slots(solid=SOFT)
-        told = tuple(sorted((more or {}).items()))
+        extra = tuple(sorted((more or {}).items()))
         where = (field.heights.tobytes(), field.shape, field.lengths)
-        key = (where, load, slots.solid, slots.response, slots.pressure_bound, told)
+        key = (where, load, slots.solid, slots.response, slots.pressure_bound, extra, again)
         if key not in self._asked:
+            began = time.monotonic()
             try:
-                self._asked[key] = self._pressed(field, load, slots=slots, told=self._told(more, field.shape))
+                self._asked[key] = self._pressed(field, load, slots=slots, told=self.told(more, field.shape))
             except NotConverged as failure:
+                self._lost.append(time.monotonic() - began)
                 self._asked[key] = failure
         found = self._asked[key]
         if isinstance(found, NotConverged):
@@ -163,20 +183,21 @@ class Subject:
     def _pressed(
         self, field: HeightField, load: float | None, *, slots: Slots, told: Mapping[str, Any]
     ) -> Pressed:
-        seconds, left = (
-            self._predicted(field.shape, field.lengths, told),
-            self.seconds - sum(self.asked_seconds),
-        )
-        if seconds > left:
+        seconds, left = self._predicted(field.shape, field.lengths, told), self.left
+        if seconds > left or not left:
             nx, ny = field.shape
-            raise NotTried(
-                f"{nx} x {ny} points would take some {seconds:.2g} s, and of {self.seconds:.3g} s there are "
-                f"{max(left, 0.0):.2g} left (--seconds)"
+            raise NotJudged(
+                f"not tried: {nx} x {ny} points would take some {seconds:.2g} s, and of {self.seconds:g} s "
+                f"there are {left:.2g} left (--seconds)"
             )
         settings = {name: value for name, value in told.items() if name != "offset"}
         asked = {"offset": told["offset"]} if load is None else {"mean_pressure": load}
         job = Job(field=field, load=asked, slots=slots, settings=settings, threads=1)
         claim = self.solver.claim(job)
+        if claim.pressure.shape != field.shape:
+            raise NotConverged(
+                f"pressures of shape {claim.pressure.shape}: must have that of the heights, {field.shape}"
+            )
         result = judged(
             claim,
             job,
@@ -186,9 +207,13 @@ class Subject:
         )
         return Pressed(claim=claim, result=result, pairs=self._pairs(field.shape, field.lengths, told))
 
-    def _told(self, more: Mapping[str, float] | None, shape: tuple[int, int]) -> dict[str, Any]:
+    def told(self, more: Mapping[str, float] | None, shape: tuple[int, int]) -> dict[str, Any]:
+        """Return what it is told on a grid beyond surface, solid and load; a process of its own, its time."""
         refined = self.solver.score_settings(max(shape))
-        return {**refined, **self.settings, "tolerance": self.tolerance, **(more or {})}
+        said = {**refined, **self.settings, "tolerance": self.tolerance, **(more or {})}
+        if self.solver.foreign and math.isfinite(self.seconds):
+            said["seconds"] = min(float(said.get("seconds", math.inf)), max(self.left, _LEAST_SECONDS))
+        return said
 
     def _pairs(
         self, shape: tuple[int, int], lengths: tuple[float, float], settings: Mapping[str, Any]
@@ -208,8 +233,14 @@ class Subject:
 
     def warm_up(self) -> None:
         """Let it import and compile what it needs, and see what a solve takes."""
-        self.solver.rehearse((), {**self.settings, "tolerance": self.tolerance})
-        with contextlib.suppress(NotConverged, Unanswered):
+        told, began = self.told(None, (16, 16)), time.monotonic()
+        if "seconds" in told:
+            # What does not return here is asked once more, so that rows can say so.
+            told["seconds"] = min(told["seconds"], self.seconds / 4)
+        self.solver.rehearse((), told)
+        if (passed := time.monotonic() - began) >= told.get("seconds", math.inf):
+            self._lost.append(passed)
+        with contextlib.suppress(NotConverged, NotJudged):
             self.press(rough(2 * self.points), 0.05)
 
 

@@ -1,0 +1,343 @@
+"""What judging claims leaves: one dataset of verdicts, numbers, ladders and costs, and the views of it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from validation.cases import Verdict
+from validation.report.estimates import derive, power_law, with_places
+from validation.report.findings import Finding, finding, note
+from validation.report.marks import Figure, Line, Panel
+from validation.report.page import Page, page_of, write_page
+from validation.report.quantities import labelled
+from validation.report.table import Column, Table
+from validation.report.views import Card, Views
+from validation.report.words import json_ready
+from validation.solves.results import DATA, Result, read_results, write_results
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from validation.cases.scorecard import Scorecard
+
+__all__ = [
+    "KIND",
+    "claims_dataset",
+    "claims_page",
+    "claims_views",
+    "report_claims",
+    "write_claims",
+    "write_scorecards",
+]
+
+KIND = "claims"
+#: Errors of the area that a digit is priced at.
+ACCURACIES = (0.1, 0.01, 0.001)
+_FINDINGS = 5
+
+
+def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard] = ()) -> xr.Dataset:
+    """Return verdicts over (claim, solver), numbers over `check`, orders over `ladder`, costs over `solver`.
+
+    Parameters
+    ----------
+    verdicts : sequence of Verdict
+        In the order in which claims are shown.
+    cards : sequence of Scorecard
+        Of these solvers: what is wrong with each, and what a digit costs.
+    """
+    import xarray as xr
+
+    claims = list(dict.fromkeys(verdict.row for verdict in verdicts))
+    solvers = list(dict.fromkeys(verdict.solver or _OTHER for verdict in verdicts))
+    by_place = {(verdict.row, verdict.solver or _OTHER): verdict for verdict in verdicts}
+    words: dict[str, Any] = {name: np.full((len(claims), len(solvers)), "", object) for name in _WORDS}
+    seconds, used = (np.full((len(claims), len(solvers)), np.nan) for _ in range(2))
+    for (claim, solver), verdict in by_place.items():
+        k = claims.index(claim), solvers.index(solver)
+        words["verdict"][k], words["reason"][k] = verdict.word, verdict.error or verdict.left_out
+        seconds[k], used[k] = verdict.seconds, verdict.used
+    of_claim = {verdict.row: verdict for verdict in reversed(verdicts)}
+    judged = [verdict for verdict in verdicts if not verdict.left_out]
+    checks = [(verdict, check) for verdict in judged for check in verdict.checks]
+    whole, columns = ("claim", "solver"), _check_columns(checks)
+    data = xr.Dataset(
+        {
+            **{name: (whole, values.astype(str)) for name, values in words.items()},
+            "tolerance_used": (whole, used),
+            "wall_seconds": (whole, seconds),
+            "statement": ("claim", [of_claim[claim].claim for claim in claims]),
+            "claim_source": ("claim", [of_claim[claim].source for claim in claims]),
+            **{f"check_{name}": ("check", values) for name, values in columns.items()},
+            "claims_judged": float(len(judged)),
+            "claims_failed": float(sum(not verdict.passed for verdict in judged)),
+            "checks_made": float(len(checks)),
+        },
+        coords={"claim": claims, "solver": solvers},
+    )
+    data = derive(data, check_used="abs(check_value - check_reference) / check_tolerance")
+    return labelled(_with_costs(_with_ladders(data, checks), cards))
+
+
+_WORDS = ("verdict", "reason")
+#: What claims that are asked of no solver in particular stand under.
+_OTHER = "other"
+
+
+def _check_columns(checks: Sequence[tuple[Verdict, Any]]) -> dict[str, Any]:
+    made = {
+        "claim": [verdict.case for verdict, _ in checks],
+        "solver": [verdict.solver or _OTHER for verdict, _ in checks],
+        "quantity": [check.quantity for _, check in checks],
+        "verdict": ["holds" if check.passed else "FAILS" for _, check in checks],
+    }
+    numbers = {
+        name: [float(getattr(check, attribute)) for _, check in checks]
+        for name, attribute in (("value", "computed"), ("reference", "reference"), ("tolerance", "tolerance"))
+    }
+    return {**{name: np.array(values, dtype=str) for name, values in made.items()}, **numbers}
+
+
+def _with_ladders(data: xr.Dataset, checks: Sequence[tuple[Verdict, Any]]) -> xr.Dataset:
+    """Add errors against resolution, and the order that is read off them."""
+    ladders = [(verdict, check) for verdict, check in checks if check.ladder]
+    if not ladders:
+        return data
+    longest = max(len(check.ladder) for _, check in ladders)
+    points, misses = (np.full((len(ladders), longest), np.nan) for _ in range(2))
+    for k, (_, check) in enumerate(ladders):
+        points[k, : len(check.ladder)], misses[k, : len(check.ladder)] = np.abs(check.ladder).T
+    names = [f"{verdict.case}: {check.quantity}" for verdict, check in ladders]
+    claims = [f"{verdict.row}: {check.quantity}" for verdict, check in ladders]
+    data = data.assign_coords(
+        ladder=names,
+        ladder_claim=("ladder", claims),
+        ladder_solver=("ladder", [verdict.solver or _OTHER for verdict, _ in ladders]),
+    )
+    data = data.assign(
+        ladder_points=(("ladder", "level"), points),
+        ladder_miss=(("ladder", "level"), misses),
+        ladder_expected=("ladder", [check.reference for _, check in ladders]),
+    )
+    data = power_law(data, "ladder_power", of="ladder_miss", x="ladder_points", along=("level",))
+    return derive(data, ladder_order="-ladder_power")
+
+
+def _with_costs(data: xr.Dataset, cards: Sequence[Scorecard]) -> xr.Dataset:
+    """Add what is wrong with each solver, and what each grid of one rough surface took."""
+    if not cards:
+        return data
+    data = data.assign(diagnosis=("solver", [card.diagnosis for card in cards]))
+    levels = max(len(card.cost) for card in cards)
+    if not levels:
+        return data
+    added: dict[str, Any] = {}
+    for name in ("points", "area_miss", "seconds", "peak_bytes", "iterations"):
+        values = np.full((len(cards), levels), np.nan)
+        for k, card in enumerate(cards):
+            values[k, : len(card.cost)] = [getattr(row, name) for row in card.cost]
+        added[name] = (("solver", "priced"), values)
+    for name, most in (("seconds_needed", "seconds"), ("bytes_needed", "peak_bytes")):
+        needed = [[card.needed(most, accuracy) for accuracy in ACCURACIES] for card in cards]
+        added[name] = (("solver", "area_accuracy"), needed)
+    return data.assign_coords(area_accuracy=list(ACCURACIES)).assign(added)
+
+
+def claims_views(data: xr.Dataset) -> Views:
+    """Show what failed first, then every verdict, every number, orders and costs."""
+    solvers = range(data.sizes["solver"])
+    scored = "diagnosis" in data
+    verdicts = Table(
+        title="Verdicts",
+        rows=("claim",),
+        columns=(
+            "claim",
+            *(Column("verdict", {"solver": k}) for k in solvers),
+            *(Column("tolerance_used", {"solver": k}) for k in solvers if not (scored and k)),
+            *(Column("reason", {"solver": k}) for k in solvers if scored),
+            "statement",
+        ),
+        note="Tolerance used: distance from the reference over the tolerance, of the check that uses most.",
+    )
+    numbers = Table(
+        title="Every number",
+        rows=("check",),
+        columns=tuple(f"check_{name}" for name in _COLUMNS),
+        file="numbers",
+    )
+    costs = Table(
+        title="What a digit costs",
+        rows=("solver", "area_accuracy"),
+        columns=("solver", "area_accuracy", "seconds_needed", "bytes_needed"),
+        note="Of the cheapest grid whose area is that near to the limit, of one rough surface.",
+        file="methods",
+    )
+    orders = Table(
+        title="Observed orders",
+        rows=("ladder",),
+        columns=("ladder", "ladder_order", "ladder_expected"),
+        file="areas",
+    )
+    return Views(
+        table=verdicts,
+        more=(
+            numbers,
+            *((costs,) if "seconds_needed" in data else ()),
+            *((orders,) if "ladder" in data else ()),
+        ),
+        figures=_ladder_figures(data) if "ladder" in data else [],
+        findings=list(_findings(data)),
+        cards=list(_cards(data)),
+    )
+
+
+def _ladder_figures(data: xr.Dataset) -> list[Figure]:
+    """Draw what converges for each solver, three claims a figure; the others stand in the table."""
+    asked = data.ladder_solver.values != _OTHER
+    claims = list(dict.fromkeys(data.ladder_claim.values[asked].tolist()))
+    line = Line(y="ladder_miss", by="ladder", label="{ladder_solver}")
+    panels = [
+        Panel(
+            marks=[replace(line, where={"ladder_claim": claim})],
+            x="ladder_points",
+            log="xy",
+            title=claim.replace(": observed order of", "\n"),
+        )
+        for claim in claims
+    ]
+    return [
+        Figure(
+            name=f"error-against-resolution-{k // 3 + 1}",
+            caption="Error against points along a side; its slope is the observed order of convergence.",
+            panels=panels[k : k + 3],
+            width=3.4 * len(panels[k : k + 3]),
+        )
+        for k in range(0, len(panels), 3)
+    ]
+
+
+_COLUMNS = ("claim", "solver", "quantity", "value", "reference", "tolerance", "used", "verdict")
+
+
+def _cards(data: xr.Dataset) -> list[Card]:
+    failed = float(data.claims_failed) > 0
+    answer = "no: {claims_failed} of {claims_judged} fail" if failed else "yes"
+    basis = finding("value", "{claims_judged} claims with {checks_made} numbers", data)
+    cards = [
+        Card(question="Does everything hold?", answer=finding("value", answer, data), basis=basis),
+    ]
+    first = data.isel(solver=0)
+    if "diagnosis" in data and str(first.diagnosis.item()):
+        cards.append(Card(question="What is wrong?", answer=finding("value", "{diagnosis}", first)))
+    if "seconds_needed" in data:
+        one = first.sel(area_accuracy=0.01)
+        words = "{seconds_needed:u}" if np.isfinite(one.seconds_needed) else "not reached"
+        cards.append(
+            Card(
+                question="Processor time to 1 % of the area",
+                answer=finding("cost", words, one),
+                basis=note("of one rough surface, lambda_long/lambda_short = 4"),
+            )
+        )
+    return cards
+
+
+def _findings(data: xr.Dataset) -> list[Finding]:
+    """Say which numbers are missed, and which of those that hold is nearest to its tolerance."""
+    mine = np.full(data.sizes["check"], True)
+    if "diagnosis" in data:
+        mine = data.check_solver.values == data.solver.values[0]
+        data = data.isel(solver=[0])
+    missed = np.flatnonzero(mine & (data.check_verdict.values == "FAILS"))
+    said = [
+        finding("refusal", "{claim} could not be computed: {reason}.", here)
+        for here in (data.isel(claim=int(i), solver=int(j)) for i, j in np.argwhere(_crashed(data)))
+    ]
+    form = (
+        "{check_claim}FAILS: {check_quantity} is {check_value:~}, allowed is {check_reference:~} within "
+        "{check_tolerance:~}"
+    )
+    fails = form.replace("FAILS", " FAILS")
+    said += [finding("value", fails + ".", data.isel(check=int(k))) for k in missed]
+    if said:
+        return said[: _FINDINGS + 1]
+    said = [finding("value", "Every claim holds: {claims_judged} of them.", data)]
+    # Ranges, in which any place is good, are not near to anything.
+    wide = data.check_tolerance > 0.2 * abs(data.check_reference.where(data.check_reference != 0, np.inf))
+    share = np.where(mine & ~wide.values, data.check_used.values, np.nan)
+    if np.isfinite(share).any():
+        near = "Nearest to its tolerance: " + form.replace("FAILS", "") + " ({check_used:%} of it)."
+        said.append(finding("value", near, data.isel(check=int(np.nanargmax(share)))))
+    return said
+
+
+def _crashed(data: xr.Dataset) -> Any:
+    return ((data.verdict == "FAILS") & (data.reason != "")).transpose("claim", "solver").values
+
+
+def claims_page(result: Result, *, figures: bool = True) -> Page:
+    """Return the page of judged claims: all of it from the dataset and from what was asked."""
+    sources = dict.fromkeys(map(str, result.data.claim_source.values))
+    papers = [*result.asked.get("papers", ()), *filter(_is_paper, sources)]
+    scored = result.asked.get("solvers")
+    return page_of(
+        result.data,
+        claims_views(with_places(result.data)),
+        figures=figures,
+        title=f"Scorecard: {' beside '.join(scored)}" if scored else "Claims with a known answer",
+        lead="Is what is known found: closed forms, limits, symmetries, orders of convergence?",
+        settings={name: value for name, value in result.asked.items() if name != "papers"},
+        seeds="fixed in each claim",
+        papers=tuple(papers),
+        summary={"kind": result.kind, "name": result.name},
+    )
+
+
+def _is_paper(source: str) -> bool:
+    """Whether a claim rests on something published, and not on a symmetry or a definition.
+
+    >>> _is_paper("Student, Biometrika 6, 1 (1908)"), _is_paper("symmetry")
+    (True, False)
+    """
+    return re.search(r"\d{4}|Johnson|Timoshenko", source) is not None
+
+
+def write_claims(
+    folder: Path,
+    verdicts: Sequence[Verdict],
+    *,
+    name: str,
+    asked: Mapping[str, Any],
+    cards: Sequence[Scorecard] = (),
+    report: bool = True,
+) -> tuple[Page, tuple[Path, ...]]:
+    """Write dataset, record and page of verdicts into a folder; without `report` numbers alone."""
+    data = claims_dataset(verdicts, cards)
+    write_results(folder, data, kind=KIND, name=name, asked=json_ready(dict(asked)), store=folder)
+    return report_claims(folder, report=report)
+
+
+def write_scorecards(folder: Path, cards: Sequence[Scorecard], *, report: bool = True) -> tuple[Path, ...]:
+    """Write the results of scorecards into a folder, the first of them is what the page is about."""
+    asked = {
+        "solvers": [card.subject.name for card in cards],
+        "settings": {card.subject.name: dict(card.subject.settings) for card in cards},
+        "tolerance": cards[0].subject.tolerance,
+        "quick": cards[0].subject.quick,
+        "papers": list(dict.fromkeys(paper for card in cards for paper in card.subject.solver.papers)),
+    }
+    verdicts = [verdict for card in cards for verdict in card.verdicts]
+    return write_claims(folder, verdicts, name="scorecard", asked=asked, cards=cards, report=report)[1]
+
+
+def report_claims(folder: Path, *, report: bool = True) -> tuple[Page, tuple[Path, ...]]:
+    """Write the page of stored verdicts again, from their dataset alone."""
+    result = read_results(folder)
+    page = claims_page(result, figures=report)
+    return page, (*write_page(page, folder, numbers_only=not report), folder / DATA)
