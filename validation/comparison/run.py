@@ -14,7 +14,7 @@ from validation.comparison.fields import with_fields
 from validation.comparison.numbers import scene_data
 from validation.comparison.pages import effects_words, write_result_page
 from validation.comparison.theory_alone import theory_data
-from validation.errors import RunFailed, UsageError
+from validation.errors import RunFailed
 from validation.files import atomic_path, prepare_folder
 from validation.report.page import Page, clear_page
 from validation.scenes.checks import check_scene
@@ -23,7 +23,7 @@ from validation.scenes.scene import Scene
 from validation.solves.attempt import Progress
 from validation.solves.press import Press, solves_of
 from validation.solves.provenance import SOLVES_MADE, made_words
-from validation.solves.results import Result, clear_results, read_results, write_results
+from validation.solves.results import Result, asked_of, clear_results, read_results, write_results
 from validation.solves.running import Execution, Solves, solve_all
 from validation.solves.store import Store
 
@@ -161,13 +161,8 @@ def failures_of(data: xr.Dataset) -> tuple[str, ...]:
 
 def begin(folder: Path, asked: Mapping[str, Any]) -> None:
     """Take away what a folder holds of another question: if this is interrupted, nothing in it belies it."""
-    try:
-        held = read_results(folder)
-    except UsageError:
-        pass
-    else:
-        if held.asked == asked:
-            return
+    if asked_of(folder) == asked:
+        return
     clear_results(folder)
     clear_page(folder)
     for block in (folder / "fields").glob("*.vtu"):

@@ -65,6 +65,15 @@ class Drawing:
         return f"<figure>{svg}<figcaption>{html.escape(self.caption)}</figcaption></figure>"
 
 
+def _write_netcdf(data: xr.Dataset, path: Path) -> None:
+    """Write a dataset; its own `to_netcdf` imports Dask for it, which takes as long as a figure."""
+    import netCDF4
+    from xarray.backends import NetCDF4DataStore
+
+    with netCDF4.Dataset(path, "w") as file:
+        data.dump_to_store(NetCDF4DataStore(file))  # type: ignore[no-untyped-call]
+
+
 def write_drawing(drawing: Drawing, folder: Path) -> tuple[Path, ...]:
     """Write a figure and its data into a folder; return the files, SVG first."""
     from validation.report.figure import save_figure
@@ -75,5 +84,5 @@ def write_drawing(drawing: Drawing, folder: Path) -> tuple[Path, ...]:
             save_figure(drawing.figure, draft)
     tables = write_dataset(drawing.data, table)
     with atomic_path(data) as draft:
-        drawing.data.to_netcdf(draft, engine="netcdf4")
+        _write_netcdf(drawing.data, draft)
     return (svg, pdf, *tables, data)

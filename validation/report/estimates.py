@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.special
-import scipy.stats
 
 from validation.arrays import Array
 from validation.report.quantities import in_prefixed_unit, quantity
@@ -246,11 +245,12 @@ def error_of(value: xr.DataArray, **sources: xr.DataArray | float | str) -> xr.D
         if isinstance(told, str):
             why[source] = f"does not enter: {told}"
             told = 0.0
-        parts.append(xr.zeros_like(value, dtype=float).drop_attrs() + told)
+        if isinstance(told, xr.DataArray) and told.dims != value.dims:
+            told = (xr.zeros_like(value, dtype=float) + told).transpose(*value.dims)
+        parts.append(np.broadcast_to(np.asarray(told, dtype=float), value.shape))
     assert not sources, f"no such source: {sources}"
-    # Coordinates of the parts are those of the value: there is nothing to align.
     dims = (*value.dims, "source")
-    stack = np.stack([part.transpose(*value.dims).values for part in parts], axis=-1)
+    stack = np.stack(parts, axis=-1)
     coords = {**{n: c for n, c in value.coords.items() if n not in ("source",)}, "source": list(SOURCES)}
     return xr.DataArray(np.abs(stack), dims=dims, coords=coords, attrs=why)
 
@@ -508,6 +508,7 @@ def power_law(data: xr.Dataset, name: str, *, of: str, x: str, along: Sequence[s
     along : sequence of str
         Dimensions that are fitted over.
     """
+    import scipy.stats
     import xarray as xr
 
     def fit(y: Array, at: Array) -> tuple[float, float, float]:

@@ -85,7 +85,9 @@ class Table:
         made = [(name, title, at) for name, title, at in made if name in data.variables]
         rows = []
         places = {title for name, title, _ in made if name in data.coords}
-        for here in each(data, *self.rows):
+        listed = {name for name, _, _ in made} | {f"{name}_error" for name, _, _ in made}
+        kept = data[[str(name) for name in data.data_vars if name in listed]]
+        for here in each(kept, *self.rows):
             row: dict[str, float | str] = {}
             for name, title, at in made:
                 value = value_of(here.isel({dim: k for dim, k in at.items() if dim in here.dims}), name)

@@ -25,6 +25,7 @@ __all__ = [
     "DATA",
     "RECORD",
     "Result",
+    "asked_of",
     "check_results",
     "clear_results",
     "holds_result",
@@ -100,13 +101,24 @@ def _digest(folder: Path) -> str:
     return hashlib.sha256(read_whole(folder / DATA)).hexdigest()
 
 
+def _record(folder: Path) -> Mapping[str, Any]:
+    """Return the record of a folder if it is sound and of this version, else nothing."""
+    try:
+        said: Mapping[str, Any] = read_record(folder / RECORD)
+    except (OSError, ValueError):
+        return {}
+    return said if said.get("format") == _FORMAT else {}
+
+
 def holds_result(folder: Path, kind: str = "") -> bool:
     """Whether a folder holds a record that is sound, of this kind if one is named."""
-    try:
-        said = read_record(folder / RECORD)
-    except (OSError, ValueError):
-        return False
-    return said.get("format") == _FORMAT and kind in ("", said.get("kind"))
+    said = _record(folder)
+    return bool(said) and kind in ("", said["kind"])
+
+
+def asked_of(folder: Path) -> Any:
+    """Return what was asked for where a folder holds a record that is sound, else None."""
+    return _record(folder).get("asked")
 
 
 def read_results(folder: Path) -> Result:
