@@ -9,10 +9,22 @@ import re
 import typing
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    TypeAdapter,
+    ValidationError,
+    model_validator,
+)
+from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
+
+from validation.errors import UsageError
 
 if TYPE_CHECKING:
     import pint
@@ -36,9 +48,13 @@ __all__ = [
     "Tension",
     "Velocity",
     "Work",
+    "allowed",
+    "brief",
     "exactly_one",
     "metres",
+    "plain_number",
     "quantity",
+    "read_quantity",
     "unit_of",
     "unit_registry",
     "within",
@@ -65,18 +81,59 @@ _PLAIN = {
     }
     for unit in ("m", "Pa", "N")
 }
-#: Words for powers, which may be piled up as powers themselves may not.
-_POWER_WORDS = frozenset({"square", "squared", "sq", "cubic", "cubed"})
-_UNIT_TOKEN = re.compile(
-    r"(?P<power>(?:\*\*|\^)\s*[-+]?\d{1,2}(?![\w.])|⁻?[⁰¹²³⁴-⁹]{1,2})"
-    r"|(?P<name>(?![\d_⁰¹²³⁴-⁹])(?:(?![⁰¹²³⁴-⁹])\w)+|[%°]\w*|1(?![\w.]))"
-    r"|(?P<other>[*/·()]|\s+)"
-)
+_LETTER = "[^\\W⁰¹²³⁴-⁹]"
+_NAME = rf"(?!(?:square|squared|sq|cubic|cubed)(?!{_LETTER}))(?![\d_]){_LETTER}++|[%°]\w*+|1(?![\w.])"
+_POWER = r"(?:\*\*|\^)\s*+[-+]?\d{1,2}(?![\w.])|⁻?[⁰¹²³⁴-⁹]{1,2}"
+#: Products of units with powers of two digits at most, and no words for powers, which pile up: what reads
+#: units computes whatever else it is given, and 9**9**9 has no end.
+_PRODUCT = re.compile(rf"(?:\*(?!\*)|[/·()\s]|(?:{_NAME})(?:\s*+(?:{_POWER}))?+)++")
 
 
 def wrong(message: str) -> PydanticCustomError:
     """Return the error that says this of a value."""
     return PydanticCustomError("scene", "{message}", {"message": message})
+
+
+def allowed(error: Mapping[str, Any]) -> str:
+    """Say what is allowed where pydantic found a mistake; a scene knows lists, not tuples."""
+    if error["type"] in ("tuple_type", "list_type"):
+        return "must be a list in brackets"
+    if error["type"] in ("too_long", "too_short"):
+        most = error["ctx"].get("max_length")
+        number = f"most {most}" if error["type"] == "too_long" else f"least {error['ctx']['min_length']}"
+        return f"must have at {number} {'value' if number.endswith(' 1') else 'values'}"
+    return str(error["msg"]).replace("Input should be", "must be").replace("Value error, ", "")
+
+
+def brief(value: object) -> str:
+    """Write a value as Python does, and no more of it than tells it from others."""
+    try:
+        words = repr(value)
+    except ValueError:  # a whole number of thousands of digits
+        return "a number of thousands of digits"
+    return words if len(words) <= 100 else f"{words[:60]}... ({len(words)} characters)"
+
+
+def read_quantity(kind: Any, text: str, key: str) -> float:
+    """Return a quantity that stands alone, in SI; a bare number counts in SI.
+
+    Raises
+    ------
+    UsageError
+        Naming it by `key`.
+    """
+    try:
+        return float(TypeAdapter(kind).validate_python(plain_number(text)))
+    except ValidationError as error:
+        raise UsageError(f"{key} = {text!r}: {allowed(error.errors()[0])}") from None
+
+
+def plain_number(text: str) -> float | str:
+    """Return the number that a text without a unit is, to count in SI, or else the text."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 def quantity(unit: str, kind: str, example: str) -> BeforeValidator:
@@ -93,6 +150,8 @@ def unit_of(annotation: object) -> str:
     if isinstance(annotation, BeforeValidator) and isinstance(annotation.func, functools.partial):
         return str(annotation.func.keywords["unit"])
     inner = (*typing.get_args(annotation), *getattr(annotation, "metadata", ()))
+    if isinstance(annotation, FieldInfo):
+        inner = (*inner, annotation.annotation)
     return next((unit for part in inner if (unit := unit_of(part)) != "1"), "1")
 
 
@@ -123,29 +182,14 @@ def _read(value: object, *, unit: str, kind: str, example: str) -> float:
 
 
 def _converted(number: Fraction, symbol: str, unit: str) -> Fraction:
-    """Convert a number of one unit to another; what is no product of units is not handed to their parser."""
-    if not _is_product(symbol):
+    """Convert a number of one unit to another; what is no product of units is not handed to their parser.
+
+    >>> [_PRODUCT.fullmatch(unit) is not None for unit in ("kg/(m s^2)", "m**9**9**9", "(nm^99)^99")]
+    [True, False, False]
+    """
+    if len(symbol) > _LONGEST or not _PRODUCT.fullmatch(symbol):
         raise ValueError(f"{symbol!r} is no product of units")
     return Fraction(unit_registry().Quantity(number, symbol).to(unit).magnitude)
-
-
-def _is_product(symbol: str) -> bool:
-    """Whether a text is a product of units with powers of two digits at most.
-
-    What reads units computes whatever else it is given, and 9**9**9 has no end.
-
-    >>> _is_product("kg/(m s^2)"), _is_product("m**9**9**9"), _is_product("(nm^99)^99")
-    (True, False, False)
-    """
-    place, before = 0, ""
-    while place < len(symbol):
-        token = _UNIT_TOKEN.match(symbol, place)
-        if token is None or (token["power"] and before != "name") or token["name"] in _POWER_WORDS:
-            return False
-        place = token.end()
-        if not (token["other"] or "").isspace():
-            before = str(token.lastgroup)
-    return 0 < len(symbol) <= _LONGEST
 
 
 def _in_bounds(value: float | Fraction, unit: str) -> float:

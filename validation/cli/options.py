@@ -14,8 +14,6 @@ import typer
 from validation.errors import SceneError, UsageError
 
 if TYPE_CHECKING:
-    from pydantic import ValidationError
-
     from validation.scenes.scene import RunOptions
     from validation.solves.running import Execution
     from validation.solves.solve import Solve
@@ -40,7 +38,6 @@ __all__ = [
     "chosen_accuracy",
     "chosen_execution",
     "naming",
-    "plain_number",
     "print_plan",
     "say",
     "show",
@@ -137,19 +134,6 @@ ReportOption = Annotated[
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress bar; for logs.")]
 
 
-def plain_number(text: str) -> float | str:
-    """Return the number that a text without a unit is, to count in SI, or else the text."""
-    try:
-        return float(text)
-    except ValueError:
-        return text
-
-
-def _allowed(error: ValidationError) -> str:
-    """Say what is wrong with a value, in the words that scenes use."""
-    return str(error.errors()[0]["msg"]).replace("Input should be", "must be")
-
-
 @contextlib.contextmanager
 def naming(scene: str) -> Iterator[None]:
     """Name the scene in a complaint about what it says."""
@@ -165,17 +149,10 @@ def chosen_execution(
     said: RunOptions, *, workers: int | None, scheduler: str | None, memory: str | None
 ) -> Execution:
     """Return how to run: the command line before the scene."""
-    from pydantic import TypeAdapter, ValidationError
-
     from validation.solves.running import Execution
-    from validation.units import Memory
+    from validation.units import Memory, read_quantity
 
-    limit = said.memory
-    if memory is not None:
-        try:
-            limit = TypeAdapter(Memory).validate_python(plain_number(memory))
-        except ValidationError as error:
-            raise UsageError(f"--memory = {memory!r}: {_allowed(error)}") from None
+    limit = said.memory if memory is None else read_quantity(Memory, memory, "--memory")
     if workers is not None and scheduler is not None:
         raise UsageError(
             f"--workers = {workers}: not together with --scheduler, which has workers of its own"
@@ -193,22 +170,15 @@ def chosen_accuracy(
         if time_limit is not None:
             raise UsageError(f"--time-limit = {time_limit!r}: belongs to --accuracy, which is not given")
         return None
-    from pydantic import TypeAdapter, ValidationError
-
     from validation.comparison.accuracy import parse_accuracy
-    from validation.units import Duration
+    from validation.units import Duration, read_quantity
 
     target = parse_accuracy(accuracy)
     if dry_run:
         raise UsageError("--dry-run: not together with --accuracy, whose grids are chosen from first solves")
     if execution.scheduler is not None:
         raise UsageError("--scheduler: not together with --accuracy, which measures this machine")
-    try:
-        seconds = (
-            None if time_limit is None else TypeAdapter(Duration).validate_python(plain_number(time_limit))
-        )
-    except ValidationError as error:
-        raise UsageError(f"--time-limit = {time_limit!r}: {_allowed(error)}") from None
+    seconds = None if time_limit is None else read_quantity(Duration, time_limit, "--time-limit")
     return {"target": target, "time_limit": seconds}
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from validation.cli.options import JsonOption, SceneArgument, plain_number, say, show
+from validation.cli.options import JsonOption, SceneArgument, say, show
 from validation.errors import UsageError
 
 if TYPE_CHECKING:
@@ -139,6 +139,7 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
 
     from validation.scenes.scene import FileSurface, scene_problems
     from validation.scenes.topography import file_says
+    from validation.units import plain_number
 
     size: Any = None if length is None else [plain_number(part.strip()) for part in length.split(",")]
     table = {"kind": "file", "path": str(path), **treatment}

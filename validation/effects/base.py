@@ -252,10 +252,6 @@ class Effect(Table):
             As all effects of the scene fill them; unfilled where the theory stands alone.
         key : str
             How a message names the effect.
-
-        Raises
-        ------
-        UsageError
         """
 
     def check_solver(self, name: str, *, key: str) -> None:
@@ -267,10 +263,6 @@ class Effect(Table):
             Of the solver.
         key : str
             How a message names the effect.
-
-        Raises
-        ------
-        UsageError
         """
 
     def judge(self, rough: Roughness) -> Judgement:

@@ -50,23 +50,13 @@ class RunOptions(Table):
         return data
 
     def folder(self, key: Literal["output", "store"]) -> Path | None:
-        """Return a folder that the scene names, None if it does not; links may not lead outside, either.
-
-        Raises
-        ------
-        UsageError
-        """
+        """Return a folder that the scene names, None if it does not; links may not lead outside, either."""
         path: Path | None = getattr(self, key)
         return None if path is None else not_led_out(path, of=Path(), option=f"--{key}")
 
 
 def not_led_out(path: Path, *, of: Path, option: str) -> Path:
-    """Refuse a folder that a link leads out of another; what came with a scene may hold such links.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Refuse a folder that a link leads out of another; what came with a scene may hold such links."""
     led = path.resolve()
     if not led.is_relative_to(of.resolve()):
         raise UsageError(

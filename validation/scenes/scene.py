@@ -23,14 +23,16 @@ from pydantic import (
     create_model,
     model_validator,
 )
+from pydantic.fields import FieldInfo
 
 from validation.effects import effect_kinds
 from validation.effects.base import Effect, clash, effect_key
 from validation.errors import SceneError, UsageError, harmless
 from validation.methods import Method, Solver, methods
-from validation.scenes.quantities import Electrical, Leak, Quantities, Subsurface, Thermal
+from validation.scenes.quantities import QUANTITIES, Quantities, Subsurface
 from validation.scenes.run_options import RunOptions
 from validation.scenes.tables import (
+    SURFACES,
     CapillarySurface,
     FileSurface,
     Load,
@@ -39,9 +41,7 @@ from validation.scenes.tables import (
     SolidSpec,
     Surface,
 )
-from validation.units import Grids, unit_registry
-from validation.units import Table as _Table
-from validation.units import wrong as _wrong
+from validation.units import Grids, Table, allowed, brief, unit_registry, wrong
 
 __all__ = [
     "CapillarySurface",
@@ -61,6 +61,7 @@ __all__ = [
     "checked_scene",
     "load_scene",
     "parsed_toml",
+    "scene_keys",
     "scene_problems",
     "scene_text",
     "sized",
@@ -79,14 +80,14 @@ _CHOSEN, _GRIDS_CHOSEN = ("methods.bem", "ensemble"), {"grids": "chosen"}
 _MOST_REALISATIONS = 10_000
 
 
-class MethodTables(_Table):
+class MethodTables(Table):
     """Which methods run: those whose table is present, no others; see `validation.methods`."""
 
     @model_validator(mode="after")
     def _some_method(self) -> Self:
         if not self.solvers and self.options("theory") is None:
             tables = ", ".join(f"[methods.{name}]" for name in methods())
-            raise _wrong(f"give at least one of the tables {tables}")
+            raise wrong(f"give at least one of the tables {tables}")
         return self
 
     @property
@@ -124,22 +125,24 @@ else:
     EffectSpec = Annotated[reduce(or_, effect_kinds().values()), Field(discriminator="kind")]
 
 
-class Ensemble(_Table):
+class Ensemble(Table):
     """Further realisations of the same C(q), by boundary elements, for the scatter between surfaces."""
 
-    realisations: Annotated[StrictInt, Field(ge=2, le=_MOST_REALISATIONS)]
-    grids: Annotated[Grids, Field(min_length=2)]
+    realisations: Annotated[StrictInt, Field(ge=2, le=_MOST_REALISATIONS)] = Field(
+        description="how many surfaces, that of the scene included"
+    )
+    grids: Annotated[Grids, Field(min_length=2)] = Field(description="surface points, e.g. [32, 64]")
 
 
 def _one_line(text: str) -> str:
     """Refuse what would change a terminal, or how a line reads."""
     bad = next((c for c in text if c == "\n" or harmless(c) != c), None)
     if bad is not None:
-        raise _wrong(f"must be a line of text; it holds the control character {bad!a}")
+        raise wrong(f"must be a line of text; it holds the control character {bad!a}")
     return text
 
 
-class Scene(_Table):
+class Scene(Table):
     """One comparison: a surface, a solid, a load, the methods, and nothing that is not listed.
 
     Attributes are the tables of the scene file; every quantity is in SI units.
@@ -162,14 +165,14 @@ class Scene(_Table):
     @classmethod
     def _effects_are_a_list(cls, data: object) -> object:
         if isinstance(data, dict) and isinstance(data.get("effects"), dict):
-            raise _wrong("effects: each is a table of a list; write [[effects]], not [effects]")
+            raise wrong("effects: each is a table of a list; write [[effects]], not [effects]")
         return data
 
     @model_validator(mode="after")
     def _one_effect_per_slot(self) -> Self:
         found = clash(self.effects)
         if found is not None:
-            raise _wrong(found)
+            raise wrong(found)
         return self
 
     @model_validator(mode="after")
@@ -180,28 +183,28 @@ class Scene(_Table):
         if solvers and (len(self.load.values) > 1 or self.load.values[0] == 0):
             given = getattr(self.load, key)
             listed = list(given) if isinstance(given, tuple) else given
-            raise _wrong(
+            raise wrong(
                 f"load.{key} = {listed!r}: method {solvers[0]!r} presses with one load above 0; "
                 "lists, and 0 with adhesion, belong to [methods.theory] alone"
             )
         if min(self.load.values) == 0 and not any(effect.slot == "gap law" for effect in self.effects):
-            raise _wrong(f"load.{key}: 0 needs the effect 'adhesion'; without it nothing touches")
+            raise wrong(f"load.{key}: 0 needs the effect 'adhesion'; without it nothing touches")
         return self
 
     def _a_distance_makes_a_case(self) -> Self:
         """Refuse a distance without a method, and where each surface would have a load of its own."""
         if not self.methods.solvers:
-            raise _wrong(
+            raise wrong(
                 f"load.{self.load.key}: the theory is told a load; add a method that presses, which finds it"
             )
         if self.ensemble is not None:
-            raise _wrong(f"ensemble: is pressed with one load; remove the table, or load.{self.load.key}")
+            raise wrong(f"ensemble: is pressed with one load; remove the table, or load.{self.load.key}")
         return self
 
     @model_validator(mode="after")
     def _quantities_have_contacts(self) -> Self:
         if self.quantities is not None and not self.methods.solvers:
-            raise _wrong("quantities: are read off a contact; add the table of a method that presses")
+            raise wrong("quantities: are read off a contact; add the table of a method that presses")
         return self
 
     @property
@@ -213,7 +216,7 @@ class Scene(_Table):
     def _surface_is_named(self) -> Self:
         solvers = list(self.methods.solvers)
         if solvers and isinstance(self.surface, RandomSurface) and self.surface.seed is None:
-            raise _wrong(
+            raise wrong(
                 f"surface.seed: missing; method {solvers[0]!r} presses one surface; a whole number names it"
             )
         return self
@@ -223,7 +226,7 @@ class Scene(_Table):
         surface, chosen = self.surface, _CHOSEN if info.context == _GRIDS_CHOSEN else ()
         if isinstance(surface, FileSurface):
             if self.ensemble is not None:
-                raise _wrong("ensemble: a measured surface has one realisation; remove the table")
+                raise wrong("ensemble: a measured surface has one realisation; remove the table")
             return self
         tables = {f"methods.{name}": self.methods.options(name) for name in self.methods.solvers}
         for name, table in (*tables.items(), ("ensemble", self.ensemble)):
@@ -233,7 +236,7 @@ class Scene(_Table):
                 check_resolution(f"{name}.grids", grid, surface)
         if self.ensemble is not None and self.ensemble_solver is None:
             quick = [name for name, method in methods().items() if getattr(method, "for_ensembles", False)]
-            raise _wrong(
+            raise wrong(
                 f"ensemble: add the table of a method that is quick enough for it: {', '.join(quick)}"
             )
         return self
@@ -255,10 +258,31 @@ def check_resolution(key: str, grid: tuple[int, int], surface: RandomSurface) ->
         size = max(surface.length)
         # No machine holds that: more likely a number without a unit, which counts as metres.
         hint = f"; length: {size:.6g} was read as {size:.6g} m" if max(needed) > _LARGEST_GRID else ""
-        raise _wrong(
+        raise wrong(
             f"{key} = {list(grid)}: too coarse for lambda_short = {surface.lambda_short:.6g} m; "
             f"at least {needed} points, or say under_resolved = true in the method's table{hint}"
         )
+
+
+def scene_keys(data: Mapping[str, Any]) -> dict[str, FieldInfo]:
+    """Return the keys that a scene may have, with what each means; an effect is named by its kind.
+
+    The kind of surface that `data`, the tables of a scene, say narrows the choice.
+    """
+    surface = data.get("surface")
+    kind = surface.get("kind") if isinstance(surface, dict) else None
+    rough = [SURFACES[kind]] if isinstance(kind, str) and kind in SURFACES else list(SURFACES.values())
+    tables: list[tuple[str, type[BaseModel]]] = [("surface", table) for table in rough]
+    tables += [("solid", SolidSpec), ("load", Load), ("ensemble", Ensemble), ("run", RunOptions)]
+    tables += [(f"quantities.{name}", table) for name, table in QUANTITIES.items()]
+    tables += [(f"methods.{name}", method.options) for name, method in methods().items()]
+    tables += [(f"effects.{name}", effect) for name, effect in effect_kinds().items()]
+    keys = {name: Scene.model_fields[name] for name in ("name", "title")}
+    for place, table in tables:
+        for name, info in table.model_fields.items():
+            if not (name == "kind" and place.startswith("effects.")):
+                keys.setdefault(f"{place}.{name}", info)
+    return keys
 
 
 def builtin_scenes() -> tuple[str, ...]:
@@ -415,27 +439,21 @@ def _told_once(items: Iterable[Any]) -> Iterator[Any]:
     for item in items:
         *array, last = item["loc"] or ("",)
         place = (*array, last if isinstance(last, str) else None)
-        alike.setdefault((place, item["msg"], _short(item["input"])), []).append(item)
+        alike.setdefault((place, item["msg"], brief(item["input"])), []).append(item)
     for first, *others in alike.values():
         yield {**first, "loc": first["loc"][:-1]} if others else first
 
 
-#: What stands in pydantic's locations without being a key: values of `kind`, one load or several.
-_TAGS = {
-    "surface": frozenset({"self-affine", "capillary-waves", "file"}),
-    "effects": frozenset(effect_kinds()),
-    "load": frozenset({"one", "several"}),
-}
-_TAG_PLACES = {"surface": 1, "effects": 2, "load": 2}
+#: Values of `kind`, and all that stands in pydantic's locations without being a key.
+_KINDS: dict[str, Mapping[str, Any]] = {"surface": SURFACES, "effects": effect_kinds()}
+_TAGS = {*SURFACES, *effect_kinds(), "one", "several"}
 
 
 def _keys(location: tuple[str | int, ...]) -> list[str]:
     """Keys that lead to a mistake, as the file has them."""
     parts = [str(part) for part in location]
-    place = _TAG_PLACES.get(parts[0]) if parts else None
-    if place is not None and len(parts) > place and parts[place] in _TAGS[parts[0]]:
-        del parts[place]
-    return parts
+    place = {"surface": 1, "effects": 2, "load": 2}.get(parts[0] if parts else "", len(parts))
+    return parts[:place] + [part for k, part in enumerate(parts[place:]) if k or part not in _TAGS]
 
 
 def _written(location: list[str]) -> str:
@@ -454,65 +472,20 @@ def _written(location: list[str]) -> str:
 def _problem(item: Any) -> str:
     """One line for one error of the schema: key = value: what is allowed."""
     location = _keys(item["loc"])
-    key = _written(location)
-    message = _required(item)
+    key, kind, value = _written(location), _written([*location, "kind"]), item["input"]
     if item["type"] == "missing":
-        return f"{key}: missing; {_described(location)}"
+        surface, *tags = [str(part) for part in item["loc"]][:2]
+        keys = scene_keys({"surface": {"kind": tags[0]}} if surface == "surface" and tags else {})
+        effect = [str(part) for part in item["loc"] if location[0] == "effects" and part in effect_kinds()]
+        full = ".".join(["effects", *effect[:1], location[-1]] if effect else location)
+        info = next((keys[name] for name in keys if name == full or name.endswith(f".{full}")), None)
+        named = (info and info.description) or f"the table [{'.'.join(location)}] is required"
+        return f"{key}: missing; {named}"
     if item["type"] == "union_tag_not_found":
-        named = ", ".join(repr(kind) for kind in sorted(_TAGS.get(location[0], ())))
-        kind = _written([*location, "kind"])
-        return f"{kind}: missing; " + (f"one of {named}" if named else "it says which table this is")
+        named = ", ".join(repr(kind) for kind in sorted(_KINDS[location[0]]))
+        return f"{kind}: missing; one of {named}"
     if item["type"] == "union_tag_invalid":
-        kind = _written([*location, "kind"])
-        return f"{kind} = {_short(item['input'].get('kind'))}: must be one of {item['ctx']['expected_tags']}"
-    value = item["input"]
+        return f"{kind} = {brief(value.get('kind'))}: must be one of {item['ctx']['expected_tags']}"
     if isinstance(value, (dict, BaseModel)):
-        return f"{key}: {message}" if key else message
-    return f"{key} = {_short(value)}: {message}"
-
-
-def _required(item: Any) -> str:
-    """Say what is allowed where the schema found a mistake; a scene knows lists, not tuples."""
-    if item["type"] in ("tuple_type", "list_type"):
-        return "must be a list in brackets"
-    if item["type"] in ("too_long", "too_short"):
-        bound = item["ctx"]
-        number = (
-            f"most {bound['max_length']}" if item["type"] == "too_long" else f"least {bound['min_length']}"
-        )
-        return f"must have at {number} {'value' if number.endswith(' 1') else 'values'}"
-    return str(item["msg"]).replace("Input should be", "must be")
-
-
-def _short(value: object) -> str:
-    """Write a value as Python does, and no more of it than tells it from others."""
-    try:
-        words = repr(value)
-    except ValueError:  # a whole number of thousands of digits
-        return "a number of thousands of digits"
-    return words if len(words) <= 100 else f"{words[:60]}... ({len(words)} characters)"
-
-
-def _described(location: list[str]) -> str:
-    """Say what a missing key is, from the description of its field."""
-    tables: tuple[type[BaseModel], ...] = (
-        Scene,
-        SelfAffineSurface,
-        CapillarySurface,
-        FileSurface,
-        SolidSpec,
-        Load,
-        Ensemble,
-        Electrical,
-        Thermal,
-        Leak,
-        Subsurface,
-        RunOptions,
-        *(method.options for method in methods().values()),
-        *effect_kinds().values(),
-    )
-    for table in tables:
-        field = table.model_fields.get(location[-1])
-        if field is not None and field.description:
-            return field.description
-    return f"the table [{'.'.join(location)}] is required"
+        return f"{key}: {allowed(item)}" if key else allowed(item)
+    return f"{key} = {brief(value)}: {allowed(item)}"

@@ -167,12 +167,7 @@ def check_memory(surface: RandomSurface, grid: tuple[int, int]) -> None:
 
 
 def check_fits(grid: tuple[int, int], what: str, *, remedy: str) -> None:
-    """Refuse a grid whose heights alone do not fit into memory.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Refuse a grid whose heights alone do not fit into memory."""
     if _share(grid) > 1:
         needed = _BYTES_PER_POINT * grid[0] * grid[1]
         raise UsageError(

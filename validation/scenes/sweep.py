@@ -12,32 +12,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic.fields import FieldInfo
+import numpy as np
 
-from validation.effects import effect_kinds
 from validation.errors import SceneError, UsageError
-from validation.methods import methods
-from validation.scenes.quantities import QUANTITIES
 from validation.scenes.scene import (
-    Ensemble,
     RunOptions,
     Scene,
     checked_scene,
     parsed_toml,
+    scene_keys,
     scene_text,
     sized,
 )
-from validation.scenes.tables import (
-    LOADS,
-    CapillarySurface,
-    FileSurface,
-    Load,
-    SelfAffineSurface,
-    SolidSpec,
-)
-from validation.units import MOST_ITEMS, unit_of
+from validation.scenes.tables import LOADS
+from validation.units import MOST_ITEMS, brief, plain_number, unit_of
 
-__all__ = ["MODES", "Sweep", "SweptKey", "load_asked", "scene_keys"]
+__all__ = ["MODES", "Sweep", "SweptKey", "load_asked"]
 
 Value = float | int | str
 Mode = Literal["product", "zip"]
@@ -50,7 +40,6 @@ _EITHER = (
     frozenset(f"load.{key}" for key in LOADS),
     frozenset({"surface.rms_gradient", "surface.rms_height"}),
 )
-_SURFACES = {"self-affine": SelfAffineSurface, "capillary-waves": CapillarySurface, "file": FileSurface}
 #: Last words of keys that mean something else in a dataset of a sweep.
 _TAKEN = frozenset(
     {"area", "solver", "kappa", "theory", "case", "scatter", "grid", "shift", "shifts", "surface", "surfaces"}
@@ -60,19 +49,9 @@ _TAKEN = frozenset(
 
 @dataclass(frozen=True, kw_only=True)
 class SweptKey:
-    """A key of a scene and the values it takes.
+    """A key of a scene, such as "load.reduced_pressure", and the values it takes, in SI.
 
-    Attributes
-    ----------
-    key : str
-        As in the scene, such as "load.reduced_pressure".
-    name : str
-        Its coordinate in the dataset: the last word, or the last two where that would not tell.
-    unit : str
-        SI; "1" for plain numbers and words.
-    meaning : str
-    values : tuple
-        As listed, quantities in SI.
+    In the dataset it is named by its last word, or the last two where that would not tell.
     """
 
     key: str
@@ -89,16 +68,7 @@ class SweptKey:
 
 @dataclass(frozen=True, kw_only=True)
 class Sweep:
-    """The scenes that a table [sweep] makes of one.
-
-    Attributes
-    ----------
-    scenes : tuple of Scene
-        For a product the last key runs fastest.
-    keys : tuple of SweptKey
-    mode : str
-        "product": every combination; "zip": first with first, second with second.
-    """
+    """The scenes that a table [sweep] makes of one; of a product the last key runs fastest."""
 
     scenes: tuple[Scene, ...]
     keys: tuple[SweptKey, ...]
@@ -128,10 +98,9 @@ class Sweep:
 
     def words(self, case: int) -> str:
         """Say where a case stands, such as "young = 2e+09 Pa, seed = 7"."""
-        places = [case] * len(self.keys)
-        if self.mode == "product":
-            for k in reversed(range(len(self.keys))):
-                case, places[k] = divmod(case, len(self.keys[k].values))
+        places: Any = (
+            np.unravel_index(case, self.shape) if self.mode == "product" else [case] * len(self.keys)
+        )
         said = zip(self.keys, places, strict=True)
         return ", ".join(f"{key.name} = {value_words(key.values[k], key.unit)}" for key, k in said)
 
@@ -178,53 +147,26 @@ def load_asked(scene: str, settings: Sequence[str] = (), *, grids_chosen: bool =
     return _expanded(data, mode, lists, folder=folder, scene=scene)
 
 
-def scene_keys(data: Mapping[str, Any] | None = None) -> dict[str, FieldInfo]:
-    """Return the keys that a scene may have, with what each means; an effect is named by its kind.
-
-    Parameters
-    ----------
-    data : mapping, optional
-        Tables of a scene, whose kind of surface narrows the choice.
-    """
-    kind = _table_of(data or {}, "surface").get("kind")
-    rough = [_SURFACES[kind]] if isinstance(kind, str) and kind in _SURFACES else list(_SURFACES.values())
-    tables: list[tuple[str, Any]] = [("surface", table) for table in rough]
-    tables += [("solid", SolidSpec), ("load", Load), ("ensemble", Ensemble), ("run", RunOptions)]
-    tables += [(f"quantities.{name}", table) for name, table in QUANTITIES.items()]
-    tables += [(f"methods.{name}", method.options) for name, method in methods().items()]
-    tables += [(f"effects.{name}", effect) for name, effect in effect_kinds().items()]
-    keys = {name: Scene.model_fields[name] for name in ("name", "title")}
-    for place, table in tables:
-        for name, info in table.model_fields.items():
-            if not (name == "kind" and place.startswith("effects.")):
-                keys.setdefault(f"{place}.{name}", info)
-    return keys
-
-
 def _set_from_outside(data: dict[str, Any], setting: str) -> None:
     """Set one key, as --set says it."""
     key, equals, text = setting.partition("=")
     key = key.strip()
     if not (equals and key):
         raise UsageError(f"--set {setting}: must be key=value, such as solid.young='2 GPa'")
-    swept = data.get("sweep")
+    table = data.get("sweep")
     try:
-        if key.startswith("sweep."):
-            inner = key.removeprefix("sweep.")
-            found = inner if inner == "mode" else _found_key(inner, data)
-            flat = dict(_flat(swept)) if isinstance(swept, dict) else {}
-            kept = {
-                k: v for k, v in flat.items() if k != found and (k == "mode" or _found_key(k, data) != found)
-            }
+        flat = dict(_flat(table)) if isinstance(table, dict) else {}
+        listed = {k: k if k == "mode" else _found_key(k, data) for k in flat}
+        swept = key.startswith("sweep.")
+        key = key.removeprefix("sweep.")
+        found = key if swept and key == "mode" else _found_key(key, data)
+        if swept:
+            kept = {k: v for k, v in flat.items() if listed[k] != found}
             data["sweep"] = {**kept, found: _value(text)}
-            return
-        found = _found_key(key, data)
-        listed = (
-            [_found_key(k, data) for k, _ in _flat(swept) if k != "mode"] if isinstance(swept, dict) else []
-        )
-        if found in listed:
+        elif found in listed.values():
             raise UsageError(f"{found}: is swept; set sweep.{found}=[...] instead")
-        _put(data, found, _value(text))
+        else:
+            _put(data, found, _value(text))
     except UsageError as error:
         raise UsageError(f"--set {error}") from None
 
@@ -234,22 +176,10 @@ def _value(text: str) -> Any:
     try:
         read = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):
-        return _plain(text.strip())
+        return plain_number(text.strip())
     value = read.get("value")
     known = len(read) == 1 and isinstance(value, (bool, int, float, str, list))
     return value if known else text.strip()
-
-
-def _plain(text: str) -> float | str:
-    try:
-        return float(text)
-    except ValueError:
-        return text
-
-
-def _table_of(data: Mapping[str, Any], name: str) -> Mapping[str, Any]:
-    table = data.get(name)
-    return table if isinstance(table, dict) else {}
 
 
 def _found_key(key: str, data: Mapping[str, Any]) -> str:
@@ -283,32 +213,31 @@ def _present(key: str, data: Mapping[str, Any]) -> bool:
     """Whether a scene has the table of a key."""
     table, *rest = key.split(".")
     if table == "methods":
-        return rest[0] in _table_of(data, "methods")
-    if table == "effects":
-        return any(isinstance(e, dict) and e.get("kind") == rest[0] for e in _listed(data))
-    return table in data
+        return rest[0] in (data["methods"] if isinstance(data.get("methods"), dict) else ())
+    return _effect(data, rest[0]) is not None if table == "effects" else table in data
 
 
-def _listed(data: Mapping[str, Any]) -> list[Any]:
-    effects = data.get("effects")
-    return effects if isinstance(effects, list) else []
+def _effect(data: Mapping[str, Any], kind: str) -> dict[str, Any] | None:
+    listed = data.get("effects")
+    effects = listed if isinstance(listed, list) else []
+    return next((e for e in effects if isinstance(e, dict) and e.get("kind") == kind), None)
 
 
 def _put(data: dict[str, Any], key: str, value: Any) -> None:
     """Set a key in full; a table, method or effect that is not there is listed with it."""
     parts = key.split(".")
     if parts[0] == "effects":
-        effects = data["effects"] = list(_listed(data))
-        table = next((e for e in effects if isinstance(e, dict) and e.get("kind") == parts[1]), None)
+        table = _effect(data, parts[1])
         if table is None:
             table = {"kind": parts[1]}
-            effects.append(table)
+            listed = data.get("effects")
+            data["effects"] = [*(listed if isinstance(listed, list) else ()), table]
     else:
         table = data
         for part in parts[:-1]:
             inner = table.setdefault(part, {})
             if not isinstance(inner, dict):
-                raise UsageError(f"{key}: {part} = {_short(inner)} of the scene is no table")
+                raise UsageError(f"{key}: {part} = {brief(inner)} of the scene is no table")
             table = inner
     for rivals in _EITHER:
         for other in rivals - {key} if key in rivals else ():
@@ -326,12 +255,7 @@ def _flat(table: Mapping[str, Any], place: str = "") -> Iterator[tuple[str, Any]
 
 
 def _table(table: Any, data: Mapping[str, Any]) -> tuple[Mode, dict[str, list[Any]]]:
-    """Read [sweep]: the mode, and each key in full with its list.
-
-    Raises
-    ------
-    UsageError
-    """
+    """Read [sweep]: the mode, and each key in full with its list."""
     if not isinstance(table, dict):
         raise UsageError("must be a table of keys with lists, such as load.reduced_pressure = [0.01, 0.1]")
     said = dict(_flat(table))
@@ -344,7 +268,7 @@ def _table(table: Any, data: Mapping[str, Any]) -> tuple[Mode, dict[str, list[An
         if full.partition(".")[0] in ("name", "title", "run"):
             raise UsageError(f"{full}: says how a scene is called or run, and changes no result")
         if not isinstance(values, list) or not 1 <= len(values) <= MOST_ITEMS:
-            raise UsageError(f"{full} = {_short(values)}: must be a list of 1 to {MOST_ITEMS} values")
+            raise UsageError(f"{full} = {brief(values)}: must be a list of 1 to {MOST_ITEMS} values")
         rival = next((k for k in lists if k == full or any({k, full} <= pair for pair in _EITHER)), None)
         if rival is not None:
             again = "is listed twice" if rival == full else f"excludes {rival}, which is swept, too"
@@ -359,11 +283,6 @@ def _table(table: Any, data: Mapping[str, Any]) -> tuple[Mode, dict[str, list[An
     if mode == "product" and math.prod(lengths.values()) > _MOST_CASES:
         raise UsageError(f"makes {math.prod(lengths.values())} scenes; must be at most {_MOST_CASES}")
     return mode, lists
-
-
-def _short(value: object) -> str:
-    words = repr(value)
-    return words if len(words) <= 60 else f"{words[:60]}..."
 
 
 def _expanded(
@@ -384,7 +303,7 @@ def _expanded(
         try:
             scenes.append(checked_scene(sized(here, folder, scene) if alone else here, folder, scene))
         except SceneError as error:
-            at = ", ".join(f"{key} = {_short(value)}" for key, value in zip(lists, values, strict=True))
+            at = ", ".join(f"{key} = {brief(value)}" for key, value in zip(lists, values, strict=True))
             # One sentence about a swept value says enough of where it is.
             known = [p if any(k in p for k in lists) else f"{p} ([sweep] at {at})" for p in error.problems]
             raise SceneError(scene, known) from None
@@ -403,24 +322,17 @@ def _swept(scenes: Sequence[Scene], mode: Mode, lists: Mapping[str, list[Any]]) 
     known = scene_keys({"surface": {"kind": scenes[0].surface.kind}})
     keys, step = [], len(scenes)
     for key, word in zip(lists, last, strict=True):
-        if mode == "zip":
-            own: Sequence[Scene] = scenes
-        else:
-            step //= len(lists[key])
-            own = [scenes[k * step] for k in range(len(lists[key]))]
-        values = tuple(_said(scene, key) for scene in own)
+        step = 1 if mode == "zip" else step // len(lists[key])
+        values = tuple(_said(scenes[k * step], key) for k in range(len(lists[key])))
         if any(isinstance(value, str) for value in values):
             values = tuple(map(str, values))
         info = known[key]
         clear = last.count(word) == 1 and word not in _TAKEN
-        unit = unit_of(info.annotation)
-        if unit == "1":
-            unit = next((u for part in info.metadata if (u := unit_of(part)) != "1"), "1")
         keys.append(
             SweptKey(
                 key=key,
                 name=word if clear else "_".join(key.split(".")[-2:]),
-                unit="1" if any(isinstance(value, str) for value in values) else unit,
+                unit="1" if isinstance(values[0], str) else unit_of(info),
                 meaning=info.description or key,
                 values=values,
             )

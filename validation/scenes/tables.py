@@ -28,6 +28,7 @@ from validation.units import (
 
 __all__ = [
     "LOADS",
+    "SURFACES",
     "CapillarySurface",
     "FileSurface",
     "Load",
@@ -148,6 +149,12 @@ class FileSurface(Table):
 
 
 Surface = Annotated[SelfAffineSurface | CapillarySurface | FileSurface, Field(discriminator="kind")]
+#: The kinds of surface, by name.
+SURFACES: dict[str, type[Table]] = {
+    "self-affine": SelfAffineSurface,
+    "capillary-waves": CapillarySurface,
+    "file": FileSurface,
+}
 
 
 class SolidSpec(Table):

@@ -63,12 +63,7 @@ class FileSays:
     notes: tuple[str, ...]
 
     def check_square(self, key: str) -> None:
-        """Refuse one length for both sides if points along them differ in number and no size is known.
-
-        Raises
-        ------
-        UsageError
-        """
+        """Refuse one length for both sides if points along them differ in number and no size is known."""
         nx, ny = self.heights.shape
         if self.lengths is None and abs(nx / ny - 1) > _RATIO:
             raise UsageError(
