@@ -9,6 +9,7 @@ from small_scene import small_scene
 
 from validation.comparison.run import Outputs, run_scene
 from validation.scenes.scene import load_scene
+from validation.solves.bench import Bench
 
 _HEAD = 'name = "small"\ntitle = "A small scene"\n' + small_scene(
     "shifts = 2\n\n[methods.theory]\n", grids="[12, 24, 48]"
@@ -38,6 +39,13 @@ def write_scene(tmp_path):
         return _written(tmp_path, *replacements, fem=fem)
 
     return write
+
+
+@pytest.fixture(scope="session")
+def bench(tmp_path_factory, worker_id) -> Bench:
+    """One store of this session, which all its processes share: what one test solves, no other does."""
+    folder = tmp_path_factory.getbasetemp()
+    return Bench.at((folder if worker_id == "master" else folder.parent) / "solves")
 
 
 @pytest.fixture(scope="session")

@@ -10,15 +10,14 @@ from persson.scale import Scale
 from validation.effects.base import full_contact_energy
 from validation.measures.adhesive import STRESS_EDGES, StickyContact, readings
 from validation.measures.distributions import largest_difference
-from validation.solves.bench import Bench
 from validation.studies import adhesive_magnification as study
 
 OPTIONS = study.Options(magnifications=(1.5, 3.0), periods=1.0, surfaces=2, seed=31, work=0.5)
 
 
 @pytest.fixture(scope="module")
-def data(tmp_path_factory):
-    return study.run(OPTIONS, bench=Bench.at(tmp_path_factory.mktemp("sticky")))
+def data(bench):
+    return study.run(OPTIONS, bench=bench)
 
 
 @pytest.fixture(scope="module")

@@ -6,16 +6,15 @@ import pytest
 from validation.errors import UsageError
 from validation.measures.hierarchy import Hierarchy
 from validation.report.estimates import total_error
-from validation.solves.bench import Bench
 from validation.studies import archard, find_study
 
 LOADS = (0.016, 0.032, 0.064)
 
 
 @pytest.fixture(scope="module")
-def data(tmp_path_factory):
+def data(bench):
     options = archard.Options(waves=(8,), heights=(0.2,), loads=LOADS, surfaces=2, grids=(96, 128), seed=17)
-    return archard.run(options, bench=Bench.at(tmp_path_factory.mktemp("solves")))
+    return archard.run(options, bench=bench)
 
 
 def test_tops_of_every_level_have_the_radius_that_the_theory_is_told():

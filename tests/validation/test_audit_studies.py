@@ -9,19 +9,18 @@ from small_scene import small_scene
 
 from validation.audit import audit
 from validation.scenes.scene import load_scene
-from validation.solves.bench import Bench
 from validation.studies import find_study
 from validation.studies._outputs import run_study
 
 
 @pytest.fixture
-def folder(tmp_path):
+def folder(tmp_path, bench):
     """A small study of its own surfaces, without a report."""
     made = tmp_path / "area"
     made.mkdir()
     study = find_study("area")
     options = study.options(grids=(16, 32, 48), reduced_pressures=(0.05, 0.3), surfaces=2, seed=61)
-    run_study(study, options, made, bench=Bench.at(tmp_path / "solves"), report=False)
+    run_study(study, options, made, bench=bench, report=False)
     return made
 
 
@@ -37,13 +36,13 @@ def test_a_study_agrees_and_without_its_store_its_solves_are_listed(folder):
     assert "data.nc: area_each" in ledger.unread
 
 
-def test_a_study_on_a_scene_is_computed_again_from_its_solves(tmp_path):
+def test_a_study_on_a_scene_is_computed_again_from_its_solves(tmp_path, bench):
     (tmp_path / "mine.toml").write_text(small_scene())
     study, folder = find_study("area"), tmp_path / "area"
     folder.mkdir()
     scene = load_scene(str(tmp_path / "mine.toml"))
     options = study.options(scene=scene, reduced_pressures=(0.1, 0.2), surfaces=2)
-    run_study(study, options, folder, bench=Bench.at(tmp_path / "solves"), report=False)
+    run_study(study, options, folder, bench=bench, report=False)
     ledger = audit(folder)
     assert [str(entry) for entry in ledger.wrong] == []
     assert "data.nc: area_each" not in ledger.unread

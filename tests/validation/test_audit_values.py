@@ -12,7 +12,6 @@ from gold.asked import STUDIES
 
 from validation.audit import Ledger, dataset, values
 from validation.audit.values import judged
-from validation.solves.bench import Bench
 from validation.studies import find_study
 from validation.studies._outputs import run_study
 
@@ -20,14 +19,14 @@ SMALL = ("cross", "magnification", "scaling")
 
 
 @pytest.fixture(scope="module")
-def results(tmp_path_factory, small_run):
+def results(tmp_path_factory, small_run, bench):
     root = tmp_path_factory.mktemp("values")
     found = {"run": dataset.Result(small_run.folder)}
     for name in SMALL:
         folder = root / name
         folder.mkdir()
         study = find_study(name)
-        run_study(study, study.options(**STUDIES[name]), folder, bench=Bench.at(root / "solves"))
+        run_study(study, study.options(**STUDIES[name]), folder, bench=bench)
         found[name] = dataset.Result(folder)
         # Read once: what a test changes is a copy in memory.
         assert found[name].tables
@@ -66,11 +65,11 @@ def test_every_number_of_a_study_follows_from_its_solves_or_is_listed(results, n
         ("hurst", {"area_by_bandwidth_each", "kappa_by_bandwidth_limit", "kappa_by_size_slope"}),
     ],
 )
-def test_drifts_ladders_and_several_kinds_of_solves_of_one_study_are_told_apart(name, judged_now, tmp_path):
+def test_drifts_ladders_and_several_kinds_of_solves_of_one_study_are_told_apart(
+    name, judged_now, tmp_path, bench
+):
     study = find_study(name)
-    run_study(
-        study, study.options(**STUDIES[name]), tmp_path, bench=Bench.at(tmp_path / "solves"), report=False
-    )
+    run_study(study, study.options(**STUDIES[name]), tmp_path, bench=bench, report=False)
     result, ledger = dataset.Result(tmp_path), Ledger()
     values.judge_dataset(result, ledger)
     assert ledger.wrong == ()

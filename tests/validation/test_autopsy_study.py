@@ -22,7 +22,6 @@ from validation.measures.budgets import (
 )
 from validation.measures.common import base_case, base_surface
 from validation.measures.rings import Chain, Probe, ring_ends
-from validation.solves.bench import Bench
 from validation.studies import autopsy, find_study
 
 SMALL = {"periods": 2, "bandwidth": 4.0, "surfaces": 2, "probe_surfaces": 2, "probes": (2.0,)}
@@ -200,7 +199,7 @@ def test_rings_without_a_wave_are_left_out():
 
 
 @pytest.fixture(scope="module")
-def data(tmp_path_factory):
+def data(bench):
     options = autopsy.Options(
         hursts=(0.8,),
         reduced_pressures=(0.1, 4.0),
@@ -210,7 +209,7 @@ def data(tmp_path_factory):
         variance_steps=(0.01, 0.16),
         **SMALL,
     )
-    return autopsy.run(options, bench=Bench.at(tmp_path_factory.mktemp("solves")))
+    return autopsy.run(options, bench=bench)
 
 
 def test_at_full_contact_the_budgets_of_every_octave_are_those_of_the_theory(data):

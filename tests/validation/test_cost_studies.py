@@ -13,16 +13,10 @@ from validation.measures import peers, ways
 from validation.measures.common import base_case, base_surface
 from validation.measures.theory import RANKED
 from validation.methods.own import Own
-from validation.solves.bench import Bench
 from validation.studies import accuracy_cost, find_study, scaling
 from validation.studies._outputs import study_page
 
 SMALL = {"periods": 2.0, "bandwidth": 2.0}
-
-
-@pytest.fixture(scope="module")
-def bench(tmp_path_factory) -> Bench:
-    return Bench.at(tmp_path_factory.mktemp("solves"))
 
 
 @pytest.fixture(scope="module")

@@ -4,13 +4,11 @@ import numpy as np
 import pytest
 
 from validation.errors import UsageError
-from validation.solves.bench import Bench
 from validation.studies import adhesion, find_study, hardness
 
 
 @pytest.fixture(scope="module")
-def yielding(tmp_path_factory):
-    bench = Bench.at(tmp_path_factory.mktemp("hardness"))
+def yielding(bench):
     options = hardness.Options(
         reduced_pressures=(0.02, 0.2),
         magnifications=(1.5, 3.0),
@@ -25,8 +23,7 @@ def yielding(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def sticking(tmp_path_factory):
-    bench = Bench.at(tmp_path_factory.mktemp("adhesion"))
+def sticking(bench):
     options = adhesion.Options(
         works=(1e-3, 0.1),
         reduced_pressures=(0.2,),

@@ -13,7 +13,6 @@ from validation.measures.load_path import second_order_limit
 from validation.measures.measurement import grid_for
 from validation.measures.theory import Waves
 from validation.report.estimates import NORMAL, error_of, total_error
-from validation.solves.bench import Bench
 from validation.studies import energy, find_study, pressure
 from validation.theories import Rough
 from validation.theories.persson_variants import Persson, persson_readings
@@ -24,11 +23,11 @@ ASKED = ("energy_ratio", "gap", "compliance")
 
 
 @pytest.fixture(scope="module")
-def stored(tmp_path_factory):
+def stored(bench):
     options = energy.Options(
         reduced_pressures=LOADS, periods=2.0, bandwidth=2.0, surfaces=2, points_per_wave=(4.0, 8.0), seed=23
     )
-    return options, energy.run(options, bench=Bench.at(tmp_path_factory.mktemp("energy")))
+    return options, energy.run(options, bench=bench)
 
 
 def test_energy_gap_and_compliance_are_those_of_the_contact_carried_to_the_limit(stored):

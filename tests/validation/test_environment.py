@@ -110,8 +110,8 @@ def test_a_cache_that_can_be_written_is_left_alone(monkeypatch, tmp_path):
     ("package", "kernels"),
     [
         ("validation", "fem_contact.complementarity.kernels"),
-        ("fem_contact", "fem_contact.complementarity.kernels"),
-        ("persson", "persson._galerkin"),
+        pytest.param("fem_contact", "fem_contact.complementarity.kernels", marks=pytest.mark.nightly),
+        pytest.param("persson", "persson._galerkin", marks=pytest.mark.nightly),
     ],
 )
 def test_kernels_compile_with_a_read_only_home_and_package(tmp_path, package, kernels):
@@ -142,7 +142,14 @@ def test_kernels_compile_with_a_read_only_home_and_package(tmp_path, package, ke
         assert Path(done.stdout.strip()).parent == tmp_path
 
 
-@pytest.mark.parametrize("arguments", [("scenes", "list"), ("--help",), ("scenes", "show", "quickstart")])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("scenes", "list"),
+        pytest.param(("--help",), marks=pytest.mark.nightly),
+        pytest.param(("scenes", "show", "quickstart"), marks=pytest.mark.nightly),
+    ],
+)
 def test_an_output_that_is_full_is_one_line(arguments):
     done = command(*arguments, shell="exec > /dev/full;")
     assert done.returncode == 1

@@ -10,15 +10,13 @@ from validation.measures.common import base_case, persson_area
 from validation.measures.flow import GAP_EDGES
 from validation.measures.measurement import grid_for
 from validation.report.estimates import total_error
-from validation.solves.bench import Bench
 from validation.studies import conductance, leak
 
 LOADS = (0.01, 0.04, 0.16)
 
 
 @pytest.fixture(scope="module")
-def stiff(tmp_path_factory):
-    bench = Bench.at(tmp_path_factory.mktemp("conductance"))
+def stiff(bench):
     options = conductance.Options(
         reduced_pressures=LOADS, periods=(1.0, 2.0), bandwidth=3.0, surfaces=2, shifts=1, seed=17
     )
@@ -26,8 +24,7 @@ def stiff(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def leaking(tmp_path_factory):
-    bench = Bench.at(tmp_path_factory.mktemp("leak"))
+def leaking(bench):
     options = leak.Options(areas=(0.1, 0.35), bandwidths=(4.0,), surfaces=3, seed=17)
     return options, leak.run(options, bench=bench)
 

@@ -28,6 +28,11 @@ def told(gold, new, data=DATA, rtol=check.RTOL_HERE):
     return list(check.differences("planted", gold, new, data, rtol=rtol))
 
 
+@pytest.mark.parametrize("name", ALL)
+def test_the_numbers_are_those_of_the_gold_file(name, bench, tmp_path):
+    assert check.disagreements(name, bench, tmp_path) == []
+
+
 def test_every_study_and_every_scene_of_the_library_has_gold_numbers():
     assert {name.partition(" ")[0] for name in STUDIES} == set(studies())
     assert {scene for scene, _ in SCENES.values()} >= set(builtin_scenes())

@@ -6,14 +6,12 @@ import pytest
 from validation.comparison.explain import explain
 from validation.errors import UsageError
 from validation.scenes.scene import load_scene
-from validation.solves.bench import Bench
 from validation.solves.press import solves_of
 from validation.studies import find_study, graded
 
 
 @pytest.fixture(scope="module")
-def data(tmp_path_factory):
-    bench = Bench.at(tmp_path_factory.mktemp("solves"))
+def data(bench):
     return graded.run(graded.Options(ratios=(0.5, 2.0)), bench=bench)
 
 

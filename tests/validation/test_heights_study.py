@@ -8,7 +8,6 @@ from fem_contact import HalfSpace, bem, contact_areas
 from validation.measures.measurement import grid_for
 from validation.report.estimates import derive, mean, total_error
 from validation.scenes.surfaces import spectrum_of
-from validation.solves.bench import Bench
 from validation.studies import find_study, heights
 
 
@@ -20,8 +19,8 @@ def options():
 
 
 @pytest.fixture(scope="module")
-def data(options, tmp_path_factory):
-    return heights.run(options, bench=Bench.at(tmp_path_factory.mktemp("solves")))
+def data(options, bench):
+    return heights.run(options, bench=bench)
 
 
 def test_the_moments_of_the_heights_are_those_of_the_surface(options, data):

@@ -48,6 +48,7 @@ def corpus():
     return dict(files.all_hostile())
 
 
+@pytest.mark.nightly
 def test_every_hostile_file_is_refused_in_one_sentence(tmp_path, corpus):
     assert len(corpus) > 100
     slowest, taken = 0.0, set()
@@ -154,6 +155,7 @@ def test_a_file_that_takes_more_memory_than_it_may_is_refused(tmp_path, monkeypa
         reading.file_says(path)
 
 
+@pytest.mark.nightly
 def test_a_text_of_a_million_columns_is_read(tmp_path):
     path = tmp_path / "wide.txt"
     path.write_bytes(b"\n".join(b" ".join([b"1.5"] * 10**6) for _ in range(2)))

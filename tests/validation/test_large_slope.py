@@ -10,7 +10,6 @@ from validation.effects.base import Roughness
 from validation.measures.common import base_case, base_surface
 from validation.measures.measurement import grid_for
 from validation.measures.slopes import CHANGES, with_differences
-from validation.solves.bench import Bench
 from validation.studies import find_study, large_slope
 
 
@@ -26,8 +25,8 @@ def small_options():
 
 
 @pytest.fixture(scope="module")
-def small(tmp_path_factory):
-    return large_slope.run(small_options(), bench=Bench.at(tmp_path_factory.mktemp("slopes")))
+def small(bench):
+    return large_slope.run(small_options(), bench=bench)
 
 
 def test_the_differences_are_those_of_the_block_from_the_linear_one(small):

@@ -9,7 +9,6 @@ from fem_contact.leak import percolates
 from validation.measures.magnified import at_magnification, sharpest_bend
 from validation.measures.measurement import grid_for, without_waves_beyond
 from validation.report.estimates import derive, mean, total_error
-from validation.solves.bench import Bench
 from validation.studies import find_study, macroasperities
 
 ZETA = (0.5, 1.0, 2.0, 4.0)
@@ -29,8 +28,8 @@ def options():
 
 
 @pytest.fixture(scope="module")
-def data(options, tmp_path_factory):
-    return macroasperities.run(options, bench=Bench.at(tmp_path_factory.mktemp("solves")))
+def data(options, bench):
+    return macroasperities.run(options, bench=bench)
 
 
 def pressed(options, k, *, zeta, load):
@@ -137,9 +136,9 @@ def test_figures_and_table_hold_every_case(options, data):
     assert len(found.views(data).findings) == 6
 
 
-def test_without_loads_to_percolate_at_there_are_no_thresholds(options, tmp_path):
+def test_without_loads_to_percolate_at_there_are_no_thresholds(options, bench):
     few = {"reduced_pressures": (0.05, 0.2), "magnifications": (0.5, 1.0, 4.0), "percolating": ()}
     without = options.model_copy(update=few)
-    data = macroasperities.run(without, bench=Bench.at(tmp_path))
+    data = macroasperities.run(without, bench=bench)
     assert "percolation_area" not in data
     assert len(macroasperities.views(data).figures) == 2

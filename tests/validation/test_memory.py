@@ -21,7 +21,10 @@ from validation.solves.store import Store, check_store
 
 ROOT = Path(__file__).parents[2]
 
-pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="RLIMIT_AS is held on Linux alone")
+pytestmark = [
+    pytest.mark.nightly,
+    pytest.mark.skipif(sys.platform != "linux", reason="RLIMIT_AS is held on Linux alone"),
+]
 
 #: Exit statuses of a trial.
 SOLVED, REFUSED, TRACEBACK = 0, 3, 4

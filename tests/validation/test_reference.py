@@ -255,8 +255,7 @@ def test_the_documentation_prints_the_areas_of_the_table_that_is_shipped():
 
 
 @pytest.fixture(scope="module")
-def small(tmp_path_factory):
-    bench = Bench.at(tmp_path_factory.mktemp("reference"))
+def small(bench):
     options = study.Options(
         hursts=(0.8,),
         bandwidths=(8.0,),

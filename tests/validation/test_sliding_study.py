@@ -9,7 +9,6 @@ from validation.measures import sliding as measure
 from validation.measures.common import base_case
 from validation.measures.measurement import grid_for
 from validation.scenes.scene import SolidSpec
-from validation.solves.bench import Bench
 from validation.studies import find_study, sliding
 
 SMALL = {
@@ -23,9 +22,9 @@ SMALL = {
 
 
 @pytest.fixture(scope="module")
-def slid(tmp_path_factory):
+def slid(bench):
     options = sliding.Options(**SMALL)
-    return options, sliding.run(options, bench=Bench.at(tmp_path_factory.mktemp("sliding")))
+    return options, sliding.run(options, bench=bench)
 
 
 def test_the_friction_of_the_study_is_that_of_the_surface_on_each_grid(slid):

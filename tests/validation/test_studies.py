@@ -15,8 +15,6 @@ from validation.measures.measurement import Measurement, area_limits, grid_for
 from validation.scenes import surfaces
 from validation.scenes.realised import Realised
 from validation.scenes.scene import SolidSpec, load_scene
-from validation.solves.bench import Bench
-from validation.solves.running import Execution
 from validation.studies import cross, find_study, refinement, stress_near_zero, studies
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)
@@ -35,11 +33,6 @@ def measurement(**changes: object) -> Measurement:
         "shifts": 2,
     }
     return Measurement(**{**settings, **changes})
-
-
-@pytest.fixture(scope="module")
-def bench(tmp_path_factory) -> Bench:
-    return Bench.at(tmp_path_factory.mktemp("solves"))
 
 
 @pytest.fixture(scope="module")
@@ -128,16 +121,6 @@ def test_refinement_tells_the_grid_from_the_theory(bench):
     # The limit of the elements is no nearer than both limits are apart.
     error = data.kappa_fem_error.sel(source="grid") / data.kappa_fem
     assert (error >= abs(data.distance_fem)).all()
-
-
-def test_two_workers_measure_the_same_as_this_process(bench, tmp_path):
-    options = {"surfaces": 2, "points_per_wave": (4.0, 6.0), "grid_scale_grids": (24,), **SMALL}
-    options |= {"ladders": False, "elements": ()}
-    workers = Bench.at(tmp_path, execution=Execution(workers=2))
-    asked = refinement.Options(**options)
-    found, expected = refinement.run(asked, bench=workers), refinement.run(asked, bench=bench)
-    times = [name for name in found if str(name).startswith("seconds")]
-    assert found.drop_vars(times).identical(expected.drop_vars(times))
 
 
 def test_the_density_of_small_pressures_falls_with_the_grid(bench):

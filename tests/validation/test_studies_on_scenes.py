@@ -17,7 +17,6 @@ from validation.errors import UsageError
 from validation.methods.theory import predict
 from validation.scenes.realised import realise
 from validation.scenes.scene import load_scene
-from validation.solves.bench import Bench
 from validation.solves.press import solves_of
 from validation.studies import area, cross, find_study, magnification, pressure, refinement, theory_verdict
 from validation.studies._outputs import report_study, run_study
@@ -40,11 +39,6 @@ pressure = "8 MPa"
 grids = [[96, 72], [120, 90], [144, 108]]
 """
 YIELDING = small_scene('tolerance = 1e-9\n[[effects]]\nkind = "hardness"\nhardness = "30 kPa"\n')
-
-
-@pytest.fixture
-def bench(tmp_path):
-    return Bench.at(tmp_path / "solves")
 
 
 @pytest.fixture

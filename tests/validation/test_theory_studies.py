@@ -9,7 +9,6 @@ from planted import edge_data
 from validation.errors import UsageError
 from validation.measures.common import base_case, base_surface, persson_area
 from validation.measures.load_path import moved_shares
-from validation.solves.bench import Bench
 from validation.solves.results import write_results
 from validation.studies import find_study, hurst, magnification, pressure, theory_verdict
 from validation.studies._outputs import report_study
@@ -19,11 +18,6 @@ from validation.theories.persson_variants import persson_variants
 from validation.theories.predicted import COMPARED
 
 SMALL = {"periods": 2.0, "bandwidth": 2.0}
-
-
-@pytest.fixture(scope="module")
-def bench(tmp_path_factory) -> Bench:
-    return Bench.at(tmp_path_factory.mktemp("solves"))
 
 
 def test_hurst_study_reports_change_by_surface_and_finds_the_bandwidth_of_equal_nayak(bench):

@@ -53,6 +53,7 @@ def test_a_solve_whose_workers_are_killed_three_times_by_chance_is_done_at_the_e
     assert "tried once more when the others are done" in note
 
 
+@pytest.mark.nightly
 def test_a_solve_that_kills_its_workers_is_given_up_and_the_others_are_stored(tmp_path, tally):
     deadly, others = Deadly(1, tally(99)), [Slow(k) for k in range(2, 5)]
     store = Store(folder=tmp_path / "s")
@@ -64,6 +65,7 @@ def test_a_solve_that_kills_its_workers_is_given_up_and_the_others_are_stored(tm
     assert int(Path(deadly.tally).read_text()) == 99 - 4
 
 
+@pytest.mark.nightly
 def test_deaths_while_a_worker_makes_itself_ready_are_not_charged_to_the_solve(tmp_path, tally):
     progress = Notes()
     solves = [DiesAtStart(1, tally(4)), Slow(2)]
@@ -72,6 +74,7 @@ def test_deaths_while_a_worker_makes_itself_ready_are_not_charged_to_the_solve(t
     assert progress.notes == []
 
 
+@pytest.mark.nightly
 def test_workers_that_never_come_up_end_the_run_with_their_last_words(tmp_path, tally):
     with pytest.raises(RunFailed, match=r"die before they begin to solve \(no room for this library\)"):
         solve_all([DiesAtStart(1, tally(99))], Store(folder=tmp_path / "s"), execution=Execution(workers=2))
@@ -152,6 +155,7 @@ def test_a_look_longer_than_the_patience_is_told_and_followed_by_another(tmp_pat
 
 
 @pytest.mark.filterwarnings("default")  # of dask's own threads and sockets when a worker is killed
+@pytest.mark.nightly
 def test_without_workers_a_cluster_is_waited_for_within_bounds_and_told(tmp_path, cluster, monkeypatch):
     from validation.solves import cluster as module
 
@@ -169,6 +173,7 @@ def test_without_workers_a_cluster_is_waited_for_within_bounds_and_told(tmp_path
 
 
 @pytest.mark.filterwarnings("default")
+@pytest.mark.nightly
 def test_a_lost_scheduler_is_one_line_and_what_is_stored_stays(tmp_path, cluster, monkeypatch):
     from validation.solves import cluster as module
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from small_scene import OBLONG, small_scene
 
-__all__ = ["ACCURATE", "AREAS", "COMPARED", "LADDERS", "ROUNDING", "SCENES", "STUDIES", "UNSTEADY"]
+__all__ = ["ACCURATE", "COMPARED", "ROUNDING", "SCENES", "STUDIES", "UNSTEADY"]
 
 _ROUGH = {"periods": 2.0, "bandwidth": 2.0, "points_per_wave": (4.0, 6.0, 8.0), "seed": 61}
 _LADDERS = {
@@ -253,19 +253,6 @@ STUDIES: dict[str, dict[str, object]] = {
         "ladder_reduced_pressures": (0.1,),
     },
 }
-#: Studies by the test file that computes them anew; what is left has one file, too.
-LADDERS = tuple(name for name in STUDIES if name.startswith(("refinement", "theory-verdict")))
-_FIRST = (
-    "accuracy-cost",
-    "area",
-    "cross",
-    "depth",
-    "hurst",
-    "reference",
-    "scaling",
-    "stability",
-)
-AREAS = tuple(name for name in STUDIES if name.startswith(_FIRST))
 #: Scene, by its name in the library or its text, and the keys that are set: grids, numbers of surfaces.
 SCENES: dict[str, tuple[str, tuple[str, ...]]] = {
     "scene adhesion": ("adhesion", ("methods.bem.grids=[48,64]",)),

@@ -54,7 +54,7 @@ def compute(name: str, bench: Bench, folder: Path) -> tuple[Record, xr.Dataset]:
     if name not in STUDIES:
         from gold.scenes import of_scene
 
-        return of_scene(name, folder)
+        return of_scene(name, bench, folder)
     study, told = find_study(name.partition(" ")[0]), dict(STUDIES[name])
     if "scene" in told:
         path = folder / "mine.toml"

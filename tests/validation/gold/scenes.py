@@ -13,36 +13,37 @@ from validation.comparison.compare import compare_folders
 from validation.comparison.run import run_scene
 from validation.comparison.sweep import run_sweep
 from validation.scenes.sweep import Sweep, load_asked
+from validation.solves.bench import Bench
 from validation.solves.results import read_results
 
 __all__ = ["of_scene"]
 
 
-def of_scene(name: str, folder: Path) -> tuple[Record, xr.Dataset]:
+def of_scene(name: str, bench: Bench, folder: Path) -> tuple[Record, xr.Dataset]:
     """Run what an entry asks for as the command line does, and read what it left."""
-    data = _compared(name, folder) if name in COMPARED else _ran(name, folder, folder / "run")
+    solves = bench.store.folder
+    if name in COMPARED:
+        folders = [folder / f"run-{k}" for k in range(len(COMPARED[name]))]
+        for one, results in zip(COMPARED[name], folders, strict=True):
+            _ran(one, solves, results)
+        compare_folders(folders, folder / "both", report=False)
+        data = read_results(folder / "both").data
+    else:
+        data = _ran(name, solves, folder / "run")
     return of_dataset(name, data), data
 
 
-def _ran(name: str, folder: Path, results: Path) -> xr.Dataset:
+def _ran(name: str, solves: Path, results: Path) -> xr.Dataset:
     scene, settings = SCENES[name]
     if "\n" in scene:
-        path = folder / "mine.toml"
+        path = results.parent / "mine.toml"
         path.write_text(scene, encoding="utf-8")
         scene = str(path)
     asked = load_asked(scene, settings, grids_chosen=name in ACCURATE)
     if isinstance(asked, Sweep):
-        run_sweep(asked, results, store_folder=folder / "solves", report=False)
+        run_sweep(asked, results, store_folder=solves, report=False)
     elif name in ACCURATE:
-        run_accurate(asked, results, target=ACCURATE[name], store_folder=folder / "solves", report=False)
+        run_accurate(asked, results, target=ACCURATE[name], store_folder=solves, report=False)
     else:
-        run_scene(asked, results, store_folder=folder / "solves", report=False)
+        run_scene(asked, results, store_folder=solves, report=False)
     return read_results(results).data
-
-
-def _compared(name: str, folder: Path) -> xr.Dataset:
-    folders = [folder / f"run-{k}" for k in range(len(COMPARED[name]))]
-    for one, results in zip(COMPARED[name], folders, strict=True):
-        _ran(one, folder, results)
-    compare_folders(folders, folder / "both", report=False)
-    return read_results(folder / "both").data
