@@ -94,8 +94,16 @@ def pages(small_run, tmp_path_factory):
 
 
 @needs_browser
-@pytest.mark.parametrize("name", ["run", "study"])
-@pytest.mark.parametrize("width", [1920, 1280, 500])
+@pytest.mark.parametrize(
+    ("name", "width"),
+    [
+        ("run", 1280),
+        *(
+            pytest.param(*page, marks=pytest.mark.nightly)
+            for page in (("run", 1920), ("run", 500), ("study", 1920), ("study", 1280), ("study", 500))
+        ),
+    ],
+)
 def test_the_report_is_whole_in_a_browser(pages, tmp_path, name, width):
     copy = pages[name].with_name(f"asked-{width}.html")
     page = pages[name].read_text(encoding="utf-8")
@@ -127,6 +135,7 @@ def test_the_report_is_whole_in_a_browser(pages, tmp_path, name, width):
 
 
 @needs_browser
+@pytest.mark.nightly
 def test_the_policy_of_the_page_lets_its_own_script_run_and_no_other(pages, tmp_path):
     log, dom = browse(pages["run"], tmp_path / "profile", width=1280, height=900)
     assert "CONSOLE" not in log, log
@@ -139,6 +148,7 @@ def test_the_policy_of_the_page_lets_its_own_script_run_and_no_other(pages, tmp_
 
 
 @needs_browser
+@pytest.mark.nightly
 @pytest.mark.parametrize(("width", "height"), [(1280, 3600), (500, 5200)], ids=["desk", "phone"])
 def test_a_screenshot_of_the_report_is_not_blank(pages, tmp_path, width, height):
     from matplotlib.image import imread

@@ -276,12 +276,12 @@ def failing(monkeypatch, name, number, at):
         yield calls
 
 
-FAILURES = tuple(
-    itertools.product(
-        ("open", "write", "fsync", "replace", "close"),
-        (errno.ENOSPC, errno.EDQUOT, errno.EIO, errno.EROFS, errno.EFBIG, errno.EMFILE, errno.EACCES),
-    )
-)
+DISKS = ["ENOSPC", "EDQUOT", "EIO", "EROFS", "EFBIG", "EMFILE", "EACCES"]
+FAILURES = [
+    pytest.param(name, getattr(errno, disk), marks=() if disk == "ENOSPC" else pytest.mark.nightly)
+    for name in ("open", "write", "fsync", "replace", "close")
+    for disk in DISKS
+]
 
 
 @pytest.mark.parametrize(("name", "number"), FAILURES)
@@ -377,7 +377,7 @@ def test_a_complete_store_is_used_though_it_cannot_be_written_to(tmp_path, monke
         solve_all([*solves, Numbers(3)], store)
 
 
-@pytest.mark.parametrize("limit", ["ulimit -f 8", "ulimit -n 24"])
+@pytest.mark.parametrize("limit", ["ulimit -f 8", pytest.param("ulimit -n 24", marks=pytest.mark.nightly)])
 def test_limits_of_the_shell_end_in_one_line(tmp_path, limit):
     code = (
         "import sys; sys.path.insert(0, 'tests/validation')\n"

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from surfaces import rough_surface
 
-from fem_contact.block import ELEMENTS, estimate, plan_mesh, solve, solve_displacement, solve_path
+from fem_contact.block import ELEMENTS, estimate, plan_mesh, solve
 from fem_contact.block.full import kernels
 from fem_contact.block.full.assembly import assemble
 from fem_contact.block.full.block import Block
@@ -356,69 +356,14 @@ def test_moduli_of_triquadratic_cells_cost_few_more_steps():
     assert steps_of(block.hierarchy, patches((20, 20)), block) <= 35
 
 
-def agree(full, reduced, within=1e-8):
-    """Nodal forces of one system solved twice, to the full one's linear tolerance."""
-    a, b = full.contact.checked(), reduced.contact.checked()
-    np.testing.assert_array_equal(a.in_contact, b.in_contact)
-    assert np.linalg.norm(a.pressure - b.pressure) < within * np.linalg.norm(b.pressure)
-    return a, b
-
-
-@pytest.mark.parametrize(
-    ("shape", "lengths", "poisson", "mesh"),
-    [
-        ((48, 48), (1.0, 1.0), 0.3, {}),
-        ((33, 20), (1.0, 1.0), 0.3, {}),
-        ((32, 32), (1.0, 3.0), 0.0, {"growth": 1.5}),
-        ((32, 32), (1.0, 1.0), 0.4999, {}),
-        ((32, 32), (1.0, 1.0), 0.45, {"element": "Hex1"}),
-        ((24, 20), (1.0, 1.0), 0.3, {"element": "Hex2"}),
-        ((16, 20), (1.0, 1.5), 0.4999, {"element": "Hex2/P1disc", "growth": 1.5}),
-        ((24, 24), (1.0, 1.0), 0.3, {"first_layer": 1e-5}),
-        ((24, 24), (1.0, 1.0), 0.3, {"modulus": lambda x, y, z: np.where(z > -0.1, 20.0, 1.0)}),
-    ],
-)
-def test_nodal_forces_are_those_of_the_reduced_block(shape, lengths, poisson, mesh):
-    surface, solid = rough(shape, lengths), Solid(young=1.0, poisson=poisson)
-    load = 0.05 * solid.contact_modulus * surface.rms_gradient
-    full = solve(surface, solid, mean_pressure=load, method="full", tolerance=1e-9, **mesh)
-    reduced = solve(surface, solid, mean_pressure=load, tolerance=1e-13, **mesh)
-    agree(full, reduced)
-
-
-@pytest.mark.parametrize("element", ["Hex1", "Hex2"])
-def test_hardness_paths_and_prescribed_approach_agree_with_the_reduced_block(element):
-    surface = rough((16, 16), waves=2) if element == "Hex2" else rough()
-    load = 0.1 * SOLID.contact_modulus * surface.rms_gradient
-    hard = {"mean_pressure": load, "pressure_bound": 2.5 * load, "element": element}
-    full, reduced = agree(
-        solve(surface, SOLID, method="full", tolerance=1e-9, **hard),
-        solve(surface, SOLID, tolerance=1e-13, **hard),
-    )
-    np.testing.assert_array_equal(full.at_bound, reduced.at_bound)
-    assert full.at_bound.any()
-    loads = [0.5 * load, load, 0.2 * load]
-    for step, exact in zip(
-        solve_path(surface, SOLID, mean_pressures=loads, method="full", tolerance=1e-9, element=element),
-        solve_path(surface, SOLID, mean_pressures=loads, tolerance=1e-13, element=element),
-        strict=True,
-    ):
-        agree(step, exact)
-    offset = full.offset
-    full, reduced = (
-        solve_displacement(surface, SOLID, offset=offset, method=m, tolerance=1e-9, element=element)
-        for m in ("full", "reduced")
-    )
-    agree(full, reduced)
-
-
 def test_a_nested_first_set_saves_sets_and_changes_nothing():
     surface = rough((48, 48))
     load = 0.05 * SOLID.contact_modulus * surface.rms_gradient
     nested = solve(surface, SOLID, mean_pressure=load, method="full", tolerance=1e-9)
     everything = np.ones(surface.shape, dtype=bool)
     plain = solve(surface, SOLID, mean_pressure=load, method="full", tolerance=1e-9, start=everything)
-    agree(nested, plain)
+    np.testing.assert_array_equal(nested.contact.checked().in_contact, plain.contact.checked().in_contact)
+    np.testing.assert_allclose(nested.contact.pressure, plain.contact.pressure, atol=1e-8 * load)
     assert nested.contact.cost.iterations <= 4 < plain.contact.cost.iterations
 
 

@@ -64,19 +64,6 @@ def test_reduced_and_full_systems_have_one_solution(
     assert np.abs(stress - reduced.stress().tensor).max() < 1e-8 * np.abs(stress).max()
 
 
-def test_depth_dependent_modulus_reduces_to_the_same_solution() -> None:
-    surface = rough((16, 12), (1e-5, 0.75e-5))
-
-    def crust(x, y, z):
-        return np.where(z > -1.2e-6, 40.0, 1.0)
-
-    full = press(surface, method="full", modulus=crust, tolerance=1e-11)
-    reduced = press(surface, modulus=crust)
-    difference = np.linalg.norm(full.contact.pressure - reduced.contact.pressure)
-    assert difference < 1e-9 * np.linalg.norm(full.contact.pressure)
-    assert np.abs(full.field - reduced.field).max() < 1e-9 * np.abs(full.field).max()
-
-
 @pytest.mark.parametrize("element", ["Hex1", "Hex1/P0", "Hex2", "Hex2/P1disc"])
 def test_field_balances_the_contact_forces_and_stores_their_work(element: str) -> None:
     solution = press(rough((14, 12), (1e-5, 0.9e-5)), element=element)
@@ -156,18 +143,20 @@ def test_one_loaded_node_is_found() -> None:
     assert contact.pressure[5, 7] == pytest.approx(1e3 * 240, rel=1e-9)
 
 
-def test_units_change_nothing_but_units() -> None:
+@pytest.mark.parametrize("method", ["full", "reduced"])
+def test_units_change_nothing_but_units(method: str) -> None:
     surface = rough((16, 12), (1e-5, 0.75e-5))
     scaled = HeightField(
         heights=surface.heights * 2.0**20, lengths=tuple(x * 2.0**20 for x in surface.lengths)
     )
     pressure = 0.1 * SOLID.contact_modulus * surface.rms_gradient
     soft = Solid(young=SOLID.young * 2.0**-30, poisson=SOLID.poisson)
-    first = solve(surface, SOLID, mean_pressure=pressure)
-    second = solve(scaled, soft, mean_pressure=pressure * 2.0**-30)
+    first = solve(surface, SOLID, mean_pressure=pressure, method=method)
+    second = solve(scaled, soft, mean_pressure=pressure * 2.0**-30, method=method)
     np.testing.assert_array_equal(first.contact.pressure, second.contact.pressure * 2.0**30)
     np.testing.assert_array_equal(first.field, second.field * 2.0**-20)
     assert first.contact.residuals == second.contact.residuals
+    assert first.contact.cost.linear_iterations == second.contact.cost.linear_iterations
 
 
 @pytest.mark.parametrize("depth", [1e-7, 1e-4])
@@ -200,12 +189,6 @@ def test_unloading_returns_along_the_loading_path() -> None:
     down = press(surface, reduced=0.05, start=top.in_contact).contact
     np.testing.assert_array_equal(up.in_contact, down.in_contact)
     np.testing.assert_allclose(up.pressure, down.pressure, atol=1e-9 * up.pressure.max())
-
-
-def test_flat_cells_of_high_aspect_are_solved() -> None:
-    surface = rough((16, 16))
-    contact = press(surface, depth=1e-6, first_layer=1e-5 / 16 / 1000, growth=2.0).contact.checked()
-    assert contact.residuals.worst < 1e-9
 
 
 @pytest.mark.parametrize("bad", [np.nan, 0.0, -1.0, np.inf])
@@ -281,11 +264,24 @@ def _alternating(x, y, z):
     return np.where(np.arange(z.size) % 2 == 0, 1e4, 1.0)[None, None]
 
 
+def _tied() -> HeightField:
+    surface = rough((20, 20))
+    step = surface.rms_height / 2
+    return HeightField(heights=np.round(surface.heights / step) * step, lengths=surface.lengths)
+
+
 HARD = {
     "stiff crust, contrast 1e4": {"modulus": _crust},
     "alternating layers, contrast 1e4": {"modulus": _alternating},
     "depth L/100": {"depth": 1e-7},
-    "depth 10 L": {"depth": 1e-4},
+    "depth 100 L": {"depth": 1e-3},
+    "depth 100 L of quadratic cells": {"depth": 1e-3, "element": "Hex2"},
+    "thin first layer": {"first_layer": 1e-9},
+    "equal layers": {"growth": 1.0, "depth": 5e-6},
+    "layers of fast growth": {"growth": 50.0},
+    "flat cells": {"depth": 1e-6, "first_layer": 1e-8, "growth": 2.0},
+    "oblong": {"surface": rough((16, 16), (1e-5, 3e-5))},
+    "heights with ties": {"surface": _tied()},
     "nearly no load": {"reduced": 1e-5},
     "nearly full contact": {"reduced": 0.9},
     "locking element, nearly incompressible": {"solid": Solid(young=3e9, poisson=0.4999), "element": "Hex1"},
@@ -295,28 +291,11 @@ HARD = {
 
 @pytest.mark.parametrize("name", HARD)
 def test_hard_cases_have_one_solution_by_both_methods(name: str) -> None:
-    surface = rough((12, 10), (1e-5, 1e-5))
-    full = press(surface, **(HARD[name] | {"method": "full", "tolerance": 1e-10})).contact.checked()
-    reduced = press(surface, **HARD[name]).contact.checked()
-    assert np.linalg.norm(full.pressure - reduced.pressure) < 1e-8 * np.linalg.norm(full.pressure)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("element", ["Hex1", "Hex2"])
-def test_flat_cells_have_one_solution_by_both_methods(element: str) -> None:
-    surface = rough((12, 10), (1e-5, 1e-5))
-    flat = {"depth": 1e-6, "first_layer": 1e-8, "growth": 2.0, "element": element}
-    full = press(surface, method="full", **(flat | {"tolerance": 1e-10})).contact.checked()
-    reduced = press(surface, **flat).contact.checked()
-    assert np.linalg.norm(full.pressure - reduced.pressure) < 1e-8 * np.linalg.norm(full.pressure)
-
-
-def test_quantised_heights_with_ties_agree() -> None:
-    surface = rough((20, 20))
-    step = surface.rms_height / 2
-    quantised = HeightField(heights=np.round(surface.heights / step) * step, lengths=surface.lengths)
-    full = press(quantised, method="full", tolerance=1e-10).contact.checked()
-    reduced = press(quantised).contact.checked()
+    told = {"surface": rough((12, 10))} | HARD[name]
+    full = press(**(told | {"method": "full", "tolerance": 1e-10})).contact.checked()
+    reduced = press(**told).contact.checked()
+    assert full.cost.linear_iterations < 3000
+    np.testing.assert_array_equal(full.in_contact, reduced.in_contact)
     assert np.linalg.norm(full.pressure - reduced.pressure) < 1e-8 * np.linalg.norm(full.pressure)
 
 
