@@ -83,7 +83,7 @@ def solver_doors() -> dict[str, Door]:
     prony = {"relaxed": 1.0, "moduli": (2.0,), "times": (1.0,)}
     rubber = viscoelastic.PronySolid(**prony, poisson=0.3)
     table = {"frequencies": [0.5, 5.0], "storage": [1.0, 2.0], "loss": [0.1, 0.2]}
-    rough = {"q_short": 20.0, "seed": 5}
+    rough = {"q_short": 20.0, "seed": 5, "lengths": (1.0, 1.0)}
     grid = extrapolation.PlannedGrid(spacing=(0.01, 0.01), cells=10_000)
     common = {
         **{"surface": field, "solid": solid, "response": half, "result": result, "results": path},
