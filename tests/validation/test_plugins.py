@@ -123,9 +123,13 @@ STUDY = '''
 """Is one surface as good as another?"""
 from pydantic import Field
 
-from validation.scenes.realised import Realised
-from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
-from validation.solves.press import Press
+from validation.measures.common import base_case, base_surface
+from validation.measures.limits import limits_of, solved
+from validation.measures.measurement import Measurement
+from validation.report.estimates import gather, mean
+from validation.report.findings import finding
+from validation.report.table import Table
+from validation.report.views import Views
 from validation.studies import StudyOptions
 
 
@@ -135,25 +139,20 @@ class Options(StudyOptions):
     surfaces: int = Field(default=2, ge=1, description="how many surfaces")
 
 
-def _solve(k):
-    surface = SelfAffineSurface(kind="self-affine", length=(1.0, 1.0), hurst=0.8, lambda_long=0.5,
-                                lambda_short=0.25, rms_gradient=0.1, seed=5 + k)
-    load = Load(reduced_pressure=0.1)
-    realised = Realised(surface=surface, solid=SolidSpec(young=1.0, poisson=0.0), load=load)
-    return Press(method="bem", grid=(16, 16), realised=realised)
-
-
 def run(options, *, bench):
-    import xarray as xr
+    first = base_case(base_surface(hurst=0.8, periods=1, bandwidth=2, seed=5), pressure=1e7)
+    cases = {
+        k: Measurement(realised=first.further(k), grids=((8, 8), (16, 16))) for k in range(options.surfaces)
+    }
+    parts = {k: limits_of(one) for k, one in solved(bench, cases).items()}
+    return mean(gather(parts, surface=range(options.surfaces)), "area")
 
-    wanted = [_solve(k) for k in range(options.surfaces)]
-    solved = bench.solve(wanted)
-    areas = [float(solved[solve].in_contact.mean()) for solve in wanted]
-    return xr.Dataset({"area": ("surface", areas, {"units": "1", "long_name": "A/A0"})})
 
-
-def findings(data):
-    return (f"{data.sizes['surface']} surfaces.",)
+def views(data):
+    return Views(
+        table=Table(rows=("load",), columns=("reduced_pressure", "area")),
+        findings=[finding("value", "{count} surfaces: {area}.", data, count=data.sizes["surface"])],
+    )
 '''
 
 ENTRY_POINTS = """[fem_contact.effects]
@@ -248,7 +247,7 @@ def test_a_study_of_another_package_is_listed_and_leaves_a_report(command, tmp_p
     assert "--surfaces a whole number (default: 2)" in command("study", "toy", "--help").stdout
     done = command("study", "toy", "--surfaces", "3", "--quiet")
     assert done.returncode == 0, done.stderr
-    assert "3 surfaces." in done.stdout
+    assert "3 surfaces: " in done.stdout
     assert (tmp_path / "results" / "toy" / "report.html").exists()
     assert (
         "--surfaces = '0': must be greater than or equal to 1"

@@ -70,6 +70,13 @@ class Labelled:
     def __getitem__(self, name: str) -> Variable:
         return self.variables[name]
 
+    @property
+    def coordinates(self) -> set[str]:
+        """Names of what says where the numbers stand."""
+        said = [self.attrs.get("coordinates", "")]
+        said += [one.attrs.get("coordinates", "") for one in self.variables.values()]
+        return {name for text in said for name in str(text).split() if name in self}
+
     def __contains__(self, name: str) -> bool:
         return name in self.variables
 
@@ -85,6 +92,8 @@ class Result:
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self._read: dict[str, Any] = {}
+        #: h'_rms by the pressure of solves, once they were looked at.
+        self.gradients: dict[float, float] = {}
         self.record = read_json(folder / "result.json")
         self.data = Labelled.of(folder / "data.nc")
         self.summary = read_json(folder / "summary.json")

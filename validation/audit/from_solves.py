@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import json
 import math
 from collections.abc import Callable, Iterator
 from types import SimpleNamespace
@@ -13,7 +14,7 @@ import numpy as np
 from validation.audit.dataset import Labelled, Result, Variable
 from validation.audit.expressions import value_of
 from validation.audit.limits import TRAITS, limit_over
-from validation.audit.stored import Array
+from validation.audit.stored import Array, moments
 
 __all__ = [
     "drift",
@@ -190,14 +191,84 @@ def read(result: Result, name: str, variable: Variable) -> Array | None:
 
 
 def read_off(result: Result, name: str, variable: Variable) -> Array | None:
-    """Read what a solve keeps under this name, as a variable or an attribute, where the shapes are those."""
+    """Read what solves keep or were asked under this name, where the shapes are those.
+
+    Of what is said once of several solves, all must say the same: where they do not it is NaN.
+    """
     plain = name.removesuffix("_each")
     if variable.values.dtype.kind not in "fi" or name.endswith(("_error", "drift")):
         return None
 
     def read(solve: Labelled) -> Any:
-        if plain in solve and solve[plain].values.dtype.kind in "fi":
+        if (
+            plain in (solve if name != plain else solve.coordinates)
+            and solve[plain].values.dtype.kind in "fi"
+        ):
             return solve[plain].values
-        return solve.attrs.get(plain)
+        return solve.attrs.get(plain, _asked(result, solve, plain))
 
-    return over_solves(result, variable, read)
+    return over_solves(result, variable, read) if name != plain else _said_by_all(result, variable, read)
+
+
+def _asked(result: Result, solve: Labelled, name: str) -> Any:
+    """Return the one number of this name in what a solve was asked; p* follows from p0."""
+    recipe = _recipe(solve)
+    found = [recipe[f"{name}s"]] if f"{name}s" in recipe else list(_numbers(recipe, name))
+    if name == "points" and "grid" in recipe:
+        found = recipe["grid"][:1]
+    if name == "reduced_pressure" and not found:
+        solid = recipe.get("solid", {})
+        for pressure in _numbers(recipe, "pressure") if len(solid) == 2 else ():
+            modulus = solid["young"] / (1 - solid["poisson"] ** 2)
+            found.append(pressure / (modulus * _steepest(result)[pressure]))
+    return found[0] if len(found) == 1 else None
+
+
+def _recipe(solve: Labelled) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(str(solve.attrs.get("recipe", "{}")))
+    return found
+
+
+def _steepest(result: Result) -> dict[float, float]:
+    """h'_rms of the surface with all its waves, by the pressure that it and its parts are given."""
+    found = result.gradients
+    if not found:
+        named = (v.values for name, v in result.data.variables.items() if name.startswith("solve"))
+        for key in {one for values in named for text in values.ravel() for one in str(text).split()}:
+            solve = result.solve(key)
+            if solve is not None and "heights" in solve:
+                x, y = solve.attrs["lengths"]
+                gradient = math.sqrt(moments(solve["heights"].values, (float(x), float(y)))[1])
+                for pressure in _numbers(_recipe(solve), "pressure"):
+                    found[pressure] = max(found.get(pressure, 0.0), gradient)
+    return found
+
+
+def _numbers(recipe: Any, name: str) -> Iterator[float]:
+    """Yield the numbers of this name in a recipe, however deep they stand."""
+    for key, part in recipe.items() if isinstance(recipe, dict) else enumerate(recipe):
+        if key == name and isinstance(part, int | float):
+            yield part
+        elif isinstance(part, dict | list):
+            yield from _numbers(part, name)
+
+
+def _said_by_all(result: Result, variable: Variable, read: Callable[[Labelled], Any]) -> Array | None:
+    named = result.data.variables
+    for solves in (named[name] for name in sorted(named) if name.startswith("solve")):
+        found, seen = np.full(variable.values.shape, np.nan), np.zeros(variable.values.shape, dtype=bool)
+        for place, key in np.ndenumerate(solves.values):
+            solve = result.solve(str(key).split()[0]) if key else None
+            values = None if solve is None else read(solve)
+            if values is None:
+                continue
+            at = dict(zip(solves.dims, place, strict=True))
+            index = tuple(at.get(dim, slice(None)) for dim in variable.dims)
+            if np.shape(values) != found[index].shape:
+                break
+            near = np.isclose(found[index], values, rtol=1e-9, atol=1e-12 * np.max(np.abs(values)))
+            found[index], seen[index] = np.where(seen[index] & ~near, np.nan, values), True
+        else:
+            if seen.any():
+                return found
+    return None

@@ -38,7 +38,6 @@ class Row:
     under_resolved: bool
     solves: int
     pixel: float
-    pixel_scatter: float
     perimeter: float
     kappa: float
     density_at_zero: float
@@ -224,10 +223,6 @@ class Run:
             raise LookupError(f"no stored solve of {method} on {grid[0]} x {grid[1]}")
         counted = [one.pixel for one in own]
         perimeter = math.fsum(one.perimeter for one in own) / len(own)
-        scatter = math.nan
-        if len(own) > 1:
-            mean = math.fsum(counted) / len(own)
-            scatter = math.sqrt(math.fsum((c - mean) ** 2 for c in counted) / (len(own) - 1) / len(own))
         density = math.nan if self.adhesive else math.fsum(one.density_at_zero for one in own) / len(own)
         yields = any(effect["kind"] == "hardness" for effect in self.effects)
         load = self.reduced_pressure
@@ -240,7 +235,6 @@ class Run:
             under_resolved=not self.resolved(own[0]),
             solves=len(own),
             pixel=math.fsum(counted) / len(own),
-            pixel_scatter=scatter,
             perimeter=perimeter,
             kappa=math.nan if load is None else perimeter / load,
             density_at_zero=density,

@@ -132,7 +132,8 @@ def _change(result: Result, name: str, variable: Variable) -> Array:
     told, along = variable.attrs, str(variable.attrs["along"])
     each = result.data[str(told["of"])]
     first, last = (each.at({along: int(told[k])}).along(variable.dims) for k in ("first", "last"))
-    return np.asarray(last / first - 1)
+    places = {int(told[k]) % each.values.shape[each.dims.index(along)] for k in ("first", "last")}
+    return np.asarray(last / first - 1 if len(places) > 1 else np.full(last.shape, np.nan))
 
 
 # ---- expressions ---

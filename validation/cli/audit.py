@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections import Counter
 from dataclasses import asdict
 from pathlib import Path
@@ -61,8 +62,7 @@ def _show(ledger: Ledger, *, list_all: bool) -> None:
     for line in dict.fromkeys(ledger.unread):
         show(f"not judged: {line}")
     agreeing = Counter(entry.place for entry in ledger.entries if entry.agrees)
-    names = ("table", "summary", "fig", "rep", "data", "budget", "accuracy", "areas")
-    files = {place: n for place, n in agreeing.items() if place.startswith(names)}
-    for place, count in {**files, "sentences": agreeing["sentence"]}.items():
+    files = {place: n for place, n in agreeing.items() if re.search(r"\.(json|csv|nc|html)\b", place)}
+    rest = sum(agreeing.values()) - sum(files.values())
+    for place, count in {**files, **({"fields of the solves": rest} if rest else {})}.items():
         show(f"{place}: {count} agree")
-    show(f"fields of the solves: {sum(agreeing.values()) - sum(files.values()) - agreeing['sentence']} agree")

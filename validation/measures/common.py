@@ -92,10 +92,20 @@ def base_surface(
 
 
 def base_case(
-    surface: SelfAffineSurface, *, reduced_pressure: float, solid: SolidSpec = BASE_SOLID
+    surface: SelfAffineSurface,
+    *,
+    reduced_pressure: float | None = None,
+    pressure: float | None = None,
+    solid: SolidSpec = BASE_SOLID,
 ) -> Realised:
-    """Return a surface that is pressed with p* = `reduced_pressure`; ``.further(k)`` is the k-th of its spectrum."""
-    return Realised(surface=surface, solid=solid, load=Load(reduced_pressure=reduced_pressure))
+    """Return a surface that is pressed with p* = `reduced_pressure` or p0 = `pressure` [Pa].
+
+    ``.further(k)`` is the k-th surface of its spectrum. p* is by the realised gradient, so that of one p0 it differs from
+    surface to surface.
+    """
+    return Realised(
+        surface=surface, solid=solid, load=Load(reduced_pressure=reduced_pressure, pressure=pressure)
+    )
 
 
 def reduced_load(realised: Realised) -> float:

@@ -165,6 +165,7 @@ class Measurement(NumbersSolve):
         own, finest = self.realised, max(self.grids)
         kind = f"H = {own.surface.hurst:g}, " if isinstance(own.surface, SelfAffineSurface) else ""
         sign = "-h" if own.inverted else "h"
+        kind += f"nu = {own.solid.poisson:g}, "
         return f"{kind}surface {own.realisation + 1} ({sign}), to {finest[0]}x{finest[1]}"
 
     def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import html
 import tempfile
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,6 +30,7 @@ class Drawn:
     data: xr.Dataset
     label: str
     factors: tuple[float, float]
+    look: Mapping[str, Any] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -11,6 +11,7 @@ attributes, from which the audit makes it again.
 from __future__ import annotations
 
 import ast
+import difflib
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, is_dataclass
@@ -20,6 +21,7 @@ import numpy as np
 import scipy.special
 
 from validation.arrays import Array
+from validation.errors import UsageError
 from validation.report.quantities import in_prefixed_unit, quantity
 from validation.report.words import significant, with_error
 
@@ -150,6 +152,9 @@ def combined(*errors: float) -> float:
 def gather(cases: Mapping[Any, xr.Dataset], **dims: Sequence[Any]) -> xr.Dataset:
     """Stack datasets along new dimensions in front; a place that is in no case is NaN.
 
+    A coordinate that differs between the cases is one along the new dimensions where it does; one that
+    differs between surfaces becomes ``x_each``, as all that belongs to a single one.
+
     Parameters
     ----------
     cases : mapping
@@ -158,35 +163,80 @@ def gather(cases: Mapping[Any, xr.Dataset], **dims: Sequence[Any]) -> xr.Dataset
     dims : sequences
         Coordinates of the new dimensions; where they are instances of a dataclass, its fields are.
 
+    Raises
+    ------
+    UsageError
+        Where the cases are not alike: other variables, sizes or values along a dimension.
+
     Examples
     --------
     >>> import xarray as xr
-    >>> one = xr.Dataset({"area": ("load", [0.1, 0.2])})
-    >>> gather({0: one, 1: 2 * one}, surface=[0, 1, 2]).area.values.tolist()
-    [[0.1, 0.2], [0.2, 0.4], [nan, nan]]
+    >>> one = xr.Dataset({"area": ("load", [0.1, 0.2])}, coords={"pressure": ("load", [1.0, 2.0])})
+    >>> data = gather({0: one, 1: one.assign_coords(pressure=3 * one.pressure)}, poisson=[0, 1, 2])
+    >>> data.area.values.tolist(), data.pressure.dims
+    ([[0.1, 0.2], [0.1, 0.2], [nan, nan]], ('poisson', 'load'))
     """
     import xarray as xr
 
     first = next(iter(cases.values()))
-    shape = tuple(len(values) for values in dims.values())
+    _refuse_unlike(first, cases)
+    places = dict(zip(_places(dims), np.ndindex(*map(len, dims.values())), strict=True))
+    there = {places[place]: case for place, case in cases.items() if place in places}
+    sizes = {dim: len(values) for dim, values in dims.items()}
+
+    def of_all(name: str) -> dict[Any, xr.DataArray]:
+        return {k: c[name] if name in c.variables else xr.DataArray(c.attrs[name]) for k, c in there.items()}
+
     names = [*first.data_vars, *(["solve"] if "solve" in first.attrs else [])]
-    stacked: dict[str, Any] = {}
-    for name in map(str, names):
-        like = first[name] if name in first else xr.DataArray(first.attrs[name])
-        kind = like.dtype if like.dtype.kind in "OU" else np.result_type(like.dtype, float)
-        empty = "" if like.dtype.kind in "OU" else np.nan
-        whole = np.full(shape + like.shape, empty, dtype=object if like.dtype.kind in "OU" else kind)
-        for place, index in zip(_places(dims), np.ndindex(shape), strict=True):
-            if place in cases:
-                case = cases[place]
-                whole[index] = case[name].values if name in case else case.attrs[name]
-        if whole.dtype == object:
-            whole = whole.astype(str)
-        stacked[name] = ((*dims, *like.dims), whole, like.attrs)
-    coordinates: dict[Any, Any] = {n: (c.dims, c.values, c.attrs) for n, c in first.coords.items()}
-    for name, values in dims.items():
-        coordinates |= _coordinates(name, values)
+    stacked = {str(name): _stacked(of_all(str(name)), sizes) for name in names}
+    coordinates: dict[Any, Any] = {}
+    for name in map(str, first.coords):
+        values, along = of_all(name), sizes
+        for dim in dims:
+            fewer = {other: n for other, n in along.items() if other != dim}
+            kept = _without(values, list(along).index(dim))
+            values, along = (values, along) if kept is None else (kept, fewer)
+        single = any(dim.endswith("surface") for dim in along)
+        if along and name in first.dims:
+            raise UsageError(f"{name!r} differs between the cases along {', '.join(along)}: gather it alike")
+        (stacked if single else coordinates)[f"{name}_each" if single else name] = _stacked(values, along)
+    for name, along_it in dims.items():
+        coordinates |= _coordinates(name, along_it)
     return xr.Dataset(stacked, coords=coordinates)
+
+
+def _refuse_unlike(first: xr.Dataset, cases: Mapping[Any, xr.Dataset]) -> None:
+    alike = set(first.sizes.items()) | set(first.variables)
+    for place, case in cases.items():
+        odd = alike ^ (set(case.sizes.items()) | set(case.variables))
+        if odd:
+            words = ", ".join(sorted({str(one[0] if isinstance(one, tuple) else one) for one in odd}))
+            raise UsageError(f"cases to be gathered differ in {words}, as at {place}")
+
+
+def _without(values: Mapping[Any, xr.DataArray], axis: int) -> dict[Any, xr.DataArray] | None:
+    """Values by place less one axis, along which they are the same but for rounding; None where not."""
+    kept: dict[Any, xr.DataArray] = {}
+    for place, value in values.items():
+        known = kept.setdefault((*place[:axis], *place[axis + 1 :]), value)
+        a, b = known.values, value.values
+        close = {"rtol": 1e-12, "atol": 0.0, "equal_nan": True}
+        if not (np.allclose(a, b, **close) if a.dtype.kind == "f" else np.array_equal(a, b)):
+            return None
+    return kept
+
+
+def _stacked(values: Mapping[Any, xr.DataArray], sizes: Mapping[str, int]) -> tuple[Any, Any, Any]:
+    """Dimensions, values and attributes of what stands at some places along dimensions in front."""
+    like = next(iter(values.values()))
+    text = like.dtype.kind in "OU"
+    if not sizes:
+        return like.dims, like.values, like.attrs
+    kind = object if text else np.result_type(like.dtype, float)
+    whole = np.full((*sizes.values(), *like.shape), "" if text else np.nan, dtype=kind)
+    for place, value in values.items():
+        whole[place] = value.values
+    return (*sizes, *like.dims), whole.astype(str) if text else whole, like.attrs
 
 
 def _coordinates(dim: str, values: Sequence[Any]) -> dict[str, Any]:
@@ -248,17 +298,28 @@ def error_of(value: xr.DataArray, **sources: xr.DataArray | float | str) -> xr.D
         if isinstance(told, xr.DataArray) and told.dims != value.dims:
             told = (xr.zeros_like(value, dtype=float) + told).transpose(*value.dims)
         parts.append(np.broadcast_to(np.asarray(told, dtype=float), value.shape))
-    assert not sources, f"no such source: {sources}"
+    if sources:
+        raise UsageError(
+            f"no source of errors is called {', '.join(sources)}; they are: {', '.join(SOURCES)}"
+        )
     dims = (*value.dims, "source")
     stack = np.stack(parts, axis=-1)
     coords = {**{n: c for n, c in value.coords.items() if n not in ("source",)}, "source": list(SOURCES)}
     return xr.DataArray(np.abs(stack), dims=dims, coords=coords, attrs=why)
 
 
+def _of(data: xr.Dataset, name: str, who: str) -> xr.DataArray:
+    """Return a variable that someone needs, or say that there is none."""
+    if name in data.variables:
+        return data[name]
+    near = difflib.get_close_matches(name, [str(known) for known in data.variables], cutoff=0.5)
+    raise UsageError(f"{who}: no {name!r} in the dataset; like it: {', '.join(near) or 'nothing'}")
+
+
 def claim(data: xr.Dataset, *names: str, **sources: xr.DataArray | float | str) -> xr.Dataset:
     """Say more of the errors of variables: further sources, or why one does not enter; see `error_of`."""
     for name in names:
-        more = error_of(data[name], **sources)
+        more = error_of(_of(data, name, "claim"), **sources)
         old = data.get(f"{name}_error")
         if old is not None:
             said = np.isin(SOURCES, list(sources))
@@ -317,7 +378,7 @@ def mean(
         Whether the grids are off to the same side on all surfaces, so that their error does not shrink.
     """
     for name in names:
-        values = data[f"{name}_each"]
+        values = _of(data, f"{name}_each", f"mean of {name!r}")
         there = solved_places(data, values, over=over)
         middle, half = mean_of(values, over=over, pairs=pairs, there=there)
         count = values.sizes[over] if there is None else there.sum(over)
@@ -402,12 +463,14 @@ def solved_places(data: xr.Dataset, values: xr.DataArray, *, over: str) -> xr.Da
 def change(data: xr.Dataset, name: str, *, along: str, first: int = 0, last: int = -1) -> xr.Dataset:
     """Add ``x_change_each``: by how much ``x_each`` differs between two places, relative, surface by surface.
 
-    Errors of the two places are taken as independent.
+    Errors of the two places are taken as independent. Of a place with itself it is not determinable: NaN.
     """
-    values = data[f"{name}_each"]
+    values = _of(data, f"{name}_each", f"change of {name!r}")
     end, start = (values.isel({along: k}, drop=True) for k in (last, first))
     made = {"reduction": "change", "of": f"{name}_each", "along": along, "first": first, "last": last}
     added: dict[str, Any] = {f"{name}_change_each": (end / start - 1).drop_attrs().assign_attrs(made)}
+    if first % values.sizes[along] == last % values.sizes[along]:
+        return data.assign({name: value * math.nan for name, value in added.items()})
     errors = data.get(f"{name}_each_error")
     if errors is not None:
         shares = (errors.isel({along: k}, drop=True) / v for k, v in ((last, end), (first, start)))
@@ -427,7 +490,7 @@ def reduce(data: xr.Dataset, how: str, *names: str, over: str = "surface") -> xr
     """
     for name in names:
         made = {"reduction": how, "of": f"{name}_each", "over": over}
-        data = data.assign({name: getattr(data[f"{name}_each"], how)(over).assign_attrs(made)})
+        data = data.assign({name: getattr(_of(data, f"{name}_each", how), how)(over).assign_attrs(made)})
     return data
 
 
@@ -453,6 +516,8 @@ def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:
     for name, expression in expressions.items():
         names = {n.id for n in ast.walk(ast.parse(expression)) if isinstance(n, ast.Name)}
         point = {str(n): data[n] for n in sorted(names & {str(n) for n in data.variables})}
+        for absent in sorted(names - set(point) - set(_FUNCTIONS)):
+            _of(data, absent, f"{name} = {expression}")
         value = _at(expression, point)
         value = value.transpose(*(dim for dim in data.sizes if dim in value.dims))
         made = {"reduction": "expression", "expression": expression}
@@ -479,9 +544,21 @@ def derive(data: xr.Dataset, **expressions: str) -> xr.Dataset:
 
 
 def evaluated(expression: str, values: Mapping[str, Any]) -> Any:
-    """Evaluate one of our own expressions; what has no value is NaN."""
+    """Evaluate one of our own expressions; what has no value is NaN.
+
+    Raises
+    ------
+    UsageError
+        For a name that is none of the values.
+    """
     with np.errstate(invalid="ignore", divide="ignore"):
-        return eval(expression, {"__builtins__": {}, **_FUNCTIONS}, dict(values))
+        try:
+            return eval(expression, {"__builtins__": {}, **_FUNCTIONS}, dict(values))
+        except NameError as error:
+            near = difflib.get_close_matches(error.name, [str(name) for name in values])
+            raise UsageError(
+                f"{expression!r}: no {error.name!r}; like it: {', '.join(near) or 'nothing'}"
+            ) from None
 
 
 def _at(expression: str, values: Mapping[str, xr.DataArray]) -> xr.DataArray:
@@ -520,11 +597,11 @@ def power_law(data: xr.Dataset, name: str, *, of: str, x: str, along: Sequence[s
         student = float(scipy.special.stdtrit(free, 0.975)) if free else math.nan
         return float(line.slope), student * float(line.stderr), float(np.exp(line.intercept))
 
-    values = data[of]
+    values = _of(data, of, f"power law {name!r}")
     exponent, half, factor = xr.apply_ufunc(
         lambda y, at: fit(y.ravel(), np.broadcast_to(at, y.shape).ravel()),
         values,
-        data[x].broadcast_like(values),
+        _of(data, x, f"power law {name!r}").broadcast_like(values),
         input_core_dims=[list(along), list(along)],
         output_core_dims=[[], [], []],
         vectorize=True,
@@ -569,6 +646,11 @@ def value_of(data: xr.Dataset, name: str) -> Value:
 
     Coordinates, texts and what has no errors are exact.
     """
+    if data[name].size != 1:
+        along = ", ".join(map(str, data[name].dims))
+        raise UsageError(
+            f"{name!r} is no single number here but one along {along}: choose a place, or its mean"
+        )
     item = data[name].item()
     if isinstance(item, str):
         return Value(value=item, name=name, at=_where(data, name))

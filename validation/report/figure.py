@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import matplotlib
+import matplotlib.figure
 import numpy as np
-from matplotlib.figure import Figure
 from matplotlib.patches import StepPatch
 from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, NullFormatter
 
@@ -56,7 +56,7 @@ COLOURS = ("#0b5394", "#b45f06", "#38761d", "#741b47", "#134f5c", "#7f6000", "#4
 _TICKS: tuple[tuple[float, ...], ...] = ((1, 2, 3, 5, 7), (1, 2, 5), (1, 3), (1,))
 
 
-def save_figure(figure: Figure, path: Path, *, dpi: int = 150) -> None:
+def save_figure(figure: matplotlib.figure.Figure, path: Path, *, dpi: int = 150) -> None:
     """Write a figure; the suffix says the format, `dpi` the pixels per inch of a PNG."""
     undated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
     with matplotlib.rc_context(STYLE):
@@ -64,7 +64,7 @@ def save_figure(figure: Figure, path: Path, *, dpi: int = 150) -> None:
         figure.savefig(path, dpi=dpi, metadata=undated.get(path.suffix))
 
 
-def _lay_out(figure: Figure) -> None:
+def _lay_out(figure: matplotlib.figure.Figure) -> None:
     """Lay a figure out, once: ticks that can be read, a legend beside the data it would lie over."""
     engine = figure.get_layout_engine()
     if engine is None:
@@ -98,7 +98,7 @@ def _covers_data(axes: Axes) -> bool:
     return inside and any(path.intersects_bbox(box, filled=False) for path in paths if np.size(path.vertices))
 
 
-def _move_below(figure: Figure, axes: Axes) -> None:
+def _move_below(figure: matplotlib.figure.Figure, axes: Axes) -> None:
     """Put the legend of some axes below the figure, which grows by what it needs."""
     legend = axes.get_legend()
     assert legend is not None
@@ -170,9 +170,11 @@ def embeddable(svg: str, name: str, *, words: str) -> str:
     return drawing.replace("<svg", f'<svg role="img" aria-label="{escape(harmless(words))}"', 1)
 
 
-def new_figure(width: float = 5.0, height: float = 3.7, columns: int = 1) -> tuple[Figure, list[Axes]]:
+def new_figure(
+    width: float = 5.0, height: float = 3.7, columns: int = 1
+) -> tuple[matplotlib.figure.Figure, list[Axes]]:
     """Return a figure in this look, and its axes side by side."""
     with matplotlib.rc_context(STYLE):
-        figure = Figure(figsize=(width, height), layout="constrained")
+        figure = matplotlib.figure.Figure(figsize=(width, height), layout="constrained")
         axes = figure.subplots(1, columns, squeeze=False)[0]
     return figure, list(axes)

@@ -11,8 +11,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from string import Formatter
 from typing import TYPE_CHECKING, Any
 
+from validation.errors import UsageError
 from validation.report.estimates import Value, each, value_of, values_of
 
 if TYPE_CHECKING:
@@ -206,11 +208,20 @@ def finding(
         data = data.squeeze([dim for dim, n in data.sizes.items() if n == 1 and dim not in over])
     told = {n: v if isinstance(v, Value) else Value(value=v) for n, v in more.items()}
     here = {} if data is None else values_of(data, lambda name: _named(name, form, item, by))
+    asked = {part[1] for text in (form, item) for part in Formatter().parse(text) if part[1]}
+    if kind not in KINDS or ("verdict" in asked and not (by and KINDS[kind][0])):
+        raise UsageError(
+            f"finding {form!r}: the kind {kind!r} says no verdict, or 'by' names no value that decides"
+        )
     rows: list[dict[str, Value]] = []
     if data is not None and item:
         for place in each(data, *over):
             names = [str(n) for n, v in place.variables.items() if v.ndim == 0 and _named(str(n), item, by)]
             rows.append({n: value_of(place, n) for n in names if n not in here})
+    known = {*here, *told, *(rows[0] if rows else ()), "verdict", "each"}
+    absent = sorted({*asked, by} - known - {""}) if rows or not item else []
+    if absent:
+        raise UsageError(f"finding {form!r}: no single number {', '.join(absent)} at a place over {over}")
     return Finding(
         kind=kind,
         form=form,

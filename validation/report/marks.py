@@ -14,10 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from validation.errors import UsageError
 from validation.report.drawing import Drawing, Drawn
 from validation.report.estimates import SOURCES, each, shown_sources, total_error
 from validation.report.quantities import (
     Quantity,
+    named_at,
     place_words,
     prefixed_unit,
     quantity,
@@ -203,8 +205,12 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
             label = _axis_label(quantity(mark.y), scale_y[1])
         numbers = _Numbers.of(mark, here, mark.x or panel.x, (scale_x[0], scale_y[0]))
         turn = k if mark.by else next(colours) if not quantity(mark.y).look else 0
-        look = _look(mark, here, turn, several=id(mark) in many)
-        artist = _put(mark, axes, numbers, {**look, **mark.look, "label": mathtext(label)})
+        look = {**_look(mark, here, turn, several=id(mark) in many), **mark.look}
+        if isinstance(mark, Line):
+            # Bars of one colour lie over each other: later ones are thinner, and their ends longer.
+            before = sum(one.mark is not mark and one.look["color"] == look["color"] for one in drawn)
+            look = {"capsize": 2 + 2 * before, "elinewidth": 1.5 / (1 + before), **look}
+        artist = _put(mark, axes, numbers, {**look, "label": mathtext(label)})
         drawn.append(
             Drawn(
                 artist=artist,
@@ -214,6 +220,7 @@ def _draw_panel(panel: Panel, axes: Axes, data: xr.Dataset) -> list[Drawn]:
                 data=here,
                 label=label,
                 factors=(scale_x[0], scale_y[0]),
+                look=look,
             )
         )
     for axis in panel.log:
@@ -247,6 +254,7 @@ def _known(at: Mapping[str, int | Sequence[int]], data: xr.Dataset) -> dict[str,
 
 def _places(mark: _Mark, data: xr.Dataset) -> Iterable[xr.Dataset]:
     if mark.y not in data:
+        quantity(mark.y)  # what is no quantity at all is refused
         return ()
     data = data.isel(_known(mark.at, data))
     for name, value in mark.where.items():
@@ -271,6 +279,11 @@ class _Numbers:
         if along is not None and along.dtype.kind not in "OU":
             along = along * factors[0]
         high, shown = None, here[mark.y]
+        if not isinstance(mark, Level | Image) and (along is None or along.size not in (1, shown.size)):
+            other = [dim for dim in shown.dims if x not in here.variables or dim not in here[x].dims]
+            raise UsageError(
+                f"{mark.y!r} along {x!r}: name {', '.join(map(str, other))} in 'by' or 'at', or another x"
+            )
         if isinstance(mark, Band):
             high = here[mark.high].values * factors[1]
         elif isinstance(mark, Image):
@@ -317,7 +330,7 @@ def _put(mark: _Mark, axes: Axes, n: _Numbers, look: dict[str, Any]) -> Any:
     x, y = np.ravel(n.x), np.ravel(n.y)
     there = np.isfinite(y)
     bars = None if n.error is None or not np.nansum(n.error) > 0 else np.ravel(n.error)[there]
-    return axes.errorbar(x[there], y[there], yerr=bars, **{"ms": 5, "capsize": 2, **look})
+    return axes.errorbar(x[there], y[there], yerr=bars, **{"ms": 5, **look})
 
 
 def _look(mark: _Mark, here: xr.Dataset, k: int, *, several: bool) -> dict[str, Any]:
@@ -331,7 +344,7 @@ def _look(mark: _Mark, here: xr.Dataset, k: int, *, several: bool) -> dict[str, 
     own: dict[str, Any] = {}
     for dim in _by(mark):
         if dim in here.coords and here[dim].ndim == 0:
-            own |= registry()["qualifiers"].get(str(here[dim].item()), {}).get("look", {})
+            own |= named_at(here, dim).get("look", {})
     if own and len(_by(mark)) > 1:
         own["ls"] = STYLES[k % 4]
     if several:

@@ -14,6 +14,8 @@ from functools import cache
 from importlib import resources
 from typing import TYPE_CHECKING, Any
 
+from validation.errors import UsageError
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -22,6 +24,7 @@ __all__ = [
     "glossary",
     "in_prefixed_unit",
     "labelled",
+    "named_at",
     "place_words",
     "prefixed_unit",
     "quantity",
@@ -31,6 +34,8 @@ __all__ = [
 
 #: Engineering prefixes by power of a thousand, for units that take them.
 _PREFIXES = {-4: "p", -3: "n", -2: "u", -1: "m", 0: "", 1: "k", 2: "M", 3: "G"}
+#: Coordinates whose texts are names of solvers and theories.
+_NAMING = ("leg", "method", "other", "solver", "theory")
 _PREFIXED = ("m", "Pa", "s", "J", "N", "W", "V", "Ohm", "m/s", "J/m^2", "Pa m", "byte")
 
 
@@ -85,7 +90,7 @@ def quantity(name: str) -> Quantity:
 
     Raises
     ------
-    KeyError
+    UsageError
         For a name that does not stand in the registry.
 
     Examples
@@ -107,7 +112,9 @@ def quantity(name: str) -> Quantity:
                 look |= qualifiers[one].get("look", {})
             words = [qualifiers[one]["words"] for one in found]
             return Quantity(name=start, which=", ".join(words), look=look, **known[start])
-    raise KeyError(f"{name!r}: no such quantity; it belongs into validation/report/quantities.toml")
+    raise UsageError(
+        f"{name!r}: no such quantity in docs/glossary.md; add it to validation/report/quantities.toml"
+    )
 
 
 def quantity_of(data: xr.Dataset, name: str) -> Quantity:
@@ -115,13 +122,13 @@ def quantity_of(data: xr.Dataset, name: str) -> Quantity:
 
     Raises
     ------
-    KeyError
+    UsageError
         For a name that neither knows.
     """
     said = data[name].attrs if name in data.variables else {}
     try:
         found = quantity(name)
-    except KeyError:
+    except UsageError:
         if "key" not in said:
             raise
     else:
@@ -149,7 +156,7 @@ def labelled(data: xr.Dataset) -> xr.Dataset:
 
     Raises
     ------
-    KeyError
+    UsageError
         For a variable whose name does not stand there.
     """
     data = data.copy()
@@ -188,6 +195,12 @@ def in_prefixed_unit(value: float, unit: str, digits: int = 4) -> str:
     return f"{value * factor:.{digits}g}" + ("" if unit == "1" else f" {named}")
 
 
+def named_at(here: xr.Dataset, name: str) -> Mapping[str, Any]:
+    """Return words and look of the solver or theory that a coordinate names; nothing of other coordinates."""
+    named = str(here[name].item()) if name in _NAMING else ""
+    return dict(registry()["qualifiers"].get(named, {}))
+
+
 def place_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> str:
     """Say where one is along a dimension: its coordinate, ``p* = 0.05``.
 
@@ -202,7 +215,7 @@ def place_words(here: xr.Dataset, dim: str, data: xr.Dataset) -> str:
         return ""
     item = here[names[0]].item()
     if isinstance(item, str):
-        return str(registry()["qualifiers"].get(item, {}).get("words", item))
+        return str(named_at(here, names[0]).get("words", item))
     what = quantity_of(data, names[0])
     factor, unit = prefixed_unit(what.unit, abs(float(item)))
     return f"{what.symbol} = {float(item) * factor:.4g}" + ("" if what.unit == "1" else f" {unit}")

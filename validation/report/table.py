@@ -25,12 +25,10 @@ __all__ = [
     "WordTable",
     "budget_table",
     "shown",
-    "shown_dataset",
     "write_dataset",
     "write_table",
 ]
 
-_ROWS_SHOWN = 60
 #: How variables of single surfaces end.
 _SINGLE = ("_each", "_each_error", "_each_drift")
 
@@ -166,7 +164,8 @@ def _place(column: str | Column, data: xr.Dataset) -> tuple[str, str, Mapping[st
     title = quantity_of(data, column.name).title
     for dim, k in column.at.items():
         if dim in data.dims:
-            title += f" at {place_words(data.isel({dim: k}), dim, data)}"
+            there = place_words(data.isel({dim: k}), dim, data) or f"{dim} {k % data.sizes[dim] + 1}"
+            title += f" at {there}"
     return column.name, title, column.at
 
 
@@ -272,18 +271,6 @@ def shown(table: ResultTable, *, title: str = "", note: str = "") -> WordTable:
     return _in_words(columns, rows, title=title, note=note)
 
 
-def shown_dataset(data: xr.Dataset, *, title: str = "") -> tuple[WordTable, ...]:
-    """Return one table for each set of dimensions of a dataset, of at most 60 rows each."""
-    tables: list[WordTable] = []
-    for frame in _frames(data).values():
-        rows = frame.head(_ROWS_SHOWN).itertuples(index=False)
-        left_out = len(frame) - _ROWS_SHOWN
-        note = f"{left_out} more rows are in data.csv and data.nc." if left_out > 0 else ""
-        columns = [_column(data, name) for name in frame.columns]
-        tables.append(_in_words(columns, rows, title="" if tables else title, note=note))
-    return tuple(tables)
-
-
 def write_table(table: ResultTable, path: Path) -> Path:
     """Write a table as CSV, every digit of its numbers."""
     with atomic_path(path) as draft, draft.open("w", newline="", encoding="utf-8") as file:
@@ -345,11 +332,6 @@ def _in_words(columns: Sequence[str], rows: Iterable[Sequence[Any]], *, title: s
         # What a row is stands first, and what it comes to soon after.
         yielding=tuple(reversed(columns[2:])),
     )
-
-
-def _column(data: xr.Dataset, name: str) -> str:
-    unit = data[name].attrs.get("units", "1") if name in data.variables else "1"
-    return name if unit == "1" else f"{name} [{unit}]"
 
 
 def _with_interval(value: float | str, error: float | str | None) -> float | str:

@@ -50,8 +50,9 @@ def studies() -> Mapping[str, Study]:
             module = entry.load()
         except Exception as error:  # whatever another package raises, its name is what the user needs
             raise UsageError(f"{where}: cannot be loaded: {type(error).__name__}: {error}") from None
-        if not (hasattr(module, "Options") and hasattr(module, "run")):
-            raise UsageError(f"{where}: must be a module with 'Options' and 'run'")
+        lacking = [name for name in ("Options", "run", "views") if not hasattr(module, name)]
+        if lacking:
+            raise UsageError(f"{where}: must be a module with {', '.join(map(repr, lacking))}")
         found[entry.name] = module
     return {name: Study(name=name, module=module) for name, module in found.items()}
 

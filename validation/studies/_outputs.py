@@ -13,7 +13,6 @@ from validation.errors import UsageError
 from validation.methods import methods
 from validation.report.page import Page, page_of, write_page
 from validation.report.papers import PAPERS
-from validation.report.table import shown, shown_dataset
 from validation.solves.provenance import SOLVES_MADE, made_words
 from validation.solves.results import DATA, holds_result, read_results, write_results
 from validation.studies import Study, StudyOptions, find_study
@@ -96,7 +95,6 @@ def study_page(
     figures: bool = True,
 ) -> Page:
     """Return the page of a study, drawn or not: all of it from its dataset and from what was asked."""
-    more = (*_undetermined(data), *words)
     told: dict[str, Any] = {
         "title": f"Study: {study.name}",
         "lead": study.question,
@@ -105,21 +103,8 @@ def study_page(
         "papers": _papers(str(data.attrs.get("methods", "theory bem")).split()),
     }
     summary: dict[str, Any] = {"kind": "study", "study": study.name, "options": dict(options)}
-    if study.generic:
-        page = page_of(data, study.views(data), figures=figures, summary=summary, **told)
-        return replace(page, findings=(*page.findings, *more))
-    table, findings = study.table(data), (*study.findings(data), *more)
-    return Page(
-        findings=findings,
-        tables=shown_dataset(data, title="Numbers") if table is None else (shown(table, title="Numbers"),),
-        budget=study.budget(data),
-        figures=study.figures(data) if figures else (),
-        facts=tuple(str(data.attrs.get(SOLVES_MADE, "")).splitlines()),
-        records={} if table is None else {"table": table},
-        data=data,
-        summary={**summary, "findings": list(findings)},
-        **told,
-    )
+    page = page_of(data, study.views(data), figures=figures, summary=summary, **told)
+    return replace(page, findings=(*page.findings, *_undetermined(data), *words))
 
 
 def _undetermined(data: xr.Dataset) -> Iterator[str]:

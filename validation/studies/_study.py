@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 import types
 import typing
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +18,7 @@ from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
 from validation.errors import RunFailed, UsageError
 from validation.report.estimates import with_places
-from validation.report.quantities import labelled
+from validation.report.quantities import labelled, quantity
 from validation.report.table import budget_table
 from validation.scenes.scene import Scene, scene_problems
 from validation.units import Table, unit_of, wrong
@@ -141,12 +143,15 @@ class Study:
         Raises
         ------
         UsageError
-            For options that make no surface, solid or load.
+            For options that make no surface, solid or load, and for names that no registry has.
         RunFailed
             For a solve whose answer cannot be used.
         """
+        wrong = "; ".join(_misnamed(self.module))
+        if wrong:
+            raise UsageError(f"study {self.name}: {wrong}")
         try:
-            data: xr.Dataset = self.module.run(options, bench=bench)
+            return labelled(self.module.run(options, bench=bench))
         except ValidationError as error:
             problems = "; ".join(scene_problems(error))
             raise UsageError(f"study {self.name}: its options make no case: {problems}") from None
@@ -154,12 +159,6 @@ class Study:
             raise UsageError(f"study {self.name}: {error}") from None
         except (fem_errors.FemContactError, persson_errors.PerssonError) as error:
             raise RunFailed(f"study {self.name}: {error}") from error
-        return labelled(data) if self.generic else data
-
-    @property
-    def generic(self) -> bool:
-        """Whether it declares its views, so that all it shows is made from the dataset."""
-        return hasattr(self.module, "views")
 
     def views(self, data: xr.Dataset) -> Views:
         """Return what is shown of a dataset."""
@@ -188,36 +187,55 @@ class Study:
         return (f"{self.name}: {self.question}{takes}", *self.options.help_lines())
 
     def figures(self, data: xr.Dataset) -> tuple[Drawing, ...]:
-        """Return its figures of a dataset; none if it draws none."""
-        if self.generic:
-            from validation.report.marks import draw as drawn
+        """Return its figures of a dataset, drawn."""
+        from validation.report.marks import draw
 
-            return tuple(drawn(figure, data) for figure in self.views(data).figures)
-        draw = getattr(self.module, "figures", None)
-        return () if draw is None else tuple(draw(data))
+        return tuple(draw(figure, data) for figure in self.views(data).figures)
 
     def table(self, data: xr.Dataset) -> ResultTable | None:
-        """Return the table it makes of a dataset; None if it leaves that to the report."""
-        if self.generic:
-            declared = self.views(data).table
-            return None if declared is None else declared.of(data)
-        make = getattr(self.module, "table", None)
-        return None if make is None else make(data)
+        """Return its table of a dataset; None if it has none."""
+        declared = self.views(data).table
+        return None if declared is None else declared.of(data)
 
     def budget(self, data: xr.Dataset) -> ResultTable | None:
         """Return its uncertainties source by source; None if it lists none."""
-        if self.generic:
-            named = self.views(data).budget
-            return budget_table(data, named) if named else None
-        make = getattr(self.module, "budget", None)
-        return None if make is None else make(data)
+        named = self.views(data).budget
+        return budget_table(data, named) if named else None
 
     def findings(self, data: xr.Dataset) -> tuple[str, ...]:
         """Return its sentences on a dataset."""
-        if self.generic:
-            return tuple(one.text for one in self.views(data).findings)
-        say = getattr(self.module, "findings", None)
-        return () if say is None else tuple(say(data))
+        return tuple(one.text for one in self.views(data).findings)
+
+
+def _misnamed(module: ModuleType) -> Iterator[str]:
+    """Say which names that its source makes or shows are none, before anything is solved."""
+    path = getattr(module, "__file__", None)
+    tree = ast.parse(Path(path).read_text(encoding="utf-8") if path else "")
+    for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
+        what = call.func.id if isinstance(call.func, ast.Name) else ""
+        texts = [a.value for a in call.args if isinstance(a, ast.Constant) and isinstance(a.value, str)]
+        names = texts[what == "reduce" :] if what in ("mean", "change", "reduce", "same_of_all") else []
+        wrong = [name for name in names if name.endswith("_each")]
+        if wrong:
+            yield f"line {call.lineno}: {what} is told {wrong[0].removesuffix('_each')!r}, not {wrong[0]!r}"
+        if what == "derive":
+            names = [keyword.arg for keyword in call.keywords if keyword.arg]
+        if what in ("Line", "Level", "Band", "Image"):
+            names = [
+                str(k.value.value)
+                for k in call.keywords
+                if k.arg in ("y", "high") and isinstance(k.value, ast.Constant)
+            ]
+        if what == "Table":
+            columns = [
+                k.value for k in call.keywords if k.arg == "columns" and isinstance(k.value, ast.Tuple)
+            ]
+            names = [str(c.value) for row in columns for c in row.elts if isinstance(c, ast.Constant)]
+        for name in names:
+            try:
+                quantity(name)
+            except UsageError as error:
+                yield f"line {call.lineno}: {error}"
 
 
 def _pairs(arguments: Sequence[str], flags: Mapping[str, FieldInfo]) -> Iterator[tuple[str, str]]:

@@ -1,0 +1,163 @@
+"""Cases become one dataset, and what is misnamed is refused in a line."""
+
+from __future__ import annotations
+
+import types
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from validation.audit import dataset, values
+from validation.audit.ledger import Ledger
+from validation.errors import UsageError
+from validation.measures.common import base_case, base_surface
+from validation.measures.limits import limits_of, solved
+from validation.measures.measurement import Measurement
+from validation.report.estimates import change, claim, derive, error_of, gather, mean, power_law
+from validation.report.findings import finding
+from validation.report.marks import Figure, Line, Panel, draw
+from validation.report.table import Table
+from validation.scenes.scene import SolidSpec
+from validation.solves.bench import Bench
+from validation.studies import Study, StudyOptions
+
+NUS = (0.0, 0.45)
+
+
+def case(*, load=(0.1, 0.2), area=1.0):
+    """Two areas over their loads."""
+    return xr.Dataset(
+        {"area_each": ("load", area * np.ones(2))},
+        coords={"reduced_pressure": ("load", list(load)), "points": ("load", [8.0, 16.0])},
+    )
+
+
+def test_a_coordinate_is_one_along_the_dimensions_where_it_differs():
+    parts = {(nu, k): case(load=(0.1 * (1 + nu), 0.2), area=k) for nu in NUS for k in range(3)}
+    parts.pop((0.0, 2))
+    data = gather(parts, poisson=NUS, surface=range(3))
+    assert data.points.dims == ("load",)
+    assert data.reduced_pressure.dims == ("poisson", "load")
+    assert data.reduced_pressure.values.tolist() == [[0.1, 0.2], [0.1 * 1.45, 0.2]]
+    assert np.isnan(data.area_each.values[0, 2]).all()
+
+
+def test_what_differs_between_surfaces_belongs_to_each_and_has_a_mean():
+    parts = {k: case(load=(0.1 + 0.02 * k, 0.2)) for k in range(3)}
+    data = mean(gather(parts, surface=range(3)), "reduced_pressure")
+    assert "reduced_pressure" in data.data_vars
+    np.testing.assert_allclose(data.reduced_pressure, [0.12, 0.2], rtol=1e-14)
+    assert float(data.reduced_pressure_error.sel(source="surfaces").isel(load=1)) == 0
+
+
+@pytest.mark.parametrize(
+    ("other", "words"),
+    [
+        (case().rename(area_each="kappa_each"), "differ in area_each, kappa_each"),
+        (case().isel(load=[0]), "differ in load"),
+        (case().assign_coords(load=[1, 2]), "differ in load"),
+    ],
+)
+def test_cases_that_are_not_alike_are_refused_by_what_differs(other, words):
+    with pytest.raises(UsageError, match=words):
+        gather({0: case(), 1: other}, surface=range(2))
+
+
+def test_other_positions_along_a_dimension_are_refused():
+    with pytest.raises(UsageError, match="'load' differs between the cases along surface"):
+        gather({k: case().assign_coords(load=[k, 2.0]) for k in range(2)}, surface=range(2))
+
+
+@pytest.fixture(scope="module")
+def pressed(tmp_path_factory):
+    """Areas at one p0 for several Poisson ratios, and the store of their solves."""
+    bench = Bench.at(tmp_path_factory.mktemp("pressed") / "solves")
+    surface, cases = base_surface(hurst=0.8, periods=1.0, bandwidth=2.0, seed=3), {}
+    for nu in NUS:
+        first = base_case(surface, pressure=1e7, solid=SolidSpec(young=1e9, poisson=nu))
+        for k in range(2):
+            cases[nu, k] = Measurement(realised=first.further(k), grids=((8, 8), (16, 16)))
+    parts = {place: limits_of(one) for place, one in solved(bench, cases).items()}
+    return gather(parts, poisson=NUS, surface=range(2)), bench
+
+
+def test_p_star_of_one_p0_is_that_of_each_solid_and_the_audit_knows_it(pressed, tmp_path):
+    data, bench = pressed
+    # All surfaces of a spectrum have its gradient.
+    assert data.reduced_pressure.dims == ("poisson", "load")
+    np.testing.assert_allclose(data.reduced_pressure[1] / data.reduced_pressure[0], 1 - 0.45**2, rtol=1e-12)
+    first = data.assign_coords(reduced_pressure=("load", data.reduced_pressure.values[0]))
+    for number, told in enumerate((data, first)):  # as it was before: that of the first case for all
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        told.to_netcdf(folder / "data.nc", engine="netcdf4")
+        (folder / "summary.json").write_text("{}")
+        (folder / "result.json").write_text(f'{{"store": "{bench.store.folder}"}}')
+        ledger = Ledger()
+        values.judge_dataset(dataset.Result(folder), ledger)
+        assert not any("reduced_pressure" in line or "poisson" in line for line in ledger.unread)
+        assert [entry.name.partition(" ")[0] for entry in ledger.wrong] == ["reduced_pressure"] * number
+
+
+LAW = {"of": "area_each", "x": "lod", "along": ("load",)}
+
+
+@pytest.mark.parametrize(
+    ("does", "words"),
+    [
+        (lambda d: mean(d, "area_each"), "mean of 'area_each': no 'area_each_each' in the dataset"),
+        (lambda d: change(d, "aera", along="load"), "change of 'aera': no 'aera_each'.*like it: area_each"),
+        (
+            lambda d: derive(d, kappa="area_ech / 2"),
+            "kappa = area_ech / 2: no 'area_ech'.*like it: area_each",
+        ),
+        (lambda d: power_law(d, "exponent", **LAW), "power law 'exponent': no 'lod'"),
+        (lambda d: claim(d, "area", grid=0.1), "claim: no 'area'"),
+        (lambda d: error_of(d.area_each, gird=0.1), "no source of errors is called gird"),
+        (lambda d: Table(rows=("load",), columns=("arrea",)).of(d), "'arrea': no such quantity"),
+        (
+            lambda d: Table(rows=("load",), columns=("area_each",)).of(d),
+            "'area_each' is no single number here",
+        ),
+        (lambda d: finding("value", "It is {area}.", d), "no single number area at a place"),
+        (lambda d: finding("trend", "It {verdict}.", d), "names no value that decides"),
+        (
+            lambda d: draw(
+                Figure(name="a", caption="", panels=[Panel(marks=[Line(y="area_each")], x="poisson")]), d
+            ),
+            "'area_each' along 'poisson': name surface, load in 'by' or 'at'",
+        ),
+    ],
+)
+def test_what_is_misnamed_is_refused_in_a_line(does, words):
+    data = gather({(nu, k): case() for nu in NUS for k in range(2)}, poisson=NUS, surface=range(2))
+    with pytest.raises(UsageError, match=words):
+        does(data)
+
+
+def test_the_change_of_a_place_with_itself_is_not_determinable():
+    data = change(case().isel(load=[0]), "area", along="load")
+    assert np.isnan(data.area_change_each.item())
+
+
+SOURCE = """
+def run(options, *, bench):
+    raise AssertionError("solves")
+    derive(data, arrea_each="area_each / 2")
+    mean(data, "area_each")
+
+def views(data):
+    return Line(y="kapa")
+"""
+
+
+def test_names_that_are_none_are_refused_before_anything_is_solved(tmp_path):
+    path = tmp_path / "mine.py"
+    path.write_text(SOURCE)
+    module = types.ModuleType("mine")
+    module.__file__ = str(path)
+    with pytest.raises(UsageError) as caught:
+        Study(name="mine", module=module).compute(StudyOptions(), bench=None)
+    for words in ("line 4: 'arrea_each': no such", "line 5: mean is told 'area'", "line 8: 'kapa': no such"):
+        assert words in str(caught.value)
