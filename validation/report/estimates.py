@@ -220,8 +220,11 @@ def _without(values: Mapping[Any, xr.DataArray], axis: int) -> dict[Any, xr.Data
     for place, value in values.items():
         known = kept.setdefault((*place[:axis], *place[axis + 1 :]), value)
         a, b = known.values, value.values
-        close = {"rtol": 1e-12, "atol": 0.0, "equal_nan": True}
-        if not (np.allclose(a, b, **close) if a.dtype.kind == "f" else np.array_equal(a, b)):
+        if a.dtype.kind == "f":
+            alike = np.allclose(a, b, rtol=1e-12, atol=0.0, equal_nan=True)
+        else:
+            alike = np.array_equal(a, b)
+        if not alike:
             return None
     return kept
 
@@ -555,10 +558,7 @@ def evaluated(expression: str, values: Mapping[str, Any]) -> Any:
         try:
             return eval(expression, {"__builtins__": {}, **_FUNCTIONS}, dict(values))
         except NameError as error:
-            near = difflib.get_close_matches(error.name, [str(name) for name in values])
-            raise UsageError(
-                f"{expression!r}: no {error.name!r}; like it: {', '.join(near) or 'nothing'}"
-            ) from None
+            raise UsageError(f"{expression!r}: {error}") from None
 
 
 def _at(expression: str, values: Mapping[str, xr.DataArray]) -> xr.DataArray:

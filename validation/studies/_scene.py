@@ -17,7 +17,7 @@ from validation.methods.base import Settings
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import Realised, realise
 from validation.scenes.scene import EffectSpec, Load, Scene, load_scene
-from validation.scenes.tables import FileSurface, SolidSpec
+from validation.scenes.tables import FileSurface
 from validation.solves.press import Press
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
 from validation.studies._study import StudyOptions
@@ -152,7 +152,7 @@ class PressedOptions(StudyOptions):
         return float(loads[0]) if loads else float(getattr(self, "reduced_pressure"))  # noqa: B009
 
     @property
-    def _solid(self) -> dict[str, SolidSpec]:
+    def _solid(self) -> dict[str, Any]:
         """The solid where it is not the usual one."""
         return {}
 
