@@ -10,11 +10,12 @@ from typing import Any
 
 from validation.cases import Case, Check, Verdict, run_cases
 from validation.cases.scorecard import elementary, hard, known, ladder
+from validation.cases.scorecard.diagnosis import diagnose
 from validation.cases.scorecard.ladder import CostRow
 from validation.cases.scorecard.subject import Subject
 from validation.methods import chosen_solver
 
-__all__ = ["FAULTS", "Scorecard", "Subject", "own_cases", "rows", "score"]
+__all__ = ["Scorecard", "Subject", "own_cases", "rows", "score"]
 
 _JOHNSON = "K. L. Johnson, J. A. Greenwood, J. G. Higginson, Int. J. Mech. Sci. 27, 383 (1985)"
 _HERTZ = "H. Hertz, J. reine angew. Math. 92, 156 (1882); K. L. Johnson, Contact Mechanics, Sec. 4.2"
@@ -77,16 +78,6 @@ _ROWS: tuple[tuple[str, str, str, Callable[[Subject], Sequence[Check]]], ...] = 
     ("odd-axes", "Odd numbers of points are solved as well.", "definition", hard.odd_axes),
 )
 
-#: Rows that name a fault, in the order in which they are believed: each is read as if those before held.
-FAULTS: tuple[tuple[str, str], ...] = (
-    ("tension", "pressures below zero are allowed"),
-    ("place", "the pressure lies beside the heights"),
-    ("factor", "the stiffness has a wrong factor"),
-    ("load", "the load is not the one asked for"),
-    ("contact-set", "points are called contact that carry no load"),
-    ("honesty", "the iteration ends before its tolerance is met"),
-)
-
 #: Our own solvers, whose scorecards are cases of `fem-contact validate`: method and settings.
 _OWN: dict[str, tuple[str, dict[str, Any]]] = {
     "bem": ("bem", {}),
@@ -106,11 +97,14 @@ class Scorecard:
         Of all rows, the worst failure first; what was not judged says why.
     cost : tuple of CostRow
         Of one rough surface; empty where rough surfaces were not solved.
+    diagnosis : str
+        What is wrong, in words; empty where its answers do not tell.
     """
 
     subject: Subject
     verdicts: tuple[Verdict, ...]
     cost: tuple[CostRow, ...]
+    diagnosis: str = ""
 
     @property
     def judged(self) -> tuple[Verdict, ...]:
@@ -126,17 +120,6 @@ class Scorecard:
     def left_out(self) -> Mapping[str, str]:
         """Rows that were not judged, and why: not answered, not tried, or asking for what it is not given."""
         return {verdict.case: verdict.left_out for verdict in self.verdicts if verdict.left_out}
-
-    @property
-    def fault(self) -> tuple[str, str] | None:
-        """The row that names what is wrong, and the words; None where none does."""
-        known_by = {verdict.case for verdict in self.failed if verdict.error is None}
-        return next((fault for fault in FAULTS if fault[0] in known_by), None)
-
-    @property
-    def diagnosis(self) -> str:
-        """What is wrong, in words; empty where no row names it."""
-        return "" if self.fault is None else self.fault[1]
 
     @property
     def sentence(self) -> str:
@@ -159,12 +142,11 @@ class Scorecard:
 
     def summary(self) -> dict[str, Any]:
         """Everything as JSON-ready data."""
-        fault = self.fault
         return {
             "method": self.subject.name,
             "tolerance": self.subject.tolerance,
             "passed": not self.failed,
-            "fault": None if fault is None else {"row": fault[0], "words": fault[1]},
+            "diagnosis": self.diagnosis,
             "rows": [verdict.summary() for verdict in self.judged],
             "left_out": dict(self.left_out),
             "cost": [asdict(row) for row in self.cost],
@@ -211,7 +193,13 @@ def score(subject: Subject, *, tell: Callable[[str], None] | None = None) -> Sco
     """
     subject.warm_up()
     verdicts = sorted(run_cases(rows(subject), tell=tell), key=_worst_first)
-    return Scorecard(subject=subject, verdicts=tuple(verdicts), cost=_cost(subject, verdicts))
+    wrong = any(verdict.word == "FAILS" for verdict in verdicts)
+    return Scorecard(
+        subject=subject,
+        verdicts=tuple(verdicts),
+        cost=_cost(subject, verdicts),
+        diagnosis=diagnose(subject) if wrong else "",
+    )
 
 
 def _cost(subject: Subject, verdicts: Sequence[Verdict]) -> tuple[CostRow, ...]:

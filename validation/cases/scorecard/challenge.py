@@ -24,7 +24,7 @@ from validation.methods.bem import Bem
 
 __all__ = ["export", "score_folder"]
 
-_FORMAT = "fem-contact challenge 1"
+_FORMAT = "fem-contact challenge 2"
 _INDEX = "challenge.json"
 #: The order of the problems says nothing of what they ask for.
 _ORDER_SEED = 20170405
@@ -92,7 +92,9 @@ class _Answers(_Posed):
         NotJudged
             Where there is none.
         """
-        number = self.numbers[_key(job.field, job.slots.solid.contact_modulus, job.mean_pressure)]
+        number = self.numbers.get(_key(job.field, job.slots.solid.contact_modulus, job.mean_pressure))
+        if number is None:
+            raise NotJudged("a problem that was not exported")
         folder = _problem_folder(self.folder, number)
         said = _said(folder / "answer.json")
         return Claim(

@@ -12,6 +12,7 @@ from fem_contact.errors import NotConverged
 from fem_contact.surface import HeightField
 from validation.cases import Check
 from validation.cases._closed_forms import HertzInPeriod
+from validation.cases.scorecard.elementary import judge_residuals
 from validation.cases.scorecard.known import mean_inside, strip
 from validation.cases.scorecard.subject import Subject, rough
 
@@ -97,7 +98,7 @@ def odd_axes(subject: Subject) -> Sequence[Check]:
         residuals = subject.press(surface, 0.05).result.residuals
         words = f"complementarity, recomputed, on {shape[0]} x {shape[1]} points"
         checks.append(Check.below(words, residuals.complementarity, subject.tolerance))
-    return checks
+    return judge_residuals(subject, checks)
 
 
 def offset(subject: Subject) -> Sequence[Check]:

@@ -1,0 +1,241 @@
+"""Wrong solvers of many kinds are caught, and what is wrong with each is named rightly or not at all."""
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem_contact.errors import NotConverged
+from fem_contact.response import GivenResponse
+from fem_contact.surface import HeightField
+from validation.cases import run_cases
+from validation.cases.scorecard import Subject, rows
+from validation.cases.scorecard.diagnosis import diagnose
+from validation.methods.base import Claim
+from validation.methods.bem import Bem
+
+
+class Spoilt(Bem):
+    """Boundary elements that press another problem (`before`), or whose pressures are spoilt (`after`)."""
+
+    score_points = 16
+    controls = frozenset()
+
+    def __init__(self, before=lambda job: job, after=lambda p, job: p, mask=lambda mask, p: mask):
+        self.before, self.after, self.mask = before, after, mask
+
+    def claim(self, job) -> Claim:
+        found = Claim.of(self.solve(self.before(job)).contact)
+        pressure = np.array(self.after(found.pressure, job), dtype=float)
+        return replace(found, pressure=pressure, in_contact=self.mask(found.in_contact, found.pressure))
+
+
+def pressing(change):
+    """Press a surface whose heights are changed."""
+
+    def before(job):
+        heights = np.ascontiguousarray(change(job.field.heights))
+        return replace(job, field=HeightField(heights=heights, lengths=job.field.lengths))
+
+    return before
+
+
+def responding(compliance):
+    """Press a solid of another compliance over that of the half-space, given q, qx, qy, dx."""
+
+    def before(job):
+        modulus, dx = job.slots.solid.contact_modulus, job.field.lengths[0] / job.field.shape[0]
+
+        def function(qx, qy):
+            q = np.hypot(qx, qy)
+            safe = np.where(q > 0, q, 1.0)
+            return np.where(q > 0, 2 / (modulus * safe) * compliance(safe, qx, qy, dx), 0.0)
+
+        response = GivenResponse(contact_modulus=modulus, function=function)
+        return replace(job, slots=replace(job.slots, response=response))
+
+    return before
+
+
+def lattice(q, qx, qy, dx):
+    """Compliance of second-order differences over that of the solid."""
+    size = np.hypot(2 / dx * np.sin(qx * dx / 2), 2 / dx * np.sin(qy * dx / 2))
+    return q / np.where(size > 0, size, q)
+
+
+def modulus_times(factor):
+    def before(job):
+        solid = replace(job.slots.solid, young=factor * job.slots.solid.young)
+        return replace(job, slots=replace(job.slots, solid=solid))
+
+    return before
+
+
+def linear(p, job):
+    """Full contact, whatever the load: nothing keeps the pressure from being negative."""
+    field = job.field
+    q = [2 * np.pi * np.fft.fftfreq(n, side / n) for n, side in zip(field.shape, field.lengths, strict=True)]
+    stiff = job.slots.solid.contact_modulus / 2 * np.hypot(q[0][:, None], q[1][None, :])
+    return job.mean_pressure + np.fft.ifft2(stiff * np.fft.fft2(field.heights)).real
+
+
+def loaded(factor):
+    return lambda job: replace(job, load={"mean_pressure": factor * job.mean_pressure})
+
+
+def noisy(p, job):
+    return p * (1 + 1e-3 * next(NOISE).standard_normal(p.shape))
+
+
+NOISE = (np.random.default_rng(k) for k in itertools.count(11))
+
+
+def still_noisy(p, job):
+    return p * (1 + 1e-2 * np.random.default_rng(5).standard_normal(p.shape))
+
+
+def with_nan(p, job):
+    p = p.copy()
+    p[3, 4] = np.nan
+    return p
+
+
+def eroded(p, job):
+    return np.where(np.roll(p, 1, axis=0) > 0, p, 0.0)
+
+
+def stale(answers=[]):  # noqa: B006
+    """Return a solver that answers the question before."""
+
+    def after(p, job):
+        answers.append(p)
+        before = answers[-2] if len(answers) > 1 else p
+        return before if before.shape == p.shape else p
+
+    return after
+
+
+def loose(tolerance):
+    """Set the tolerance of the iteration, by a function of the one asked for."""
+
+    def before(job):
+        return replace(job, settings={**job.settings, "tolerance": tolerance(job.settings["tolerance"])})
+
+    return before
+
+
+def eroded_loaded(p, job):
+    left = eroded(p, job)
+    return left * (p.sum() / left.sum()) if left.any() else p
+
+
+def capped(p, job):
+    low = np.minimum(p, 0.5 * p.max())
+    return low * (p.sum() / low.sum()) if (p == 0).any() else p
+
+
+#: Kind of fault, the solver, and what is said of it; nothing where its answers do not tell.
+PLANTS = {
+    "twice as stiff": (Spoilt(modulus_times(2)), "the stiffness is 2 times that of E*"),
+    "a third as stiff": (Spoilt(modulus_times(1 / 3)), "the stiffness is 0.333 times that of E*"),
+    "pressures times 1.1": (
+        Spoilt(after=lambda p, job: 1.1 * p),
+        "pressures are 1.1 times what they should be",
+    ),
+    "load times 0.9": (Spoilt(loaded(0.9)), "the load is 0.9 times the one asked for"),
+    "heights upside down": (Spoilt(pressing(np.negative)), "the surface is pressed upside down"),
+    "compression negative": (Spoilt(after=lambda p, job: -p), "compression is negative"),
+    "moved by a cell": (
+        Spoilt(after=lambda p, job: np.roll(p, 1, axis=1)),
+        "the pressure lies 0 and 1 cells beside the heights",
+    ),
+    "middles between points": (
+        Spoilt(after=lambda p, job: (p + np.roll(p, -1, axis=0)) / 2),
+        "the pressure lies -0.5 and 0 cells beside the heights",
+    ),
+    "transposed": (Spoilt(after=lambda p, job: p.T if p.shape[0] == p.shape[1] else p), "transposed"),
+    "heights transposed": (
+        Spoilt(pressing(lambda h: h.T if h.shape[0] == h.shape[1] else h)),
+        "transposed",
+    ),
+    "mirrored in x": (Spoilt(after=lambda p, job: np.roll(p[::-1], 1, axis=0)), "mirrored in x"),
+    "mirrored in y": (Spoilt(after=lambda p, job: np.roll(p[:, ::-1], 1, axis=1)), "mirrored in y"),
+    "upside down and backwards": (
+        Spoilt(after=lambda p, job: np.roll(p[::-1, ::-1], (1, 1), (0, 1))),
+        "turned by 180 degrees",
+    ),
+    "noise anew": (Spoilt(after=noisy), "the same question has different answers"),
+    "the answer before": (Spoilt(after=stale()), "the same question has different answers"),
+    "noise of a seed": (Spoilt(after=still_noisy), ""),
+    "a NaN": (Spoilt(after=with_nan), "pressures are no finite numbers"),
+    "no contact needed": (Spoilt(after=linear), "pressures below zero are allowed"),
+    "all zero": (Spoilt(after=lambda p, job: 0 * p), "all pressures are zero"),
+    "uniform": (
+        Spoilt(after=lambda p, job: 0 * p + p.mean()),
+        "all points have one pressure",
+    ),
+    "lifted": (
+        Spoilt(after=lambda p, job: 0.9 * p + 0.1 * p.mean() if (p == 0).any() else p),
+        "a constant is added to the pressures",
+    ),
+    "peaks capped": (Spoilt(after=capped), "the highest pressures are cut off"),
+    "edges eroded": (Spoilt(after=eroded), ""),
+    "edges eroded, load kept": (Spoilt(after=eroded_loaded), ""),
+    "contact named too small": (
+        Spoilt(mask=lambda mask, p: mask & np.roll(mask, 1, axis=0)),
+        "points that carry load are not called contact",
+    ),
+    "contact named too large": (
+        Spoilt(mask=lambda mask, p: mask | np.roll(mask, 1, axis=0)),
+        "points are called contact that carry no load",
+    ),
+    "contact by rounding": (
+        Spoilt(after=lambda p, job: np.maximum(p, 1e-14 * p.mean()), mask=lambda mask, p: None),
+        "points are called contact that carry no load",
+    ),
+    "a layer for a half-space": (
+        Spoilt(responding(lambda q, qx, qy, dx: np.tanh(q * 0.1))),
+        "the response is not that of the half-space",
+    ),
+    "short waves too soft": (
+        Spoilt(responding(lambda q, qx, qy, dx: 1 + 0.02 * q)),
+        "the response is not that of the half-space",
+    ),
+    "a tolerance of its own": (Spoilt(loose(lambda asked: 3e-3)), ""),
+    "tolerance a thousand times as loose": (
+        Spoilt(loose(lambda asked: min(1e3 * asked, 9e-3))),
+        "the iteration ends before its tolerance is met",
+    ),
+}
+TOLD = {"finite", "repeatable", "tension", "full-contact", "load", "contact-set", "honesty", "symmetry"}
+
+
+def verdicts_of(subject: Subject) -> dict[str, str]:
+    return {one.case: one.word for one in run_cases([row for row in rows(subject) if row.name in TOLD])}
+
+
+@pytest.mark.parametrize("kind", PLANTS)
+def test_a_wrong_solver_fails_a_row_and_is_told_what_is_wrong_or_nothing(kind: str) -> None:
+    solver, words = PLANTS[kind]
+    subject = Subject(name=kind, solver=solver, settings={})
+    assert "FAILS" in verdicts_of(subject).values()
+    found = diagnose(subject)
+    assert words in found
+    assert bool(found) == bool(words)
+
+
+@pytest.mark.parametrize("solver", [Spoilt(), Spoilt(responding(lattice))], ids=["plain", "lattice"])
+def test_a_right_solver_is_not_accused_whatever_its_cells(solver: Spoilt) -> None:
+    subject = Subject(name="right", solver=solver, settings={})
+    assert "FAILS" not in verdicts_of(subject).values()
+    assert diagnose(subject) == ""
+
+
+def test_a_solver_without_answers_is_said_to_have_none() -> None:
+    def fail(job):
+        raise NotConverged("it raised ValueError")
+
+    assert diagnose(Subject(name="mute", solver=Spoilt(fail), settings={})) == (
+        "it gives no answer: it raised ValueError"
+    )

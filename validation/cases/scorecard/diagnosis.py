@@ -1,0 +1,174 @@
+"""What is wrong with a solver that fails, in words: read off a few of its answers, or left unsaid.
+
+The full contact of four waves has an answer in closed form, so that what was done to it can be fitted:
+turned, moved, scaled, another load, another response. Of a rough surface it is seen whether pressures are
+negative, cut off or lifted, and whether residuals fall with the tolerance. What fits nothing has no name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from fem_contact.errors import NotConverged
+from validation.arrays import Array
+from validation.cases import NotJudged
+from validation.cases.scorecard.elementary import (
+    WAVES,
+    Transfer,
+    contact_set,
+    full_contact_transfer,
+    honesty,
+    repeatable,
+    residuals_fall,
+    solves,
+)
+from validation.cases.scorecard.subject import Subject
+
+__all__ = ["diagnose"]
+
+#: What may have been done to the pressures of a square, and in words.
+_TURNED: dict[str, Callable[[Array], Array]] = {
+    "mirrored in x": lambda p: np.roll(p[::-1], 1, axis=0),
+    "mirrored in y": lambda p: np.roll(p[:, ::-1], 1, axis=1),
+    "turned by 180 degrees": lambda p: np.roll(p[::-1, ::-1], (1, 1), (0, 1)),
+    "transposed": np.transpose,
+    "turned by 90 degrees": lambda p: np.roll(np.rot90(p), 1, axis=0),
+    "turned by -90 degrees": lambda p: np.roll(np.rot90(p, -1), 1, axis=1),
+}
+#: Largest part of the pressures that a fit may leave.
+_LEFT = 0.03
+#: Least part of the points that a cut leaves at one value.
+_PLATEAU = 0.005
+
+
+def diagnose(subject: Subject) -> str:
+    """Return what is wrong with a solver, in words; nothing where its answers do not tell.
+
+    Parameters
+    ----------
+    subject : Subject
+        Its time may be used up: then only what it answered is read.
+    """
+    try:
+        return _diagnosed(subject)
+    except NotConverged as failure:
+        return f"it gives no answer: {failure}"
+    except NotJudged:
+        return ""
+
+
+def _diagnosed(subject: Subject) -> str:
+    pressed = solves(subject)
+    if not all(np.isfinite(one.claim.pressure).all() for _, _, one in pressed):
+        return "pressures are no finite numbers"
+    if not all(check.passed for check in repeatable(subject)):
+        return "the same question has different answers"
+    transfer = full_contact_transfer(subject)
+    found = _of_full_contact(transfer)
+    if found is not None:
+        return found or _of_response(subject, transfer)
+    return _of_rough(subject)
+
+
+# ---- full contact: the answer is known -----------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Fit:
+    """A pattern in the fluctuation of the pressure: its factor, and the part that it leaves."""
+
+    factor: float
+    left: float
+
+    @classmethod
+    def of(cls, found: Array, pattern: Array) -> _Fit:
+        factor = float(np.vdot(pattern, found) / np.vdot(pattern, pattern))
+        size = float(np.linalg.norm(found))
+        left = float(np.linalg.norm(found - factor * pattern)) / size if size else 1.0
+        return cls(factor=factor, left=left)
+
+
+def _of_full_contact(transfer: Transfer) -> str | None:
+    """Return what was done to the full contact: None if nothing was, an empty text if nothing fits."""
+    pressure, exact = transfer.pressed.claim.pressure, transfer.exact
+    load, mean = float(exact.mean()), float(pressure.mean())
+    off = max(float(transfer.allowed.max()), _LEFT)
+    if np.ptp(pressure) < 1e-6 * np.ptp(exact):
+        return "all points have one pressure" if mean else "all pressures are zero"
+    moved, pattern = pressure - mean, exact - load
+    fit, share = _Fit.of(moved, pattern), mean / load
+    if fit.left < off and transfer.factor is not None:
+        return _scaled(fit.factor, share, off=float(transfer.allowed[:2].max()))
+    for words, turn in _TURNED.items():
+        turned = _Fit.of(moved, turn(pattern))
+        if turned.left < off and abs(turned.factor - 1) < off and abs(share - 1) < off:
+            return f"the pressures are {words}"
+    shift = transfer.shift
+    if shift is not None and max(map(abs, shift)) > 0.05 and abs(np.abs(transfer.ratio) - 1).max() < 4 * off:
+        along = " and ".join(f"{round(cells, 2) + 0.0:g}" for cells in shift)
+        return f"the pressure lies {along} cells beside the heights"
+    return ""
+
+
+def _scaled(factor: float, share: float, *, off: float) -> str | None:
+    """Say by what fluctuation and mean of the pressure are scaled; None where they are not."""
+    right, loaded = abs(factor - 1) < off, abs(share - 1) < off
+    if right:
+        return None if loaded else f"the load is {share:.3g} times the one asked for"
+    if abs(factor + 1) < off:
+        upright = "the surface is pressed upside down" if loaded else ""
+        return "compression is negative" if abs(share + 1) < off else upright
+    if loaded:
+        return f"the stiffness is {factor:.3g} times that of E*" if factor > 0 else ""
+    return f"pressures are {share:.3g} times what they should be" if abs(factor / share - 1) < off else ""
+
+
+def _of_response(subject: Subject, transfer: Transfer) -> str:
+    """Say what stiffness waves are answered with, if each has its own, alone as among others."""
+    if not np.all(np.abs(np.angle(transfer.ratio)) < 0.05):
+        return ""
+    for k in (0, len(WAVES) - 1):
+        alone = full_contact_transfer(subject, waves=(WAVES[k],)).ratio[0]
+        if abs(alone / transfer.ratio[k] - 1) > 1e-3:
+            return ""
+    each = ", ".join(f"{abs(ratio):.3g}" for ratio in transfer.ratio)
+    return f"the response is not that of the half-space: waves are {each} times as stiff, longest first"
+
+
+# ---- a rough surface -----------------------------------------------------------------------------------
+
+
+def _of_rough(subject: Subject) -> str:
+    """Return what the pressures of a rough surface show; the full contact is right."""
+    _, load, pressed = solves(subject)[0]
+    pressure = pressed.claim.pressure
+    lowest, highest = float(pressure.min()), float(pressure.max())
+    lifted = float(np.mean(pressure < lowest + 1e-6 * highest))
+    if lowest > 1e-3 * load and lifted > 0.2:
+        return "a constant is added to the pressures"
+    if lowest < -10 * subject.tolerance:
+        return "pressures below zero are allowed"
+    shares = np.array([one.claim.pressure.mean() / asked for _, asked, one in solves(subject)])
+    if np.abs(shares - 1).max() > 10 * subject.tolerance:
+        alike = np.ptp(shares) < 0.1 * np.abs(shares - 1).min()
+        return f"the load is {shares.mean():.3g} times the one asked for" if alike else ""
+    if np.mean(pressure > highest * (1 - 1e-9)) > _PLATEAU:
+        return "the highest pressures are cut off"
+    if all(check.passed for check in honesty(subject)):
+        return _of_contact_set(subject)
+    return "the iteration ends before its tolerance is met" if residuals_fall(subject) else ""
+
+
+def _of_contact_set(subject: Subject) -> str:
+    """Say which points are called contact, of a solver whose pressures are right."""
+    missed = [check for check in contact_set(subject) if not check.passed]
+    if not missed:
+        return ""
+    if all(check.computed > 1 for check in missed):
+        return "points are called contact that carry no load"
+    if all(check.computed < 1 for check in missed):
+        return "points that carry load are not called contact"
+    return ""
