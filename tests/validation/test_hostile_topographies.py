@@ -26,7 +26,7 @@ SUFFIXES = (".npy", ".txt", ".nc")
 
 def tried(path) -> str:
     """Read a file: the sentence it is refused with, or nothing."""
-    reading._LAST.clear()
+    reading._read.cache_clear()
     try:
         found = reading.read_topography(path, lengths=(1.2e-6, 1e-6), unit=1.0)
     except UsageError as error:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import json
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -42,15 +43,13 @@ from validation.cli.reference import reference
 from validation.cli.refusals import refusals_in_words
 from validation.cli.store import store_app
 from validation.cli.surface import surface_app
-from validation.cli.sweep import run_swept
 from validation.cli.validate import reproduce, validate
 from validation.errors import RunFailed, UsageError
 
 if TYPE_CHECKING:
-    from validation.comparison.accuracy import Reached
-    from validation.comparison.run import Outputs
     from validation.scenes.scene import Scene
     from validation.scenes.sweep import Sweep
+    from validation.solves.solve import Solve
     from validation.studies import Study
 
 __all__ = ["app", "main"]
@@ -112,80 +111,69 @@ def run(
     results/NAME-accuracy.
     """
     from validation.cli.progress import Bar
-    from validation.comparison.run import run_scene
-    from validation.scenes.checks import check_scene
-    from validation.scenes.realised import realise
+    from validation.cli.results import print_page
     from validation.scenes.sweep import Sweep, load_asked
-    from validation.solves.press import solves_of
     from validation.solves.store import Store
 
     loaded = load_asked(scene, settings or (), grids_chosen=accuracy is not None)
     said = loaded.run
     folder, store_folder = _folders(loaded, output, store, accurate=accuracy is not None)
+    alone: dict[str, Any] = {"--accuracy": accuracy, "--time-limit": time_limit}
     if mpi:
         from validation.cli.parallel import run_parallel
 
-        unfit = {"--workers": workers, "--scheduler": scheduler}
-        unfit |= {"--accuracy": accuracy, "--dry-run": dry_run, "--time-limit": time_limit}
+        unfit = {"--workers": workers, "--scheduler": scheduler, "--dry-run": dry_run, **alone}
         run_parallel(loaded, folder / "mpi", as_json=as_json, unfit=unfit)
         return
     execution = chosen_execution(said, workers=workers, scheduler=scheduler, memory=memory)
-    if isinstance(loaded, Sweep):
-        run_swept(
-            loaded,
-            scene,
-            folder,
-            store_folder=store_folder,
-            execution=execution,
-            dry_run=dry_run,
-            report=with_report,
-            quiet=quiet or said.quiet,
-            as_json=as_json,
-            unfit={"--accuracy": accuracy, "--time-limit": time_limit, "--pictures": pictures},
-        )
-        return
+    for flag, value in {**alone, "--pictures": pictures}.items():
+        if value and isinstance(loaded, Sweep):
+            raise UsageError(
+                f"{flag}: not together with the table [sweep] of {scene}; run one scene of it by --set"
+            )
     chosen = chosen_accuracy(accuracy, time_limit=time_limit, dry_run=dry_run, execution=execution)
     with naming(scene):
-        realised = realise(loaded)
-        check_scene(loaded, realised)
+        drawn = with_report and (said.pictures if pictures is None else pictures)
+        solves, solve = _prepared(loaded, folder, chosen=chosen, pictures=drawn)
     if dry_run:
-        print_plan(solves_of(loaded, realised), Store(folder=store_folder), as_json=as_json)
+        print_plan(solves(), Store(folder=store_folder), as_json=as_json)
         return
-    reached = None
     with stopping_cleanly(), Bar(quiet=quiet or said.quiet or as_json) as bar:
-        options: dict[str, Any] = {
-            "progress": bar,
-            "execution": execution,
-            "store_folder": store_folder,
-            "pictures": with_report and (said.pictures if pictures is None else pictures),
-            "report": with_report,
-        }
-        if chosen is None:
-            outputs = run_scene(loaded, folder, realised=realised, **options)
-        else:
-            from validation.comparison.accuracy import run_accurate
-
-            accurate = run_accurate(loaded, folder, **chosen, **options)
-            outputs, reached = accurate.outputs, accurate.reached
-    _say(outputs, reached, as_json=as_json)
-
-
-def _say(outputs: Outputs, reached: Reached | None, *, as_json: bool) -> None:
-    """Print what a run found, or its summary as JSON."""
-    from validation.cli.results import print_page
-
+        done = solve(progress=bar, execution=execution, store_folder=store_folder, report=with_report)
+    outputs, reached = getattr(done, "outputs", done), getattr(done, "reached", None)
     if as_json:
         typer.echo(json.dumps(outputs.page.summary, indent=2))
-        outputs.check()
-        return
-    solved, reused = (outputs.solved, outputs.reused) if reached is None else (reached.solves, reached.reused)
-    print_page(
-        outputs.page,
-        outputs.files,
-        more=() if reached is None else tuple(reached.sentences()),
-        done=f"{solved} solves done, {reused} found finished. Written:",
-    )
+    else:
+        files = (*outputs.files, store_folder) if isinstance(loaded, Sweep) else outputs.files
+        solved, reused = (
+            (outputs.solved, outputs.reused) if reached is None else (reached.solves, reached.reused)
+        )
+        words = f"{solved} solves done, {reused} found finished. Written:"
+        print_page(outputs.page, files, more=tuple(reached.sentences()) if reached else (), done=words)
     outputs.check()
+
+
+def _prepared(
+    loaded: Scene | Sweep, folder: Path, *, chosen: dict[str, Any] | None, pictures: bool
+) -> tuple[Callable[[], Sequence[Solve]], Callable[..., Any]]:
+    """Check what is asked, and return what lists its solves and what does them."""
+    from validation.comparison.accuracy import run_accurate
+    from validation.comparison.run import run_scene
+    from validation.comparison.sweep import realised_cases, run_sweep, solves_of_sweep
+    from validation.scenes.checks import check_scene
+    from validation.scenes.realised import realise
+    from validation.scenes.sweep import Sweep
+    from validation.solves.press import solves_of
+
+    if isinstance(loaded, Sweep):
+        cases = realised_cases(loaded)
+        return partial(solves_of_sweep, loaded, cases), partial(run_sweep, loaded, folder, cases=cases)
+    realised = realise(loaded)
+    check_scene(loaded, realised)
+    run_one: Callable[..., Any] = partial(run_scene, realised=realised)
+    if chosen is not None:
+        run_one = partial(run_accurate, **chosen)
+    return partial(solves_of, loaded, realised), partial(run_one, loaded, folder, pictures=pictures)
 
 
 def _folders(
@@ -205,6 +193,13 @@ def _folders(
     return folder, store or said.folder("store") or not_led_out(plain / "solves", of=plain, option="--store")
 
 
+def _study_names(incomplete: str) -> list[str]:
+    """Complete the name of a study."""
+    from validation.studies import studies
+
+    return [name for name in studies() if name.startswith(incomplete)]
+
+
 @app.command(
     context_settings={"allow_extra_args": True, "ignore_unknown_options": True},
     add_help_option=False,
@@ -213,8 +208,11 @@ def _folders(
 )
 def study(
     context: typer.Context,
-    name: Annotated[str | None, typer.Argument(metavar="NAME", help="A study; see --list.")] = None,
-    list_all: Annotated[bool, typer.Option("--list", help="Name the studies and their options.")] = False,
+    name: Annotated[
+        str | None,
+        typer.Argument(metavar="NAME", help="A study; see --list.", autocompletion=_study_names),
+    ] = None,
+    list_all: Annotated[bool, typer.Option("--list", help="Name the studies and their questions.")] = False,
     scene: Annotated[
         str | None, typer.Option("--scene", help="Scene that a study is asked about; or after NAME.")
     ] = None,
@@ -359,7 +357,7 @@ def report(
     if as_json:
         typer.echo(json.dumps([str(path) for path in files], indent=2))
     else:
-        _list(files)
+        typer.echo("\n".join(f"  {path}" for path in files))
 
 
 @scenes_app.command("list", epilog="Example: fem-contact scenes list")
@@ -409,18 +407,13 @@ def _named_after(text: str, target: Path) -> str:
     return re.sub(r"(?m)^name\s*=.*\n?", lambda _: name, head, count=1) + table + rest
 
 
-def _list(files: tuple[Path, ...]) -> None:
-    for path in files:
-        typer.echo(f"  {path}")
-
-
 def _list_studies(known: list[Study], *, as_json: bool) -> None:
     if as_json:
-        words = {s.name: list(s.options.flags()) for s in known}
-        typer.echo(json.dumps(words, indent=2))
+        typer.echo(json.dumps({study.name: list(study.options.flags()) for study in known}, indent=2))
         return
-    for found in known:
-        typer.echo("\n".join(found.help_lines()))
+    for study in known:
+        typer.echo(study.help_lines()[0])
+    typer.echo("\nOptions of one: fem-contact study NAME --help")
 
 
 def _help_study(context: typer.Context, name: str | None) -> None:

@@ -196,29 +196,17 @@ def _harmonic(heights: Array) -> Array:
     from scipy.sparse.linalg import spsolve
 
     hole = ~np.isfinite(heights)
-    number = np.full(heights.shape, -1)
-    number[hole] = np.arange(np.count_nonzero(hole))
-    count = int(number.max()) + 1
-    rows, columns, values, right, degree = [], [], [], np.zeros(count), np.zeros(count)
-    for axis, step in ((0, 1), (0, -1), (1, 1), (1, -1)):
-        n = heights.shape[axis]
-        here = np.moveaxis(number, axis, 0)[max(0, -step) : n - max(0, step)]
-        there = np.moveaxis(number, axis, 0)[max(0, step) : n - max(0, -step)]
-        level = np.moveaxis(heights, axis, 0)[max(0, step) : n - max(0, -step)]
-        mine = here >= 0
-        np.add.at(degree, here[mine], 1.0)
-        inside = mine & (there >= 0)
-        rows.append(here[inside])
-        columns.append(there[inside])
-        values.append(np.full(np.count_nonzero(inside), -1.0))
-        rim = mine & (there < 0)
-        np.add.at(right, here[rim], level[rim])
-    rows.append(np.arange(count))
-    columns.append(np.arange(count))
-    values.append(degree)
-    matrix = coo_array(
-        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(count, count)
-    ).tocsr()
+    count = int(np.count_nonzero(hole))
+    # Numbers of holes within a frame of -2, which stands for what lies outside the map.
+    number = np.pad(np.where(hole, np.cumsum(hole).reshape(hole.shape) - 1, -1), 1, constant_values=-2)
+    level = np.pad(heights, 1)
+    here = np.flatnonzero(number >= 0)
+    there = here[:, None] + np.array([-1, 1, -number.shape[1], number.shape[1]])
+    neighbours = number.ravel()[there]
+    right = np.sum(level.ravel()[there], axis=1, where=neighbours == -1)
+    row, column = np.nonzero(neighbours >= 0)
+    rows, columns = np.append(row, np.arange(count)), np.append(neighbours[row, column], np.arange(count))
+    values = np.append(np.full(row.size, -1.0), np.count_nonzero(neighbours > -2, axis=1))
     filled = heights.copy()
-    filled[hole] = spsolve(matrix, right)
+    filled[hole] = spsolve(coo_array((values, (rows, columns)), shape=(count, count)).tocsr(), right)
     return filled

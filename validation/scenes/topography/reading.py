@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import time
 from dataclasses import dataclass
@@ -72,10 +73,6 @@ class FileSays:
             )
 
 
-#: The last file that was read: what tells its content, and what it says.
-_LAST: dict[str, tuple[tuple[int, ...], FileSays]] = {}
-
-
 def file_says(path: Path) -> FileSays:
     """Read a file as it is; a file that has not changed since is not read again.
 
@@ -85,26 +82,19 @@ def file_says(path: Path) -> FileSays:
         For a file that cannot be read, or not within bounds of size, time and memory.
     """
     name = os.path.abspath(path)
-    content = _content(name)
-    if name in _LAST and content is not None and _LAST[name][0] == content:
-        return _LAST[name][1]
-    says = _read(name, 0 if content is None else content[2])
-    _LAST.clear()
-    if content is not None and time.time() - content[3] / 1e9 > _SETTLED and _content(name) == content:
-        _LAST[name] = (content, says)
-    return says
-
-
-def _content(name: str) -> tuple[int, ...] | None:
-    """Return what changes with the content of a file; None for a file that cannot be asked."""
     try:
         facts = os.stat(name)
-    except (OSError, ValueError):
-        return None
-    return facts.st_dev, facts.st_ino, facts.st_size, max(facts.st_mtime_ns, facts.st_ctime_ns)
+    except (OSError, ValueError):  # whoever reads it says why
+        return _read(name)
+    changed = max(facts.st_mtime_ns, facts.st_ctime_ns)
+    unsettled = time.monotonic_ns() if time.time() - changed / 1e9 < _SETTLED else 0
+    return _read(name, facts.st_size, (facts.st_dev, facts.st_ino, changed, unsettled))
 
 
-def _read(name: str, size: int) -> FileSays:
+@functools.lru_cache(maxsize=1)
+def _read(name: str, size: int = 0, content: tuple[int, ...] = ()) -> FileSays:
+    """Read a file of a size; what tells its content tells whether it is read again."""
+    del content
     try:
         found = bounded.call(
             read_plain,
@@ -122,18 +112,17 @@ def _in_metres(found: dict[str, Any]) -> FileSays:
     lengths, units = found["lengths"], found["length_units"]
     try:
         unit = metres(found["unit"])
-        scales = None if units is None else [metres(each) for each in units]
+        scales = [metres(each) for each in units or ()]
     except ValueError as error:
         raise UsageError(f"is no topography of its kind ({one_line(error)})") from None
+    if lengths is not None:
+        lengths = tuple(side * (scale or 1) for side, scale in zip(lengths, scales or (1, 1), strict=True))
     ratio = None if lengths is None else lengths[0] / lengths[1]
-    if lengths is not None and scales is not None:
-        lengths = (lengths[0] * scales[0], lengths[1] * scales[1])
-        ratio = lengths[0] / lengths[1]
     if ratio is not None and not (0 < ratio < np.inf):
         raise UsageError(f"is no topography of its kind (sides in the ratio {ratio:.3g})")
     return FileSays(
         heights=found["heights"],
-        lengths=None if scales is None else lengths,
+        lengths=lengths if scales else None,
         ratio=ratio,
         unit=unit,
         digest=found["digest"],
@@ -197,10 +186,8 @@ def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float |
     heights.setflags(write=False)
     nx, ny = heights.shape
     words = f"{one_line(path.name)}: {nx} x {ny} points, {size[0]:.4g} m x {size[1]:.4g} m"
-    if says.lengths is not None and any(
-        abs(a / b - 1) > _RATIO for a, b in zip(size, says.lengths, strict=True)
-    ):
-        words += f" (its own: {says.lengths[0]:.4g} m x {says.lengths[1]:.4g} m)"
+    if any(abs(a / b - 1) > _RATIO for a, b in zip(size, says.lengths or size, strict=True)):
+        words += " (its own: {:.4g} m x {:.4g} m)".format(*(says.lengths or size))
     cells = size[0] / nx, size[1] / ny
     if abs(cells[0] / cells[1] - 1) > _RATIO:
         words += f", oblong cells of {cells[0]:.4g} m x {cells[1]:.4g} m"
