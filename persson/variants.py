@@ -171,7 +171,7 @@ def corrected_contact_area(
         V_full [Pa^2], the variance at full contact.
     variant : {"persson", "yang_persson", "wang_mueser", "xu"}
         As for `energy_factor`; "xu" is V = [g + (1 - g) P] V_full, which needs no integration (Xu, Zhu,
-        Xiao and Zhou, Tribol. Lett. 72, 2024, doi 10.1007/s11249-024-01838-4).
+        Xiao and Zhou, Tribol. Lett. 2024, doi 10.1007/s11249-024-01838-4).
     energy_ratio : float, optional
         g: .45 of Yang and Persson, .42 of Xu et al. as in the code they published. That code takes .42
         for the variant of Yang and Persson, too.

@@ -130,7 +130,7 @@ def _diffusion() -> list[Check]:
 @case(
     "theory-variants",
     "Corrected theories solve dV = S(P) dV_full.",
-    source="C. Yang, B. N. J. Persson (2008); A. Wang, M. H. Mueser, Lubricants 5, 35 (2017)",
+    source="C. Yang, B. N. J. Persson (2008); A. Wang, M. H. Mueser, Tribol. Lett. 65 (2017)",
 )
 def _variants() -> list[Check]:
     """Invert dV = S(P) dV_full by a quadrature over V."""

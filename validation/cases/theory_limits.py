@@ -53,7 +53,7 @@ def _magnification() -> list[Check]:
 @case(
     "theory-second-methods",
     "Sines and diffusion agree between walls, and variants and energies by their own equations.",
-    source="Persson 2006, Sec. 9; Y. Xu, R. Xu, X. Chen (2024); C. Yang, B. N. J. Persson (2008)",
+    source="Persson 2006, Sec. 9; Y. Xu, L. Zhu, F. Xiao, Y. Zhou (2024); C. Yang, B. N. J. Persson (2008)",
 )
 def _second_methods() -> list[Check]:
     """Expand in sines what diffusion solves, and invert the variant that needs no integration."""

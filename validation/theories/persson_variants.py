@@ -11,6 +11,7 @@ from persson import elastic
 from persson.variants import EnergyReading, Variant, corrected_contact_area
 from validation.arrays import Array
 from validation.measures.theory import VARIANTS
+from validation.report.papers import PAPERS
 from validation.theories.base import Rough, Theory
 
 __all__ = ["Persson", "WangMueser", "Xu", "YangPersson", "persson_readings", "persson_variants"]
@@ -71,7 +72,7 @@ class YangPersson(Persson):
 
     name = "yang-persson"
     variant = reading = "yang_persson"
-    papers = ("C. Yang, B. N. J. Persson, J. Phys. Condens. Matter 20, 215214 (2008).",)
+    papers = (PAPERS["yang_persson"],)
 
 
 class WangMueser(Persson):
@@ -79,14 +80,15 @@ class WangMueser(Persson):
 
     name = "wang-mueser"
     variant = reading = "wang_mueser"
-    papers = ("A. Wang, M. H. Mueser, Lubricants 5, 35 (2017).",)
+    papers = (PAPERS["wang_mueser"],)
 
 
 class Xu(Persson):
-    """Xu, Xu and Chen (2024): V = [g + (1 - g) P] V_full."""
+    """Xu and others (2024): V = [g + (1 - g) P] V_full."""
 
     name = "xu"
     variant = reading = "xu"
+    papers = (PAPERS["xu"],)
 
 
 def persson_variants() -> tuple[Theory, ...]:
