@@ -298,32 +298,19 @@ def mean_areas(areas: Sequence[ContactAreas]) -> ContactAreas:
 
 @dataclass(frozen=True, kw_only=True)
 class Edges:
-    """Pairs of neighbouring cells with contact in the first and none in the second.
+    """Pairs of neighbouring cells with contact in the first and none in the second."""
 
-    Attributes
-    ----------
-    inside : (n,) array of int
-        Flat index of the contact cell.
-    axis : (n,) array of int
-        0 where the neighbour lies along x, 1 along y.
-    sign : (n,) array of int
-        +1 or -1: on which side it lies.
-    cosine : (n,) array
-        Between the outward normal of the edge and the direction to the neighbour.
-    ratio : (n,) array
-        rho = E* g / (p d cosine), with the gap of the neighbour, the pressure of the contact cell and their
-        distance d.
-    inner, outer : (n,) array
-        p^2 of the contact cell over that of the cell behind it, and g^(2/3) of the neighbour over that of the
-        cell beyond: both grow linearly from a straight edge, and how they bend is what the edge is off by in
-        second order. At most 1.5.
-    """
-
-    inside: NDArray[np.int64]
-    axis: NDArray[np.int64]
-    sign: NDArray[np.int64]
+    inside: NDArray[np.int64]  # (n,): Flat index of the contact cell
+    axis: NDArray[np.int64]  # (n,): 0 where the neighbour lies along x, 1 along y
+    sign: NDArray[np.int64]  # (n,): +1 or -1: on which side it lies
+    # (n,): Between the outward normal of the edge and the direction to the neighbour.
     cosine: NDArray[np.float64]
+    # (n,): rho = E* g / (p d cosine), with the gap of the neighbour, the pressure of the contact cell
+    # and their distance d.
     ratio: NDArray[np.float64]
+    # (n,): p^2 of the contact cell over that of the cell behind it, and g^(2/3) of the neighbour over
+    # that of the cell beyond: both grow linearly from a straight edge, and how they bend is what the
+    # edge is off by in second order. At most 1.5.
     inner: NDArray[np.float64]
     outer: NDArray[np.float64]
 

@@ -51,21 +51,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class PlannedGrid:
-    """A grid that is to be solved.
+    """A grid that is to be solved."""
 
-    Attributes
-    ----------
-    spacing : tuple of float
-        (dx, dy) [m].
-    cells : int
-        Number of its cells.
-    solves : int
-        Sub-grid shifts that are averaged.
-    """
-
-    spacing: tuple[float, float]
-    cells: int
-    solves: int = 1
+    spacing: tuple[float, float]  # (dx, dy) [m]
+    cells: int  # Number of its cells
+    solves: int = 1  # Sub-grid shifts that are averaged
 
     def __post_init__(self) -> None:
         dx, dy = pair("spacing", self.spacing, what="the size of a cell (dx, dy) in m")
@@ -82,28 +72,18 @@ class PlannedGrid:
 
 @dataclass(frozen=True, kw_only=True)
 class ErrorLaw:
-    """What the areas of a definition are off by.
+    """What the areas of a definition are off by."""
 
-    Attributes
-    ----------
-    terms : tuple of (float, float, float)
-        Powers of z, and the means and standard deviations of their coefficients.
-    odd : float
-        Standard deviation of what each grid is off by anew, whatever its shifts, over f z^2.
-    noise : tuple of float
-        Of one solve, from where the edges fall between the grid points: nu = hypot(a, b z).
-    alike : tuple of (float, float)
-        What edges of one direction are off by together, in cells, a + b z: the same on every grid; and anew
-        on each, where it falls with the root of the number of lines.
-    averaging : float
-        All deviations but that of power 0 fall with this power of the number of patches; they are those of
-        `_PATCHES`.
-    """
-
+    # Powers of z, and the means and standard deviations of their coefficients.
     terms: tuple[tuple[float, float, float], ...]
-    odd: float
+    odd: float  # Standard deviation of what each grid is off by anew, whatever its shifts, over f z^2
+    # Of one solve, from where the edges fall between the grid points: nu = hypot(a, b z)
     noise: tuple[float, float]
+    # What edges of one direction are off by together, in cells, a + b z: the same on every grid; and
+    # anew on each, where it falls with the root of the number of lines.
     alike: tuple[tuple[float, float], tuple[float, float]]
+    # All deviations but that of power 0 fall with this power of the number of patches; they are those
+    # of `_PATCHES`.
     averaging: float = 0.0
 
 

@@ -140,9 +140,6 @@ class ContactResult:
     tolerance : float or None
         What the solver was asked for: complementarity at most this, the other residuals at most ten times as
         much. None where it judged its answer by something else.
-    status : Status
-    residuals : Residuals
-    cost : Cost
     provenance : mapping of str to str
         Method, settings and versions, in words.
     """

@@ -39,28 +39,15 @@ def body_of(response: Response) -> Layered | Exponential:
 
 @dataclass(frozen=True, kw_only=True)
 class Sheets:
-    """Homogeneous sheets under waves of number q, and the amplitudes of the waves in them.
+    """Homogeneous sheets under waves of number q, and the amplitudes of the waves in them."""
 
-    Attributes
-    ----------
-    q : (n,) array
-        |q| [1/m].
-    tops : (k, n) array
-        Depths at which they begin [m], from 0.
-    thicknesses : (k, n) array
-        [m]; that of a half-space, the last, is infinite.
-    shear : (k, n) array
-        Moduli G [Pa].
-    poisson : (k,) array
-    down, up : (k, n, 2) arrays
-        Amplitudes times q per pressure: of what decays downwards from the top, upwards from the bottom.
-    """
-
-    q: Array
-    tops: Array
-    thicknesses: Array
-    shear: Array
-    poisson: Array
+    q: Array  # (n,): |q| [1/m]
+    tops: Array  # (k, n): Depths at which they begin [m], from 0
+    thicknesses: Array  # (k, n): [m]; that of a half-space, the last, is infinite
+    shear: Array  # (k, n): Moduli G [Pa]
+    poisson: Array  # (k,)
+    # (k, n, 2): Amplitudes times q per pressure: of what decays downwards from the top, upwards from
+    # the bottom.
     down: Array
     up: Array
 

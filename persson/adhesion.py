@@ -95,7 +95,6 @@ class AdhesiveContact:
         Change of `real_area` when the number of nodes is halved, plus the last change of the iteration.
     rounds : int
         Iterations on the fine nodes.
-    status : AdhesionStatus
     """
 
     wavevectors: Array

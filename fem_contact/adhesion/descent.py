@@ -128,28 +128,17 @@ class Point:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Minimum:
-    """A stationary point reached by descent.
+    """A stationary point reached by descent."""
 
-    Attributes
-    ----------
-    gap, force : (nx, ny) arrays
-        g [m]; K u, the pressure less its mean [Pa].
-    mean_pressure, offset : float
-        p0 [Pa], offset [m].
-    energy : float
-        Mean elastic and interaction energy per area [J/m^2], without the work of the load.
-    imbalance : float
-        Largest force left on a point that may move, over the strength of the law or the rms pressure,
-        whichever is larger.
-    status : Status
-    iterations, fft_pairs : int
-    """
-
+    # (nx, ny): g [m]; K u, the pressure less its mean [Pa].
     gap: Array
     force: Array
+    # p0 [Pa], offset [m].
     mean_pressure: float
     offset: float
-    energy: float
+    energy: float  # Mean elastic and interaction energy per area [J/m^2], without the work of the load
+    # Largest force left on a point that may move, over the strength of the law or the rms pressure,
+    # whichever is larger.
     imbalance: float
     status: Status
     iterations: int

@@ -88,7 +88,6 @@ class AdhesionPath:
     ----------
     points : tuple of PathPoint
         The states asked for, and those found around jumps, in order.
-    jumps : tuple of Jump
     last : AdhesiveContact
         The last state of equilibrium.
     """

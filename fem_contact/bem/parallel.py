@@ -77,7 +77,6 @@ class SlabSurface:
         Heights [m] of the rows of this process.
     lengths : tuple of float
         Periods (Lx, Ly) [m].
-    slabs : Slabs
     rms_height, rms_gradient : float
         h_rms [m] and h'_rms [-] of the whole surface.
     """
@@ -173,7 +172,6 @@ class SlabResult:
     ----------
     contact : ContactResult
         Fields of the rows of this process; all numbers are those of the whole.
-    slabs : Slabs
     """
 
     contact: ContactResult

@@ -43,7 +43,6 @@ class Element:
 
     Attributes
     ----------
-    name : str
     order : int
         1 for trilinear, 2 for triquadratic displacement.
     pressures : int
@@ -151,24 +150,13 @@ def scalar_basis(mesh: Any, element: Element) -> CellBasis:
 
 @dataclass(frozen=True, kw_only=True)
 class LocalForms:
-    """Integrals over each cell from which its stiffness is combined.
+    """Integrals over each cell from which its stiffness is combined."""
 
-    Attributes
-    ----------
-    products : mapping of (a, b) to (n, n, cells) array
-        int d_a phi_j d_b phi_i for a <= b; i is the test function and the first axis.
-    dilatations : (modes, 3, n, cells) array
-        int psi_m d_a phi_i.
-    masses : (modes, cells) array
-        int psi_m^2; the modes 1, xi, eta, zeta on [-1, 1]^3 are orthogonal.
-    indices : (2, n, n, cells) array
-        Unknowns (test, trial) of the entries of a product.
-    """
-
+    # int d_a phi_j d_b phi_i for a <= b; i is the test function and the first axis.
     products: dict[tuple[int, int], Array]
-    dilatations: Array
-    masses: Array
-    indices: NDArray[np.int64]
+    dilatations: Array  # (modes, 3, n, cells): int psi_m d_a phi_i
+    masses: Array  # (modes, cells): int psi_m^2; the modes 1, xi, eta, zeta on [-1, 1]^3 are orthogonal
+    indices: NDArray[np.int64]  # (2, n, n, cells): Unknowns (test, trial) of the entries of a product
 
     @classmethod
     def integrate(cls, basis: CellBasis, element: Element) -> LocalForms:

@@ -151,7 +151,6 @@ class BlockMesh:
         Cell width along y over that along x.
     layers : (nz,) array
         Layer thicknesses, from the bottom upwards.
-    element : Element
     """
 
     cells: Shape

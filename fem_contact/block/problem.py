@@ -18,85 +18,43 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, kw_only=True)
 class Found:
-    """Answer of any of the block's methods.
+    """Answer of any of the block's methods."""
 
-    Attributes
-    ----------
-    force : (nx, ny) array
-        Downward nodal force on the contact nodes over E times the cell width squared; 0 elsewhere.
-    gap, displacement : (nx, ny) arrays
-        g, and u into the block, over the cell width.
-    in_contact : (nx, ny) array of bool
-    offset : float
-        Over the cell width.
-    status : Status
-    iterations, linear_iterations : int
-    fft_pairs : float
-    bytes : int
-        Memory of the arrays that were held.
-    method : {"multigrid", "refined", "reduced"}
-    note : str
-        What the solver reached, in words.
-    field : (nx, ny, planes, 3) array or None
-        Displacement of all nodes over the cell width, where it was solved for.
-    at_bound : (nx, ny) array of bool or None
-        Nodes at the pressure bound; None where there is none.
-    """
-
+    # (nx, ny): Downward nodal force on the contact nodes over E times the cell width squared; 0
+    # elsewhere.
     force: Array
+    # (nx, ny): g, and u into the block, over the cell width.
     gap: Array
     displacement: Array
-    in_contact: Mask
-    offset: float
+    in_contact: Mask  # (nx, ny)
+    offset: float  # Over the cell width
     status: Status
     iterations: int
     linear_iterations: int
     fft_pairs: float
-    bytes: int
-    method: str
-    note: str
+    bytes: int  # Memory of the arrays that were held
+    method: str  # {"multigrid", "refined", "reduced"}
+    note: str  # What the solver reached, in words
+    # (nx, ny, planes, 3): Displacement of all nodes over the cell width, where it was solved for.
     field: Array | None = None
-    at_bound: Mask | None = None
+    at_bound: Mask | None = None  # (nx, ny): Nodes at the pressure bound; None where there is none
 
 
 @dataclass(frozen=True, kw_only=True)
 class Problem:
-    """A rigid profile to be pressed into a block.
-
-    Attributes
-    ----------
-    mesh : BlockMesh
-    heights : (nx, ny) array
-        Profile over the cell width, nowhere above 0.
-    poisson : float
-    pressure : float or None
-        p0 / E, where it is prescribed.
-    offset : float or None
-        Offset over the cell width, where it is prescribed instead.
-    gradient : float
-        h'_rms.
-    modulus : (nx or 1, ny or 1, nz) array or None
-        Young's modulus of the cells over E.
-    tolerance : float
-    steps : int
-        Iterations allowed.
-    growth : float
-        Largest ratio of neighbouring layers, for coarser meshes.
-    bound : (nx, ny) array or None
-        Largest pressure at the surface nodes over E.
-    """
+    """A rigid profile to be pressed into a block."""
 
     mesh: BlockMesh
-    heights: Array
+    heights: Array  # (nx, ny): Profile over the cell width, nowhere above 0
     poisson: float
-    pressure: float | None
-    offset: float | None
-    gradient: float
-    modulus: Array | None
+    pressure: float | None  # p0 / E, where it is prescribed
+    offset: float | None  # Offset over the cell width, where it is prescribed instead
+    gradient: float  # h'_rms
+    modulus: Array | None  # (nx or 1, ny or 1, nz): Young's modulus of the cells over E
     tolerance: float
-    steps: int
-    growth: float
-    bound: Array | None = None
+    steps: int  # Iterations allowed
+    growth: float  # Largest ratio of neighbouring layers, for coarser meshes
+    bound: Array | None = None  # (nx, ny): Largest pressure at the surface nodes over E
 
     @property
     def load(self) -> float | None:

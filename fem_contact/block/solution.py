@@ -29,21 +29,13 @@ _PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
 @dataclass(frozen=True, kw_only=True)
 class CellLayer:
-    """Displacement of the nodes of one layer of cells.
+    """Displacement of the nodes of one layer of cells."""
 
-    Attributes
-    ----------
-    index : int
-        Number of the layer, from the bottom upwards.
-    nodes : (order + 1, nx, ny, 3) array
-        Displacement [m] of its planes of nodes, from the lower to the upper.
-    pressure : (cells, cells) array or None
-        Mean pressure unknown of each cell, tension positive, over the layer's Young's modulus, where the
-        element carries it.
-    """
-
-    index: int
+    index: int  # Number of the layer, from the bottom upwards
+    # (order + 1, nx, ny, 3): Displacement [m] of its planes of nodes, from the lower to the upper.
     nodes: Array
+    # (cells, cells): Mean pressure unknown of each cell, tension positive, over the layer's Young's
+    # modulus, where the element carries it.
     pressure: Array | None = None
 
     def gradient(self, size: tuple[float, float, float], element: Element) -> Array:
@@ -91,16 +83,9 @@ class FieldSource(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class ArraySource:
-    """A field that is held in memory.
+    """A field that is held in memory."""
 
-    Attributes
-    ----------
-    field : (nx, ny, planes, 3) array
-        Displacement [m], from the clamped plane upwards.
-    order : int
-    """
-
-    field: Array
+    field: Array  # (nx, ny, planes, 3): Displacement [m], from the clamped plane upwards
     order: int = 1
 
     def descend(self) -> Iterator[CellLayer]:
@@ -141,7 +126,6 @@ class BlockSolution:
         Pressure (nodal force over the node's area), gap and contact set at the surface nodes.
     solid : Solid
         Reference solid: Poisson ratio, and the modulus that `modulus` multiplies.
-    mesh : BlockMesh
     source : FieldSource
         Walks down through the displacement.
     modulus : (nx or 1, ny or 1, nz) array or None

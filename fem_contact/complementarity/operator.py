@@ -66,26 +66,12 @@ class Operator(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class Solution:
-    """What a complementarity solver returns.
+    """What a complementarity solver returns."""
 
-    Attributes
-    ----------
-    force : array
-        x [Pa], within its bounds, its mean the prescribed one to rounding.
-    displacement : array
-        S x [m], applied afresh to the returned force.
-    offset : float
-        Multiplier of the load [m].
-    in_contact, at_bound : array of bool
-        The solver's working sets.
-    status : Status
-    iterations : int
-    fft_pairs : float
-    """
-
-    force: Array
-    displacement: Array
-    offset: float
+    force: Array  # x [Pa], within its bounds, its mean the prescribed one to rounding
+    displacement: Array  # S x [m], applied afresh to the returned force
+    offset: float  # Multiplier of the load [m]
+    # The solver's working sets.
     in_contact: Mask
     at_bound: Mask
     status: Status

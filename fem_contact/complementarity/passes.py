@@ -21,23 +21,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class Errors:
-    """By how much an iterate misses the contact conditions, in the units of the iteration.
+    """By how much an iterate misses the contact conditions, in the units of the iteration."""
 
-    Attributes
-    ----------
-    moment, total : float
-        sum x |g| and sum x over points below the bound.
-    lowest, highest : float
-        Least gap of these points, greatest gap of points at the bound.
-    free, last, image : float
-        Sums over the working set of phi (x, or x (1 - x / bound)), of the last step, and of phi times the
-        image of that step.
-    """
-
+    # sum x |g| and sum x over points below the bound.
     moment: float
     total: float
+    # Least gap of these points, greatest gap of points at the bound.
     lowest: float
     highest: float
+    # Sums over the working set of phi (x, or x (1 - x / bound)), of the last step, and of phi times the
+    # image of that step.
     free: float
     last: float
     image: float

@@ -107,25 +107,14 @@ def random_surface(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RandomWaves:
-    """The waves of one realisation of a random surface, drawn once and sampled on any grid.
+    """The waves of one realisation of a random surface, drawn once and sampled on any grid."""
 
-    Attributes
-    ----------
-    m, n : (count,) arrays of int
-        Wave numbers, one of each pair +-q.
-    amplitudes : (count,) array of complex
-        Fourier coefficients of half the surface [m].
-    q_short : float
-        Cut-off wavevector [1/m].
-    lengths : tuple of float
-        Periods (Lx, Ly) [m].
-    """
-
+    # (count,): Wave numbers, one of each pair +-q.
     m: NDArray[np.int64]
     n: NDArray[np.int64]
-    amplitudes: NDArray[np.complex128]
-    q_short: float
-    lengths: Lengths
+    amplitudes: NDArray[np.complex128]  # (count,): Fourier coefficients of half the surface [m]
+    q_short: float  # Cut-off wavevector [1/m]
+    lengths: Lengths  # Periods (Lx, Ly) [m]
 
     def on(self, shape: Shape, *, under_resolved: bool = False) -> HeightField:
         """Sample the surface on a grid.

@@ -30,66 +30,42 @@ _LOOSE = 1e-3
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """When the active-set iteration stops.
+    """When the active-set iteration stops."""
 
-    Attributes
-    ----------
-    tolerance : float
-        Bound on the linear residual over the norm of the contact forces, and on what an unsettled set may
-        still violate.
-    max_iterations : int
-        Active sets tried at most.
-    max_linear_iterations : int
-        Conjugate-gradient steps per set.
-    """
-
+    # Bound on the linear residual over the norm of the contact forces, and on what an unsettled set may
+    # still violate.
     tolerance: float
-    max_iterations: int
-    max_linear_iterations: int
+    max_iterations: int  # Active sets tried at most
+    max_linear_iterations: int  # Conjugate-gradient steps per set
 
 
 @dataclass(frozen=True, kw_only=True)
 class ActiveSetSolution:
-    """State at the end of the iteration, dimensionless.
+    """State at the end of the iteration, dimensionless."""
 
-    Attributes
-    ----------
-    displacement : (nx, ny, nz, 3) array
-        u over the cell width above the clamped plane.
-    force, gap : (nx, ny) arrays
-        Downward force on the contact nodes over E times the cell width squared; g over the cell width.
-    in_contact : (nx, ny) array of bool
-    offset : float
-        Offset over the cell width.
-    at_bound : (nx, ny) array of bool or None
-        Contact nodes held at the bound; None where there is none.
-    """
-
-    displacement: Array
+    displacement: Array  # (nx, ny, nz, 3): u over the cell width above the clamped plane
+    # (nx, ny): Downward force on the contact nodes over E times the cell width squared; g over the cell
+    # width.
     force: Array
     gap: Array
-    in_contact: Mask
-    offset: float
+    in_contact: Mask  # (nx, ny)
+    offset: float  # Offset over the cell width
     status: Status
     sets: int
     linear_iterations: int
     linear_residual: float
     matrix_bytes: int
-    at_bound: Mask | None = None
+    at_bound: Mask | None = None  # (nx, ny): Contact nodes held at the bound; None where there is none
 
 
 @dataclass(frozen=True, kw_only=True)
 class _State:
-    """Displacement, and what it says about the surface nodes.
-
-    Attributes
-    ----------
-    nodes, plastic, following, sinking : (nx, ny) arrays of bool
-        Nodes on the profile, and others at the bound (None without one); the same for the next set.
-    """
+    """Displacement, and what it says about the surface nodes."""
 
     displacement: Array
     offset: float
+    # (nx, ny): Nodes on the profile, and others at the bound (None without one); the same for the next
+    # set.
     nodes: Mask
     following: Mask
     force: Array

@@ -22,15 +22,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, kw_only=True)
 class Stiffness:
-    """Stiffness of the whole block, clamped planes included, over the modulus E.
+    """Stiffness of the whole block, clamped planes included, over the modulus E."""
 
-    Attributes
-    ----------
-    matrix : scipy.sparse.bsr_array
-        Blocks of 3 x 3 over the lattice nodes (i ny + j) nk + k of nk planes; symmetric.
-    """
-
-    matrix: sp.bsr_array
+    matrix: sp.bsr_array  # Blocks of 3 x 3 over the lattice nodes (i ny + j) nk + k of nk planes; symmetric
     mesh: BlockMesh
 
     def free(self) -> sp.bsr_array:

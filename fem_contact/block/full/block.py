@@ -26,18 +26,11 @@ class Block:
     """The trilinear cells of a hierarchy's finest grid, and the profile pressed into them.
 
     Displacements are flat arrays over the nodes above the clamped plane, numbered (i ny + j) nz + k.
-
-    Attributes
-    ----------
-    heights : (nx, ny) array
-        Profile over the cell width, positive into the block.
-    bound : (nx, ny) array or None
-        Largest nodal force, over E times the cell width squared.
     """
 
     hierarchy: Hierarchy
-    heights: Array
-    bound: Array | None = None
+    heights: Array  # (nx, ny): Profile over the cell width, positive into the block
+    bound: Array | None = None  # (nx, ny): Largest nodal force, over E times the cell width squared
 
     #: Whether the hierarchy's cells are others than the block's.
     refined: ClassVar[bool] = False

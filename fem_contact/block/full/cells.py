@@ -71,20 +71,11 @@ def overlap_means(modulus: Array, shape: tuple[int, int]) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class BlockFactors:
-    """Every column's coupling to itself, factorised: L S L' in blocks of 3 x 3 per plane.
+    """Every column's coupling to itself, factorised: L S L' in blocks of 3 x 3 per plane."""
 
-    Attributes
-    ----------
-    low : (nx, ny, nz, 3, 3) array
-        Below the diagonal of L; zero on the lowest plane.
-    inverse : (nx, ny, nz, 3, 3) array
-        Of the pivots S.
-    follow : (nx, ny, nz, 3) array
-        Displacement of a column whose top is moved by one upwards, its neighbours held.
-    """
-
-    low: Array
-    inverse: Array
+    low: Array  # (nx, ny, nz, 3, 3): Below the diagonal of L; zero on the lowest plane
+    inverse: Array  # (nx, ny, nz, 3, 3): Of the pivots S
+    # (nx, ny, nz, 3): Displacement of a column whose top is moved by one upwards, its neighbours held.
     follow: Array
 
     @classmethod

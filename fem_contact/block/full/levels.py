@@ -19,21 +19,11 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True, kw_only=True)
 class Transfer:
-    """Linear interpolation along one axis, from a periodic grid of fewer nodes.
+    """Linear interpolation along one axis, from a periodic grid of fewer nodes."""
 
-    Attributes
-    ----------
-    low : (n,) array of int
-        Coarse node at or before each fine node.
-    weight : (n,) array
-        Share of the coarse node after it.
-    size : int
-        Coarse nodes.
-    """
-
-    low: NDArray[np.int64]
-    weight: Array
-    size: int
+    low: NDArray[np.int64]  # (n,): Coarse node at or before each fine node
+    weight: Array  # (n,): Share of the coarse node after it
+    size: int  # Coarse nodes
 
     @classmethod
     def between(cls, fine: int, coarse: int) -> Transfer:
@@ -44,24 +34,12 @@ class Transfer:
 
 @dataclass(frozen=True, kw_only=True)
 class Level(ABC):
-    """One grid of the hierarchy.
+    """One grid of the hierarchy."""
 
-    Attributes
-    ----------
-    shape : tuple of int
-        Columns along both axes.
-    area : float
-        Of the cell, over the square of the finest cell width along x.
-    coefficients : (nz, ...) array
-        What the cells of each layer do, over E times the finest cell width.
-    down : tuple of Transfer or None
-        Interpolation from the next coarser grid; None on the last.
-    """
-
-    shape: tuple[int, int]
-    area: float
-    coefficients: Array
-    down: tuple[Transfer, Transfer] | None
+    shape: tuple[int, int]  # Columns along both axes
+    area: float  # Of the cell, over the square of the finest cell width along x
+    coefficients: Array  # (nz, ...): What the cells of each layer do, over E times the finest cell width
+    down: tuple[Transfer, Transfer] | None  # Interpolation from the next coarser grid; None on the last
 
     @abstractmethod
     def apply(self, u: Array) -> Array:
@@ -106,12 +84,7 @@ def _tables(down: tuple[Transfer, Transfer]) -> tuple[NDArray[np.int64], Array, 
 
 @dataclass(frozen=True, kw_only=True)
 class StencilLevel(Level):
-    """A grid whose columns all have the same rows: the coefficients are those of `stencil`.
-
-    Attributes
-    ----------
-    lines : LineFactors
-    """
+    """A grid whose columns all have the same rows: the coefficients are those of `stencil`."""
 
     lines: LineFactors
 
@@ -138,16 +111,9 @@ class StencilLevel(Level):
 
 @dataclass(frozen=True, kw_only=True)
 class CellLevel(Level):
-    """A grid whose cells have a modulus each: the coefficients are those of `corner_coefficients`, (nz, 72).
+    """A grid whose cells have a modulus each: the coefficients are `corner_coefficients`, (nz, 72)."""
 
-    Attributes
-    ----------
-    modulus : (nx, ny, nz) array
-        Young's modulus of the cells over E.
-    lines : BlockFactors
-    """
-
-    modulus: Array
+    modulus: Array  # (nx, ny, nz): Young's modulus of the cells over E
     lines: BlockFactors
 
     def apply(self, u: Array) -> Array:

@@ -20,21 +20,12 @@ Operator = Callable[[Array], Array]
 
 @dataclass(frozen=True, kw_only=True)
 class LinearSolution:
-    """What conjugate gradients returned.
-
-    Attributes
-    ----------
-    x : array
-    relative_residual : float
-        |b - A x| / scale, recomputed from x after the last step.
-    iterations : int
-    converged : bool
-        Whether that residual meets the tolerance, or is what rounding leaves of A x and at most 1e-10.
-    """
+    """What conjugate gradients returned."""
 
     x: Array
-    relative_residual: float
+    relative_residual: float  # |b - A x| / scale, recomputed from x after the last step
     iterations: int
+    # Whether that residual meets the tolerance, or is what rounding leaves of A x and at most 1e-10.
     converged: bool
 
 

@@ -34,17 +34,10 @@ _TIED_SHARE = 0.25
 
 @dataclass(frozen=True, kw_only=True)
 class Hierarchy:
-    """Grids from the finest to a single column.
-
-    Attributes
-    ----------
-    levels : tuple of Level
-    depth : float
-        Thickness of the block over the finest cell width.
-    """
+    """Grids from the finest to a single column."""
 
     levels: tuple[Level, ...]
-    depth: float
+    depth: float  # Thickness of the block over the finest cell width
 
     def coarser(self) -> Hierarchy:
         """Return the hierarchy below the finest grid, in the same units."""

@@ -33,19 +33,11 @@ _COMPRESSIBLE = 0.3
 
 @dataclass(frozen=True, kw_only=True)
 class ParityBlocks:
-    """Element matrices of the layers, class by class.
+    """Element matrices of the layers, class by class."""
 
-    Attributes
-    ----------
-    entries : (nz, 855) array
-        The blocks, row by row, one after the other, over E times the cell width.
-    sizes : (8,) array of int
-    places : (3, 3, 3, 3) array of int
-        Row of each combination (x, y, z) of each component, classes one after the other.
-    """
-
-    entries: Array
-    sizes: NDArray[np.int64]
+    entries: Array  # (nz, 855): The blocks, row by row, one after the other, over E times the cell width
+    sizes: NDArray[np.int64]  # (8,)
+    # (3, 3, 3, 3): Row of each combination (x, y, z) of each component, classes one after the other.
     places: NDArray[np.int64]
 
 
@@ -74,19 +66,11 @@ def parity_blocks(mesh: BlockMesh, *, poisson: float) -> ParityBlocks:
 
 @dataclass(frozen=True, kw_only=True)
 class QuadraticBlock(Block):
-    """Triquadratic cells, preconditioned by the trilinear cells between their nodes.
-
-    Attributes
-    ----------
-    modulus : (nx, ny, nz) array
-        Young's modulus of the cells over E.
-    hierarchy : Hierarchy
-        As `refined_hierarchy` builds it.
-    """
+    """Triquadratic cells, preconditioned by the trilinear cells between their nodes."""
 
     mesh: BlockMesh
     cells: ParityBlocks
-    modulus: Array
+    modulus: Array  # (nx, ny, nz): Young's modulus of the cells over E
 
     refined: ClassVar[bool] = True
 

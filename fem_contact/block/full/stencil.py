@@ -80,18 +80,10 @@ def stencil(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) ->
 
 @dataclass(frozen=True, kw_only=True)
 class LineFactors:
-    """A column's coupling to itself, factorised: three tridiagonal matrices L D L'.
+    """A column's coupling to itself, factorised: three tridiagonal matrices L D L'."""
 
-    Attributes
-    ----------
-    low : (nz, 3) array
-        Below the diagonal of L; its first row is 0.
-    reciprocal : (nz, 3) array
-        1 / D.
-    """
-
-    low: Array
-    reciprocal: Array
+    low: Array  # (nz, 3): Below the diagonal of L; its first row is 0
+    reciprocal: Array  # (nz, 3): 1 / D
 
     @classmethod
     def of(cls, coefficients: Array, shape: tuple[int, int]) -> LineFactors:

@@ -46,22 +46,13 @@ def cofactors(gradient: Array) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, kw_only=True)
 class Strained:
-    """State of the points of cells.
+    """State of the points of cells."""
 
-    Attributes
-    ----------
-    gradient, cofactor : (..., 3, 3) arrays
-        F and dJ/dF.
-    jacobian : (...) array
-        J.
-    dilated : (...) array
-        J-bar: J, or its mean over the cell.
-    """
-
+    # (..., 3, 3): F and dJ/dF.
     gradient: Array
     cofactor: Array
-    jacobian: Array
-    dilated: Array
+    jacobian: Array  # (...): J
+    dilated: Array  # (...): J-bar: J, or its mean over the cell
 
     @classmethod
     def of(cls, gradient: Array, weights: Array | None = None) -> Strained:
@@ -111,16 +102,9 @@ def stress(gradient: Array, *, poisson: float) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Cells:
-    """All cells of a block.
+    """All cells of a block."""
 
-    Attributes
-    ----------
-    mesh : BlockMesh
-        Of ``Hex1`` or ``Hex1/P0``.
-    poisson : float
-    """
-
-    mesh: BlockMesh
+    mesh: BlockMesh  # Of ``Hex1`` or ``Hex1/P0``
     poisson: float
 
     @cached_property

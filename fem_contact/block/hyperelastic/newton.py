@@ -43,36 +43,16 @@ _LOST = 1e3
 
 @dataclass(frozen=True, kw_only=True)
 class State:
-    """Where the nodes are, and what presses on them.
+    """Where the nodes are, and what presses on them."""
 
-    Attributes
-    ----------
-    field : (nx, ny, nz, 3) array
-        u above the clamped plane.
-    offset : float
-        d.
-    force : (nx, ny) array
-        lambda_i.
-    nodes : (nx, ny) array of bool
-        The active set.
-    history : tuple of float
-        Residual after each step.
-    linear : int
-        Conjugate-gradient steps.
-    trouble : str
-        Why there is no solution; empty where this is one.
-    strained : Strained or None
-        The cells at this field, where they are known.
-    """
-
-    field: Array
-    offset: float
-    force: Array
-    nodes: Mask
-    history: tuple[float, ...] = ()
-    linear: int = 0
-    trouble: str = ""
-    strained: Strained | None = None
+    field: Array  # (nx, ny, nz, 3): u above the clamped plane
+    offset: float  # d
+    force: Array  # (nx, ny): lambda_i
+    nodes: Mask  # (nx, ny): The active set
+    history: tuple[float, ...] = ()  # Residual after each step
+    linear: int = 0  # Conjugate-gradient steps
+    trouble: str = ""  # Why there is no solution; empty where this is one
+    strained: Strained | None = None  # The cells at this field, where they are known
 
     def scaled(self, factor: float) -> State:
         """Return the guess for a problem whose heights and load are those of this one times a factor."""
@@ -86,30 +66,15 @@ class State:
 
 @dataclass(frozen=True, kw_only=True)
 class Press:
-    """A profile to be pressed into a block.
-
-    Attributes
-    ----------
-    cells : Cells
-    hierarchy : Hierarchy
-        Grids of the linear block.
-    profile : Profile
-    load : float
-        F, over E times the square of the cell width.
-    roughness : float
-        Length in which gaps are measured.
-    tolerance : float
-    steps : int
-        Newton steps at most.
-    """
+    """A profile to be pressed into a block."""
 
     cells: Cells
-    hierarchy: Hierarchy
+    hierarchy: Hierarchy  # Grids of the linear block
     profile: Profile
-    load: float
-    roughness: float
+    load: float  # F, over E times the square of the cell width
+    roughness: float  # Length in which gaps are measured
     tolerance: float
-    steps: int
+    steps: int  # Newton steps at most
 
     def scaled(self, factor: float) -> Press:
         """Multiply heights and load."""
@@ -197,24 +162,14 @@ def _step(press: Press, state: State) -> State:
 
 @dataclass(frozen=True, kw_only=True)
 class _Tangent:
-    """The linear problem of one step.
-
-    Attributes
-    ----------
-    matrix : sparse array
-        Stiffness of the cells, and of the contact forces, which turn with the profile.
-    internal : (nx, ny, nz, 3) array
-        Forces of the cells.
-    slope : (contacts, 2) array
-    gap : (contacts,) array
-    """
+    """The linear problem of one step."""
 
     press: Press
     state: State
-    matrix: sp.bsr_array
-    internal: Array
-    slope: Array
-    gap: Array
+    matrix: sp.bsr_array  # Stiffness of the cells, and of the contact forces, which turn with the profile
+    internal: Array  # (nx, ny, nz, 3): Forces of the cells
+    slope: Array  # (contacts, 2)
+    gap: Array  # (contacts,)
 
     @classmethod
     def at(cls, press: Press, state: State) -> _Tangent:

@@ -26,19 +26,12 @@ class Heights:
 
 @dataclass(frozen=True, kw_only=True)
 class Profile:
-    """Trigonometric interpolant of a surface, in units of a length.
+    """Trigonometric interpolant of a surface, in units of a length."""
 
-    Attributes
-    ----------
-    qx, qy : (m,), (n,) arrays
-        Wavevectors times the length.
-    coefficients : (m, n) array
-        Over the length.
-    """
-
+    # (m,), (n,): Wavevectors times the length.
     qx: Array
     qy: Array
-    coefficients: NDArray[np.complex128]
+    coefficients: NDArray[np.complex128]  # (m, n): Over the length
 
     @classmethod
     def of(cls, surface: HeightField, *, unit: float) -> Profile:

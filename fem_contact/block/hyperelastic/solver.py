@@ -45,8 +45,6 @@ class FiniteStrain:
         The problem, in cell widths and Young's modulus.
     state : State
         Its solution.
-    surface : HeightField
-    solid : Solid
     mean_pressure : float
         Load over the nominal area [Pa].
     """

@@ -44,23 +44,14 @@ _FUNCTIONS = 5
 
 @dataclass(frozen=True, kw_only=True)
 class FoldedLayers:
-    """Element matrices of a column as functions of the phases.
+    """Element matrices of a column as functions of the phases."""
 
-    Attributes
-    ----------
-    coefficients : (nz, 5, 5, m, m) array
-        Of f_i(theta_x) f_j(theta_y), f = 1, cos(t/2), cos t, sin(t/2), sin t. The m rows are bottom plane,
-        inner plane (triquadratic cells), pressure modes, top plane; within a plane by kind of node, then
-        component.
-    types : int
-        Kinds of nodes per plane.
-    pressures : int
-        Pressure modes kept as unknowns.
-    """
-
+    # (nz, 5, 5, m, m): Of f_i(theta_x) f_j(theta_y), f = 1, cos(t/2), cos t, sin(t/2), sin t. The m
+    # rows are bottom plane, inner plane (triquadratic cells), pressure modes, top plane; within a plane
+    # by kind of node, then component.
     coefficients: Array
-    types: int
-    pressures: int
+    types: int  # Kinds of nodes per plane
+    pressures: int  # Pressure modes kept as unknowns
 
     @property
     def plane(self) -> int:
@@ -146,17 +137,11 @@ def _wave_terms(shift: tuple[int, int], turn: int) -> list[tuple[int, int, int]]
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceStates:
-    """What the layers below each boundary amount to, for a set of phases.
+    """What the layers below each boundary amount to, for a set of phases."""
 
-    Attributes
-    ----------
-    top : (n, s, s) array
-        State at the surface: stiffness of its plane, bordered by the top layer's pressures.
-    below : list of (n, s, s) arrays
-        The states at the boundaries below it, from the bottom upwards, if they were asked for.
-    """
-
+    # (n, s, s): State at the surface: stiffness of its plane, bordered by the top layer's pressures.
     top: Array
+    # The states at the boundaries below it, from the bottom upwards, if they were asked for.
     below: list[Array]
 
 

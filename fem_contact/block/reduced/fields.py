@@ -23,21 +23,11 @@ Waves = NDArray[np.complex128]
 
 @dataclass(frozen=True, kw_only=True)
 class FourierSource:
-    """The field under given nodal forces: one Fourier solve, of which only a layer is held at a time.
-
-    Attributes
-    ----------
-    response : BlockResponse
-    force : (nx, ny) array
-        Downward nodal force over E times the cell width squared.
-    width : float
-        Width of a cell [m].
-    threads : int
-    """
+    """The field under given nodal forces: one Fourier solve, of which only a layer is held at a time."""
 
     response: BlockResponse
-    force: Array
-    width: float
+    force: Array  # (nx, ny): Downward nodal force over E times the cell width squared
+    width: float  # Width of a cell [m]
     threads: int = 1
 
     def descend(self) -> Iterator[CellLayer]:

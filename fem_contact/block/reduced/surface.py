@@ -40,8 +40,6 @@ class BlockResponse:
 
     Attributes
     ----------
-    mesh : BlockMesh
-    solid : Solid
     width : float
         Width of a cell along x [m].
     layer_modulus : (nz,) array or None
@@ -313,17 +311,10 @@ _SLACK = 1e-12
 
 @dataclass(frozen=True, kw_only=True)
 class _Direct:
-    """An answer that no iteration led to.
-
-    Attributes
-    ----------
-    solution : Solution
-    gap : (nx, ny) array
-        Over the cell width.
-    """
+    """An answer that no iteration led to."""
 
     solution: Solution
-    gap: Array
+    gap: Array  # (nx, ny): Over the cell width
 
     def judged(self, problem: Problem) -> Solution:
         """Let the residual say whether rounding left an answer; a NaN is not below the tolerance."""
