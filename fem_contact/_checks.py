@@ -15,6 +15,7 @@ __all__ = [
     "LEAST",
     "alike",
     "array",
+    "bound",
     "choice",
     "doubles",
     "field",
@@ -27,6 +28,7 @@ __all__ = [
     "pair",
     "poisson_ratio",
     "positive",
+    "pressures",
     "room_for",
     "samples",
     "shape_of",
@@ -95,6 +97,24 @@ def field(name: str, value: object, shape: tuple[int, int], *, unit: str = "") -
     return values
 
 
+def bound(name: str, value: object, shape: tuple[int, int] | None = None) -> Array:
+    """Return a pressure bound [Pa], one or one for each point of a grid, all positive."""
+    values = array(name, value, unit="Pa")
+    if shape is not None and values.ndim > 0 and values.shape != shape:
+        raise InvalidInput(f"{name} of shape {values.shape}: must be one pressure or of shape {shape}")
+    if values.size == 0 or not np.all(values >= LEAST):
+        raise InvalidInput(f"{name}: must be positive and finite everywhere, at least {LEAST:g} Pa")
+    return values
+
+
+def pressures(name: str, value: object, shape: tuple[int, int]) -> Array:
+    """Return pressures [Pa] on a grid, none negative and not all zero."""
+    values = field(name, value, shape, unit="Pa")
+    if values.min() < 0 or not np.mean(values) > LEAST:
+        raise InvalidInput(f"{name}: must be pressures in Pa, none negative, not all zero")
+    return values
+
+
 def samples(name: str, value: object, *, least: int = 1, unit: str = "") -> Array:
     """Return a sequence of real numbers as a one-dimensional array of doubles."""
     if isinstance(value, Iterable) and not isinstance(value, (str, bytes, np.ndarray)):
@@ -125,13 +145,13 @@ def listed(name: str, value: object, kind: type, *, what: str) -> None:
         raise InvalidInput(f"{name} = {shown(value)}: must be a list of {what}")
 
 
-def room_for(name: str, value: object, *, needed: float) -> None:
+def room_for(what: str, *, needed: float, remedy: str = "take fewer points") -> None:
     """Refuse what takes more memory [bytes] than is available, before anything is allocated."""
     import psutil
 
     available = psutil.virtual_memory().available
     if needed > available:
         raise InsufficientMemory(
-            f"{name} = {shown(value)}: needs about {needed / 2**30:.3g} GiB, {available / 2**30:.3g} GiB are "
-            "available: take fewer points"
+            f"{what}: needs about {needed / 2**30:.3g} GiB, {available / 2**30:.3g} GiB are available: "
+            f"{remedy}"
         )

@@ -8,9 +8,9 @@ The excess is proportional to the edge length, with a constant that belongs to t
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import scipy.ndimage
@@ -283,17 +283,10 @@ def mean_areas(areas: Sequence[ContactAreas]) -> ContactAreas:
     if len({(area.spacing, area.edge_constant) for area in areas}) != 1:
         raise InvalidInput("areas: must all be of one grid and one edge constant")
     located = [area.subcell for area in areas if area.subcell is not None]
-    return ContactAreas(
-        pixel=float(np.mean([area.pixel for area in areas])),
-        perimeter=float(np.mean([area.perimeter for area in areas])),
-        edge_length=float(np.mean([area.edge_length for area in areas])),
-        edge_fraction=float(np.mean([area.edge_fraction for area in areas])),
-        edge_constant=areas[0].edge_constant,
-        spacing=areas[0].spacing,
-        subcell=float(np.mean(located)) if len(located) == len(areas) else None,
-        cells=areas[0].cells,
-        **{name: float(np.mean([getattr(area, name) for area in areas])) for name in TRAITS},
-    )
+    names = ("pixel", "perimeter", "edge_length", "edge_fraction", *TRAITS)
+    means: dict[str, Any] = {name: float(np.mean([getattr(area, name) for area in areas])) for name in names}
+    subcell = float(np.mean(located)) if len(located) == len(areas) else None
+    return replace(areas[0], **means, subcell=subcell)
 
 
 @dataclass(frozen=True, kw_only=True)

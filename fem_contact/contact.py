@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from enum import Enum
+from functools import partial
 from types import MappingProxyType
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -173,7 +173,7 @@ class ContactResult:
     def __reduce__(self) -> tuple[object, ...]:
         # A mapping proxy cannot be pickled, and unpickled arrays would be writable: build the copy anew.
         values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
-        return _rebuilt, (values | {"provenance": dict(self.provenance)},)
+        return partial(ContactResult, **(values | {"provenance": dict(self.provenance)})), ()
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -231,10 +231,6 @@ class ContactResult:
 
 #: Gaps, in tolerances times h_rms, within which a point may change sides before the solve is exact.
 _UNDECIDED = 10.0
-
-
-def _rebuilt(values: dict[str, Any]) -> ContactResult:
-    return ContactResult(**values)
 
 
 def check_result(name: str, result: object) -> None:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -136,9 +138,16 @@ def _mesh_path(path: Path) -> Path:
 def _write_mesh(path: Path, mesh: Any) -> None:
     import meshio
 
+    with _complete(path) as partial:
+        meshio.write(partial, mesh, **({"data_format": "XML"} if path.suffix == ".xdmf" else {}))
+
+
+@contextmanager
+def _complete(path: Path) -> Iterator[Path]:
+    """Give a file its name only once it is complete."""
     partial = path.with_name(f".partial-{os.getpid()}-{path.name}")
     try:
-        meshio.write(partial, mesh, **({"data_format": "XML"} if path.suffix == ".xdmf" else {}))
+        yield partial
         partial.replace(path)
     finally:
         partial.unlink(missing_ok=True)
@@ -285,10 +294,5 @@ def _pyvista() -> Any:
 
 
 def _shoot(plotter: Any, path: Path) -> None:
-    partial = path.with_name(f".partial-{os.getpid()}-{path.name}")
-    try:
+    with _complete(path) as partial, closing(plotter):
         plotter.screenshot(partial)
-        partial.replace(path)
-    finally:
-        plotter.close()
-        partial.unlink(missing_ok=True)

@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact._checks import choice, finite, instance, listed, pair, positive
+from fem_contact._checks import instance, listed
 from fem_contact.area import ContactAreas, mean_areas
 from fem_contact.area_error import (
     ALONE,
@@ -37,9 +37,6 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-
-#: Scatter of the place of an edge on the grid [cells], per edge, as counted areas of Hertzian contacts show.
-_SCATTER = 0.2
 
 #: Contact points on the finest grid below which no limit is claimed. On 8 surfaces of H = .3 and .8 at p*
 #: from 1e-5 to .02, twice the claimed error held the limit of grids of 384 and 512 points in 315 of 320
@@ -270,77 +267,41 @@ def predicted_uncertainty(coarse: ContactAreas, grids: Sequence[PlannedGrid]) ->
     return math.hypot(expected, kink_error(replace(coarse, edge_fraction=fraction), alone=len(ordered) == 1))
 
 
-def limit_area(
-    areas: Sequence[ContactAreas],
-    *,
-    definition: Literal["pixel", "subcell"] = "pixel",
-    known_constant: tuple[float, float] | None = None,
-) -> Limit:
-    """Limit of the contact area of one surface over its grids, by regression of fixed order.
+def limit_area(areas: Sequence[ContactAreas]) -> Limit:
+    """Limit of the counted area of one surface over its grids, by regression of fixed order.
 
-    The pixel area is fitted as A + c (P_edge dx), the located one as A + c (P_edge dx) dx; the order is not
-    fitted, since the order observed on a few grids scatters too much to extrapolate with. Where an edge falls
-    between grid points is random, so the area of one grid scatters like (number of edges)^(1/2) dx dy, and
-    each grid is weighted accordingly.
+    It is fitted as A + c (P_edge dx); the order is not fitted, since the order observed on a few grids
+    scatters too much to extrapolate with. Where an edge falls between grid points is random, so the area of
+    one grid scatters like (number of edges)^(1/2) dx dy, and each grid is weighted accordingly.
 
     Parameters
     ----------
     areas : sequence of ContactAreas
         Of one surface at one load, on at least three grids, not all of one spacing; several shifts of a grid
         may appear.
-    definition : {"pixel", "subcell"}
-        Which area is extrapolated.
-    known_constant : tuple of float, optional
-        What is known of c beforehand, and its standard deviation, as ``(EDGE_CONSTANTS["bem"], 0.01)``. It
-        enters like a measurement, and steadies the limit of a few coarse grids. Pixel areas only.
 
     Raises
     ------
     InvalidInput
-        For fewer than three areas, areas of a single spacing, or a definition that was not measured.
+        For fewer than three areas, or areas of a single spacing.
     """
-    listed("areas", areas, ContactAreas, what="`ContactAreas`")
-    choice("definition", definition, ("pixel", "subcell"))
-    if known_constant is not None:
-        known, spread = pair("known_constant", known_constant, what="a constant and its deviation")
-        known_constant = finite("known_constant", known), positive("known_constant", spread)
+    _check_areas(areas)
     sizes = {area.spacing for area in areas}
     if len(areas) < 3 or len(sizes) < 2:
         raise InvalidInput(
             f"{len(areas)} areas on {len(sizes)} spacings: a limit needs three areas on at least two spacings"
         )
-    if definition == "subcell" and (
-        known_constant is not None or any(area.subcell is None for area in areas)
-    ):
-        raise InvalidInput("definition = 'subcell': not measured by contact_areas, or given a constant")
     fraction = np.array([area.edge_fraction for area in areas])
     cell = np.array([area.spacing[0] * area.spacing[1] for area in areas])
-    value = np.array([area.pixel if definition == "pixel" else area.subcell for area in areas], dtype=float)
+    value = np.array([area.pixel for area in areas])
     if not np.any(fraction):
-        mean = float(value.mean())
-        return Limit(value=mean, uncertainty=0.0, edge_constant=0.0, grids=len(areas), definition=definition)
-    size = np.sqrt(cell / cell.max())
-    deviation = np.sqrt(fraction) * size
+        return Limit(value=float(value.mean()), uncertainty=0.0, edge_constant=0.0, grids=len(areas))
+    deviation = np.sqrt(fraction) * np.sqrt(cell / cell.max())
     deviation = np.maximum(deviation / deviation.max(), 1e-3)
-    excess = fraction if definition == "pixel" else fraction * size
-    design = np.stack([np.ones_like(excess), excess], axis=1) / deviation[:, None]
+    design = np.stack([np.ones_like(fraction), fraction], axis=1) / deviation[:, None]
     target = value / deviation
-    if known_constant is not None:
-        # In units of the scatter of the coarsest grid: .2 cells per edge, as Hertzian contacts show.
-        coarsest = int(np.argmax(np.sqrt(fraction) * size))
-        scatter = _SCATTER * np.sqrt(fraction[coarsest] * areas[coarsest].cell_share)
-        design = np.vstack([design, [0.0, scatter / known_constant[1]]])
-        target = np.append(target, known_constant[0] * scatter / known_constant[1])
-    limit, constant, error = _least_squares(design, target)
-    return Limit(
-        value=limit, uncertainty=error, edge_constant=constant, grids=len(areas), definition=definition
-    )
-
-
-def _least_squares(design: NDArray[np.float64], target: NDArray[np.float64]) -> tuple[float, float, float]:
-    """Intercept and slope of equations of equal weight, and the standard error of the intercept."""
-    (intercept, slope), *_ = np.linalg.lstsq(design, target)
-    rest = target - design @ np.array([intercept, slope])
-    variance = float(rest @ rest) / (target.size - 2)
-    covariance = variance * np.linalg.pinv(design.T @ design)
-    return float(intercept), float(slope), float(np.sqrt(covariance[0, 0]))
+    (limit, constant), *_ = np.linalg.lstsq(design, target)
+    rest = target - design @ np.array([limit, constant])
+    covariance = float(rest @ rest) / (target.size - 2) * np.linalg.pinv(design.T @ design)
+    error = float(np.sqrt(covariance[0, 0]))
+    return Limit(value=float(limit), uncertainty=error, edge_constant=float(constant), grids=len(areas))

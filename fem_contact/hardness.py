@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact import bem
-from fem_contact._checks import LEAST, array, instance, numbers_of, positive
+from fem_contact._checks import bound, instance, numbers_of, positive
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
@@ -43,9 +43,7 @@ class Hardness:
     pressure: float | Array
 
     def __post_init__(self) -> None:
-        values = array("hardness", self.pressure, unit="Pa")
-        if values.size == 0 or not np.all(values >= LEAST):
-            raise InvalidInput("hardness: must be positive and finite everywhere, in Pa")
+        bound("hardness", self.pressure)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

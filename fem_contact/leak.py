@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -179,12 +179,7 @@ def flow_conductance(gap: ArrayLike, lengths: tuple[float, float], *, axis: Axis
     ]
     if axis == "y":
         turned = flow_conductance(values.T, (sizes[1], sizes[0]))
-        return GapFlow(
-            conductance=turned.conductance,
-            closed=turned.closed,
-            pressure=turned.pressure.T,
-            balance=turned.balance,
-        )
+        return replace(turned, pressure=turned.pressure.T)
     open_cells = _winding(values > 0, "x")
     if not open_cells.any():
         nowhere = np.full(values.shape, np.nan)

@@ -36,7 +36,29 @@ class Response(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True)
-class HalfSpace:
+class _Homogeneous:
+    solid: Solid
+
+    def __post_init__(self) -> None:
+        instance("solid", self.solid, Solid, what="a `Solid`")
+
+    @property
+    def contact_modulus(self) -> float:
+        """E* [Pa]."""
+        return self.solid.contact_modulus
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Layer(_Homogeneous):
+    thickness: float
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        positive("thickness", self.thickness, unit="m")
+
+
+@dataclass(frozen=True, kw_only=True)
+class HalfSpace(_Homogeneous):
     """The homogeneous elastic half-space, C(q) = 2 / (E* |q|), with the infinite q = 0 response left out.
 
     Examples
@@ -46,16 +68,6 @@ class HalfSpace:
     array([0. , 0.4])
     """
 
-    solid: Solid
-
-    def __post_init__(self) -> None:
-        _check_solid(self.solid)
-
-    @property
-    def contact_modulus(self) -> float:
-        """E* [Pa]."""
-        return self.solid.contact_modulus
-
     def compliance(self, qx: Array, qy: Array) -> Array:
         """Return 2 / (E* |q|) [m/Pa], 0 at q = 0."""
         q = wave_size(qx, qy)
@@ -64,7 +76,7 @@ class HalfSpace:
 
 
 @dataclass(frozen=True, kw_only=True)
-class FreeHalfSpace:
+class FreeHalfSpace(_Homogeneous):
     """The homogeneous elastic half-space that one patch is pressed on, without images: nothing is periodic.
 
     Outside the patch the surface is free. `bem.solve` and `bem.solve_path` take it: lengths of the surface
@@ -75,16 +87,6 @@ class FreeHalfSpace:
     ----------
     solid : Solid
     """
-
-    solid: Solid
-
-    def __post_init__(self) -> None:
-        _check_solid(self.solid)
-
-    @property
-    def contact_modulus(self) -> float:
-        """E* [Pa]."""
-        return self.solid.contact_modulus
 
     def compliance(self, qx: Array, qy: Array) -> Array:
         """Refuse: a patch has no waves of its own.
@@ -101,7 +103,7 @@ class FreeHalfSpace:
 
 
 @dataclass(frozen=True, kw_only=True)
-class BondedLayer:
+class BondedLayer(_Layer):
     r"""An elastic layer of finite thickness whose bottom is held fast.
 
     .. math:: C(q) = \frac{2}{E^* q}\,
@@ -127,18 +129,6 @@ class BondedLayer:
     array([0.5  , 0.005])
     """
 
-    solid: Solid
-    thickness: float
-
-    def __post_init__(self) -> None:
-        _check_solid(self.solid)
-        _check_thickness(self.thickness)
-
-    @property
-    def contact_modulus(self) -> float:
-        """E* [Pa] of the layer's material."""
-        return self.solid.contact_modulus
-
     def compliance(self, qx: Array, qy: Array) -> Array:
         """Return C(q) [m/Pa]."""
         q = wave_size(qx, qy)
@@ -152,7 +142,7 @@ class BondedLayer:
 
 
 @dataclass(frozen=True, kw_only=True)
-class FrictionlessLayer:
+class FrictionlessLayer(_Layer):
     r"""An elastic layer of finite thickness that slides on a rigid base, without friction or lift-off.
 
     .. math:: C(q) = \frac{2}{E^* q}\, \frac{\cosh 2a - 1}{\sinh 2a + 2a},\qquad a = q d
@@ -170,18 +160,6 @@ class FrictionlessLayer:
     -----
     K. L. Johnson, Contact Mechanics (1985), Sec. 5.8.
     """
-
-    solid: Solid
-    thickness: float
-
-    def __post_init__(self) -> None:
-        _check_solid(self.solid)
-        _check_thickness(self.thickness)
-
-    @property
-    def contact_modulus(self) -> float:
-        """E* [Pa] of the layer's material."""
-        return self.solid.contact_modulus
 
     def compliance(self, qx: Array, qy: Array) -> Array:
         """Return C(q) [m/Pa]."""
@@ -217,14 +195,6 @@ class GivenResponse:
         """Return the given C(qx, qy) [m/Pa]."""
         qx, qy = np.broadcast_arrays(*_checked_waves(qx, qy))
         return array("function(qx, qy)", self.function(qx, qy), unit="m/Pa", power=2)
-
-
-def _check_thickness(thickness: float) -> None:
-    positive("thickness", thickness, unit="m")
-
-
-def _check_solid(solid: Solid) -> None:
-    instance("solid", solid, Solid, what="a `Solid`")
 
 
 def check_response(response: object) -> None:

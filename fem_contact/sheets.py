@@ -169,8 +169,8 @@ class Layered:
         """Depth of the rigid base [m]."""
         return float(sum(self.thicknesses))
 
-    def sheets(self, q: Array) -> Sheets:
-        """Return the amplitudes in every layer."""
+    def states(self, q: Array) -> Sheets:
+        """Return what gives the state of each wave at a depth."""
         across = np.ones(q.size)
         return Sheets.under_pressure(
             q,
@@ -179,10 +179,6 @@ class Layered:
             poisson=np.array([solid.poisson for solid in self.solids]),
             base=self.base,
         )
-
-    def states(self, q: Array) -> Sheets:
-        """Return what gives the state of each wave at a depth."""
-        return self.sheets(q)
 
     def solid_at(self, depth: float) -> Solid:
         """Return the solid at a depth; at a border the upper one."""

@@ -23,8 +23,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from fem_contact import bem
-from fem_contact._checks import LEAST, finite, instance, positive
-from fem_contact._checks import field as field_of
+from fem_contact._checks import finite, instance, positive, pressures
 from fem_contact.contact import ContactResult, Cost, Residuals, Status, measure_residuals
 from fem_contact.errors import InvalidInput
 from fem_contact.settings import Settings
@@ -165,9 +164,7 @@ def slide(
     problem = _Problem.checked(
         surface, solid, velocity=velocity, mean_pressure=mean_pressure, settings=settings
     )
-    first = None if start is None else field_of("start", start, surface.shape, unit="Pa")
-    if first is not None and (first.min() < 0 or not np.mean(first) > LEAST):
-        raise InvalidInput("start: must be pressures in Pa, none negative, not all zero")
+    first = None if start is None else pressures("start", start, surface.shape)
     return problem.dressed(_iterated(problem, first))
 
 
@@ -266,18 +263,13 @@ class _Problem:
             settings=settings,
         )
 
-    @property
-    def workers(self) -> int:
-        """Threads of the transforms."""
-        return self.settings.workers
-
     def forward(self, values: Array) -> Complex:
         """Fourier coefficients on half of the wavevectors."""
-        return np.asarray(scipy.fft.rfft2(values, norm="forward", workers=self.workers))
+        return np.asarray(scipy.fft.rfft2(values, norm="forward", workers=self.settings.workers))
 
     def backward(self, spectrum: Complex) -> Array:
         """Values at the grid points."""
-        shape, threads = self.surface.shape, self.workers
+        shape, threads = self.surface.shape, self.settings.workers
         return np.asarray(scipy.fft.irfft2(spectrum, s=shape, norm="forward", workers=threads))
 
     def first(self, pressure: Array | None) -> Array:

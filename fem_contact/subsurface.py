@@ -167,7 +167,7 @@ def fields_below(
     """
     body, planes = _checked(contact, response, depths)
     shape = (*contact.shape, planes.size)
-    room_for("depths", planes.size, needed=8.0 * 12 * shape[0] * shape[1] * shape[2])
+    room_for(f"depths = {planes.size}", needed=8.0 * 12 * shape[0] * shape[1] * shape[2])
     displacement, stress = np.empty((*shape, 3)), np.empty((*shape, 6))
     for k, plane in enumerate(_layers(contact, body, planes, threads)):
         displacement[:, :, k], stress[:, :, k] = plane.displacement, plane.stress

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact import bem
-from fem_contact._checks import LEAST, array, field, finite, instance, positive, whole
+from fem_contact._checks import bound, field, finite, instance, positive, whole
 from fem_contact.adhesion.descent import Landscape, Minimum, Point, descend, least_curvature
 from fem_contact.adhesion.laws import GapLaw
 from fem_contact.contact import ContactResult, Cost, Residuals, Status
@@ -260,7 +260,7 @@ class AdhesionProblem:
         self.law = law.on_grid(spacing=spacing, contact_modulus=modulus)
         self.settings = settings
         if hardness is not None:
-            _check_hardness(hardness, surface)
+            bound("hardness", hardness, surface.shape)
         self.land = Landscape(
             surface.heights,
             response=response,
@@ -389,14 +389,6 @@ class AdhesionProblem:
             imbalance=minimum.imbalance,
             hardness=self.land.hardness,
         )
-
-
-def _check_hardness(hardness: float | Array, surface: HeightField) -> None:
-    values = array("hardness", hardness, unit="Pa")
-    if values.ndim != 0 and values.shape != surface.shape:
-        raise InvalidInput(f"hardness of shape {values.shape}: must be one pressure or {surface.shape}")
-    if not np.all(values >= LEAST):
-        raise InvalidInput("hardness: must be positive and finite everywhere, in Pa")
 
 
 #: Arrays of the size of the grid that a descent holds at its peak.

@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_contact._checks import LEAST, array, choice, instance, positive
-from fem_contact._checks import field as field_of
+from fem_contact._checks import bound as bound_of
+from fem_contact._checks import choice, instance, positive, pressures
 from fem_contact.bem.parallel import SlabSurface
 from fem_contact.complementarity import (
     FreeOperator,
@@ -105,10 +105,7 @@ class Problem:
         """Refuse a start that is no pressure field."""
         if start is None:
             return None
-        values = field_of("start", start, self.surface.shape, unit="Pa")
-        if values.min() < 0 or not np.mean(values) > LEAST:
-            raise InvalidInput("start: must be pressures in Pa, none negative, not all zero")
-        return self.grids.put(values)
+        return self.grids.put(pressures("start", start, self.surface.shape))
 
     def at(self, load: float, *, start: Any = None, settings: Settings | None = None) -> Solution:
         """Solve at one mean pressure."""
@@ -314,11 +311,5 @@ def _levelled(surface: HeightField | SlabSurface, grids: Grids) -> tuple[Any, fl
 def _checked_bound(bound: float | Array | None, surface: HeightField | SlabSurface) -> Array | None:
     if bound is None:
         return None
-    values = array("pressure_bound", bound, unit="Pa")
-    if values.ndim > 0 and values.shape != surface.shape:
-        raise InvalidInput(
-            f"pressure_bound of shape {values.shape}: must be one pressure or of shape {surface.shape}"
-        )
-    if not np.all(values >= LEAST):
-        raise InvalidInput("pressure_bound: must be positive and finite everywhere, in Pa")
+    values = bound_of("pressure_bound", bound, surface.shape)
     return np.array(np.broadcast_to(values, surface.shape if values.ndim else surface.heights.shape))

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._checks import bound as bound_of
 from fem_contact._checks import (
-    LEAST,
-    array,
     choice,
     doubles,
     finite,
     function,
     instance,
     positive,
+    room_for,
     shown,
     whole,
     within,
@@ -33,7 +33,7 @@ from fem_contact.block.reduced.surface import BlockResponse, solve_reduced, surf
 from fem_contact.block.solution import ArraySource, BlockSolution, FieldSource
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.contact import ContactResult, Cost, Status, measure_residuals
-from fem_contact.errors import InsufficientMemory, InvalidInput
+from fem_contact.errors import InvalidInput
 from fem_contact.settings import available_processors
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
@@ -157,7 +157,9 @@ class Session:
                 f"poisson = 0.5: the full system has no finite stiffness there; take {remedy}, or "
                 "poisson below 0.5"
             )
-        _refuse_beyond_memory(mesh, method, lateral=lateral)
+        others = ", a larger growth, or method = 'reduced'" if method == "full" else ""
+        needed = needed_bytes(mesh, method, lateral=lateral)
+        room_for(f"{mesh.unknowns} unknowns", needed=needed, remedy=f"take a coarser grid{others}")
         problem = Problem(
             mesh=mesh,
             heights=(surface.heights - top) / width,
@@ -378,13 +380,7 @@ def _checked_bound(bound: float | Array | None, shape: tuple[int, int], *, young
     """Return the bound on the pressure at every node over E."""
     if bound is None:
         return None
-    values = array("pressure_bound", bound, unit="Pa")
-    if values.ndim != 0 and values.shape != shape:
-        raise InvalidInput(
-            f"pressure_bound of shape {values.shape}: must be one pressure or of shape {shape}"
-        )
-    if not np.all(values >= LEAST):
-        raise InvalidInput(f"pressure_bound = {shown(bound)}: must be at least {LEAST:g} Pa everywhere")
+    values = bound_of("pressure_bound", bound, shape)
     return np.full(shape, values / young) if values.ndim == 0 else values / young
 
 
@@ -394,15 +390,3 @@ def _checked_start(start: Mask | None, shape: tuple[int, int]) -> Mask | None:
     if not isinstance(start, np.ndarray) or start.shape != shape or start.dtype != np.bool_:
         raise InvalidInput(f"start = {shown(start)}: must be an array of bool of shape {shape}")
     return start.copy() if start.any() else None
-
-
-def _refuse_beyond_memory(mesh: BlockMesh, method: Method, *, lateral: bool) -> None:
-    import psutil
-
-    needed, available = needed_bytes(mesh, method, lateral=lateral), int(psutil.virtual_memory().available)
-    if needed > available:
-        raise InsufficientMemory(
-            f"{mesh.unknowns} unknowns need about {needed / 2**30:.2g} GiB, "
-            f"{available / 2**30:.2g} GiB are available: take a coarser grid"
-            + (", a larger growth, or method = 'reduced'" if method == "full" else "")
-        )

@@ -11,11 +11,11 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._checks import room_for
 from fem_contact.block.elements import Element, lame
 from fem_contact.block.equilibrium import Equilibrium, measure_equilibrium
 from fem_contact.block.mesh import BlockMesh
 from fem_contact.contact import ContactResult
-from fem_contact.errors import InsufficientMemory
 from fem_contact.solid import Solid
 from fem_contact.stress import von_mises
 
@@ -250,14 +250,8 @@ class BlockSolution:
 
 
 def _refuse_beyond_memory(shape: tuple[int, ...], what: str) -> None:
-    import psutil
-
-    needed, available = 8 * math.prod(shape), int(psutil.virtual_memory().available)
-    if needed > available:
-        raise InsufficientMemory(
-            f"the {what} of {shape} numbers needs {needed / 2**30:.3g} GiB, {available / 2**30:.2g} GiB are "
-            "available: walk through it with stress_layers()"
-        )
+    remedy = "walk through it with stress_layers()"
+    room_for(f"the {what} of {shape} numbers", needed=8.0 * math.prod(shape), remedy=remedy)
 
 
 def _symmetric(gradient: Array) -> Array:

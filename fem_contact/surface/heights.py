@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 import scipy.fft
@@ -60,7 +60,7 @@ class HeightField:
 
     def __reduce__(self) -> tuple[object, ...]:
         # Unpickled arrays are writable: build the copy anew.
-        return _height_field, (self.heights, self.lengths)
+        return partial(type(self), heights=self.heights, lengths=self.lengths), ()
 
     @property
     def shape(self) -> Shape:
@@ -247,17 +247,6 @@ class Patch(HeightField):
                 heights = spline((np.arange(new) + 0.5) * (old / new))
         return Patch(heights=heights, lengths=self.lengths)
 
-    def __reduce__(self) -> tuple[object, ...]:
-        return _patch, (self.heights, self.lengths)
-
-
-def _patch(heights: Array, lengths: Lengths) -> Patch:
-    return Patch(heights=heights, lengths=lengths)
-
-
-def _height_field(heights: Array, lengths: Lengths) -> HeightField:
-    return HeightField(heights=heights, lengths=lengths)
-
 
 def _checked_heights(given: object) -> Array:
     """Return a copy of the heights; NaN, infinite and masked points are refused with their number."""
@@ -289,7 +278,7 @@ def _checked_heights(given: object) -> Array:
 def checked_shape(shape: object) -> Shape:
     """Return two positive whole numbers (nx, ny) of points that fit into memory, or refuse."""
     points = checked_counts(shape)
-    room_for("shape", points, needed=48.0 * points[0] * points[1])
+    room_for(f"shape = {points}", needed=48.0 * points[0] * points[1])
     return points
 
 

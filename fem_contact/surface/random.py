@@ -213,7 +213,7 @@ def _half_plane(
     limit = q_short * (1 + _EDGE)
     top_x, top_y = int(limit / unit_x), int(limit / unit_y)
     first, last = (0, top_y + 1) if columns is None else (columns[0], min(columns[1], top_y + 1))
-    room_for("q_short", q_short, needed=80.0 * (2 * top_x + 1) * max(last - first, 0))
+    room_for(f"q_short = {q_short!r}", needed=80.0 * (2 * top_x + 1) * max(last - first, 0))
     m, n = np.meshgrid(np.arange(-top_x, top_x + 1), np.arange(first, last), indexing="ij")
     q = np.hypot(m * unit_x, n * unit_y)
     keep = (q <= limit) & ((n > 0) | (m > 0))

@@ -12,9 +12,9 @@ import sys
 
 import numpy as np
 
-from fem_contact.area import EDGE_CONSTANTS, contact_areas, subcell_area, subgrid_shifts
+from fem_contact.area import contact_areas, subcell_area, subgrid_shifts
 from fem_contact.bem import solve
-from fem_contact.extrapolation import limit_area
+from fem_contact.extrapolation import limit_area, located_limit
 from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
@@ -27,8 +27,7 @@ NAMES = (
     "subcell",
     "subcell, 4 shifts",
     "3 grids, pixel",
-    "same, c known",
-    "3 grids, subcell",
+    "3 grids, located",
 )
 
 
@@ -62,10 +61,8 @@ def errors_of(seed: int, *, pressure: float, hurst: float) -> dict[int, list[flo
     for k, resolution in enumerate(RESOLUTIONS):
         used = [areas[r] for r in RESOLUTIONS[max(k - 2, 0) : k + 1]]
         full = len(used) == 3
-        known = (EDGE_CONSTANTS["bem"], 0.01)
         values[resolution].append(limit_area(used).value if full else np.nan)
-        values[resolution].append(limit_area(used, known_constant=known).value if full else np.nan)
-        values[resolution].append(limit_area(used, definition="subcell").value if full else np.nan)
+        values[resolution].append(located_limit(used).value if full else np.nan)
     reference = values[RESOLUTIONS[-1]][2]
     return {r: [100 * (v / reference - 1) for v in row] for r, row in values.items()}
 

@@ -20,7 +20,7 @@ from fem_contact.area import (
 from fem_contact.bem import solve
 from fem_contact.contact import ContactResult, Cost, Residuals, Status
 from fem_contact.errors import InvalidInput
-from fem_contact.extrapolation import limit_area
+from fem_contact.extrapolation import limit_area, located_limit
 from fem_contact.response import FreeHalfSpace, HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, Patch
@@ -273,12 +273,10 @@ def test_located_area_of_rough_surfaces_is_right_to_three_per_mille_at_eight_poi
 
 def test_limits_of_counted_and_located_areas_agree() -> None:
     areas = [rough_areas(304, resolution) for resolution in (8, 10, 12, 16, 20, 24)]
-    counted, located = limit_area(areas), limit_area(areas, definition="subcell")
+    counted, located = limit_area(areas), located_limit(areas)
     assert located.uncertainty < 0.2 * counted.uncertainty
     # Student's t with 4 degrees of freedom: one in a hundred lies beyond 4.6.
     assert abs(counted.value - located.value) < 4.6 * counted.uncertainty
-    with pytest.raises(InvalidInput, match="not measured"):
-        limit_area([areas_on(n, limit=0.1, constant=0.1) for n in (8, 16, 32)], definition="subcell")
 
 
 def test_edges_come_in_pairs_along_each_direction() -> None:
@@ -321,24 +319,6 @@ def test_shifts_average_out_the_noise_of_the_lattice() -> None:
         mean_areas([values[0], areas_on(32, limit=0.1, constant=0.1)])
     with pytest.raises(InvalidInput, match="per_axis"):
         subgrid_shifts(0)
-
-
-def test_known_constant_steadies_the_limit_of_coarse_grids() -> None:
-    known = (EDGE_CONSTANTS["bem"], 0.01)
-    free_errors, known_errors = [], []
-    for seed in (305, 306, 307, 308):
-        areas = [rough_areas(seed, resolution) for resolution in (6, 8, 12)]
-        true = rough_areas(seed, 32).subcell
-        assert true is not None
-        free_errors.append(limit_area(areas).value / true - 1)
-        known_errors.append(limit_area(areas, known_constant=known).value / true - 1)
-    assert np.sqrt(np.mean(np.square(known_errors))) < 0.5 * np.sqrt(np.mean(np.square(free_errors)))
-
-
-def test_known_constant_of_great_certainty_is_kept() -> None:
-    areas = [areas_on(n, limit=0.2, constant=0.13, noise=1e-4 / n) for n in (32, 64, 128)]
-    limit = limit_area(areas, known_constant=(0.1, 1e-9))
-    assert limit.edge_constant == pytest.approx(0.1, abs=1e-6)
 
 
 @pytest.mark.parametrize("pressure", [0.05, 0.01])

@@ -57,7 +57,7 @@ def assembled_field(solution: BlockSolution, *, tolerance: float = 1e-9) -> Arra
     mesh, poisson, width = solution.mesh, solution.solid.poisson, solution.cell_size[0]
     if not poisson < 0.5:
         raise InvalidInput(f"poisson = {poisson!r}: the matrix of an incompressible solid is not finite")
-    room_for("unknowns", mesh.unknowns, needed=_BYTES_PER_UNKNOWN[mesh.element.order] * mesh.unknowns)
+    room_for(f"unknowns = {mesh.unknowns}", needed=_BYTES_PER_UNKNOWN[mesh.element.order] * mesh.unknowns)
     modulus = None if solution.modulus is None else np.broadcast_to(solution.modulus, (*mesh.cells, mesh.nz))
     matrix = assemble(mesh, poisson=poisson, modulus=modulus).free()
     forces = np.zeros((*mesh.shape, mesh.planes.size - 1, 3))

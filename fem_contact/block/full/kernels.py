@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-__all__ = ["apply_stencil", "prolong", "relax", "restrict"]
+__all__ = ["apply_stencil", "relax", "transfer"]
 
 _OPTIONS = {"cache": True, "nogil": True, "fastmath": {"reassoc", "contract", "nsz"}}
 
@@ -125,8 +125,8 @@ def relax(c, low, d, f, tied, u, backward):
 
 
 @njit(**_OPTIONS)
-def restrict(fine, i_low, i_weight, j_low, j_weight, coarse):
-    """Add the transpose of `prolong` to coarse: forces (nx, ny, m) gathered on the coarser grid."""
+def transfer(coarse, i_low, i_weight, j_low, j_weight, fine, gathering):
+    """Add coarse (mx, my, m), interpolated bilinearly, to fine (nx, ny, m), or `gathering` the transpose."""
     nx, ny, m = fine.shape
     mx, my = coarse.shape[0], coarse.shape[1]
     for i in range(nx):
@@ -140,27 +140,8 @@ def restrict(fine, i_low, i_weight, j_low, j_weight, coarse):
                     w = wi * (j_weight[j] if b else 1 - j_weight[j])
                     if w == 0.0:
                         continue
-                    cj = (j_low[j] + b) % my
+                    near, far = fine[i, j], coarse[ci, (j_low[j] + b) % my]
+                    if gathering:
+                        near, far = far, near
                     for k in range(m):
-                        coarse[ci, cj, k] += w * fine[i, j, k]
-
-
-@njit(**_OPTIONS)
-def prolong(coarse, i_low, i_weight, j_low, j_weight, fine):
-    """Add the bilinear interpolation of coarse (mx, my, m) to fine."""
-    nx, ny, m = fine.shape
-    mx, my = coarse.shape[0], coarse.shape[1]
-    for i in range(nx):
-        for a in range(2):
-            wi = i_weight[i] if a else 1 - i_weight[i]
-            ci = (i_low[i] + a) % mx
-            if wi == 0.0:
-                continue
-            for j in range(ny):
-                for b in range(2):
-                    w = wi * (j_weight[j] if b else 1 - j_weight[j])
-                    if w == 0.0:
-                        continue
-                    cj = (j_low[j] + b) % my
-                    for k in range(m):
-                        fine[i, j, k] += w * coarse[ci, cj, k]
+                        near[k] += w * far[k]

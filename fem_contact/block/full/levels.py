@@ -60,26 +60,24 @@ class Level(ABC):
 
     def prolonged(self, coarse: Array, onto: Array | None = None) -> Array:
         """Interpolate an array over the next coarser grid's columns to this one, and add it onto another."""
-        from fem_contact.block.full.kernels import prolong
-
-        assert self.down is not None
         fine = np.zeros((*self.shape, *coarse.shape[2:])) if onto is None else onto
-        prolong(coarse.reshape(*coarse.shape[:2], -1), *_tables(self.down), fine.reshape(*self.shape, -1))
+        self._transfer(coarse, fine, gathering=False)
         return fine
 
     def restricted(self, fine: Array) -> Array:
         """Gather an array over this grid's columns on the next coarser one: the transpose of `prolonged`."""
-        from fem_contact.block.full.kernels import restrict
+        assert self.down is not None
+        coarse = np.zeros((self.down[0].size, self.down[1].size, *fine.shape[2:]))
+        self._transfer(coarse, fine, gathering=True)
+        return coarse
+
+    def _transfer(self, coarse: Array, fine: Array, *, gathering: bool) -> None:
+        from fem_contact.block.full.kernels import transfer
 
         assert self.down is not None
-        coarse = np.zeros((self.down[0].size, self.down[1].size, fine[0, 0].size))
-        restrict(fine.reshape(*self.shape, -1), *_tables(self.down), coarse)
-        return coarse.reshape(*coarse.shape[:2], *fine.shape[2:])
-
-
-def _tables(down: tuple[Transfer, Transfer]) -> tuple[NDArray[np.int64], Array, NDArray[np.int64], Array]:
-    x, y = down
-    return x.low, x.weight, y.low, y.weight
+        x, y = self.down
+        flat = (field.reshape(*field.shape[:2], -1) for field in (coarse, fine))
+        transfer(next(flat), x.low, x.weight, y.low, y.weight, next(flat), gathering)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,11 +9,11 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from fem_contact._checks import room_for
 from fem_contact.block.reduced.column import eliminate, split_layer
 from fem_contact.block.reduced.surface import BlockResponse, phase_pairs
 from fem_contact.block.solution import CellLayer
 from fem_contact.complementarity.rows import Rows
-from fem_contact.errors import InsufficientMemory
 
 __all__ = ["FourierSource"]
 
@@ -80,7 +80,10 @@ class FourierSource:
         turns = np.stack(
             [np.exp(0.5j * (x[:, None] * a + y * b)).ravel() for a in (0, 1) for b in (0, 1)], axis=1
         )
-        _refuse_beyond_memory(len(phases), plane + modes, mesh.nz)
+        # The states at all boundaries, and a few work matrices of one layer.
+        needed = 8.0 * len(phases) * (plane + modes) ** 2 * (mesh.nz + 20)
+        remedy = "take a coarser grid or trilinear cells"
+        room_for("the field of triquadratic cells", needed=needed, remedy=remedy)
         states = eliminate(folded, phases, keep=True)
         loads = np.zeros((len(phases), states.top.shape[1]), dtype=complex)
         for kind, lattice in enumerate(
@@ -114,18 +117,3 @@ class FourierSource:
             turned = turned.reshape(nx, -1, 3)
             plane[a::2, b::2] = scipy.fft.irfft2(turned, s=(nx, ny), axes=(0, 1), workers=self.threads)
         return plane * self.width
-
-
-def _refuse_beyond_memory(waves: int, state: int, layers: int) -> None:
-    import psutil
-
-    # The states at all boundaries, and a few work matrices of one layer.
-    needed, available = (
-        8 * waves * (state**2 * layers + 20 * state**2),
-        int(psutil.virtual_memory().available),
-    )
-    if needed > available:
-        raise InsufficientMemory(
-            f"the field of triquadratic cells needs {needed / 2**30:.3g} GiB on the way, "
-            f"{available / 2**30:.2g} GiB are available: take a coarser grid or trilinear cells"
-        )

@@ -130,8 +130,8 @@ def test_transfer_between_grids_is_its_twin_and_transposed(fine, coarse):
     generator = np.random.default_rng(33)
     values, forces = generator.standard_normal((*coarse, 4)), generator.standard_normal((*fine, 4))
     up, down = np.zeros((*fine, 4)), np.zeros((*coarse, 4))
-    kernels.prolong(values, *tables, up)
-    kernels.restrict(forces, *tables, down)
+    kernels.transfer(values, *tables, up, False)
+    kernels.transfer(down, *tables, forces, True)
     np.testing.assert_allclose(up.reshape(-1, 4), matrix @ values.reshape(-1, 4), atol=1e-14)
     np.testing.assert_allclose(down.reshape(-1, 4), matrix.T @ forces.reshape(-1, 4), atol=1e-14)
 
