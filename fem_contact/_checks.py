@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from contact_checks import Checks, in_unit, shown
+from fem_contact._types import Array
 from fem_contact.errors import InsufficientMemory, InvalidInput
 
 __all__ = [
@@ -38,7 +38,6 @@ __all__ = [
     "within",
 ]
 
-Array = NDArray[np.float64]
 
 #: Sizes of numbers, in SI units, between which squares neither vanish nor products of squares overflow.
 LEAST, GREATEST = 1e-120, 1e30

@@ -28,9 +28,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import pair, positive, whole
+from fem_contact._types import Array
 from fem_contact.area import ContactAreas
 
 __all__ = [
@@ -45,8 +45,6 @@ __all__ = [
     "mean_error",
     "too_rough",
 ]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, cg
 
 from fem_contact._checks import positive, samples
+from fem_contact._types import Array
 from fem_contact.complementarity import FourierOperator, FreeOperator, operator_of
 from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput, NotConverged, UnsupportedEffect
@@ -17,8 +18,6 @@ from fem_contact.response import Response, check_response
 from fem_contact.settings import Settings
 
 __all__ = ["FrozenContact", "contact_conductance", "frozen_contact"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

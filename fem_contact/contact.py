@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact._checks import doubles, finite, instance, non_negative, pair, positive, shape_of, shown
+from fem_contact._types import Array
 from fem_contact.errors import InvalidInput, NotConverged
 
 __all__ = [
@@ -24,7 +25,6 @@ __all__ = [
     "residuals_of",
 ]
 
-Array = NDArray[np.float64]
 
 #: Pressure, gap, heights, points at the bound and weights of one result.
 _Fields = tuple[Array, Array, Array, NDArray[np.bool_] | None, Array | None]

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact._checks import choice, finite, instance, shown
+from fem_contact._types import Array
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.stress import von_mises
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
 
 __all__ = ["render_section", "render_surface", "write_block", "write_subsurface"]
 
-Array = NDArray[np.float64]
 
 #: Corners of a hexahedron in VTK's order.
 _CORNERS = ((0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1))

@@ -8,7 +8,6 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import instance, listed
 from fem_contact.area import ContactAreas, mean_areas
@@ -36,7 +35,6 @@ __all__ = [
     "too_small",
 ]
 
-Array = NDArray[np.float64]
 
 #: Contact points on the finest grid below which no limit is claimed. On 8 surfaces of H = .3 and .8 at p*
 #: from 1e-5 to .02, twice the claimed error held the limit of grids of 384 and 512 points in 315 of 320

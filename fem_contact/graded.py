@@ -12,16 +12,14 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import array, instance, listed, numbers_of, positive, samples, whole
+from fem_contact._types import Array
 from fem_contact.errors import InvalidInput
 from fem_contact.response import wave_size
 from fem_contact.solid import Solid
 
 __all__ = ["ExponentialSolid", "LayeredSolid"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,10 +10,10 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact import bem
 from fem_contact._checks import bound, instance, numbers_of, positive
+from fem_contact._types import Array
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
@@ -21,8 +21,6 @@ from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
 __all__ = ["Hardness", "YieldedContact", "press_yielding", "unload", "yielded"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -8,9 +8,10 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from fem_contact._types import Array
+
 __all__ = ["HeightTraits", "are_level", "height_traits", "traits_of", "wave_sums"]
 
-Array = NDArray[np.float64]
 
 #: Rows of waves that are added up at once.
 _BAND = 128

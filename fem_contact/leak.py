@@ -10,14 +10,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fem_contact._checks import array, choice, pair, positive
+from fem_contact._types import Array, Mask
 from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput, NotConverged
 from fem_contact.patches import find_patches
 
 __all__ = ["GapFlow", "critical_gap", "flow_conductance", "open_gap", "percolates"]
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Axis = Literal["x", "y"]
 
 #: By how much the flux through the cross-sections may differ, relative to the flux.

@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fem_contact._checks import alike, array, function, instance, positive
+from fem_contact._types import Array
 from fem_contact.errors import UnsupportedEffect
 from fem_contact.solid import Solid
 
 __all__ = ["BondedLayer", "FreeHalfSpace", "FrictionlessLayer", "GivenResponse", "HalfSpace", "Response"]
-
-Array = NDArray[np.float64]
 
 
 @runtime_checkable

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fem_contact._types import Array
 from fem_contact.errors import UnsupportedEffect
 from fem_contact.graded import MIRROR, ExponentialSolid, LayeredSolid, plane_waves
 from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace, Response
@@ -14,7 +14,6 @@ from fem_contact.solid import Solid
 
 __all__ = ["Exponential", "Layered", "body_of"]
 
-Array = NDArray[np.float64]
 
 #: Waves of a modulus that varies continuously: beyond this number a spline goes through so many.
 _TABULATED = 512

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from fem_contact import bem
 from fem_contact._checks import finite, instance, positive, pressures
+from fem_contact._types import Array
 from fem_contact.contact import ContactResult, Cost, Residuals, Status, measure_residuals
 from fem_contact.errors import InvalidInput
 from fem_contact.settings import Settings
@@ -32,7 +33,6 @@ from fem_contact.viscoelastic import ViscoelasticSolid, check_viscoelastic
 
 __all__ = ["SlidingContact", "slide"]
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 #: Steps that the acceleration remembers.

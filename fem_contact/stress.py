@@ -6,9 +6,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fem_contact._checks import array, doubles, listed, non_negative, pair, positive, whole, within
+from fem_contact._types import Array
 from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput
 from fem_contact.patches import find_patches
@@ -31,8 +32,6 @@ __all__ = [
     "refined_edges",
     "von_mises",
 ]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 
 from fem_contact._checks import room_for, samples, shown
+from fem_contact._types import Array
 from fem_contact.contact import ContactResult, check_result
 from fem_contact.errors import InvalidInput, UnsupportedEffect
 from fem_contact.response import Response, check_response
@@ -34,7 +35,6 @@ __all__ = [
     "strongest_point",
 ]
 
-Array = NDArray[np.float64]
 
 #: Growth of the default depths from one to the next, and the deepest of them over the longer period.
 _GROWTH, _DEEPEST = 1.25, 1.0

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fem_contact._checks import array, instance, poisson_ratio, positive, samples
+from fem_contact._types import Array
 from fem_contact.errors import InvalidInput
 
 __all__ = ["PronySolid", "TabulatedSolid", "ViscoelasticSolid"]
 
-Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
 

@@ -12,6 +12,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import Enum
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -456,17 +457,12 @@ def _result(
 
 
 def _empty(case: _Case, nodes: _Nodes, count: int) -> AdhesiveContact:
-    zero = np.zeros_like(nodes.q)
+    names = ("area", "area_plastic", "work", "tensile_limit", "contact_force", "elastic_energy")
+    nothing: dict[str, Any] = dict.fromkeys((*names, "energy_share"), np.zeros_like(nodes.q))
     return AdhesiveContact(
         wavevectors=nodes.q,
         variance=case.reference * np.exp(nodes.t),
-        area=zero,
-        area_plastic=zero,
-        work=zero,
-        tensile_limit=zero,
-        contact_force=zero,
-        elastic_energy=zero,
-        energy_share=zero,
+        **nothing,
         macroscopic_work=0.0,
         real_area=0.0,
         error_estimate=0.0,

@@ -23,7 +23,8 @@ from persson.errors import InvalidInput
 __all__ = ["ExponentialLayers", "GradedModulus", "SurfaceLayer"]
 
 
-def _wavevectors(value: ArrayLike) -> Array:
+def checked_wavevectors(value: ArrayLike) -> Array:
+    """Return positive wavevectors [1/m]."""
     q = non_negative("wavevector", value, unit="1/m")
     if np.any(q == 0):
         raise InvalidInput("wavevector = 0.0: must be positive [1/m]")
@@ -74,7 +75,7 @@ class GradedModulus:
 
     def __call__(self, wavevector: ArrayLike) -> Array:
         """E~*(q) [Pa] for wavevectors [1/m]."""
-        q = _wavevectors(wavevector)
+        q = checked_wavevectors(wavevector)
         points, weights = np.polynomial.legendre.leggauss(12)
         # Panels grow with depth: fine near the surface, where a thin layer may lie, and up to exp(-60).
         panels = np.concatenate([[0.0], np.geomspace(1e-9, 60.0, 80)])
@@ -133,7 +134,7 @@ class ExponentialLayers:
 
     def __call__(self, wavevector: ArrayLike) -> Array:
         """E~*(q) [Pa] for wavevectors [1/m]."""
-        q = _wavevectors(wavevector)
+        q = checked_wavevectors(wavevector)
         value = self.bulk + sum(
             e * (q * d / (1 + q * d)) for e, d in zip(self.excess, self.depths, strict=True)
         )
@@ -166,5 +167,5 @@ class SurfaceLayer:
 
     def __call__(self, wavevector: ArrayLike) -> Array:
         """E~*(q) [Pa] for wavevectors [1/m]."""
-        share = -np.expm1(-_wavevectors(wavevector) * self.thickness)
+        share = -np.expm1(-checked_wavevectors(wavevector) * self.thickness)
         return _plane_strain(np.asarray(self.bulk + (self.layer - self.bulk) * share), self.poisson)[()]

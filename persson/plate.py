@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from persson._checks import Array, non_negative, poisson_ratio, positive
-from persson.errors import InvalidInput
+from persson._checks import Array, poisson_ratio, positive
+from persson.graded import checked_wavevectors
 
 __all__ = ["ElasticPlate"]
 
@@ -53,10 +53,7 @@ class ElasticPlate:
 
     def __call__(self, wavevector: ArrayLike) -> Array:
         """E*(q) [Pa] for wavevectors [1/m]."""
-        q = non_negative("wavevector", wavevector, unit="1/m")
-        if np.any(q == 0):
-            raise InvalidInput("wavevector = 0.0: must be positive [1/m]")
-        x = q * self.thickness
+        x = checked_wavevectors(wavevector) * self.thickness
         bulk = self.young / (1 - self.poisson * self.poisson)
         thin = np.minimum(x, 0.3)
         y = 4 * thin * thin

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Literal, Protocol, Self, runtime_checkable
+from typing import Any, Literal, Protocol, Self, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -199,16 +199,8 @@ class SelfAffine(SpectrumMoments):
         q_min: float | None = None,
     ) -> Self:
         """Return the spectrum with sqrt(m0) = rms_height [m]; the other parameters as for the class."""
-        return cls._normalised(
-            "rms_height",
-            rms_height,
-            0,
-            hurst=hurst,
-            q_long=q_long,
-            q_short=q_short,
-            rolloff=rolloff,
-            q_min=q_min,
-        )
+        shape: dict[str, Any] = {"hurst": hurst, "q_long": q_long, "q_short": q_short, "q_min": q_min}
+        return cls(**shape, rolloff=rolloff, amplitude=1.0)._normalised("rms_height", rms_height, 0)
 
     @classmethod
     def from_rms_gradient(
@@ -222,45 +214,17 @@ class SelfAffine(SpectrumMoments):
         q_min: float | None = None,
     ) -> Self:
         """Return the spectrum with sqrt(m2) = rms_gradient [-]; the other parameters as for the class."""
-        return cls._normalised(
-            "rms_gradient",
-            rms_gradient,
-            1,
-            hurst=hurst,
-            q_long=q_long,
-            q_short=q_short,
-            rolloff=rolloff,
-            q_min=q_min,
-        )
+        shape: dict[str, Any] = {"hurst": hurst, "q_long": q_long, "q_short": q_short, "q_min": q_min}
+        return cls(**shape, rolloff=rolloff, amplitude=1.0)._normalised("rms_gradient", rms_gradient, 1)
 
-    @classmethod
-    def _normalised(
-        cls,
-        name: str,
-        rms: float,
-        order: int,
-        *,
-        hurst: float,
-        q_long: float,
-        q_short: float,
-        rolloff: RollOff,
-        q_min: float | None,
-    ) -> Self:
-        rms = positive(name, rms)
-        unit = cls(
-            hurst=hurst,
-            q_long=q_long,
-            q_short=q_short,
-            amplitude=1.0,
-            rolloff=rolloff,
-            q_min=q_min,  # type: ignore[arg-type]
-        )
-        moment = float(unit._moment(order, None))
+    def _normalised(self, name: str, rms: float, order: int) -> Self:
+        """Return this spectrum of C(q_long) = 1 with another amplitude: its moment of an order is rms^2."""
+        rms, moment = positive(name, rms), float(self._moment(order, None))
         if moment == 0:
             raise InvalidInput(
-                f"q_short = {q_short!r}: an empty range of wavevectors cannot carry {name} = {rms!r}"
+                f"q_short = {self.q_short!r}: an empty range of wavevectors cannot carry {name} = {rms!r}"
             )
-        return replace(unit, amplitude=rms * rms / moment)
+        return replace(self, amplitude=rms * rms / moment)
 
     def __call__(self, q: ArrayLike) -> Array:
         """C(q) [m^4] for an array of q [1/m]; 0 outside [q_min, q_short]."""
@@ -311,16 +275,17 @@ class SelfAffine(SpectrumMoments):
         return np.asarray(scale * part)[()]
 
 
-def _growth(exponent: float, x: Array) -> Array:
+def growth(exponent: ArrayLike, x: Array) -> Array:
     """(exp(a x) - 1) / a, which is x at a = 0."""
-    return np.asarray(np.expm1(exponent * x) / exponent) if exponent != 0 else x
+    safe = np.where(np.asarray(exponent) != 0, exponent, 1.0)
+    return np.where(np.asarray(exponent) != 0, np.expm1(safe * x) / safe, x)
 
 
 def _power_panel(exponent: float, lower: float, width: Array) -> Array:
     """Int x^(exponent - 1) dx from lower to lower + width, for any exponent (positive if lower = 0)."""
     if lower == 0:
         return np.asarray(width**exponent / exponent)
-    return np.asarray(lower**exponent * _growth(exponent, np.log1p(width / lower)))
+    return np.asarray(lower**exponent * growth(exponent, np.log1p(width / lower)))
 
 
 def _bent_panel(order: int, hurst: float, lower: float, width: Array) -> Array:
@@ -343,7 +308,7 @@ def _bent_integral(order: int, hurst: float, x: Array) -> Array:
     terms = [(math.comb(order, i) * (-1) ** (order - i), i - hurst) for i in range(order + 1)]
     large = np.zeros_like(x)
     for weight, a in terms:
-        large = large + weight * _growth(a, x)
+        large = large + weight * growth(a, x)
     # The closed form loses digits like x^-j for small x; there its Taylor series converges at once.
     small, y, power = np.zeros_like(x), np.minimum(x, 1.0), np.minimum(x, 1.0)
     for n in range(30):

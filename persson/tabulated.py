@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from persson._checks import Array, choice, instance, non_negative, positive, real
 from persson.errors import InvalidInput
-from persson.spectrum import EDGE, Spectrum, SpectrumMoments
+from persson.spectrum import EDGE, Spectrum, SpectrumMoments, growth
 
 __all__ = ["Tabulated", "smoothed"]
 
@@ -117,17 +117,11 @@ class Tabulated(SpectrumMoments):
         weight = c[:-1].copy()
         for _ in range(order + 1):
             weight = weight * q[:-1] * q[:-1]
-        whole = np.concatenate([[0.0], np.cumsum(weight * _panel(n, np.log1p(np.diff(q) / q[:-1])))])
+        whole = np.concatenate([[0.0], np.cumsum(weight * growth(n, np.log1p(np.diff(q) / q[:-1])))])
         safe = np.clip(upper, q[0], q[-1])
         index = np.clip(np.searchsorted(q, safe, side="right") - 1, 0, q.size - 2)
-        rest = weight[index] * _panel(n[index], np.log1p((safe - q[index]) / q[index]))
+        rest = weight[index] * growth(n[index], np.log1p((safe - q[index]) / q[index]))
         return np.asarray(2 * math.pi * (whole[index] + rest))[()]
-
-
-def _panel(exponent: Array, x: Array) -> Array:
-    """(exp(a x) - 1) / a, which is x at a = 0."""
-    safe = np.where(exponent != 0, exponent, 1.0)
-    return np.where(exponent != 0, np.expm1(safe * x) / safe, x)
 
 
 def smoothed(

@@ -16,8 +16,8 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fem_contact._types import Array, Mask
 from fem_contact.adhesion.laws import GapLaw
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.contact import Status
@@ -25,9 +25,6 @@ from fem_contact.response import Response
 from fem_contact.settings import Settings
 
 __all__ = ["Landscape", "Minimum", "Point", "descend", "least_curvature"]
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True)

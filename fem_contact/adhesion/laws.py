@@ -10,13 +10,11 @@ from dataclasses import dataclass, replace
 from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import array, positive, within
+from fem_contact._types import Array
 
 __all__ = ["Dugdale", "Exponential", "GapLaw"]
-
-Array = NDArray[np.float64]
 
 
 @runtime_checkable

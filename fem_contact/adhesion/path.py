@@ -12,9 +12,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import finite, non_negative, numbers_of, within
+from fem_contact._types import Array
 from fem_contact.adhesion.descent import Minimum, Point
 from fem_contact.adhesion.laws import GapLaw
 from fem_contact.adhesion.state import AdhesionProblem, AdhesiveContact, checked_point
@@ -25,8 +25,6 @@ from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
 __all__ = ["AdhesionPath", "Jump", "PathPoint", "follow"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

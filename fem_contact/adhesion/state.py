@@ -10,10 +10,10 @@ import time
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact import bem
 from fem_contact._checks import bound, field, finite, instance, positive, whole
+from fem_contact._types import Array
 from fem_contact.adhesion.descent import Landscape, Minimum, Point, descend, least_curvature
 from fem_contact.adhesion.laws import GapLaw
 from fem_contact.contact import ContactResult, Cost, Residuals, Status
@@ -33,7 +33,6 @@ __all__ = [
     "stability",
 ]
 
-Array = NDArray[np.float64]
 
 #: Cells that the length E* w / sigma_th^2 must span. On a sphere the pull-off force is then within 2 % of
 #: its limit; below it cells snap one by one and the front of a contact is pinned by the lattice.

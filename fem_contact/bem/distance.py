@@ -6,16 +6,14 @@ import time
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fem_contact._types import Array
 from fem_contact.bem.problem import SLACK, Problem
 from fem_contact.complementarity import Solution
 from fem_contact.contact import Status
 from fem_contact.errors import InvalidInput
 
 __all__ = ["LoadSearch"]
-
-Array = NDArray[np.float64]
 
 
 #: Relative width of a bracket in which no load is left to be tried.

@@ -18,6 +18,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from fem_contact._checks import instance
+from fem_contact._types import Array, Lengths
 from fem_contact.complementarity.slabs import Slabs
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
@@ -29,8 +30,6 @@ if TYPE_CHECKING:
 
 __all__ = ["SlabResult", "SlabSurface", "communicator"]
 
-Array = NDArray[np.float64]
-Lengths = tuple[float, float]
 
 #: Rows beyond a slab that the edges of contact in it are located with: those that their direction depends on.
 _BEYOND = 8

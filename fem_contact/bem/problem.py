@@ -8,10 +8,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import bound as bound_of
 from fem_contact._checks import choice, instance, positive, pressures
+from fem_contact._types import Array
 from fem_contact.bem.parallel import SlabSurface
 from fem_contact.complementarity import (
     FreeOperator,
@@ -31,7 +31,6 @@ from fem_contact.surface import HeightField
 
 __all__ = ["SLACK", "Method", "Problem"]
 
-Array = NDArray[np.float64]
 Method = Literal["preconditioned", "double", "polonsky-keer"]
 
 

@@ -5,10 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, overload
 
-import numpy as np
-from numpy.typing import NDArray
-
 from fem_contact._checks import finite, numbers_of, positive
+from fem_contact._types import Array
 from fem_contact.bem.distance import LoadSearch
 from fem_contact.bem.parallel import SlabResult, SlabSurface
 from fem_contact.bem.problem import Method, Problem
@@ -20,8 +18,6 @@ from fem_contact.settings import Settings
 from fem_contact.surface import HeightField
 
 __all__ = ["solve", "solve_displacement", "solve_path"]
-
-Array = NDArray[np.float64]
 
 
 @overload

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Unpack
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import numbers_of, poisson_ratio, positive, shown
 from fem_contact.block.mesh import MeshOptions
@@ -18,8 +17,6 @@ from fem_contact.response import BondedLayer
 from fem_contact.solid import Solid
 
 __all__ = ["WaveError", "wave_errors"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

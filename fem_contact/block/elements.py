@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact._checks import choice, instance, positive, whole
+from fem_contact._types import Array
 from fem_contact.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -30,7 +31,6 @@ __all__ = [
     "local_shear",
 ]
 
-Array = NDArray[np.float64]
 
 #: Poisson ratio above which trilinear displacement elements are no longer chosen: at .4 they are .7 % too
 #: stiff at 12 nodes per wavelength, at .45 3 %, and refinement helps slowly.

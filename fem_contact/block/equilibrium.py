@@ -8,11 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._types import Array
 from fem_contact.block.mesh import BlockMesh, element_matrices, node_weights
 
 __all__ = ["Equilibrium", "measure_equilibrium"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact._checks import instance, positive, samples, shown, within
+from fem_contact._types import Array, Lengths, Shape
 from fem_contact.block.elements import (
     ELEMENTS,
     Element,
@@ -40,9 +41,6 @@ __all__ = [
     "plan_mesh",
 ]
 
-Array = NDArray[np.float64]
-Shape = tuple[int, int]
-Lengths = tuple[float, float]
 
 #: A layer count is not raised for a rounding error in depth / first layer.
 _SLACK = 1e-9

@@ -5,15 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fem_contact._types import Array, Mask
 from fem_contact.block.mesh import BlockMesh, nodal_force, nodal_pressure, node_weights
 from fem_contact.contact import Residuals, Status, measure_residuals
 
 __all__ = ["Found", "Problem"]
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True)

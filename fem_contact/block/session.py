@@ -10,7 +10,6 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import bound as bound_of
 from fem_contact._checks import (
@@ -25,6 +24,7 @@ from fem_contact._checks import (
     whole,
     within,
 )
+from fem_contact._types import Array, Mask
 from fem_contact.block.elements import element_for
 from fem_contact.block.mesh import BlockMesh, MeshOptions, nodal_pressure, node_weights, plan_mesh
 from fem_contact.block.problem import Found, Problem
@@ -44,8 +44,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Method", "Modulus", "Session", "check_method", "needed_bytes", "planned_mesh"]
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Method = Literal["full", "reduced"]
 Modulus = Callable[[Array, Array, Array], Array]
 

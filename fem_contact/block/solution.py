@@ -9,9 +9,9 @@ from functools import cached_property
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import room_for
+from fem_contact._types import Array
 from fem_contact.block.elements import Element, lame
 from fem_contact.block.equilibrium import Equilibrium, measure_equilibrium
 from fem_contact.block.mesh import BlockMesh
@@ -21,7 +21,6 @@ from fem_contact.stress import von_mises
 
 __all__ = ["ArraySource", "BlockSolution", "CellLayer", "CellStress", "FieldSource"]
 
-Array = NDArray[np.float64]
 
 #: Components of symmetric tensors, in the order in which they are stored.
 _PAIRS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Unpack
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import instance, numbers_of, poisson_ratio, positive
+from fem_contact._types import Array, Mask
 from fem_contact.block.mesh import MeshOptions
 from fem_contact.block.session import Method, Modulus, Session, check_method, needed_bytes, planned_mesh
 from fem_contact.block.solution import BlockSolution
@@ -17,9 +17,6 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 
 __all__ = ["Estimate", "estimate", "solve", "solve_displacement", "solve_path"]
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True)

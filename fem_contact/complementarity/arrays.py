@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact._checks import shown
+from fem_contact._types import Shape
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.passes import Errors, Passes
@@ -25,8 +26,6 @@ if TYPE_CHECKING:
 
 __all__ = ["ArrayGrids", "ArrayOperator", "ArrayPasses"]
 
-Array = NDArray[np.float64]
-Shape = tuple[int, int]
 
 #: What the compiled passes have as `PARTS`, for one and for two.
 ALONE, PAIRED = 0.5, 0.46

@@ -12,6 +12,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from fem_contact._checks import LEAST, array
+from fem_contact._types import Array, Shape
 from fem_contact.complementarity.rows import Rows
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
@@ -19,9 +20,7 @@ from fem_contact.settings import available_processors
 
 __all__ = ["FourierOperator", "carried", "coarsened", "long_waves", "nearest", "refined", "refined_along"]
 
-Array = NDArray[np.float64]
 Single = NDArray[np.float32]
-Shape = tuple[int, int]
 
 
 class FourierOperator:

@@ -6,13 +6,13 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
+from fem_contact._types import Array
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.response import FreeHalfSpace, Response
 from fem_contact.settings import available_processors
 
 __all__ = ["FreeOperator", "operator_of"]
 
-Array = NDArray[np.float64]
 Single = NDArray[np.float32]
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fem_contact._types import Shape
 from fem_contact.complementarity.fourier import coarsened, nearest, refined
 from fem_contact.complementarity.free import operator_of
 from fem_contact.complementarity.operator import Solution
@@ -14,9 +14,6 @@ from fem_contact.contact import residual_sums
 from fem_contact.response import Response
 
 __all__ = ["Grids"]
-
-Array = NDArray[np.float64]
-Shape = tuple[int, int]
 
 
 class Grids:

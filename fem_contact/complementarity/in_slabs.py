@@ -10,6 +10,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from fem_contact._checks import LEAST, array
+from fem_contact._types import Array, Shape
 from fem_contact.complementarity.fourier import (
     FourierOperator,
     carried,
@@ -28,9 +29,7 @@ from fem_contact.response import Response
 
 __all__ = ["SlabGrids", "SlabOperator", "SlabPasses"]
 
-Array = NDArray[np.float64]
 AnyArray = NDArray[Any]
-Shape = tuple[int, int]
 
 
 class SlabOperator(FourierOperator):

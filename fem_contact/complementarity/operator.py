@@ -31,15 +31,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from fem_contact._types import Array, Mask
 from fem_contact.contact import Status
 
 __all__ = ["Operator", "Solution"]
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 class Operator(Protocol):

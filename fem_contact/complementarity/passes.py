@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._types import Array
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.rows import Rows
 
@@ -15,8 +16,6 @@ if TYPE_CHECKING:
     from fem_contact.complementarity.operator import Operator
 
 __all__ = ["Errors", "Passes"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

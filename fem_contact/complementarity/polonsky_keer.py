@@ -5,15 +5,13 @@ from __future__ import annotations
 import time
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fem_contact._types import Array
 from fem_contact.complementarity.operator import Operator, Solution
 from fem_contact.contact import Status
 from fem_contact.settings import Settings
 
 __all__ = ["polonsky_keer"]
-
-Array = NDArray[np.float64]
 
 
 def polonsky_keer(

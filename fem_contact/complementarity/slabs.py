@@ -18,13 +18,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._types import Shape
 from fem_contact.errors import InvalidInput
 from fem_contact.settings import Settings
 
 __all__ = ["SlabNumpy", "SlabSettings", "Slabs", "shares"]
 
 AnyArray = NDArray[Any]
-Shape = tuple[int, int]
 
 #: Bytes of the rows that are transposed at once, and the number of turns that this is done in at most.
 _TURN, _TURNS = 2**21, 16

@@ -9,8 +9,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fem_contact._types import Array
 from fem_contact.complementarity.arrays import ArrayOperator, ArrayPasses
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.grids import Grids
@@ -21,8 +21,6 @@ from fem_contact.contact import Status
 from fem_contact.settings import Settings
 
 __all__ = ["solve_bounded", "solve_nested", "surely_partial"]
-
-Array = NDArray[np.float64]
 
 
 def solve_bounded(

@@ -12,13 +12,10 @@ import scipy.fft
 from numpy.typing import ArrayLike, NDArray
 
 from fem_contact._checks import GREATEST, array, function, pair, positive, room_for, shown, whole, within
+from fem_contact._types import Array, Lengths, Shape
 from fem_contact.errors import InvalidInput
 
 __all__ = ["HeightField", "Patch", "checked_lengths", "checked_shape", "interpolant"]
-
-Array = NDArray[np.float64]
-Shape = tuple[int, int]
-Lengths = tuple[float, float]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -16,14 +16,12 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from fem_contact._checks import array, choice, function, positive, room_for, shown, truth
+from fem_contact._types import Array, Lengths, Shape
 from fem_contact.errors import InvalidInput
 from fem_contact.surface.heights import HeightField, checked_lengths, checked_shape
 
 __all__ = ["RandomWaves", "random_surface", "random_waves", "resolves"]
 
-Array = NDArray[np.float64]
-Shape = tuple[int, int]
-Lengths = tuple[float, float]
 
 #: Relative slack when a wavevector is compared with a limit it may equal up to rounding.
 _EDGE = 1e-12

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fem_contact._checks import choice, instance, within
+from fem_contact._types import Array
 from fem_contact.errors import InvalidInput
 from fem_contact.surface.heights import HeightField, Patch, checked_shape, interpolant
 
@@ -22,7 +23,6 @@ __all__ = [
     "window_weights",
 ]
 
-Array = NDArray[np.float64]
 Window = Literal["none", "hann", "tukey"]
 
 

@@ -12,16 +12,14 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fem_contact._types import Array, Mask
 from fem_contact.block.full.block import Block, CyclePreconditioner
 from fem_contact.block.full.linear import LinearSolution, conjugate_gradients
 from fem_contact.contact import Status
 
 __all__ = ["ActiveSetSolution", "Settings", "solve_contact"]
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 Violation = Callable[[Array, Array, Mask | None], float]
 
 #: Linear tolerance while the set still moves; it only has to tell contact from separation at most nodes.

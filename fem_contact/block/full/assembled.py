@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import instance, room_for, within
+from fem_contact._types import Array
 from fem_contact.block.full.assembly import assemble
 from fem_contact.block.mesh import BlockMesh, node_weights
 from fem_contact.block.solution import BlockSolution
@@ -13,7 +13,6 @@ from fem_contact.errors import InvalidInput, NotConverged
 
 __all__ = ["assembled_field"]
 
-Array = NDArray[np.float64]
 
 #: Of conjugate gradients.
 _STEPS = 1000

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._types import Array
 from fem_contact.block.elements import LocalForms, lame, local_dilatation, local_shear
 
 if TYPE_CHECKING:
@@ -16,8 +17,6 @@ if TYPE_CHECKING:
     from fem_contact.block.mesh import BlockMesh
 
 __all__ = ["Pattern", "Stiffness", "assemble"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

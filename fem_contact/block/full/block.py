@@ -9,13 +9,12 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._types import Array, Mask
 from fem_contact.block.full.levels import StencilLevel, Transfer
 from fem_contact.block.full.multigrid import Hierarchy
 
 __all__ = ["Block", "CyclePreconditioner"]
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 #: Least ratio of what the bound can carry and the load on a coarser grid.
 _CARRYING = 1.01

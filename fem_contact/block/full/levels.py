@@ -8,13 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._types import Array, Mask
 from fem_contact.block.full.cells import BlockFactors
 from fem_contact.block.full.stencil import LineFactors
 
 __all__ = ["CellLevel", "Level", "StencilLevel", "Transfer"]
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from fem_contact._types import Array
 
 __all__ = ["LinearSolution", "conjugate_gradients"]
 
@@ -14,7 +15,6 @@ __all__ = ["LinearSolution", "conjugate_gradients"]
 #: of nearly incompressible blocks the first stops at 1e-12 to 1e-11, where pressures are right to 2e-12.
 _ROUNDED = (4.0, 1e-10)
 
-Array = NDArray[np.float64]
 Operator = Callable[[Array], Array]
 
 

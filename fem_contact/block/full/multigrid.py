@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fem_contact._types import Array, Mask
 from fem_contact.block.full.cells import BlockFactors, corner_coefficients, overlap_means
 from fem_contact.block.full.levels import CellLevel, Level, StencilLevel, Transfer
 from fem_contact.block.full.stencil import LineFactors, stencil
@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Hierarchy", "Level", "Transfer", "build_hierarchy"]
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 #: Spacings along both axes count as equal up to this ratio, and are then doubled together.
 _ALIKE = 1.5

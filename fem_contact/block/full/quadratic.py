@@ -14,6 +14,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._types import Array
 from fem_contact.block.elements import ELEMENTS
 from fem_contact.block.full.block import Block
 from fem_contact.block.full.multigrid import Hierarchy, build_hierarchy
@@ -21,7 +22,6 @@ from fem_contact.block.mesh import BlockMesh, element_matrices
 
 __all__ = ["QuadraticBlock", "parity_blocks", "refined_hierarchy"]
 
-Array = NDArray[np.float64]
 
 #: a + c, m and c - a from the nodes a, m, c of one axis, and whether they are odd.
 _COMBINATIONS = np.array([[1.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])

@@ -16,13 +16,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fem_contact._types import Array
 from fem_contact.block.mesh import BlockMesh, element_matrices
 
 __all__ = ["TERMS", "LineFactors", "stencil"]
 
-Array = NDArray[np.float64]
 
 #: Coefficients in the order of the kernels: component of the force, of the displacement, and the neighbour
 #: (x, y) that stands for its mirror images; odd along x (y) where exactly one of the components is x (y).

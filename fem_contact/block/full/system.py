@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fem_contact._types import Array, Mask
 from fem_contact.block.full.active_set import ActiveSetSolution, Settings, solve_contact
 from fem_contact.block.full.block import Block
 from fem_contact.block.full.multigrid import build_hierarchy
@@ -16,8 +16,6 @@ from fem_contact.block.problem import Found, Problem
 
 __all__ = ["highest_nodes", "prepared", "solve_full"]
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 #: Set, offset and displacement to start from.
 First = tuple[Mask, float, Array | None]

@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._types import Array
 from fem_contact.block.elements import lame
 from fem_contact.block.full.assembly import Pattern
 from fem_contact.block.mesh import BlockMesh
@@ -33,8 +34,6 @@ if TYPE_CHECKING:
     import scipy.sparse as sp
 
 __all__ = ["Cells", "Strained", "cofactors", "stress"]
-
-Array = NDArray[np.float64]
 
 
 def cofactors(gradient: Array) -> tuple[Array, Array]:

@@ -20,8 +20,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
+from fem_contact._types import Array, Mask
 from fem_contact.block.full.block import Block, CyclePreconditioner
 from fem_contact.block.full.linear import conjugate_gradients
 from fem_contact.block.full.multigrid import Hierarchy
@@ -30,8 +30,6 @@ from fem_contact.block.hyperelastic.profile import Heights, Profile
 
 __all__ = ["Press", "State", "descend"]
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 #: Bounds on the linear residual of a step, over the contact forces.
 _LOOSE = 1e-2

@@ -7,12 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fem_contact._types import Array
 from fem_contact.surface import HeightField
 from fem_contact.surface.heights import interpolant
 
 __all__ = ["Heights", "Profile"]
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import Unpack
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_contact._checks import instance, numbers_of, positive, within
+from fem_contact._types import Array, Mask
 from fem_contact.block.full.multigrid import build_hierarchy
 from fem_contact.block.hyperelastic.cells import Cells
 from fem_contact.block.hyperelastic.newton import Press, State, descend
@@ -26,8 +26,6 @@ from fem_contact.surface import HeightField
 
 __all__ = ["FiniteStrain", "solve_finite_strain", "solve_slopes"]
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 #: Newton steps at most.
 _STEPS = 25

@@ -19,8 +19,8 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from fem_contact._types import Array
 from fem_contact.block.elements import Element
 from fem_contact.block.mesh import BlockMesh, element_matrices
 from fem_contact.complementarity.rows import Rows
@@ -36,7 +36,6 @@ __all__ = [
     "surface_response",
 ]
 
-Array = NDArray[np.float64]
 
 #: Functions of one phase that folded matrices are made of: 1, cos(t/2), cos t, sin(t/2), sin t.
 _FUNCTIONS = 5

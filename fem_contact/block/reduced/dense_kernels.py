@@ -8,9 +8,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from fem_contact._types import Array
+
 __all__ = ["LANES", "FoldingPlan", "compliances", "plan_folding"]
 
-Array = NDArray[np.float64]
 FoldingPlan = tuple[NDArray[np.int64], NDArray[np.int64], Array]
 
 #: Columns treated side by side by one instruction stream.

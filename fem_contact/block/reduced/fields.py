@@ -10,6 +10,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from fem_contact._checks import room_for
+from fem_contact._types import Array
 from fem_contact.block.reduced.column import eliminate, split_layer
 from fem_contact.block.reduced.surface import BlockResponse, phase_pairs
 from fem_contact.block.solution import CellLayer
@@ -17,7 +18,6 @@ from fem_contact.complementarity.rows import Rows
 
 __all__ = ["FourierSource"]
 
-Array = NDArray[np.float64]
 Waves = NDArray[np.complex128]
 
 

@@ -8,9 +8,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from fem_contact._types import Array
+
 __all__ = ["ENTRIES", "SIDE_BY_SIDE", "descend", "pack", "sweep"]
 
-Array = NDArray[np.float64]
 
 #: Columns treated together.
 SIDE_BY_SIDE = 64

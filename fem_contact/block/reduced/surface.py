@@ -11,6 +11,7 @@ import scipy.fft
 from numpy.typing import NDArray
 
 from fem_contact._checks import alike, array, instance, positive, samples, shown
+from fem_contact._types import Array
 from fem_contact.block.mesh import BlockMesh, node_weights
 from fem_contact.block.problem import Found, Problem
 from fem_contact.block.reduced.column import FoldedLayers, fold, surface_compliance
@@ -25,7 +26,6 @@ from fem_contact.solid import Solid
 
 __all__ = ["BlockResponse", "SurfaceOperator", "phase_pairs", "solve_reduced", "surface_operator"]
 
-Array = NDArray[np.float64]
 
 #: Share of the force of a proposed contact node that the others start with.
 _SPREAD = 0.01
