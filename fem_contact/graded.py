@@ -202,19 +202,38 @@ def plane_waves(poisson: float | Array, x: Array) -> tuple[Array, Array]:
     return displacement, stress
 
 
-def _waves(solid: Solid, x: Array) -> tuple[Array, Array]:
-    """Those of a solid, the stresses [Pa] over q."""
-    displacement, stress = plane_waves(solid.poisson, x)
-    return displacement, stress * solid.shear_modulus
-
-
 #: Waves that decay upwards have the same form with u_z and s_xz of the other sign.
 MIRROR = np.diag([1.0, -1.0])
 
 
+def waves_down(poisson: float, shear: float | Array, x: Array) -> tuple[Array, Array]:
+    """Displacement and stress over q of waves that decay downwards, without exp(-x), (..., 2, 2) each."""
+    displacement, stress = plane_waves(poisson, x)
+    return displacement, stress * np.asarray(shear)[..., None, None]
+
+
+def waves_up(poisson: float, shear: float | Array, x: Array) -> tuple[Array, Array]:
+    """Those of waves that decay upwards."""
+    displacement, stress = waves_down(poisson, shear, x)
+    return MIRROR @ displacement, -MIRROR @ stress
+
+
+def at_top(poisson: float, shear: float | Array, across: Array, reflection: Array) -> tuple[Array, Array]:
+    """Displacement and stress at the top of a layer, per amplitude of what decays downwards."""
+    decay = np.exp(-across)[:, None, None]
+    down, up = waves_down(poisson, shear, np.zeros_like(across)), waves_up(poisson, shear, across)
+    return down[0] + up[0] @ reflection * decay, down[1] + up[1] @ reflection * decay
+
+
+def impedance_of(displacement: Array, stress: Array) -> Array:
+    """Z of stress = Z displacement, for both waves."""
+    turned = (np.swapaxes(part, -1, -2) for part in (displacement, stress))
+    return np.asarray(np.swapaxes(np.linalg.solve(*turned), -1, -2))
+
+
 def _half_space(solid: Solid) -> Array:
     """Impedance s = Z u of a half-space, over q."""
-    displacement, stress = _waves(solid, np.zeros(()))
+    displacement, stress = waves_down(solid.poisson, solid.shear_modulus, np.zeros(()))
     return np.asarray(stress @ np.linalg.inv(displacement))
 
 
@@ -224,23 +243,13 @@ def _through(solid: Solid, thickness: Array, below: Array) -> Array:
     The amplitudes of the wave that decays upwards are found from the bottom condition; they come multiplied
     by exp(-q d) once on the way down and once on the way up, so that thick layers forget what is below.
     """
-    decay = np.exp(-thickness)[:, None, None]
-    zero = np.zeros_like(thickness)
-    down_u, down_s = _waves(solid, thickness)
-    up_u, up_s = (part for part in _waves(solid, zero))
-    up_u, up_s = MIRROR @ up_u, -MIRROR @ up_s
+    material = solid.poisson, solid.shear_modulus
+    down_u, down_s = waves_down(*material, thickness)
+    up_u, up_s = waves_up(*material, np.zeros_like(thickness))
     # (s - Z u) = 0 at the bottom: [down_s - Z down_u] e^-t a + [up_s - Z up_u] b = 0.
+    decay = np.exp(-thickness)[:, None, None]
     reflected = np.linalg.solve(up_s - below @ up_u, -(down_s - below @ down_u)) * decay
-    top_u, top_s = _waves(solid, zero)
-    back_u, back_s = _waves(solid, thickness)
-    back_u, back_s = MIRROR @ back_u, -MIRROR @ back_s
-    displacement = top_u + back_u @ reflected * decay
-    stress = top_s + back_s @ reflected * decay
-    return np.asarray(np.swapaxes(np.linalg.solve(_t(displacement), _t(stress)), -1, -2))
-
-
-def _t(matrix: Array) -> Array:
-    return np.swapaxes(matrix, -1, -2)
+    return impedance_of(*at_top(*material, thickness, np.asarray(reflected, dtype=float)))
 
 
 def _surface(impedance: Array) -> Array:

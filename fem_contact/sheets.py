@@ -8,7 +8,16 @@ import numpy as np
 
 from fem_contact._types import Array
 from fem_contact.errors import UnsupportedEffect
-from fem_contact.graded import MIRROR, ExponentialSolid, LayeredSolid, plane_waves
+from fem_contact.graded import (
+    MIRROR,
+    ExponentialSolid,
+    LayeredSolid,
+    at_top,
+    impedance_of,
+    plane_waves,
+    waves_down,
+    waves_up,
+)
 from fem_contact.response import BondedLayer, FrictionlessLayer, HalfSpace, Response
 from fem_contact.solid import Solid
 
@@ -70,15 +79,13 @@ class Sheets:
         for k in reversed(range(count)):
             across, nu, modulus = q * thicknesses[k], poisson[k], shear[k]
             if np.all(np.isfinite(across)):
-                down, up = _waves(nu, modulus, across), _mirrored(nu, modulus, 0 * across)
+                down, up = waves_down(nu, modulus, across), waves_up(nu, modulus, 0 * across)
                 down_missed, up_missed = (condition[0] @ u + condition[1] @ s for u, s in (down, up))
                 reflection[k] = -np.linalg.solve(up_missed, down_missed) * np.exp(-across)[:, None, None]
-                tops[k] = _at_top(nu, modulus, across, reflection[k])
+                tops[k] = at_top(nu, modulus, across, reflection[k])
             else:
-                tops[k] = _waves(nu, modulus, 0 * q)
-            displacement, stress = tops[k]
-            impedance = np.swapaxes(np.linalg.solve(_t(displacement), _t(stress)), -1, -2)
-            condition = (-impedance, identity)
+                tops[k] = waves_down(nu, modulus, 0 * q)
+            condition = (-impedance_of(*tops[k]), identity)
         down_waves = np.empty((count, q.size, 2))
         down_waves[0] = np.linalg.solve(tops[0][1], np.broadcast_to([[0.0], [-1.0]], (q.size, 2, 1)))[..., 0]
         for k in range(count - 1):
@@ -119,25 +126,6 @@ class Sheets:
         )
 
 
-def _waves(poisson: float, shear: Array, x: Array) -> tuple[Array, Array]:
-    """Displacement and stress over q of waves that decay downwards, without exp(-x), (n, 2, 2) each."""
-    displacement, stress = plane_waves(poisson, x)
-    return displacement, stress * shear[:, None, None]
-
-
-def _mirrored(poisson: float, shear: Array, x: Array) -> tuple[Array, Array]:
-    """Those of waves that decay upwards."""
-    displacement, stress = _waves(poisson, shear, x)
-    return MIRROR @ displacement, -MIRROR @ stress
-
-
-def _at_top(poisson: float, shear: Array, across: Array, reflection: Array) -> tuple[Array, Array]:
-    """Displacement and stress at the top of a sheet, per amplitude of what decays downwards."""
-    decayed = reflection * np.exp(-across)[:, None, None]
-    down, up = _waves(poisson, shear, 0 * across), _mirrored(poisson, shear, across)
-    return down[0] + up[0] @ decayed, down[1] + up[1] @ decayed
-
-
 def _state(
     poisson: float | Array, shear: Array, x: Array, *, remaining: Array, down: Array, up: Array
 ) -> Array:
@@ -149,10 +137,6 @@ def _state(
         for falling, rising, sign in parts
     )
     return np.concatenate([displacement, stress * shear[:, None]], axis=-1)
-
-
-def _t(matrix: Array) -> Array:
-    return np.swapaxes(matrix, -1, -2)
 
 
 @dataclass(frozen=True, kw_only=True)
