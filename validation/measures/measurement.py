@@ -343,20 +343,22 @@ def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0
         Coarser grids are left out.
     """
     keep = dataset.points_per_wave.values >= least_points_per_wave * (1 - 1e-9)
-    return [
-        ContactAreas(
-            pixel=float(dataset.pixel[i, j, load]),
-            perimeter=float(dataset.perimeter[i, j, load]),
-            edge_length=np.nan,
-            edge_fraction=float(dataset.edge_fraction[i, j, load]),
-            edge_constant=EDGE_CONSTANTS["bem"],
-            spacing=(1 / int(dataset.points[i]), int(dataset.points[i]) / int(dataset.cells[i])),
-            subcell=None if np.isnan(dataset.subcell[i, j, load]) else float(dataset.subcell[i, j, load]),
-            cells=int(dataset.cells[i]),
-            **{name: float(dataset[name][i, j, load]) for name in TRAITS if name in dataset},
+    names = ("pixel", "perimeter", "edge_fraction", "subcell", *(name for name in TRAITS if name in dataset))
+    numbers = {name: dataset[name].values[..., load].astype(float) for name in names}
+    points, cells = (dataset[name].values.tolist() for name in ("points", "cells"))
+    areas = []
+    for i, j in itertools.product(np.flatnonzero(keep), range(dataset.sizes["shift"])):
+        found: dict[str, Any] = {name: float(values[i, j]) for name, values in numbers.items()}
+        areas.append(
+            ContactAreas(
+                edge_length=np.nan,
+                edge_constant=EDGE_CONSTANTS["bem"],
+                spacing=(1 / int(points[i]), int(points[i]) / int(cells[i])),
+                cells=int(cells[i]),
+                **(found | {"subcell": None if np.isnan(found["subcell"]) else found["subcell"]}),
+            )
         )
-        for i, j in itertools.product(np.flatnonzero(keep), range(dataset.sizes["shift"]))
-    ]
+    return areas
 
 
 def area_limits(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:
