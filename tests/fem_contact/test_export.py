@@ -86,6 +86,7 @@ def test_quadratic_cells_are_written_with_all_their_nodes(element: str, tmp_path
         np.testing.assert_allclose(nodes[:, node], nodes[:, corners].mean(axis=1), atol=1e-12 * LENGTHS[1])
 
 
+@pytest.mark.slow
 def test_pictures_show_pressure_where_the_contact_is(solution: BlockSolution, tmp_path: Path) -> None:
     pyvista = pytest.importorskip("pyvista")
     # Without a graphics library the renderer does not fail but kills its process.

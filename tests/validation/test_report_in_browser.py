@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 from validation.comparison.run import report_scene
-from validation.solves.bench import Bench
 from validation.studies import find_study
 from validation.studies._outputs import report_study, run_study
 
@@ -79,17 +78,16 @@ def browse(page, folder, *, width, height, screenshot=None):
 
 
 @pytest.fixture(scope="module")
-def pages(small_run, tmp_path_factory):
-    """The report of a run, with a 3-D picture where one can be rendered, and that of a study."""
+def pages(small_run, tmp_path_factory, bench):
+    """The report of a run and that of a study."""
     folder = tmp_path_factory.mktemp("pages")
     shutil.copytree(small_run.folder, folder / "run")
-    report_scene(folder / "run", pictures=True)
     area = find_study("area")
     options = area.options(
         reduced_pressures=(0.02, 0.1, 0.5), seed=3, surfaces=2, grids=(16, 24, 32), bandwidth=2.0
     )
     (folder / "study").mkdir()
-    run_study(area, options, folder / "study", bench=Bench.at(folder / "solves"))
+    run_study(area, options, folder / "study", bench=bench)
     return {name: folder / name / "report.html" for name in ("run", "study")}
 
 
@@ -211,7 +209,6 @@ def test_the_report_names_papers_seeds_versions_and_answers_first(pages):
     first = [page.index(words) for words in ("How large", "How sure", "How far from", "What did it cost")]
     assert first == sorted(first)
     assert first[-1] < page.index("What was found") < page.index("Every grid") < page.index("<figure id")
-    assert "surface-3d" in str(list(pages["run"].parent.glob("figures/*.png"))) or "No 3-D picture" in page
 
 
 def test_a_report_is_made_again_from_stored_results_alone(small_run, tmp_path, monkeypatch):

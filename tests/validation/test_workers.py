@@ -40,6 +40,7 @@ def tally(tmp_path):
     return write
 
 
+@pytest.mark.nightly
 def test_a_solve_whose_workers_are_killed_three_times_by_chance_is_done_at_the_end(tmp_path, tally):
     progress, unlucky = Notes(), Deadly(1, tally(3))
     others = [Slow(k) for k in range(2, 8)]

@@ -116,9 +116,7 @@ def test_only_a_constant_costs_a_cell_nothing(element: str) -> None:
 @pytest.mark.parametrize(
     ("method", "element", "poisson", "contrast"),
     [
-        ("full", "Hex1", 0.3, 10.0),
         ("full", "Hex2/P1disc", 0.45, 10.0),
-        ("full", "Hex1/P0", 0.49, 1.0),
         ("reduced", "Hex1/P0", 0.49, 1.0),
     ],
 )

@@ -70,7 +70,7 @@ STUDIES: dict[str, dict[str, object]] = {
     "area": {"grids": (16, 32, 48), "reduced_pressures": (0.05, 0.3), "surfaces": 2, "seed": 61},
     "area on a scene": {"scene": _YIELDING, "reduced_pressures": (0.05,), "surfaces": 2},
     "autopsy": {
-        "hursts": (0.3, 0.8),
+        "hursts": (0.8,),
         "reduced_pressures": (0.1, 1.0),
         "periods": 1,
         "bandwidth": 4.0,
