@@ -470,10 +470,10 @@ def change(data: xr.Dataset, name: str, *, along: str, first: int = 0, last: int
     """
     values = _of(data, f"{name}_each", f"change of {name!r}")
     end, start = (values.isel({along: k}, drop=True) for k in (last, first))
+    if first % values.sizes[along] == last % values.sizes[along]:
+        end = end * math.nan
     made = {"reduction": "change", "of": f"{name}_each", "along": along, "first": first, "last": last}
     added: dict[str, Any] = {f"{name}_change_each": (end / start - 1).drop_attrs().assign_attrs(made)}
-    if first % values.sizes[along] == last % values.sizes[along]:
-        return data.assign({name: value * math.nan for name, value in added.items()})
     errors = data.get(f"{name}_each_error")
     if errors is not None:
         shares = (errors.isel({along: k}, drop=True) / v for k, v in ((last, end), (first, start)))
