@@ -347,27 +347,24 @@ def test_studies_and_cases_and_scenes_are_listed_for_people_and_scripts(tool):
 
 def test_reproduce_prints_the_claims(tool, monkeypatch, tmp_path):
     from validation.paper import reproduce
-    from validation.paper.claims import ClaimRow
-    from validation.paper.page import paper_page
+    from validation.paper.claims import ClaimRow, percent
 
     row = ClaimRow(
         claim="area [nm]",
         application="steel",
         section="4",
-        stated=1.0,
-        tolerance="5 %",
+        stated=percent(1.0),
         computed=1.01,
         literal=1.01,
         convention="",
         verdict="reproduced",
+        reason="",
         note="",
     )
-
-    def run(output, *, figures, progress):
-        progress("claim: area")
-        return reproduce.Reproduced(rows=(row,), page=paper_page((row,)), files=())
-
-    monkeypatch.setattr(reproduce, "run", run)
+    monkeypatch.setattr(reproduce, "APPLICATIONS", (None,))
+    monkeypatch.setattr(reproduce, "steps", lambda: 1)
+    monkeypatch.setattr(reproduce, "FIGURES", ())
+    monkeypatch.setattr(reproduce, "judge", lambda application, tell: [row])
     code, out, err = tool("reproduce", "--no-figures", "-q")
     assert code == 0, err
     assert "reprod" in out

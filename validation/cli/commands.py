@@ -350,6 +350,10 @@ def report(
         from validation.cases._result import report_claims
 
         files = report_claims(folder)[1]
+    elif holds_result(folder, "paper"):
+        from validation.paper.reproduce import report as report_paper
+
+        files = report_paper(folder)[1]
     elif is_study(folder):
         files = report_study(folder).files
     else:

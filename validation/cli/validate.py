@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import re
 from collections.abc import Iterable, Sequence
@@ -157,8 +156,10 @@ def reproduce(
         stopping_cleanly(),
         steps_bar(reproduction.steps() if figures else None, quiet=quiet or as_json) as tell,
     ):
-        done = reproduction.run(folder, figures=figures, progress=tell)
+        page, files = reproduction.run(folder, figures=figures, progress=tell)
     if as_json:
-        typer.echo(json.dumps([dataclasses.asdict(row) for row in done.rows], indent=2))
+        assert page.data is not None
+        claims = page.data[[name for name, value in page.data.items() if value.dims == ("claim",)]]
+        typer.echo(json.dumps(json_ready(claims.to_dataframe().reset_index().to_dict("records")), indent=2))
         return
-    print_page(done.page, done.files)
+    print_page(page, files)

@@ -10,7 +10,6 @@ named in the row.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -28,179 +27,6 @@ __all__ = [
     "judge",
     "percent",
 ]
-
-
-@dataclass(frozen=True, kw_only=True)
-class Convention:
-    """One joint set of conventions of an application.
-
-    Attributes
-    ----------
-    name : str
-        In words.
-    value : object
-        What the claims of the application are computed with.
-    """
-
-    name: str
-    value: Any
-
-
-@dataclass(frozen=True, kw_only=True)
-class Claim:
-    """A number in the paper.
-
-    Attributes
-    ----------
-    text, section : str
-        What is claimed, and where.
-    stated : float
-        The paper's number.
-    low, high : float
-        Range within which a computed number counts as the same, and why.
-    basis : str
-        Where the range comes from.
-    value : callable
-        Computes the number under a convention of the application.
-    fixed : bool
-        Whether no convention enters.
-    choice : str
-        What the paper does not state and was chosen here; empty if nothing.
-    failure : str
-        Why the claim does not hold, should it not agree.
-    note : callable, optional
-        Further numbers to report beside it.
-    """
-
-    text: str
-    section: str
-    stated: float
-    low: float
-    high: float
-    basis: str
-    value: Callable[[Any], float]
-    fixed: bool = True
-    choice: str = ""
-    failure: str = "the formulas and numbers of the paper do not give it"
-    note: Callable[[], str] | None = None
-
-    def agrees(self, value: float) -> bool:
-        """Whether a number counts as the paper's."""
-        return self.low <= value <= self.high
-
-
-@dataclass(frozen=True, kw_only=True)
-class Application:
-    """What the paper computes for one system, and the conventions it leaves open, the literal one first."""
-
-    name: str
-    claims: tuple[Claim, ...]
-    conventions: tuple[Convention, ...] = (Convention(name="", value=None),)
-
-
-@dataclass(frozen=True, kw_only=True)
-class ClaimRow:
-    """A claim and what became of it.
-
-    Attributes
-    ----------
-    claim, application, section : str
-        What is claimed, of which system, and where.
-    stated : float
-        The paper's number.
-    tolerance : str
-        Range that counts as the same number, and why.
-    computed : float
-        Under the joint convention of the application.
-    literal : float
-        Under the literal one.
-    convention : str
-        The joint convention; "as stated" where none enters.
-    verdict, note : str
-        Whether it holds, and what else there is to say.
-    """
-
-    claim: str
-    application: str
-    section: str
-    stated: float
-    tolerance: str
-    computed: float
-    literal: float
-    convention: str
-    verdict: str
-    note: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class Unjudged:
-    """A statement of the paper without a verdict, and the reason."""
-
-    section: str
-    statement: str
-    reason: str
-
-
-def judge(application: Application, *, tell: Callable[[str], None] | None = None) -> tuple[ClaimRow, ...]:
-    """Judge all claims of an application under one joint convention: the one under which most of them agree.
-
-    Where several conventions serve equally well the first of them is taken, so that the literal one wins
-    a tie.
-    """
-    first = application.conventions[0]
-    values: dict[tuple[int, int], float] = {}
-    for number, one in enumerate(application.claims):
-        (tell or (lambda text: None))(one.text)
-        for index, convention in enumerate(application.conventions):
-            known = one.fixed and index > 0
-            values[number, index] = values[number, 0] if known else float(one.value(convention.value))
-    scores = [
-        sum(one.agrees(values[number, index]) for number, one in enumerate(application.claims))
-        for index in range(len(application.conventions))
-    ]
-    best = scores.index(max(scores))
-    joint = application.conventions[best]
-    return tuple(
-        _row(
-            one,
-            application.name,
-            computed=values[number, best],
-            literal=values[number, 0],
-            convention="" if one.fixed else joint.name,
-            inferred=joint is not first and not one.fixed,
-        )
-        for number, one in enumerate(application.claims)
-    )
-
-
-def _row(
-    one: Claim, application: str, *, computed: float, literal: float, convention: str, inferred: bool
-) -> ClaimRow:
-    if not one.agrees(computed):
-        verdict = f"not reproduced because {one.failure}"
-    elif inferred:
-        verdict = "reproduced under the joint convention" + (
-            f", with a choice: {one.choice}" if one.choice else ""
-        )
-    elif one.choice:
-        verdict = f"reproduced with a choice: {one.choice}"
-    else:
-        verdict = "reproduced"
-    agreement = ", which agrees, too" if one.agrees(literal) else ""
-    extra = f"literally {literal:.4g}{agreement}" if inferred else ""
-    notes = [extra, one.note() if one.note else ""]
-    return ClaimRow(
-        claim=one.text,
-        application=application,
-        section=one.section,
-        stated=one.stated,
-        tolerance=f"{one.low:.4g} ... {one.high:.4g} ({one.basis})",
-        computed=computed,
-        literal=literal,
-        convention=convention or "as stated",
-        verdict=verdict,
-        note="; ".join(text for text in notes if text),
-    )
 
 
 class Stated(NamedTuple):
@@ -227,6 +53,49 @@ def factor(stated: float, size: float, *, words: str) -> Stated:
     return Stated(stated, stated / size, stated * size, f"a factor {size:g}, for '{words}'")
 
 
+@dataclass(frozen=True, kw_only=True)
+class Convention:
+    """One joint set of conventions of an application: its name, and what its claims are computed with."""
+
+    name: str
+    value: Any
+
+
+@dataclass(frozen=True, kw_only=True)
+class Claim:
+    """A number in the paper.
+
+    Attributes
+    ----------
+    text, section : str
+        What is claimed, and where.
+    stated : Stated
+    value : callable
+        Computes the number under a convention of the application.
+    fixed : bool
+        Whether no convention enters.
+    choice : str
+        What the paper does not state and was chosen here; empty if nothing.
+    failure : str
+        Why the claim does not hold, should it not agree.
+    note : callable, optional
+        Further numbers to report beside it.
+    """
+
+    text: str
+    section: str
+    stated: Stated
+    value: Callable[[Any], float]
+    fixed: bool = True
+    choice: str = ""
+    failure: str = "the formulas and numbers of the paper do not give it"
+    note: Callable[[], str] | None = None
+
+    def agrees(self, value: float) -> bool:
+        """Whether a number counts as the paper's."""
+        return self.stated.low <= value <= self.stated.high
+
+
 def claim(
     text: str,
     section: str,
@@ -234,26 +103,108 @@ def claim(
     *,
     fixed: Callable[[], float] | None = None,
     under: Callable[[Any], float] | None = None,
-    choice: str = "",
-    failure: str = Claim.failure,
-    note: Callable[[], str] | None = None,
+    **more: Any,
 ) -> Claim:
     """Write a claim down: what, where, the number, its tolerance, and how it is computed.
 
-    `fixed` takes nothing, `under` the convention of its application.
+    `fixed` takes nothing, `under` the convention of its application; `more` are fields of `Claim`.
     """
     if (fixed is None) == (under is None):
         raise ValueError(f"{text}: must be computed with `fixed` or with `under`")
-    return Claim(
-        text=text,
-        section=section,
-        stated=stated.value,
-        low=stated.low,
-        high=stated.high,
-        basis=stated.basis,
-        value=under if under is not None else (lambda convention: fixed() if fixed else math.nan),
-        fixed=under is None,
-        choice=choice,
-        failure=failure,
-        note=note,
+    value = under if fixed is None else lambda convention: fixed()
+    assert value is not None
+    return Claim(text=text, section=section, stated=stated, value=value, fixed=under is None, **more)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Application:
+    """What the paper computes for one system, and the conventions it leaves open, the literal one first."""
+
+    name: str
+    claims: tuple[Claim, ...]
+    conventions: tuple[Convention, ...] = (Convention(name="", value=None),)
+
+
+class Unjudged(NamedTuple):
+    """A statement of the paper without a verdict, and the reason."""
+
+    section: str
+    statement: str
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClaimRow:
+    """A claim and what became of it.
+
+    Attributes
+    ----------
+    claim, application, section : str
+        What is claimed, of which system, and where.
+    stated : Stated
+    computed, literal : float
+        Under the joint convention of the application, and under the literal one.
+    convention : str
+        The joint convention; "as stated" where none enters.
+    verdict, reason, note : str
+        Whether it holds, why not or what was chosen, and what else there is to say.
+    """
+
+    claim: str
+    application: str
+    section: str
+    stated: Stated
+    computed: float
+    literal: float
+    convention: str
+    verdict: str
+    reason: str
+    note: str
+
+
+def judge(application: Application, *, tell: Callable[[str], None] | None = None) -> tuple[ClaimRow, ...]:
+    """Judge all claims of an application under one joint convention: the one under which most of them agree.
+
+    Where several conventions serve equally well the first of them is taken, so that the literal one wins
+    a tie.
+    """
+    values: list[list[float]] = []
+    for one in application.claims:
+        if tell is not None:
+            tell(one.text)
+        asked = application.conventions[:1] if one.fixed else application.conventions
+        known = [float(one.value(convention.value)) for convention in asked]
+        values.append(known * (len(application.conventions) if one.fixed else 1))
+    scores = [
+        sum(one.agrees(known[k]) for one, known in zip(application.claims, values, strict=True))
+        for k in range(len(application.conventions))
+    ]
+    best = scores.index(max(scores))
+    return tuple(
+        _row(one, application, known, best) for one, known in zip(application.claims, values, strict=True)
+    )
+
+
+def _row(one: Claim, application: Application, known: list[float], best: int) -> ClaimRow:
+    inferred = best > 0 and not one.fixed
+    verdict, reason = "reproduced", one.choice
+    if not one.agrees(known[best]):
+        verdict, reason = "not reproduced", one.failure
+    elif inferred:
+        verdict = "reproduced under the joint convention"
+    elif one.choice:
+        verdict = "reproduced with a choice"
+    agreement = ", which agrees, too" if one.agrees(known[0]) else ""
+    notes = [f"literally {known[0]:.4g}{agreement}" if inferred else "", one.note() if one.note else ""]
+    return ClaimRow(
+        claim=one.text,
+        application=application.name,
+        section=one.section,
+        stated=one.stated,
+        computed=known[best],
+        literal=known[0],
+        convention=("" if one.fixed else application.conventions[best].name) or "as stated",
+        verdict=verdict,
+        reason=reason,
+        note="; ".join(filter(None, notes)),
     )

@@ -1,11 +1,11 @@
-"""The calculated figures of Persson (2006) as numbers; nothing is drawn here."""
+"""The calculated figures of Persson (2006) as numbers: which quantities on which axes, and their curves."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,31 +19,15 @@ from validation.arrays import Array
 from validation.paper import systems as s
 from validation.paper.pmma import rough_pmma
 from validation.paper.pyrex import smoothed_pyrex
-from validation.paper.rim import EnergyName
+from validation.report.marks import Figure, Line, Panel
 
-__all__ = ["FIGURES", "Curve", "Panel", "PaperFigure"]
+if TYPE_CHECKING:
+    import xarray as xr
 
-Axis = Literal["linear", "log"]
+__all__ = ["FIGURES", "PaperFigure"]
 
-
-@dataclass(frozen=True, kw_only=True)
-class Curve:
-    """One line: label, abscissae and ordinates."""
-
-    label: str
-    x: Array
-    y: Array
-
-
-@dataclass(frozen=True, kw_only=True)
-class Panel:
-    """One pair of axes."""
-
-    x: str
-    y: str
-    curves: tuple[Curve, ...]
-    x_scale: Axis = "linear"
-    y_scale: Axis = "linear"
+#: Curves by label, each with the values of its quantities.
+Curves = Mapping[str, Mapping[str, Any]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,15 +37,62 @@ class PaperFigure:
     Attributes
     ----------
     name : str
-        File name without suffix.
+        It tells its variables from those of others, as a qualifier of the registry.
     title : str
         What it shows, with the choices made.
-    panels : tuple of Panel
+    panels : tuple of (str, str, str)
+        Quantity along the axis, quantity up the axis, and which axes are logarithmic.
+    curves : callable
     """
 
     name: str
     title: str
-    panels: tuple[Panel, ...]
+    panels: tuple[tuple[str, str, str], ...]
+    curves: Callable[[], Curves]
+
+    def compute(self) -> xr.Dataset:
+        """Return its quantities over curve and point; NaN where a curve has no more."""
+        import xarray as xr
+
+        curves = self.curves()
+        names = dict.fromkeys(name for values in curves.values() for name in values)
+        longest = max(np.size(one) for values in curves.values() for one in values.values())
+        dims, made = (f"curve_{self.name}", f"point_{self.name}"), {}
+        for name in names:
+            whole = np.full((len(curves), longest), np.nan)
+            for row, values in zip(whole, curves.values(), strict=True):
+                if name in values:
+                    row[: np.size(values[name])] = values[name]
+            made[f"{name}_{self.name}"] = (dims, whole)
+        return xr.Dataset(made, coords={dims[0]: list(curves)})
+
+    def declared(self) -> Figure:
+        """Return what is drawn of them."""
+        curve = f"curve_{self.name}"
+        panels = [
+            Panel(
+                marks=[
+                    Line(y=f"{y}_{self.name}", by=curve, label=f"{{{curve}}}", look={"marker": "", "lw": 1.6})
+                ],
+                x=f"{x}_{self.name}",
+                log=log,
+            )
+            for x, y, log in self.panels
+        ]
+        return Figure(
+            name=self.name.replace("_", "-"),
+            caption=f"{self.title}.",
+            panels=panels,
+            width=5.2 * len(panels),
+            height=4.0,
+        )
+
+
+def _figure(
+    name: str, title: str, *panels: tuple[str, str, str]
+) -> Callable[[Callable[[], Curves]], PaperFigure]:
+    """Make a `PaperFigure` of the function below, which returns its curves."""
+    return lambda curves: PaperFigure(name=name, title=title, panels=panels, curves=curves)
 
 
 def _area(
@@ -71,143 +102,135 @@ def _area(
     return elastic.contact_area(pressure, stress_variance=variance)
 
 
-def spectra() -> PaperFigure:
-    """Power spectra of polished steel and PMMA."""
-    curves = []
-    for label, spectrum in (
-        ("polished steel, h_rms = 0.1 um", s.steel()),
-        ("PMMA, frozen capillary waves", s.pmma()),
-    ):
-        q = np.geomspace(spectrum.q_min, spectrum.q_short, 200)
-        curves.append(Curve(label=label, x=q, y=spectrum(q)))
-    panel = Panel(x="q [1/m]", y="C(q) [m^4]", curves=tuple(curves), x_scale="log", y_scale="log")
-    return PaperFigure(name="spectra", title="Power spectra, Sec. 2.2", panels=(panel,))
+def _spectrum(spectrum: Spectrum, q: Array) -> Mapping[str, Array]:
+    return {"wavevector": q, "power_spectrum": np.asarray(spectrum(q))}
 
 
-def greenwood_williamson() -> PaperFigure:
-    """Area and patch size of the Greenwood-Williamson model, q_m = 600 1/m and q_m h_rms = 1."""
-    q = 600.0
-    models = (
+def _waves(spectrum: Spectrum) -> Array:
+    return np.geomspace(spectrum.q_min, spectrum.q_short, 200)
+
+
+@_figure("spectra", "Power spectra, Sec. 2.2", ("wavevector", "power_spectrum", "xy"))
+def _spectra() -> Curves:
+    return {
+        "polished steel, h_rms = 0.1 um": _spectrum(s.steel(), _waves(s.steel())),
+        "PMMA, frozen capillary waves": _spectrum(s.pmma(), _waves(s.pmma())),
+    }
+
+
+@_figure(
+    "greenwood_williamson",
+    "Greenwood-Williamson model, one wavelength, q_m = 600 1/m and q_m h_rms = 1, Sec. 3.2",
+    ("load_modulus", "area", "xy"),
+    ("load_modulus", "patch_mean", "xy"),
+)
+def _greenwood_williamson() -> Curves:
+    q, curves = 600.0, {}
+    for label, bumps in (
         ("estimates of Sec. 3.2", ring_asperities(q, rms_height=1 / q)),
         ("Nayak's relations", nayak_asperities(Moments(m0=1 / q**2, m2=1.0, m4=q**2))),
-    )
-    areas, patches = [], []
-    for label, bumps in models:
+    ):
         found = bumps.contact(bumps.rms_height * np.linspace(4.5, 0.0, 80), contact_modulus=1.0)
-        areas.append(Curve(label=label, x=found.pressure, y=found.area))
-        patches.append(Curve(label=label, x=found.pressure, y=found.patch_area))
-    load = "sigma_0 / E*"
-    return PaperFigure(
-        name="greenwood_williamson",
-        title="Greenwood-Williamson model, one wavelength, Sec. 3.2",
-        panels=(
-            Panel(x=load, y="A / A_0", curves=tuple(areas), x_scale="log", y_scale="log"),
-            Panel(x=load, y="mean patch [m^2]", curves=tuple(patches), x_scale="log", y_scale="log"),
-        ),
-    )
+        curves[label] = {
+            "load_modulus": found.pressure,
+            "area": found.area,
+            "patch_mean": found.patch_area,
+        }
+    return curves
 
 
-def polished_steel() -> PaperFigure:
-    """Contact area of polished steel against pressure and magnification."""
-    load = np.geomspace(1e-4, 1.0, 120)
-    zeta = np.geomspace(1.0, 1e5, 200)
-    against_load = Curve(label="full magnification", x=load, y=_area(s.steel(), 1.0, load))
-    against_zeta = Curve(label="sigma_0 / E* = 0.001", x=zeta, y=_area(s.steel(), 1.0, 1e-3, zeta * 1e5))
-    return PaperFigure(
-        name="polished_steel",
-        title="Polished steel, elastic, Sec. 3.4 (q_0 = 1e5 1/m chosen)",
-        panels=(
-            Panel(x="sigma_0 / E*", y="A / A_0", curves=(against_load,), x_scale="log", y_scale="log"),
-            Panel(x="zeta", y="A / A_0", curves=(against_zeta,), x_scale="log", y_scale="log"),
-        ),
-    )
+@_figure(
+    "polished_steel",
+    "Polished steel, elastic, Sec. 3.4 (q_0 = 1e5 1/m chosen)",
+    ("load_modulus", "area", "xy"),
+    ("magnification", "area", "xy"),
+)
+def _polished_steel() -> Curves:
+    load, zeta = np.geomspace(1e-4, 1.0, 120), np.geomspace(1.0, 1e5, 200)
+    return {
+        "full magnification": {"load_modulus": load, "area": _area(s.steel(), 1.0, load)},
+        "sigma_0 / E* = 0.001": {
+            "magnification": zeta,
+            "area": _area(s.steel(), 1.0, 1e-3, zeta * 1e5),
+        },
+    }
 
 
-def macroasperities() -> PaperFigure:
-    """Logarithm of the area and its second derivative, polished steel at 10 MPa."""
+@_figure(
+    "macroasperities",
+    "Macroasperities of polished steel at 10 MPa, Sec. 3.6 (smooth roll-off)",
+    ("magnification", "area", "xy"),
+    ("magnification", "area_bend", "x"),
+)
+def _macroasperities() -> Curves:
     x = np.linspace(math.log(0.05), math.log(1e4), 1200)
     area = _area(s.steel(smooth=True), s.STEEL_MODULUS, s.STEEL_PRESSURE, 1e5 * np.exp(x))
     bend = np.gradient(np.gradient(np.log(area), x), x)
-    return PaperFigure(
-        name="macroasperities",
-        title="Macroasperities of polished steel at 10 MPa, Sec. 3.6 (smooth roll-off)",
-        panels=(
-            Panel(
-                x="zeta",
-                y="A / A_0",
-                curves=(Curve(label="area", x=np.exp(x), y=area),),
-                x_scale="log",
-                y_scale="log",
-            ),
-            Panel(
-                x="zeta",
-                y="d^2 ln A / d(ln zeta)^2",
-                curves=(Curve(label="curvature", x=np.exp(x[2:-2]), y=bend[2:-2]),),
-                x_scale="log",
-            ),
-        ),
-    )
+    # Differences at the ends are one-sided.
+    bend[:2] = bend[-2:] = np.nan
+    return {"polished steel": {"magnification": np.exp(x), "area": area, "area_bend": bend}}
 
 
-def elastoplastic() -> PaperFigure:
-    """Elastic and plastic area of polished steel at 10 MPa for several hardnesses."""
-    zeta = np.geomspace(1.001, 1e5, 240)
+@_figure(
+    "elastoplastic",
+    "Polished steel at 10 MPa with constant hardness, Sec. 6",
+    ("magnification", "area_elastic", "xy"),
+    ("magnification", "plastic_load_share", "x"),
+)
+def _elastoplastic() -> Curves:
+    zeta, curves = np.geomspace(1.001, 1e5, 240), {}
     variance = elastic.stress_variance(s.steel().m2(1e5 * zeta), contact_modulus=s.STEEL_MODULUS)
-    elastic_curves, plastic_curves = [], []
     for hardness in (1e9, 2e9, 4e9, 8e9):
         areas = constant_hardness(s.STEEL_PRESSURE, stress_variance=variance, yield_stress=hardness)
-        label = f"sigma_Y = {hardness / 1e9:g} GPa"
-        # Below 1e-12 the elastic area is of no use and only stretches the axis.
-        shown = areas.elastic > 1e-12
-        elastic_curves.append(Curve(label=label, x=zeta[shown], y=areas.elastic[shown]))
-        plastic_curves.append(Curve(label=label, x=zeta, y=areas.plastic * hardness / s.STEEL_PRESSURE))
-    return PaperFigure(
-        name="elastoplastic",
-        title="Polished steel at 10 MPa with constant hardness, Sec. 6",
-        panels=(
-            Panel(x="zeta", y="A_el / A_0", curves=tuple(elastic_curves), x_scale="log", y_scale="log"),
-            Panel(x="zeta", y="A_pl sigma_Y / (A_0 sigma_0)", curves=tuple(plastic_curves), x_scale="log"),
-        ),
-    )
+        curves[f"sigma_Y = {hardness / 1e9:g} GPa"] = {
+            "magnification": zeta,
+            # Below 1e-12 the elastic area is of no use and only stretches the axis.
+            "area_elastic": np.where(areas.elastic > 1e-12, areas.elastic, np.nan),
+            "plastic_load_share": areas.plastic * hardness / s.STEEL_PRESSURE,
+        }
+    return curves
 
 
 def _adhesive(spectrum: Spectrum, modulus: float, pressure: float, interface: Interface) -> AdhesiveContact:
     return solve_adhesion(s.scale_of(spectrum, modulus), pressure=pressure, interface=interface).checked()
 
 
-def _sweep(
-    make: Callable[[float], Spectrum], ratios: Array, modulus: float, interface: Interface, label: str
-) -> tuple[Curve, Curve]:
+def _against_roughness(
+    make: Callable[[float], Spectrum], ratios: Array, modulus: float, interface: Interface
+) -> Mapping[str, Array]:
     found = [_adhesive(make(float(r)), modulus, 0.0, interface) for r in ratios]
-    area = np.array([f.real_area for f in found])
-    work = np.array([f.macroscopic_work for f in found]) / interface.work_of_adhesion
-    return Curve(label=label, x=ratios, y=area), Curve(label=label, x=ratios, y=work)
+    return {
+        "roughness_ratio": ratios,
+        "area": np.array([f.real_area for f in found]),
+        "work_share": np.array([f.macroscopic_work for f in found]) / interface.work_of_adhesion,
+    }
 
 
-def rim_roughness() -> PaperFigure:
-    """Area and macroscopic energy of the rim without load against roughness, with both energies."""
+@_figure(
+    "rim_roughness",
+    "Tire rim without load, Sec. 8.3",
+    ("roughness_ratio", "area", ""),
+    ("roughness_ratio", "work_share", ""),
+)
+def _rim_roughness() -> Curves:
     ratios = np.concatenate([np.linspace(0.05, 0.3, 4), np.linspace(0.34, 0.58, 9), [0.8, 1.0]])
-    names: tuple[tuple[str, EnergyName], ...] = (
-        ("old energy, Eq. 43", "old"),
-        ("improved energy, Eqs. 44-50", "improved"),
+    old, improved = (
+        _against_roughness(
+            s.rim, ratios, s.RIM_MODULUS, Interface(work_of_adhesion=s.RIM_WORK, energy=energy)
+        )
+        for energy in ("old", "improved")
     )
-    pairs = [
-        _sweep(s.rim, ratios, s.RIM_MODULUS, Interface(work_of_adhesion=s.RIM_WORK, energy=energy), label)
-        for label, energy in names
-    ]
-    return PaperFigure(
-        name="rim_roughness",
-        title="Tire rim without load, Sec. 8.3",
-        panels=(
-            Panel(x="h / h_0", y="A(zeta_1) / A_0", curves=tuple(p[0] for p in pairs)),
-            Panel(x="h / h_0", y="gamma_eff(1) / Delta gamma", curves=tuple(p[1] for p in pairs)),
-        ),
-    )
+    return {"old energy, Eq. 43": old, "improved energy, Eqs. 44-50": improved}
 
 
-def rim_magnification() -> PaperFigure:
-    """Area and effective energy of the rim at 0.5 MPa against magnification."""
-    areas, works = [], []
+@_figure(
+    "rim_magnification",
+    "Tire rim at 0.5 MPa, Sec. 8.3",
+    ("magnification", "area", "x"),
+    ("magnification", "work_share", "x"),
+)
+def _rim_magnification() -> Curves:
+    curves: dict[str, Mapping[str, Any]] = {}
     for label, energy in (
         ("old energy, Eq. 43", "old"),
         ("Eq. 48", "improved"),
@@ -215,175 +238,141 @@ def rim_magnification() -> PaperFigure:
     ):
         interface = Interface(work_of_adhesion=s.RIM_WORK, energy=energy)  # type: ignore[arg-type]
         found = _adhesive(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE, interface)
-        zeta = found.wavevectors / 1e5
-        areas.append(Curve(label=label, x=zeta, y=found.area))
-        works.append(Curve(label=label, x=zeta, y=found.work / s.RIM_WORK))
-    q = np.geomspace(1.0, 1e5, 150)
-    areas.append(
-        Curve(label="without adhesion", x=q, y=_area(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE, 1e5 * q))
-    )
-    return PaperFigure(
-        name="rim_magnification",
-        title="Tire rim at 0.5 MPa, Sec. 8.3",
-        panels=(
-            Panel(x="zeta", y="A / A_0", curves=tuple(areas), x_scale="log"),
-            Panel(x="zeta", y="gamma_eff / Delta gamma", curves=tuple(works), x_scale="log"),
-        ),
-    )
+        curves[label] = {
+            "magnification": found.wavevectors / 1e5,
+            "area": found.area,
+            "work_share": found.work / s.RIM_WORK,
+        }
+    zeta = np.geomspace(1.0, 1e5, 150)
+    area = _area(s.rim(), s.RIM_MODULUS, s.RIM_PRESSURE, 1e5 * zeta)
+    return {**curves, "without adhesion": {"magnification": zeta, "area": area}}
 
 
 def _against_pressure(
-    spectrum: Spectrum, modulus: float, interface: Interface, load: Array
-) -> tuple[Curve, Curve]:
+    spectrum: Spectrum, modulus: float, interface: Interface, load: Array, *, of: str = ""
+) -> Curves:
     with_adhesion = np.array([_adhesive(spectrum, modulus, float(p), interface).real_area for p in load])
-    return (
-        Curve(label="with adhesion", x=load / 1e6, y=with_adhesion),
-        Curve(label="without adhesion", x=load / 1e6, y=_area(spectrum, modulus, load)),
-    )
+    return {
+        f"with adhesion{of}": {"pressure_nominal": load, "area": with_adhesion},
+        f"without adhesion{of}": {"pressure_nominal": load, "area": _area(spectrum, modulus, load)},
+    }
 
 
-def rim_pressure() -> PaperFigure:
-    """Real contact area of the rim against pressure."""
+@_figure("rim_pressure", "Tire rim, Sec. 8.3 (Eq. 50 as printed)", ("pressure_nominal", "area", ""))
+def _rim_pressure() -> Curves:
     interface = Interface(work_of_adhesion=s.RIM_WORK, energy="as_printed")
-    curves = _against_pressure(s.rim(), s.RIM_MODULUS, interface, np.linspace(0.02e6, 1.5e6, 20))
-    panel = Panel(x="sigma_0 [MPa]", y="A(zeta_1) / A_0", curves=curves)
-    return PaperFigure(name="rim_pressure", title="Tire rim, Sec. 8.3 (Eq. 50 as printed)", panels=(panel,))
+    return _against_pressure(s.rim(), s.RIM_MODULUS, interface, np.linspace(0.02e6, 1.5e6, 20))
 
 
-def pmma_pressure() -> PaperFigure:
-    """Real contact area of PMMA on a silanised wafer against pressure."""
+@_figure("pmma_pressure", "PMMA on silane, Sec. 10.1 (nu = 0.35)", ("pressure_nominal", "area", ""))
+def _pmma_pressure() -> Curves:
     interface = Interface(work_of_adhesion=s.PMMA_WORK, energy="as_printed")
     load = np.linspace(1e6, 100e6, 23)
-    panels = []
+    curves: dict[str, Mapping[str, Any]] = {}
     for words, rms in (("parameters as printed", None), ("C(q) scaled to 0.6 nm", 0.6)):
-        pair = _against_pressure(rough_pmma(rms), s.PMMA_MODULUS, interface, load)
-        panels.append(Panel(x=f"sigma_0 [MPa], {words}", y="A(zeta_1) / A_0", curves=pair))
-    return PaperFigure(
-        name="pmma_pressure", title="PMMA on silane, Sec. 10.1 (nu = 0.35)", panels=tuple(panels)
-    )
+        curves |= _against_pressure(rough_pmma(rms), s.PMMA_MODULUS, interface, load, of=f", {words}")
+    return curves
 
 
-def pyrex_spectra() -> PaperFigure:
-    """Power spectrum of Pyrex before and after plastic smoothing."""
+@_figure("pyrex_spectra", "Pyrex, two surfaces, Sec. 10.2", ("wavevector", "power_spectrum", "xy"))
+def _pyrex_spectra() -> Curves:
     before, after = s.pyrex(surfaces=2), smoothed_pyrex(4.0)
-    q = np.geomspace(before.q_min, before.q_short, 200)
-    rough = np.asarray(after.wavevectors)
-    curves = (
-        Curve(label="as cast", x=q, y=before(q)),
-        Curve(label="smoothed by yielding at 20 MPa", x=rough, y=after(rough)),
-    )
-    panel = Panel(x="q [1/m]", y="C(q) [m^4]", curves=curves, x_scale="log", y_scale="log")
-    return PaperFigure(name="pyrex_spectra", title="Pyrex, two surfaces, Sec. 10.2", panels=(panel,))
+    return {
+        "as cast": _spectrum(before, _waves(before)),
+        "smoothed by yielding at 20 MPa": _spectrum(after, np.asarray(after.wavevectors)),
+    }
 
 
-def pyrex_roughness() -> PaperFigure:
-    """Area and macroscopic energy of Pyrex without load against roughness, before and after smoothing."""
+@_figure(
+    "pyrex_roughness",
+    "Pyrex without load, Sec. 10.2 (C x 4, E = 32 GPa, energy of Eq. 43)",
+    ("roughness_ratio", "area", ""),
+    ("roughness_ratio", "work_share", ""),
+)
+def _pyrex_roughness() -> Curves:
     interface = Interface(work_of_adhesion=s.PYREX_WORK, energy="old")
     after = smoothed_pyrex(4.0)
-    before_ratios = np.concatenate([np.linspace(0.2, 0.8, 5), np.linspace(0.86, 1.0, 8), [1.2]])
-    pairs = (
-        _sweep(
-            lambda r: s.pyrex(r, surfaces=2), before_ratios, s.PYREX_MODULUS, interface, "original surface"
+    ratios = np.concatenate([np.linspace(0.2, 0.8, 5), np.linspace(0.86, 1.0, 8), [1.2]])
+    return {
+        "original surface": _against_roughness(
+            lambda r: s.pyrex(r, surfaces=2), ratios, s.PYREX_MODULUS, interface
         ),
-        _sweep(
-            lambda r: after.scaled(r * r),
-            np.linspace(0.2, 1.6, 12),
-            s.PYREX_MODULUS,
-            interface,
-            "smoothed surface",
+        "smoothed surface": _against_roughness(
+            lambda r: after.scaled(r * r), np.linspace(0.2, 1.6, 12), s.PYREX_MODULUS, interface
         ),
-    )
-    return PaperFigure(
-        name="pyrex_roughness",
-        title="Pyrex without load, Sec. 10.2 (C x 4, E = 32 GPa, energy of Eq. 43)",
-        panels=(
-            Panel(x="h / h_0", y="A(zeta_1) / A_0", curves=tuple(p[0] for p in pairs)),
-            Panel(x="h / h_0", y="gamma_eff(1) / Delta gamma", curves=tuple(p[1] for p in pairs)),
-        ),
-    )
+    }
 
 
-def pyrex_yielding() -> PaperFigure:
-    """Elastic and plastic contact area of Pyrex at 20 MPa against magnification q / (1e6 1/m)."""
+@_figure(
+    "pyrex_yielding",
+    "Pyrex at 20 MPa, sigma_Y = 6 GPa, zeta = q / (1e6 1/m), Sec. 10.2",
+    ("magnification", "area_elastic", "xy"),
+    ("magnification", "area_plastic", "x"),
+)
+def _pyrex_yielding() -> Curves:
     spectrum = s.pyrex(surfaces=2)
     q = np.geomspace(spectrum.q_min * 1.001, spectrum.q_short, 240)
     variance = elastic.stress_variance(spectrum.m2(q), contact_modulus=s.PYREX_MODULUS)
     areas = constant_hardness(s.PYREX_PRESSURE, stress_variance=variance, yield_stress=s.PYREX_HARDNESS)
     plain = elastic.contact_area(s.PYREX_PRESSURE, stress_variance=variance)
-    zeta = q / 1e6
-    shown = areas.elastic > 1e-8
-    return PaperFigure(
-        name="pyrex_yielding",
-        title="Pyrex at 20 MPa, sigma_Y = 6 GPa, Sec. 10.2",
-        panels=(
-            Panel(
-                x="zeta",
-                y="A_el / A_0",
-                curves=(
-                    Curve(label="infinite hardness", x=zeta, y=plain),
-                    Curve(label="sigma_Y = 6 GPa", x=zeta[shown], y=areas.elastic[shown]),
-                ),
-                x_scale="log",
-                y_scale="log",
-            ),
-            Panel(
-                x="zeta",
-                y="A_pl / A_0",
-                curves=(Curve(label="sigma_Y = 6 GPa", x=zeta, y=areas.plastic),),
-                x_scale="log",
-            ),
-        ),
-    )
+    return {
+        "infinite hardness": {"magnification": q / 1e6, "area_elastic": plain},
+        "sigma_Y = 6 GPa": {
+            "magnification": q / 1e6,
+            "area_elastic": np.where(areas.elastic > 1e-8, areas.elastic, np.nan),
+            "area_plastic": areas.plastic,
+        },
+    }
 
 
-def coarse_grid() -> PaperFigure:
-    """Exact stress distribution at G = 1, and the Gaussian cut at zero that carries the same load."""
+@_figure("coarse_grid", "Too coarse a grid, Sec. 12 (G = 1)", ("stress_over_load", "density_over_load", ""))
+def _coarse_grid() -> Curves:
     stress = np.linspace(0.0, 5.0, 300)
     exact = elastic.pressure_distribution(stress, pressure=1.0, stress_variance=2.0)
+    # Cut at zero, and scaled to carry the same load.
     gaussian = np.exp(-((stress - 1.0) ** 2) / 4) / math.sqrt(4 * math.pi)
     load = 0.5 * math.erfc(-0.5) + math.exp(-0.25) / math.sqrt(math.pi)
-    return PaperFigure(
-        name="coarse_grid",
-        title="Too coarse a grid, Sec. 12 (G = 1)",
-        panels=(
-            Panel(
-                x="sigma / sigma_0",
-                y="P(sigma) sigma_0",
-                curves=(
-                    Curve(label="exact", x=stress, y=exact),
-                    Curve(label="finite at sigma = 0, same load", x=stress, y=gaussian / load),
-                ),
-            ),
-        ),
-    )
+    return {
+        "exact": {"stress_over_load": stress, "density_over_load": exact},
+        "finite at sigma = 0, same load": {
+            "stress_over_load": stress,
+            "density_over_load": gaussian / load,
+        },
+    }
 
 
-def adhesive_spheres() -> PaperFigure:
-    """Stress distribution in an adhesive contact of spheres and without adhesion."""
+@_figure(
+    "adhesive_spheres",
+    "Smooth spheres of 1 GPa at the centre, App. B",
+    ("stress_local", "density_local", ""),
+)
+def _adhesive_spheres() -> Curves:
     stress = np.linspace(-0.35, 1.05, 400)
     contact = DoubleHertz(peak_pressure=1.0, tensile_limit=0.3, eta=1.1)
-    curves = (
-        Curve(label="sigma_a = 0.3 GPa, eta = 1.1", x=stress, y=contact.distribution(stress)),
-        Curve(label="Hertz", x=stress, y=hertz_pressure_distribution(stress, peak_pressure=1.0)),
-    )
-    panel = Panel(x="sigma [GPa]", y="P(sigma) [1/GPa]", curves=curves)
-    return PaperFigure(name="adhesive_spheres", title="Smooth spheres, App. B", panels=(panel,))
+    densities = {
+        "sigma_a = 0.3 GPa, eta = 1.1": contact.distribution(stress),
+        "Hertz": hertz_pressure_distribution(stress, peak_pressure=1.0),
+    }
+    return {
+        label: {"stress_local": 1e9 * stress, "density_local": density / 1e9}
+        for label, density in densities.items()
+    }
 
 
 #: All calculated figures, in the order of the paper.
-FIGURES: tuple[Callable[[], PaperFigure], ...] = (
-    spectra,
-    greenwood_williamson,
-    polished_steel,
-    macroasperities,
-    elastoplastic,
-    rim_roughness,
-    rim_magnification,
-    rim_pressure,
-    pmma_pressure,
-    pyrex_spectra,
-    pyrex_roughness,
-    pyrex_yielding,
-    coarse_grid,
-    adhesive_spheres,
+FIGURES: tuple[PaperFigure, ...] = (
+    _spectra,
+    _greenwood_williamson,
+    _polished_steel,
+    _macroasperities,
+    _elastoplastic,
+    _rim_roughness,
+    _rim_magnification,
+    _rim_pressure,
+    _pmma_pressure,
+    _pyrex_spectra,
+    _pyrex_roughness,
+    _pyrex_yielding,
+    _coarse_grid,
+    _adhesive_spheres,
 )

@@ -1,95 +1,114 @@
-"""The page of `fem-contact reproduce`: every claim with a number, its verdict, and the figures."""
+"""The dataset of `fem-contact reproduce`: every claim with a number and every figure; and its page."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
 
 from validation.paper.claims import ClaimRow
+from validation.paper.figures import FIGURES
 from validation.paper.table import UNJUDGED
-from validation.report.drawing import Drawing
-from validation.report.page import Answer, Note, Page
-from validation.report.table import ResultTable, WordTable
-from validation.report.words import json_ready
+from validation.report.estimates import with_places
+from validation.report.findings import finding
+from validation.report.page import Note, Page, page_of
+from validation.report.quantities import labelled
+from validation.report.table import Table
+from validation.report.views import Card, Views
+from validation.solves.results import Result
 
-__all__ = ["paper_page"]
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["paper_dataset", "paper_page"]
 
 _PAPER = "B. N. J. Persson, Contact mechanics for randomly rough surfaces, Surf. Sci. Rep. 61, 201 (2006)."
-_JOINT = "reproduced under the joint convention"
-_CHOSEN = "reproduced with a choice"
+_COUNTED = {
+    "claims_literal": "reproduced",
+    "claims_joint": "reproduced under the joint convention",
+    "claims_chosen": "reproduced with a choice",
+    "claims_missed": "not reproduced",
+}
+_WORDS = ("section", "convention", "verdict", "reason", "note")
 
 
-def paper_page(rows: Sequence[ClaimRow], *, figures: tuple[Drawing, ...] = ()) -> Page:
-    """Return the page of claims and figures."""
-    literal = [row for row in rows if row.verdict == "reproduced"]
-    joint = [row for row in rows if row.verdict.startswith(_JOINT)]
-    chosen = [row for row in rows if row.verdict.startswith(_CHOSEN)]
-    missed = [row for row in rows if row.verdict.startswith("not")]
-    findings = (
-        f"{len(literal)} of {len(rows)} numbers follow from the text as it stands, {len(joint)} under the "
-        "set of conventions with which those of the same system agree best, "
-        f"{len(chosen)} with a number that the paper does not state, {len(missed)} do not.",
-        *(f"{_said(row)} (Sec. {_section(row)}): {row.verdict}." for row in missed),
+def paper_dataset(rows: Sequence[ClaimRow], figures: Iterable[xr.Dataset] = ()) -> xr.Dataset:
+    """Return claims along `claim`, and the curves of figures."""
+    import xarray as xr
+
+    verdicts = [row.verdict for row in rows]
+    data = xr.Dataset(
+        {
+            **{f"paper_{name}": ("claim", [getattr(row, name) for row in rows]) for name in _WORDS},
+            **{name: ("claim", [getattr(row, name) for row in rows]) for name in ("computed", "literal")},
+            "stated": ("claim", [row.stated.value for row in rows]),
+            "stated_low": ("claim", [row.stated.low for row in rows]),
+            "stated_high": ("claim", [row.stated.high for row in rows]),
+            "stated_basis": ("claim", [row.stated.basis for row in rows]),
+            "claims_judged": float(len(rows)),
+            **{name: float(verdicts.count(words)) for name, words in _COUNTED.items()},
+        },
+        coords={"claim": [f"{row.application}: {row.claim}" for row in rows]},
     )
-    notes = tuple(f"{_said(row)}: {row.note}" for row in rows if row.note)
+    for figure in figures:
+        data = data.merge(figure)
+    return labelled(data)
+
+
+def _views(data: xr.Dataset) -> Views:
+    missed = data.isel(claim=np.flatnonzero(data.paper_verdict.values == _COUNTED["claims_missed"]))
+    answers = {
+        "As it stands": "{claims_literal} of {claims_judged}",
+        "Under a joint convention": "{claims_joint}",
+        "With a choice": "{claims_chosen}",
+        "Not reproduced": "{claims_missed}",
+    }
+    return Views(
+        table=Table(
+            title="Every claim with a number",
+            rows=("claim",),
+            columns=(
+                *("claim", "stated", "computed", "literal", "paper_verdict", "stated_low", "stated_high"),
+                *("stated_basis", "paper_section", "paper_convention", "paper_reason", "paper_note"),
+            ),
+            note="The range allowed was written down before anything was computed. All claims of a system "
+            "are judged under one set of conventions: that with which most of them agree (computed), or "
+            "the literal one.",
+        ),
+        figures=[figure.declared() for figure in FIGURES if f"curve_{figure.name}" in data.dims],
+        findings=[
+            finding(
+                "share",
+                "{claims_literal} of {claims_judged} numbers follow from the text as it stands, "
+                "{claims_joint} under the set of conventions with which those of the same system agree "
+                "best, {claims_chosen} with a number that the paper does not state, {claims_missed} do not.",
+                data,
+            ),
+            finding(
+                "value",
+                "Not reproduced: {each}.",
+                missed,
+                item="{claim} ({paper_section}: {paper_reason})",
+                over="claim",
+            ),
+        ],
+        cards=[Card(question=name, answer=finding("share", form, data)) for name, form in answers.items()],
+    )
+
+
+def paper_page(result: Result, *, figures: bool = True) -> Page:
+    """Return the page of claims and figures, from their dataset alone."""
     unjudged = tuple(f"Sec. {one.section}: {one.statement} ({one.reason})." for one in UNJUDGED)
-    columns = tuple(ClaimRow.__dataclass_fields__)
-    record = ResultTable.of(columns, [tuple(getattr(row, name) for name in columns) for row in rows])
-    return Page(
+    return page_of(
+        result.data,
+        _views(with_places(result.data)),
+        figures=figures,
         title="Persson (2006), recomputed",
         lead="Does every calculated figure, and every claim with a number, follow from the equations?",
-        answers=(
-            Answer(question="As it stands", answer=f"{len(literal)} of {len(rows)}"),
-            Answer(
-                question="Under a joint convention, or with a choice", answer=str(len(joint) + len(chosen))
-            ),
-            Answer(question="Not reproduced", answer=str(len(missed))),
-        ),
-        findings=findings,
-        notes=(
-            *((Note(title="Remarks", sentences=notes),) if notes else ()),
-            Note(title="Without a verdict", sentences=unjudged),
-        ),
-        tables=(_verdicts(rows),),
-        figures=figures,
-        settings={"figures": bool(figures)},
+        notes=(Note(title="Without a verdict", sentences=unjudged),),
+        settings=result.asked,
         seeds="none: nothing is drawn at random",
         papers=(_PAPER,),
-        records={"claims": record},
-        summary={
-            "claims": [json_ready({name: getattr(row, name) for name in columns}) for row in rows],
-            "findings": list(findings),
-        },
-    )
-
-
-def _said(row: ClaimRow) -> str:
-    return f"{row.application}: {row.claim}"
-
-
-def _section(row: ClaimRow) -> str:
-    return row.section.removeprefix("Sec. ")
-
-
-def _verdicts(rows: Sequence[ClaimRow]) -> WordTable:
-    return WordTable(
-        title="Every claim with a number",
-        columns=("claim", "paper", "computed", "literal", "verdict", "allowed", "section", "convention"),
-        rows=tuple(
-            (
-                _said(row),
-                f"{row.stated:.4g}",
-                f"{row.computed:.4g}",
-                f"{row.literal:.4g}",
-                row.verdict.partition(" because ")[0].partition(":")[0],
-                row.tolerance,
-                row.section,
-                row.convention,
-            )
-            for row in rows
-        ),
-        left=frozenset({"claim", "verdict", "allowed", "section", "convention"}),
-        yielding=("convention", "allowed", "section", "literal"),
-        note="The range allowed was written down before anything was computed. All claims of a system are "
-        "judged under one set of conventions: that with which most of them agree (computed), or the literal "
-        "one. Reasons are among the findings.",
+        summary={"kind": result.kind, "name": result.name},
     )

@@ -1,41 +1,23 @@
 """Recompute Persson (2006): every calculated figure, and every claim that carries a number.
 
-A page shows figures and claims; every number goes to CSV, netCDF and JSON beside it. A claim that does not
-hold as it stands is reported so.
+A page shows figures and claims, from one dataset. A claim that does not hold as it stands is reported so.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
-from validation.paper.claims import ClaimRow, judge
+from validation.paper.claims import judge
 from validation.paper.figures import FIGURES
-from validation.paper.page import paper_page
+from validation.paper.page import paper_dataset, paper_page
 from validation.paper.table import APPLICATIONS
-from validation.report.drawing import Drawing
 from validation.report.page import Page, write_page
+from validation.solves.results import DATA, read_results, write_results
 
-__all__ = ["ClaimRow", "Reproduced", "run", "steps"]
+__all__ = ["KIND", "report", "run", "steps"]
 
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Reproduced:
-    """What recomputing the paper left behind.
-
-    Attributes
-    ----------
-    rows : tuple of ClaimRow
-        One for each claim: the paper's number, ours, the convention, the verdict.
-    page : Page
-    files : tuple of Path
-        The report first, where figures were asked for.
-    """
-
-    rows: tuple[ClaimRow, ...]
-    page: Page
-    files: tuple[Path, ...]
+KIND = "paper"
 
 
 def steps() -> int:
@@ -43,15 +25,17 @@ def steps() -> int:
     return len(FIGURES) + sum(len(application.claims) for application in APPLICATIONS)
 
 
-def run(output: Path, *, figures: bool = True, progress: Callable[[str], None] | None = None) -> Reproduced:
-    """Recompute the paper into a folder.
+def run(
+    output: Path, *, figures: bool = True, progress: Callable[[str], None] | None = None
+) -> tuple[Page, tuple[Path, ...]]:
+    """Recompute the paper into a folder; return its page and the files, the report first.
 
     Parameters
     ----------
     output : Path
         Folder, made if it does not exist; files in it of the same names are replaced.
     figures : bool
-        Whether to draw the figures and write the report, or claims and JSON alone.
+        Whether to compute the figures and write the report, or claims and JSON alone.
     progress : callable, optional
         Called with the name of each figure or claim before it is computed.
 
@@ -60,21 +44,23 @@ def run(output: Path, *, figures: bool = True, progress: Callable[[str], None] |
     OSError
         If the folder cannot be written.
     """
-    tell = progress or (lambda name: None)
+    tell = progress or (lambda text: None)
     output.mkdir(parents=True, exist_ok=True)
-    drawings: list[Drawing] = []
-    if figures:
-        # matplotlib takes a second to load: only when something is drawn.
-        from validation.paper.plots import drawn
-
-        for make in FIGURES:
-            tell(f"figure {make.__name__.replace('_', ' ')}")
-            drawings.append(drawn(make()))
+    curves = []
+    for figure in FIGURES if figures else ():
+        tell(f"figure {figure.name.replace('_', ' ')}")
+        curves.append(figure.compute())
     rows = [
         row
         for application in APPLICATIONS
         for row in judge(application, tell=lambda text: tell(f"claim: {text}"))
     ]
-    page = paper_page(rows, figures=tuple(drawings))
-    files = write_page(page, output, numbers_only=not figures)
-    return Reproduced(rows=tuple(rows), page=page, files=files)
+    data = paper_dataset(rows, curves)
+    write_results(output, data, kind=KIND, name="reproduce", asked={"figures": figures}, store=output)
+    return report(output, numbers_only=not figures)
+
+
+def report(folder: Path, *, numbers_only: bool = False) -> tuple[Page, tuple[Path, ...]]:
+    """Write the page again, from the stored dataset alone."""
+    page = paper_page(read_results(folder), figures=not numbers_only)
+    return page, (*write_page(page, folder, numbers_only=numbers_only), folder / DATA)

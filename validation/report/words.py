@@ -69,7 +69,8 @@ _DRAWN = (
     (r"\bp\*", "$p^*$"),
     (r"\bh'_?rms\(zeta\)", r"$h'_{rms}(\\zeta)$"),
     (r"(?<![\w$\\{(-])(kappa|sigma|gamma|lambda|zeta|alpha|mu|nu)(?![\w-])", r"$\\\1$"),
-    (r"\b(zeta)_(\w)\b", r"$\\\1_{\2}$"),
+    (r"\b(zeta|sigma)_(\w)\b", r"$\\\1_{\2}$"),
+    (r"\bDelta gamma(?![\w-])", r"$\\Delta\\gamma$"),
     (r"(?<=[\w)}$])\^\(?(-?[\d./]*\d)\)?", r"$^{\1}$"),
 )
 
