@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from validation.cli.options import JsonOption, SceneArgument, say, show
-from validation.errors import UsageError
+from validation.errors import SceneError, UsageError
 
 if TYPE_CHECKING:
     from fem_contact.surface import HeightField
@@ -128,43 +128,29 @@ def convert(
     _write(field if grid is None else field.resampled((grid, grid)), target, force=force)
 
 
-#: What a file of heights may leave out, and how it is said on the command line.
-_SAID = {"--length": "size", "--unit": "unit of the heights"}
-_EXAMPLES = {"--length": "'10 um'", "--unit": "'1 nm'"}
-
-
 def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatment: Any) -> FileSurface:
     """Read the options as the table of a scene is read, so that they allow and refuse the same."""
     from pydantic import ValidationError
 
-    from validation.scenes.scene import FileSurface, scene_problems
-    from validation.scenes.topography import file_says
+    from validation.scenes.scene import FileSurface, scene_problems, sized
     from validation.units import plain_number
 
-    size: Any = None if length is None else [plain_number(part.strip()) for part in length.split(",")]
     table = {"kind": "file", "path": str(path), **treatment}
+    if length is not None:
+        size = [plain_number(part.strip()) for part in length.split(",")]
+        table["length"] = size if len(size) > 1 else size[0]
     if unit is not None:
         table["unit"] = plain_number(unit)
     try:
-        says = file_says(path)
-        if size is not None and len(size) == 1:
-            says.check_square("--length")
-    except UsageError as error:
-        raise UsageError(f"{path}: {error}") from None
-    missing = [
-        key for key, found in (("--length", size or says.lengths), ("--unit", unit or says.unit)) if not found
-    ]
-    if missing:
-        raise UsageError(
-            f"{path}: does not say its {' and '.join(_SAID[key] for key in missing)}: give "
-            + " and ".join(f"{key} {_EXAMPLES[key]}" for key in missing)
-        )
-    size = size or list(says.lengths or ())
-    table["length"] = size if len(size) > 1 else size[0]
-    try:
-        return FileSurface.model_validate(table)
+        return FileSurface.model_validate(sized({"surface": table}, Path(), str(path))["surface"])
     except ValidationError as error:
-        raise UsageError("\n".join(f"--{problem}" for problem in scene_problems(error))) from None
+        problems = [f"{path}: --{problem}" for problem in scene_problems(error)]
+    except SceneError as error:
+        said = f"surface.path = {str(path)!r}: "
+        problems = [
+            problem.replace(said, "").replace("surface.", "--") for problem in str(error).splitlines()
+        ]
+    raise UsageError("\n".join(problems))
 
 
 #: Ratio of slopes below which a surface of finitely many waves has no direction worth naming.

@@ -18,7 +18,7 @@ from validation.errors import UsageError
 from validation.methods import Solver, methods
 from validation.methods.theory import theory_words
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import Realised, Surveyed, realise
+from validation.scenes.realised import Realised, realise
 from validation.scenes.scene import Scene
 from validation.scenes.surfaces import Expected
 from validation.solves.calibration import effect_costs
@@ -128,7 +128,7 @@ def explain(scene: Scene, realised: Realised | None = None) -> Explanation:
     UsageError
         For an effect that a method of the scene lacks, and for numbers that no method can compute with.
     """
-    realised = realised or realise(scene, kind=Surveyed)
+    realised = realised or realise(scene, surveyed=True)
     try:
         check_scene(scene, realised)
         return _explained(scene, realised)
@@ -212,7 +212,8 @@ def _cost_words(scene: Scene) -> str:
 def _facts(scene: Scene, realised: Realised) -> tuple[tuple[str, str], ...]:
     """Return the numbers a reader checks first: realised and continuum roughness, load, bandwidth."""
     field: HeightField | Expected = realised.field
-    facts = [("E*", f"{realised.contact_modulus:.6g} Pa"), ("realised surface", _realised_words(realised))]
+    words = _realised_words(realised, solved=bool(scene.methods.solvers))
+    facts = [("E*", f"{realised.contact_modulus:.6g} Pa"), ("realised surface", words)]
     facts += _surface_facts(realised)
     if field.rms_gradient > 0:
         source = "of C(q)" if isinstance(field, Expected) else "realised"
@@ -234,15 +235,12 @@ def _load_words(realised: Realised) -> str:
     return f"p0 = {each} Pa, p* = {reduced}"
 
 
-def _realised_words(realised: Realised) -> str:
+def _realised_words(realised: Realised, *, solved: bool) -> str:
     field: HeightField | Expected = realised.field
-    if not realised.has_heights:
-        return "none is drawn, for no solver runs; all that follows is that of C(q)"
     if isinstance(field, Expected):
-        return (
-            f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points; all that follows is "
-            "that of C(q)"
-        )
+        points = f"not made here, for it takes {field.shape[0]} x {field.shape[1]} points"
+        why = points if solved else "none is drawn, for no solver runs"
+        return f"{why}; all that follows is that of C(q)"
     from fem_contact.surface import Patch
 
     how = "by differences" if isinstance(field, Patch) else "spectral"

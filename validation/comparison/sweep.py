@@ -22,7 +22,7 @@ from validation.files import prepare_folder
 from validation.report.estimates import gather
 from validation.report.quantities import labelled
 from validation.scenes.checks import check_scene
-from validation.scenes.realised import Realised, Surveyed, realise
+from validation.scenes.realised import Realised, realise
 from validation.scenes.scene import Scene
 from validation.scenes.sweep import Sweep, SweptKey
 from validation.solves.attempt import Progress
@@ -42,7 +42,7 @@ __all__ = ["SweepExplanation", "explain_sweep", "realised_cases", "run_sweep", "
 _UNFIT = (UsageError, fem_errors.InvalidInput, persson_errors.InvalidInput)
 
 
-def realised_cases(sweep: Sweep, kind: type[Realised] = Realised) -> tuple[Realised, ...]:
+def realised_cases(sweep: Sweep, *, surveyed: bool = False) -> tuple[Realised, ...]:
     """Return what each scene asks for, each surface made once, and refuse what cannot be run.
 
     Raises
@@ -53,7 +53,7 @@ def realised_cases(sweep: Sweep, kind: type[Realised] = Realised) -> tuple[Reali
     made: list[Realised] = []
     surfaces: dict[Any, Realised] = {}
     for k, scene in enumerate(sweep.scenes):
-        realised = realise(scene, like=surfaces.get(scene.surface), kind=kind)
+        realised = realise(scene, like=surfaces.get(scene.surface), surveyed=surveyed)
         try:
             if len(scene.load.values) > 1:
                 key = f"load.{scene.load.key}"
@@ -277,7 +277,7 @@ def explain_sweep(sweep: Sweep) -> SweepExplanation:
     UsageError
         For a scene that cannot be run, naming the values at which it cannot.
     """
-    cases = realised_cases(sweep, Surveyed)
+    cases = realised_cases(sweep, surveyed=True)
     solves = solves_of_sweep(sweep, cases)
     pair = transform_seconds()
     costs = [solve.predict(pair_seconds=pair) for solve in solves]

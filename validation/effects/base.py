@@ -37,12 +37,8 @@ SlotName = Literal["response", "pressure bound", "gap law", "spectrum", "boundar
 class Body:
     """The solid as a body of finite depth, for methods that mesh it.
 
-    Attributes
-    ----------
-    depth : float or None
-        Distance of the clamped base [m]; None where no effect says it.
-    modulus : callable or None
-        E(x, y, z) over that of the solid; None where it is constant. It must be picklable.
+    Its base is clamped at `depth` [m], None where no effect says it; E(x, y, z) is `modulus`, which must be
+    picklable, times that of the solid.
     """
 
     depth: float | None = None
@@ -53,18 +49,8 @@ class Body:
 class Slots:
     """What solvers ask for and effects fill in; a slot that no effect fills is None.
 
-    Attributes
-    ----------
-    solid : Solid
-        That of the scene.
-    response : Response or None
-        Displacement from pressure; the half-space of the solid if None.
-    body : Body or None
-        The same for methods that mesh the solid.
-    pressure_bound : float or None
-        Largest pressure [Pa].
-    gap_law : GapLaw or None
-        Attraction across the gap.
+    `response` gives displacement from pressure, that of the half-space of the solid if None, and `body` the
+    same for methods that mesh; `pressure_bound` is the largest pressure [Pa], `gap_law` attracts.
     """
 
     solid: Solid
@@ -95,18 +81,8 @@ class Slots:
 class Told:
     """What Persson's theory is told beyond an elastic half-space; None where no effect says it.
 
-    Attributes
-    ----------
-    solid : Solid
-        That of the scene.
-    modulus : callable or None
-        E* [Pa] that a wave of wavevector q [1/m] feels.
-    hardness : float, callable of q, or None
-        Largest pressure [Pa].
-    work : float or None
-        Work of adhesion [J/m^2].
-    smoothing : mapping or None
-        Arguments of an earlier squeezing that changed C(q).
+    `modulus` is E* [Pa] that a wave of wavevector q [1/m] feels, `hardness` the largest pressure [Pa], or a
+    function of q, `work` that of adhesion [J/m^2], `smoothing` the arguments of an earlier squeezing.
     """
 
     solid: Solid
@@ -131,15 +107,9 @@ class Told:
 
 @dataclass(frozen=True, kw_only=True)
 class Judgement:
-    """A number and what follows from it.
+    """A dimensionless number in words, with its source, and what follows from it for an effect.
 
-    Attributes
-    ----------
-    effect : str
-    number : str
-        The dimensionless number, in words and digits, with its source.
-    verdict : str
-        Begins with "negligible", "matters" or "unknown without".
+    The verdict begins with "negligible", "matters" or "unknown without".
     """
 
     effect: str
@@ -161,16 +131,8 @@ class Judgement:
 class Roughness:
     """What the judgements need to know of a scene.
 
-    Attributes
-    ----------
-    modulus : float
-        E* [Pa].
-    gradient, curvature : float
-        h'_rms, and the rms curvature of a profile sqrt(3 m4 / 8) [1/m].
-    longest, shortest : float
-        Longest and shortest wavelength [m].
-    full_energy : float
-        Elastic energy per area at full contact [J/m^2].
+    E* [Pa], h'_rms, the rms curvature of a profile sqrt(3 m4 / 8) [1/m], the longest and shortest wavelength
+    [m], and the elastic energy per area at full contact [J/m^2].
     """
 
     modulus: float
@@ -241,29 +203,14 @@ class Effect(Table):
         """Tell Persson's theory; an effect that does not override this has none there."""
 
     def check(self, realised: Realised, grids: Sequence[Grid], *, slots: Slots, key: str) -> None:
-        """Refuse, before anything is computed, what does not fit the load or the grids.
+        """Refuse, with a UsageError and before anything is computed, what does not fit the load or the grids.
 
-        Parameters
-        ----------
-        realised : Realised
-        grids : sequence
-            All grids of methods to which it gives its slot; none where the theory stands alone.
-        slots : Slots
-            As all effects of the scene fill them; unfilled where the theory stands alone.
-        key : str
-            How a message names the effect.
+        The grids are all of methods to which it gives its slot, the slots as all effects fill them; where the
+        theory stands alone there are none. Messages name the effect by `key`.
         """
 
     def check_solver(self, name: str, *, key: str) -> None:
-        """Refuse, as it stands, a solver that could be given others of its kind.
-
-        Parameters
-        ----------
-        name : str
-            Of the solver.
-        key : str
-            How a message names the effect.
-        """
+        """Refuse, as it stands and with a UsageError, a solver that could be given others of its kind."""
 
     def judge(self, rough: Roughness) -> Judgement:
         """Say by a number whether it matters on a rough surface."""

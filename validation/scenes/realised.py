@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from persson.tabulated import Tabulated
     from validation.scenes.topography import Measured, Topography
 
-__all__ = ["Realised", "Surveyed", "realise"]
+__all__ = ["Realised", "realise"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -236,18 +236,6 @@ class Realised:
         return said | {"inverted": True} if self.inverted else said
 
 
-@dataclass(frozen=True, kw_only=True)
-class Surveyed(Realised):
-    """A surface that is only looked at: one with too many points to be made is told by its C(q)."""
-
-    @cached_property
-    def field(self) -> HeightField:
-        """The surface, or the moments of its C(q) in place of it."""
-        if not isinstance(self.surface, FileSurface) and surfaces.too_large_to_look_at(self.surface):
-            return surfaces.expected(self.surface)  # type: ignore[return-value]
-        return super().field
-
-
 #: What is made of the surface alone, whatever the solid and the load.
 _OF_THE_SURFACE = ("_waves", "measured", "field", "spectrum", "_estimate")
 
@@ -261,18 +249,16 @@ class _Scene(Protocol):
     methods: Any
 
 
-def realise(scene: _Scene, *, like: Realised | None = None, kind: type[Realised] = Realised) -> Realised:
+def realise(scene: _Scene, *, like: Realised | None = None, surveyed: bool = False) -> Realised:
     """Return what a scene asks for, to be made once and handed down.
 
-    Parameters
-    ----------
-    scene : Scene
-    like : Realised, optional
-        What another scene asks for: if its surface is the same, it is not made again.
-    kind : type
-        `Surveyed` where it is only looked at.
+    What another scene made of the same surface, given as `like`, is not made again. A surface that is only
+    surveyed is told by its C(q) where it has too many points to be made.
     """
-    made = kind(surface=scene.surface, solid=scene.solid, load=scene.load, drawn=bool(scene.methods.solvers))
+    drawn = bool(scene.methods.solvers)
+    if surveyed and not isinstance(scene.surface, FileSurface):
+        drawn = drawn and not surfaces.too_large_to_look_at(scene.surface)
+    made = Realised(surface=scene.surface, solid=scene.solid, load=scene.load, drawn=drawn)
     same = like is not None and replace(like, solid=made.solid, load=made.load) == made
     if like is not None and same:
         made.__dict__.update({name: like.__dict__[name] for name in _OF_THE_SURFACE if name in like.__dict__})

@@ -418,12 +418,15 @@ def sized(data: dict[str, Any], folder: Path, scene: str) -> dict[str, Any]:
             says.check_square("surface.length")
     except UsageError as error:
         raise SceneError(scene, [f"surface.path = {path!r}: {error}"]) from None
-    if says.unit is None and "unit" not in surface:
-        allowed = FileSurface.model_fields["unit"].description
-        raise SceneError(scene, [f"surface.unit: missing, and {path!r} does not say it; {allowed}"])
-    if says.lengths is None or "length" in surface:
-        return data
-    return {**data, "surface": {**surface, "length": list(says.lengths)}}
+    known = {"length": says.lengths, "unit": says.unit, **surface}
+    missing = [
+        f"surface.{key}: missing, and {path!r} does not say it; {FileSurface.model_fields[key].description}"
+        for key in ("length", "unit")
+        if known[key] is None
+    ]
+    if missing:
+        raise SceneError(scene, missing)
+    return {**data, "surface": {"length": says.lengths, **surface}}
 
 
 def scene_problems(error: ValidationError) -> list[str]:

@@ -19,24 +19,26 @@ from validation.errors import UsageError, harmless
 from validation.scenes.topography.netcdf import read_netcdf
 from validation.scenes.topography.raw import MOST_BYTES, Raw, check_shape, plain_attribute, real
 from validation.scenes.topography.text import read_text
+from validation.units import metres
 
 __all__ = ["one_line", "read_plain"]
 
 
 def read_plain(path: str) -> dict[str, Any]:
-    """Return what a file says as plain values and one array; whatever goes wrong is one sentence.
+    """Return what a file says, in metres, as plain values and one array; what goes wrong is a UsageError.
 
-    Raises
-    ------
-    UsageError
-    MemoryError
-        Which the bounds turn into a sentence.
+    A MemoryError passes: the bounds make a sentence of it.
     """
     try:
         data = _bytes_of(path)
         _refuse_links(data)
         raw = _read(path, data)
         check_shape(raw.heights.shape)
+        unit, scales = metres(raw.unit), [metres(each) or 1.0 for each in raw.length_units or ()]
+        lengths = [side * s for side, s in zip(raw.lengths or (), scales or (1, 1), strict=False)]
+        ratio = lengths[0] / lengths[1] if lengths else None
+        if ratio is not None and not 0 < ratio < math.inf:
+            raise ValueError(f"sides in the ratio {ratio:.3g}")
     except (UsageError, MemoryError):
         raise
     except OSError as error:
@@ -46,9 +48,9 @@ def read_plain(path: str) -> dict[str, Any]:
         raise UsageError(f"is no topography of its kind ({said})") from None
     return {
         "heights": np.ascontiguousarray(raw.heights, dtype=float),
-        "lengths": None if raw.lengths is None else [float(side) for side in raw.lengths],
-        "length_units": raw.length_units,
-        "unit": raw.unit,
+        "lengths": lengths if scales else None,
+        "ratio": ratio,
+        "unit": unit,
         "notes": raw.notes,
         "digest": hashlib.sha256(data).hexdigest(),
     }

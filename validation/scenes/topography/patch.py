@@ -29,20 +29,9 @@ _MOST_HOLES = 2**20
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Topography:
-    """A measured patch of a surface.
+    """A measured patch: heights [m], NaN where there are none; size [m], number of points times spacing.
 
-    Attributes
-    ----------
-    heights : (nx, ny) array
-        Heights [m]; NaN where there are none.
-    lengths : tuple of float
-        Size of the patch (Lx, Ly) [m], number of points times spacing.
-    history : tuple of str
-        What was done to it, in words.
-    unit : float
-        Unit [m] that the heights had where they come from.
-    digest : str
-        SHA-256 of the file they come from; empty if from none.
+    Beside it what was done to it, in words, the unit [m] of its heights in the file, and the file's SHA-256.
     """
 
     heights: Array

@@ -22,20 +22,9 @@ _UNEVEN = 0.02
 
 @dataclass(frozen=True, kw_only=True)
 class Raw:
-    """A file of heights as it is.
+    """A file of heights as it is: NaN where there are none, in `unit`; None for what it does not say.
 
-    Attributes
-    ----------
-    heights : (nx, ny) array
-        In `unit`; NaN where there are none.
-    lengths : tuple of float, optional
-        Size of the patch in `length_units`; None where the file does not say it.
-    length_units : tuple of str, optional
-        None where only the ratio of the two lengths is known.
-    unit : str, optional
-        Unit of the heights; None where the file does not say it.
-    notes : tuple of str
-        What a reader of the results should know of how the file was taken.
+    Without `length_units` only the ratio of the two lengths is known. Notes are for readers of the results.
     """
 
     heights: Array

@@ -7,7 +7,6 @@ import os
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -17,7 +16,7 @@ from validation.errors import UsageError
 from validation.scenes.topography.formats import one_line, read_plain
 from validation.scenes.topography.patch import Topography
 from validation.scenes.topography.raw import MOST_POINTS
-from validation.units import LARGEST, metres
+from validation.units import LARGEST
 
 __all__ = ["FileSays", "file_says", "read_topography"]
 
@@ -40,20 +39,9 @@ _SETTLED = 1.0
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FileSays:
-    """What a file of heights says of itself.
+    """What a file of heights says of itself: heights in its own unit, NaN where there are none; sizes [m].
 
-    Attributes
-    ----------
-    heights : (nx, ny) array
-        In its own unit; NaN where there are none.
-    lengths : tuple of float, optional
-        Size of the patch [m].
-    ratio : float, optional
-        Lx/Ly, also where only this is known.
-    unit : float, optional
-        Unit of the heights [m].
-    digest : str
-        SHA-256 of the file.
+    Of sizes without a unit it says the ratio Lx/Ly alone.
     """
 
     heights: Array
@@ -105,29 +93,7 @@ def _read(name: str, size: int = 0, content: tuple[int, ...] = ()) -> FileSays:
         )
     except bounded.OutOfBounds as error:
         raise UsageError(f"cannot be read: its reader {error}") from None
-    return _in_metres(found)
-
-
-def _in_metres(found: dict[str, Any]) -> FileSays:
-    lengths, units = found["lengths"], found["length_units"]
-    try:
-        unit = metres(found["unit"])
-        scales = [metres(each) for each in units or ()]
-    except ValueError as error:
-        raise UsageError(f"is no topography of its kind ({one_line(error)})") from None
-    if lengths is not None:
-        lengths = tuple(side * (scale or 1) for side, scale in zip(lengths, scales or (1, 1), strict=True))
-    ratio = None if lengths is None else lengths[0] / lengths[1]
-    if ratio is not None and not (0 < ratio < np.inf):
-        raise UsageError(f"is no topography of its kind (sides in the ratio {ratio:.3g})")
-    return FileSays(
-        heights=found["heights"],
-        lengths=lengths if scales else None,
-        ratio=ratio,
-        unit=unit,
-        digest=found["digest"],
-        notes=(*found["notes"], *_spikes(found["heights"])),
-    )
+    return FileSays(**{**found, "notes": (*found["notes"], *_spikes(found["heights"]))})
 
 
 def _spikes(heights: Array) -> tuple[str, ...]:
