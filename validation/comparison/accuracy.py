@@ -67,48 +67,14 @@ def parse_accuracy(text: str) -> float:
 class Reached:
     """An accuracy that was asked for, and what became of it; every error is half of a 95 % interval.
 
-    Attributes
-    ----------
-    target : float
-        What was asked for, relative.
-    area, error : float
-        Limit of A/A0 of the scene's surface, and its relative error: grid and solver.
-    grids : tuple of (int, int)
-        Solved for it, each on `shifts`^2 sub-grid shifts.
-    shifts : int
-    located : bool
-        Whether the limit is that of the area with its edge located inside the cells, or corrected at its
-        edge.
-    tolerance : float
-        Of the solver; seven times that is counted as left in the area, relative.
-    beside : tuple of Beside
-        What the other methods of the scene say of the same surface.
-    surfaces : int
-        Surfaces solved for the mean; 1 without an ensemble.
-    mean, mean_error : float or None
-        Mean of A/A0 over the surfaces of the spectrum, and its relative error: scatter, grid and solver.
-    statistical : float or None
-        Share of the scatter between surfaces in `mean_error`.
-    scatter : float or None
-        Standard deviation of A/A0 between single surfaces, relative.
-    surface_grids : tuple of (int, int)
-        Solved for the mean.
-    pairs : tuple of int
-        Pairs +h, -h that end with each of these grids; the coarser ones are control variates of the finer.
-    unsolved : int
-        Further pairs that were only looked at: controls of the coarsest grid.
-    solves : int
-        Done now, a block of pairs of surfaces counted as one.
-    seconds : float
-        Spent now, choosing included [s].
-    solving_seconds : float
-        Of these, in solves [s].
-    predicted_seconds : float
-        What the plan said of the solves that were done [s].
-    peak_bytes : int
-        Largest memory of the arrays of any solve.
-    reused : int
-        Solves found finished, by the search for the grids or for the report.
+    Errors are relative to their areas. `area` is the limit of A/A0 of the scene's surface over `grids`,
+    each on `shifts`^2 sub-grid shifts, of the area whose edge is `located` inside the cells or corrected; of
+    the `tolerance` of the solver seven times is counted as left in it. With an ensemble `mean` is over
+    `surfaces` of the spectrum, single ones `scatter` (a standard deviation), and that is `statistical` of
+    its error: `pairs` +h, -h end with each of `surface_grids`, whose coarser ones are control variates of
+    the finer, and `unsolved` further ones were looked at on the coarsest alone. Of the `solves` done now,
+    blocks of pairs counted as one, and the `seconds` spent, `solving_seconds` were predicted to be
+    `predicted_seconds`; `reused` solves were found finished.
     """
 
     target: float
@@ -212,17 +178,7 @@ def run_accurate(
 ) -> AccurateRun:
     """Run a scene to an accuracy and write its report; it holds the grids that were chosen.
 
-    Parameters
-    ----------
-    folder, progress, execution, store_folder, pictures
-        As in `validation.run.run_scene`.
-    scene, target, time_limit
-        As in `reach`.
-
-    Raises
-    ------
-    UsageError, RunFailed
-        As `reach`.
+    Arguments and errors are those of `reach` and of `validation.comparison.run.run_scene`.
     """
     prepare_folder(folder)
     store = Store(folder=store_folder or folder / "solves")
@@ -248,8 +204,7 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
     ----------
     scene : Scene
         The grids and tolerance of its boundary elements, and the grids and number of surfaces of its
-        ensemble,
-        are not used. Its other methods are solved on their own grids and put beside.
+        ensemble, are not used. Its other methods are solved on their own grids and put beside.
     bench : Bench
         Where solves are kept, and the memory they may take.
     target : float
@@ -268,7 +223,13 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
     realised = realise(scene)
     check_scene(scene, realised)
     _check_law(scene)
-    metered = Metered.on(bench, wanted=f"--accuracy = {100 * target:g} %", time_limit=time_limit)
+    metered = Metered(
+        store=bench.store,
+        execution=bench.execution,
+        progress=bench.progress,
+        wanted=f"--accuracy = {100 * target:g} %",
+        time_limit=time_limit,
+    )
     search = Search(scene=scene, realised=realised, target=target, bench=metered)
     search.reserve()
     single = search.own_surface()
@@ -297,7 +258,7 @@ def reach(scene: Scene, bench: Bench, *, target: float, time_limit: float | None
         located=single.finest.subcell is not None,
         tolerance=search.tolerance,
         beside=beside,
-        solves=account.solves,
+        solves=len(account.done),
         seconds=metered.spent,
         solving_seconds=account.solving,
         predicted_seconds=account.predicted,

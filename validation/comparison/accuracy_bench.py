@@ -6,7 +6,6 @@ import math
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from typing import Any
 
 from validation.errors import RunFailed
 from validation.solves.attempt import warm_up
@@ -20,25 +19,10 @@ __all__ = ["Account", "Metered"]
 
 @dataclass(kw_only=True)
 class Account:
-    """What was spent so far.
-
-    Attributes
-    ----------
-    solving, predicted : float
-        Seconds that solves took, and were predicted to take.
-    solves : int
-        Done now.
-    found, done : set of Solve
-        Wanted so far: found finished when they were first wanted, and done now.
-    reserved : float
-        Seconds that are kept for what is solved last.
-    warm : bool
-        Whether compiled passes are loaded.
-    """
+    """What was spent so far: seconds, solves `found` finished and `done`; what is `reserved` for the last."""
 
     solving: float = 0.0
     predicted: float = 0.0
-    solves: int = 0
     found: set[Solve] = field(default_factory=set)
     done: set[Solve] = field(default_factory=set)
     reserved: float = 0.0
@@ -47,16 +31,9 @@ class Account:
 
 @dataclass(frozen=True, kw_only=True)
 class Metered(Bench):
-    """A bench that refuses what does not end within a time limit.
+    """A bench that refuses what does not end within a time limit, `time_limit` seconds from `clock` on.
 
-    Attributes
-    ----------
-    wanted : str
-        What is asked for, as messages begin.
-    time_limit : float or None
-        Seconds from `clock` on.
-    pair : float
-        Time of a pair of transforms on this machine [s].
+    Messages begin with what is `wanted`; `pair` is the time of a pair of transforms on this machine [s].
     """
 
     wanted: str = ""
@@ -64,11 +41,6 @@ class Metered(Bench):
     pair: float = field(default_factory=transform_seconds)
     clock: float = field(default_factory=time.perf_counter)
     account: Account = field(default_factory=Account)
-
-    @classmethod
-    def on(cls, bench: Bench, **said: Any) -> Metered:
-        """Return a bench that keeps account of another."""
-        return cls(store=bench.store, execution=bench.execution, progress=bench.progress, **said)
 
     @property
     def memory(self) -> int:
@@ -128,7 +100,6 @@ class Metered(Bench):
             account.warm = True
         start = time.perf_counter()
         results = super().solve(wanted)
-        account.solves += len(missing)
         account.solving += time.perf_counter() - start
         account.predicted += sum(solve.predict(pair_seconds=self.pair).seconds for solve in missing)
         return results

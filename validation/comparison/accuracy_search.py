@@ -88,18 +88,8 @@ class Single:
 class Beside:
     """What another method of the scene says of the same surface, on the grids that its table names.
 
-    Attributes
-    ----------
-    method : str
-    label : str
-        As tables call it.
-    grids : tuple of (int, int)
-    area, error : float
-        Limit over these grids, and half of its 95 % interval, relative; NaN where there is none.
-    located : bool
-        Whether it is that of the located area, or of the one corrected at its edge.
-    doubt : str
-        Why there is no limit; empty where there is one.
+    `area` is the limit over them, and `error` half of its 95 % interval, relative; NaN, and a `doubt`, where
+    there is none. It is of the `located` area, or of the one corrected at its edge.
     """
 
     method: str
@@ -209,7 +199,6 @@ class Search:
     def beside(self) -> tuple[Beside, ...]:
         """Solve what other methods the scene lists."""
         self.bench.account.reserved = 0.0
-        self._solve([solve for solves in self.others.values() for solve in solves])
         return tuple(self._beside(name, solves) for name, solves in self.others.items())
 
     def reserve(self) -> None:
@@ -229,8 +218,13 @@ class Search:
 
     def _beside(self, name: str, solves: Sequence[Press]) -> Beside:
         resolved = [solve for solve in solves if self.realised.resolved_by(solve.grid)]
-        limit = limit_over([self._areas(solve) for solve in resolved]) if resolved else None
-        nan = float("nan")
+        limit, doubt, nan = None, "no grid resolves the surface", float("nan")
+        try:
+            self._solve(solves)
+        except RunFailed as error:  # it does not keep the others from being told
+            doubt = str(error)
+        else:
+            limit = limit_over([self.areas[solve] for solve in resolved]) if resolved else None
         return Beside(
             method=name,
             label=solves[0].solver.label,
@@ -238,7 +232,7 @@ class Search:
             area=nan if limit is None else limit.value,
             error=nan if limit is None else 2 * limit.uncertainty / limit.value,
             located=limit is not None and limit.definition == "subcell",
-            doubt="no grid resolves the surface" if limit is None else limit.doubt,
+            doubt=doubt if limit is None else limit.doubt,
         )
 
     def _watch(self, found: MeanArea, solves: Sequence[Solve]) -> None:
@@ -349,7 +343,7 @@ class Search:
         """Solve a ladder of the scene's own surface, and read the areas."""
         solves = self._jobs(ladder.grids, ladder.shifts)
         self._solve(solves)
-        return [self._areas(solve) for solve in solves]
+        return [self.areas[solve] for solve in solves]
 
     def _solve(self, solves: Sequence[Press]) -> None:
         """Solve and read areas; what was read once is not read again."""
@@ -366,6 +360,3 @@ class Search:
             self.areas[solve] = contact_areas(
                 result, edge_constant=solver.edge_constant(result), subcell=located
             )
-
-    def _areas(self, solve: Press) -> ContactAreas:
-        return self.areas[solve]

@@ -117,12 +117,6 @@ class Explanation:
 def explain(scene: Scene, realised: Realised | None = None) -> Explanation:
     """Say what a scene will run and at what cost, without solving anything.
 
-    Parameters
-    ----------
-    scene : Scene
-    realised : Realised, optional
-        What it asks for, where somebody has looked at it already.
-
     Raises
     ------
     UsageError

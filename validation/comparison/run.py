@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import shutil
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,24 +30,15 @@ from validation.solves.store import Store
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Outputs", "begin", "report_scene", "run_scene"]
+__all__ = ["Outputs", "begin", "leave", "report_scene", "run_scene"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Outputs:
     """What a run or a sweep left behind.
 
-    Attributes
-    ----------
-    result : Result
-    page : Page
-    folder : Path
-    files : tuple of Path
-        Everything a reader may want to open, the report first.
-    solved, reused : int
-        Jobs solved now, and solves found finished.
-    failures : tuple of str
-        Why solves failed, and what to do: rows without numbers.
+    Of the `files` a reader may want to open the report is first. Of the solves `solved` were done now and
+    `reused` found finished; `failures` say why others failed, and what to do.
     """
 
     result: Result
@@ -86,12 +77,8 @@ def run_scene(
 
     Parameters
     ----------
-    scene : Scene
-    folder : Path
-        For tables, figures and report.
     realised : Realised, optional
         What the scene asks for, where it has been made already.
-    progress : Progress, optional
     execution : Execution, optional
         Where the solves run; in this process if not given.
     store_folder : Path, optional
@@ -108,7 +95,7 @@ def run_scene(
     UsageError
         For a scene or folder that cannot be used, before anything is computed.
     RunFailed
-        When a solve fails; everything finished is stored.
+        When no solve succeeds; of others the report tells.
     """
     realised = realised or realise(scene)
     check_scene(scene, realised)
@@ -118,11 +105,9 @@ def run_scene(
     if accurate is not None:
         asked["accuracy"] = dict(accurate)
     begin(folder, asked)
-    kind, solved = "theory", 0
-    written: tuple[Path, ...] = ()
     results: Solves | None = None
+    written: tuple[Path, ...] = ()
     if scene.methods.solvers:
-        kind = "run"
         results = solve_all(
             solves_of(scene, realised),
             store,
@@ -132,31 +117,51 @@ def run_scene(
         )
         data = scene_data(scene, realised, results, failures=results.failures, accurate=accurate)
         data = with_fields(data, scene, realised, results)
-        data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))
-        solved, below = results.solved, write_below(scene, results, folder / "fields")
-        written = (*_link_blocks(results, folder / "fields"), *below, store.folder)
+        written = (*_link_blocks(results, folder / "fields"), *write_below(scene, results, folder / "fields"))
     else:
         data = theory_data(scene, realised)
     data.attrs["effects_words"] = effects_words(scene, realised)
-    result = write_results(folder, data, kind=kind, name=scene.name, asked=asked, store=store.folder)
-    page, files = write_result_page(result, folder, report=report, pictures=pictures)
-    reused = 0 if results is None else len(results) - solved
+    return leave(
+        folder,
+        data,
+        results,
+        kind="theory" if results is None else "run",
+        name=scene.name,
+        asked=asked,
+        store=store.folder,
+        written=written,
+        report=report,
+        pictures=pictures,
+    )
+
+
+def leave(
+    folder: Path,
+    data: xr.Dataset,
+    results: Solves | None,
+    *,
+    kind: str,
+    name: str,
+    asked: Mapping[str, Any],
+    store: Path,
+    written: Sequence[Path] = (),
+    **shown: bool,
+) -> Outputs:
+    """Write dataset, record and page of a run or a sweep, and say what is there."""
+    if results is not None:
+        data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))
+    result = write_results(folder, data, kind=kind, name=name, asked=asked, store=store)
+    page, files = write_result_page(result, folder, **shown)
+    failures = data.failures.values.ravel().tolist() if "failures" in data else []
     return Outputs(
         result=result,
         page=page,
         folder=folder,
-        files=(*files, *written),
-        solved=solved,
-        reused=reused,
-        failures=failures_of(data),
+        files=(*files, *written, *([] if results is None else [store])),
+        solved=0 if results is None else results.solved,
+        reused=0 if results is None else len(results) - results.solved,
+        failures=tuple(dict.fromkeys(filter(None, failures))),
     )
-
-
-def failures_of(data: xr.Dataset) -> tuple[str, ...]:
-    """Return why solves of a run or of cases of a sweep failed, each once; nothing where all succeeded."""
-    if "failures" not in data:
-        return ()
-    return tuple(dict.fromkeys(filter(None, data.failures.values.ravel().tolist())))
 
 
 def begin(folder: Path, asked: Mapping[str, Any]) -> None:
@@ -174,7 +179,6 @@ def report_scene(folder: Path, *, pictures: bool | None = None) -> Outputs:
 
     Parameters
     ----------
-    folder : Path
     pictures : bool, optional
         Whether to render 3-D pictures, too; if not given, where the scene asks or the folder has some.
 

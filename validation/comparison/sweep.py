@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,8 +15,7 @@ from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
 from validation.comparison.explain import Explanation, explain
 from validation.comparison.numbers import scene_data
-from validation.comparison.pages import write_result_page
-from validation.comparison.run import Outputs, begin, failures_of
+from validation.comparison.run import Outputs, begin, leave
 from validation.comparison.theory_alone import theory_data
 from validation.errors import RunFailed, UsageError
 from validation.files import prepare_folder
@@ -28,8 +28,6 @@ from validation.scenes.sweep import Sweep, SweptKey
 from validation.solves.attempt import Progress
 from validation.solves.cost import transform_seconds
 from validation.solves.press import Press, solves_of
-from validation.solves.provenance import SOLVES_MADE, made_words
-from validation.solves.results import write_results
 from validation.solves.running import Execution, Solves, solve_all
 from validation.solves.store import Store
 
@@ -82,30 +80,7 @@ def run_sweep(
     store_folder: Path | None = None,
     report: bool = True,
 ) -> Outputs:
-    """Run every scene of a sweep into one folder; finished solves found in the store are used.
-
-    Parameters
-    ----------
-    sweep : Sweep
-    folder : Path
-        For tables, dataset, figures and report.
-    cases : sequence of Realised, optional
-        What its scenes ask for, where that has been made already.
-    progress : Progress, optional
-    execution : Execution, optional
-        Where the solves run; in this process if not given.
-    store_folder : Path, optional
-        Where they are kept; `folder`/solves if not given.
-    report : bool
-        Whether to draw figures and write the report, which `report_scene` can do later.
-
-    Raises
-    ------
-    UsageError
-        For a scene or folder that cannot be used, before anything is computed.
-    RunFailed
-        When a solve fails; everything finished is stored.
-    """
+    """Run every scene of a sweep into one folder, as `run_scene` does one."""
     cases = cases or realised_cases(sweep)
     prepare_folder(folder)
     store = Store(folder=store_folder or folder / "solves")
@@ -119,17 +94,15 @@ def run_sweep(
     data = sweep_data(sweep, cases, results)
     each = (solves_of(*pair) for pair in zip(sweep.scenes, cases, strict=True))
     data.attrs.update(solves=len(solves), asked=sum(map(len, each)))
-    data.attrs[SOLVES_MADE] = "\n".join(made_words(results.made()))
-    result = write_results(folder, data, kind="sweep", name=sweep.name, asked=asked, store=store.folder)
-    page, files = write_result_page(result, folder, report=report)
-    return Outputs(
-        result=result,
-        page=page,
-        folder=folder,
-        files=files,
-        solved=results.solved,
-        reused=len(results) - results.solved,
-        failures=failures_of(data),
+    return leave(
+        folder,
+        data,
+        results,
+        kind="sweep",
+        name=sweep.name,
+        asked=asked,
+        store=store.folder,
+        report=report,
     )
 
 
@@ -149,7 +122,7 @@ def sweep_data(sweep: Sweep, cases: Sequence[Realised], results: Solves) -> xr.D
         data = data.assign_coords({key.name: ("case", list(key.values)) for key in sweep.keys})
     else:
         places = [key.values for key in sweep.keys]
-        every = [place[0] if len(names) == 1 else place for place in _product(places)]
+        every = [place[0] if len(names) == 1 else place for place in itertools.product(*places)]
         data = gather(dict(zip(every, parts, strict=True)), **dict(zip(names, places, strict=True)))
     for key in sweep.keys:
         data[key.name].attrs.update(units=key.unit, long_name=key.key, key=key.key)
@@ -162,12 +135,6 @@ def sweep_data(sweep: Sweep, cases: Sequence[Realised], results: Solves) -> xr.D
         if name in first
     }
     return labelled(data).assign_attrs(kept, mode=sweep.mode, cases=len(parts), keys=" ".join(names))
-
-
-def _product(places: Sequence[Sequence[Any]]) -> Iterator[tuple[Any, ...]]:
-    import itertools
-
-    return itertools.product(*places)
 
 
 def _case(scene: Scene, realised: Realised, results: Solves) -> xr.Dataset | RunFailed:
@@ -224,19 +191,7 @@ def _shifts(part: xr.Dataset, parts: Sequence[xr.Dataset]) -> Mapping[str, Any]:
 
 @dataclass(frozen=True, kw_only=True)
 class SweepExplanation:
-    """What a sweep runs.
-
-    Attributes
-    ----------
-    cases : tuple of (str, Explanation)
-        The values of each case, and what it runs by itself.
-    solves, asked : int
-        Solves in all, and the sum over the cases, which share some.
-    seconds : float
-        Predicted time of all solves, one after the other.
-    peak_bytes : int
-        Largest memory of any one solve.
-    """
+    """What a sweep runs: each of its `cases` by its values, and the `solves` they share of those `asked`."""
 
     name: str
     mode: str
