@@ -15,16 +15,13 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from fem_contact.response import Response
-    from validation.scenes.realised import Realised
     from validation.scenes.scene import Scene
     from validation.solves.press import Press
 
 __all__ = ["below", "planes", "write_below"]
 
 
-def below(
-    data: xr.Dataset, scene: Scene, realised: Realised, results: Mapping[Press, ContactResult]
-) -> xr.Dataset:
+def below(data: xr.Dataset, scene: Scene, results: Mapping[Press, ContactResult]) -> xr.Dataset:
     """Add where the von Mises stress under the scene's own surface is largest, if it asks."""
     if scene.subsurface is None:
         return data

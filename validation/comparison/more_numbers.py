@@ -15,9 +15,8 @@ from validation.comparison.reading import Reading, grid_name, is_adhesive
 from validation.effects.base import Slots
 from validation.measures.statistics import order_of_convergence
 from validation.methods import find_method
-from validation.report.estimates import derive, error_of
+from validation.report.estimates import derive, error_of, gather
 from validation.scenes.realised import Realised
-from validation.scenes.scene import Scene
 from validation.solves.press import Press
 
 if TYPE_CHECKING:
@@ -30,38 +29,34 @@ _CLOSE = 0.01
 _SIMULATED = {"theory": "it is simulated"}
 
 
-def beside_each_other(data: xr.Dataset, own: Sequence[Reading], scene: Scene) -> xr.Dataset:
+def beside_each_other(data: xr.Dataset, own: Sequence[Reading]) -> xr.Dataset:
     """Put every other method beside the first, on the grids they share; how differences shrink with dx."""
-    methods, grids = list(scene.methods.solvers), list(data.grid.values)
+    import xarray as xr
+
+    methods, grids = data.solver.values.tolist(), data.grid.values.tolist()
     if len(methods) < 2:
         return data
-    found = {
-        name: np.full((len(methods), len(grids)), math.nan)
-        for name in ("pressure", "area_pixel", "area_perimeter")
-    }
-    still = {(o.solve.method, grid_name(o.solve.grid)): o for o in own if o.pressure is not None}
+    still = {(one.solve.method, one.solve.grid): one for one in own if one.pressure is not None}
+    names = [f"{name}_difference" for name in ("pressure", "area_pixel", "area_perimeter")]
+    cases = {("", ""): xr.Dataset(dict.fromkeys(names, math.nan))}
     for (method, grid), one in still.items():
         first = still.get((methods[0], grid))
         if first is None or method == methods[0]:
             continue
-        place = methods.index(method), grids.index(grid)
         assert one.pressure is not None
         assert first.pressure is not None
         norm = float(np.linalg.norm(first.pressure))
-        found["pressure"][place] = (
-            float(np.linalg.norm(one.pressure - first.pressure)) / norm if norm else math.nan
+        values = (
+            float(np.linalg.norm(one.pressure - first.pressure)) / norm if norm else math.nan,
+            one.areas.pixel / first.areas.pixel - 1,
+            one.areas.perimeter / first.areas.perimeter - 1,
         )
-        found["area_pixel"][place] = one.areas.pixel / first.areas.pixel - 1
-        found["area_perimeter"][place] = one.areas.perimeter / first.areas.perimeter - 1
-    data = data.assign({f"{name}_difference": (("solver", "grid"), v) for name, v in found.items()})
-    spacing = data.spacing.values
-    for name in ("pressure", "area_pixel"):
-        orders = [_order(spacing, row) for row in np.abs(found[name])]
-        data[f"{name}_difference_order"] = (
-            "solver",
-            orders,
-            {"reduction": "order", "of": f"{name}_difference"},
-        )
+        cases[method, grid_name(grid)] = xr.Dataset(dict(zip(names, values, strict=True)))
+    data = data.assign(gather(cases, solver=methods, grid=grids).data_vars)
+    for name in names[:2]:
+        made = {"reduction": "order", "of": name}
+        orders = [_order(data.spacing.values, row) for row in np.abs(data[name].values)]
+        data[f"{name}_order"] = ("solver", orders, made)
     return data
 
 
@@ -73,6 +68,8 @@ def _order(spacing: Array, values: Array) -> float:
 
 def cost_and_orders(data: xr.Dataset) -> xr.Dataset:
     """Add how far every area is from the limit, what it took to come close, and how P(0+) falls with dx."""
+    import xarray as xr
+
     limit = float(data.area_own) if str(data.no_limit.item()) == "" else math.nan
     if not 0 < limit < 1 - 1e-12:
         limit = math.nan
@@ -83,29 +80,20 @@ def cost_and_orders(data: xr.Dataset) -> xr.Dataset:
         data["deviation_persson"] = np.maximum(abs(data.area_persson_own / limit - 1), 1e-6)
     data["seconds_total"] = data.seconds.sum()
     data["unknowns_largest"] = data.unknowns.max()
-    good = data.resolved.values > 0
-    ways = [
-        (float(data.seconds[m, g]), m, g, name)
-        for m, g, name in (
-            (m, g, n)
-            for m in range(data.sizes["solver"])
-            for g in np.flatnonzero(good)
-            for n in ("pixel", "perimeter")
-        )
-        if abs(float(data[f"area_{name}_off"][m, g])) <= _CLOSE
-    ]
-    if ways:
-        seconds, m, g, name = min(ways)
-        label = find_method(str(data.solver.values[m])).label
-        how = {"pixel": "points counted", "perimeter": "corrected at its edge"}[name]
+    ways = {"perimeter": "corrected at its edge", "pixel": "points counted"}
+    near = xr.concat([abs(data[f"area_{way}_off"]) <= _CLOSE for way in ways], "way").transpose(..., "way")
+    seconds = data.seconds.where(near & (data.resolved > 0))
+    if bool(seconds.notnull().any()):
+        at = seconds.argmin(["solver", "grid", "way"])
+        way, here = list(ways)[int(at.pop("way"))], data.isel(at)
         data = data.assign(
-            cheapest=f"{label} on {data.grid.values[g]}, {how}",
-            seconds_cheapest=seconds,
-            area_cheapest_off=float(data[f"area_{name}_off"][m, g]),
+            cheapest=f"{find_method(str(here.solver.item())).label} on {here.grid.item()}, {ways[way]}",
+            seconds_cheapest=float(here.seconds),
+            area_cheapest_off=float(here[f"area_{way}_off"]),
         )
     first = data.isel(solver=0)
     cells = np.array([math.prod(map(int, str(g).split(" x "))) for g in data.grid.values])
-    enough = good & (first.area_pixel.values * cells >= LEAST_CONTACT_POINTS)
+    enough = (data.resolved.values > 0) & (first.area_pixel.values * cells >= LEAST_CONTACT_POINTS)
     density = np.where(enough, first.density_at_zero.values, math.nan)
     return data.assign(density_at_zero_order=_order(data.spacing.values, density))
 

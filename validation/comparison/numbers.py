@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +17,7 @@ import scipy.special
 from fem_contact.area import ContactAreas
 from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import LEAST_CONTACT_POINTS, Limit
+from validation.arrays import Grid
 from validation.comparison.below import below
 from validation.comparison.more_numbers import beside_each_other, cost_and_orders, finest, in_numbers
 from validation.comparison.passing import passing
@@ -35,6 +38,7 @@ if TYPE_CHECKING:
 __all__ = ["limit_of", "scene_data"]
 
 _TOO_FEW = "it needs two resolved grids of boundary elements with square cells, or three solves on two grids"
+_NO_LIMIT = Limit(value=math.nan, uncertainty=math.nan, edge_constant=math.nan, grids=0)
 _ABSENT = {"theory": "it is simulated"}
 _HALF_SPACE = {"depth": "boundary elements press a half-space"}
 
@@ -66,48 +70,76 @@ def scene_data(
     xarray.Dataset
         Over (method, grid, shift) of its own surface, and (surface) of an ensemble. ``area`` is that of the
         scene: the mean over the surfaces of an ensemble, else ``area_own``.
+
+    Raises
+    ------
+    RunFailed
+        Where no solve of its own surface succeeded, or nothing touches.
     """
-    asked = {name: scene.methods.options(name).grids for name in scene.methods.solvers}
+    failures = failures or {}
+    grids = {name: scene.methods.options(name).grids for name in scene.methods.solvers}
     readings = [
-        Reading.of(solve, results[solve], bare=not scene.effects, shown=solve.grid in asked[solve.method])
+        Reading.of(solve, results[solve], bare=not scene.effects, shown=solve.grid in grids[solve.method])
         for solve in results
     ]
-    own = [
-        one for one in readings if one.solve.realisation == 0 and one.solve.grid in asked[one.solve.method]
-    ]
-    if not own:
-        raise RunFailed(_failures_words(failures or {}))
+    case = _Case(scene=scene, realised=realised, readings=readings, failures=failures)
+    if not case.own:
+        raise RunFailed(case.failed)
     if realised.load.held:
-        realised = realised.under(Load(pressure=_carried(own)))
-    failures = failures or {}
-    data = _on_grids(own, failures, scene, realised)
-    data = _own_area(data, own, scene, realised)
-    data = _beside_theory(data, scene, realised)
-    data = _over_surfaces(data, readings, failures, scene, realised, accurate)
-    data = beside_each_other(data, own, scene)
+        case = replace(case, realised=realised.under(Load(pressure=_carried(case.own))))
+    data = _on_grids(case)
+    data = _own_area(data, case)
+    data = _beside_theory(data, case)
+    data = _over_surfaces(data, case, accurate)
+    data = beside_each_other(data, case.own)
     data = finest(cost_and_orders(data))
-    data = in_numbers(data, own, results, realised)
-    data = passing(data, scene, realised, results)
-    data = below(data, scene, realised, results)
+    data = in_numbers(data, case.own, results, case.realised)
+    data = passing(data, scene, case.realised, results)
+    data = below(data, scene, results)
     if failures:
-        data = data.assign(failures=_failures_words(failures))
-    return labelled(data).assign_attrs(_words(scene, realised))
+        data = data.assign(failures=case.failed)
+    treatment = () if realised.topography is None else realised.topography.history
+    return labelled(data).assign_attrs(
+        title=scene.title or scene.name,
+        methods=" ".join(scene.methods.asked),
+        effects=" ".join(effect.kind for effect in scene.effects),
+        adhesive=int(is_adhesive(scene.effects)),
+        treatment="\n".join(treatment),
+    )
 
 
-def _failures_words(failures: Mapping[Press, str]) -> str:
-    more = f", and {len(failures) - 1} more" if len(failures) > 1 else ""
-    return f"{next(iter(failures.values()))}{more}"
+@dataclass(frozen=True, kw_only=True)
+class _Case:
+    """A scene, what was read off its solves, and why others failed."""
 
+    scene: Scene
+    realised: Realised
+    readings: Sequence[Reading]
+    failures: Mapping[Press, str]
 
-def _words(scene: Scene, realised: Realised) -> dict[str, Any]:
-    """Say what of a scene decides how its numbers are shown."""
-    return {
-        "title": scene.title or scene.name,
-        "methods": " ".join(scene.methods.asked),
-        "effects": " ".join(effect.kind for effect in scene.effects),
-        "adhesive": int(is_adhesive(scene.effects)),
-        "treatment": "\n".join(() if realised.topography is None else realised.topography.history),
-    }
+    @cached_property
+    def own(self) -> list[Reading]:
+        """What was read of the scene's own surface, on the grids that its methods list."""
+        first = [one for one in self.readings if one.solve.realisation == 0]
+        return [one for one in first if one.solve.grid in self.scene.methods.options(one.solve.method).grids]
+
+    @property
+    def methods(self) -> list[str]:
+        return list(self.scene.methods.solvers)
+
+    @property
+    def grids(self) -> list[Grid]:
+        every = {grid for name in self.methods for grid in self.scene.methods.options(name).grids}
+        return sorted(every, key=lambda grid: (grid[0] * grid[1], grid))
+
+    @property
+    def modulus(self) -> float:
+        return self.own[0].contact_modulus
+
+    @property
+    def failed(self) -> str:
+        first, *others = self.failures.values()
+        return f"{first}, and {len(others)} more" if others else first
 
 
 def _carried(own: Sequence[Reading]) -> float:
@@ -122,49 +154,23 @@ def _carried(own: Sequence[Reading]) -> float:
     return found.mean_pressure
 
 
-def _on_grids(
-    own: Sequence[Reading], failures: Mapping[Press, str], scene: Scene, realised: Realised
-) -> xr.Dataset:
+def _on_grids(case: _Case) -> xr.Dataset:
     """Lay the solves of the scene's own surface out over method, grid and shift; means over the shifts."""
-    import xarray as xr
-
-    methods = list(scene.methods.solvers)
-    failed = {(one.method, one.grid): why for one, why in failures.items() if one.realisation == 0}
-    grids = sorted(
-        {grid for name in methods for grid in scene.methods.options(name).grids},
-        key=lambda grid: (grid[0] * grid[1], grid),
-    )
-    groups: dict[tuple[str, Any], list[Reading]] = {}
-    for one in own:
-        groups.setdefault((one.solve.method, one.solve.grid), []).append(one)
-    shifts = max(map(len, groups.values()))
-    coords: dict[str, Any] = {"solver": methods, "grid": [grid_name(grid) for grid in grids]}
-
-    def over(read: Any, fill: Any = math.nan) -> Any:
-        whole = np.full((len(methods), len(grids), shifts), fill, dtype=object if fill == "" else float)
-        for (method, grid), group in groups.items():
-            whole[methods.index(method), grids.index(grid), : len(group)] = [read(one) for one in group]
-        return ("solver", "grid", "shift"), whole.astype(str) if fill == "" else whole
-
+    scene, realised, grids = case.scene, case.realised, case.grids
+    parts: dict[tuple[str, str, int], xr.Dataset] = {}
+    for one in case.own:
+        place = one.solve.method, grid_name(one.solve.grid)
+        parts[(*place, sum(there[:2] == place for there in parts))] = one.numbers
+    shifts = range(1 + max(shift for *_, shift in parts))
+    each = gather(parts, solver=case.methods, grid=[grid_name(grid) for grid in grids], shift=shifts)
+    each = each.drop_vars("shift")
     waves = np.array([realised.points_per_wave(grid) for grid in grids])
-    modulus = own[0].contact_modulus
-    data = xr.Dataset(
-        {
-            "solve": over(lambda one: one.solve.key, ""),
-            "area_pixel_shift": over(lambda one: one.areas.pixel),
-            "area_perimeter_shift": over(lambda one: one.areas.perimeter),
-            "area_located_shift": over(lambda one: one.areas.subcell or math.nan),
-            "points_per_wave": ("grid", waves),
-            "spacing": ("grid", 1 / waves),
-            "resolved": ("grid", [float(realised.resolved_by(grid)) for grid in grids]),
-            **_of_the_scene(realised, modulus),
-        },
-        coords=coords,
+    data = each[["solve", "area_pixel_shift", "area_perimeter_shift", "area_located_shift"]].assign(
+        points_per_wave=("grid", waves),
+        spacing=("grid", 1 / waves),
+        resolved=("grid", [float(realised.resolved_by(grid)) for grid in grids]),
     )
-    each = {
-        name: xr.DataArray(over(lambda one, n=name: one.numbers[n])[1], dims=("solver", "grid", "shift"))
-        for name in own[0].numbers
-    }
+    data = data.assign(_of_the_scene(realised, case.modulus))
     for name in ("area_pixel", "area_perimeter", "area_located"):
         values = data[f"{name}_shift"]
         made = {"reduction": "shift mean", "of": f"{name}_shift"}
@@ -173,8 +179,9 @@ def _on_grids(
             data[f"{name}_error"] = error_of(data[name], grid=_scatter_half(values), **_ABSENT)
     if not bool(data.area_located.notnull().any()):
         data = data.drop_vars(["area_located", "area_located_error", "area_located_shift"])
+    failed = {(one.method, one.grid): why for one, why in case.failures.items() if one.realisation == 0}
     if failed:
-        words = [[failed.get((method, grid), "") for grid in grids] for method in methods]
+        words = [[failed.get((method, grid), "") for grid in grids] for method in case.methods]
         data["failure"] = (("solver", "grid"), words)
     count = data.area_pixel_shift.count("shift")
     data["shifts"] = count.where(count > 0)
@@ -184,9 +191,8 @@ def _on_grids(
     data["unknowns"] = each["unknowns"].isel(shift=0)
     if any(effect.slot == "pressure bound" for effect in scene.effects):
         data["area_plastic_pixel"] = each["plastic"].mean("shift")
-    carried = xr.DataArray(over(lambda one: one.mean_pressure)[1], dims=("solver", "grid", "shift"))
-    load = carried.mean("shift") if scene.load.held else realised.pressure
-    return data.assign(kappa_perimeter=data.area_perimeter / (load / (modulus * realised.field.rms_gradient)))
+    load = each["mean_pressure"].mean("shift") if scene.load.held else realised.pressure
+    return data.assign(kappa_perimeter=data.area_perimeter / (load / float(data.pressure_scale)))
 
 
 def _scatter_half(values: xr.DataArray) -> xr.DataArray:
@@ -225,93 +231,79 @@ def limit_of(areas: Sequence[ContactAreas]) -> Limit | None:
     return None if len({area.spacing for area in areas}) < 2 else limit_over(areas)
 
 
-def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> tuple[float, float, float, str, str]:
+def _value_of(areas: Sequence[ContactAreas], tolerance: float) -> xr.Dataset:
     """Return area, half widths by grid and solver, what it rests on, and why there is no limit."""
-    limit = limit_of(areas)
-    located = all(area.subcell is not None for area in areas)
-    how = "edge located inside the cells" if located else "corrected at its edge"
-    if limit is not None and limit.determinable:
-        grids = len({area.spacing for area in areas})
-        left = TOLERANCES_LEFT * tolerance * limit.value if located else math.nan
-        return limit.value, NORMAL * limit.uncertainty, left, f"limit over {grids} grids, {how}", ""
-    if not areas:
-        return math.nan, math.nan, math.nan, "no solve succeeded", "no solve of it succeeded"
-    finest = min(areas, key=lambda area: area.spacing)
-    values = [
-        a.subcell if a.subcell is not None else a.perimeter for a in areas if a.spacing == finest.spacing
-    ]
-    value = (
-        math.nan
-        if limit is not None and finest.pixel * finest.cells < LEAST_CONTACT_POINTS
-        else float(np.mean(values))
-    )
-    why = _TOO_FEW if limit is None else limit.doubt
-    more = (
-        "a second grid gives the limit" if len({a.spacing for a in areas}) == 1 else "the grids tell no limit"
-    )
-    return value, math.nan, math.nan, f"one grid, {how}; {more}", why
-
-
-def _own_area(data: xr.Dataset, own: Sequence[Reading], scene: Scene, realised: Realised) -> xr.Dataset:
-    """Add the limit of every method over its resolved grids, and the area of the scene's own surface."""
     import xarray as xr
 
-    found, methods = [], list(scene.methods.solvers)
-    for method in methods:
-        areas = [o.areas for o in own if o.solve.method == method and realised.resolved_by(o.solve.grid)]
-        areas = areas or [o.areas for o in own if o.solve.method == method]
-        found.append(_value_of(areas, float(scene.methods.options(method).tolerance)))
-    values, grid, solver, basis, why = (list(column) for column in zip(*found, strict=True))
-    succeeded = [k for k, method in enumerate(methods) if any(o.solve.method == method for o in own)]
-    first = next((k for k in succeeded if not why[k]), succeeded[0])
-    data = data.assign(
-        area_limit=("solver", np.where([not words for words in why], values, math.nan)),
-        area_basis=f"{find_method(methods[first]).label}, {basis[first]}",
-        no_limit=why[first],
-    )
-    errors = {"grid": xr.DataArray(grid, dims="solver"), "solver": xr.DataArray(solver, dims="solver")}
-    data["area_limit_error"] = error_of(data.area_limit, **errors, **_ABSENT)
-    absent = _ABSENT if scene.methods.solvers[methods[first]].sinks else {**_ABSENT, **_HALF_SPACE}
-    area = xr.DataArray(values[first])
+    limit, grids = limit_of(areas), len({area.spacing for area in areas})
+    located = all(area.subcell is not None for area in areas)
+    how = "edge located inside the cells" if located else "corrected at its edge"
+    value, half, left, basis, why = math.nan, math.nan, math.nan, "no solve succeeded", ""
+    if limit is not None and limit.determinable:
+        value, half = limit.value, NORMAL * limit.uncertainty
+        left = TOLERANCES_LEFT * tolerance * limit.value if located else math.nan
+        basis = f"limit over {grids} grids, {how}"
+    elif not areas:
+        why = "no solve of it succeeded"
+    else:
+        finest = min(areas, key=lambda area: area.spacing)
+        there = [area for area in areas if area.spacing == finest.spacing]
+        if limit is None or finest.pixel * finest.cells >= LEAST_CONTACT_POINTS:
+            value = float(np.mean([a.perimeter if a.subcell is None else a.subcell for a in there]))
+        why = _TOO_FEW if limit is None else limit.doubt
+        more = "a second grid gives the limit" if grids == 1 else "the grids tell no limit"
+        basis = f"one grid, {how}; {more}"
+    return xr.Dataset({"area": value, "half": half, "left": left, "basis": basis, "why": why})
+
+
+def _own_area(data: xr.Dataset, case: _Case) -> xr.Dataset:
+    """Add the limit of every method over its resolved grids, and the area of the scene's own surface."""
+    found = {}
+    for method in case.methods:
+        own = [one for one in case.own if one.solve.method == method]
+        good = [one.areas for one in own if case.realised.resolved_by(one.solve.grid)]
+        tolerance = float(case.scene.methods.options(method).tolerance)
+        found[method] = _value_of(good or [one.areas for one in own], tolerance)
+    succeeded = [name for name in case.methods if any(one.solve.method == name for one in case.own)]
+    method = next((name for name in succeeded if not found[name].why.item()), succeeded[0])
+    every, first = gather(found, solver=case.methods), found[method]
+    absent = _ABSENT if case.scene.methods.solvers[method].sinks else {**_ABSENT, **_HALF_SPACE}
+    limits = every.area.where(every.why == "")
     return data.assign(
-        area_own=area, area_own_error=error_of(area, grid=grid[first], solver=solver[first], **absent)
+        area_limit=limits,
+        area_limit_error=error_of(limits, grid=every.half, solver=every.left, **_ABSENT),
+        area_basis=f"{find_method(method).label}, {first.basis.item()}",
+        no_limit=first.why.item(),
+        area_own=first.area,
+        area_own_error=error_of(first.area, grid=first.half, solver=first.left, **absent),
     )
 
 
-def _beside_theory(data: xr.Dataset, scene: Scene, realised: Realised) -> xr.Dataset:
+def _beside_theory(data: xr.Dataset, case: _Case) -> xr.Dataset:
     """Add what the theory says of the scene's own surface, and of C(q) alone."""
-    options = scene.methods.options("theory")
+    options = case.scene.methods.options("theory")
     if options is None:
         return data
-    said = predict(realised, scene.effects, options)
+    told, gradient = predict(case.realised, case.scene.effects, options), float(data.rms_gradient)
     found = {
-        "area_persson_own": said.area,
-        "area_ensemble": said.ensemble_area,
-        "area_plastic_persson": said.plastic,
-        "area_other_energy": said.other,
-        "stress_variance": said.stress_variance / float(data.contact_modulus) ** 2,
-        "felt_modulus": 2 * math.sqrt(said.stress_variance) / float(data.rms_gradient)
-        if data.rms_gradient > 0
-        else math.nan,
+        "area_persson_own": told.area,
+        "area_ensemble": told.ensemble_area,
+        "area_plastic_persson": told.plastic,
+        "area_other_energy": told.other,
+        "stress_variance": told.stress_variance / case.modulus**2,
+        "felt_modulus": 2 * math.sqrt(told.stress_variance) / gradient if gradient > 0 else math.nan,
     }
-    return data.assign({n: v for n, v in found.items() if v is not None} | {"theory_note": said.note})
+    return data.assign({n: v for n, v in found.items() if v is not None} | {"theory_note": told.note})
 
 
-def _over_surfaces(
-    data: xr.Dataset,
-    readings: Sequence[Reading],
-    failures: Mapping[Press, str],
-    scene: Scene,
-    realised: Realised,
-    accurate: Mapping[str, Any] | None,
-) -> xr.Dataset:
+def _over_surfaces(data: xr.Dataset, case: _Case, accurate: Mapping[str, Any] | None) -> xr.Dataset:
     """Add area, kappa and distance from the theory: means over the surfaces where there are several."""
     import xarray as xr
 
     has_theory = "area_persson_own" in data
     if accurate is not None:
         data = _as_claimed(data, accurate)
-    several = _surfaces(readings, failures, scene, realised, float(data.contact_modulus))
+    several = _surfaces(case)
     if several is not None:
         several = derive(several, kappa_each="area_each / reduced_pressure_each")
         names = ["area", "kappa"]
@@ -329,12 +321,12 @@ def _over_surfaces(
     if "area" not in data:
         data = data.assign(area=data.area_own, area_error=data.area_own_error, surfaces=1.0)
     data = derive(data, kappa="area / reduced_pressure")
-    alike = _alike(scene) or float(data.surfaces) == 1
-    if has_theory and alike:
+    if has_theory:
         data["area_persson"] = data.area_persson_own
-        data = derive(data, area_ratio="area / area_persson")
-    elif has_theory:
-        data = data.assign(area_persson=data.area_persson_own, area_ratio=xr.DataArray(math.nan))
+        if _alike(case.scene) or float(data.surfaces) == 1:
+            data = derive(data, area_ratio="area / area_persson")
+        else:
+            data["area_ratio"] = xr.DataArray(math.nan)
     return _excess(data)
 
 
@@ -375,53 +367,46 @@ def _as_claimed(data: xr.Dataset, accurate: Mapping[str, Any]) -> xr.Dataset:
     )
 
 
-def _surfaces(
-    readings: Sequence[Reading],
-    failures: Mapping[Press, str],
-    scene: Scene,
-    realised: Realised,
-    modulus: float,
-) -> xr.Dataset | None:
+def _surfaces(case: _Case) -> xr.Dataset | None:
     """Return area, load and theory of each surface of the ensemble; None without one."""
+    ensemble, solver = case.scene.ensemble, case.scene.ensemble_solver
+    if ensemble is None or solver is None:
+        return None
+    own: dict[int, dict[Grid, Reading]] = {k: {} for k in range(ensemble.realisations)}
+    for one in case.readings:
+        if one.solve.method == solver.name and one.solve.realisation in own and one.solve.shift == (0.0, 0.0):
+            own[one.solve.realisation][one.solve.grid] = one
+    failed = {one.realisation: why for one, why in case.failures.items() if one.grid in ensemble.grids}
+    parts = {k: _surface(case, k, own[k], sorted(ensemble.grids)) for k in own}
+    if failed:
+        parts = {k: part.assign(failure_each=failed.get(k, "")) for k, part in parts.items()}
+    return gather(parts, surface=range(len(parts)))
+
+
+def _surface(case: _Case, k: int, on: Mapping[Grid, Reading], grids: Sequence[Grid]) -> xr.Dataset:
+    """Return area, load and theory of the k-th surface."""
     import xarray as xr
 
-    if scene.ensemble is None or scene.ensemble_solver is None:
-        return None
-    options, solver = scene.methods.options("theory"), scene.ensemble_solver
-    parts = {}
-    failed = {one.realisation: why for one, why in failures.items() if one.grid in scene.ensemble.grids}
-    grids = sorted(scene.ensemble.grids)
-    for k in range(scene.ensemble.realisations):
-        own = [
-            one
-            for one in readings
-            if (one.solve.method, one.solve.realisation, one.solve.shift) == (solver.name, k, (0.0, 0.0))
-            and one.solve.grid in scene.ensemble.grids
-        ]
-        own.sort(key=lambda one: one.solve.grid)
-        keys = {one.solve.grid: one.solve.key for one in own}
-        here = own[0].solve.realised if own else realised.further(k)
-        limit = limit_of([one.areas for one in own])
-        value, half = (
-            (math.nan, math.nan)
-            if limit is None or not limit.determinable
-            else (limit.value, NORMAL * limit.uncertainty)
-        )
-        pressure = here.pressure if not here.load.held else own[-1].mean_pressure if own else math.nan
-        area = xr.DataArray(value)
-        part = xr.Dataset(
-            {
-                "area_each": area.assign_attrs(reduction="limit"),
-                "area_each_error": error_of(area, grid=half, **_ABSENT, **_HALF_SPACE),
-                "rms_gradient_each": here.field.rms_gradient,
-                "reduced_pressure_each": pressure / (modulus * here.field.rms_gradient),
-                "solve_surface": ("surface_grid", [keys.get(grid, "") for grid in grids]),
-                **({"failure_each": failed.get(k, "")} if failed else {}),
-            },
-            coords={"surface_grid": [grid_name(grid) for grid in grids]},
-        )
-        if options is not None:
-            under = here.under(Load(pressure=pressure)) if here.load.held else here
-            part["area_persson_each"] = predict(under, scene.effects, options).area
-        parts[k] = part
-    return gather(parts, surface=range(len(parts)))
+    own = [on[grid] for grid in grids if grid in on]
+    here = own[0].solve.realised if own else case.realised.further(k)
+    limit = limit_of([one.areas for one in own])
+    if limit is None or not limit.determinable:
+        limit = _NO_LIMIT
+    area, half = xr.DataArray(limit.value), NORMAL * limit.uncertainty
+    held = here.load.held
+    pressure = here.pressure if not held else own[-1].mean_pressure if own else math.nan
+    part = xr.Dataset(
+        {
+            "area_each": area.assign_attrs(reduction="limit"),
+            "area_each_error": error_of(area, grid=half, **_ABSENT, **_HALF_SPACE),
+            "rms_gradient_each": here.field.rms_gradient,
+            "reduced_pressure_each": pressure / (case.modulus * here.field.rms_gradient),
+            "solve_surface": ("surface_grid", [on[g].solve.key if g in on else "" for g in grids]),
+        },
+        coords={"surface_grid": [grid_name(grid) for grid in grids]},
+    )
+    options = case.scene.methods.options("theory")
+    if options is not None:
+        under = here.under(Load(pressure=pressure)) if held else here
+        part["area_persson_each"] = predict(under, case.scene.effects, options).area
+    return part

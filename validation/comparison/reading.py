@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,6 +16,9 @@ from fem_contact.stress import density_at_zero
 from validation.arrays import Array
 from validation.effects.base import Effect
 from validation.solves.press import Press
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["Reading", "grid_name", "is_adhesive"]
 
@@ -35,7 +39,7 @@ class Reading:
 
     solve: Press
     areas: ContactAreas
-    numbers: Mapping[str, float]
+    numbers: xr.Dataset
     contact_modulus: float
     mean_pressure: float
     pressure: Array | None = None
@@ -43,19 +47,30 @@ class Reading:
     @classmethod
     def of(cls, solve: Press, result: ContactResult, *, bare: bool, shown: bool) -> Reading:
         """Read a result; edges are located on the bare half-space with square cells."""
+        import xarray as xr
+
         solver, (dx, dy) = solve.solver, result.spacing
         located = solver.locates_edges and bare and abs(dx / dy - 1) <= 0.05
         at_bound = result.at_bound if result.weights is None else result.weights * result.at_bound
-        return cls(
-            solve=solve,
-            areas=contact_areas(result, edge_constant=solver.edge_constant(result), subcell=located),
-            numbers={
+        areas = contact_areas(result, edge_constant=solver.edge_constant(result), subcell=located)
+        numbers = xr.Dataset(
+            {
+                "solve": solve.key,
+                "area_pixel_shift": areas.pixel,
+                "area_perimeter_shift": areas.perimeter,
+                "area_located_shift": areas.subcell or math.nan,
+                "mean_pressure": result.mean_pressure,
                 "density_at_zero": _density(result, adhesive=is_adhesive(solve.effects)),
                 "plastic": float(np.mean(at_bound)),
                 "residual": result.residuals.worst,
                 "seconds": result.cost.wall_seconds,
                 "unknowns": result.cost.unknowns,
-            },
+            }
+        )
+        return cls(
+            solve=solve,
+            areas=areas,
+            numbers=numbers,
             contact_modulus=result.contact_modulus,
             mean_pressure=result.mean_pressure,
             pressure=result.pressure if shown and solve.is_own else None,
