@@ -144,12 +144,13 @@ def run(
     if as_json:
         typer.echo(json.dumps(outputs.page.summary, indent=2))
     else:
-        files = (*outputs.files, store_folder) if isinstance(loaded, Sweep) else outputs.files
         solved, reused = (
             (outputs.solved, outputs.reused) if reached is None else (reached.solves, reached.reused)
         )
         words = f"{solved} solves done, {reused} found finished. Written:"
-        print_page(outputs.page, files, more=tuple(reached.sentences()) if reached else (), done=words)
+        print_page(
+            outputs.page, outputs.files, more=tuple(reached.sentences()) if reached else (), done=words
+        )
     outputs.check()
 
 
