@@ -1,8 +1,9 @@
-"""Functions run in a child process within bounds of time and memory, for bytes that nobody vouches for.
+"""Functions run in a child process, within bounds of time and memory where nobody vouches for them.
 
 A library of formats that meets a damaged file may loop for ever, take all memory or crash; none of that can
-be caught in the process itself. The child is a fresh interpreter that serves one call after another, and is
-ended where a call breaks its bounds. Nothing is unpickled: what comes back is JSON and arrays of numbers.
+be caught in the process itself. The child is a fresh interpreter that serves one call after another in a
+process group of its own, which is ended where a call breaks its bounds. Of what comes back nothing is
+unpickled: it is JSON and arrays of numbers.
 """
 
 from __future__ import annotations
@@ -12,28 +13,45 @@ import builtins
 import contextlib
 import importlib
 import json
+import math
 import os
 import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable, Iterator
 from multiprocessing.connection import Connection, Pipe
 from types import TracebackType
-from typing import Any, Self
+from typing import IO, Any, Self
 
 import numpy as np
 
 from validation import errors
 
-__all__ = ["Child", "OutOfBounds", "call", "end"]
+__all__ = ["ONE_THREAD", "Child", "OutOfBounds", "call", "end"]
 
+_Arrays = list[np.ndarray[Any, Any]]
+
+#: What makes the numerical libraries of a new process use one thread.
+ONE_THREAD = dict.fromkeys(
+    (
+        "OMP_NUM_THREADS",
+        "OPENBLAS_NUM_THREADS",
+        "MKL_NUM_THREADS",
+        "NUMBA_NUM_THREADS",
+        "VECLIB_MAXIMUM_THREADS",
+    ),
+    "1",
+)
 #: What an interpreter may take to start and to import a function [s]; a loaded machine needs many.
 _START_SECONDS = 120.0
 #: Most bytes of one message that is no array.
 _MOST_WORDS = 2**26
 #: Processor time beyond the time of a call after which the system ends a child whose parent is gone [s].
 _GRACE_SECONDS = 5.0
+#: How often a child looks whether its parent lives [s].
+_LOOK_EVERY = 0.2
 
 
 class OutOfBounds(Exception):
@@ -43,6 +61,11 @@ class OutOfBounds(Exception):
 class Child:
     """A child process, started by the first call and anew after one that was ended.
 
+    Parameters
+    ----------
+    stderr : file or int
+        Where its standard error goes, as `subprocess` has it.
+
     Examples
     --------
     >>> import math
@@ -51,17 +74,20 @@ class Child:
     6
     """
 
-    def __init__(self) -> None:
+    def __init__(self, *, stderr: IO[bytes] | int = subprocess.DEVNULL) -> None:
         self._lock = threading.Lock()
         self._process: subprocess.Popen[bytes] | None = None
         self._connection: Connection[Any, Any] | None = None
+        self._stderr = stderr
         self._owner = os.getpid()
+        #: Of the process that was started last.
+        self.pid = 0
 
     def call(
         self,
         function: Callable[..., Any],
         *arguments: Any,
-        seconds: float,
+        seconds: float = math.inf,
         memory: int | None = None,
         most_bytes: int = 2**31,
     ) -> Any:
@@ -72,7 +98,7 @@ class Child:
         function : callable
             Found by module and name.
         *arguments
-            None, booleans, numbers, text, and lists and dictionaries of them.
+            None, booleans, numbers, text, arrays of real numbers, and lists and dictionaries of them.
         seconds : float
             Wall-clock time the function may take; that of importing it is not counted.
         memory : int, optional
@@ -84,23 +110,22 @@ class Child:
         Returns
         -------
         object
-            As `arguments`, or arrays of real numbers among them, which are read-only.
+            As `arguments`; arrays are read-only.
 
         Raises
         ------
         OutOfBounds
             When it took more, or crashed.
+        OSError
+            When no process can be started.
         Exception
             What the function raised, if it is built in or one of :mod:`validation.errors`; a RuntimeError
             that names it otherwise.
         """
         with self._lock:
-            if self._owner != os.getpid():  # after a fork the child belongs to the parent
-                self._process = self._connection = None
-                self._owner = os.getpid()
-            connection = self._started()
+            self.start()
             try:
-                reply, arrays = self._ask(connection, function, arguments, (seconds, memory, most_bytes))
+                reply, arrays = self._ask(function, arguments, seconds, memory, most_bytes)
             except BaseException:
                 self._end()
                 raise
@@ -110,6 +135,41 @@ class Child:
         if "raised" in reply:
             raise _raised(*reply["raised"])
         return _decoded(reply["value"], arrays)
+
+    def start(self) -> None:
+        """Start the process, unless it runs.
+
+        Raises
+        ------
+        OSError
+            When the system starts none.
+        """
+        if self._owner != os.getpid():  # after a fork the child belongs to the parent
+            self._process = self._connection = None
+            self._owner = os.getpid()
+        # An idle child says nothing; what can be read is the end of one that is gone.
+        if self._connection is not None and not self._connection.poll():
+            return
+        self._end()
+        ours, theirs = Pipe()
+        path = os.pathsep.join(entry for entry in sys.path if entry)
+        self._process = subprocess.Popen(
+            [sys.executable, "-P", "-m", "validation.bounded", str(theirs.fileno()), str(os.getpid())],
+            pass_fds=(theirs.fileno(),),
+            env={**os.environ, **ONE_THREAD, "PYTHONPATH": path},
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=self._stderr,
+            start_new_session=True,
+        )
+        theirs.close()
+        self._connection, self.pid = ours, self._process.pid
+
+    def kill(self) -> None:
+        """End the process and all that it started, whatever it is at; may be called from another thread."""
+        if self._process is not None and self._process.returncode is None:
+            with contextlib.suppress(OSError):
+                os.killpg(self._process.pid, signal.SIGKILL)
 
     def close(self) -> None:
         """End the process."""
@@ -127,86 +187,65 @@ class Child:
 
     def _ask(
         self,
-        connection: Connection[Any, Any],
         function: Callable[..., Any],
         arguments: tuple[Any, ...],
-        bounds: tuple[float, int | None, int],
-    ) -> tuple[dict[str, Any], list[np.ndarray[Any, Any]]]:
-        seconds, memory, most_bytes = bounds
+        seconds: float,
+        memory: int | None,
+        most_bytes: int,
+    ) -> tuple[dict[str, Any], _Arrays]:
+        connection, late = self._connection, threading.Event()
+        assert connection is not None
+        arrays: _Arrays = []
         request = {
             "function": [function.__module__, function.__qualname__],
-            "arguments": arguments,
+            "arguments": [_encoded(argument, arrays) for argument in arguments],
             "seconds": seconds,
             "memory": memory,
         }
-        with self._ended_after(_START_SECONDS) as late:
-            connection.send_bytes(json.dumps(request).encode())
-            self._received(connection, late, _START_SECONDS, most=_MOST_WORDS)
-        with self._ended_after(seconds) as late:
-            reply = json.loads(self._received(connection, late, seconds, most=_MOST_WORDS))
-            arrays = []
-            for kind, shape in reply.get("arrays", ()):
-                raw = self._received(connection, late, seconds, most=most_bytes)
-                arrays.append(np.frombuffer(raw, dtype=kind).reshape(shape))
-        return reply, arrays
-
-    def _received(
-        self, connection: Connection[Any, Any], late: threading.Event, seconds: float, *, most: int
-    ) -> bytes:
+        limit = _START_SECONDS
         try:
-            return connection.recv_bytes(most)
-        except EOFError:
+            with self._ended_after(limit, late):
+                _send(connection, request, arrays)
+                connection.recv_bytes(_MOST_WORDS)  # it is imported
+            limit = seconds
+            with self._ended_after(limit, late):
+                return _received(connection, most_bytes)
+        except (EOFError, ConnectionError):
             if late.is_set():
-                raise OutOfBounds(f"took more than {seconds:.3g} s") from None
-            assert self._process is not None
-            raise OutOfBounds(f"crashed its process ({_ending(self._process)})") from None
+                raise OutOfBounds(f"took more than {limit:.3g} s") from None
+            raise OutOfBounds(f"crashed its process ({_ending(self._end())})") from None
         except OSError:
-            raise OutOfBounds(f"gave back more than {_words(most)}") from None
+            raise OutOfBounds(f"gave back more than {_words(most_bytes)}") from None
 
     @contextlib.contextmanager
-    def _ended_after(self, seconds: float) -> Iterator[threading.Event]:
+    def _ended_after(self, seconds: float, late: threading.Event) -> Iterator[None]:
         """End the child when a time is over, which whoever waits for it sees as the end of the file."""
-        process, late = self._process, threading.Event()
-        assert process is not None
+        if math.isinf(seconds):
+            yield
+            return
 
         def end() -> None:
             late.set()
-            process.kill()
+            self.kill()
 
         timer = threading.Timer(seconds, end)
         timer.daemon = True
         timer.start()
         try:
-            yield late
+            yield
         finally:
             timer.cancel()
 
-    def _started(self) -> Connection[Any, Any]:
-        if self._process is not None and self._connection is not None and self._process.poll() is None:
-            return self._connection
-        self._end()
-        ours, theirs = Pipe()
-        path = os.pathsep.join(entry for entry in sys.path if entry)
-        one_thread = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-        self._process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "validation.bounded", str(theirs.fileno())],
-            pass_fds=(theirs.fileno(),),
-            env={**os.environ, **one_thread, "PYTHONPATH": path},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-        )
-        theirs.close()
-        self._connection = ours
-        return ours
-
-    def _end(self) -> None:
+    def _end(self) -> int:
+        """End the process; return how it ended."""
+        code = 0
         if self._connection is not None:
             self._connection.close()
         if self._process is not None:
-            self._process.kill()
-            self._process.wait()
+            self.kill()
+            code = self._process.wait()
         self._process = self._connection = None
+        return code
 
 
 #: One child for a whole process, since an interpreter takes a third of a second to start.
@@ -218,20 +257,17 @@ atexit.register(end)
 def call(
     function: Callable[..., Any],
     *arguments: Any,
-    seconds: float,
-    memory: int | None = None,
-    most_bytes: int = 2**31,
+    **bounds: Any,
 ) -> Any:
     """Call a function in the child process that all share; see :meth:`Child.call`."""
-    return _SHARED.call(function, *arguments, seconds=seconds, memory=memory, most_bytes=most_bytes)
+    return _SHARED.call(function, *arguments, **bounds)
 
 
 def _words(size: int | None) -> str:
     return f"{(size or 0) / 2**20:.4g} MiB"
 
 
-def _ending(process: subprocess.Popen[bytes]) -> str:
-    code = process.wait()
+def _ending(code: int) -> str:
     try:
         return signal.Signals(-code).name
     except ValueError:
@@ -272,41 +308,53 @@ def _decoded(value: Any, arrays: list[np.ndarray[Any, Any]]) -> Any:
     return [_decoded(inner, arrays) for inner in value] if isinstance(value, list) else value
 
 
+def _send(connection: Connection[Any, Any], message: dict[str, Any], arrays: _Arrays) -> None:
+    about = {**message, "arrays": [[array.dtype.str, array.shape] for array in arrays]}
+    connection.send_bytes(json.dumps(about).encode())
+    for array in arrays:
+        connection.send_bytes(array.reshape(-1).view(np.uint8).data)
+
+
+def _received(connection: Connection[Any, Any], most_bytes: int | None) -> tuple[dict[str, Any], _Arrays]:
+    message = json.loads(connection.recv_bytes(_MOST_WORDS))
+    return message, [
+        np.frombuffer(connection.recv_bytes(most_bytes), dtype=kind).reshape(shape)
+        for kind, shape in message["arrays"]
+    ]
+
+
 def _serve(connection: Connection[Any, Any]) -> None:
     """Answer calls until the other end is closed."""
     while True:
         try:
-            request = json.loads(connection.recv_bytes())
+            request, arrays = _received(connection, None)
         except EOFError:
             return
-        reply, arrays = _answer(connection, request)
-        connection.send_bytes(json.dumps(reply).encode())
-        for array in arrays:
-            connection.send_bytes(array.reshape(-1).view(np.uint8).data)
+        _send(connection, *_answer(connection, request, arrays))
 
 
 def _answer(
-    connection: Connection[Any, Any], request: dict[str, Any]
-) -> tuple[dict[str, Any], list[np.ndarray[Any, Any]]]:
-    arrays: list[np.ndarray[Any, Any]] = []
+    connection: Connection[Any, Any], request: dict[str, Any], given: _Arrays
+) -> tuple[dict[str, Any], _Arrays]:
+    arrays: _Arrays = []
     home, name = request["function"]
     try:
         function: Any = importlib.import_module(home)
         for part in name.split("."):
             function = getattr(function, part)
     except Exception as error:
-        connection.send_bytes(b"started")
         return {"raised": [type(error).__name__, [str(error)]]}, []
-    connection.send_bytes(b"started")
+    finally:
+        connection.send_bytes(b"imported")
     try:
         with _limited(request["seconds"], request["memory"]):
-            value = _encoded(function(*request["arguments"]), arrays)
+            arguments = [_decoded(argument, given) for argument in request["arguments"]]
+            return {"value": _encoded(function(*arguments), arrays)}, arrays
     except MemoryError:
         return {"memory": True}, []
     except Exception as error:
         said = error.args if all(isinstance(a, (int, str)) for a in error.args) else (str(error),)
         return {"raised": [type(error).__name__, list(said)]}, []
-    return {"value": value, "arrays": [[a.dtype.str, a.shape] for a in arrays]}, arrays
 
 
 @contextlib.contextmanager
@@ -318,7 +366,7 @@ def _limited(seconds: float, memory: int | None) -> Iterator[None]:
         yield
         return
     used = sum(resource.getrusage(resource.RUSAGE_SELF)[:2])
-    limits = {resource.RLIMIT_CPU: int(used + seconds + _GRACE_SECONDS)}
+    limits = {} if math.isinf(seconds) else {resource.RLIMIT_CPU: int(used + seconds + _GRACE_SECONDS)}
     if memory is not None and sys.platform == "linux":
         with open("/proc/self/statm") as file:
             limits[resource.RLIMIT_AS] = int(file.read().split()[0]) * resource.getpagesize() + memory
@@ -333,10 +381,22 @@ def _limited(seconds: float, memory: int | None) -> Iterator[None]:
             resource.setrlimit(which, pair)
 
 
+def _end_with(parent: int) -> None:
+    """End this process and what it started when its parent ends: nobody would collect what it does."""
+
+    def look() -> None:
+        while os.getppid() == parent:
+            time.sleep(_LOOK_EVERY)
+        os.killpg(0, signal.SIGKILL)
+
+    threading.Thread(target=look, daemon=True).start()
+
+
 def main() -> None:
-    """Serve the connection whose file descriptor is the first argument."""
-    # Ctrl-C reaches every process of the terminal; the one that started this ends it.
+    """Serve the connection whose file descriptor is the first argument, for the parent that is the second."""
+    # Ctrl-C is for the one that started this, which ends it.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    _end_with(int(sys.argv[2]))
     _serve(Connection(int(sys.argv[1])))
 
 

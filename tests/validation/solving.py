@@ -12,9 +12,10 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+import psutil
 import xarray as xr
 
-from validation.solves import pool
+from validation.bounded import ONE_THREAD
 from validation.solves.running import Silent
 from validation.solves.solve import NumbersSolve, Prediction
 from validation.studies import area
@@ -150,6 +151,22 @@ class DiesAtStart(Numbers):
             os.kill(os.getpid(), signal.SIGKILL)
 
 
+def still_running(processes, *, seconds):
+    """Processes that run after so many seconds; what waits for init to be collected has ended."""
+    deadline = time.monotonic() + seconds
+    while processes and time.monotonic() < deadline:
+        time.sleep(0.05)
+        processes = [one for one in processes if _runs(one)]
+    return processes
+
+
+def _runs(process):
+    try:
+        return process.is_running() and process.status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return False
+
+
 class Team(list):
     """Processes of Dask workers, and how to start one more."""
 
@@ -163,7 +180,7 @@ def dask_cluster(folder, workers=2, paths=(), options=()):
     """A scheduler and workers of one thread, each a process of its own."""
     address = folder / "scheduler.json"
     path = os.pathsep.join(entry for entry in (*sys.path, *paths) if entry)
-    environment = {**os.environ, **pool.ONE_THREAD, "PYTHONPATH": path}
+    environment = {**os.environ, **ONE_THREAD, "PYTHONPATH": path}
     quiet = {"env": environment, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": folder}
     here = ("--host", "127.0.0.1", "--no-dashboard", *options)
     command = [sys.executable, "-m", "distributed.cli.dask_scheduler", "--port", "0", *here]

@@ -12,7 +12,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import time
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,7 +21,7 @@ import psutil
 import pytest
 
 sys.path.insert(0, str(Path(__file__).parent))
-from solving import Killing, Notes, dask_cluster
+from solving import Killing, Notes, dask_cluster, still_running
 
 from validation.audit.values import audit_values
 from validation.errors import RunFailed, UsageError
@@ -33,7 +32,6 @@ from validation.solves.bench import Bench, PlannedOnly
 from validation.solves.cost import available_memory
 from validation.solves.running import Execution, solve_all
 from validation.solves.store import Store
-from validation.solves.worker import BEGUN
 from validation.studies import Study, area, find_study, studies
 from validation.studies._outputs import run_study
 
@@ -78,7 +76,7 @@ def serial(tmp_path_factory):
 
 
 def workers_of(parent):
-    return [one for one in psutil.Process(parent).children() if "validation.solves.worker" in one.cmdline()]
+    return [one for one in psutil.Process(parent).children() if "validation.bounded" in one.cmdline()]
 
 
 def test_two_workers_give_the_same_bits_although_one_is_killed(serial, tmp_path):
@@ -113,8 +111,7 @@ def test_without_an_answering_scheduler_nothing_is_computed(tmp_path, monkeypatc
     pytest.importorskip("distributed")
     from validation.solves import cluster
 
-    real = cluster._connected
-    monkeypatch.setattr(cluster, "_connected", lambda address: real(address, timeout=1))
+    monkeypatch.setattr(cluster, "_CONNECTS_WITHIN", 3.0)
     with pytest.raises(UsageError, match=r"--scheduler = 'tcp://127.0.0.1:9': no scheduler answers"):
         run_area(bench=bench_at(tmp_path, scheduler="tcp://127.0.0.1:9"), **FEW)
     assert list(tmp_path.iterdir()) == []
@@ -138,7 +135,7 @@ def test_a_study_killed_half_way_repeats_no_finished_case(serial, tmp_path):
     process.kill()
     assert process.wait() == -signal.SIGKILL
     assert len(orphans) == 2
-    assert not psutil.wait_procs(orphans, timeout=2)[1]
+    assert not still_running(orphans, seconds=2)
     finished = {path.name: path.stat().st_mtime_ns for path in store.glob("bem-*.nc")}
     assert 20 <= len(finished) < 80
     progress = Notes()
@@ -229,23 +226,6 @@ def test_a_case_that_fails_does_not_keep_the_others_from_being_done(tmp_path, mo
     with pytest.raises(RunFailed, match=r"1 of 16 solves failed, the others are stored:\n.*BEM 16x16"):
         solve_all(solves, store)
     assert [solve for solve in solves if not store.holds(solve)] == [solves[2]]
-
-
-def test_a_job_whose_workers_always_die_is_given_up_by_name(tmp_path, monkeypatch):
-    monkeypatch.setattr(pool, "_start", _dying)
-    with pytest.raises(RunFailed, match=r"its worker died 3 times, and once more when nothing else ran"):
-        bench_at(tmp_path, workers=2).solve(solves_of(**{**FEW, "grids": (12,), "surfaces": 1}))
-
-
-def _dying():
-    """A worker that begins its solve and is killed."""
-    from multiprocessing.connection import Pipe
-
-    ours, theirs = Pipe()
-    process = subprocess.Popen([sys.executable, "-c", "pass"])
-    theirs.send(BEGUN)
-    theirs.close()
-    return pool._Worker(process=process, connection=ours, said=tempfile.TemporaryFile())
 
 
 def test_cases_that_do_not_fit_together_wait_and_one_that_never_fits_is_refused(tmp_path, monkeypatch):

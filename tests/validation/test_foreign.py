@@ -1,11 +1,17 @@
 """Solvers written elsewhere: bounded, recomputed, and never trusted."""
 
+import contextlib
+import sys
 import textwrap
 from pathlib import Path
 
 import numpy as np
+import psutil
 import pytest
 from typer.testing import CliRunner
+
+sys.path.insert(0, str(Path(__file__).parent))
+from solving import still_running
 
 from fem_contact.area import contact_areas
 from fem_contact.contact import Status
@@ -140,6 +146,19 @@ def test_what_goes_wrong_in_a_foreign_solver_is_said(
     solver = written(name, body)
     with pytest.raises(NotConverged, match=says):
         pressed(solver, seconds=1.0 if name == "sleeps" else 60.0).checked()
+
+
+def test_what_a_foreign_solver_starts_ends_with_it(own_module: Path) -> None:
+    body = """
+    import subprocess
+    open("started", "w").write(str(subprocess.Popen(["sleep", "600"]).pid))
+    import time; time.sleep(60)
+    """
+    with pytest.raises(NotConverged, match=r"took more than 5 s"):
+        pressed(written("starts", body), seconds=5.0)
+    process = int((own_module / "started").read_text())
+    with contextlib.suppress(psutil.NoSuchProcess):
+        assert not still_running([psutil.Process(process)], seconds=2)
 
 
 def test_a_point_with_a_pressure_of_rounding_size_is_not_in_contact(own_module: Path) -> None:

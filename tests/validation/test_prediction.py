@@ -10,9 +10,9 @@ import sys
 
 import pytest
 
+from validation.bounded import ONE_THREAD
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
-from validation.solves.pool import ONE_THREAD
 from validation.solves.press import Press
 
 #: method, points along a side, p*, settings

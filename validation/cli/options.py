@@ -88,7 +88,12 @@ WorkersOption = Annotated[
     ),
 ]
 SchedulerOption = Annotated[
-    str | None, typer.Option("--scheduler", help="Dask scheduler to run on, e.g. tcp://host:8786.")
+    str | None,
+    typer.Option(
+        "--scheduler",
+        envvar="FEM_CONTACT_SCHEDULER",
+        help="Dask scheduler to run on, e.g. tcp://host:8786; one that you trust.",
+    ),
 ]
 MemoryOption = Annotated[
     str | None,

@@ -15,7 +15,16 @@ from validation.solves.provenance import Made
 from validation.solves.solve import Solve
 from validation.solves.store import Store
 
-__all__ = ["Outcome", "Progress", "Silent", "attempt", "one_blas_thread", "warm_up"]
+__all__ = [
+    "Outcome",
+    "Progress",
+    "Silent",
+    "attempt",
+    "attempt_in_worker",
+    "made_ready",
+    "one_blas_thread",
+    "warm_up",
+]
 
 
 class Progress(Protocol):
@@ -43,8 +52,7 @@ class Silent:
     def begin(self, solve: Solve) -> None:
         """Say nothing."""
 
-    def done(self, solve: Solve) -> None:
-        """Say nothing."""
+    done = begin
 
     def note(self, text: str) -> None:
         """Say nothing."""
@@ -73,6 +81,24 @@ def warm_up(solves: Iterable[Solve]) -> None:
     for path, solve in {solve.code_path: solve for solve in solves}.items():
         if path:
             solve.warm_up()
+
+
+#: Of a worker process: code paths that it is warm for, and the solve before, whose surface may be shared.
+_warm: set[tuple[str, ...]] = set()
+_previous: list[Solve] = []
+
+
+def made_ready(solve: Solve) -> None:
+    """Load the compiled passes of a solve, in a worker process."""
+    if solve.code_path not in _warm:
+        warm_up([solve])
+        _warm.add(solve.code_path)
+
+
+def attempt_in_worker(solve: Solve, store: Store) -> Outcome:
+    """Do one solve of many on one thread, in a worker process that is ready for it."""
+    _previous[:] = [solve.after(_previous[0] if _previous else None)]
+    return attempt(_previous[0], store, threads=1)
 
 
 def attempt(solve: Solve, store: Store, *, threads: int | None = None) -> Outcome:

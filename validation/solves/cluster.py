@@ -1,26 +1,30 @@
-"""Solves on a Dask cluster, local or far away; this module and `plain_answers` alone import distributed."""
+"""Solves on a Dask cluster, local or far away; this module alone imports distributed.
+
+Who names a scheduler trusts it: it may run what it likes in this process, as Dask's documentation says. No
+scene can name one.
+"""
 
 from __future__ import annotations
 
 import contextlib
-import json
 import logging
-import queue
 import socket
+import threading
 import time
 import uuid
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.errors import RunFailed, UsageError
-from validation.solves.attempt import Outcome, Progress, attempt, warm_up
+from validation.solves.attempt import Outcome, Progress, attempt_in_worker, made_ready
 from validation.solves.cost import too_large
-from validation.solves.store import Store
+from validation.solves.pool import Again, Died, scheduled
 
 if TYPE_CHECKING:
     from validation.solves.solve import Solve
+    from validation.solves.store import Store
 
 __all__ = ["solve_on_cluster"]
 
@@ -28,115 +32,84 @@ __all__ = ["solve_on_cluster"]
 _AHEAD = 2
 #: How often the cluster is looked at while nothing is finished, and after how long its silence is told [s].
 _LOOK_EVERY, _TOLD_AFTER = 1.0, 30.0
-#: How long a scheduler that does not answer is waited for [s].
-_LOST_AFTER = 30.0
+#: How long a scheduler may take to answer at first, and how long a lost one is waited for [s].
+_CONNECTS_WITHIN, _LOST_AFTER = 30.0, 30.0
 #: How long the few words of a worker may take to come [s].
 _ANSWER_WITHIN = 5.0
-
-#: Code paths that this process is warm for, where it is a worker.
-_WARM: set[tuple[str, ...]] = set()
 
 #: Memory limit of every worker by address; None where it has none.
 _Limits = Mapping[str, int | None]
 
 
-@dataclass(eq=False, kw_only=True)
 class _Cluster:
-    """What was handed to a scheduler, and what waits."""
+    """The workers of a scheduler, which itself repeats the solve of one that dies."""
 
-    client: Any
-    address: str
-    store: Store
-    progress: Progress
-    patience: float
-    waiting: list[Solve]
-    #: What lost its workers again and again; tried alone at the end.
-    suspects: list[Solve] = field(default_factory=list)
-    tried_alone: set[str] = field(default_factory=set)
-    #: Future and workers it may run on (None: all), by the key of the future.
-    submitted: dict[str, tuple[Solve, Any, list[str] | None]] = field(default_factory=dict)
-    finished: queue.SimpleQueue[Any] = field(default_factory=queue.SimpleQueue)
-    limits: _Limits = field(default_factory=dict)
-    alone: bool = False
+    attempts, lost = 1, "its workers died again and again"
 
-    def outcomes(self) -> Iterator[Outcome]:
+    def __init__(self, client: Any, address: str, store: Store, progress: Progress, patience: float) -> None:
+        self.client, self.address, self.store = client, address, store
+        self.progress, self.patience = progress, patience
+        #: Workers that a solve may run on, by the key of its future; None for all.
+        self.allowed: dict[str, list[str] | None] = {}
         self.limits = self._awaited_workers()
-        for solve in self.waiting:  # all of them are known to fit before the first is begun
-            _fitting(solve, self.limits)
-        while self.waiting or self.suspects or self.submitted:
-            self._hand_out()
-            try:
-                future = self.finished.get(timeout=_LOOK_EVERY)
-            except queue.Empty:
-                yield from self._looked_after()
-                continue
-            known = self.submitted.pop(future.key, None)
-            outcome = None if known is None else self._outcome(future, known[0])
-            if outcome is not None:
-                yield outcome
 
-    def _hand_out(self) -> None:
-        if not self.submitted:
-            self.alone = not self.waiting
-            if self.alone and self.suspects:
-                solve = self.suspects.pop(0)
-                self.tried_alone.add(solve.key)
-                self._submit(solve)
-                return
-        while self.waiting and not self.alone and len(self.submitted) < _AHEAD * len(self.limits):
-            self._submit(self.waiting.pop(0))
+    @property
+    def count(self) -> int:
+        return len(self.limits)
 
-    def _submit(self, solve: Solve) -> None:
-        allowed = _fitting(solve, self.limits)
-        self.progress.begin(solve)
-        future = self.client.submit(
-            _remote, solve, self.store.folder, key=f"{solve.key}-{uuid.uuid4()}", workers=allowed
-        )
-        self.submitted[future.key] = (solve, future, allowed)
-        future.add_done_callback(self.finished.put)
+    def room(self, solve: Solve, under_way: Sequence[Solve]) -> bool:
+        return len(under_way) < _AHEAD * self.count
 
-    def _outcome(self, future: Any, solve: Solve) -> Outcome | None:
-        """Return how a solve ended; None if it is tried again."""
-        if future.status == "finished":
-            said = _answer(future)
-            if said is None:  # the worker died with its answer, but what it solved may be stored
-                if self.store.path(solve).exists():
-                    return Outcome(solve=solve)
-                self.waiting.insert(0, solve)
-                return None
-            outcome = Outcome(solve=solve, error=said["error"], fatal=bool(said["fatal"]))
-            if outcome.error is None and not _visible(self.store.path(solve)):
-                return Outcome(solve=solve, error=_unshared(self.store.path(solve)), fatal=True)
-            return outcome
-        if future.status != "error":  # cancelled or lost, with the scheduler
-            self.waiting.insert(0, solve)
-            self._answering()
-            return None
-        reason, killed = _reason(future)
-        if killed and solve.key not in self.tried_alone:
-            self.suspects.append(solve)
-            self.progress.note(
-                f"{solve.describe()}: {reason}; it is tried once more when the others are done"
-            )
-            return None
-        again = ", and once more when nothing else ran" if killed else ""
-        return Outcome(solve=solve, error=f"{solve.describe()}: {reason}{again}")
+    def submit(self, solve: Solve) -> Any:
+        key = f"{solve.key}-{uuid.uuid4()}"
+        self.allowed[key] = _fitting(solve, self.limits)
+        return self.client.submit(_remote, solve, self.store, key=key, workers=self.allowed[key])
 
-    def _looked_after(self) -> Iterator[Outcome]:
-        """Look whether the scheduler answers and workers live; take back what waits for the dead."""
+    def finished(self, under_way: Mapping[Any, Solve]) -> list[Any]:
+        """Return what has ended; where nothing has, look whether the scheduler answers and workers live."""
+        from distributed import wait
+
+        with contextlib.suppress(Exception):  # time is over, or a future is cancelled
+            wait(list(under_way), timeout=_LOOK_EVERY, return_when="FIRST_COMPLETED")
+        ended = [future for future in under_way if future.status != "pending"]
+        if ended:
+            return ended
         self.limits = self._awaited_workers()
-        for key, (solve, future, allowed) in list(self.submitted.items()):
-            if allowed is None or set(allowed) & set(self.limits):
-                continue
-            del self.submitted[key]
-            with contextlib.suppress(Exception):  # whatever becomes of it, it is not asked for any more
+        return [future for future in under_way if self._stranded(future)]
+
+    def _stranded(self, future: Any) -> bool:
+        """Whether no worker lives that a solve may run on."""
+        allowed = self.allowed[future.key]
+        return allowed is not None and not set(allowed) & set(self.limits)
+
+    def outcome(self, future: Any, solve: Solve) -> Outcome:
+        path = self.store.path(solve)
+        if future.status == "pending":  # whatever becomes of it, it is not asked for any more
+            with contextlib.suppress(Exception):
                 future.cancel()
             try:
                 _fitting(solve, self.limits)
             except UsageError as error:
-                yield Outcome(solve=solve, error=str(error))
-            else:
-                self.waiting.insert(0, solve)
+                return Outcome(solve=solve, error=str(error))
+            raise Again
+        if future.status == "error":
+            raised = future.exception(timeout=_ANSWER_WITHIN)
+            if type(raised).__name__ == "KilledWorker":
+                raise Died("")
+            reason = f"{type(raised).__name__}: {raised}".splitlines()[0]
+            return Outcome(solve=solve, error=f"{solve.describe()}: {reason}")
+        if future.status != "finished":  # cancelled or lost, with the scheduler
+            self._answering()
+            raise Again
+        try:
+            problem, fatal = future.result(timeout=_ANSWER_WITHIN)
+        except Exception:  # the worker died with its answer, but what it solved may be stored
+            if path.exists():
+                return Outcome(solve=solve)
+            raise Again from None
+        if problem is None and not _visible(path):
+            return Outcome(solve=solve, error=_unshared(path), fatal=True)
+        return Outcome(solve=solve, error=problem, fatal=fatal)
 
     def _awaited_workers(self) -> _Limits:
         """Return the workers; wait for one while there is none, and say so."""
@@ -178,17 +151,16 @@ class _Cluster:
 
 
 def solve_on_cluster(
-    solves: tuple[Solve, ...], store: Store, *, address: str, patience: float, progress: Progress
+    solves: Sequence[Solve], store: Store, *, address: str, patience: float, progress: Progress
 ) -> Iterator[Outcome]:
     """Do solves on a Dask cluster; yield each outcome when it is known.
 
     Workers write their results into the store themselves: its folder must be on a file system that they and
-    this machine share. The scheduler repeats the solve of a worker that dies. What comes back through Dask is
-    a short text; see `plain_answers` for what else a scheduler may send.
+    this machine share. The scheduler repeats the solve of a worker that dies.
 
     Parameters
     ----------
-    solves : tuple of Solve
+    solves : sequence of Solve
     store : Store
     address : str
         Of the scheduler, such as "tcp://host:8786" or "tls://host:8786".
@@ -206,22 +178,17 @@ def solve_on_cluster(
         When the scheduler is lost, or there is no worker for longer than `patience`.
     """
     with _connected(address) as client:
-        yield from _Cluster(
-            client=client,
-            address=address,
-            store=replace(store, folder=store.folder.resolve()),
-            progress=progress,
-            patience=patience,
-            waiting=list(solves),
-        ).outcomes()
+        shared = replace(store, folder=store.folder.resolve())
+        cluster = _Cluster(client, address, shared, progress, patience)
+        for solve in solves:  # all of them are known to fit before the first is begun
+            _fitting(solve, cluster.limits)
+        yield from scheduled(solves, cluster, progress=progress)
 
 
 @contextlib.contextmanager
-def _connected(address: str, *, timeout: float = 10) -> Iterator[Any]:
+def _connected(address: str) -> Iterator[Any]:
     try:
         from distributed import Client, Security
-
-        from validation.solves.plain_answers import plain_answers
     except ImportError:
         raise UsageError(
             f"--scheduler = {address!r}: needs Dask; install it with: pip install 'fem-contact[cluster]'"
@@ -230,11 +197,22 @@ def _connected(address: str, *, timeout: float = 10) -> Iterator[Any]:
         raise UsageError(
             f"--scheduler = {address!r}: Dask's configuration asks for encryption; name it as tls://host:port"
         )
-    with plain_answers(), _quiet():
+    found: list[Any] = []
+
+    def connect() -> None:
         try:
-            client = Client(address, timeout=timeout, set_as_default=False)
-        except (OSError, ValueError, TypeError, TimeoutError) as error:
-            raise UsageError(f"--scheduler = {address!r}: {_unanswered(address, error)}") from None
+            found.append(Client(address, timeout=_CONNECTS_WITHIN / 3, set_as_default=False))
+        except Exception as error:  # Dask raises what its parser makes of bytes that are no scheduler's
+            found.append(error)
+
+    with _quiet():
+        # Dask itself waits for ever for one that takes the connection and says nothing.
+        thread = threading.Thread(target=connect, daemon=True)
+        thread.start()
+        thread.join(_CONNECTS_WITHIN)
+        client = found[0] if found else TimeoutError(f"silent for {_CONNECTS_WITHIN:.0f} s")
+        if isinstance(client, Exception):
+            raise UsageError(f"--scheduler = {address!r}: {_unanswered(address, client)}")
         try:
             yield client
         finally:
@@ -300,22 +278,13 @@ def _fitting(solve: Solve, limits: _Limits) -> list[str] | None:
     return None if len(fitting) == len(limits) else fitting
 
 
-def _remote(solve: Solve, folder: Path) -> str:
-    """Do a solve in a worker; return how it ended as JSON."""
-    try:
-        if not folder.is_dir():
-            return _said(f"{socket.gethostname()}: {_unshared(folder)}", fatal=True)
-        if solve.code_path not in _WARM:
-            warm_up([solve])
-            _WARM.add(solve.code_path)
-        outcome = attempt(solve, Store(folder=folder), threads=1)
-    except Exception as error:  # no exception travels: it would have to be unpickled
-        return _said(f"{solve.describe()}: {type(error).__name__}: {error}", fatal=True)
-    return _said(outcome.error, fatal=outcome.fatal)
-
-
-def _said(error: str | None, *, fatal: bool) -> str:
-    return json.dumps({"error": error, "fatal": fatal})
+def _remote(solve: Solve, store: Store) -> tuple[str | None, bool]:
+    """Do a solve in a worker; return how it ended."""
+    if not store.folder.is_dir():
+        return f"{socket.gethostname()}: {_unshared(store.folder)}", True
+    made_ready(solve)
+    outcome = attempt_in_worker(solve, store)
+    return outcome.error, outcome.fatal
 
 
 def _unshared(path: Path) -> str:
@@ -323,27 +292,6 @@ def _unshared(path: Path) -> str:
         f"{path}: is there for the one and not for the other of this machine and a worker; the store must "
         "be on a file system that they share (--store)"
     )
-
-
-def _answer(future: Any) -> dict[str, Any] | None:
-    """Return what a worker said at the end of a solve; None if it cannot be had any more."""
-    try:
-        said: dict[str, Any] = json.loads(str(future.result(timeout=_ANSWER_WITHIN)))
-        return said
-    except Exception:  # of a worker or a scheduler that is lost, Dask raises what its state makes of it
-        with contextlib.suppress(Exception):
-            future.cancel()
-        return None
-
-
-def _reason(future: Any) -> tuple[str, bool]:
-    """Say why there is no result, and whether the workers died."""
-    error = future.exception(timeout=_ANSWER_WITHIN)
-    # Where tblib is loaded, an exception travels as its class and what it holds.
-    kinds = [type(error), *(one for one in error.args if isinstance(one, type))]
-    if any(kind.__name__ == "KilledWorker" for kind in kinds):
-        return "its workers died again and again, killed from outside or for lack of memory", True
-    return f"{type(error).__name__}: {error}".splitlines()[0], False
 
 
 def _visible(path: Path) -> bool:

@@ -1,40 +1,29 @@
-"""Local worker processes of one thread each; one that dies loses only its solve, which is repeated."""
+"""Many solves at a time on workers that may die: which is begun when, and which is tried again."""
 
 from __future__ import annotations
 
-import contextlib
-import os
-import subprocess
-import sys
+import pickle
 import tempfile
+import time
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass, field
-from multiprocessing.connection import Connection, Pipe, wait
-from typing import IO, TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from typing import TYPE_CHECKING, Any, Protocol, Self
 
+import numpy as np
+
+from validation.arrays import Array
+from validation.bounded import Child, OutOfBounds
 from validation.errors import RunFailed
 from validation.files import remove_drafts
-from validation.solves.attempt import Outcome, Progress
-from validation.solves.worker import Answer
+from validation.solves.attempt import Outcome, Progress, attempt_in_worker, made_ready
 
 if TYPE_CHECKING:
     from validation.solves.solve import Solve
     from validation.solves.store import Store
 
-__all__ = ["ONE_THREAD", "solve_in_processes"]
+__all__ = ["Again", "Died", "Workers", "scheduled", "solve_in_processes"]
 
-#: What makes the numerical libraries of a new process use one thread.
-ONE_THREAD = dict.fromkeys(
-    (
-        "OMP_NUM_THREADS",
-        "OPENBLAS_NUM_THREADS",
-        "MKL_NUM_THREADS",
-        "NUMBA_NUM_THREADS",
-        "VECLIB_MAXIMUM_THREADS",
-    ),
-    "1",
-)
 #: A solve whose worker died this often waits until the others are done, and is then tried once alone.
 _ATTEMPTS = 3
 #: Workers that die one after another before they begin a solve: something is wrong with this machine.
@@ -43,124 +32,213 @@ _STARTS = 3
 _IDLE_BYTES = 250 * 2**20
 
 
-@dataclass(eq=False, kw_only=True)
-class _Worker:
-    process: subprocess.Popen[bytes]
-    connection: Connection[Any, Any]
-    #: What it writes to its standard error, for the message if it dies.
-    said: IO[bytes]
-    solve: Solve | None = None
-    begun: bool = False
+class Died(Exception):
+    """The worker of a solve died, with these words; `begun`: at the solve itself."""
+
+    def __init__(self, words: str, *, begun: bool = True) -> None:
+        super().__init__(words)
+        self.begun = begun
 
 
-@dataclass(eq=False, kw_only=True)
-class _Pool:
-    """The workers, what waits, and how often each solve was tried."""
+class Again(Exception):
+    """Nothing came of a solve for a reason that lies outside it."""
 
-    store: Store
-    memory: int
-    progress: Progress
-    waiting: list[Solve]
-    #: What lost its workers again and again; tried alone at the end.
-    suspects: list[Solve] = field(default_factory=list)
-    workers: list[_Worker] = field(default_factory=list)
-    deaths: Counter[str] = field(default_factory=Counter)
-    failed_starts: int = 0
 
-    def busy(self) -> list[_Worker]:
-        return [worker for worker in self.workers if worker.solve is not None]
+class Workers(Protocol):
+    """Where solves are done: processes of this machine, or a cluster."""
 
-    def next_solve(self) -> Solve | None:
-        """Take the first waiting solve that fits beside those under way; one always runs."""
-        if not self.waiting:
-            return self.suspects.pop(0) if self.suspects and not self.busy() else None
-        if any(self.deaths[w.solve.key] >= _ATTEMPTS for w in self.busy() if w.solve is not None):
-            return None  # a suspect stays alone
-        taken = sum(w.solve.predict().peak_bytes for w in self.busy() if w.solve is not None)
-        free = self.memory - len(self.workers) * _IDLE_BYTES - taken
-        for solve in self.waiting:
-            if not self.busy() or solve.predict().peak_bytes <= free:
-                self.waiting.remove(solve)
-                return solve
-        return None
+    #: How often a solve may lose its worker before it is held back, and how that is said.
+    attempts: int
+    lost: str
 
-    def hand_out(self) -> None:
-        for worker in self.workers:
-            if worker.solve is None:
-                solve = self.next_solve()
-                if solve is None:
-                    return
-                worker.solve, worker.begun = solve, False
-                self.progress.begin(solve)
-                with contextlib.suppress(OSError):  # a worker that is dead already is noticed when it is read
-                    worker.connection.send((solve, self.store))
+    @property
+    def count(self) -> int:
+        """How many there are."""
 
-    def collect(self, worker: _Worker) -> Outcome | None:
-        """Return how a solve ended; None if it has only begun, or if its worker died and it waits again."""
-        solve = worker.solve
-        assert solve is not None
+    def room(self, solve: Solve, under_way: Sequence[Solve]) -> bool:
+        """Whether a solve may begin beside those under way."""
+
+    def submit(self, solve: Solve) -> Any:
+        """Begin a solve."""
+
+    def finished(self, under_way: Mapping[Any, Solve]) -> Iterable[Any]:
+        """Wait within bounds, and return what has ended."""
+
+    def outcome(self, future: Any, solve: Solve) -> Outcome:
+        """Return how a solve ended, or raise `Died` or `Again`."""
+
+
+def scheduled(solves: Sequence[Solve], workers: Workers, *, progress: Progress) -> Iterator[Outcome]:
+    """Do solves on workers; yield each outcome when it is known.
+
+    One whose worker died is tried again, at last while nothing else runs: others may have taken its memory.
+    """
+    waiting, failed_starts = list(solves), 0
+    suspects: list[Solve] = []
+    under_way: dict[Any, Solve] = {}
+    deaths: Counter[str] = Counter()
+    while waiting or suspects or under_way:
+        alone = any(deaths[solve.key] >= workers.attempts for solve in under_way.values())
+        while not alone and (solve := _next(waiting, suspects, list(under_way.values()), workers)):
+            progress.begin(solve)
+            under_way[workers.submit(solve)] = solve
+            alone = deaths[solve.key] >= workers.attempts
+        for future in workers.finished(under_way):
+            solve = under_way.pop(future)
+            try:
+                yield workers.outcome(future, solve)
+                failed_starts = 0
+            except Again:
+                waiting.insert(0, solve)
+            except Died as death:
+                deaths[solve.key] += death.begun
+                failed_starts = 0 if death.begun else failed_starts + 1
+                if failed_starts >= _STARTS * max(1, workers.count):
+                    words = f"worker processes die before they begin to solve{death}"
+                    yield Outcome(solve=solve, error=f"{words}; finished solves are intact", fatal=True)
+                elif deaths[solve.key] < workers.attempts:
+                    waiting.insert(0, solve)
+                elif deaths[solve.key] == workers.attempts:
+                    suspects.append(solve)
+                    if death.begun:
+                        again = "it is tried once more when the others are done"
+                        progress.note(f"{solve.describe()}: {workers.lost}{death}; {again}")
+                else:
+                    last = f"and once more when nothing else ran{death}"
+                    why = f"{workers.lost}, {last}: killed from outside or for lack of memory"
+                    yield Outcome(solve=solve, error=f"{solve.describe()}: {why}")
+
+
+def _next(
+    waiting: list[Solve], suspects: list[Solve], under_way: Sequence[Solve], workers: Workers
+) -> Solve | None:
+    """Take the first solve that may begin now; a suspect runs alone."""
+    if not waiting:
+        return suspects.pop(0) if suspects and not under_way else None
+    fitting = (k for k, solve in enumerate(waiting) if workers.room(solve, under_way))
+    k = next(fitting, None)
+    return None if k is None else waiting.pop(k)
+
+
+class _Worker(Child):
+    """A child process whose last line is kept, for the message if it dies."""
+
+    def __init__(self) -> None:
+        self.said = tempfile.TemporaryFile()  # noqa: SIM115 -- as long as the worker
+        super().__init__(stderr=self.said)
         try:
-            answer: str | Answer = worker.connection.recv()
-        except (EOFError, OSError):
-            return self._died(worker, solve)
-        self.failed_starts = 0
-        if isinstance(answer, str):
-            worker.begun = True
-            return None
-        worker.solve = None
-        error, fatal = answer
-        return Outcome(solve=solve, error=error, fatal=fatal)
+            self.start()
+        except OSError:
+            self.said.close()
+            raise
 
-    def _died(self, worker: _Worker, solve: Solve) -> Outcome | None:
-        worker.solve, begun = None, worker.begun
-        words = self._replace(worker)
-        if self.store.path(solve).exists():  # it died after its work was done
-            return Outcome(solve=solve)
-        if not begun:
-            self.failed_starts += 1
-            again = self.suspects if self.deaths[solve.key] >= _ATTEMPTS else self.waiting
-            again.insert(0, solve)
-            if self.failed_starts < _STARTS * max(1, len(self.workers)):
-                return None
+    def close(self) -> None:
+        super().close()
+        self.said.close()
+
+    def last_words(self) -> str:
+        """Return the last line that it wrote, in brackets, and forget it; nothing if it was silent."""
+        self.said.seek(0)
+        lines = self.said.read()[-2000:].decode(errors="replace").split("\n")
+        self.said.seek(0)
+        self.said.truncate()
+        last = next((line.strip() for line in reversed(lines) if line.strip()), "")
+        return f" ({last[:200]})" if last else ""
+
+
+class _Processes:
+    """Processes of one thread each, whose solves fit into memory together."""
+
+    attempts, lost = _ATTEMPTS, f"its worker died {_ATTEMPTS} times"
+
+    def __init__(self, store: Store, workers: Sequence[_Worker], *, memory: int) -> None:
+        self.store, self.workers, self.memory = store, workers, memory
+        self.idle = list(workers)
+        self.threads = ThreadPoolExecutor(len(workers))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        while len(self.idle) < self.count:
+            for worker in self.workers:
+                worker.kill()
+            time.sleep(0.01)
+        self.threads.shutdown()
+
+    @property
+    def count(self) -> int:
+        return len(self.workers)
+
+    def room(self, solve: Solve, under_way: Sequence[Solve]) -> bool:
+        if not under_way:
+            return True  # one always runs
+        taken = sum(other.predict().peak_bytes for other in (*under_way, solve))
+        return len(under_way) < self.count and taken <= self.memory - self.count * _IDLE_BYTES
+
+    def submit(self, solve: Solve) -> Future[Outcome]:
+        return self.threads.submit(self._attempt, self.idle.pop(), solve)
+
+    def finished(self, under_way: Mapping[Future[Outcome], Solve]) -> Iterable[Future[Outcome]]:
+        return wait(under_way, return_when=FIRST_COMPLETED).done
+
+    def outcome(self, future: Future[Outcome], solve: Solve) -> Outcome:
+        return future.result()
+
+    def _attempt(self, worker: _Worker, solve: Solve) -> Outcome:
+        begun = False
+        try:
+            worker.start()
+        except OSError as error:
+            return Outcome(solve=solve, error=_not_started(error), fatal=True)
+        try:
+            payload = np.frombuffer(pickle.dumps((solve, self.store)), dtype=np.uint8)
+            worker.call(_made_ready, payload)
+            begun = True
+            problem, fatal = worker.call(_attempted)
+            return Outcome(solve=solve, error=problem, fatal=fatal)
+        except OutOfBounds:
+            remove_drafts(self.store.folder, of=worker.pid)
+            if self.store.path(solve).exists():  # it died after its work was done
+                return Outcome(solve=solve)
+            raise Died(worker.last_words(), begun=begun) from None
+        except Exception as error:
             return Outcome(
-                solve=solve,
-                error=f"worker processes die before they begin to solve{words}; finished solves are intact",
-                fatal=True,
+                solve=solve, error=f"{solve.describe()}: {type(error).__name__}: {error}", fatal=True
             )
-        self.deaths[solve.key] += 1
-        if self.deaths[solve.key] < _ATTEMPTS:
-            self.waiting.insert(0, solve)
-            return None
-        if self.deaths[solve.key] == _ATTEMPTS:
-            self.suspects.append(solve)
-            self.progress.note(
-                f"{solve.describe()}: its worker died {_ATTEMPTS} times{words}; it is tried once more when "
-                "the others are done"
-            )
-            return None
-        return Outcome(
-            solve=solve,
-            error=f"{solve.describe()}: its worker died {_ATTEMPTS} times, and once more when nothing "
-            f"else ran{words}: killed from outside or for lack of memory",
-        )
+        finally:
+            self.idle.append(worker)
 
-    def _replace(self, worker: _Worker) -> str:
-        """Start another worker in place of a dead one; return its last words."""
-        words = _last_words(worker)
-        _end(worker)
-        remove_drafts(self.store.folder, of=worker.process.pid)
-        self.workers[self.workers.index(worker)] = _start()
-        return words
+
+#: In a worker: what it was handed.
+_given: list[Any] = []
+
+
+def _made_ready(payload: Array) -> None:
+    _given[:] = pickle.loads(payload.data)
+    made_ready(_given[0])
+
+
+def _attempted() -> tuple[str | None, bool]:
+    outcome = attempt_in_worker(*_given)
+    return outcome.error, outcome.fatal
+
+
+def _not_started(error: OSError) -> str:
+    return (
+        f"no worker process can be started ({error.strerror}); name fewer --workers, or raise the limits of "
+        "this shell (ulimit -n, -u, -v)"
+    )
 
 
 def solve_in_processes(
-    solves: tuple[Solve, ...], store: Store, *, workers: int, memory: int, progress: Progress
+    solves: Sequence[Solve], store: Store, *, workers: int, memory: int, progress: Progress
 ) -> Iterator[Outcome]:
     """Do solves on local processes, the longest first; yield each outcome when it is known.
 
     Parameters
     ----------
-    solves : tuple of Solve
+    solves : sequence of Solve
     store : Store
         Where the workers put their results.
     workers : int
@@ -176,69 +254,20 @@ def solve_in_processes(
     RunFailed
         When the system starts no worker.
     """
-    longest_first = sorted(solves, key=lambda solve: solve.predict().seconds, reverse=True)
-    pool = _Pool(store=store, memory=memory, progress=progress, waiting=longest_first)
+    started: list[_Worker] = []
     try:
         for _ in range(min(workers, len(solves))):
             try:
-                pool.workers.append(_start())
-            except RunFailed as error:
-                if not pool.workers:
-                    raise
-                progress.note(f"{error}; {len(pool.workers)} workers go on")
+                started.append(_Worker())
+            except OSError as error:
+                if not started:
+                    raise RunFailed(_not_started(error)) from None
+                progress.note(f"{_not_started(error)}; {len(started)} workers go on")
                 break
-        while pool.waiting or pool.suspects or pool.busy():
-            pool.hand_out()
-            ready = wait([worker.connection for worker in pool.busy()])
-            for worker in [worker for worker in pool.busy() if worker.connection in ready]:
-                outcome = pool.collect(worker)
-                if outcome is not None:
-                    yield outcome
+        longest_first = sorted(solves, key=lambda solve: solve.predict().seconds, reverse=True)
+        with _Processes(store, started, memory=memory) as processes:
+            yield from scheduled(longest_first, processes, progress=progress)
     finally:
-        for worker in pool.workers:
-            _end(worker)
-            remove_drafts(store.folder, of=worker.process.pid)
-
-
-def _start() -> _Worker:
-    """Start a fresh interpreter: threads do not survive a fork, and a spawn would run the user's script."""
-    path = os.pathsep.join(entry for entry in sys.path if entry)
-    try:
-        ours, theirs = Pipe()
-        said = tempfile.TemporaryFile()  # noqa: SIM115 -- as long as the worker
-        process = subprocess.Popen(
-            [sys.executable, "-P", "-m", "validation.solves.worker", str(theirs.fileno()), str(os.getpid())],
-            pass_fds=(theirs.fileno(),),
-            env={**os.environ, **ONE_THREAD, "PYTHONPATH": path},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=said,
-        )
-    except OSError as error:
-        raise RunFailed(
-            f"no worker process can be started ({error.strerror}); name fewer --workers, or raise the "
-            "limits of this shell (ulimit -n, -u, -v)"
-        ) from None
-    theirs.close()
-    return _Worker(process=process, connection=ours, said=said)
-
-
-def _last_words(worker: _Worker) -> str:
-    """Return the last line that a dead worker wrote, in brackets; nothing if it was silent."""
-    try:
-        worker.said.seek(0)
-        lines = worker.said.read()[-2000:].decode(errors="replace").split("\n")
-    except (OSError, ValueError):
-        return ""
-    last = next((line.strip() for line in reversed(lines) if line.strip()), "")
-    return f" ({last[:200]})" if last else ""
-
-
-def _end(worker: _Worker) -> None:
-    worker.connection.close()
-    if worker.solve is None:
-        with contextlib.suppress(subprocess.TimeoutExpired):  # an idle one ends by itself
-            worker.process.wait(timeout=2)
-    worker.process.kill()
-    worker.process.wait()
-    worker.said.close()
+        for worker in started:
+            worker.close()
+            remove_drafts(store.folder, of=worker.pid)
