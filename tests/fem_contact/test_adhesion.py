@@ -12,7 +12,7 @@ from fem_contact.errors import InvalidInput, NotConverged
 from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.settings import Settings
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField, random_surface
+from fem_contact.surface import HeightField
 
 ELASTIC = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
@@ -185,19 +185,6 @@ def test_energy_lost_in_a_cycle_is_the_area_of_its_loop():
     assert path.points[-1].energy == pytest.approx(path.points[0].energy, abs=1e-3 * abs(loop))
 
 
-def test_contact_is_larger_on_the_way_out_than_on_the_way_in_and_than_without_adhesion():
-    surface, law, scale = wavy(128, 0.3)
-    up = np.arange(0.1, 0.55, 0.1) * scale
-    path = adhesion_path.follow(
-        surface, ELASTIC, law=law, mean_pressures=np.concatenate([up, up[::-1]]), threads=1
-    )
-    inward, outward = path.points[0], path.points[-1]
-    assert inward.mean_pressure == outward.mean_pressure
-    assert outward.contact == 1.0
-    elastic = bem.solve(surface, ELASTIC, mean_pressure=up[0], threads=1).checked()
-    assert 1.2 * np.mean(elastic.in_contact) < inward.contact < 0.6
-
-
 def test_vanishing_adhesion_recovers_the_elastic_contact():
     surface = rough()
     elastic = bem.solve(surface, ELASTIC, mean_pressure=0.01, threads=1).checked()
@@ -296,47 +283,6 @@ def test_an_offset_below_full_contact_is_refused():
 def test_an_empty_path_is_refused():
     with pytest.raises(InvalidInput, match="empty"):
         adhesion_path.follow(rough(32, waves=4), ELASTIC, law=law_for(32), offsets=[])
-
-
-def challenge(points, length=0.5e-6):
-    """The contact-mechanics challenge (Mueser et al. 2017), one two-hundredth of its period."""
-    low = 2 * np.pi / 0.2e-6
-    surface = random_surface(
-        lambda q: np.where(q < low, 1.0, (q / low) ** -3.6),
-        q_short=2 * np.pi / 0.1e-6,
-        lengths=(length, length),
-        shape=(points, points),
-        seed=5,
-    )
-    surface = HeightField(heights=surface.heights / surface.rms_gradient, lengths=(length, length))
-    return surface, HalfSpace(solid=Solid(young=25e6, poisson=0.0)), Exponential(work=0.05, reach=2.071e-9)
-
-
-@pytest.mark.slow
-def test_the_challenge_at_reduced_size_is_a_minimum_on_two_grids_and_from_two_starts():
-    areas, energies = [], []
-    for points in (512, 1024):
-        surface, solid, law = challenge(points)
-        elastic = bem.solve(surface, solid, mean_pressure=0.25e6).checked()
-        state = adhesion.solve(surface, solid, law=law, mean_pressure=0.25e6).checked()
-        other = adhesion.solve(
-            surface, solid, law=law, mean_pressure=0.25e6, start=np.maximum(elastic.gap, 0)
-        ).checked()
-        # With the work of the load the energy is stationary, and so alike to twice the digits of the fields.
-        whole = [one.energy + 0.25e6 * one.contact.gap.mean() for one in (state, other)]
-        assert whole[1] == pytest.approx(whole[0], rel=1e-10)
-        assert adhesion.stability(state, solid).is_minimum
-        assert state.contact.in_contact.mean() > 2 * elastic.in_contact.mean()
-        areas.append(state.contact.in_contact.mean())
-        energies.append(whole[0])
-    assert areas[1] == pytest.approx(areas[0], rel=0.02)
-    assert energies[1] == pytest.approx(energies[0], rel=1e-4)
-
-
-def test_the_grid_of_the_challenge_itself_must_be_near_a_nanometre():
-    surface, solid, law = challenge(64)
-    with pytest.raises(InvalidInput, match=r"spans 0\.274 cells of the grid.*use 467 x 467 points"):
-        adhesion.solve(surface, solid, law=law, mean_pressure=0.25e6)
 
 
 def weak(share, *, points=64, kind=Exponential):

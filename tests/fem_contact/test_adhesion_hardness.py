@@ -73,12 +73,6 @@ def test_without_much_adhesion_the_answer_is_that_of_hardness_alone():
     assert distances[2] < 0.02
 
 
-def test_adhesion_adds_yielded_contact_and_yielding_adds_contact():
-    both, soft, tacky = sticky(1e-4, 0.03), sticky(1e-6, 0.03), sticky(1e-4, None)
-    assert both.contact.at_bound.mean() > soft.contact.at_bound.mean()
-    assert both.contact.in_contact.mean() > tacky.contact.in_contact.mean()
-
-
 def test_the_state_is_lower_in_energy_than_its_perturbed_neighbours():
     state = sticky(1e-4, 0.03)
     contact, rng = state.contact, np.random.default_rng(23)

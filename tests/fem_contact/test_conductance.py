@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fem_contact import HalfSpace, HeightField, Solid, bem
-from fem_contact.conductance import contact_conductance, frozen_contact
+from fem_contact.conductance import frozen_contact
 from fem_contact.errors import InvalidInput, NotConverged
 from fem_contact.response import BondedLayer
 from fem_contact.surface import random_surface
@@ -93,21 +93,6 @@ def test_yielded_points_carry_nothing_more():
     found = frozen_contact(hard, HALF_SPACE)
     assert not found.pressure[hard.at_bound].any()
     assert found.pressure.mean() == pytest.approx(found.stiffness)
-
-
-def test_conductance_does_not_depend_on_the_elastic_solid():
-    values = []
-    for young in (1.0, 3e9):
-        solid = HalfSpace(solid=Solid(young=young, poisson=0.2))
-        surface = rough(48)
-        load = 0.1 * solid.contact_modulus * surface.rms_gradient
-        found = frozen_contact(bem.solve(surface, solid, mean_pressure=load), solid)
-        values.append(
-            contact_conductance(
-                found.stiffness, contact_modulus=solid.contact_modulus, resistivities=(1.7e-8, 9e-8)
-            )
-        )
-    assert values[0] == pytest.approx(values[1], rel=1e-7)
 
 
 def test_full_contact_of_a_half_space_is_refused():

@@ -3,13 +3,11 @@ import itertools
 import numpy as np
 import pytest
 
-from fem_contact import bem
 from fem_contact.block import ELEMENTS, BlockMesh, BlockResponse
 from fem_contact.errors import InvalidInput
 from fem_contact.graded import ExponentialSolid, LayeredSolid
 from fem_contact.response import BondedLayer, HalfSpace, Response
 from fem_contact.solid import Solid
-from fem_contact.surface import HeightField
 
 Q = np.geomspace(1e-2, 1e3, 41)
 ZERO = np.zeros_like(Q)
@@ -93,24 +91,6 @@ def test_an_exponential_profile_has_the_right_ends_and_lies_between_them():
     assert np.all(np.diff(felt) < 0)
     assert felt[0] == pytest.approx(5.0, rel=0.01)
     assert felt[-1] == pytest.approx(1.0, rel=0.01)
-
-
-def test_a_uniform_profile_is_a_half_space():
-    solid = Solid(young=1.0, poisson=0.3)
-    np.testing.assert_allclose(
-        exponential(16, 1.0).compliance(Q, ZERO), HalfSpace(solid=solid).compliance(Q, ZERO), rtol=1e-12
-    )
-
-
-def test_a_soft_coating_enlarges_the_contact_of_the_boundary_elements():
-    x = np.arange(32) / 32
-    wave = 0.02 * (np.cos(2 * np.pi * x)[:, None] + np.cos(2 * np.pi * x)[None, :])
-    surface = HeightField(heights=wave, lengths=(1.0, 1.0))
-    base = Solid(young=1.0, poisson=0.3)
-    soft = LayeredSolid(layers=[Solid(young=0.2, poisson=0.3)], thicknesses=[0.1], base=base)
-    plain = bem.solve(surface, HalfSpace(solid=base), mean_pressure=0.005, threads=1).checked()
-    coated = bem.solve(surface, soft, mean_pressure=0.005, threads=1).checked()
-    assert coated.in_contact.mean() > 1.2 * plain.in_contact.mean()
 
 
 def test_other_units_of_length_and_pressure_change_no_bit():

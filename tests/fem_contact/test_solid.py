@@ -8,7 +8,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fem_contact.errors import FemContactError, InvalidInput
-from fem_contact.response import HalfSpace, Response
 from fem_contact.solid import Solid, composite_modulus
 
 moduli = st.floats(1e-3, 1e13)
@@ -58,29 +57,3 @@ def test_a_poisson_ratio_outside_its_range_is_refused(poisson):
 def test_a_solid_cannot_be_changed():
     with pytest.raises(dataclasses.FrozenInstanceError):
         Solid(young=1e9, poisson=0.3).young = 2e9  # type: ignore[misc]
-
-
-@given(st.floats(1e-6, 1e12), st.floats(0, 2 * np.pi))
-def test_the_half_space_is_as_compliant_in_every_direction(q, angle):
-    half_space = HalfSpace(solid=Solid(young=2e9, poisson=0.3))
-    compliance = half_space.compliance(np.array([q * np.cos(angle)]), np.array([q * np.sin(angle)]))
-    assert compliance[0] * half_space.contact_modulus * q == pytest.approx(2, rel=1e-12)
-
-
-def test_the_mean_displacement_of_a_half_space_is_left_out():
-    half_space = HalfSpace(solid=Solid(young=2e9, poisson=0.3))
-    qx, qy = np.arange(-2.0, 3.0)[:, None], np.arange(4.0)[None, :]
-    compliance = half_space.compliance(qx, qy)
-    assert compliance.shape == (5, 4)
-    assert compliance[2, 0] == 0
-    assert np.all(np.isfinite(compliance))
-    assert np.count_nonzero(compliance) == 19
-    assert isinstance(half_space, Response)
-
-
-def test_scaling_lengths_and_pressures_by_powers_of_two_changes_no_bit():
-    plain = HalfSpace(solid=Solid(young=2e9, poisson=0.31))
-    scaled = HalfSpace(solid=Solid(young=2e9 * 2.0**-30, poisson=0.31))
-    qx, qy = np.linspace(0, 3e6, 7)[:, None], np.linspace(0, 2e6, 5)[None, :]
-    expected = plain.compliance(qx, qy) * 2.0**50
-    np.testing.assert_array_equal(scaled.compliance(qx * 2.0**-20, qy * 2.0**-20), expected)

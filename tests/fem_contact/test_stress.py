@@ -62,16 +62,6 @@ def test_hertzian_distribution_is_linear_in_pressure() -> None:
     np.testing.assert_allclose(distribution.density[1:], np.pi**3 / 2 * distribution.centres[1:], rtol=0.06)
 
 
-def test_density_at_zero_falls_with_the_grid() -> None:
-    values = [density_at_zero(rough_contact(n)) for n in (32, 64, 128, 256)]
-    densities = [value.reduced for value in values]
-    order = -np.polyfit(np.log([32, 64, 128, 256]), np.log(densities), 1)[0]
-    assert order > 0.25
-    assert all(value.points > 5 for value in values)
-    thresholds = [value.threshold for value in values]
-    np.testing.assert_allclose(np.array(thresholds[:-1]) / thresholds[1:], np.sqrt(2), rtol=1e-6)
-
-
 def test_density_at_zero_is_free_of_units() -> None:
     result = rough_contact(32)
     doubled = solve(
@@ -176,16 +166,6 @@ def test_energy_of_full_contact_is_the_sum_over_waves() -> None:
     q = 2 * np.pi * np.hypot(numbers[:, None], numbers[None, :])
     power = np.abs(np.fft.fft2(surface.heights, norm="forward")) ** 2
     assert elastic_energy(result) == pytest.approx(0.25 * np.sum(q * power), rel=1e-12)
-
-
-def test_stiffness_is_the_slope_of_load_against_approach() -> None:
-    loads = np.geomspace(0.05, 0.06, 5)
-    path = solve_path(rough(64), SOFT, mean_pressures=loads, tolerance=1e-10)
-    stiffness = contact_stiffness(path)
-    difference = (loads[3] - loads[1]) / (path[1].offset - path[3].offset)
-    assert stiffness[2] == pytest.approx(difference, rel=1e-3)
-    with pytest.raises(InvalidInput, match="three"):
-        contact_stiffness(path[:2])
 
 
 def test_stiffness_of_a_periodic_hertzian_contact_is_two_modulus_radius() -> None:

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.integrate import quad
 
 from fem_contact.errors import InvalidInput
 from fem_contact.surface import HeightField, radial_spectrum, random_surface, resolves
@@ -155,17 +154,6 @@ def test_nested_grids_agree_at_their_common_points(coarse, fine, lengths, amplit
     assert_same_heights(small.heights, large.heights[:: step[0], :: step[1]])
 
 
-@pytest.mark.parametrize("pair", [((16, 24), (24, 36)), ((20, 18), (30, 27)), ((17, 18), (34, 27))])
-def test_grids_without_a_common_refinement_factor_agree_where_they_meet(pair):
-    first, second = (surface_on(shape) for shape in pair)
-    common = tuple(int(np.gcd(a, b)) for a, b in zip(*pair, strict=True))
-    at = [
-        surface.heights[:: surface.shape[0] // common[0], :: surface.shape[1] // common[1]]
-        for surface in (first, second)
-    ]
-    assert_same_heights(at[0], at[1])
-
-
 @pytest.mark.parametrize("amplitudes", ["exact", "gaussian"])
 def test_cutting_the_spectrum_keeps_the_remaining_waves(amplitudes):
     cut = 2 * np.pi * 4.2
@@ -233,11 +221,6 @@ def test_resampling_there_and_back_loses_nothing_even_at_the_nyquist_limit():
         assert back.lengths == surface.lengths
 
 
-def test_resampling_keeps_the_moments_of_a_resolved_surface():
-    surface = surface_on((16, 18))
-    np.testing.assert_allclose(surface.resampled((41, 32)).moments, surface.moments, rtol=1e-12)
-
-
 @pytest.mark.parametrize("shape", [(16, 16), (17, 20), (24, 19)])
 def test_shifts_by_whole_cells_are_rolls(shape):
     surface = surface_on(shape)
@@ -252,11 +235,6 @@ def test_shifts_by_fractions_sample_the_sum_of_waves_elsewhere(shape, fraction):
     surface = surface_on(shape)
     x, y = ((np.arange(points) + part) / points for points, part in zip(shape, fraction, strict=True))
     assert_same_heights(surface.shifted(fraction).heights, sum_of_waves(surface, x, y), tolerance=1e-11)
-
-
-def test_half_shifts_are_the_points_between_of_the_refined_grid():
-    fine = surface_on((32, 34)).heights
-    assert_same_heights(surface_on((16, 17)).shifted((0.5, 0.5)).heights, fine[1::2, 1::2])
 
 
 # --- moments ------------------------------------------------------------------------------------------------
@@ -284,24 +262,6 @@ def test_moments_are_the_mean_squares_of_the_derivatives():
     laplacian = -0.2 * (k**2 + p**2) * np.cos(k * x + 0.3) * np.sin(p * y) - 0.1 * k**2 * np.sin(k * x)
     expected = [np.var(surface.heights), np.mean(slope_x**2 + slope_y**2), np.mean(laplacian**2)]
     np.testing.assert_allclose(surface.moments, expected, rtol=1e-12)
-
-
-def test_the_moments_of_a_large_period_approach_the_integrals_of_the_spectrum():
-    def sum_over_period(length):
-        q = lattice((length, length), Q_SHORT)
-        return (2 * np.pi / length) ** 2 * np.array([np.sum(self_affine(q) * q**order) for order in (2, 4)])
-
-    integrals = [
-        2
-        * np.pi
-        * quad(lambda q, n=order: q ** (n + 1) * self_affine(q), 0, Q_SHORT, points=[2 * np.pi * 1.5])[0]
-        for order in (2, 4)
-    ]
-    surface = surface_on((97, 97), lengths=(6.0, 6.0))
-    np.testing.assert_allclose(surface.moments[1:], sum_over_period(6.0), rtol=1e-12)
-    # A lattice sum misses the disk by the waves of its rim: a fraction of about N^(-2/3) at most, N waves
-    # across 45 cells.
-    np.testing.assert_allclose(surface.moments[1:], integrals, rtol=45 ** (-4 / 3))
 
 
 # --- grids that do not resolve the spectrum -----------------------------------------------------------------
@@ -341,18 +301,6 @@ def height_fields(draw):
     return HeightField(heights=rng.standard_normal(draw(shapes)), lengths=lengths)
 
 
-@given(height_fields(), st.floats(-3, 3), st.floats(-3, 3))
-def test_shifting_a_resolved_surface_back_restores_it(surface, a, b):
-    odd = surface.resampled(tuple(2 * n + 1 for n in surface.shape))
-    assert_same_heights(odd.shifted((a, b)).shifted((-a, -b)).heights, odd.heights)
-
-
-@given(height_fields(), st.integers(1, 3), st.integers(1, 3))
-def test_refinement_passes_through_the_original_points(surface, fx, fy):
-    nx, ny = surface.shape
-    assert_same_heights(surface.resampled((fx * nx, fy * ny)).heights[::fx, ::fy], surface.heights)
-
-
 @given(height_fields(), st.floats(-2, 2), st.floats(-5, 5))
 def test_moments_are_quadratic_and_blind_to_the_mean_plane(surface, factor, offset):
     other = HeightField(heights=factor * surface.heights + offset, lengths=surface.lengths)
@@ -362,12 +310,6 @@ def test_moments_are_quadratic_and_blind_to_the_mean_plane(surface, factor, offs
     rounding = 1e3 * EPS * (np.abs(surface.heights).max() + abs(offset)) ** 2
     for order, (a, b) in enumerate(zip(other.moments, surface.moments, strict=True)):
         assert abs(a - factor**2 * b) <= rounding * (1 + factor**2) * q ** (2 * order)
-
-
-@given(height_fields())
-def test_transposing_the_surface_changes_no_moment(surface):
-    turned = HeightField(heights=surface.heights.T, lengths=surface.lengths[::-1])
-    np.testing.assert_allclose(turned.moments, surface.moments, rtol=1e-11, atol=1e-28)
 
 
 @given(st.integers(2, 2**40), shapes, st.sampled_from(["exact", "gaussian"]))

@@ -103,18 +103,6 @@ def test_great_work_of_adhesion_closes_the_contact_and_pays_the_energy_of_full_c
     assert result.macroscopic_work == pytest.approx(float(area_factor(RIM.m2())) * 50 - energy, rel=1e-5)
 
 
-def test_adhesion_only_adds_area_and_sets_in_at_a_finite_magnification():
-    result = rim()
-    plain = contact_area(PRESSURE, stress_variance=result.variance)
-    assert np.all(result.area >= plain * (1 - 1e-6))
-    assert np.all(np.diff(result.area) <= 1e-7)
-    onset = result.wavevectors[np.argmax(result.work > 0)] / 1e5
-    assert 1 < onset < 30
-    assert result.work[-1] == pytest.approx(WORK, rel=1e-6)
-    assert result.area_at(1e10) == pytest.approx(result.real_area, rel=1e-12)
-    assert result.work_at(1e10) == pytest.approx(WORK, rel=1e-6)
-
-
 def test_change_of_units_keeps_every_bit():
     """Lengths times 2^20, pressures times 2^-30, energies per area times their product."""
     length, stress = 2.0**20, 2.0**-30

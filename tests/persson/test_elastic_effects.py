@@ -7,7 +7,6 @@ import pytest
 from scipy.integrate import quad, solve_ivp, trapezoid
 from scipy.special import erf
 
-from persson.adhesion import Interface, solve_adhesion
 from persson.elastic import KAPPA_PERSSON, contact_area
 from persson.errors import InvalidInput, OutsideTheory
 from persson.graded import ExponentialLayers, GradedModulus, SurfaceLayer
@@ -120,17 +119,6 @@ def test_graded_variance_is_the_integral_with_the_local_modulus():
             limit=300,
         )
         assert scale.variance(q) == pytest.approx(exact, rel=1e-6)
-
-
-def test_soft_skin_adheres_better_than_the_stiff_bulk_alone():
-    rim = SelfAffine.from_rms_height(0.5e-6, hurst=0.8, q_long=1e5, q_short=1e10)
-    soft = SurfaceLayer(layer=2e6, bulk=10e6, thickness=2e-6, poisson=0.5)
-    interface = Interface(work_of_adhesion=0.05)
-    graded = solve_adhesion(Scale(rim, contact_modulus=soft), pressure=0.5e6, interface=interface).checked()
-    plain = solve_adhesion(
-        Scale(rim, contact_modulus=10e6 / 0.75), pressure=0.5e6, interface=interface
-    ).checked()
-    assert graded.real_area > plain.real_area
 
 
 @pytest.mark.parametrize(

@@ -73,19 +73,6 @@ def test_size_dependent_hardness_reduces_to_the_constant_one():
     assert moving.area_plastic == pytest.approx(still.plastic, abs=1e-6 * moving.area.max())
 
 
-def test_harder_small_scales_yield_less_and_carry_the_load():
-    steel = SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e9)
-    scale = Scale(steel, contact_modulus=1e11)
-    q = np.geomspace(2e5, 1e9, 12)
-    result = size_dependent_hardness(
-        scale, pressure=1e7, yield_stress=lambda k: 2e9 * (1 + k / 1e6) ** 0.3, wavevectors=q
-    ).checked()
-    soft = constant_hardness(1e7, stress_variance=scale.variance(q), yield_stress=2e9)
-    assert result.area_plastic[-1] < soft.plastic[-1]
-    carried = result.load_elastic + result.yield_stress * result.area_plastic
-    assert carried == pytest.approx(np.full(12, 1e7), rel=1e-5)
-
-
 def test_falling_hardness_and_too_much_load_are_refused_with_the_reason():
     scale = Scale(SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e8), contact_modulus=1e11)
     with pytest.raises(OutsideTheory, match="negative"):
@@ -104,20 +91,6 @@ def test_copper_is_three_times_harder_at_a_depth_of_a_fifth_of_a_micrometre():
     assert np.diff(hardness**2) / np.diff(1 / h) == pytest.approx([581e6**2 * 1.6e-6] * 2, rel=1e-12)
     with pytest.raises(InvalidInput, match="depth"):
         nix_gao_hardness(0.0, bulk=1.0, length=1.0)
-
-
-def test_copper_with_its_size_effect_yields_less_than_bulk_copper():
-    rough = SelfAffine.from_rms_height(1e-7, hurst=0.8, q_long=1e5, q_short=1e8)
-    scale = Scale(rough, contact_modulus=1.3e11)
-    slope = rough.moments().rms_gradient
-    result = size_dependent_hardness(
-        scale,
-        pressure=5e6,
-        yield_stress=lambda q: nix_gao_hardness(slope / q, bulk=581e6, length=1.6e-6),
-        wavevectors=[1e6, 1e8],
-    ).checked()
-    bulk = constant_hardness(5e6, stress_variance=scale.variance([1e6, 1e8]), yield_stress=581e6)
-    assert np.all(result.area_plastic < bulk.plastic)
 
 
 @pytest.mark.parametrize("graded", [False, True])

@@ -26,13 +26,6 @@ def test_resistance_and_conductance_are_treated_alike():
     assert effective_medium(1 / k, w) == pytest.approx(1 / effective_medium(k, w), rel=1e-10)
 
 
-def test_units_scale_out():
-    k, w = [1e-20, 5e-19, 0.0], [2.0, 5.0, 1.0]
-    assert effective_medium(np.array(k) * 2.0**40, w) == pytest.approx(
-        2.0**40 * effective_medium(k, w), rel=1e-12
-    )
-
-
 def test_sequences_of_unlike_length_are_refused():
     with pytest.raises(InvalidInput, match="one length"):
         effective_medium([1.0, 2.0], [1.0])

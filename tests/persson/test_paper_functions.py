@@ -44,16 +44,6 @@ def test_two_levels_of_archard_are_the_integral_over_the_pressure_of_hertz():
     assert found.area == pytest.approx(area, rel=1e-8)
 
 
-def test_area_becomes_proportional_to_the_load_as_levels_are_added():
-    """2/3, 8/9, 26/27: what is missing to 1 falls by three with each level, in the area itself, too."""
-    radii, densities = [1e-2, 1e-4, 1e-6, 1e-8], [1e9, 1e13, 1e17]
-    for levels in range(1, 5):
-        told = {"radii": radii[:levels], "densities": densities[: levels - 1], "contact_modulus": 1e9}
-        one, two = (archard_hierarchy(force, **told) for force in (1e-3, 2e-3))
-        assert 1 - one.exponent == pytest.approx(3.0**-levels, rel=1e-12)
-        assert math.log2(two.area / one.area) == pytest.approx(one.exponent, rel=1e-12)
-
-
 def test_heights_are_gaussian_and_their_highest_point_is_that_of_appendix_a():
     z = np.linspace(-9, 9, 2001)
     density = height_distribution(z * 2e-9, rms_height=2e-9)
@@ -64,22 +54,6 @@ def test_heights_are_gaussian_and_their_highest_point_is_that_of_appendix_a():
 
 
 BUMPS = ring_asperities(600.0, rms_height=1 / 600.0)
-
-
-def test_hard_asperities_are_those_of_greenwood_and_williamson():
-    d = BUMPS.rms_height * np.array([-1.0, 0.0, 2.0, 4.0])
-    plain = BUMPS.contact(d, contact_modulus=1e9)
-    found = yielding_asperities(d, asperities=BUMPS, contact_modulus=1e9, hardness=1e13)
-    assert found.area == pytest.approx(plain.area, rel=1e-10)
-    assert found.pressure == pytest.approx(plain.pressure, rel=1e-10)
-    assert np.all(found.area_plastic < 1e-12)
-
-
-def test_soft_asperities_carry_their_hardness():
-    d = BUMPS.rms_height * np.array([0.0, 2.0, 4.0])
-    found = yielding_asperities(d, asperities=BUMPS, contact_modulus=1e9, hardness=1e4)
-    assert found.pressure / 1e4 == pytest.approx(found.area, rel=1e-3)
-    assert found.area_plastic == pytest.approx(found.area, rel=1e-3)
 
 
 def test_yielding_asperities_are_the_sum_over_heights():
@@ -138,13 +112,6 @@ def test_a_thin_plate_bends_and_a_thick_one_is_a_solid():
     assert plate(np.array([2e4, 1e9])) == pytest.approx(2e9 / 0.91, rel=1e-8)
     either_side = plate(300.0 * np.array([1 - 1e-9, 1 + 1e-9]))
     assert either_side[1] == pytest.approx(either_side[0], rel=1e-8)
-
-
-def test_a_plate_lies_closer_on_the_roughness_than_the_solid():
-    rough = SelfAffine.from_rms_height(1e-6, hurst=0.8, q_long=1e3, q_short=1e6)
-    plate = ElasticPlate(young=1e9, poisson=0.3, thickness=1e-5)
-    thick = Scale(rough, contact_modulus=1e9 / 0.91)
-    assert Scale(rough, contact_modulus=plate).variance(2e4) < 1e-4 * thick.variance(2e4)
 
 
 def test_adhesion_load_is_the_solution_of_the_diffusion_equation():

@@ -46,7 +46,6 @@ CASES = {
     "hurst": 0.7,
 }
 FEW = {**CASES, "reduced_pressures": (0.05, 0.2), "surfaces": 2}
-ONE = {**FEW, "grids": (12,), "reduced_pressures": (0.1,)}
 
 
 def run_area(*, bench, **options):

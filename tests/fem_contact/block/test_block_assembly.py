@@ -80,13 +80,6 @@ def test_uniform_load_compresses_the_layer_by_its_closed_form(poisson: float) ->
     np.testing.assert_allclose(deflection, exact, rtol=1e-12)
 
 
-def test_wave_of_twelve_nodes_meets_the_bonded_layer_along_the_axis() -> None:
-    mesh = plan_mesh((48, 2), (48.0, 2.0))
-    wave = np.cos(2 * np.pi * np.arange(48) / 12)[:, None] * np.ones(2)
-    compliance = surface_deflection(mesh, wave, poisson=0.3)[0, 0]
-    assert compliance == pytest.approx(bonded_layer(2 * np.pi / 12, depth=48.0, poisson=0.3), rel=3e-3)
-
-
 def test_compliance_of_waves_converges_with_second_order() -> None:
     errors = []
     for n in (8, 16, 32):

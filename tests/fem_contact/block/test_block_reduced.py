@@ -118,22 +118,6 @@ def test_incompressible_limit_is_reached_continuously() -> None:
     assert errors[1] < 2e-2 * errors[0]
 
 
-@pytest.mark.parametrize("element", ["Hex1", "Hex2"])
-def test_full_contact_pressure_of_a_wave_follows_from_its_compliance(element: str) -> None:
-    n, wavelength = 32, 1e-5
-    x = np.arange(n) / n
-    amplitude = 1e-8
-    surface = HeightField(
-        heights=amplitude * np.cos(2 * np.pi * x)[:, None] * np.ones(n), lengths=(wavelength,) * 2
-    )
-    peak = SOLID.contact_modulus * np.pi * amplitude / wavelength
-    contact = solve(surface, SOLID, mean_pressure=1.5 * peak, element=element).contact.checked()
-    assert contact.in_contact.all()
-    weights = np.ones((n, n)) if contact.weights is None else contact.weights
-    wave = 2 * np.mean(weights * contact.pressure * np.cos(2 * np.pi * x)[:, None])
-    assert wave == pytest.approx(peak, rel=3e-3)
-
-
 def test_one_loaded_node_is_found() -> None:
     heights = np.zeros((16, 15))
     heights[5, 7] = 1e-7
@@ -182,15 +166,6 @@ def test_faint_and_steep_roughness_on_prime_grids_is_solved(slope: float, shape:
     )
 
 
-def test_unloading_returns_along_the_loading_path() -> None:
-    surface = rough((20, 20))
-    up = press(surface, reduced=0.05).contact
-    top = press(surface, reduced=0.3, start=up.in_contact).contact
-    down = press(surface, reduced=0.05, start=top.in_contact).contact
-    np.testing.assert_array_equal(up.in_contact, down.in_contact)
-    np.testing.assert_allclose(up.pressure, down.pressure, atol=1e-9 * up.pressure.max())
-
-
 @pytest.mark.parametrize("bad", [np.nan, 0.0, -1.0, np.inf])
 def test_impossible_modulus_is_refused(bad: float) -> None:
     with pytest.raises(InvalidInput, match="modulus: 1 of"):
@@ -198,11 +173,6 @@ def test_impossible_modulus_is_refused(bad: float) -> None:
             rough((10, 10)),
             modulus=lambda x, y, z: np.where((x < 1e-6) & (y < 1e-6) & (z > -1e-6), bad, 1.0),
         )
-
-
-def test_modulus_of_the_wrong_shape_is_refused() -> None:
-    with pytest.raises(InvalidInput, match="does not fit the cells"):
-        press(rough((10, 10)), modulus=lambda x, y, z: np.ones((3, 5, 2)))
 
 
 @pytest.mark.parametrize("method", ["full", "reduced"])
