@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from validation import cases
-from validation.cases import Case, Check
+from validation.cases import Case, relative
 
 _SPEC = importlib.util.spec_from_file_location("mutants_driver", Path(__file__).with_name("driver.py"))
 driver = importlib.util.module_from_spec(_SPEC)
@@ -81,8 +81,8 @@ def test_a_case_that_fails_is_named_with_its_check(monkeypatch, capsys):
     )
     validate_cases = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(validate_cases)
-    wrong = Case(name="wrong", claim="Two is three.", run=lambda: [Check.relative("two", 2.0, 3.0, 0.01)])
-    right = Case(name="right", claim="Two is two.", run=lambda: [Check.relative("two", 2.0, 2.0, 0.01)])
+    wrong = Case(name="wrong", claim="Two is three.", run=lambda: [relative("two", 2.0, 3.0, 0.01)])
+    right = Case(name="right", claim="Two is two.", run=lambda: [relative("two", 2.0, 2.0, 0.01)])
     monkeypatch.setattr(cases, "all_cases", lambda: (right, wrong))
     assert validate_cases.run(["right"]) == 0
     assert validate_cases.run(["right", "wrong"]) == 1

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from validation import cases
-from validation.cases import Case, Check, all_cases, chosen_cases, run_cases
+from validation.cases import Case, all_cases, below, chosen_cases, relative, run_cases, within
 from validation.cases._closed_forms import HertzInPeriod, westergaard_mean_pressure, westergaard_pressure
 from validation.errors import UsageError
 
@@ -50,13 +50,13 @@ def test_a_case_is_chosen_by_name_or_by_the_beginning_of_its_name():
 @pytest.mark.parametrize(
     ("check", "passed"),
     [
-        (Check.relative("x", 1.0, 1.01, 0.01), True),
-        (Check.relative("x", 1.0, 1.02, 0.01), False),
-        (Check.below("x", 0.5, 0.5), True),
-        (Check.below("x", -0.6, 0.5), False),
-        (Check.within("x", 1.5, 0.5, 1.5), True),
-        (Check.within("x", float("nan"), 0.0, 1.0), False),
-        (Check.below("x", float("inf"), float("inf")), False),
+        (relative("x", 1.0, 1.01, 0.01), True),
+        (relative("x", 1.0, 1.02, 0.01), False),
+        (below("x", 0.5, 0.5), True),
+        (below("x", -0.6, 0.5), False),
+        (within("x", 1.5, 0.5, 1.5), True),
+        (within("x", float("nan"), 0.0, 1.0), False),
+        (below("x", float("inf"), float("inf")), False),
     ],
 )
 def test_a_check_passes_within_its_tolerance_and_never_on_nan(check, passed):
@@ -73,7 +73,7 @@ def test_a_case_that_raises_or_checks_nothing_has_failed_and_the_others_go_on():
             [
                 Case(name="a", claim="A.", run=_raises),
                 Case(name="b", claim="B.", run=lambda: []),
-                Case(name="c", claim="C.", run=lambda: [Check.below("x", 0.0, 1.0)]),
+                Case(name="c", claim="C.", run=lambda: [below("x", 0.0, 1.0)]),
             ]
         )
     )
@@ -84,8 +84,8 @@ def test_a_case_that_raises_or_checks_nothing_has_failed_and_the_others_go_on():
 def test_validate_exits_with_1_and_names_what_failed(monkeypatch, capsys):
     from validation.cli.commands import main
 
-    wrong = Case(name="wrong", claim="Two is three.", run=lambda: [Check.relative("two", 2.0, 3.0, 0.01)])
-    right = Case(name="right", claim="Two is two.", run=lambda: [Check.relative("two", 2.0, 2.0, 0.01)])
+    wrong = Case(name="wrong", claim="Two is three.", run=lambda: [relative("two", 2.0, 3.0, 0.01)])
+    right = Case(name="right", claim="Two is two.", run=lambda: [relative("two", 2.0, 2.0, 0.01)])
     monkeypatch.setattr(cases, "all_cases", lambda: (right, wrong))
     for arguments, code in ((["validate"], 1), (["validate", "right"], 0), (["validate", "--json"], 1)):
         monkeypatch.setattr("sys.argv", ["fem-contact", *arguments])

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from validation.cases import Check, Verdict, run_cases
+from validation.cases import Verdict, below, run_cases
 from validation.cases._result import claims_dataset, claims_views
 from validation.cases.scorecard import Scorecard, Subject, rows, score
 from validation.cli import app
@@ -65,7 +65,7 @@ def test_the_worst_failure_stands_first(wrong: Scorecard) -> None:
 
 
 def test_a_nan_is_the_worst_failure_of_all() -> None:
-    check = Check.below("something", float("nan"), 1.0)
+    check = below("something", float("nan"), 1.0)
     verdict = Verdict(case="x", claim="", source="", checks=(check,), seconds=0.0)
     assert verdict.used == float("inf")
     assert not verdict.passed

@@ -1,8 +1,9 @@
 """Cases with a known answer: one module for each claim, found by name, checked by `fem-contact validate`.
 
-A case says in ``claim`` what holds, and its ``run`` returns the checks that decide it: numbers beside a
+A case says in ``claim`` what holds, and its ``run`` yields the checks that decide it: numbers beside a
 reference, with a tolerance that comes from an error estimate. A module of this package has each as a function
-under `case`, or, where several share one, in a tuple ``CASES``.
+under `case`, or, where several share one, in a tuple ``CASES``. What is asked of any solver is a row of the
+scorecard.
 """
 
 from __future__ import annotations
@@ -16,12 +17,28 @@ from dataclasses import asdict, dataclass
 from typing import Any, cast
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from validation.errors import UsageError
 from validation.measures.statistics import order_of_convergence
 from validation.solves.attempt import one_blas_thread
 
-__all__ = ["Case", "Check", "NotJudged", "Verdict", "all_cases", "case", "chosen_cases", "run_cases"]
+__all__ = [
+    "Case",
+    "Check",
+    "NotJudged",
+    "Verdict",
+    "all_cases",
+    "below",
+    "case",
+    "chosen_cases",
+    "holds",
+    "near",
+    "order",
+    "relative",
+    "run_cases",
+    "within",
+]
 
 
 class NotJudged(Exception):
@@ -49,56 +66,6 @@ class Check:
     tolerance: float
     ladder: tuple[tuple[float, float], ...] = ()
 
-    @classmethod
-    def relative(cls, quantity: str, computed: float, reference: float, tolerance: float) -> Check:
-        """Return a check whose tolerance is a part of the reference."""
-        return cls.near(quantity, computed, reference, abs(float(reference)) * tolerance)
-
-    @classmethod
-    def near(cls, quantity: str, computed: float, reference: float, tolerance: float) -> Check:
-        """Return a check whose tolerance is in the unit of the quantity."""
-        return cls(
-            quantity=quantity,
-            computed=float(computed),
-            reference=float(reference),
-            tolerance=float(tolerance),
-        )
-
-    @classmethod
-    def below(cls, quantity: str, computed: float, bound: float) -> Check:
-        """Return a check that a size does not exceed a bound: reference 0, tolerance the bound."""
-        return cls.near(quantity, computed, 0.0, bound)
-
-    @classmethod
-    def within(cls, quantity: str, computed: float, low: float, high: float) -> Check:
-        """Return a check that a number lies between two."""
-        return cls.near(quantity, computed, (low + high) / 2, (high - low) / 2)
-
-    @classmethod
-    def order(
-        cls,
-        quantity: str,
-        resolutions: Sequence[float],
-        errors: Sequence[float],
-        *,
-        expected: float,
-        tolerance: float,
-    ) -> Check:
-        """Return a check of the order at which errors fall as points along a side (or steps) grow.
-
-        Parameters
-        ----------
-        quantity : str
-        resolutions, errors : sequences of float
-            Of one another, coarse to fine; errors positive.
-        expected, tolerance : float
-            The order that is known beforehand, and how far these resolutions may be from its limit.
-        """
-        sizes = 1 / np.asarray(resolutions)
-        found = order_of_convergence(sizes, errors) if min(errors) > 0 else math.nan
-        ladder = tuple((float(n), float(error)) for n, error in zip(resolutions, errors, strict=True))
-        return cls(quantity=quantity, computed=found, reference=expected, tolerance=tolerance, ladder=ladder)
-
     @property
     def used(self) -> float:
         """Distance over the tolerance: at most 1 passes; infinite where nothing was computed."""
@@ -111,6 +78,57 @@ class Check:
     def passed(self) -> bool:
         """Whether the two agree; a NaN never does."""
         return math.isfinite(self.computed) and abs(self.computed - self.reference) <= self.tolerance
+
+
+def near(quantity: str, computed: ArrayLike, reference: ArrayLike, tolerance: ArrayLike) -> Check:
+    """Return a check of one number, the tolerance in the unit of the quantity."""
+    value, known, allowed = (float(np.asarray(each).item()) for each in (computed, reference, tolerance))
+    return Check(quantity=quantity, computed=value, reference=known, tolerance=allowed)
+
+
+def relative(quantity: str, computed: ArrayLike, reference: ArrayLike, tolerance: float) -> Check:
+    """Return a check of one number, the tolerance as a part of the reference."""
+    return near(quantity, computed, reference, abs(float(np.asarray(reference).item())) * tolerance)
+
+
+def below(quantity: str, computed: ArrayLike, bound: ArrayLike) -> Check:
+    """Return a check that a size does not exceed a bound: of an array, that its largest element does not."""
+    size = np.asarray(computed, dtype=float)
+    return near(quantity, size if size.size == 1 else np.max(np.abs(size)), 0.0, bound)
+
+
+def within(quantity: str, computed: ArrayLike, low: float, high: float) -> Check:
+    """Return a check that a number lies between two."""
+    return near(quantity, computed, (low + high) / 2, (high - low) / 2)
+
+
+def holds(quantity: str, condition: object) -> Check:
+    """Return a check that something is so: 1 for true."""
+    return near(quantity, bool(condition), 1.0, 0.0)
+
+
+def order(
+    quantity: str,
+    resolutions: Sequence[float],
+    errors: Sequence[float],
+    *,
+    expected: float,
+    tolerance: float,
+) -> Check:
+    """Return a check of the order at which errors fall as points along a side (or steps) grow.
+
+    Parameters
+    ----------
+    quantity : str
+    resolutions, errors : sequences of float
+        Of one another, coarse to fine; errors positive.
+    expected, tolerance : float
+        The order that is known beforehand, and how far these resolutions may be from its limit.
+    """
+    sizes = 1 / np.asarray(resolutions)
+    found = order_of_convergence(sizes, errors) if min(errors) > 0 else math.nan
+    ladder = tuple((float(n), float(error)) for n, error in zip(resolutions, errors, strict=True))
+    return Check(quantity=quantity, computed=found, reference=expected, tolerance=tolerance, ladder=ladder)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,7 +153,7 @@ class Case:
 
     name: str
     claim: str
-    run: Callable[[], Sequence[Check]]
+    run: Callable[[], Iterable[Check]]
     source: str = ""
     quick: bool = True
     solver: str = ""
@@ -143,8 +161,8 @@ class Case:
 
 def case(
     name: str, claim: str, *, source: str = "", quick: bool = True
-) -> Callable[[Callable[[], Sequence[Check]]], Case]:
-    """Make a `Case` of the function below, which returns the checks."""
+) -> Callable[[Callable[[], Iterable[Check]]], Case]:
+    """Make a `Case` of the function that follows, which yields the checks."""
     return lambda run: Case(name=name, claim=claim, run=run, source=source, quick=quick)
 
 

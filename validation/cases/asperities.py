@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from scipy.integrate import quad
@@ -17,7 +18,7 @@ from persson.asperities import (
 )
 from persson.spectrum import Moments
 from validation.arrays import Array
-from validation.cases import Check, case
+from validation.cases import Check, below, case, near, relative, within
 
 _RADIUS, _MODULUS, _WORK = 2e-3, 3e6, 0.05
 
@@ -27,7 +28,7 @@ _RADIUS, _MODULUS, _WORK = 2e-3, 3e6, 0.05
     "Force, approach, radius and pressures of a Hertzian contact belong together.",
     source="H. Hertz, J. reine angew. Math. 92, 156 (1882); Persson 2006, Eqs. 4-8 and 23",
 )
-def _hertz() -> list[Check]:
+def _hertz() -> Iterator[Check]:
     force = 0.7
     contact = spheres.hertz(force, radius=_RADIUS, contact_modulus=_MODULUS)
     s, peak = contact.approach, contact.peak_pressure
@@ -36,18 +37,16 @@ def _hertz() -> list[Check]:
     carried = quad(
         lambda r: 2 * math.pi * r * float(contact.pressure(r)), 0, contact.radius, epsabs=0, epsrel=1e-10
     )[0]
-    return [
-        Check.relative("F from s [N]", 4 / 3 * _MODULUS * math.sqrt(_RADIUS * s) * s, force, 1e-12),
-        Check.relative("a^2 / R [m]", contact.radius**2 / _RADIUS, s, 1e-12),
-        Check.relative("integral of p(r) [N]", carried, force, 1e-8),
-        Check.relative("integral of P(sigma)", float(np.trapezoid(density, stress)), 1.0, 1e-3),
-        Check.relative(
-            "mean of P(sigma) over the peak",
-            float(np.trapezoid(stress * density, stress)) / peak,
-            2 / 3,
-            1e-3,
-        ),
-    ]
+    yield relative("F from s [N]", 4 / 3 * _MODULUS * math.sqrt(_RADIUS * s) * s, force, 1e-12)
+    yield relative("a^2 / R [m]", contact.radius**2 / _RADIUS, s, 1e-12)
+    yield relative("integral of p(r) [N]", carried, force, 1e-8)
+    yield relative("integral of P(sigma)", np.trapezoid(density, stress), 1.0, 1e-3)
+    yield relative(
+        "mean of P(sigma) over the peak",
+        float(np.trapezoid(stress * density, stress)) / peak,
+        2 / 3,
+        1e-3,
+    )
 
 
 @case(
@@ -55,7 +54,7 @@ def _hertz() -> list[Check]:
     "An adhesive sphere comes off at 3/2 pi w R if soft, at 2 pi w R if stiff.",
     source="K. L. Johnson, K. Kendall, A. D. Roberts, Proc. R. Soc. A 324, 301 (1971); D. Maugis (1992)",
 )
-def _jkr() -> list[Check]:
+def _jkr() -> Iterator[Check]:
     def load(a: float | Array) -> Array:
         return spheres.jkr_load(a, radius=_RADIUS, contact_modulus=_MODULUS, work_of_adhesion=_WORK)
 
@@ -68,18 +67,16 @@ def _jkr() -> list[Check]:
     exact = (_RADIUS * _WORK**2 / _MODULUS**2 / reach**3) ** (1 / 3)
     unit = math.pi * _WORK * _RADIUS
     stiff = spheres.derjaguin_pull_off(_RADIUS, work_of_adhesion=_WORK)
-    return [
-        Check.below("F at the radius of no load, over pull-off", float(load(free)) / strongest, 1e-12),
-        Check.relative("smallest F [N]", float(np.min(load(around))), -strongest, 1e-6),
-        Check.relative(
-            "pull-off force [N]", spheres.jkr_pull_off(_RADIUS, work_of_adhesion=_WORK), strongest, 1e-12
-        ),
-        Check.relative("pull-off of stiff spheres over pi w R", stiff / unit, 2.0, 1e-12),
-        Check.relative("Tabor parameter", tabor, exact, 1e-12),
-        # Maugis's transition, to the fourth digit of its limits.
-        Check.relative("pull-off of Maugis at mu = 1e-3", spheres.maugis_pull_off(1e-3), 2.0, 2e-3),
-        Check.relative("pull-off of Maugis at mu = 50", spheres.maugis_pull_off(50.0), 1.5, 2e-3),
-    ]
+    yield below("F at the radius of no load, over pull-off", float(load(free)) / strongest, 1e-12)
+    yield relative("smallest F [N]", np.min(load(around)), -strongest, 1e-6)
+    yield relative(
+        "pull-off force [N]", spheres.jkr_pull_off(_RADIUS, work_of_adhesion=_WORK), strongest, 1e-12
+    )
+    yield relative("pull-off of stiff spheres over pi w R", stiff / unit, 2.0, 1e-12)
+    yield relative("Tabor parameter", tabor, exact, 1e-12)
+    # Maugis's transition, to the fourth digit of its limits.
+    yield relative("pull-off of Maugis at mu = 1e-3", spheres.maugis_pull_off(1e-3), 2.0, 2e-3)
+    yield relative("pull-off of Maugis at mu = 50", spheres.maugis_pull_off(50.0), 1.5, 2e-3)
 
 
 #: Moments of a surface with a Nayak parameter of 12.
@@ -91,7 +88,7 @@ _MOMENTS = Moments(m0=4e-12, m2=1e-2, m4=1e-2**2 * 8 / 4e-12)
     "Summits of a random surface have Nayak's density, curvature and heights.",
     source="P. R. Nayak, J. Lubr. Technol. 93, 398 (1971); J. I. McCool, J. Tribol. 109, 264 (1987)",
 )
-def _summits() -> list[Check]:
+def _summits() -> Iterator[Check]:
     """Statistics of summits in the moments of a profile: mu0 = m0, mu2 = m2 / 2, mu4 = 3 m4 / 8."""
     mu2, mu4 = _MOMENTS.m2 / 2, 3 * _MOMENTS.m4 / 8
     alpha = _MOMENTS.m0 * mu4 / mu2**2
@@ -103,24 +100,22 @@ def _summits() -> list[Check]:
     d = np.linspace(-8, 8, 401) * math.sqrt(_MOMENTS.m0)
     contact = bush_gibson_thomas(d, moments=_MOMENTS, contact_modulus=1.0)
     share = contact.density / density
-    below = (d < 0).astype(float)
-    below[d == 0] = 0.5
-    first = float(np.trapezoid(share - below, d))
-    second = 2 * float(np.trapezoid(d * (share - below), d))
+    under = (d < 0).astype(float)
+    under[d == 0] = 0.5
+    first = float(np.trapezoid(share - under, d))
+    second = 2 * float(np.trapezoid(d * (share - under), d))
     ring = ring_asperities(1e5, rms_height=1e-6)
-    return [
-        Check.relative("Nayak parameter", _MOMENTS.nayak, alpha, 1e-12),
-        Check.relative("density [1/m^2]", found.density, density, 1e-12),
-        Check.relative("mean curvature [1/m]", 1 / found.radius, 8 / 3 * math.sqrt(mu4 / math.pi), 1e-12),
-        Check.relative("scatter of heights [m]", found.rms_height, deviation, 1e-4),
-        Check.relative("mean height, counted above planes [m]", first, mean, 1e-4),
-        Check.relative(
-            "scatter of heights, counted above planes [m]", math.sqrt(second - first**2), deviation, 1e-3
-        ),
-        Check.near("n_0 / q^2 of one wavelength", ring.density / 1e10, 0.029, 5e-4),
-        Check.relative("1/R of one wavelength [1/m]", 1 / ring.radius, math.sqrt(2) * 1e10 * 1e-6, 1e-12),
-        Check.relative("h* of one wavelength [m]", ring.rms_height, 0.6e-6, 1e-12),
-    ]
+    yield relative("Nayak parameter", _MOMENTS.nayak, alpha, 1e-12)
+    yield relative("density [1/m^2]", found.density, density, 1e-12)
+    yield relative("mean curvature [1/m]", 1 / found.radius, 8 / 3 * math.sqrt(mu4 / math.pi), 1e-12)
+    yield relative("scatter of heights [m]", found.rms_height, deviation, 1e-4)
+    yield relative("mean height, counted above planes [m]", first, mean, 1e-4)
+    yield relative(
+        "scatter of heights, counted above planes [m]", math.sqrt(second - first**2), deviation, 1e-3
+    )
+    yield near("n_0 / q^2 of one wavelength", ring.density / 1e10, 0.029, 5e-4)
+    yield relative("1/R of one wavelength [1/m]", 1 / ring.radius, math.sqrt(2) * 1e10 * 1e-6, 1e-12)
+    yield relative("h* of one wavelength [m]", ring.rms_height, 0.6e-6, 1e-12)
 
 
 _ASPERITIES = Asperities(density=1e10, radius=5e-6, rms_height=1e-7)
@@ -131,9 +126,8 @@ _ASPERITIES = Asperities(density=1e10, radius=5e-6, rms_height=1e-7)
     "Equal spheres of Gaussian heights carry the sum of their Hertzian loads.",
     source="J. A. Greenwood, J. B. P. Williamson, Proc. R. Soc. A 295, 300 (1966)",
 )
-def _spheres_on_a_plane() -> list[Check]:
+def _spheres_on_a_plane() -> Iterator[Check]:
     """Sum Hertz over Gaussian heights."""
-    checks = []
     for deviations in (0.5, 2.0):
         d = deviations * _ASPERITIES.rms_height
 
@@ -150,18 +144,13 @@ def _spheres_on_a_plane() -> list[Check]:
 
         contact = _ASPERITIES.contact(d, contact_modulus=_MODULUS)
         n, big = _ASPERITIES.density, _ASPERITIES.radius
-        checks += [
-            Check.relative(
-                f"A/A0 at {deviations:g} h*", float(contact.area), math.pi * n * big * summed(1), 1e-7
-            ),
-            Check.relative(
-                f"p0 at {deviations:g} h* [Pa]",
-                float(contact.pressure),
-                4 / 3 * n * _MODULUS * math.sqrt(big) * summed(1.5),
-                1e-7,
-            ),
-        ]
-    return checks
+        yield relative(f"A/A0 at {deviations:g} h*", contact.area, math.pi * n * big * summed(1), 1e-7)
+        yield relative(
+            f"p0 at {deviations:g} h* [Pa]",
+            contact.pressure,
+            4 / 3 * n * _MODULUS * math.sqrt(big) * summed(1.5),
+            1e-7,
+        )
 
 
 @case(
@@ -169,7 +158,7 @@ def _spheres_on_a_plane() -> list[Check]:
     "Adhesive asperities of one height come off together; rough ones hardly stick.",
     source="K. N. G. Fuller, D. Tabor, Proc. R. Soc. A 345, 327 (1975)",
 )
-def _sticking() -> list[Check]:
+def _sticking() -> Iterator[Check]:
     """Asperities of almost one height pull off together, each with 3/2 pi w R."""
     big = _ASPERITIES.radius
     stretch = 0.75 * math.cbrt(math.pi**2 * _WORK**2 * big / _MODULUS**2)
@@ -181,9 +170,7 @@ def _sticking() -> list[Check]:
         work_of_adhesion=_WORK,
     )
     all_together = 1e10 * 1.5 * math.pi * _WORK * big
-    return [
-        Check.relative("stretch at which an asperity lets go [m]", pull.stretch, stretch, 1e-12),
-        # dF/d delta is infinite there, so what is lost goes with the two thirds power of the scatter.
-        Check.relative("pull-off of equal asperities [Pa]", pull.pull_off(), all_together, 0.03),
-        Check.within("pull-off of rough ones over that", rough.pull_off() / all_together, 1e-9, 0.03),
-    ]
+    yield relative("stretch at which an asperity lets go [m]", pull.stretch, stretch, 1e-12)
+    # dF/d delta is infinite there, so what is lost goes with the two thirds power of the scatter.
+    yield relative("pull-off of equal asperities [Pa]", pull.pull_off(), all_together, 0.03)
+    yield within("pull-off of rough ones over that", rough.pull_off() / all_together, 1e-9, 0.03)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.stress import elastic_energy, loading_work
 from fem_contact.surface import HeightField, random_surface
-from validation.cases import Check, case
+from validation.cases import Check, below, case, order, relative, within
 from validation.cases._closed_forms import HertzInPeriod
 
 _SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
@@ -35,7 +36,7 @@ def _rough(n: int, *, seed: int = 2718) -> HeightField:
     "Boundary elements converge to the pressure under periodic flat punches.",
     source="K. L. Johnson, Contact Mechanics, Sec. 13.2; edge half a cell outside the last point",
 )
-def _punch() -> list[Check]:
+def _punch() -> Iterator[Check]:
     """Press a periodic flat punch, half width b: p = p0 cos(pi x) / (sin^2(pi b) - sin^2(pi x))^(1/2)."""
     # The discrete edge lies half a cell outside the outermost point: at 1/6 of the period on each of these.
     sizes, errors, half_width = (45, 135, 405), [], 1 / 6
@@ -44,16 +45,14 @@ def _punch() -> list[Check]:
         surface = HeightField(heights=np.where(inside, 0.0, -1.0)[:, None] * np.ones(3), lengths=(1.0, 3 / n))
         result = solve(surface, _SOFT, mean_pressure=1e-3).checked()
         # The edge leaves an error of alternating sign from point to point, which these weights take out.
-        near, weights = np.arange(-1, 2) / n, (0.25, 0.5, 0.25)
-        root = np.sqrt(math.sin(math.pi * half_width) ** 2 - np.sin(math.pi * near) ** 2)
-        exact = np.dot(weights, 1e-3 * np.cos(math.pi * near) / root)
+        middle, weights = np.arange(-1, 2) / n, (0.25, 0.5, 0.25)
+        root = np.sqrt(math.sin(math.pi * half_width) ** 2 - np.sin(math.pi * middle) ** 2)
+        exact = np.dot(weights, 1e-3 * np.cos(math.pi * middle) / root)
         found = np.dot(weights, result.pressure[n // 2 - 1 : n // 2 + 2, 0])
         errors.append(abs(float(found / exact) - 1))
-    return [
-        Check.below("relative error of the pressure at the middle, finest grid", errors[-1], 3e-3),
-        # The singular edge is misplaced by a share of a cell; the next term is of second order, 2/45 of it.
-        Check.order("its observed order", sizes, errors, expected=1, tolerance=0.05),
-    ]
+    yield below("relative error of the pressure at the middle, finest grid", errors[-1], 3e-3)
+    # The singular edge is misplaced by a share of a cell; the next term is of second order, 2/45 of it.
+    yield order("its observed order", sizes, errors, expected=1, tolerance=0.05)
 
 
 def _egg_box(n: int) -> HeightField:
@@ -66,21 +65,15 @@ _FLAT = math.sqrt(2) * math.pi * 0.01
 
 
 @case("bem-egg-box-light", "An egg box under light load touches like isolated spheres.", source=_JOHNSON)
-def _egg_box_light() -> list[Check]:
+def _egg_box_light() -> Iterator[Check]:
     """Each peak is a sphere of radius 1 / (4 pi^2 D): two contacts of Hertz in a period."""
-    checks = []
     for share, allowed in ((2e-3, 0.03), (2e-4, 0.015)):
         result = solve(_egg_box(512), _SOFT, mean_pressure=share * _FLAT).checked()
         curvature = 4 * math.pi**2 * 0.01
         radius = (3 * share * _FLAT / 2 / (4 * curvature)) ** (1 / 3)
         area = subcell_area(result)
         # Neighbours add to the curvature in the third power of a over their distance, 1/sqrt 2.
-        checks.append(
-            Check.relative(
-                f"A/A0 at {share:g} of the flattening load", area, 2 * math.pi * radius**2, allowed
-            )
-        )
-    return checks
+        yield relative(f"A/A0 at {share:g} of the flattening load", area, 2 * math.pi * radius**2, allowed)
 
 
 @case(
@@ -88,16 +81,14 @@ def _egg_box_light() -> list[Check]:
     "The work of loading equals the elastic energy, to second order in the steps.",
     source="conservation of energy",
 )
-def _energy() -> list[Check]:
+def _energy() -> Iterator[Check]:
     misses = []
     for count in (9, 17, 33):
         path = solve_path(_rough(96), _SOFT, mean_pressures=np.geomspace(0.02, 0.5, count), tolerance=1e-10)
         stored = elastic_energy(path[-1].checked()) - elastic_energy(path[0])
         misses.append(abs(loading_work(path)[-1] / stored - 1))
-    return [
-        Check.below("relative difference in 32 steps", misses[-1], 1e-3),
-        Check.order("its observed order in the step", (8, 16, 32), misses, expected=2, tolerance=0.3),
-    ]
+    yield below("relative difference in 32 steps", misses[-1], 1e-3)
+    yield order("its observed order in the step", (8, 16, 32), misses, expected=2, tolerance=0.3)
 
 
 @case(
@@ -105,12 +96,12 @@ def _energy() -> list[Check]:
     "A mean gap leads to the load that it belongs to.",
     source="uniqueness of the elastic solution",
 )
-def _mean_gap() -> list[Check]:
+def _mean_gap() -> Iterator[Check]:
     surface = _rough(96)
     by_load = solve(surface, _SOFT, mean_pressure=0.2, tolerance=1e-10).checked()
     gap = float(np.mean(by_load.gap))
     by_gap = solve_displacement(surface, _SOFT, mean_gap=gap, tolerance=1e-10).checked()
-    return [Check.relative("mean pressure at the prescribed gap", by_gap.mean_pressure, 0.2, 1e-7)]
+    yield relative("mean pressure at the prescribed gap", by_gap.mean_pressure, 0.2, 1e-7)
 
 
 @case(
@@ -118,7 +109,7 @@ def _mean_gap() -> list[Check]:
     "The located area of a disc converges faster than the counted one, of first order.",
     source="H. Hertz, J. reine angew. Math. 92, 156 (1882)",
 )
-def _disc_area() -> list[Check]:
+def _disc_area() -> Iterator[Check]:
     """Area of a Hertzian contact, counted and with the edge located, over random places of the grid."""
     generator = np.random.default_rng(61)
     sizes = (64, 128, 256)
@@ -134,13 +125,11 @@ def _disc_area() -> list[Check]:
             squares.append((_miss(subcell_area(result), true), _miss(contact_areas(result).pixel, true)))
         for errors, column in zip((located, counted), zip(*squares, strict=True), strict=True):
             errors.append(math.sqrt(float(np.mean(np.square(column)))))
-    return [
-        Check.below("located: error at 6 cells of radius", located[0], 5e-3),
-        Check.below("located: error at 26 cells of radius", located[-1], 1e-3),
-        # Between 1.5, where the places in the grid were random, and 2, where edges are smooth.
-        Check.order("located: observed order", sizes, located, expected=1.75, tolerance=0.45),
-        Check.order("counted: observed order", sizes, counted, expected=1, tolerance=0.35),
-    ]
+    yield below("located: error at 6 cells of radius", located[0], 5e-3)
+    yield below("located: error at 26 cells of radius", located[-1], 1e-3)
+    # Between 1.5, where the places in the grid were random, and 2, where edges are smooth.
+    yield order("located: observed order", sizes, located, expected=1.75, tolerance=0.45)
+    yield order("counted: observed order", sizes, counted, expected=1, tolerance=0.35)
 
 
 def _miss(value: float, true: float) -> float:
@@ -152,9 +141,8 @@ def _miss(value: float, true: float) -> float:
     "Boundary elements take as many steps on a fine grid as on a coarse one.",
     source="docs/bem.md: nested grids, a preconditioner that follows the contact",
 )
-def _steps() -> list[Check]:
+def _steps() -> Iterator[Check]:
     """Count conjugate-gradient steps on finer and finer grids, elastic and yielding."""
-    checks = []
     for name, bound in (("elastic", None), ("a bound on the pressure", 0.3)):
         steps = [
             solve(_rough(n), _SOFT, mean_pressure=0.05, pressure_bound=bound, tolerance=1e-9)
@@ -162,8 +150,5 @@ def _steps() -> list[Check]:
             .cost.iterations
             for n in (48, 96, 192)
         ]
-        checks.append(Check.within(f"most steps, {name}", max(steps), 4, 20))
-        checks.append(
-            Check.below(f"more steps at n = 192 than at n = 48, {name}", max(steps[2] - steps[0], 0), 4)
-        )
-    return checks
+        yield within(f"most steps, {name}", max(steps), 4, 20)
+        yield below(f"more steps at n = 192 than at n = 48, {name}", max(steps[2] - steps[0], 0), 4)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
@@ -12,7 +13,7 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 from persson.spectrum import SelfAffine
 from validation.arrays import Array
-from validation.cases import Case, Check
+from validation.cases import Case, Check, below, order, within
 
 __all__ = ["CASES"]
 
@@ -26,7 +27,7 @@ def _rough(shape: tuple[int, int]) -> HeightField:
     return random_surface(spectrum, q_short=spectrum.q_short, lengths=lengths, shape=shape, seed=31415)
 
 
-def _both_ways(element: str, shape: tuple[int, int], poisson: float) -> list[Check]:
+def _both_ways(element: str, shape: tuple[int, int], poisson: float) -> Iterator[Check]:
     surface, solid = _rough(shape), Solid(young=1.0, poisson=poisson)
     load = 0.05 * solid.contact_modulus * surface.rms_gradient
     full = block.solve(surface, solid, mean_pressure=load, method="full", element=element, tolerance=1e-11)
@@ -34,16 +35,13 @@ def _both_ways(element: str, shape: tuple[int, int], poisson: float) -> list[Che
     a, b = full.contact.checked(), reduced.contact.checked()
     forces = float(np.linalg.norm(a.pressure - b.pressure) / np.linalg.norm(a.pressure))
     fields = np.max(np.abs(full.field - reduced.field)) / np.max(np.abs(full.field))
-    return [
-        Check.below("relative L2 difference of nodal forces", forces, 1e-9),
-        Check.below("nodes in contact in one solution only", np.sum(a.in_contact != b.in_contact), 0.0),
-        Check.below("largest difference of displacement in the block", fields, 1e-9),
-        Check.below("forces that nothing balances, reduced", reduced.equilibrium().residual, 1e-9),
-    ]
+    yield below("relative L2 difference of nodal forces", forces, 1e-9)
+    yield below("nodes in contact in one solution only", np.sum(a.in_contact != b.in_contact), 0.0)
+    yield below("largest difference of displacement in the block", fields, 1e-9)
+    yield below("forces that nothing balances, reduced", reduced.equilibrium().residual, 1e-9)
 
 
-def _assembled() -> list[Check]:
-    checks = []
+def _assembled() -> Iterator[Check]:
     for element, poisson, shape in (("Hex1", 0.3, (24, 24)), ("Hex2/P1disc", 0.45, (16, 16))):
         surface, solid = _rough(shape), Solid(young=1.0, poisson=poisson)
         found = block.solve(
@@ -57,8 +55,7 @@ def _assembled() -> list[Check]:
         )
         again = block.assembled_field(found, tolerance=1e-11)
         difference = np.max(np.abs(again - found.field)) / np.max(np.abs(found.field))
-        checks.append(Check.below(f"largest difference of displacement, {element}", difference, 1e-9))
-    return checks
+        yield below(f"largest difference of displacement, {element}", difference, 1e-9)
 
 
 #: Element, Poisson ratio, growth, nodes per wave, bounds on the errors along the axis and the diagonal.
@@ -75,29 +72,25 @@ _WAVES = (
 )
 
 
-def _waves() -> list[Check]:
-    checks = []
+def _waves() -> Iterator[Check]:
     for element, poisson, growth, nodes, axis, diagonal in _WAVES:
         (found,) = block.wave_errors(
             (256, 256), (1.0, 1.0), [nodes / 256], poisson=poisson, growth=growth, element=element
         )
         name = f"{element}, nu = {poisson}, {nodes} nodes per wave, growth {growth}"
-        checks.append(Check.below(f"error along the axis: {name}", found.along_axis, axis))
-        checks.append(Check.below(f"error along the diagonal: {name}", found.along_diagonal, diagonal))
-    return checks
+        yield below(f"error along the axis: {name}", found.along_axis, axis)
+        yield below(f"error along the diagonal: {name}", found.along_diagonal, diagonal)
 
 
-def _orders() -> list[Check]:
-    checks = []
-    for element, poisson, order in (("Hex1", 0.3, 2), ("Hex1/P0", 0.49, 2), ("Hex2", 0.3, 4)):
+def _orders() -> Iterator[Check]:
+    for element, poisson, expected in (("Hex1", 0.3, 2), ("Hex1/P0", 0.49, 2), ("Hex2", 0.3, 4)):
         sizes, errors = (32, 64, 128), []
         for n in sizes:
             (found,) = block.wave_errors(
-                (n, n), (1.0, 1.0), [1.0], poisson=poisson, element=element, growth=1 + 1.6 * order / 2 / n
+                (n, n), (1.0, 1.0), [1.0], poisson=poisson, element=element, growth=1 + 1.6 * expected / 2 / n
             )
             errors.append(abs(found.along_diagonal))
-        checks.append(Check.order(f"observed order, {element}", sizes, errors, expected=order, tolerance=0.4))
-    return checks
+        yield order(f"observed order, {element}", sizes, errors, expected=expected, tolerance=0.4)
 
 
 def _particle(surface: HeightField, contrast: float, x: Array, y: Array, z: Array) -> Array:
@@ -107,7 +100,7 @@ def _particle(surface: HeightField, contrast: float, x: Array, y: Array, z: Arra
     return np.where(inside, contrast, 1.0)
 
 
-def _heterogeneous() -> list[Check]:
+def _heterogeneous() -> Iterator[Check]:
     solid, steps = Solid(young=1.0, poisson=0.3), []
     for n in (16, 32, 64):
         surface = _rough((n, n))
@@ -116,10 +109,8 @@ def _heterogeneous() -> list[Check]:
         found = block.solve(surface, solid, mean_pressure=load, method="full", modulus=modulus)
         cost = found.contact.checked().cost
         steps.append(cost.linear_iterations)
-    return [
-        Check.within("conjugate-gradient steps of the finest grid, contrast 10", max(steps), 1, 35),
-        Check.below("more steps at n = 64 than at n = 16", max(steps[2] - steps[0], 0), 4),
-    ]
+    yield within("conjugate-gradient steps of the finest grid, contrast 10", max(steps), 1, 35)
+    yield below("more steps at n = 64 than at n = 16", max(steps[2] - steps[0], 0), 4)
 
 
 CASES = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +15,7 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.stress import elastic_energy, initial_slope
 from fem_contact.surface import HeightField, random_surface
-from validation.cases import Check, case
+from validation.cases import Check, below, case, relative, within
 from validation.cases._closed_forms import HertzInPeriod
 
 
@@ -23,11 +24,10 @@ from validation.cases._closed_forms import HertzInPeriod
     "Stress, strain and energy inside the block are those of confined compression, and balance.",
     source="S. P. Timoshenko, J. N. Goodier, Theory of Elasticity",
 )
-def _inside() -> list[Check]:
+def _inside() -> Iterator[Check]:
     """Press a block evenly, and a wave flat: confined compression, and equilibrium with the load above."""
     solid, load = Solid(young=2.0, poisson=0.3), 0.01
     flat = HeightField(heights=np.zeros((6, 8)), lengths=(1.0, 1.5))
-    checks = []
     for element in ("Hex1", "Hex2"):
         even = block.solve(flat, solid, mean_pressure=load, element=element, depth=1.0, growth=1.5)
         stress = even.stress()
@@ -38,28 +38,21 @@ def _inside() -> list[Check]:
         sunk = float(np.mean(even.contact.displacement))
         mises = float(np.max(np.abs(stress.von_mises / (load - load * 0.3 / 0.7) - 1)))
         rise = float(np.max(np.abs(even.strain()[..., 2] / -strain - 1)))
-        checks += [
-            Check.below(f"error of the stress over the load, {element}", worst, 1e-9),
-            Check.below(f"error of von Mises' stress, {element}", mises, 1e-8),
-            Check.below(f"error of the strain, {element}", rise, 1e-8),
-            Check.relative(f"displacement [m], {element}", sunk, strain * even.depth, 1e-9),
-            Check.relative(f"energy [J/m^2], {element}", even.energy, 0.5 * load * strain * even.depth, 1e-9),
-        ]
+        yield below(f"error of the stress over the load, {element}", worst, 1e-9)
+        yield below(f"error of von Mises' stress, {element}", mises, 1e-8)
+        yield below(f"error of the strain, {element}", rise, 1e-8)
+        yield relative(f"displacement [m], {element}", sunk, strain * even.depth, 1e-9)
+        yield relative(f"energy [J/m^2], {element}", even.energy, 0.5 * load * strain * even.depth, 1e-9)
     x = np.cos(2 * math.pi * np.arange(24) / 24)
     wave = HeightField(heights=1e-3 * x[:, None] * np.ones(8), lengths=(1.0, 1.0 / 3))
     found = block.solve(wave, solid, mean_pressure=0.05)
     sheared = replace(found.stress(), tensor=np.array([0.0, 0.0, 0.0, 0.0, 0.2, 0.0]))
     carried = float(np.mean(found.stress().tensor[:, :, -1, 2]))
-    checks += [
-        Check.relative("von Mises' stress of simple shear", float(sheared.von_mises), 0.2 * 3**0.5, 1e-12),
-        Check.relative("mean vertical stress under the surface [Pa]", carried, -0.05, 1e-9),
-        Check.relative("energy of the field [J/m^2]", found.equilibrium().energy, found.energy, 1e-9),
-        Check.below("forces that nothing balances", found.equilibrium().residual, 1e-9),
-        Check.relative(
-            "energy by what is read off [J/m^2]", elastic_energy(found.contact), found.energy, 1e-12
-        ),
-    ]
-    return checks
+    yield relative("von Mises' stress of simple shear", sheared.von_mises, 0.2 * 3**0.5, 1e-12)
+    yield relative("mean vertical stress under the surface [Pa]", carried, -0.05, 1e-9)
+    yield relative("energy of the field [J/m^2]", found.equilibrium().energy, found.energy, 1e-9)
+    yield below("forces that nothing balances", found.equilibrium().residual, 1e-9)
+    yield relative("energy by what is read off [J/m^2]", elastic_energy(found.contact), found.energy, 1e-12)
 
 
 def _rough(n: int) -> HeightField:
@@ -73,7 +66,7 @@ def _rough(n: int) -> HeightField:
     "The block pressed to an approach, or along a path, is the block under that load.",
     source="uniqueness of the elastic solution",
 )
-def _approach() -> list[Check]:
+def _approach() -> Iterator[Check]:
     """Press to the approach at which a load stands, and follow a path of loads."""
     solid, surface = Solid(young=1.0, poisson=0.3), _rough(24)
     load = 0.1 * solid.contact_modulus * surface.rms_gradient
@@ -82,18 +75,16 @@ def _approach() -> list[Check]:
     path = list(block.solve_path(surface, solid, mean_pressures=[load / 3, load], tolerance=1e-10))
     last = path[-1].contact.checked()
     scale = float(np.linalg.norm(single.pressure))
-    return [
-        Check.relative("load at that approach", back.mean_pressure, load, 1e-7),
-        Check.below(
-            "difference of pressure", float(np.linalg.norm(back.pressure - single.pressure)) / scale, 1e-6
-        ),
-        Check.below("nodes in contact in one only", np.sum(back.in_contact != single.in_contact), 0),
-        Check.below(
-            "difference from the end of a path",
-            float(np.linalg.norm(last.pressure - single.pressure)) / scale,
-            1e-6,
-        ),
-    ]
+    yield relative("load at that approach", back.mean_pressure, load, 1e-7)
+    yield below(
+        "difference of pressure", float(np.linalg.norm(back.pressure - single.pressure)) / scale, 1e-6
+    )
+    yield below("nodes in contact in one only", np.sum(back.in_contact != single.in_contact), 0)
+    yield below(
+        "difference from the end of a path",
+        float(np.linalg.norm(last.pressure - single.pressure)) / scale,
+        1e-6,
+    )
 
 
 @case(
@@ -101,7 +92,7 @@ def _approach() -> list[Check]:
     "What has yielded answers elastically up to the load that it yielded under.",
     source="the smoothed surface pressed again",
 )
-def _unloading() -> list[Check]:
+def _unloading() -> Iterator[Check]:
     """Press until something yields, take the load away, and press again: elastic up to the first load."""
     body, surface = HalfSpace(solid=Solid(young=1.0, poisson=0.3)), _rough(48)
     unit = body.contact_modulus * surface.rms_gradient
@@ -113,24 +104,22 @@ def _unloading() -> list[Check]:
     again, lower = hardness.unload(pressed, body, mean_pressures=[load, load / 4], tolerance=1e-10)
     off = float(np.max(np.abs(again.checked().pressure - pressed.pressure))) / unit
     at_bound = float(np.mean(pressed.at_bound))
-    return [
-        Check.within("yielded area", parts.plastic_area, 1e-3, 0.3),
-        Check.relative("yielded area, counted", parts.plastic_area, at_bound, 1e-12),
-        Check.relative(
-            "elastic area, counted", parts.elastic_area, float(pressed.in_contact.mean()) - at_bound, 1e-12
-        ),
-        Check.relative("load of what yielded", parts.plastic_load, 0.5 * unit * at_bound, 1e-7),
-        Check.relative("both loads", parts.plastic_load + parts.elastic_load, load, 1e-7),
-        Check.relative(
-            "indented volume",
-            parts.volume,
-            float(np.mean(np.maximum(-pressed.gap, 0) * pressed.at_bound)),
-            1e-12,
-        ),
-        Check.below("largest difference of p, pressed again, over E* h'_rms", off, 1e-6),
-        Check.relative("load after unloading", lower.checked().mean_pressure, load / 4, 1e-7),
-        Check.below("yielded on the way back", float(np.mean(lower.at_bound)), 0),
-    ]
+    yield within("yielded area", parts.plastic_area, 1e-3, 0.3)
+    yield relative("yielded area, counted", parts.plastic_area, at_bound, 1e-12)
+    yield relative(
+        "elastic area, counted", parts.elastic_area, float(pressed.in_contact.mean()) - at_bound, 1e-12
+    )
+    yield relative("load of what yielded", parts.plastic_load, 0.5 * unit * at_bound, 1e-7)
+    yield relative("both loads", parts.plastic_load + parts.elastic_load, load, 1e-7)
+    yield relative(
+        "indented volume",
+        parts.volume,
+        np.mean(np.maximum(-pressed.gap, 0) * pressed.at_bound),
+        1e-12,
+    )
+    yield below("largest difference of p, pressed again, over E* h'_rms", off, 1e-6)
+    yield relative("load after unloading", lower.checked().mean_pressure, load / 4, 1e-7)
+    yield below("yielded on the way back", np.mean(lower.at_bound), 0)
 
 
 @case(
@@ -138,7 +127,7 @@ def _unloading() -> list[Check]:
     "Shifts are averaged, grids planned and slopes of P(sigma) read off as they should.",
     source="Persson 2006, Eq. 23 for Hertz's contact",
 )
-def _planned() -> list[Check]:
+def _planned() -> Iterator[Check]:
     """Average shifts, plan grids, and start P(sigma): Hertz's contact has a slope in closed form."""
     case, n = HertzInPeriod(radius=0.2), 192
     body = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
@@ -180,16 +169,14 @@ def _planned() -> list[Check]:
             for value, points in zip(line, (32, 64, 128), strict=True)
         ]
     )
-    return [
-        # Six bins between .2 and .8 of the peak, some 2800 points: 2 %.
-        Check.relative("slope of P(sigma) of Hertz's contact", start.slope, slope, 0.05),
-        Check.relative("shifts fill a cell: mean along x", float(shifts[:, 0].mean()), 1 / 3, 1e-12),
-        Check.relative("mean counted area of shifts", mean.pixel, 0.201, 1e-12),
-        Check.relative("mean located area of shifts", mean.subcell or 0.0, 0.182, 1e-12),
-        Check.relative(
-            "uncertainty planned is uncertainty claimed", predicted_uncertainty(mean, plan), claimed, 1e-9
-        ),
-        # All but what the second order might be, .01 of the width of the contact.
-        Check.relative("limit of corrected areas, linear in the edges", corrected.value, 0.2, 2e-4),
-        Check.relative("excess per edge that is left", corrected.edge_constant, 0.01, 0.05),
-    ]
+    # Six bins between .2 and .8 of the peak, some 2800 points: 2 %.
+    yield relative("slope of P(sigma) of Hertz's contact", start.slope, slope, 0.05)
+    yield relative("shifts fill a cell: mean along x", shifts[:, 0].mean(), 1 / 3, 1e-12)
+    yield relative("mean counted area of shifts", mean.pixel, 0.201, 1e-12)
+    yield relative("mean located area of shifts", mean.subcell or 0.0, 0.182, 1e-12)
+    yield relative(
+        "uncertainty planned is uncertainty claimed", predicted_uncertainty(mean, plan), claimed, 1e-9
+    )
+    # All but what the second order might be, .01 of the width of the contact.
+    yield relative("limit of corrected areas, linear in the edges", corrected.value, 0.2, 2e-4)
+    yield relative("excess per edge that is left", corrected.edge_constant, 0.01, 0.05)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from fem_contact.solid import Solid, composite_modulus
 from fem_contact.surface import HeightField
 from persson.adhesion import Interface, solve_adhesion
 from persson.scale import Scale
-from validation.cases import Check, case
+from validation.cases import Check, below, case, holds, order, relative, within
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import Roughness, Slots, Told, full_contact_energy
 from validation.effects.coating import Coating
@@ -35,9 +36,8 @@ def _felt(response: Response, q: float) -> float:
     "Waves along either side of an oblong period are pressed flat by (E* q / 2) h.",
     source="K. L. Johnson, Contact Mechanics, Sec. 13.2",
 )
-def _oblong() -> list[Check]:
+def _oblong() -> Iterator[Check]:
     solid, lengths, n = Solid(young=2.0, poisson=0.3), (3.0, 0.5), 16
-    checks = []
     x = np.cos(2 * math.pi * np.arange(n) / n)
     for axis in (0, 1):
         heights = 0.3 + 1e-3 * (x[:, None] * np.ones(n) if axis == 0 else np.ones(n)[:, None] * x)
@@ -45,14 +45,11 @@ def _oblong() -> list[Check]:
         found = bem.solve(surface, HalfSpace(solid=solid), mean_pressure=0.1).checked()
         exact = 2.0 / 0.91 * math.pi / lengths[axis] * 1e-3
         amplitude = float(np.ptp(found.pressure)) / 2
-        checks += [
-            Check.relative(f"amplitude of p, wave along {'xy'[axis]} [Pa]", amplitude, exact, 1e-9),
-            # Pressed flat, u = h less its mean: the mean planes are as far apart as the mean height.
-            Check.relative(f"offset, wave along {'xy'[axis]} [m]", found.offset, 0.3, 1e-9),
-        ]
+        yield relative(f"amplitude of p, wave along {'xy'[axis]} [Pa]", amplitude, exact, 1e-9)
+        # Pressed flat, u = h less its mean: the mean planes are as far apart as the mean height.
+        yield relative(f"offset, wave along {'xy'[axis]} [m]", found.offset, 0.3, 1e-9)
     two = composite_modulus(solid, Solid(young=5.0, poisson=0.2))
-    checks.append(Check.relative("E* of two bodies [Pa]", two, 1 / (0.91 / 2 + 0.96 / 5), 1e-12))
-    return checks
+    yield relative("E* of two bodies [Pa]", two, 1 / (0.91 / 2 + 0.96 / 5), 1e-12)
 
 
 @case(
@@ -60,10 +57,9 @@ def _oblong() -> list[Check]:
     "Layers give by their compliance: thin ones by their confined modulus, thick ones as half-spaces.",
     source="K. L. Johnson, Contact Mechanics, Sec. 5.8",
 )
-def _layers() -> list[Check]:
+def _layers() -> Iterator[Check]:
     solid, thickness = Solid(young=2.0, poisson=0.3), 0.1
     confined = 2.0 * 0.7 / (1.3 * 0.4)
-    checks = []
     layers: dict[str, Response] = {
         "bonded": BondedLayer(solid=solid, thickness=thickness),
         "frictionless": FrictionlessLayer(solid=solid, thickness=thickness),
@@ -76,19 +72,14 @@ def _layers() -> list[Check]:
         # A layer that may slide in the wave's own plane is confined across it alone.
         long = thickness / (confined if name == "bonded" else solid.contact_modulus)
         half = 2 / (solid.contact_modulus * 200)
-        checks += [
-            Check.relative(
-                f"displacement under even load, {name} [m]", sunk, 0.02 * thickness / confined, 1e-12
-            ),
-            Check.relative(f"C of a long wave, {name} [m/Pa]", _felt(layer, 1e-3), long, 1e-5),
-            Check.relative(f"C of a short wave, {name} [m/Pa]", _felt(layer, 200.0), half, 1e-10),
-        ]
-    return [*checks, *_pressed_flat()]
+        yield relative(f"displacement under even load, {name} [m]", sunk, 0.02 * thickness / confined, 1e-12)
+        yield relative(f"C of a long wave, {name} [m/Pa]", _felt(layer, 1e-3), long, 1e-5)
+        yield relative(f"C of a short wave, {name} [m/Pa]", _felt(layer, 200.0), half, 1e-10)
+    yield from _pressed_flat()
 
 
-def _pressed_flat() -> list[Check]:
+def _pressed_flat() -> Iterator[Check]:
     """Press a wave flat on a layer: the pressure amplitude is the height over the compliance, exactly."""
-    checks = []
     x = np.cos(2 * np.pi * np.arange(48) / 48)
     surface = HeightField(heights=0.01 * x[:, None] * np.ones(4), lengths=(1.0, 1.0))
     for poisson in (0.3, 0.5):
@@ -103,8 +94,7 @@ def _pressed_flat() -> list[Check]:
             amplitude = float(np.ptp(bem.solve(surface, layer, mean_pressure=10.0).checked().pressure)) / 2
             exact = 0.01 * math.pi * solid.contact_modulus / ratio
             name = f"pressure amplitude, {kind}, nu = {poisson}"
-            checks.append(Check.relative(name, amplitude, exact, 1e-10))
-    return checks
+            yield relative(name, amplitude, exact, 1e-10)
 
 
 @case(
@@ -112,7 +102,7 @@ def _pressed_flat() -> list[Check]:
     "A modulus that relaxes with depth is that of many thin layers, to second order.",
     source="exact layer matrices",
 )
-def _depth() -> list[Check]:
+def _depth() -> Iterator[Check]:
     """Set 400 thin layers beside an exponential profile, which sums 64 that follow the wave."""
     surface = Solid(young=1.0, poisson=0.3)
     edges = np.linspace(0, 12, 401)
@@ -122,21 +112,18 @@ def _depth() -> list[Check]:
         thicknesses=np.diff(edges).tolist(),
         base=Solid(young=5.0, poisson=0.3),
     )
-    checks, errors = [], []
+    errors = []
     counts = (8, 16, 32, 64)
     for count in counts:
         graded = ExponentialSolid(surface=surface, bulk_young=5.0, depth=1.0, sublayers=count)
         errors.append(max(abs(_felt(graded, q) / _felt(layered, q) - 1) for q in (0.5, 2.0)))
-    checks += [
-        Check.below("error of the usual sublayers at q d = .5 and 2", errors[-1], 3e-4),
-        # The last is off by the thin layers that it is held against, too.
-        Check.order("its observed order", counts[:3], errors[:3], expected=2.0, tolerance=0.3),
-    ]
+    yield below("error of the usual sublayers at q d = .5 and 2", errors[-1], 3e-4)
+    # The last is off by the thin layers that it is held against, too.
+    yield order("its observed order", counts[:3], errors[:3], expected=2.0, tolerance=0.3)
     for q, young in ((1e4, 1.0), (1e-5, 5.0)):
         exact = 2 * 0.91 / (young * q)
         name = f"C of a {'short' if q > 1 else 'long'} wave [m/Pa]"
-        checks.append(Check.relative(name, _felt(graded, q), exact, 1e-3))
-    return checks
+        yield relative(name, _felt(graded, q), exact, 1e-3)
 
 
 @case(
@@ -144,17 +131,15 @@ def _depth() -> list[Check]:
     "A load equal to the hardness yields everywhere, with the least indentation.",
     source="exact",
 )
-def _yields() -> list[Check]:
+def _yields() -> Iterator[Check]:
     x = np.cos(2 * math.pi * np.arange(24) / 24)
     surface = HeightField(heights=0.01 * x[:, None] * np.ones(8), lengths=(1.0, 1.0))
     body = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
     full = bem.solve(surface, body, mean_pressure=0.02, pressure_bound=0.02).checked()
-    return [
-        Check.relative("share at the bound", float(full.at_bound.mean()), 1.0, 0.0),
-        # Under even pressure u = 0, and the deepest trough just touches.
-        Check.relative("offset of least indentation [m]", full.offset, -0.01, 1e-9),
-        Check.below("largest gap over h_rms", float(full.gap.max()) / surface.rms_height, 1e-9),
-    ]
+    yield relative("share at the bound", full.at_bound.mean(), 1.0, 0.0)
+    # Under even pressure u = 0, and the deepest trough just touches.
+    yield relative("offset of least indentation [m]", full.offset, -0.01, 1e-9)
+    yield below("largest gap over h_rms", float(full.gap.max()) / surface.rms_height, 1e-9)
 
 
 _ROUGHNESS = Roughness(
@@ -167,7 +152,7 @@ _ROUGHNESS = Roughness(
     "Effects of a scene give solver, mesh and theory the solid that they describe.",
     source="Persson 2006, Secs. 5 and 6; K. L. Johnson, Contact Mechanics, Sec. 5.8",
 )
-def _effects() -> list[Check]:
+def _effects() -> Iterator[Check]:
     """Ask the effects of a scene what they give to solvers, meshes and the theory."""
     solid = Solid(young=2e9, poisson=0.3)
     graded, coating = Graded(bulk_young=8e9, depth=3e-6), Coating(young=6e9, thickness=1e-6)
@@ -185,37 +170,31 @@ def _effects() -> list[Check]:
     def wave(felt: object, q: float) -> float:
         return float(np.squeeze(felt(np.array([q]))))  # type: ignore[operator]
 
-    checks = [
-        Check.relative("graded, mesh: E at its depth [Pa]", mesh, at_depth, 1e-12),
-        Check.relative(
-            "graded, theory: E~* at q d = 1 [Pa]", wave(told.modulus, 1 / 3e-6), 5e9 / 0.91, 1e-12
-        ),
-        Check.relative(
-            "graded, solver: 2 / (q C) of a long wave [Pa]",
-            2 / (10 * _felt(slots.felt_response, 10.0)),
-            8e9 / 0.91,
-            1e-3,
-        ),
-        Check.relative("coating, theory: short waves [Pa]", wave(coated.modulus, 1e9), 6e9 / 0.91, 1e-6),
-        Check.relative("coating, theory: long waves [Pa]", wave(coated.modulus, 1e1), 2e9 / 0.91, 1e-3),
-        Check.relative(
-            "hardness at its wavelength [Pa]", wave(rising.hardness, 2e6 * math.pi), 2**0.5 * 1e9, 1e-12
-        ),
-        Check.relative("hardness at a third of it [Pa]", wave(rising.hardness, 6e6 * math.pi), 2e9, 1e-12),
-    ]
+    yield relative("graded, mesh: E at its depth [Pa]", mesh, at_depth, 1e-12)
+    yield relative("graded, theory: E~* at q d = 1 [Pa]", wave(told.modulus, 1 / 3e-6), 5e9 / 0.91, 1e-12)
+    yield relative(
+        "graded, solver: 2 / (q C) of a long wave [Pa]",
+        2 / (10 * _felt(slots.felt_response, 10.0)),
+        8e9 / 0.91,
+        1e-3,
+    )
+    yield relative("coating, theory: short waves [Pa]", wave(coated.modulus, 1e9), 6e9 / 0.91, 1e-6)
+    yield relative("coating, theory: long waves [Pa]", wave(coated.modulus, 1e1), 2e9 / 0.91, 1e-3)
+    yield relative(
+        "hardness at its wavelength [Pa]", wave(rising.hardness, 2e6 * math.pi), 2**0.5 * 1e9, 1e-12
+    )
+    yield relative("hardness at a third of it [Pa]", wave(rising.hardness, 6e6 * math.pi), 2e9, 1e-12)
     # (cosh 2a - 1) / (sinh 2a + 2a) at a = q d = 1, Johnson's Sec. 5.8.
     slides = (math.cosh(2) - 1) / (math.sinh(2) + 2) * 2 * 0.91 / 2e9 / 1e6
-    checks.append(
-        Check.relative("frictionless base: C(q) [m/Pa]", _felt(layers["frictionless"], 1e6), slides, 1e-12)
-    )
+    yield relative("frictionless base: C(q) [m/Pa]", _felt(layers["frictionless"], 1e6), slides, 1e-12)
     for hardness, expected in ((1.9e8, True), (2.1e8, False)):
         # Four deviations of the stress at full contact, E* h'_rms / 2 = 5e7 Pa.
         said = Hardness(hardness=hardness).judge(_ROUGHNESS).matters
-        checks.append(Check.relative(f"hardness {hardness:g} Pa matters", bool(said) == expected, 1, 0))
-    return [*checks, *_judged_adhesion()]
+        yield holds(f"hardness {hardness:g} Pa matters", bool(said) == expected)
+    yield from _judged_adhesion()
 
 
-def _judged_adhesion() -> list[Check]:
+def _judged_adhesion() -> Iterator[Check]:
     """Change the units of a judgement: lengths by 2^20, pressures by 2^-30."""
     k, s = 2.0**20, 2.0**-30
     other = Roughness(
@@ -228,7 +207,7 @@ def _judged_adhesion() -> list[Check]:
     )
     one = Adhesion(work=0.05, reach=2e-9).judge(_ROUGHNESS).number
     two = Adhesion(work=0.05 * k * s, reach=2e-9 * k).judge(other).number
-    return [Check.relative("judgement of adhesion in other units is the same", one == two, 1, 0)]
+    yield holds("judgement of adhesion in other units is the same", one == two)
 
 
 @case(
@@ -236,7 +215,7 @@ def _judged_adhesion() -> list[Check]:
     "The theory of a scene has its effects in it: contrasts, hardness, and readings of adhesion.",
     source="Persson 2006, Secs. 5, 6 and 8",
 )
-def _told() -> list[Check]:
+def _told() -> Iterator[Check]:
     """Ask the theory of a scene about effects, and about their limits."""
     realised = realise(
         Scene.model_validate(
@@ -269,26 +248,19 @@ def _told() -> list[Check]:
         energy: predict(realised, [sticky], TheoryOptions(energy=energy)) for energy in ("improved", "old")
     }
     flat = predict(realised, [sticky], TheoryOptions(area="projected"))
-    checks = [
-        Check.relative("A/A0, graded without contrast", same.area, plain, 1e-9),
-        Check.relative(
-            "A/A0, coating deeper than all waves", stiff.area, math.erf(math.sqrt(2) * 0.1 / 4), 1e-9
-        ),
-        Check.relative("A/A0 of a hard solid", hard.area, plain, 1e-9),
-        Check.relative("A/A0 of one that yields everywhere", soft.area, 1 / 1.1, 1e-6),
-        Check.relative("A_pl/A0 of it", soft.plastic or 0.0, 1 / 1.1, 1e-6),
-    ]
+    yield relative("A/A0, graded without contrast", same.area, plain, 1e-9)
+    yield relative("A/A0, coating deeper than all waves", stiff.area, math.erf(math.sqrt(2) * 0.1 / 4), 1e-9)
+    yield relative("A/A0 of a hard solid", hard.area, plain, 1e-9)
+    yield relative("A/A0 of one that yields everywhere", soft.area, 1 / 1.1, 1e-6)
+    yield relative("A_pl/A0 of it", soft.plastic or 0.0, 1 / 1.1, 1e-6)
     for energy, prediction in found.items():
         interface = Interface(work_of_adhesion=sticky.work, energy=energy)  # type: ignore[arg-type]
         exact = solve_adhesion(scale, pressure=pressure, interface=interface).checked().real_area
         other = found["old" if energy == "improved" else "improved"].area
-        checks += [
-            Check.relative(f"A/A0 with adhesion, {energy} energy", prediction.area, exact, 1e-9),
-            Check.relative(f"the other beside it, {energy} energy", prediction.other or 0.0, other, 1e-9),
-        ]
+        yield relative(f"A/A0 with adhesion, {energy} energy", prediction.area, exact, 1e-9)
+        yield relative(f"the other beside it, {energy} energy", prediction.other or 0.0, other, 1e-9)
     projected = Interface(work_of_adhesion=sticky.work, area="projected")
     exact = solve_adhesion(scale, pressure=pressure, interface=projected).checked().real_area
-    checks.append(Check.relative("A/A0 with adhesion, areas projected", flat.area, exact, 1e-9))
+    yield relative("A/A0 with adhesion, areas projected", flat.area, exact, 1e-9)
     apart = min(abs(found["improved"].area - area) for area in (found["old"].area, flat.area, plain))
-    checks.append(Check.within("these readings, apart by at least", apart, 1e-4, 1.0))
-    return checks
+    yield within("these readings, apart by at least", apart, 1e-4, 1.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import tempfile
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from validation.audit import audit
-from validation.cases import Check, case
+from validation.cases import Check, below, case, near, relative, within
 from validation.cases._closed_forms import westergaard_mean_pressure, westergaard_pressure
 from validation.comparison.run import run_scene
 from validation.measures.ladders import fitted_line
@@ -58,7 +59,7 @@ _WAVE_GRIDS = (64, 128, 256)
     "Of a wave pressed as a scene, every number of the dataset is Westergaard's.",
     source="H. M. Westergaard, J. Appl. Mech. 6, 49 (1939); Persson 2006, Eq. 20",
 )
-def _wave() -> list[Check]:
+def _wave() -> Iterator[Check]:
     """Press a cosine of period 1 until it touches over 60 %; its file holds 32 x 4 points."""
     load = westergaard_mean_pressure(_AMPLITUDE, half_width=_HALF_WIDTH, contact_modulus=_MODULUS)
     with tempfile.TemporaryDirectory() as name:
@@ -83,37 +84,36 @@ def _wave() -> list[Check]:
     theory, area = math.erf(math.sqrt(2) * reduced), 2 * _HALF_WIDTH
     counted = [found.number("area_pixel", method, "64 x 8") for method in ("fem", "bem")]
     error = float(found.data.area_own_error.sel(source="grid"))
-    return [
-        Check.relative("E* [Pa]", found.number("contact_modulus"), _MODULUS, 1e-12),
-        Check.relative("p0 [Pa]", found.number("pressure"), load, 1e-12),
-        Check.relative("h_rms [m]", found.number("rms_height"), _AMPLITUDE / math.sqrt(2), 1e-12),
-        Check.relative("h'_rms", found.number("rms_gradient"), gradient, 1e-12),
-        Check.relative("Nayak parameter of a wave", found.number("nayak"), 1.5, 1e-12),
-        Check.relative("p*", found.number("reduced_pressure"), reduced, 1e-12),
-        Check.relative("theory, erf(sqrt 2 p*)", found.number("area_persson"), theory, 1e-12),
-        # The law of error counts on edges that fall anywhere between grid points; those of a wave run along
-        # the grid, two in all, and are placed to a tenth of a cell.
-        Check.near("limit of A/A0", found.number("area_own"), area, 0.2 / _WAVE_GRIDS[-1]),
-        Check.below("95 % interval of the limit", error, 0.04 * area),
-        Check.near(
-            "limit over the theory, less one",
-            found.number("area_excess"),
-            area / theory - 1,
-            0.2 / _WAVE_GRIDS[-1] / theory,
-        ),
-        Check.relative(
-            "FEM / BEM - 1 of the counted area",
-            found.number("area_pixel_difference", "fem", "64 x 8"),
-            counted[0] / counted[1] - 1,
-            1e-9,
-        ),
-        Check.below("FEM against BEM in pressure", found.number("pressure_difference", "fem", "64 x 8"), 0.1),
-        *(check for n in _WAVE_GRIDS for check in _wave_row(found, "bem", n, reduced)),
-        *_wave_row(found, "fem", 64, reduced),
-    ]
+    yield relative("E* [Pa]", found.number("contact_modulus"), _MODULUS, 1e-12)
+    yield relative("p0 [Pa]", found.number("pressure"), load, 1e-12)
+    yield relative("h_rms [m]", found.number("rms_height"), _AMPLITUDE / math.sqrt(2), 1e-12)
+    yield relative("h'_rms", found.number("rms_gradient"), gradient, 1e-12)
+    yield relative("Nayak parameter of a wave", found.number("nayak"), 1.5, 1e-12)
+    yield relative("p*", found.number("reduced_pressure"), reduced, 1e-12)
+    yield relative("theory, erf(sqrt 2 p*)", found.number("area_persson"), theory, 1e-12)
+    # The law of error counts on edges that fall anywhere between grid points; those of a wave run along
+    # the grid, two in all, and are placed to a tenth of a cell.
+    yield near("limit of A/A0", found.number("area_own"), area, 0.2 / _WAVE_GRIDS[-1])
+    yield below("95 % interval of the limit", error, 0.04 * area)
+    yield near(
+        "limit over the theory, less one",
+        found.number("area_excess"),
+        area / theory - 1,
+        0.2 / _WAVE_GRIDS[-1] / theory,
+    )
+    yield relative(
+        "FEM / BEM - 1 of the counted area",
+        found.number("area_pixel_difference", "fem", "64 x 8"),
+        counted[0] / counted[1] - 1,
+        1e-9,
+    )
+    yield below("FEM against BEM in pressure", found.number("pressure_difference", "fem", "64 x 8"), 0.1)
+    for n in _WAVE_GRIDS:
+        yield from _wave_row(found, "bem", n, reduced)
+    yield from _wave_row(found, "fem", 64, reduced)
 
 
-def _wave_row(found: _Written, method: str, n: int, reduced: float) -> list[Check]:
+def _wave_row(found: _Written, method: str, n: int, reduced: float) -> Iterator[Check]:
     """Judge one row of the table: the strip has two edges in every line of n points."""
     grid, name = f"{n} x {n // 8}", f"{method} {n}x{n // 8}"
     pixel, perimeter = (found.number(f"area_{how}", method, grid) for how in ("pixel", "perimeter"))
@@ -123,15 +123,13 @@ def _wave_row(found: _Written, method: str, n: int, reduced: float) -> list[Chec
     p = westergaard_pressure(x, half_width=_HALF_WIDTH, mean_pressure=reduced)
     share = 2 * (_HALF_WIDTH - float(x[np.argmax(p < window)]))
     density = found.number("density_at_zero", method, grid)
-    return [
-        Check.near(f"{name}: pixel", pixel, 2 * _HALF_WIDTH, 2 / n),
-        Check.relative(f"{name}: perimeter", perimeter, pixel - 2 * _EDGE[method] / n, 1e-12),
-        Check.relative(
-            f"{name}: kappa", found.number("kappa_perimeter", method, grid), perimeter / reduced, 1e-12
-        ),
-        # A point more or less on either edge.
-        Check.near(f"{name}: P(0+)", density, share / window, 2 / n / window),
-    ]
+    yield near(f"{name}: pixel", pixel, 2 * _HALF_WIDTH, 2 / n)
+    yield relative(f"{name}: perimeter", perimeter, pixel - 2 * _EDGE[method] / n, 1e-12)
+    yield relative(
+        f"{name}: kappa", found.number("kappa_perimeter", method, grid), perimeter / reduced, 1e-12
+    )
+    # A point more or less on either edge.
+    yield near(f"{name}: P(0+)", density, share / window, 2 / n / window)
 
 
 _ROUGH = {
@@ -150,7 +148,7 @@ _ROUGH = {
     "Of a surface in full contact, every number of its table is exact.",
     source="Persson 2006, Eq. 20; exact",
 )
-def _full() -> list[Check]:
+def _full() -> Iterator[Check]:
     """Press a rough surface with eight deviations of its full-contact stress."""
     reduced = 4.0
     with tempfile.TemporaryDirectory() as name:
@@ -167,17 +165,15 @@ def _full() -> list[Check]:
             Path(name),
         )
     complete = any("Contact is complete: A/A0 = 1" in text for text in found.findings)
-    checks = [
-        Check.relative("numbers that the audit disagrees with", found.wrong, 0.0, 0.0),
-        Check.relative("it is said to be complete", float(complete), 1.0, 0.0),
-        Check.relative("p*", found.number("reduced_pressure"), reduced, 1e-12),
-        Check.relative("limit of A/A0", found.number("area_own"), 1.0, 1e-12),
-        Check.relative("theory", found.number("area_persson"), 1.0, 1e-12),
-        Check.relative("theory from C(q)", found.number("area_ensemble"), 1.0, 1e-12),
-        Check.relative(
-            "FEM against BEM, counted area", found.number("area_pixel_difference", "fem", "12 x 12"), 0.0, 0.0
-        ),
-    ]
+    yield relative("numbers that the audit disagrees with", found.wrong, 0.0, 0.0)
+    yield relative("it is said to be complete", complete, 1.0, 0.0)
+    yield relative("p*", found.number("reduced_pressure"), reduced, 1e-12)
+    yield relative("limit of A/A0", found.number("area_own"), 1.0, 1e-12)
+    yield relative("theory", found.number("area_persson"), 1.0, 1e-12)
+    yield relative("theory from C(q)", found.number("area_ensemble"), 1.0, 1e-12)
+    yield relative(
+        "FEM against BEM, counted area", found.number("area_pixel_difference", "fem", "12 x 12"), 0.0, 0.0
+    )
     for method, grid in (("bem", "12 x 12"), ("bem", "24 x 24"), ("bem", "32 x 32"), ("fem", "12 x 12")):
         for name, exact in (
             ("area_pixel", 1.0),
@@ -186,8 +182,7 @@ def _full() -> list[Check]:
             ("density_at_zero", 0.0),
         ):
             value = found.number(name, method, grid)
-            checks.append(Check.relative(f"{method} {grid}: {name}", value, exact, 1e-12))
-    return checks
+            yield relative(f"{method} {grid}: {name}", value, exact, 1e-12)
 
 
 @case(
@@ -195,7 +190,7 @@ def _full() -> list[Check]:
     "Each surface of an ensemble is compared with the theory of its own gradient.",
     source="Persson 2006, Eq. 20; exact",
 )
-def _ensemble() -> list[Check]:
+def _ensemble() -> Iterator[Check]:
     """Press three surfaces of one spectrum with one pressure: each has its own gradient and theory."""
     with tempfile.TemporaryDirectory() as name:
         found = _run(
@@ -213,28 +208,24 @@ def _ensemble() -> list[Check]:
     gradients = found.number("rms_gradient") / 0.02
     ratios = data.area_each.values / spread
     deviation = math.sqrt(float(np.sum((ratios - ratios.mean()) ** 2)) / 2)
-    return [
-        Check.relative("numbers that the audit disagrees with", found.wrong, 0.0, 0.0),
-        Check.relative("theory, erf(sqrt 2 p*)", found.number("area_persson_own"), math.erf(argument), 1e-12),
-        Check.relative(
-            "theory from C(q), erf(sqrt 2 p* h' / h'_C)",
-            found.number("area_ensemble"),
-            math.erf(argument * gradients),
-            1e-9,
-        ),
-        Check.relative("theory of the first surface", float(spread[0]), math.erf(argument), 1e-9),
-        Check.within(
-            "theories of the others, apart by [%]", 100 * float(np.ptp(spread) / spread[0]), 0.1, 50
-        ),
-        Check.relative("mean above the theory", found.number("area_excess"), float(ratios.mean()) - 1, 1e-12),
-        # Student's t of two degrees of freedom, 97.5 %, as tabled.
-        Check.relative(
-            "its 95 % half width",
-            float(data.area_excess_error.sel(source="surfaces")),
-            4.3027 * deviation / math.sqrt(3),
-            1e-4,
-        ),
-    ]
+    yield relative("numbers that the audit disagrees with", found.wrong, 0.0, 0.0)
+    yield relative("theory, erf(sqrt 2 p*)", found.number("area_persson_own"), math.erf(argument), 1e-12)
+    yield relative(
+        "theory from C(q), erf(sqrt 2 p* h' / h'_C)",
+        found.number("area_ensemble"),
+        math.erf(argument * gradients),
+        1e-9,
+    )
+    yield relative("theory of the first surface", spread[0], math.erf(argument), 1e-9)
+    yield within("theories of the others, apart by [%]", 100 * float(np.ptp(spread) / spread[0]), 0.1, 50)
+    yield relative("mean above the theory", found.number("area_excess"), float(ratios.mean()) - 1, 1e-12)
+    # Student's t of two degrees of freedom, 97.5 %, as tabled.
+    yield relative(
+        "its 95 % half width",
+        data.area_excess_error.sel(source="surfaces"),
+        4.3027 * deviation / math.sqrt(3),
+        1e-4,
+    )
 
 
 @case(
@@ -242,39 +233,37 @@ def _ensemble() -> list[Check]:
     "Intervals that claim 95 % hold in 95 of 100 trials, and shares of a budget add up.",
     source="Student, Biometrika 6, 1 (1908)",
 )
-def _intervals() -> list[Check]:
+def _intervals() -> Iterator[Check]:
     """Plant means and scatters, and see what intervals are claimed and how often they hold."""
-    checks = []
     # Student's t of n - 1 degrees of freedom, 97.5 %, as tabled.
     for n, student in ((2, 12.706), (3, 4.303), (5, 2.776), (10, 2.262), (30, 2.045)):
         planted = 5.0 + np.sqrt(np.arange(1, n + 1))
         error = float(np.sqrt(np.sum((planted - planted.mean()) ** 2) / (n - 1) / n))
         _, half = estimates.mean_of(xr.DataArray(planted, dims="surface"))
-        checks.append(Check.relative(f"95 % half width of {n} samples", float(half), student * error, 3e-4))
+        yield relative(f"95 % half width of {n} samples", half, student * error, 3e-4)
     rng, trials = np.random.default_rng(314), 2000
     drawn = xr.DataArray(rng.normal(3.0, 0.4, (trials, 4)), dims=("trial", "surface"))
     middle, half = estimates.mean_of(drawn)
     held = int((abs(middle - 3.0) <= half).sum())
     # Four deviations of the binomial; 1.96 in place of Student's 3.18 would hold 86 %.
-    checks.append(Check.near("share of 95 % intervals that hold", held / trials, 0.95, 0.02))
+    yield near("share of 95 % intervals that hold", held / trials, 0.95, 0.02)
     together = estimates.combined(3.0, 4.0, 12.0)
-    checks.append(Check.relative("independent errors of 3, 4 and 12", together, 13.0, 1e-12))
+    yield relative("independent errors of 3, 4 and 12", together, 13.0, 1e-12)
     spacing = np.array([0.4, 0.2, 0.1])
-    order = order_of_convergence(spacing, -0.3 * spacing**1.5)
-    checks.append(Check.relative("order of errors like dx^1.5", order, 1.5, 1e-9))
+    observed = order_of_convergence(spacing, -0.3 * spacing**1.5)
+    yield relative("order of errors like dx^1.5", observed, 1.5, 1e-9)
     rungs = [[2.0 + 0.5 * step**1.4] * 3 for step in spacing]
     ladder = fitted_line(rungs, spacing**1.4, common=True)
-    checks.append(Check.relative("limit of a ladder of order 1.4", ladder.limit, 2.0, 1e-9))
+    yield relative("limit of a ladder of order 1.4", ladder.limit, 2.0, 1e-9)
     four = xr.Dataset({"kappa_each": ("surface", [2.0] * 4), "kappa_each_drift": ("surface", [0.08] * 4)})
     told = estimates.mean(estimates.claim(four, "kappa_each", grid=0.12), "kappa")
     # .12 / sqrt 4 at random, .08 that does not average, over 2.
     share = float(told.kappa_error.sel(source="grid")) / 2.0
-    checks.append(Check.relative("share of the grid in a budget", share, 0.05, 1e-12))
+    yield relative("share of the grid in a budget", share, 0.05, 1e-12)
     exact = dict.fromkeys(("size", "depth", "theory"), "nothing here depends on it")
     parts = {"grid": 0.06, "solver": 0.08, "surfaces": 0.24, "bandwidth": 1.68}
     known = estimates.claim(xr.Dataset({"kappa": 2.0}), "kappa", **parts, **exact)
     budget = budget_table(known, ["kappa"])
     row = dict(zip(budget.columns, budget.rows[0], strict=True))
     for name, expected in (("for this spectrum and period [%]", 13.0), ("for any [%]", math.hypot(13, 84))):
-        checks.append(Check.relative(name, float(row[name]), expected, 1e-12))
-    return checks
+        yield relative(name, row[name], expected, 1e-12)

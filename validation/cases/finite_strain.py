@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from scipy.optimize import brentq
@@ -10,7 +11,7 @@ from scipy.optimize import brentq
 from fem_contact import block
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
-from validation.cases import Check, case
+from validation.cases import Check, below, case, order, relative
 
 _SOLID = Solid(young=2.0, poisson=0.3)
 _SHEAR, _BULK = 1 / 1.3, 2 / (3 * 0.4)
@@ -28,7 +29,7 @@ def _wavy(amplitude: float, points: int) -> HeightField:
     "A neo-Hookean block pressed flat takes the closed form of confined compression.",
     source="W = mu/2 (J^(-2/3) tr C - 3) + K/2 (J - 1)^2 with two stretches 1",
 )
-def _flat() -> list[Check]:
+def _flat() -> Iterator[Check]:
     """Press a block whose sides cannot move to half of Young's modulus, far from small strain."""
     load = 1.0
     found = block.solve_finite_strain(
@@ -41,11 +42,9 @@ def _flat() -> list[Check]:
 
     j = brentq(excess, 0.1, 1.0, xtol=1e-14)
     stored = _SHEAR / 2 * (j ** (-2 / 3) * (2 + j**2) - 3) + _BULK / 2 * (j - 1) ** 2
-    return [
-        Check.relative("thickness over that before", 1 + found.offset / 0.5, j, 1e-7),
-        Check.relative("stored energy [J/m^2]", found.energy, 0.5 * stored, 1e-6),
-        Check.relative("projected area in contact", found.area, 1.0, 1e-12),
-    ]
+    yield relative("thickness over that before", 1 + found.offset / 0.5, j, 1e-7)
+    yield relative("stored energy [J/m^2]", found.energy, 0.5 * stored, 1e-6)
+    yield relative("projected area in contact", found.area, 1.0, 1e-12)
 
 
 @case(
@@ -53,7 +52,7 @@ def _flat() -> list[Check]:
     "Under steep waves forces balance, and the work of the load is the energy stored.",
     source="equilibrium; a conservative body",
 )
-def _steep() -> list[Check]:
+def _steep() -> Iterator[Check]:
     """Press waves of h' = .5: equilibrium, the area of the surface, and the work of a little more load."""
     surface = _wavy(0.05, 8)
     loads = 0.2 * _SOLID.contact_modulus * surface.rms_gradient * np.array([1, 1.0005, 1.001])
@@ -65,13 +64,11 @@ def _steep() -> list[Check]:
     offsets = np.array([each.offset for each in path])
     work = loads[0] * offsets[0] - loads[2] * offsets[2] + (loads[1] - loads[0]) / 3 * (offsets @ [1, 4, 1])
     rise = path[2].energy - path[0].energy
-    return [
-        Check.below("unbalanced over contact forces", last.residual, 1e-8),
-        Check.below("gap where there is contact, over h_rms", _closed(last), 1e-8),
-        Check.relative("mean of pressure over projected area [Pa]", _carried(last), float(loads[2]), 1e-9),
-        Check.relative("rise of the stored energy: work of the load [J/m^2]", rise, float(work), 1e-6),
-        Check.below("force along the plane over the load", last.sideways, 0.03),
-    ]
+    yield below("unbalanced over contact forces", last.residual, 1e-8)
+    yield below("gap where there is contact, over h_rms", _closed(last), 1e-8)
+    yield relative("mean of pressure over projected area [Pa]", _carried(last), loads[2], 1e-9)
+    yield relative("rise of the stored energy: work of the load [J/m^2]", rise, work, 1e-6)
+    yield below("force along the plane over the load", last.sideways, 0.03)
 
 
 def _closed(found: block.FiniteStrain) -> float:
@@ -87,7 +84,7 @@ def _carried(found: block.FiniteStrain) -> float:
     "At small slopes the block of finite strain is the linear one, in first order.",
     source="the full linear system on the same mesh",
 )
-def _limit() -> list[Check]:
+def _limit() -> Iterator[Check]:
     """Flatten waves at one reduced load: pressures go to those of the linear block in first order."""
     surface = _wavy(0.01, 8)
     load = 0.2 * _SOLID.contact_modulus * surface.rms_gradient
@@ -101,9 +98,7 @@ def _limit() -> list[Check]:
         float(np.linalg.norm(each.pressure / each.mean_pressure - expected) / np.linalg.norm(expected))
         for each in path
     ]
-    return [
-        Check.order(
-            "order in the slope", [1 / h for h in slopes[::-1]], errors[::-1], expected=1.0, tolerance=0.05
-        ),
-        Check.below("difference of pressure at h' = 1e-4", errors[0], 1e-3),
-    ]
+    yield order(
+        "order in the slope", [1 / h for h in slopes[::-1]], errors[::-1], expected=1.0, tolerance=0.05
+    )
+    yield below("difference of pressure at h' = 1e-4", errors[0], 1e-3)

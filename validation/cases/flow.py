@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -14,7 +15,7 @@ from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from persson.leakage import effective_medium
 from validation.arrays import Array
-from validation.cases import Check, case
+from validation.cases import Check, below, case, order, relative
 
 _SOLID = Solid(young=1.0, poisson=0.2)
 _HALF_SPACE = HalfSpace(solid=_SOLID)
@@ -44,7 +45,7 @@ def _spot(n: int, radius: float) -> float:
     "The contact resistance of a circular spot is Holm's, with the field of its neighbours.",
     source="R. Holm (1967); J. R. Barber, Proc. R. Soc. A 459, 53 (2003)",
 )
-def _spots() -> list[Check]:
+def _spots() -> Iterator[Check]:
     """Resistance of a circular spot, and stiffness of a layer in full contact."""
     coarse, fine = _spot(96, 0.1), _spot(192, 0.1)
     layer = BondedLayer(solid=_SOLID, thickness=0.3)
@@ -52,16 +53,12 @@ def _spots() -> list[Check]:
     pressed = frozen_contact(bem.solve(flat, layer, mean_pressure=1e-3).checked(), layer)
     # A clamped layer under uniform pressure is compressed alone: (1 - nu) E / (1 + nu) / (1 - 2 nu) / d.
     oedometric = (1 - 0.2) / (1 + 0.2) / (1 - 2 * 0.2) / 0.3
-    return [
-        # The edge of the set is off by a part of a cell, the resistance by a part of it in first order.
-        Check.relative(
-            "resistance over Holm's in a lattice, two grids in first order", 2 * fine - coarse, 1.0, 5e-3
-        ),
-        Check.below("its error on the finer grid", abs(fine - 1), 0.02),
-        Check.relative(
-            "stiffness of a bonded layer in full contact [1/m]", pressed.stiffness, oedometric, 1e-9
-        ),
-    ]
+    # The edge of the set is off by a part of a cell, the resistance by a part of it in first order.
+    yield relative(
+        "resistance over Holm's in a lattice, two grids in first order", 2 * fine - coarse, 1.0, 5e-3
+    )
+    yield below("its error on the finer grid", abs(fine - 1), 0.02)
+    yield relative("stiffness of a bonded layer in full contact [1/m]", pressed.stiffness, oedometric, 1e-9)
 
 
 @case(
@@ -69,7 +66,7 @@ def _spots() -> list[Check]:
     "The stiffness of the frozen contact set is the slope of the load over the approach.",
     source="exact: without friction the area changes in the second order alone",
 )
-def _slope() -> list[Check]:
+def _slope() -> Iterator[Check]:
     """Slope of the load over the approach between two solves close to one another."""
     x = 2 * np.pi * np.arange(64) / 64
     heights = 1e-3 * (
@@ -84,11 +81,9 @@ def _slope() -> list[Check]:
     secant = (states[2].mean_pressure - states[0].mean_pressure) / (states[0].offset - states[2].offset)
     stiffness = frozen_contact(states[1], _HALF_SPACE).stiffness
     moved = float(sum(np.sum(state.in_contact != states[1].in_contact) for state in states))
-    return [
-        Check.below("points that change between the loads", moved, 0.0),
-        # Both offsets are known to 1e-12 of the height, their difference to some 1e-6 of itself.
-        Check.relative("stiffness of the frozen contact over the secant", stiffness / secant, 1.0, 1e-5),
-    ]
+    yield below("points that change between the loads", moved, 0.0)
+    # Both offsets are known to 1e-12 of the height, their difference to some 1e-6 of itself.
+    yield relative("stiffness of the frozen contact over the secant", stiffness / secant, 1.0, 1e-5)
 
 
 def _grooved(n: int, phase: Array) -> Array:
@@ -101,7 +96,7 @@ def _grooved(n: int, phase: Array) -> Array:
     "The conductance of a gap is that of its channels and grooves.",
     source="O. Reynolds (1886); oblique grooves: the mean of both conductances",
 )
-def _channels() -> list[Check]:
+def _channels() -> Iterator[Check]:
     """Let fluid along a channel, along grooves, across them, and along oblique ones."""
     gap = np.zeros((9, 7))
     gap[:, 2:5] = 0.2
@@ -116,16 +111,14 @@ def _channels() -> list[Check]:
         abs(12 * flow_conductance(_grooved(n, a[:, None] + a[None, :]), (1.0, 1.0)).conductance - exact)
         for n, a in phase.items()
     ]
-    return [
-        Check.relative(
-            "K of a channel of width w on 3/7 of the period [m^3]", channel, 3 / 7 * 0.2**3 / 12, 1e-12
-        ),
-        Check.below("K across it", closed, 0.0),
-        Check.relative("12 K along grooves 1 + .6 cos", found["y"], along, 1e-12),
-        # The mean of an analytic function over a period converges faster than any power.
-        Check.relative("12 K across them", found["x"], across, 1e-8),
-        Check.order("order along oblique ones", sizes, errors, expected=2, tolerance=0.2),
-    ]
+    yield relative(
+        "K of a channel of width w on 3/7 of the period [m^3]", channel, 3 / 7 * 0.2**3 / 12, 1e-12
+    )
+    yield below("K across it", closed, 0.0)
+    yield relative("12 K along grooves 1 + .6 cos", found["y"], along, 1e-12)
+    # The mean of an analytic function over a period converges faster than any power.
+    yield relative("12 K across them", found["x"], across, 1e-8)
+    yield order("order along oblique ones", sizes, errors, expected=2, tolerance=0.2)
 
 
 @case(
@@ -133,7 +126,7 @@ def _channels() -> list[Check]:
     "A pressed wave leaks along its valleys alone; Bruggeman's medium closes at one half.",
     source="exact; D. A. G. Bruggeman, Ann. Phys. 416, 636 (1935)",
 )
-def _percolation() -> list[Check]:
+def _percolation() -> Iterator[Check]:
     """Let fluid along the valleys of a pressed wave, and through patchworks of two halves."""
     wave = 0.01 * np.cos(2 * np.pi * (np.arange(48) + 0.5) / 48)[:, None] * np.ones(4)
     surface = HeightField(heights=wave, lengths=(1.0, 0.25))
@@ -144,16 +137,12 @@ def _percolation() -> list[Check]:
     # A valley is a channel: its cubes add, and its deepest place is the narrowest of the widest path.
     along = flow_conductance(gap, surface.lengths, axis="y").conductance
     halves = effective_medium([1.0, 4.0], [0.5, 0.5])
-    return [
-        Check.relative(
-            "K along a pressed wave over the mean of u^3/12", along / float(np.mean(gap**3 / 12)), 1.0, 1e-10
-        ),
-        Check.relative(
-            "narrowest place along it over the widest gap", critical_gap(gap, "y") / gap.max(), 1.0, 1e-10
-        ),
-        Check.below("paths across it", percolates(gap > 0, "x"), 0.0),
-        Check.relative("Bruggeman's conductance of two halves, 1 and 4", halves, 2.0, 1e-10),
-        Check.below(
-            "Bruggeman's conductance of .51 without any", effective_medium([0.0, 1.0], [0.51, 0.49]), 0.0
-        ),
-    ]
+    yield relative(
+        "K along a pressed wave over the mean of u^3/12", along / float(np.mean(gap**3 / 12)), 1.0, 1e-10
+    )
+    yield relative(
+        "narrowest place along it over the widest gap", critical_gap(gap, "y") / gap.max(), 1.0, 1e-10
+    )
+    yield below("paths across it", percolates(gap > 0, "x"), 0.0)
+    yield relative("Bruggeman's conductance of two halves, 1 and 4", halves, 2.0, 1e-10)
+    yield below("Bruggeman's conductance of .51 without any", effective_medium([0.0, 1.0], [0.51, 0.49]), 0.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from fem_contact.conductance import frozen_contact
 from fem_contact.response import FreeHalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import Patch
-from validation.cases import Check, case
+from validation.cases import Check, below, case, order
 
 _FREE = FreeHalfSpace(solid=Solid(young=1.0, poisson=0.3))
 #: Side of the patch over the contact radius: little more than the contact itself.
@@ -27,7 +28,7 @@ _SQUARE = 0.3667892
     "A ball on a patch hardly larger than its contact is Hertz's within .1 %: it has no images.",
     source="H. Hertz, J. reine angew. Math. 92, 156 (1882); K. L. Johnson, Contact Mechanics, Sec. 4.2",
 )
-def _hertz() -> list[Check]:
+def _hertz() -> Iterator[Check]:
     """Press a ball of radius 1 to a contact of radius .1; no grid point is its apex."""
     a, modulus = 0.1, _FREE.contact_modulus
     force, peak, side = 4 * modulus * a**3 / 3, 2 * modulus * a / math.pi, _SIDE * a
@@ -42,13 +43,11 @@ def _hertz() -> list[Check]:
         pressures.append(float(np.max(np.abs(result.pressure - exact)[r < 0.8 * a])) / peak)
         area = subcell_area(result, edge_map=EDGE_MAPS["bem"]) * side**2
         radii.append(abs(math.sqrt(area / math.pi) / a - 1))
-    return [
-        Check.below(f"error of the approach a^2/R at n = {sizes[-1]}", approaches[-1], 1e-3),
-        Check.below(f"largest error of p(r) over the peak inside .8 a, n = {sizes[-1]}", pressures[-1], 1e-3),
-        Check.below(f"error of the contact radius, located, at n = {sizes[-1]}", radii[-1], 1e-3),
-        Check.order("observed order of the approach", sizes, approaches, expected=2, tolerance=0.7),
-        Check.order("observed order of p(r)", sizes, pressures, expected=2, tolerance=0.7),
-    ]
+    yield below(f"error of the approach a^2/R at n = {sizes[-1]}", approaches[-1], 1e-3)
+    yield below(f"largest error of p(r) over the peak inside .8 a, n = {sizes[-1]}", pressures[-1], 1e-3)
+    yield below(f"error of the contact radius, located, at n = {sizes[-1]}", radii[-1], 1e-3)
+    yield order("observed order of the approach", sizes, approaches, expected=2, tolerance=0.7)
+    yield order("observed order of p(r)", sizes, pressures, expected=2, tolerance=0.7)
 
 
 @case(
@@ -56,7 +55,7 @@ def _hertz() -> list[Check]:
     "A flat square patch has the stiffness of a punch, that is the capacitance of a square plate.",
     source="F. H. Read, J. Comput. Phys. 133, 1 (1997): C = .3667892 x 4 pi eps L",
 )
-def _punch() -> list[Check]:
+def _punch() -> Iterator[Check]:
     """Pressures at the edges of a punch are infinite: first order."""
     sizes, errors, exact = (16, 32, 64), [], math.pi * _SQUARE * _FREE.contact_modulus
     for n in sizes:
@@ -64,7 +63,5 @@ def _punch() -> list[Check]:
         result = bem.solve(flat, _FREE, mean_pressure=0.01).checked()
         errors.append(1 - frozen_contact(result, _FREE).stiffness / exact)
     limit = 2 * errors[-1] - errors[-2]
-    return [
-        Check.order("observed order of the stiffness", sizes, errors, expected=1, tolerance=0.2),
-        Check.below("error of its limit over the grids", abs(limit), 2e-3),
-    ]
+    yield order("observed order of the stiffness", sizes, errors, expected=1, tolerance=0.2)
+    yield below("error of its limit over the grids", abs(limit), 2e-3)

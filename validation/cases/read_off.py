@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -27,7 +28,7 @@ from fem_contact.stress import (
 )
 from fem_contact.surface import HeightField, random_surface
 from validation.arrays import Array
-from validation.cases import Check, case
+from validation.cases import Check, below, case, holds, near, relative, within
 
 _SOFT = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
@@ -62,7 +63,7 @@ def _planted() -> ContactResult:
     "Areas, edges, patches and distributions count what was planted, periodic and weighted.",
     source="counting",
 )
-def _areas() -> list[Check]:
+def _areas() -> Iterator[Check]:
     """Count what was planted: 6 + 3 + 2 cells of .2 x .05, 9 edges across x each side's worth of its own."""
     result = _planted()
     found = contact_areas(result, edge_constant=0.1)
@@ -74,21 +75,17 @@ def _areas() -> list[Check]:
     pressures = pressure_distribution(result, edges)
     gaps = gap_distribution(result, np.array([0.0, 0.002, 0.004]))
     lone = replace(result, weights=None)
-    return [
-        Check.relative("A/A0 of nodes of unequal area", found.pixel, carried, 1e-14),
-        Check.relative("A/A0 of equal cells", contact_areas(lone, edge_constant=0.1).pixel, 11 / 80, 1e-14),
-        Check.relative("edges over cells", found.edge_fraction, (across_x + across_y) / 80, 1e-14),
-        Check.relative("P_edge [1/m]", found.edge_length, (across_x / 0.2 + across_y / 0.05) / 80, 1e-14),
-        Check.relative("corrected area", found.perimeter, carried - 0.1 * 24 / 80, 1e-14),
-        Check.relative("patches, joined across both periods", patches.count, 3, 0.0),
-        Check.relative("largest patch [m^2]", float(patches.areas.max()), 6 * 0.2 * 0.05, 1e-14),
-        Check.relative("area of all patches [m^2]", float(patches.areas.sum()), 11 * 0.2 * 0.05, 1e-14),
-        Check.relative(
-            "integral of P(sigma)", float(np.sum(pressures.density * np.diff(edges))), carried, 1e-14
-        ),
-        Check.relative("area of P(sigma)", pressures.area, carried, 1e-14),
-        Check.relative("integral of the gaps", float(np.sum(gaps.density) * 0.002), 1 - carried, 1e-14),
-    ]
+    yield relative("A/A0 of nodes of unequal area", found.pixel, carried, 1e-14)
+    yield relative("A/A0 of equal cells", contact_areas(lone, edge_constant=0.1).pixel, 11 / 80, 1e-14)
+    yield relative("edges over cells", found.edge_fraction, (across_x + across_y) / 80, 1e-14)
+    yield relative("P_edge [1/m]", found.edge_length, (across_x / 0.2 + across_y / 0.05) / 80, 1e-14)
+    yield relative("corrected area", found.perimeter, carried - 0.1 * 24 / 80, 1e-14)
+    yield relative("patches, joined across both periods", patches.count, 3, 0.0)
+    yield relative("largest patch [m^2]", patches.areas.max(), 6 * 0.2 * 0.05, 1e-14)
+    yield relative("area of all patches [m^2]", patches.areas.sum(), 11 * 0.2 * 0.05, 1e-14)
+    yield relative("integral of P(sigma)", np.sum(pressures.density * np.diff(edges)), carried, 1e-14)
+    yield relative("area of P(sigma)", pressures.area, carried, 1e-14)
+    yield relative("integral of the gaps", np.sum(gaps.density) * 0.002, 1 - carried, 1e-14)
 
 
 @case(
@@ -96,7 +93,7 @@ def _areas() -> list[Check]:
     "P(0+), energy, work and stiffness of fields with a known answer are that answer.",
     source="closed forms; Persson 2006, Eq. 43 for the energy",
 )
-def _numbers() -> list[Check]:
+def _numbers() -> Iterator[Check]:
     surface = _rough()
     full = bem.solve(surface, _SOFT, mean_pressure=10.0).checked()
     stored = surface.spectral_sum(lambda q: q / 4)
@@ -120,23 +117,19 @@ def _numbers() -> list[Check]:
         for h in (0.04, 0.02, 0.01, 0.005)
     ]
     limit = limit_density(line)
-    return [
-        Check.relative(
-            "stored energy of full contact, sum E* q |h|^2 / 4", elastic_energy(full), stored, 1e-9
-        ),
-        Check.relative("window of P(0+) [Pa]", zero.threshold, window, 1e-12),
-        # One point more or less below the window.
-        Check.relative("P(0+) of an even distribution", zero.reduced, 0.3 / 1.6, 1 / zero.points),
-        Check.below("error of the stiffness of an exponential law", slope, 1e-10),
-        Check.relative(
-            "work of an exponential law",
-            float(loading_work(path)[-1]),
-            length * (loads[-1] - loads[0]),
-            1e-10,
-        ),
-        Check.relative("limit of P(0+), linear in dx^(1/2)", limit.value, 0.02, 1e-6),
-        Check.relative("its growth", limit.growth, 0.1 * math.sqrt(0.005), 1e-6),
-    ]
+    yield relative("stored energy of full contact, sum E* q |h|^2 / 4", elastic_energy(full), stored, 1e-9)
+    yield relative("window of P(0+) [Pa]", zero.threshold, window, 1e-12)
+    # One point more or less below the window.
+    yield relative("P(0+) of an even distribution", zero.reduced, 0.3 / 1.6, 1 / zero.points)
+    yield below("error of the stiffness of an exponential law", slope, 1e-10)
+    yield relative(
+        "work of an exponential law",
+        loading_work(path)[-1],
+        length * (loads[-1] - loads[0]),
+        1e-10,
+    )
+    yield relative("limit of P(0+), linear in dx^(1/2)", limit.value, 0.02, 1e-6)
+    yield relative("its growth", limit.growth, 0.1 * math.sqrt(0.005), 1e-6)
 
 
 def _area(value: float, points: int, fraction: float) -> ContactAreas:
@@ -170,7 +163,7 @@ def _spread(patches: float) -> Array:
     "Limits over grids are off by what they claim, and twice that holds.",
     source="generalised least squares; docs/uncertainty.md",
 )
-def _limits() -> list[Check]:
+def _limits() -> Iterator[Check]:
     """Draw areas from the law of their error, and see how far limits are off over what they claim."""
     rng, area = np.random.default_rng(2_203), 0.2
     points, shifts = np.array([24, 48, 96]), np.array([4, 2, 1])
@@ -202,15 +195,11 @@ def _limits() -> list[Check]:
     # Of 400 squares of normal numbers the mean has the deviation .071; disagreeing grids widen, so that the
     # claims are careful. Student's t of three degrees of freedom holds 86.1 % within 2 (deviation 1.7 %).
     low, found = _best([0.22, 0.2]), located_limit([_area(0.22, 32, 0.08)] * 2 + [_area(0.2, 64, 0.04)])
-    return [
-        Check.within("mean square of located limits over their claim", float(squares.mean()), 0.72, 1.1),
-        Check.within(
-            "share of located limits within twice their claim", float(np.mean(squares < 4)), 0.93, 1.0
-        ),
-        Check.near("share of counted limits within twice their claim", float(np.mean(t < 4)), 0.861, 0.05),
-        Check.relative("limit of two grids, two shifts on the coarser", found.value, low[0], 1e-9),
-        Check.relative("its standard error", found.uncertainty, low[1], 1e-7),
-    ]
+    yield within("mean square of located limits over their claim", squares.mean(), 0.72, 1.1)
+    yield within("share of located limits within twice their claim", np.mean(squares < 4), 0.93, 1.0)
+    yield near("share of counted limits within twice their claim", np.mean(t < 4), 0.861, 0.05)
+    yield relative("limit of two grids, two shifts on the coarser", found.value, low[0], 1e-9)
+    yield relative("its standard error", found.uncertainty, low[1], 1e-7)
 
 
 def _best(values: list[float]) -> tuple[float, float]:
@@ -236,7 +225,7 @@ def _best(values: list[float]) -> tuple[float, float]:
     "Residuals measure by how much each condition is missed, and what exceeds them is refused.",
     source="definition",
 )
-def _residuals() -> list[Check]:
+def _residuals() -> Iterator[Check]:
     """Miss every condition by a planted amount, and see it measured and refused."""
     surface = _rough(16)
     pressure, gap = np.zeros((16, 16)), np.full((16, 16), 0.5)
@@ -273,19 +262,17 @@ def _residuals() -> list[Check]:
             replace(solved, residuals=off).checked()
         except NotConverged:
             refused += 1
-    return [
-        Check.relative("penetration / h_rms", found.penetration, 0.03 / height, 1e-12),
-        Check.relative("tension / (E* h'_rms)", found.tension, 0.1 / (3 * gradient), 1e-12),
-        Check.relative(
-            "sum p |g| / (sum p h_rms)",
-            found.complementarity,
-            product / total / height,
-            1e-12,
-        ),
-        Check.relative("|mean p - p0| / p0", found.load, abs(pressure.mean() - target) / target, 1e-12),
-        Check.relative("residuals of a NaN that are NaN", float(np.isnan(worst)), 1.0, 0.0),
-        Check.relative("results beyond their tolerance that are refused", refused, 2, 0.0),
-    ]
+    yield relative("penetration / h_rms", found.penetration, 0.03 / height, 1e-12)
+    yield relative("tension / (E* h'_rms)", found.tension, 0.1 / (3 * gradient), 1e-12)
+    yield relative(
+        "sum p |g| / (sum p h_rms)",
+        found.complementarity,
+        product / total / height,
+        1e-12,
+    )
+    yield relative("|mean p - p0| / p0", found.load, abs(pressure.mean() - target) / target, 1e-12)
+    yield relative("residuals of a NaN that are NaN", np.isnan(worst), 1.0, 0.0)
+    yield relative("results beyond their tolerance that are refused", refused, 2, 0.0)
 
 
 @case(
@@ -293,7 +280,7 @@ def _residuals() -> list[Check]:
     "A solve that ends early says so, and what converged meets its tolerance.",
     source="definition",
 )
-def _status() -> list[Check]:
+def _status() -> Iterator[Check]:
     """Stop solves early, and ask the impossible; look at converged ones with plain sums."""
     surface, solid, load = _rough(), Solid(young=1.0, poisson=0.0), 0.01
     early = bem.solve(surface, _SOFT, mean_pressure=load, max_iterations=2)
@@ -301,16 +288,10 @@ def _status() -> list[Check]:
     # Pressed ten powers of ten beyond flat, the gap is lost to rounding.
     lost = bem.solve(surface, _SOFT, mean_pressure=1e10 * surface.rms_gradient)
     full = block.solve(_rough(16), solid, mean_pressure=load, method="full", max_iterations=1, growth=1.5)
-    checks = [
-        Check.relative(
-            "stopped at its limit: boundary elements", early.status is Status.ITERATION_LIMIT, 1, 0
-        ),
-        Check.relative("beyond the arithmetic: stagnated", beyond.status is Status.STAGNATED, 1, 0),
-        Check.relative("gap lost to rounding: not converged", lost.status is not Status.CONVERGED, 1, 0),
-        Check.relative(
-            "stopped at its limit: finite elements", full.contact.status is Status.ITERATION_LIMIT, 1, 0
-        ),
-    ]
+    yield holds("stopped at its limit: boundary elements", early.status is Status.ITERATION_LIMIT)
+    yield holds("beyond the arithmetic: stagnated", beyond.status is Status.STAGNATED)
+    yield holds("gap lost to rounding: not converged", lost.status is not Status.CONVERGED)
+    yield holds("stopped at its limit: finite elements", full.contact.status is Status.ITERATION_LIMIT)
     height = surface.rms_height
     for tolerance in (1e-4, 1e-8):
         for name, found in (
@@ -319,9 +300,6 @@ def _status() -> list[Check]:
         ):
             p, g = found.pressure, found.gap
             missed = float(np.sum(np.abs(p * g)) / np.sum(np.abs(p))) / height
-            checks += [
-                Check.relative(f"{name} converged to {tolerance:g}", found.status is Status.CONVERGED, 1, 0),
-                Check.below(f"its sum p |g| / (sum p h_rms), {tolerance:g}", missed, 1.01 * tolerance),
-                Check.below(f"its load, {tolerance:g}", p.mean() / load - 1, 10 * tolerance),
-            ]
-    return checks
+            yield holds(f"{name} converged to {tolerance:g}", found.status is Status.CONVERGED)
+            yield below(f"its sum p |g| / (sum p h_rms), {tolerance:g}", missed, 1.01 * tolerance)
+            yield below(f"its load, {tolerance:g}", p.mean() / load - 1, 10 * tolerance)

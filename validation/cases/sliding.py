@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from scipy.optimize import brentq
@@ -14,7 +15,7 @@ from fem_contact.sliding import SlidingContact, slide
 from fem_contact.surface import HeightField, random_surface
 from fem_contact.viscoelastic import PronySolid
 from persson.sliding import friction_of_waves
-from validation.cases import Check, case
+from validation.cases import Check, below, case, near, relative
 
 #: Of the rough cases: Poisson ratio and h'_rms.
 _POISSON, _GRADIENT = 0.3, 0.1
@@ -74,8 +75,8 @@ def _hunter(load: float, *, ratio: float, drift: float) -> tuple[float, float, f
     "A cylinder on a standard solid has Hunter's friction within 1 %, and his contact to a cell.",
     source=_SOURCE,
 )
-def _cylinder() -> list[Check]:
-    n, elastic, checks = 2048, 0.02, []
+def _cylinder() -> Iterator[Check]:
+    n, elastic = 2048, 0.02
     load = math.pi * elastic**2 / 4
     x = (np.arange(n) + 0.5) / n - 0.5
     # The images of the load bend the surface like 2 pi / 3 load x: the cylinder is made flatter by that.
@@ -88,14 +89,9 @@ def _cylinder() -> list[Check]:
         pressure = found.contact.pressure[:, 0]
         touched = x[found.contact.in_contact[:, 0]]
         said = f"E_inf/E_0 = {ratio:g}, v tau = {speed:g} a_0"
-        checks += [
-            Check.relative(
-                f"friction, {said}", float(np.sum(x * pressure) / np.sum(pressure)), friction, 0.01
-            ),
-            Check.near(f"half width, {said}", float(touched[-1] - touched[0]) / 2, a, 1 / n),
-            Check.near(f"centre, {said}", float(touched[-1] + touched[0]) / 2, centre, 1 / n),
-        ]
-    return checks
+        yield relative(f"friction, {said}", np.sum(x * pressure) / np.sum(pressure), friction, 0.01)
+        yield near(f"half width, {said}", float(touched[-1] - touched[0]) / 2, a, 1 / n)
+        yield near(f"centre, {said}", float(touched[-1] + touched[0]) / 2, centre, 1 / n)
 
 
 @case(
@@ -103,9 +99,8 @@ def _cylinder() -> list[Check]:
     "Slow and fast sliding are elastic contacts, to 1e-6; waves along the motion stay relaxed.",
     source=_RESPONSE,
 )
-def _limits() -> list[Check]:
+def _limits() -> Iterator[Check]:
     """Waves along the motion stay relaxed at any velocity: a point of a period never leaves them."""
-    checks = []
     surface, ratio = _rough(64), 50.0
     for words, velocity, young in (("slow", 1e-9, 1.0), ("fast", 1e9, ratio)):
 
@@ -121,9 +116,8 @@ def _limits() -> list[Check]:
         response = GivenResponse(contact_modulus=1 / (1 - _POISSON**2), function=compliance)
         elastic = bem.solve(surface, response, mean_pressure=load, tolerance=1e-10).checked()
         worst = np.abs(sliding.contact.pressure - elastic.pressure).max() / elastic.pressure.max()
-        checks.append(Check.below(f"largest difference of pressure over the peak, {words}", worst, 1e-6))
-        checks.append(Check.below(f"friction by losses, {words}", abs(sliding.dissipation), 1e-6))
-    return checks
+        yield below(f"largest difference of pressure over the peak, {words}", worst, 1e-6)
+        yield below(f"friction by losses, {words}", abs(sliding.dissipation), 1e-6)
 
 
 @case(
@@ -131,15 +125,14 @@ def _limits() -> list[Check]:
     "Pressure on slopes and losses of the solid give one friction as the grid is refined.",
     source=_RESPONSE,
 )
-def _twice() -> list[Check]:
+def _twice() -> Iterator[Check]:
     found = _slid(256, 10.0, 0.03)
     ratio = found.slopes / found.dissipation
-    checks = [Check.relative("friction by slopes over that by losses, n = 256", ratio, 1.0, 0.005)]
+    yield relative("friction by slopes over that by losses, n = 256", ratio, 1.0, 0.005)
     # A thousandfold modulus leaves percents at these sizes; what is asked is that they fall.
     coarse, fine = (_slid(n, 1000.0, 0.3) for n in (64, 128))
     apart = [abs(one.slopes / one.dissipation - 1) for one in (coarse, fine)]
-    checks.append(Check.below("E_inf/E_0 = 1000: difference, n = 128 over 64", apart[1] / apart[0], 0.5))
-    return checks
+    yield below("E_inf/E_0 = 1000: difference, n = 128 over 64", apart[1] / apart[0], 0.5)
 
 
 @case(
@@ -147,7 +140,7 @@ def _twice() -> list[Check]:
     "In full contact solver and theory give the friction that the waves add up to.",
     source=_FRICTION,
 )
-def _full() -> list[Check]:
+def _full() -> Iterator[Check]:
     found = _slid(32, 50.0, 0.02, reduced=60.0)
     surface = _rough(32)
     q = 2 * np.pi * np.fft.fftfreq(32, 1 / 32)
@@ -164,7 +157,5 @@ def _full() -> list[Check]:
         modulus=_standard(50.0).modulus,
         poisson=_POISSON,
     )
-    return [
-        Check.relative("friction by slopes", found.slopes, theory.friction, 1e-6),
-        Check.relative("friction by losses", found.dissipation, theory.friction, 1e-6),
-    ]
+    yield relative("friction by slopes", found.slopes, theory.friction, 1e-6)
+    yield relative("friction by losses", found.dissipation, theory.friction, 1e-6)

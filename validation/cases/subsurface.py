@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -17,7 +18,7 @@ from fem_contact.stress import von_mises
 from fem_contact.subsurface import fields_below, planes_below, strongest_point
 from fem_contact.surface import HeightField
 from validation.arrays import Array
-from validation.cases import Case, Check
+from validation.cases import Case, Check, below, order, relative
 from validation.cases._closed_forms import (
     HertzInPeriod,
     huber_stress,
@@ -31,19 +32,18 @@ _NU = 0.3
 _HALF_SPACE = HalfSpace(solid=Solid(young=1.0, poisson=_NU))
 
 
-def _hertz() -> list[Check]:
+def _hertz() -> Iterator[Check]:
     """Six components below a paraboloid, and the point that yields first."""
     n, a = 256, 0.1
     case = HertzInPeriod(radius=a, contact_modulus=_HALF_SPACE.contact_modulus)
     result = bem.solve(case.surface(n, (0.0, 0.0)), _HALF_SPACE, mean_pressure=case.load).checked()
     x = np.arange(n) / n - 0.5
-    near = case.distance(n, (0.0, 0.0)) < 2 * a
+    inside = case.distance(n, (0.0, 0.0)) < 2 * a
     # The images are known up to (a/L)^3 of the peak; a cell is a/26.
-    checks = []
     for plane in planes_below(result, _HALF_SPACE, depths=[0.3 * a, 0.5 * a, a]):
         exact = case.stress(x[:, None], x[None, :], plane.depth, poisson=_NU)
-        worst = float(np.max(np.abs(plane.stress - exact)[near])) / case.peak
-        checks.append(Check.below(f"largest error over the peak, depth {plane.depth / a:g} a", worst, a**3))
+        worst = float(np.max(np.abs(plane.stress - exact)[inside])) / case.peak
+        yield below(f"largest error over the peak, depth {plane.depth / a:g} a", worst, a**3)
     found = strongest_point(result, _HALF_SPACE)
     exact_depth = minimize_scalar(
         lambda depth: -_on_axis(case, depth), bounds=(0.3 * a, 0.7 * a), method="bounded"
@@ -56,21 +56,18 @@ def _hertz() -> list[Check]:
         origin, origin, depth, radius=a, peak=case.peak, poisson=_NU
     )
     alone = (plane.stress[n // 2, n // 2] - images) / case.peak
-    return [
-        *checks,
-        Check.relative("largest von Mises stress over the peak", found.von_mises / case.peak, top, 1e-3),
-        Check.relative("its depth over a", found.depth / a, exact_depth / a, 0.01),
-        Check.relative(
-            "shear stress at .48 a of a sphere alone, over the peak", (alone[0] - alone[2]) / 2, 0.31, 0.005
-        ),
-    ]
+    yield relative("largest von Mises stress over the peak", found.von_mises / case.peak, top, 1e-3)
+    yield relative("its depth over a", found.depth / a, exact_depth / a, 0.01)
+    yield relative(
+        "shear stress at .48 a of a sphere alone, over the peak", (alone[0] - alone[2]) / 2, 0.31, 0.005
+    )
 
 
 def _on_axis(case: HertzInPeriod, depth: float) -> float:
     return float(von_mises(case.stress(np.zeros(()), np.zeros(()), depth, poisson=_NU)))
 
 
-def _wave() -> list[Check]:
+def _wave() -> Iterator[Check]:
     """Plane strain below a wave in partial contact, converging."""
     half_width, amplitude, sizes = 0.3, 0.01, (64, 128, 256, 512)
     load = westergaard_mean_pressure(
@@ -86,13 +83,11 @@ def _wave() -> list[Check]:
         (plane,) = planes_below(result, _HALF_SPACE, depths=[0.05])
         exact = westergaard_stress(x, 0.05, half_width=half_width, mean_pressure=load, poisson=_NU)
         errors.append(float(np.max(np.abs(plane.stress[:, 1] - exact))) / load)
-    return [
-        Check.order("observed order of the stress at depth .05", sizes, errors, expected=2, tolerance=0.7),
-        Check.below(f"largest error over p0 at n = {sizes[-1]}", errors[-1], 1e-4),
-    ]
+    yield order("observed order of the stress at depth .05", sizes, errors, expected=2, tolerance=0.7)
+    yield below(f"largest error over p0 at n = {sizes[-1]}", errors[-1], 1e-4)
 
 
-def _finite_elements() -> list[Check]:
+def _finite_elements() -> Iterator[Check]:
     """Compare the block's own stress on its mesh with that of a bonded layer, away from the surface."""
     solid, n, depth = Solid(young=1.0, poisson=_NU), 32, 0.5
     x = np.arange(n) / n
@@ -101,16 +96,12 @@ def _finite_elements() -> list[Check]:
     solution = block.solve(surface, solid, mean_pressure=0.01, depth=depth, growth=1.1)
     centred = replace(solution.contact, pressure=_half_a_cell_on(solution.contact.pressure))
     middles = -(solution.planes[1:] + solution.planes[:-1]) / 2
-    below = fields_below(centred, BondedLayer(solid=solid, thickness=depth), depths=middles[::-1])
+    beneath = fields_below(centred, BondedLayer(solid=solid, thickness=depth), depths=middles[::-1])
     stress = solution.stress().tensor
-    missed = np.max(np.abs(below.stress[:, :, ::-1] - stress), axis=(0, 1, 3)) / np.max(np.abs(stress))
+    missed = np.max(np.abs(beneath.stress[:, :, ::-1] - stress), axis=(0, 1, 3)) / np.max(np.abs(stress))
     deep, close = middles > 0.1, middles > 1.0 / n
-    return [
-        Check.below(
-            "largest difference over the largest stress, deeper than .1 L", missed[deep].max(), 0.005
-        ),
-        Check.below("the same, from the second layer of cells on", missed[close].max(), 0.02),
-    ]
+    yield below("largest difference over the largest stress, deeper than .1 L", missed[deep].max(), 0.005)
+    yield below("the same, from the second layer of cells on", missed[close].max(), 0.02)
 
 
 def _half_a_cell_on(field: Array) -> Array:
@@ -121,7 +112,7 @@ def _half_a_cell_on(field: Array) -> Array:
     return np.fft.irfft2(np.fft.rfft2(field) * phase, s=field.shape)
 
 
-def _balance(response: Response, depth: float) -> list[Check]:
+def _balance(response: Response, depth: float) -> Iterator[Check]:
     """Divergence of the stress and tractions at the surface, of a smooth pressure on a layered solid."""
     n = 16
     x = np.arange(n) / n
@@ -136,16 +127,12 @@ def _balance(response: Response, depth: float) -> list[Check]:
         errors.append(_divergence(stress, step) * result.lengths[0] / float(np.ptp(result.pressure)))
     (top,) = planes_below(result, response, depths=[0.0])
     scale = float(np.max(result.pressure))
-    return [
-        Check.order(
-            "observed order of div sigma in the step of depth", steps, errors, expected=2, tolerance=0.1
-        ),
-        Check.below("div sigma L over the range of pressure", errors[-1], 1e-3),
-        Check.below(
-            "s_zz + p at the surface", np.max(np.abs(top.stress[..., 2] + result.pressure)) / scale, 1e-12
-        ),
-        Check.below("shear at the surface", np.max(np.abs(top.stress[..., 3:5])) / scale, 1e-12),
-    ]
+    yield order("observed order of div sigma in the step of depth", steps, errors, expected=2, tolerance=0.1)
+    yield below("div sigma L over the range of pressure", errors[-1], 1e-3)
+    yield below(
+        "s_zz + p at the surface", np.max(np.abs(top.stress[..., 2] + result.pressure)) / scale, 1e-12
+    )
+    yield below("shear at the surface", np.max(np.abs(top.stress[..., 3:5])) / scale, 1e-12)
 
 
 def _divergence(stress: Array, step: float) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 from scipy.integrate import quad
@@ -11,7 +12,7 @@ from scipy.special import erf
 from persson import elastic
 from persson.asperities import bush_gibson_thomas
 from persson.spectrum import SelfAffine, area_factor
-from validation.cases import Check, case
+from validation.cases import Check, case, near, relative
 
 
 @case(
@@ -19,7 +20,7 @@ from validation.cases import Check, case
     "At light load kappa is sqrt(8/pi) in Persson's theory, and sqrt(2 pi) for independent asperities.",
     source="Persson 2006, Secs. 3.2-3.4; A. W. Bush, R. D. Gibson, T. R. Thomas, Wear 35, 87 (1975)",
 )
-def _light_load() -> list[Check]:
+def _light_load() -> Iterator[Check]:
     variance = float(elastic.stress_variance(1.0, contact_modulus=1.0))
     persson = float(elastic.contact_area(1e-7, stress_variance=variance)) / 1e-7
     moments = SelfAffine.from_rms_gradient(1.0, hurst=0.8, q_long=1.0, q_short=2.0).moments()
@@ -30,13 +31,11 @@ def _light_load() -> list[Check]:
     limit = math.sqrt(2 * math.pi)
     # The first correction is of the order of one over the square of the separation in standard deviations.
     approach = (limit - asperities[0]) / (limit - asperities[1])
-    return [
-        Check.relative("kappa of Persson at p* = 1e-7", persson, math.sqrt(8 / math.pi), 1e-9),
-        Check.relative(
-            "kappa of independent asperities at 12 standard deviations", asperities[1], limit, 0.5 / 144
-        ),
-        Check.relative("its distance to sqrt(2 pi) at 6 over that at 12", approach, 4.0, 0.1),
-    ]
+    yield relative("kappa of Persson at p* = 1e-7", persson, math.sqrt(8 / math.pi), 1e-9)
+    yield relative(
+        "kappa of independent asperities at 12 standard deviations", asperities[1], limit, 0.5 / 144
+    )
+    yield relative("its distance to sqrt(2 pi) at 6 over that at 12", approach, 4.0, 0.1)
 
 
 @case(
@@ -44,8 +43,7 @@ def _light_load() -> list[Check]:
     "P(sigma) integrates to A/A0 = erf(p0 / sqrt(2 V)) and carries the load.",
     source="Persson 2006, Eqs. 16-20",
 )
-def _distribution() -> list[Check]:
-    checks = []
+def _distribution() -> Iterator[Check]:
     for pressure in (0.01, 0.3, 1.0):
         variance = 0.25
 
@@ -57,16 +55,13 @@ def _distribution() -> list[Check]:
         load = quad(lambda stress: stress * density(stress), 0, top, epsabs=0, epsrel=1e-11)[0]
         exact = float(erf(pressure / math.sqrt(2 * variance)))
         found = float(elastic.contact_area(pressure, stress_variance=variance))
-        checks += [
-            Check.relative(f"A/A0 at p0 = {pressure}", found, exact, 1e-14),
-            Check.relative(f"integral of P at p0 = {pressure}", area, exact, 1e-9),
-            Check.relative(f"first moment of P at p0 = {pressure}", load, pressure, 1e-9),
-        ]
-    return checks
+        yield relative(f"A/A0 at p0 = {pressure}", found, exact, 1e-14)
+        yield relative(f"integral of P at p0 = {pressure}", area, exact, 1e-9)
+        yield relative(f"first moment of P at p0 = {pressure}", load, pressure, 1e-9)
 
 
 @case("theory-variance", "V is twice G p0^2, with G by quadrature over C(q).", source="Persson 2006, Eq. 21")
-def _variance() -> list[Check]:
+def _variance() -> Iterator[Check]:
     spectrum = SelfAffine.from_rms_height(1e-6, hurst=0.8, q_long=1e5, q_short=1e8)
     modulus, pressure = 2e6, 1e4
     # Eq. 21: G(q) = (pi/4) (E* / p0)^2 int q^3 C dq, and V = 2 G p0^2, by a quadrature that knows no panel.
@@ -79,15 +74,13 @@ def _variance() -> list[Check]:
     )[0]
     g = math.pi / 4 * (modulus / pressure) ** 2 * integral
     variance = elastic.stress_variance(spectrum.m2(), contact_modulus=modulus)
-    return [
-        Check.relative("V = 2 G p0^2 [Pa^2]", float(variance), 2 * g * pressure**2, 1e-9),
-        Check.relative(
-            "A/A0 = erf(1 / (2 sqrt G))",
-            float(elastic.contact_area(pressure, stress_variance=variance)),
-            math.erf(1 / (2 * math.sqrt(g))),
-            1e-9,
-        ),
-    ]
+    yield relative("V = 2 G p0^2 [Pa^2]", variance, 2 * g * pressure**2, 1e-9)
+    yield relative(
+        "A/A0 = erf(1 / (2 sqrt G))",
+        elastic.contact_area(pressure, stress_variance=variance),
+        math.erf(1 / (2 * math.sqrt(g))),
+        1e-9,
+    )
 
 
 @case(
@@ -95,15 +88,13 @@ def _variance() -> list[Check]:
     "A surface of <|grad h|^2> = 0.99 has 38 % more area than its projection.",
     source="Persson 2006, Sec. 8.3",
 )
-def _area_factor() -> list[Check]:
+def _area_factor() -> Iterator[Check]:
     # <sqrt(1 + |grad h|^2)> over a Gaussian gradient, by Gauss-Laguerre quadrature of s = |grad h|^2 / m2.
     nodes, weights = np.polynomial.laguerre.laggauss(120)
     average = float(np.sum(weights * np.sqrt(1 + 0.99 * nodes)))
     found = float(area_factor(0.99))
-    return [
-        Check.relative("A*/A0 at <|grad h|^2> = 0.99", found, average, 1e-9),
-        Check.near("increase of the area that the paper prints [%]", 100 * (found - 1), 38, 0.5),
-    ]
+    yield relative("A*/A0 at <|grad h|^2> = 0.99", found, average, 1e-9)
+    yield near("increase of the area that the paper prints [%]", 100 * (found - 1), 38, 0.5)
 
 
 @case(
@@ -111,7 +102,7 @@ def _area_factor() -> list[Check]:
     "Lengths times 2^20 and pressures times 2^-30 leave the area of the theory bit for bit.",
     source="symmetry",
 )
-def _units() -> list[Check]:
+def _units() -> Iterator[Check]:
     areas = []
     for length, stress in ((1.0, 1.0), (2.0**20, 2.0**-30)):
         spectrum = SelfAffine.from_rms_gradient(
@@ -119,4 +110,4 @@ def _units() -> list[Check]:
         )
         variance = elastic.stress_variance(spectrum.m2(), contact_modulus=stress)
         areas.append(float(elastic.contact_area(0.01 * stress, stress_variance=variance)))
-    return [Check.near("A/A0", areas[1], areas[0], 0.0)]
+    yield near("A/A0", areas[1], areas[0], 0.0)

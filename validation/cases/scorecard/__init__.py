@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import Any
@@ -24,7 +24,7 @@ _LAYER = "K. L. Johnson, Contact Mechanics, Sec. 5.8"
 _LIMITS = "limits of boundary elements over grids and shifts"
 
 #: Row, claim, source and function of a solver.
-_ROWS: tuple[tuple[str, str, str, Callable[[Subject], Sequence[Check]]], ...] = (
+_ROWS: tuple[tuple[str, str, str, Callable[[Subject], Iterable[Check]]], ...] = (
     ("finite", "Every pressure is a finite number.", "definition", elementary.finite),
     ("repeatable", "The same question has the same answer.", "definition", elementary.repeatable),
     ("tension", "No pressure is below zero.", "definition", elementary.tension),

@@ -171,7 +171,7 @@ def _problems(points: int, tolerance: float) -> list[_Problem]:
     subject = Subject(name="recorder", solver=recorder, settings={}, tolerance=tolerance, seconds=math.inf)
     for row in rows(subject):
         with contextlib.suppress(NotJudged):
-            row.run()
+            tuple(row.run())
     ladder.cost(subject)
     asked = list(recorder.asked.values())
     return [asked[k] for k in np.random.default_rng(_ORDER_SEED).permutation(len(asked))]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fem_contact.surface import HeightField
 from persson import elastic
 from validation.arrays import Array
-from validation.cases import Check, NotJudged
+from validation.cases import Check, NotJudged, below, near, relative
 from validation.cases.scorecard.subject import SOFT, Pressed, Subject, rough
 from validation.effects.base import Slots
 
@@ -114,7 +114,7 @@ def solves(subject: Subject) -> list[tuple[HeightField, float, Pressed]]:
 def finite(subject: Subject) -> Sequence[Check]:
     """Check that every pressure is a finite number."""
     wrong = sum(np.count_nonzero(~np.isfinite(pressed.claim.pressure)) for _, _, pressed in solves(subject))
-    return [Check.below("pressures that are no finite numbers", float(wrong), 0.0)]
+    return [below("pressures that are no finite numbers", wrong, 0.0)]
 
 
 def repeatable(subject: Subject) -> Sequence[Check]:
@@ -124,13 +124,13 @@ def repeatable(subject: Subject) -> Sequence[Check]:
     subject.press(surface, LOADS[-1])
     again = subject.press(surface, LOADS[0], again=True).claim.pressure
     apart = float(np.linalg.norm(again - first) / (np.linalg.norm(first) or 1.0))
-    return [Check.below("change of the pressure when it is asked again", apart, subject.tolerance)]
+    return [below("change of the pressure when it is asked again", apart, subject.tolerance)]
 
 
 def tension(subject: Subject) -> Sequence[Check]:
     """Check that no pressure is below zero."""
     lowest = min(float(pressed.claim.pressure.min()) for _, _, pressed in solves(subject))
-    return [Check.below("lowest pressure over E* h'_rms", min(lowest, 0.0), 10 * subject.tolerance)]
+    return [below("lowest pressure over E* h'_rms", min(lowest, 0.0), 10 * subject.tolerance)]
 
 
 def place(subject: Subject) -> Sequence[Check]:
@@ -139,7 +139,7 @@ def place(subject: Subject) -> Sequence[Check]:
     if shift is None:
         raise NotJudged("waves of the full contact lie in different places: it is not solved")
     return [
-        Check.below(f"pressure beside the heights along {axis} [cells]", value, _SAME_PLACE)
+        below(f"pressure beside the heights along {axis} [cells]", value, _SAME_PLACE)
         for axis, value in zip("xy", shift, strict=True)
     ]
 
@@ -149,7 +149,7 @@ def factor(subject: Subject) -> Sequence[Check]:
     found = full_contact_transfer(subject)
     if found.factor is None:
         raise NotJudged("waves of the full contact have different factors: it is not solved")
-    return [Check.relative("stiffness over that of E*", found.factor, 1.0, float(found.allowed[:2].max()))]
+    return [relative("stiffness over that of E*", found.factor, 1.0, found.allowed[:2].max())]
 
 
 def full_contact(subject: Subject) -> Sequence[Check]:
@@ -161,8 +161,8 @@ def full_contact(subject: Subject) -> Sequence[Check]:
     exact = subject.own and subject.solver.score_element == "bem"
     return [
         *wave_errors(found, exact=exact),
-        Check.relative("A/A0", float(np.mean(found.pressed.claim.pressure > 0)), 1.0, 0.0),
-        Check.relative(
+        relative("A/A0", np.mean(found.pressed.claim.pressure > 0), 1.0, 0.0),
+        relative(
             "<(p - p0)^2> over E*^2 m2 / 4",
             float(np.var(found.pressed.claim.pressure)) / variance,
             1.0,
@@ -171,20 +171,18 @@ def full_contact(subject: Subject) -> Sequence[Check]:
     ]
 
 
-def wave_errors(found: Transfer, *, exact: bool = False) -> list[Check]:
+def wave_errors(found: Transfer, *, exact: bool = False) -> Iterator[Check]:
     """Check the pressure of every wave: to the error of second order, or exactly."""
-    return [
-        Check.below(
+    for (kx, ky, *_), ratio, allowed in zip(WAVES, found.ratio, found.allowed, strict=True):
+        yield below(
             f"error of the pressure of the wave ({kx}, {ky})", abs(ratio - 1), 1e-9 if exact else allowed
         )
-        for (kx, ky, *_), ratio, allowed in zip(WAVES, found.ratio, found.allowed, strict=True)
-    ]
 
 
 def load(subject: Subject) -> Sequence[Check]:
     """Check that the mean pressure is the one asked for."""
     return [
-        Check.relative(
+        relative(
             f"mean pressure over p0 at p* = {p:g}",
             pressed.claim.pressure.mean() / p,
             1.0,
@@ -206,9 +204,7 @@ def contact_set(subject: Subject) -> Sequence[Check]:
             raise NotJudged("no point carries load on a closed gap: it is not solved")
         # A point at an edge, whose pressure and gap are both within the tolerance, may be either.
         allowed = 0.02 + 2 / touching
-        checks.append(
-            Check.near(f"{words} over points that touch, p* = {p:g}", counted / touching, 1.0, allowed)
-        )
+        checks.append(near(f"{words} over points that touch, p* = {p:g}", counted / touching, 1.0, allowed))
     return judge_residuals(subject, checks)
 
 
@@ -218,8 +214,8 @@ def honesty(subject: Subject) -> Sequence[Check]:
     for _, p, pressed in solves(subject):
         residuals = pressed.result.residuals
         checks += [
-            Check.below(f"complementarity, p* = {p:g}", residuals.complementarity, subject.tolerance),
-            Check.below(f"penetration over h_rms, p* = {p:g}", residuals.penetration, 10 * subject.tolerance),
+            below(f"complementarity, p* = {p:g}", residuals.complementarity, subject.tolerance),
+            below(f"penetration over h_rms, p* = {p:g}", residuals.penetration, 10 * subject.tolerance),
         ]
     return judge_residuals(subject, checks)
 

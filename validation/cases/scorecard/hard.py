@@ -10,7 +10,7 @@ import numpy as np
 from fem_contact.area import subcell_area
 from fem_contact.errors import NotConverged
 from fem_contact.surface import HeightField
-from validation.cases import Check
+from validation.cases import Check, below, near, relative
 from validation.cases._closed_forms import HertzInPeriod
 from validation.cases.scorecard.elementary import judge_residuals
 from validation.cases.scorecard.known import mean_inside, strip
@@ -38,22 +38,22 @@ def near_full(subject: Subject) -> Sequence[Check]:
     # A discretisation of second order errs by (q dx)^2 / 4, and by the tolerance.
     allowed = (2 * math.pi * math.sqrt(2) / n) ** 2 / 4 + subject.pressure_error
     checks = [
-        Check.below(
+        below(
             "error of the pressure over the mean, at 1.0001 of the flattening load",
             float(np.abs(found.claim.pressure - exact).max()) / _FLAT,
             allowed,
         ),
-        Check.near("A/A0 at it", found.result.in_contact.mean(), 1.0, 0.0),
+        near("A/A0 at it", found.result.in_contact.mean(), 1.0, 0.0),
     ]
     for miss in (0.02, 0.04):
-        below = subject.press(_egg_box(n), (1 - miss) * _FLAT).result
+        pressed = subject.press(_egg_box(n), (1 - miss) * _FLAT).result
         open_share = 3 / (2 * math.pi) * miss
         # Two gaps in a period, counted to half a cell along their edges; where edges are located, to a tenth.
         edge = 2 * 2 * math.pi * math.sqrt(open_share / 2 / math.pi) / n
         located = subject.solver.locates_edges
-        area = subcell_area(below) if located else float(below.in_contact.mean())
+        area = subcell_area(pressed) if located else float(pressed.in_contact.mean())
         tolerance = (0.1 if located else 0.5) * edge + miss * open_share
-        checks.append(Check.near(f"1 - A/A0 at {1 - miss:g} of it", 1 - area, open_share, tolerance))
+        checks.append(near(f"1 - A/A0 at {1 - miss:g} of it", 1 - area, open_share, tolerance))
     return checks
 
 
@@ -63,13 +63,13 @@ def one_cell(subject: Subject) -> Sequence[Check]:
     mean = 0.02 / n / n**2
     found = subject.press(HertzInPeriod(radius=1e-3).surface(n, (0.0, 0.0)), mean)
     return [
-        Check.relative(
+        relative(
             "largest pressure over the load",
             found.claim.pressure.max() / (mean * n**2),
             1.0,
             10 * subject.tolerance,
         ),
-        Check.near("points that touch", float(np.count_nonzero(found.result.in_contact)), 1.0, 0.0),
+        near("points that touch", np.count_nonzero(found.result.in_contact), 1.0, 0.0),
     ]
 
 
@@ -79,7 +79,7 @@ def elongated(subject: Subject) -> Sequence[Check]:
     # Cells are four times as long as wide: of second order where they are coarse.
     allowed = 0.02 * max(1.0, (32 / n) ** 2)
     return [
-        Check.below(
+        below(
             f"mean error of p over the peak, period {words}",
             mean_inside(strip(subject, n, across=(n, 4.0), axis=axis)[1]),
             allowed,
@@ -97,7 +97,7 @@ def odd_axes(subject: Subject) -> Sequence[Check]:
         surface = rough(n).resampled(shape)
         residuals = subject.press(surface, 0.05).result.residuals
         words = f"complementarity, recomputed, on {shape[0]} x {shape[1]} points"
-        checks.append(Check.below(words, residuals.complementarity, subject.tolerance))
+        checks.append(below(words, residuals.complementarity, subject.tolerance))
     return judge_residuals(subject, checks)
 
 
@@ -122,9 +122,9 @@ def _asked_back(subject: Subject, load: float) -> Sequence[Check]:
     allowed = 2 * 10 * subject.tolerance
     words = f"offset of the returned pressure beside that asked for, over h_rms, A/A0 = {area:.4f}"
     return [
-        Check.below(words, missed, allowed),
-        Check.below("complementarity, recomputed", found.result.residuals.complementarity, subject.tolerance),
-        Check.below("solves that say they did not converge, of 1", found.claim.converged is False, 0.5),
+        below(words, missed, allowed),
+        below("complementarity, recomputed", found.result.residuals.complementarity, subject.tolerance),
+        below("solves that say they did not converge, of 1", found.claim.converged is False, 0.5),
     ]
 
 
@@ -136,7 +136,7 @@ def cut_short(subject: Subject) -> Sequence[Check]:
     try:
         found = subject.press(surface, _LIGHT, more={"max_iterations": _FEW})
     except NotConverged:
-        return [Check.below(words, 0.0, 0.5)]
+        return [below(words, 0.0, 0.5)]
     met = found.result.residuals.within(subject.tolerance)
     silent = not met and found.claim.converged is not False
-    return [Check.below(words, float(silent), 0.5)]
+    return [below(words, silent, 0.5)]

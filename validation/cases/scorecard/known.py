@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,7 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation.arrays import Array
-from validation.cases import Check, NotJudged
+from validation.cases import Check, NotJudged, below, near, order, relative, within
 from validation.cases._closed_forms import HertzInPeriod, westergaard_mean_pressure, westergaard_pressure
 from validation.cases.scorecard.elementary import full_contact_transfer, wave_errors
 from validation.cases.scorecard.subject import SOFT, Pressed, Subject, rough
@@ -48,12 +48,12 @@ _THICKNESS = 0.25
 
 def _observed(
     subject: Subject, words: str, errors: Sequence[float], *, expected: float, tolerance: float
-) -> list[Check]:
+) -> Iterator[Check]:
     """Check an order, where the grids are far enough apart to observe one."""
     if not subject.doubles:
-        return []
+        return
     sizes = subject.ladder[: len(errors)]
-    return [Check.order(f"observed order of {words}", sizes, errors, expected=expected, tolerance=tolerance)]
+    yield order(f"observed order of {words}", sizes, errors, expected=expected, tolerance=tolerance)
 
 
 def _needs_order(subject: Subject) -> None:
@@ -86,12 +86,12 @@ def hertz(subject: Subject) -> Sequence[Check]:
     # A clamped body is pressed together, besides.
     approach = -(found.result.offset + float(found.result.displacement.mean()))
     return [
-        Check.relative(
+        relative(
             "peak pressure over Hertz's, finest grid", found.claim.pressure.max() / exact.peak, 1.0, allowed
         ),
-        Check.below("mean error of p(r) over the peak, finest grid", errors[-1], allowed),
-        Check.below("largest error of p(r) over the peak, finest grid", worst, 0.01),
-        Check.relative("approach over Hertz's, finest grid", approach / exact.approach, 1.0, 0.01),
+        below("mean error of p(r) over the peak, finest grid", errors[-1], allowed),
+        below("largest error of p(r) over the peak, finest grid", worst, 0.01),
+        relative("approach over Hertz's, finest grid", approach / exact.approach, 1.0, 0.01),
         *_observed(subject, "p(r)", errors, expected=2, tolerance=1),
     ]
 
@@ -112,9 +112,9 @@ def hertz_radius(subject: Subject) -> Sequence[Check]:
     cell = 1 / (exact.radius * subject.ladder[-1])
     return [
         *_observed(subject, "the counted radius", excess, expected=1, tolerance=0.4),
-        Check.below("excess of the counted radius, finest grid", excess[-1], 0.5 * cell),
+        below("excess of the counted radius, finest grid", excess[-1], 0.5 * cell),
         # A quarter of a cell is what a count can be off; the correction must take most of that away.
-        Check.below("error of the corrected radius, finest grid", corrected, 0.15 * cell),
+        below("error of the corrected radius, finest grid", corrected, 0.15 * cell),
     ]
 
 
@@ -140,7 +140,7 @@ def stress_near_zero(subject: Subject) -> Sequence[Check]:
         slope = 2 * share / eps**2 / (np.pi**3 / 2)
     return [
         *_observed(subject, "P(0+)", starts, expected=0.5, tolerance=0.25),
-        Check.within("slope at zero over Hertz's with what the edge adds, finest grid", slope, 0.7, 2.0),
+        within("slope at zero over Hertz's with what the edge adds, finest grid", slope, 0.7, 2.0),
     ]
 
 
@@ -183,15 +183,15 @@ def westergaard(subject: Subject) -> Sequence[Check]:
     (pressure, off, found), n = strips[-1], subject.ladder[-1]
     allowed = _second_order(n)
     return [
-        Check.relative("peak pressure over Westergaard's, finest grid", pressure.max(), 1.0, allowed),
-        Check.below("mean error of p(x) over the peak, finest grid", errors[-1], allowed),
-        Check.below("largest error of p(x) over the peak, finest grid", off[_within(n, 0.9)].max(), 0.01),
-        Check.near("contact width", found.result.in_contact.mean(), 2 * _HALF_WIDTH, 2 / n),
+        relative("peak pressure over Westergaard's, finest grid", pressure.max(), 1.0, allowed),
+        below("mean error of p(x) over the peak, finest grid", errors[-1], allowed),
+        below("largest error of p(x) over the peak, finest grid", off[_within(n, 0.9)].max(), 0.01),
+        near("contact width", found.result.in_contact.mean(), 2 * _HALF_WIDTH, 2 / n),
         *_observed(subject, "p(x)", errors, expected=2, tolerance=1),
     ]
 
 
-def layer(subject: Subject) -> Sequence[Check]:
+def layer(subject: Subject) -> Iterable[Check]:
     """Press waves flat on a layer a quarter of the period thick, bonded to its base."""
     subject.needs(effect=Thickness)
     slots = Slots.filled(SOFT, [Thickness(thickness=_THICKNESS)])
@@ -214,12 +214,12 @@ def yielding(subject: Subject) -> Sequence[Check]:
     off = (np.abs(hardness - pressure[:, 1] - missing) / peak)[_within(n, 0.9)]
     above = max(float(pressure.max()) / hardness - 1, 0.0)
     return [
-        Check.relative("lowest pressure over H", pressure.min() / hardness, 0.5, _second_order(n)),
-        Check.below("mean error of H - p(x) over its peak, inside", off.mean(), _second_order(n)),
-        Check.below("largest error of H - p(x) over its peak, inside", off.max(), 0.01),
-        Check.near("yielded width", found.result.at_bound.mean(), 1 - 2 * _HALF_WIDTH, 2 / n),
-        Check.below("open area", float(np.mean(~(pressure > 0))), 0.0),
-        Check.below("largest pressure above H, over H", above, 10 * subject.tolerance),
+        relative("lowest pressure over H", pressure.min() / hardness, 0.5, _second_order(n)),
+        below("mean error of H - p(x) over its peak, inside", off.mean(), _second_order(n)),
+        below("largest error of H - p(x) over its peak, inside", off.max(), 0.01),
+        near("yielded width", found.result.at_bound.mean(), 1 - 2 * _HALF_WIDTH, 2 / n),
+        below("open area", np.mean(~(pressure > 0)), 0.0),
+        below("largest pressure above H, over H", above, 10 * subject.tolerance),
     ]
 
 
@@ -240,7 +240,7 @@ def symmetry(subject: Subject) -> Sequence[Check]:
     ):
         other = HeightField(heights=np.ascontiguousarray(turn(surface.heights)), lengths=surface.lengths)
         found = back(subject.press(other, 0.05).claim.pressure)
-        checks.append(Check.below(f"change of the pressure, {words}", _apart(found, plain), _twice(subject)))
+        checks.append(below(f"change of the pressure, {words}", _apart(found, plain), _twice(subject)))
     return checks
 
 
@@ -256,13 +256,13 @@ def units(subject: Subject) -> Sequence[Check]:
         words = f"change of the pressure, L = {length:g} m, E* = {stress:g} Pa"
         exact = subject.own and length == 2.0**20
         apart = _apart(found.claim.pressure / stress, plain.claim.pressure)
-        checks.append(Check.below(words, apart, 0.0 if exact else _twice(subject)))
+        checks.append(below(words, apart, 0.0 if exact else _twice(subject)))
         if exact:
             gap = np.count_nonzero(found.result.gap / length != plain.result.gap)
             other = found.result.residuals != plain.result.residuals
             checks += [
-                Check.below("points whose gap differs", float(gap), 0),
-                Check.below("residuals that differ", float(other), 0),
+                below("points whose gap differs", gap, 0),
+                below("residuals that differ", other, 0),
             ]
     return checks
 
@@ -277,7 +277,7 @@ def nested(subject: Subject) -> Sequence[Check]:
     # At an edge p grows like the square root of the distance: the cells there leave an error of order 1.
     return [
         *_observed(subject, "the pressure from grid to grid", steps, expected=1, tolerance=0.7),
-        Check.below("change of the mean gap to the finest grid", gaps, _gap_error(subject)),
+        below("change of the mean gap to the finest grid", gaps, _gap_error(subject)),
     ]
 
 
@@ -305,8 +305,8 @@ def against_bem(subject: Subject) -> Sequence[Check]:
         else _observed(subject, "the difference to boundary elements", differences, expected=1, tolerance=0.6)
     )
     return [
-        Check.below("relative L2 difference of pressure, finest grid", differences[-1], edge),
-        Check.below("relative difference in counted area, finest grid", areas[-1], edge),
+        below("relative L2 difference of pressure, finest grid", differences[-1], edge),
+        below("relative difference in counted area, finest grid", areas[-1], edge),
         *orders,
     ]
 

@@ -17,7 +17,7 @@ from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import located_limit
 from fem_contact.response import HalfSpace
 from fem_contact.surface import HeightField
-from validation.cases import Check, NotJudged
+from validation.cases import Check, NotJudged, near, relative, within
 from validation.cases.scorecard.subject import SOFT, Subject, rough
 
 __all__ = ["PRICED", "CostRow", "bandwidths", "cost", "rough_surface"]
@@ -165,10 +165,8 @@ def rough_surface(subject: Subject, width: int) -> Sequence[Check]:
     counted = [(one.areas.pixel - area) / area for one in (coarse, fine)]
     change = abs(fine.areas.perimeter - coarse.areas.perimeter) / area
     checks = [
-        Check.within(
-            "A/A0 counted, excess at 4 over that at 8 points per wave", counted[0] / counted[1], 1, 4
-        ),
-        Check.relative(
+        within("A/A0 counted, excess at 4 over that at 8 points per wave", counted[0] / counted[1], 1, 4),
+        relative(
             "A/A0, perimeter-corrected, 8 points per wave",
             fine.areas.perimeter,
             area,
@@ -177,19 +175,17 @@ def rough_surface(subject: Subject, width: int) -> Sequence[Check]:
     ]
     if fine.areas.subcell is not None:
         checks.append(
-            Check.relative(
-                "A/A0, edges located in the cells", fine.areas.subcell, area, known + _LOCATED_LEFT
-            )
+            relative("A/A0, edges located in the cells", fine.areas.subcell, area, known + _LOCATED_LEFT)
         )
     for name, found in _means(subject, _surface(width, _POINTS[-1])).items():
         value, error = limit.values[name], limit.errors[name]
-        checks.append(Check.relative(_WORDS[name], found, value, error / value + 0.01))
+        checks.append(relative(_WORDS[name], found, value, error / value + 0.01))
     low = f"share of the area with p < {_LOW:g} E* h'_rms"
     # At an order of .6, the least that is taken for convergence, half of the error is left.
     own = 2 * abs(fine.low - coarse.low)
     return [
         *checks,
-        Check.near(low, fine.low, limit.values["low"], limit.errors["low"] + own),
+        near(low, fine.low, limit.values["low"], limit.errors["low"] + own),
     ]
 
 
