@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import difflib
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
-__all__ = ["NoLimit", "RunFailed", "SceneError", "UsageError", "harmless"]
+__all__ = ["NoLimit", "RunFailed", "SceneError", "UsageError", "did_you_mean", "harmless"]
 
 
 def harmless(text: object) -> str:
@@ -26,6 +27,16 @@ def harmless(text: object) -> str:
         else ascii(c)[1:-1]
         for c in plain
     )
+
+
+def did_you_mean(word: str, known: Iterable[str], meant: Mapping[str, str] | None = None) -> str:
+    """Return a hint at the known word nearest to one, or at what that one is meant by; empty for none.
+
+    >>> did_you_mean("yung", ["young", "poisson"])
+    "; did you mean 'young'?"
+    """
+    close = difflib.get_close_matches(word, (*known, *(meant or ())), n=1)
+    return f"; did you mean {(meant or {}).get(close[0], close[0])!r}?" if close else ""
 
 
 class UsageError(Exception):

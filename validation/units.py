@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import functools
 import math
 import re
@@ -24,7 +23,7 @@ from pydantic import (
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticCustomError
 
-from validation.errors import UsageError
+from validation.errors import UsageError, did_you_mean
 
 if TYPE_CHECKING:
     import pint
@@ -313,8 +312,7 @@ class Table(BaseModel):
         if isinstance(data, dict):
             for key in data:
                 if key not in cls.model_fields:
-                    close = difflib.get_close_matches(str(key), (*cls.model_fields, *cls.meant), n=1)
-                    hint = f"; did you mean {cls.meant.get(close[0], close[0])!r}?" if close else "."
+                    hint = did_you_mean(str(key), cls.model_fields, cls.meant) or "."
                     raise wrong(f"unknown key {key!r}{hint} Allowed: {', '.join(cls.model_fields)}")
         return data
 

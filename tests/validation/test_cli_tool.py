@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -105,6 +107,9 @@ def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatc
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
+        (("run", "nowhere"), "no such scene"),
+        (("explain", "missing.toml"), "cannot be read"),
+        (("scenes", "show", "nothing"), "no such scene"),
         (("run", "quickstart", "--memory", "4 kg"), "--memory = '4 kg': is not a memory size"),
         (
             ("run", "quickstart", "--workers", "2", "--scheduler", "tcp://x:1"),
@@ -114,8 +119,9 @@ def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatc
         (("run", "quickstart", "--memory", "3"), "raise the limit with --memory"),
         (("run", "pyrex", "--accuracy", "1%"), "--accuracy"),
         (("study", "nothing"), "no such study; one of: "),
+        (("study", "presure"), "no such study; did you mean 'pressure'?; one of: "),
         (("study", "area", "--surfaces"), "--surfaces: needs a value"),
-        (("study", "area", "--hurts", "1"), "unknown option '--hurts'; it has: "),
+        (("study", "area", "--hurts", "1"), "unknown option '--hurts'; did you mean '--hurst"),
         (("study", "depth", "quickstart"), "takes no scene: its surface is the one"),
         (
             ("study", "area", "--set", "seed=3"),
@@ -141,6 +147,34 @@ def test_a_mistake_is_one_line_on_stderr_and_exit_code_2(tool, arguments, words)
     assert words in err
     assert err.count("\n") == 1
     assert out == ""
+
+
+def test_an_unknown_option_is_exit_code_2_without_a_traceback(tmp_path):
+    command = [sys.executable, "-m", "validation.cli", "run", "--frobnicate"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, timeout=300, check=False)
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr
+
+
+def test_explain_says_what_runs_and_what_is_left_out_and_solves_nothing(tool, tmp_path):
+    code, out, err = tool("explain", "quickstart")
+    assert code == 0, err
+    for words in ("512 x 512", "unknowns", "seconds", "MiB", "adhesion", "hardness", "unknown without"):
+        assert words in out
+    assert list(tmp_path.iterdir()) == []
+    data = json.loads(tool("explain", "quickstart", "--json")[1])
+    assert {grid["method"] for grid in data["grids"]} == {"bem", "fem"}
+
+
+def test_scenes_are_listed_and_copied(tool, tmp_path):
+    assert "quickstart" in tool("scenes", "list")[1]
+    assert tool("scenes", "copy", "quickstart", "mine.toml")[0] == 0
+    shown = tool("scenes", "show", "quickstart")[1]
+    # Its file names it: with the name of the original it would write over that one's results.
+    assert (tmp_path / "mine.toml").read_text() == shown.replace('name = "quickstart"\n', "")
+    code, _, err = tool("scenes", "copy", "quickstart", "mine.toml")
+    assert code == 2
+    assert "File exists" in err
 
 
 def test_a_failed_solve_is_exit_code_1(tool, monkeypatch):
@@ -190,7 +224,12 @@ def test_options_stand_in_the_scene_too_and_the_command_line_goes_before(
     code, out, err = tool("run", path, "--output", "here", "--no-report")
     assert code == 0, err
     assert "0 solves done, 12 found finished" in out
+    for column in ("method", "grid", "A/A0, counted", "kappa"):
+        assert column in out
     assert (tmp_path / "here" / "table.csv").exists()
+    summary = json.loads(tool("run", path, "--output", "here", "--no-report", "--json")[1])
+    assert summary["kind"] == "run"
+    assert summary["findings"][0]["values"]
 
 
 @pytest.mark.parametrize(
@@ -316,19 +355,9 @@ def test_a_conversion_levels_fills_and_tapers_and_says_so(tool, tmp_path):
     code, _, err = tool("surface", "convert", "scan.txt", "out.nc", "--length", "10 um", "--unit", "1 nm")
     assert code == 2
     assert "3 of 1600 heights are NaN" in err
-    said = (
-        "--length",
-        "10 um",
-        "--unit",
-        "1 nm",
-        "--tilt",
-        "plane",
-        "--missing",
-        "nearest",
-        "--edges",
-        "hann",
-    )
-    code, out, err = tool("surface", "convert", "scan.txt", "out.nc", *said)
+    treatment = ("--tilt", "plane", "--missing", "nearest", "--edges", "hann")
+    sizes = ("--length", "10 um", "--unit", "1 nm")
+    code, out, err = tool("surface", "convert", "scan.txt", "out.nc", *sizes, *treatment)
     assert code == 0, err
     for words in ("plane taken out", "filled: nearest", "hann taper"):
         assert words in err

@@ -98,24 +98,13 @@ def _solves(scene: Scene) -> list[Press]:
 def _surface(solve: Press, comm: Any) -> SlabSurface:
     """Make a random surface in slabs; every process reads a measured one."""
     from fem_contact.bem import SlabSurface
-    from validation.scenes.surfaces import spectrum_of
+    from validation.scenes.surfaces import waves_drawn
     from validation.scenes.tables import FileSurface
 
     surface = solve.realised.surface
     if isinstance(surface, FileSurface):
         return SlabSurface.of(solve.height_field(), comm)
-    spectrum = spectrum_of(surface)
-    directional = getattr(spectrum, "directional", None)
-    return SlabSurface.random(
-        directional or spectrum,
-        q_short=spectrum.q_short,
-        lengths=surface.length,
-        shape=solve.grid,
-        seed=surface.seed_of(0),
-        amplitudes=surface.amplitudes,
-        isotropic=directional is None,
-        comm=comm,
-    )
+    return SlabSurface.random(shape=solve.grid, comm=comm, **waves_drawn(surface))
 
 
 def _solved(solve: Press, folder: Path, comm: Any) -> dict[str, Any]:

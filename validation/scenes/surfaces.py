@@ -6,7 +6,7 @@ import contextlib
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING, Any, overload
 
 from fem_contact.surface import HeightField, Patch, RandomWaves, random_waves
 from validation.errors import UsageError
@@ -33,6 +33,7 @@ __all__ = [
     "sampled",
     "spectrum_of",
     "too_large_to_look_at",
+    "waves_drawn",
     "waves_of",
 ]
 
@@ -86,16 +87,21 @@ def _capillary(surface: CapillarySurface) -> CapillaryWaves:
 
 def waves_of(surface: RandomSurface, realisation: int = 0) -> RandomWaves:
     """Draw the waves of one realisation; realisation k is the surface of seed + k."""
+    return random_waves(**waves_drawn(surface, realisation))
+
+
+def waves_drawn(surface: RandomSurface, realisation: int = 0) -> dict[str, Any]:
+    """Return what the waves of one realisation are drawn by."""
     spectrum = spectrum_of(surface)
     directional = getattr(spectrum, "directional", None)
-    return random_waves(
-        directional or spectrum,
-        q_short=spectrum.q_short,
-        lengths=surface.length,
-        seed=surface.seed_of(realisation),
-        amplitudes=surface.amplitudes,
-        isotropic=directional is None,
-    )
+    return {
+        "spectrum": directional or spectrum,
+        "q_short": spectrum.q_short,
+        "lengths": surface.length,
+        "seed": surface.seed_of(realisation),
+        "amplitudes": surface.amplitudes,
+        "isotropic": directional is None,
+    }
 
 
 def sampled(

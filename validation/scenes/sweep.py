@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import copy
-import difflib
 import itertools
 import math
 import tomllib
@@ -14,7 +13,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from validation.errors import SceneError, UsageError
+from validation.errors import SceneError, UsageError, did_you_mean
 from validation.scenes.scene import (
     RunOptions,
     Scene,
@@ -204,8 +203,7 @@ def _found_key(key: str, data: Mapping[str, Any]) -> str:
     if inside:
         raise UsageError(f"{key}: is a table; name one of its keys: {', '.join(inside)}")
     last = {full.rpartition(".")[2]: full for full in keys}
-    close = difflib.get_close_matches(key, keys, n=1) or difflib.get_close_matches(key, last, n=1)
-    hint = f"; did you mean {last.get(close[0], close[0])!r}?" if close else ""
+    hint = did_you_mean(key, keys) or did_you_mean(key, (), last)
     raise UsageError(f"{key}: is no key of a scene{hint}")
 
 

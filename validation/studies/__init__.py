@@ -22,7 +22,7 @@ from functools import cache
 from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
-from validation.errors import UsageError
+from validation.errors import UsageError, did_you_mean
 from validation.studies._study import Study, StudyOptions
 
 if TYPE_CHECKING:
@@ -67,7 +67,9 @@ def find_study(name: str) -> Study:
     """
     known = studies()
     if name not in known:
-        raise UsageError(f"study {name!r}: no such study; one of: {', '.join(known) or 'none yet'}")
+        raise UsageError(
+            f"study {name!r}: no such study{did_you_mean(name, known)}; one of: {', '.join(known)}"
+        )
     return known[name]
 
 

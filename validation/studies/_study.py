@@ -16,7 +16,7 @@ from pydantic.fields import FieldInfo
 
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
-from validation.errors import RunFailed, UsageError
+from validation.errors import RunFailed, UsageError, did_you_mean
 from validation.report.estimates import with_places
 from validation.report.quantities import labelled, quantity
 from validation.report.table import budget_table
@@ -248,7 +248,8 @@ def _pairs(arguments: Sequence[str], flags: Mapping[str, FieldInfo]) -> Iterator
             yield plain, "false"
             continue
         if flag not in flags:
-            raise UsageError(f"unknown option {flag!r}; it has: {', '.join(flags) or 'none'}")
+            hint = did_you_mean(flag, flags)
+            raise UsageError(f"unknown option {flag!r}{hint}; it has: {', '.join(flags) or 'none'}")
         if not equals:
             if not waiting:
                 raise UsageError(f"{flag}: needs a value, {_kind_words(flags[flag])}")
