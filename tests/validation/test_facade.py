@@ -12,7 +12,8 @@ from fem_contact import HalfSpace, HeightField, Solid
 from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from validation import measured, press, self_affine, table, theory
 from validation.comparison.run import run_scene
-from validation.errors import UsageError
+from validation.errors import NoLimit, UsageError
+from validation.report.estimates import total_error
 from validation.scenes.scene import Scene
 
 WAVES = {
@@ -44,6 +45,7 @@ def test_its_numbers_are_those_of_a_run(tmp_path):
     assert contact.areas().perimeter == float(first.area_perimeter)
     assert contact.theory.area == float(run.area_persson_own)
     assert contact.limit(grids).value == float(run.area_own)
+    assert contact.limit(grids).error == pytest.approx(float(total_error(run, "area_own")), rel=1e-12)
     assert float(contact.plot("grids").data.area_own) == pytest.approx(float(run.area_own), rel=0.02)
     assert float(contact.data.area_own) == pytest.approx(float(first.area_located), rel=1e-12)
     assert any("A/A0 = " in text for text in contact.findings)
@@ -122,9 +124,8 @@ def test_the_theory_alone_is_the_closed_form_of_the_spectrum():
 
 
 def test_a_limit_that_is_not_there_says_why():
-    limit = press(SURFACE, **SOLID, reduced_pressure=0.05, grid=32).limit([32])
-    assert np.isnan(limit.value)
-    assert "two resolved grids" in limit.doubt
+    with pytest.raises(NoLimit, match="two resolved grids"):
+        press(SURFACE, **SOLID, reduced_pressure=0.05, grid=32).limit([32])
 
 
 def test_what_is_shown_is_short():

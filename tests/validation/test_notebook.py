@@ -45,8 +45,9 @@ def test_each_of_ten_things_takes_three_lines_at_most_and_gives_its_numbers(caps
     assert hursts.hurst.values.tolist() == [0.3, 0.8]
     # The same grids of the same surface: a number of one cell is that of the other.
     assert hursts.kappa_limit.sel(hurst=0.8).item() == pytest.approx(limit.value / 0.05, rel=1e-12)
-    # 0.12389 is the limit that the ladder to 512 x 512 gives (README); four standard errors.
-    assert abs(limit.value - 0.12389) < 4 * limit.uncertainty < 0.01
+    # 0.12389 is the limit that the ladder to 512 x 512 gives (README).
+    assert abs(limit.value - 0.12389) < 2 * limit.error < 0.01
+    assert hursts.kappa_limit_error.sel(hurst=0.8).item() == pytest.approx(limit.error / 0.05, rel=1e-12)
     assert (tmp_path / "block.vtu").stat().st_size > 10_000
     assert space["own"].realised.pressure == 5e6
     assert "10 patches" in capsys.readouterr().out

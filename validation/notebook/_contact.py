@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,14 +10,14 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from fem_contact.area import ContactAreas, contact_areas
 from fem_contact.contact import ContactResult
-from fem_contact.extrapolation import Limit
-from validation.comparison.numbers import limit_of, scene_data
-from validation.comparison.reading import Reading, grid_name
+from validation.comparison.numbers import scene_data
+from validation.comparison.reading import grid_name
 from validation.effects.base import Slots
-from validation.errors import UsageError
+from validation.errors import NoLimit, UsageError
 from validation.methods.base import Solved
 from validation.methods.theory import Prediction, predict
 from validation.notebook._tables import GridLike, as_html, checked, fast_grid
+from validation.report.estimates import Value, value_of
 from validation.report.quantities import labelled
 from validation.report.words import significant
 from validation.scenes.checks import check_scene
@@ -71,28 +70,23 @@ class Contact:
         """Return A/A0 counted, and corrected at the edge by the constant of the discretisation."""
         return contact_areas(self.result, edge_constant=self.solve.solver.edge_constant(self.result))
 
-    def limit(self, grids: Sequence[GridLike] | None = None) -> Limit:
-        """Return A/A0 in the limit of vanishing spacing, with its standard error.
+    def limit(self, grids: Sequence[GridLike] | None = None) -> Value:
+        """Return A/A0 in the limit of vanishing spacing, with half of its 95 % interval: grid and solver.
 
         Parameters
         ----------
         grids : sequence, optional
             Grids it is taken over; 4, 6 and 8 points per shortest wave if not given.
+
+        Raises
+        ------
+        NoLimit
+            Where these grids tell none, with the reason.
         """
-        found = self._on(grids or [self._grid(n) for n in _LADDER])
-        bare = not self.scene.effects
-        areas = [
-            Reading.of(solve, solved.contact, bare=bare, shown=False).areas
-            for solve, solved in found.solved.items()
-            if self.realised.resolved_by(solve.grid)
-        ]
-        limit = limit_of(areas)
-        if limit is not None:
-            return limit
-        doubt = str(found.data.no_limit.item())
-        return Limit(
-            value=math.nan, uncertainty=math.nan, edge_constant=math.nan, grids=len(areas), doubt=doubt
-        )
+        data = self._on(grids or [self._grid(n) for n in _LADDER]).data
+        if why := str(data.no_limit.item()):
+            raise NoLimit(why)
+        return value_of(data, "area_own")
 
     def against(self, method: str = "fem") -> xr.Dataset:
         """Press by another method on the same grid, and return how far the two are apart.

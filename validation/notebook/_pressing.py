@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import math
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -10,13 +11,14 @@ import numpy as np
 
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
+from validation.comparison.theory_alone import theory_data
 from validation.effects import effect_kinds
-from validation.errors import UsageError
+from validation.errors import NoLimit, UsageError
 from validation.methods import methods
-from validation.methods.theory import against_magnification
 from validation.notebook._contact import Contact, pressed
 from validation.notebook._surface import Surface
 from validation.notebook._tables import GridLike, Quantity, checked, fast_grid
+from validation.report.estimates import Value
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Scene
@@ -111,8 +113,6 @@ def theory(
     Parameters are those of `press`; a load may be a list. The dataset, over `load`, has A/A0, the yielded
     part of it, and the error that the theory estimates of itself; NaN where it has no answer.
     """
-    import xarray as xr
-
     tables, listed = _tables(surface, solid, young=young, poisson=poisson), _effects(effects)
     load = _without_none(pressure=pressure, reduced_pressure=reduced_pressure)
     scene = checked(Scene, "theory", {**tables, "load": load, "methods": {"theory": {}}, "effects": listed})
@@ -120,31 +120,11 @@ def theory(
         surface=scene.surface, solid=scene.solid, load=scene.load, given=surface.given, drawn=False
     )
     check_scene(scene, realised)
-    answers = against_magnification(realised, scene.effects, scene.methods.options("theory"))
-    loads = np.array([answer.pressure for answer in answers])
-    columns = {
-        "area": ([_at_last(answer.area) for answer in answers], "A/A0, Persson, from C(q)"),
-        "area_plastic": (
-            [_at_last(answer.area_plastic) for answer in answers],
-            "A_pl/A0, Persson, from C(q)",
-        ),
-        "error_estimate": ([answer.error_estimate for answer in answers], "error of A/A0"),
-    }
-    return xr.Dataset(
-        {
-            name: ("load", values, {"units": "1", "long_name": words})
-            for name, (values, words) in columns.items()
-        },
-        coords={
-            "pressure": ("load", loads, {"units": "Pa", "long_name": "p0"}),
-            "reduced_pressure": (
-                "load",
-                loads / realised.pressure_scale,
-                {"units": "1", "long_name": _REDUCED},
-            ),
-        },
-        attrs={"note": "; ".join(dict.fromkeys(answer.note for answer in answers if answer.note))},
-    )
+    data = theory_data(scene, realised).set_coords("reduced_pressure")
+    names = {"area_ensemble": "area", "area_plastic_ensemble": "area_plastic"}
+    found = data[[*(name for name in names if name in data), "error_estimate"]].drop_attrs(deep=False)
+    note = "; ".join(dict.fromkeys(filter(None, data.theory_note.values.tolist())))
+    return found.rename({n: names[n] for n in names if n in found}).assign_attrs(note=note)
 
 
 def table(contacts: Iterable[Contact], *, along: str = "reduced_pressure", limit: bool = False) -> xr.Dataset:
@@ -157,7 +137,7 @@ def table(contacts: Iterable[Contact], *, along: str = "reduced_pressure", limit
         What differs between them, and becomes the coordinate: ``reduced_pressure``, ``pressure``, ``method``,
         ``points``, or a key of surface, solid or effect such as ``hurst``, ``seed``, ``young``, ``hardness``.
     limit : bool
-        Also take the limit over grids of each, with its standard error, which presses each on some more.
+        Also take the limit over grids of each and half of its 95 % interval, which presses each on some more.
 
     Raises
     ------
@@ -174,54 +154,46 @@ def table(contacts: Iterable[Contact], *, along: str = "reduced_pressure", limit
     values = [one[along] for one in said]
     if len(set(values)) < len(values):
         raise UsageError(f"table: along = {along!r}: {values[0]!r} and so on do not tell the contacts apart")
-    rows = [_numbers(contact, limit=limit) for contact in pressed_ones]
-    data = {
-        name: (along, [row[name] for row in rows], {"units": "1", "long_name": words})
-        for name, words in _WORDS.items()
-        if name in rows[0]
-    }
+    rows = xr.concat(
+        [_numbers(contact, limit=limit) for contact in pressed_ones], along, combine_attrs="drop"
+    )
     # What else differs stands beside it.
     others = {
         name: (along, [one[name] for one in said])
         for name in known
         if name != along and all(name in one for one in said) and len({one[name] for one in said}) > 1
     }
-    return xr.Dataset(data, coords={along: values, **others})
+    return rows.assign_coords({along: values, **others})
 
 
-_REDUCED = "p* = p0 / (E* h'_rms)"
-_WORDS = {
-    "area": "A/A0, corrected at the edge",
-    "pixel": "A/A0, contact points counted",
-    "kappa": "kappa = (A/A0) / p*",
-    "limit": "A/A0 in the limit of vanishing spacing",
-    "limit_error": "standard error of the limit",
-    "kappa_limit": "kappa of the limit",
-    "kappa_limit_error": "standard error of it",
-    "persson": "A/A0, Persson, with the realised gradient",
-    "persson_kappa": "kappa, Persson",
-    "plastic": "A_pl/A0, points at the hardness",
-    "persson_plastic": "A_pl/A0, Persson",
-    "residual": "largest residual of the contact conditions",
+#: What a table calls the numbers of a run on one grid.
+_COLUMNS = {
+    "area_perimeter": "area",
+    "area_pixel": "pixel",
+    "kappa_perimeter": "kappa",
+    "area_persson_own": "persson",
+    "area_plastic_pixel": "plastic",
+    "area_plastic_persson": "persson_plastic",
+    "residual": "residual",
 }
 
 
-def _numbers(contact: Contact, *, limit: bool) -> dict[str, float]:
-    areas, load = contact.areas(), contact.realised.reduced_pressure
-    found = {"area": areas.perimeter, "pixel": areas.pixel, "kappa": areas.perimeter / load}
+def _numbers(contact: Contact, *, limit: bool) -> xr.Dataset:
+    data, load = contact.data.isel(solver=0, grid=0, drop=True), contact.realised.reduced_pressure
+    kept = {name: column for name, column in _COLUMNS.items() if name in data}
+    row = data[list(kept)].rename(kept).reset_coords(drop=True)
+    if "persson" in row:
+        row["persson_kappa"] = row.persson / load
     if limit:
-        over = contact.limit()
-        found |= {"limit": over.value, "limit_error": over.uncertainty}
-        found |= {"kappa_limit": over.value / load, "kappa_limit_error": over.uncertainty / load}
-    area = float("nan") if contact.theory is None else contact.theory.area
-    found |= {"persson": area, "persson_kappa": area / load}
-    if "area_plastic_pixel" in contact.data:
-        theory_says = None if contact.theory is None else contact.theory.plastic
-        found |= {
-            "plastic": float(contact.data.area_plastic_pixel.item()),
-            "persson_plastic": float("nan") if theory_says is None else theory_says,
-        }
-    return {**found, "residual": contact.result.residuals.worst}
+        try:
+            over = contact.limit()
+        except NoLimit:
+            over = Value(value=math.nan, error=math.nan)
+        value, half = float(over.value), float(over.error or 0)
+        row = row.assign(
+            limit=value, limit_error=half, kappa_limit=value / load, kappa_limit_error=half / load
+        )
+    return row
 
 
 def _said(contact: Contact) -> dict[str, Any]:
@@ -233,10 +205,6 @@ def _said(contact: Contact) -> dict[str, Any]:
         values = listed.model_dump(exclude_none=True, exclude={"kind"}).items()
         found |= {name: value for name, value in values if isinstance(value, (int, float, str))}
     return found
-
-
-def _at_last(values: Any) -> float:
-    return float(values[-1]) if values.size else float("nan")
 
 
 def _without_none(**said: Any) -> dict[str, Any]:
