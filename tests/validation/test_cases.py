@@ -36,6 +36,7 @@ def test_names_are_unique_and_claims_are_sentences():
     assert len(set(names)) == len(names)
     for case in all_cases():
         assert case.claim.endswith(".")
+        assert case.tolerance in cases.TOLERANCES
     for topic in ("hertz", "westergaard", "full-contact", "against-bem", "units", "theory"):
         assert chosen_cases([topic], quick=False), topic
 
@@ -45,6 +46,8 @@ def test_a_case_is_chosen_by_name_or_by_the_beginning_of_its_name():
     assert {case.name for case in chosen_cases(["hertz"], quick=True)} == names
     with pytest.raises(UsageError, match=r"case 'hert': no such case; one of: .*hertz-bem"):
         chosen_cases(["hert"], quick=False)
+    with pytest.raises(UsageError, match="case 'bem-grids': is called nested-grids-bem now"):
+        chosen_cases(["bem-grids"], quick=False)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.cases import Verdict
+from validation.cases import TOLERANCES, Verdict
 from validation.report.estimates import derive, power_law, with_places
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, Panel
@@ -73,6 +73,7 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard] = ())
             "tolerance_used": (whole, used),
             "wall_seconds": (whole, seconds),
             "statement": ("claim", [of_claim[claim].claim for claim in claims]),
+            "tolerance_from": ("claim", [of_claim[claim].tolerance for claim in claims]),
             "claim_source": ("claim", [of_claim[claim].source for claim in claims]),
             **{f"check_{name}": ("check", values) for name, values in columns.items()},
             "claims_judged": float(len(judged)),
@@ -161,9 +162,12 @@ def claims_views(data: xr.Dataset) -> Views:
             *(Column("verdict", {"solver": k}) for k in solvers),
             *(Column("tolerance_used", {"solver": k}) for k in solvers if not (scored and k)),
             *(Column("reason", {"solver": k}) for k in solvers if scored),
+            "tolerance_from",
             "statement",
         ),
-        note="Tolerance used: distance from the reference over the tolerance, of the check that uses most.",
+        note="Tolerance used: distance from the reference over the tolerance, of the check that uses most. "
+        + "; ".join(f"{name}: {words}" for name, words in TOLERANCES.items())
+        + ".",
     )
     numbers = Table(
         title="Every number",

@@ -64,6 +64,7 @@ _LAW = Exponential(work=8e-4, reach=0.02)
     "adhesion-balance",
     "In an adhesive state forces balance, the gap closes, and its energy is the sum of both parts.",
     source="half-space, wave by wave",
+    tolerance="solver",
 )
 def _balance() -> Iterator[Check]:
     """Look at a state with plain sums: forces, gap and energy."""
@@ -131,6 +132,7 @@ def _stability() -> Iterator[Check]:
     "adhesion-loop",
     "The work of a loop of approach and retraction is what its jumps lose.",
     source="conservation of energy",
+    tolerance="estimate",
 )
 def _loop() -> Iterator[Check]:
     # One peak in a period: two alike would leave it to rounding which of them snaps first.

@@ -58,6 +58,7 @@ _WAVE_GRIDS = (64, 128, 256)
     "comparison-wave",
     "Of a wave pressed as a scene, every number of the dataset is Westergaard's.",
     source="H. M. Westergaard, J. Appl. Mech. 6, 49 (1939); Persson 2006, Eq. 20",
+    tolerance="grid",
 )
 def _wave() -> Iterator[Check]:
     """Press a cosine of period 1 until it touches over 60 %; its file holds 32 x 4 points."""
@@ -232,6 +233,7 @@ def _ensemble() -> Iterator[Check]:
     "comparison-intervals",
     "Intervals that claim 95 % hold in 95 of 100 trials, and shares of a budget add up.",
     source="Student, Biometrika 6, 1 (1908)",
+    tolerance="estimate",
 )
 def _intervals() -> Iterator[Check]:
     """Plant means and scatters, and see what intervals are claimed and how often they hold."""

@@ -28,6 +28,7 @@ def _wavy(amplitude: float, points: int) -> HeightField:
     "finite-strain-flat",
     "A neo-Hookean block pressed flat takes the closed form of confined compression.",
     source="W = mu/2 (J^(-2/3) tr C - 3) + K/2 (J - 1)^2 with two stretches 1",
+    tolerance="solver",
 )
 def _flat() -> Iterator[Check]:
     """Press a block whose sides cannot move to half of Young's modulus, far from small strain."""
@@ -51,6 +52,7 @@ def _flat() -> Iterator[Check]:
     "finite-strain-steep",
     "Under steep waves forces balance, and the work of the load is the energy stored.",
     source="equilibrium; a conservative body",
+    tolerance="solver",
 )
 def _steep() -> Iterator[Check]:
     """Press waves of h' = .5: equilibrium, the area of the surface, and the work of a little more load."""
@@ -83,6 +85,7 @@ def _carried(found: block.FiniteStrain) -> float:
     "finite-strain-limit",
     "At small slopes the block of finite strain is the linear one, in first order.",
     source="the full linear system on the same mesh",
+    tolerance="estimate",
 )
 def _limit() -> Iterator[Check]:
     """Flatten waves at one reduced load: pressures go to those of the linear block in first order."""

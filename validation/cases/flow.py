@@ -44,6 +44,7 @@ def _spot(n: int, radius: float) -> float:
     "flow-spot",
     "The contact resistance of a circular spot is Holm's, with the field of its neighbours.",
     source="R. Holm (1967); J. R. Barber, Proc. R. Soc. A 459, 53 (2003)",
+    tolerance="grid",
 )
 def _spots() -> Iterator[Check]:
     """Resistance of a circular spot, and stiffness of a layer in full contact."""
@@ -65,6 +66,7 @@ def _spots() -> Iterator[Check]:
     "flow-stiffness",
     "The stiffness of the frozen contact set is the slope of the load over the approach.",
     source="exact: without friction the area changes in the second order alone",
+    tolerance="solver",
 )
 def _slope() -> Iterator[Check]:
     """Slope of the load over the approach between two solves close to one another."""
@@ -95,6 +97,7 @@ def _grooved(n: int, phase: Array) -> Array:
     "flow-channel",
     "The conductance of a gap is that of its channels and grooves.",
     source="O. Reynolds (1886); oblique grooves: the mean of both conductances",
+    tolerance="grid",
 )
 def _channels() -> Iterator[Check]:
     """Let fluid along a channel, along grooves, across them, and along oblique ones."""

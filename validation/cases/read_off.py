@@ -162,6 +162,7 @@ def _spread(patches: float) -> Array:
     "results-limits",
     "Limits over grids are off by what they claim, and twice that holds.",
     source="generalised least squares; docs/uncertainty.md",
+    tolerance="estimate",
 )
 def _limits() -> Iterator[Check]:
     """Draw areas from the law of their error, and see how far limits are off over what they claim."""
@@ -279,6 +280,7 @@ def _residuals() -> Iterator[Check]:
     "results-status",
     "A solve that ends early says so, and what converged meets its tolerance.",
     source="definition",
+    tolerance="solver",
 )
 def _status() -> Iterator[Check]:
     """Stop solves early, and ask the impossible; look at converged ones with plain sums."""

@@ -74,6 +74,7 @@ def _hunter(load: float, *, ratio: float, drift: float) -> tuple[float, float, f
     "sliding-cylinder",
     "A cylinder on a standard solid has Hunter's friction within 1 %, and his contact to a cell.",
     source=_SOURCE,
+    tolerance="grid",
 )
 def _cylinder() -> Iterator[Check]:
     n, elastic = 2048, 0.02
@@ -98,6 +99,7 @@ def _cylinder() -> Iterator[Check]:
     "sliding-limits",
     "Slow and fast sliding are elastic contacts, to 1e-6; waves along the motion stay relaxed.",
     source=_RESPONSE,
+    tolerance="solver",
 )
 def _limits() -> Iterator[Check]:
     """Waves along the motion stay relaxed at any velocity: a point of a period never leaves them."""
@@ -124,6 +126,7 @@ def _limits() -> Iterator[Check]:
     "sliding-twice",
     "Pressure on slopes and losses of the solid give one friction as the grid is refined.",
     source=_RESPONSE,
+    tolerance="grid",
 )
 def _twice() -> Iterator[Check]:
     found = _slid(256, 10.0, 0.03)
@@ -139,6 +142,7 @@ def _twice() -> Iterator[Check]:
     "sliding-full",
     "In full contact solver and theory give the friction that the waves add up to.",
     source=_FRICTION,
+    tolerance="solver",
 )
 def _full() -> Iterator[Check]:
     found = _slid(32, 50.0, 0.02, reduced=60.0)

@@ -199,6 +199,7 @@ def _between() -> Iterator[Check]:
     "surface-measured",
     "The spectrum measured of a surface is the one it was made with.",
     source="Parseval's theorem; F. J. Harris, Proc. IEEE 66, 51 (1978)",
+    tolerance="estimate",
 )
 def _measured() -> Iterator[Check]:
     """Measure the spectrum of a surface whose C(q) is the same for all waves."""

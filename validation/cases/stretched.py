@@ -40,6 +40,7 @@ def _moments() -> Iterator[Check]:
     "Surfaces with a lay are the same on nested grids and have the slopes of their spectrum; full "
     "contact knows their mean square slope alone.",
     source="B. N. J. Persson, J. Chem. Phys. 115, 3840 (2001): V = (E*/2)^2 <|grad h|^2>",
+    tolerance="estimate",
 )
 def _surfaces() -> Iterator[Check]:
     factor, n = 4.0, 192

@@ -19,6 +19,7 @@ from validation.cases import Check, case, near, relative
     "theory-light-load",
     "At light load kappa is sqrt(8/pi) in Persson's theory, and sqrt(2 pi) for independent asperities.",
     source="Persson 2006, Secs. 3.2-3.4; A. W. Bush, R. D. Gibson, T. R. Thomas, Wear 35, 87 (1975)",
+    tolerance="estimate",
 )
 def _light_load() -> Iterator[Check]:
     variance = float(elastic.stress_variance(1.0, contact_modulus=1.0))
