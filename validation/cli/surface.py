@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -144,13 +145,10 @@ def _file_surface(path: Path, *, length: str | None, unit: str | None, **treatme
     try:
         return FileSurface.model_validate(sized({"surface": table}, Path(), str(path))["surface"])
     except ValidationError as error:
-        problems = [f"{path}: --{problem}" for problem in scene_problems(error)]
+        problems = [f"surface.{problem}" for problem in scene_problems(error)]
     except SceneError as error:
-        said = f"surface.path = {str(path)!r}: "
-        problems = [
-            problem.replace(said, "").replace("surface.", "--") for problem in str(error).splitlines()
-        ]
-    raise UsageError("\n".join(problems))
+        problems = [problem.removeprefix(f"surface.path = {str(path)!r}: ") for problem in error.problems]
+    raise UsageError("\n".join(f"{path}: {re.sub('^surface[.]', '--', problem)}" for problem in problems))
 
 
 #: Ratio of slopes below which a surface of finitely many waves has no direction worth naming.
@@ -177,7 +175,8 @@ def _inspected(
         facts |= {"missing points": raw.missing, "slope along x": raw.slope[0]}
         facts |= {"slope along y": raw.slope[1], "edge jump over typical step": patch.edge_jump}
         facts["treatment"] = "; ".join(patch.history)
-        field, window = patch.height_field(), "none" if patch.edge_jump < 4 else "hann"
+        field = patch.height_field()
+        window: Literal["none", "hann"] = "none" if patch.edge_jump < 4 else "hann"
     else:
         field, window = reference_field(surface), "none"
     facts |= {
@@ -195,7 +194,7 @@ def _inspected(
         turned = f", {math.degrees(lay.direction):.3g} degrees from x" if lay.ratio > _LAY else ""
         facts["lay (slope across over along)"] = f"{lay.ratio:.3g}{turned}"
     facts["window of C(q)"] = window
-    rings = estimate_spectrum(field.heights, field.lengths, window="none" if window == "none" else "hann")
+    rings = estimate_spectrum(field.heights, field.lengths, window=window)
     facts["spectrum"] = [
         {"q_1/m": float(q), "C_m4": float(c), "waves": int(n)}
         for q, c, n in zip(rings.q, rings.power, rings.count, strict=True)
@@ -214,7 +213,7 @@ def _spectrum_table(spectrum: list[dict[str, float]]) -> Any:
     step = max(1, len(spectrum) // 12)
     for ring in spectrum[::step]:
         q = ring["q_1/m"]
-        table.add_row(f"{q:.4g}", f"{6.283185307179586 / q:.4g}", f"{ring['C_m4']:.4g}", str(ring["waves"]))
+        table.add_row(f"{q:.4g}", f"{2 * math.pi / q:.4g}", f"{ring['C_m4']:.4g}", str(ring["waves"]))
     return table
 
 

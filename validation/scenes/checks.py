@@ -16,10 +16,7 @@ __all__ = ["check_scene"]
 def check_scene(scene: Scene, realised: Realised) -> None:
     """Refuse effects that a listed method lacks, and what does not fit load, grids or each other.
 
-    Raises
-    ------
-    UsageError
-        Naming the key, the method, and what is allowed.
+    A UsageError names the key, the method, and what is allowed.
     """
     _ = realised.field  # a surface that cannot be made is refused here, by name
     asked = scene.methods.asked

@@ -93,7 +93,7 @@ class Realised:
         if not self.drawn:
             return surfaces.expected(self.surface)  # type: ignore[return-value]
         assert self._waves is not None
-        grid = surfaces.resolving_grid(self.surface)
+        grid = self.surface.resolving_grid
         surfaces.check_memory(self.surface, grid)
         return self._signed(surfaces.sampled(self._waves, self.surface, grid))
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import re
 import tomllib
@@ -41,7 +40,7 @@ from validation.scenes.tables import (
     SolidSpec,
     Surface,
 )
-from validation.units import Grids, Table, allowed, brief, unit_registry, wrong
+from validation.units import MOST_POINTS, Grids, Table, allowed, brief, unit_registry, wrong
 
 __all__ = [
     "CapillarySurface",
@@ -169,77 +168,55 @@ class Scene(Table):
         return data
 
     @model_validator(mode="after")
-    def _one_effect_per_slot(self) -> Self:
-        found = clash(self.effects)
-        if found is not None:
-            raise wrong(found)
+    def _fits_together(self, info: ValidationInfo) -> Self:
+        problem = next(self._problems(_CHOSEN if info.context == _GRIDS_CHOSEN else ()), None)
+        if problem is not None:
+            raise wrong(problem)
         return self
 
-    @model_validator(mode="after")
-    def _loads_make_a_case(self) -> Self:
-        key, solvers = self.load.key, list(self.methods.solvers)
-        if self.load.held:
-            return self._a_distance_makes_a_case()
-        if solvers and (len(self.load.values) > 1 or self.load.values[0] == 0):
-            given = getattr(self.load, key)
+    def _problems(self, chosen: tuple[str, ...]) -> Iterator[str]:
+        """Yield what does not fit together; grids of the chosen tables are not looked at."""
+        surface, load, ensemble, solvers = self.surface, self.load, self.ensemble, list(self.methods.solvers)
+        clashing = clash(self.effects)
+        if clashing is not None:
+            yield clashing
+        if load.held and not solvers:
+            yield f"load.{load.key}: the theory is told a load; add a method that presses, which finds it"
+        if load.held and ensemble is not None:
+            yield f"ensemble: is pressed with one load; remove the table, or load.{load.key}"
+        if not load.held and solvers and (len(load.values) > 1 or load.values[0] == 0):
+            given = getattr(load, load.key)
             listed = list(given) if isinstance(given, tuple) else given
-            raise wrong(
-                f"load.{key} = {listed!r}: method {solvers[0]!r} presses with one load above 0; "
+            yield (
+                f"load.{load.key} = {listed!r}: method {solvers[0]!r} presses with one load above 0; "
                 "lists, and 0 with adhesion, belong to [methods.theory] alone"
             )
-        if min(self.load.values) == 0 and not any(effect.slot == "gap law" for effect in self.effects):
-            raise wrong(f"load.{key}: 0 needs the effect 'adhesion'; without it nothing touches")
-        return self
-
-    def _a_distance_makes_a_case(self) -> Self:
-        """Refuse a distance without a method, and where each surface would have a load of its own."""
-        if not self.methods.solvers:
-            raise wrong(
-                f"load.{self.load.key}: the theory is told a load; add a method that presses, which finds it"
+        sticky = any(effect.slot == "gap law" for effect in self.effects)
+        if not load.held and min(load.values) == 0 and not sticky:
+            yield f"load.{load.key}: 0 needs the effect 'adhesion'; without it nothing touches"
+        if self.quantities is not None and not solvers:
+            yield "quantities: are read off a contact; add the table of a method that presses"
+        if isinstance(surface, FileSurface):
+            if ensemble is not None:
+                yield "ensemble: a measured surface has one realisation; remove the table"
+            return
+        if solvers and surface.seed is None:
+            yield (
+                f"surface.seed: missing; method {solvers[0]!r} presses one surface; a whole number names it"
             )
-        if self.ensemble is not None:
-            raise wrong(f"ensemble: is pressed with one load; remove the table, or load.{self.load.key}")
-        return self
-
-    @model_validator(mode="after")
-    def _quantities_have_contacts(self) -> Self:
-        if self.quantities is not None and not self.methods.solvers:
-            raise wrong("quantities: are read off a contact; add the table of a method that presses")
-        return self
+        tables = {f"methods.{name}": self.methods.options(name) for name in solvers}
+        for name, table in (*tables.items(), ("ensemble", ensemble)):
+            if table is not None and name not in chosen and not getattr(table, "under_resolved", False):
+                for grid in table.grids:
+                    yield from _too_coarse(f"{name}.grids", grid, surface)
+        if ensemble is not None and self.ensemble_solver is None:
+            quick = [name for name, method in methods().items() if getattr(method, "for_ensembles", False)]
+            yield f"ensemble: add the table of a method that is quick enough for it: {', '.join(quick)}"
 
     @property
     def subsurface(self) -> Subsurface | None:
         """What is asked of the solid below the contact."""
         return None if self.quantities is None else self.quantities.subsurface
-
-    @model_validator(mode="after")
-    def _surface_is_named(self) -> Self:
-        solvers = list(self.methods.solvers)
-        if solvers and isinstance(self.surface, RandomSurface) and self.surface.seed is None:
-            raise wrong(
-                f"surface.seed: missing; method {solvers[0]!r} presses one surface; a whole number names it"
-            )
-        return self
-
-    @model_validator(mode="after")
-    def _grids_resolve(self, info: ValidationInfo) -> Self:
-        surface, chosen = self.surface, _CHOSEN if info.context == _GRIDS_CHOSEN else ()
-        if isinstance(surface, FileSurface):
-            if self.ensemble is not None:
-                raise wrong("ensemble: a measured surface has one realisation; remove the table")
-            return self
-        tables = {f"methods.{name}": self.methods.options(name) for name in self.methods.solvers}
-        for name, table in (*tables.items(), ("ensemble", self.ensemble)):
-            if table is None or name in chosen or getattr(table, "under_resolved", False):
-                continue
-            for grid in table.grids:
-                check_resolution(f"{name}.grids", grid, surface)
-        if self.ensemble is not None and self.ensemble_solver is None:
-            quick = [name for name, method in methods().items() if getattr(method, "for_ensembles", False)]
-            raise wrong(
-                f"ensemble: add the table of a method that is quick enough for it: {', '.join(quick)}"
-            )
-        return self
 
     @property
     def ensemble_solver(self) -> Solver | None:
@@ -247,20 +224,16 @@ class Scene(Table):
         return next((method for method in self.methods.solvers.values() if method.for_ensembles), None)
 
 
-#: Points along a side beyond which a resolving grid is taken for a mistake in a length.
-_LARGEST_GRID = 2**17
-
-
-def check_resolution(key: str, grid: tuple[int, int], surface: RandomSurface) -> None:
-    """Refuse a grid with lambda_short <= 2 dx on either axis."""
-    needed = [math.floor(2 * length / surface.lambda_short * (1 + 1e-12)) + 1 for length in surface.length]
+def _too_coarse(key: str, grid: tuple[int, int], surface: RandomSurface) -> Iterator[str]:
+    """Yield what is wrong with a grid with lambda_short <= 2 dx on either axis."""
+    needed = surface.resolving_grid
     if any(n < least for n, least in zip(grid, needed, strict=True)):
         size = max(surface.length)
         # No machine holds that: more likely a number without a unit, which counts as metres.
-        hint = f"; length: {size:.6g} was read as {size:.6g} m" if max(needed) > _LARGEST_GRID else ""
-        raise wrong(
+        hint = f"; length: {size:.6g} was read as {size:.6g} m" if max(needed) > MOST_POINTS else ""
+        yield (
             f"{key} = {list(grid)}: too coarse for lambda_short = {surface.lambda_short:.6g} m; "
-            f"at least {needed} points, or say under_resolved = true in the method's table{hint}"
+            f"at least {list(needed)} points, or say under_resolved = true in the method's table{hint}"
         )
 
 
@@ -294,13 +267,7 @@ def builtin_scenes() -> tuple[str, ...]:
 
 
 def scene_text(scene: str) -> tuple[str, Path]:
-    """Text of a built-in scene or a scene file, and the folder its relative paths refer to.
-
-    Raises
-    ------
-    SceneError
-        For a name that is neither.
-    """
+    """Text of a built-in scene or a scene file, and the folder its relative paths refer to."""
     path = Path(scene)
     # os.path, because pathlib raises for a name that is too long.
     if path.suffix == ".toml" or os.path.isfile(scene):
@@ -319,13 +286,7 @@ def scene_text(scene: str) -> tuple[str, Path]:
 
 
 def parsed_toml(text: str, scene: str) -> dict[str, Any]:
-    """Parse the text of a scene.
-
-    Raises
-    ------
-    SceneError
-        For text that is not TOML, and for what the parser gives up on.
-    """
+    """Parse the text of a scene; a SceneError for what is not TOML, or what the parser gives up on."""
     try:
         return tomllib.loads(text)
     except RecursionError:
@@ -337,10 +298,7 @@ def parsed_toml(text: str, scene: str) -> dict[str, Any]:
 def load_scene(scene: str) -> Scene:
     """Read and check a scene, built-in by name or from a TOML file by path.
 
-    Raises
-    ------
-    SceneError
-        With one line for each problem: key, value, what is allowed.
+    A SceneError has one line for each problem: key, value, what is allowed.
     """
     text, folder = scene_text(scene)
     data = parsed_toml(text, scene)
@@ -354,22 +312,9 @@ def load_scene(scene: str) -> Scene:
 def checked_scene(data: Mapping[str, Any], folder: Path, scene: str, *, grids_chosen: bool = False) -> Scene:
     """Return the scene that parsed tables say, with the path of a measured surface made absolute.
 
-    Parameters
-    ----------
-    data : mapping
-    folder : Path
-        That relative paths refer to.
-    scene : str
-        How messages name it.
-    grids_chosen : bool
-        Whether the grids of boundary elements and ensemble, and its number of surfaces, will be chosen:
-        they may
-        then be missing, or too coarse.
-
-    Raises
-    ------
-    SceneError
-        With one line for each problem.
+    Relative paths refer to `folder`; messages, one line for each problem, name the scene `scene`. Where grids
+    of boundary elements and ensemble, and its number of surfaces, will be chosen they may be missing, or too
+    coarse.
     """
     try:
         context = _GRIDS_CHOSEN if grids_chosen else None

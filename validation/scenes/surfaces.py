@@ -29,7 +29,6 @@ __all__ = [
     "measured_surface",
     "naming",
     "reference_field",
-    "resolving_grid",
     "sampled",
     "spectrum_of",
     "too_large_to_look_at",
@@ -118,7 +117,7 @@ def sampled(
     field = waves.on(grid, under_resolved=True)
     if shift == (0.0, 0.0):
         return field
-    resolving = resolving_grid(surface)
+    resolving = surface.resolving_grid
     if all(n >= least for n, least in zip(grid, resolving, strict=True)):
         return field.shifted(shift)
     factors = tuple(-(-least // n) for n, least in zip(grid, resolving, strict=True))
@@ -141,17 +140,11 @@ def height_field(
     return sampled(waves_of(surface, realisation), surface, grid, shift)
 
 
-def resolving_grid(surface: RandomSurface) -> tuple[int, int]:
-    """Fewest points that resolve the surface on each axis."""
-    nx, ny = (math.floor(2 * length / surface.lambda_short * (1 + 1e-12)) + 1 for length in surface.length)
-    return nx, ny
-
-
 def reference_field(surface: Surface, *, realisation: int = 0) -> HeightField:
     """Return the realisation on the smallest grid that resolves it; its moments are the surface's own."""
     if isinstance(surface, FileSurface):
         return measured_field(measured_surface(surface))
-    grid = resolving_grid(surface)
+    grid = surface.resolving_grid
     check_memory(surface, grid)
     return height_field(surface, grid, realisation=realisation)
 
@@ -233,12 +226,12 @@ def expected(surface: RandomSurface) -> Expected:
     found = spectrum.moments()
     q = np.geomspace(spectrum.q_min, spectrum.q_short, 4001)
     first = 2 * math.pi * float(np.trapezoid(q**3 * spectrum(q), np.log(q)))
-    return Expected(moments=(found.m0, found.m2, found.m4), first_moment=first, shape=resolving_grid(surface))
+    return Expected(moments=(found.m0, found.m2, found.m4), first_moment=first, shape=surface.resolving_grid)
 
 
 def too_large_to_look_at(surface: RandomSurface) -> bool:
     """Whether a surface has too many points to be made only to be looked at."""
-    return math.prod(resolving_grid(surface)) > _SURVEYED_POINTS
+    return math.prod(surface.resolving_grid) > _SURVEYED_POINTS
 
 
 @contextlib.contextmanager
@@ -251,13 +244,7 @@ def naming(surface: FileSurface) -> Iterator[None]:
 
 
 def measured_surface(surface: FileSurface) -> Measured:
-    """Read a measured surface; it is levelled, filled and made periodic when first asked for.
-
-    Raises
-    ------
-    UsageError
-        For a file that gives no surface, naming the key.
-    """
+    """Read a measured surface; it is levelled, filled and made periodic when first asked for."""
     with naming(surface):
         return measured(surface)
 

@@ -117,21 +117,8 @@ def value_words(value: Value, unit: str = "1") -> str:
 def load_asked(scene: str, settings: Sequence[str] = (), *, grids_chosen: bool = False) -> Scene | Sweep:
     """Read a scene with some keys set otherwise, and expand its table [sweep] if it has one.
 
-    Parameters
-    ----------
-    scene : str
-        Built-in by name, or a TOML file by path.
-    settings : sequence of str
-        Each ``key=value``, the value as in the file; quotes round a quantity may be left out.
-    grids_chosen : bool
-        As in `checked_scene`.
-
-    Raises
-    ------
-    SceneError
-        With one line for each problem: key, value, what is allowed.
-    UsageError
-        For a setting that names no key.
+    Settings are ``key=value``, the value as in the file; quotes round a quantity may be left out. One that
+    names no key is a UsageError; a SceneError has one line for each problem: key, value, what is allowed.
     """
     text, folder = scene_text(scene)
     data = parsed_toml(text, scene)
@@ -182,13 +169,7 @@ def _value(text: str) -> Any:
 
 
 def _found_key(key: str, data: Mapping[str, Any]) -> str:
-    """Return a key in full; its last word does where only one has it.
-
-    Raises
-    ------
-    UsageError
-        For what no scene has, and for a word that several keys share.
-    """
+    """Return a key in full; its last word does where only one has it. A UsageError for any other."""
     keys = scene_keys(data)
     if key in keys:
         return key

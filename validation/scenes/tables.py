@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Literal, Self
@@ -64,6 +65,12 @@ class RandomSurface(Table):
                 f"lambda_long = {self.lambda_long:.6g} m: must not exceed the period {min(self.length):.6g} m"
             )
         return self
+
+    @property
+    def resolving_grid(self) -> tuple[int, int]:
+        """Fewest points that resolve it on each axis: lambda_short > 2 dx."""
+        nx, ny = (math.floor(2 * length / self.lambda_short * (1 + 1e-12)) + 1 for length in self.length)
+        return nx, ny
 
     def seed_of(self, realisation: int) -> int:
         """Return the seed of a realisation: that of the scene for 0, the next for 1, and so on.

@@ -44,13 +44,7 @@ def _frozen(topography: Topography) -> Topography:
 
 
 def measured(surface: FileSurface) -> Measured:
-    """Read a measured surface.
-
-    Raises
-    ------
-    UsageError
-        For a file that gives no surface.
-    """
+    """Read a measured surface; a UsageError for a file that gives none."""
     return Measured(
         surface=surface, raw=read_topography(surface.path, lengths=surface.length, unit=surface.unit)
     )

@@ -77,13 +77,7 @@ class Topography:
         return replace(self, heights=heights, history=(*self.history, words))
 
     def filled(self, missing: Missing) -> Topography:
-        """Give missing points a height, by choice.
-
-        Raises
-        ------
-        UsageError
-            When there are some and the choice is to refuse.
-        """
+        """Give missing points a height, by choice; a UsageError where the choice is to refuse."""
         count = self.missing
         if count == 0:
             return self
@@ -106,17 +100,13 @@ class Topography:
     def made_periodic(self, edges: Edges | None, *, margin: float = 0.1) -> Topography:
         """Bring opposite edges together by a named taper, or take the patch as one period, or with its edges.
 
-        Raises
-        ------
-        UsageError
-            When nothing was chosen and opposite edges do not match.
+        A UsageError where nothing was chosen and opposite edges do not match.
         """
         if edges is None:
             if self.edge_jump > _JUMP:
                 raise UsageError(
                     f"opposite edges differ by {self.edge_jump:.3g} typical steps between neighbours, so "
-                    "this is "
-                    "no period: choose edges = 'tukey' or 'hann', or 'periodic' to take it as it is"
+                    "this is no period: choose edges = 'tukey' or 'hann', or 'periodic' to take it as it is"
                 )
             return self
         if edges == "periodic":

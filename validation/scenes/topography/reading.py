@@ -64,10 +64,7 @@ class FileSays:
 def file_says(path: Path) -> FileSays:
     """Read a file as it is; a file that has not changed since is not read again.
 
-    Raises
-    ------
-    UsageError
-        For a file that cannot be read, or not within bounds of size, time and memory.
+    A UsageError for one that cannot be read, or not within bounds of size, time and memory.
     """
     name = os.path.abspath(path)
     try:
@@ -113,7 +110,7 @@ def _spikes(heights: Array) -> tuple[str, ...]:
 
 
 def read_topography(path: Path, *, lengths: Lengths | None = None, unit: float | None = None) -> Topography:
-    """Read a topography: .npy, text, .nc, .x3p, and whatever SurfaceTopography reads where it is installed.
+    """Read a topography: .npy, text, .nc, and whatever SurfaceTopography reads where it is installed.
 
     Text is a matrix, rows along x, or three columns x, y, z of an even grid; a width and a height in its
     header, as Gwyddion writes them, are the sizes along its columns and rows.

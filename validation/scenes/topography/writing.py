@@ -16,10 +16,7 @@ __all__ = ["write_topography"]
 def write_topography(path: Path, field: HeightField) -> None:
     """Write heights [m]: .npy and .txt (numbers alone), .nc and .x3p (with size and unit).
 
-    Raises
-    ------
-    UsageError
-        For another suffix, and for .x3p without SurfaceTopography, which writes it.
+    A UsageError for another suffix, and for .x3p without SurfaceTopography, which writes it.
     """
     writers = {".npy": _write_npy, ".txt": _write_text, ".nc": _write_netcdf, ".x3p": _write_x3p}
     writer = writers.get(path.suffix.lower())
