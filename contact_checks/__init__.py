@@ -102,9 +102,9 @@ class Checks:
 
     def choice(self, name: str, value: object, allowed: Iterable[str]) -> None:
         """Refuse a word that is not among those allowed."""
-        words = list(allowed)
-        if not (isinstance(value, str) and value in words):
-            listed = ", ".join(repr(word) for word in words[:-1]) + f" or {words[-1]!r}"
+        allowed_words = list(allowed)
+        if not (isinstance(value, str) and value in allowed_words):
+            listed = ", ".join(repr(word) for word in allowed_words[:-1]) + f" or {allowed_words[-1]!r}"
             raise self.refused(name, value, listed)
 
     def instance(self, name: str, value: object, kind: type | tuple[type, ...], *, what: str) -> None:
@@ -147,10 +147,10 @@ class Checks:
                 )
             value = value.data
         try:
-            found = np.asarray(value)
-            if found.dtype.kind not in "iuf":
+            array = np.asarray(value)
+            if array.dtype.kind not in "iuf":
                 raise TypeError
-            return found.astype(np.float64, copy=False)
+            return array.astype(np.float64, copy=False)
         except (TypeError, ValueError, OverflowError) as error:
             raise self.refused(name, value, "real numbers", unit) from error
 

@@ -127,9 +127,9 @@ def samples(name: str, value: object, *, least: int = 1, unit: str = "") -> Arra
 def pair(name: str, value: object, *, what: str) -> tuple[object, object]:
     """Return the two members of a pair, each still to be checked."""
     if isinstance(value, (tuple, list, np.ndarray)) and len(np.shape(np.asarray(value, dtype=object))) == 1:
-        found = list(value)
-        if len(found) == 2:
-            return found[0], found[1]
+        members = list(value)
+        if len(members) == 2:
+            return members[0], members[1]
     raise InvalidInput(f"{name} = {shown(value)}: must be {what}")
 
 

@@ -31,10 +31,10 @@ def _settle_threads(name: str) -> None:
     >>> os.environ.pop("NUMBA_NUM_THREADS")
     '2'
     """
-    said = os.environ.get(name)
-    if said is None:
+    value = os.environ.get(name)
+    if value is None:
         return
-    first = said.split(",")[0].strip()
+    first = value.split(",")[0].strip()
     if first.isascii() and first.isdigit() and int(first) > 0:
         os.environ[name] = first
     else:
@@ -43,8 +43,8 @@ def _settle_threads(name: str) -> None:
 
 def _settle_cache() -> None:
     """Name a folder for compiled passes where numba would find none: it then refuses to define them."""
-    said = os.environ.get("NUMBA_CACHE_DIR")
-    if said is not None and _writable(Path(said)):
+    value = os.environ.get("NUMBA_CACHE_DIR")
+    if value is not None and _writable(Path(value)):
         return
     os.environ.pop("NUMBA_CACHE_DIR", None)
     packages = [Path(__file__).parents[1] / name / "__pycache__" for name in ("fem_contact", "persson")]
@@ -56,8 +56,8 @@ def _settle_cache() -> None:
 
 
 def _user_cache() -> Path:
-    said = os.environ.get("XDG_CACHE_HOME")
-    return Path(said) if said else Path(os.path.expanduser("~")) / ".cache"
+    value = os.environ.get("XDG_CACHE_HOME")
+    return Path(value) if value else Path(os.path.expanduser("~")) / ".cache"
 
 
 def _writable(folder: Path) -> bool:
@@ -74,9 +74,9 @@ def _private_folder() -> Path | None:
     try:
         folder = Path(tempfile.gettempdir()) / f"fem-contact-{user}"
         folder.mkdir(mode=0o700, exist_ok=True)
-        found = folder.lstat()
+        status = folder.lstat()
     except OSError:
         return None
-    if stat.S_ISDIR(found.st_mode) and found.st_uid == user and not found.st_mode & 0o077:
+    if stat.S_ISDIR(status.st_mode) and status.st_uid == user and not status.st_mode & 0o077:
         return folder
     return Path(tempfile.mkdtemp(prefix="fem-contact-"))

@@ -246,14 +246,14 @@ def discretisation(result: ContactResult) -> str:
 
 def _known(result: ContactResult, known: Mapping[str, _T], name: str) -> _T:
     """Return what is known for the discretisation of a result, refused where nothing is."""
-    told = discretisation(result)
-    if told not in known:
-        found = repr(told) if told else "the result does not say"
+    method = discretisation(result)
+    if method not in known:
+        named = repr(method) if method else "the result does not say"
         raise InvalidInput(
-            f"{name}: none is known for the discretisation ({found}): give one, "
+            f"{name}: none is known for the discretisation ({named}): give one, "
             f"or take a result of {', '.join(known)}"
         )
-    return known[told]
+    return known[method]
 
 
 def subgrid_shifts(per_axis: int = 2) -> list[tuple[float, float]]:

@@ -176,8 +176,8 @@ def error_covariance(
     common, anew = (like.alignment * (a + b * width) * fractions for a, b in law.alike)
     lines = np.sqrt(max(patches, 1.0)) * np.array([grid.solves for grid in grids])
     odd = law.odd * spread * fractions * width**2
-    own = noise / each + anew**2 / lines + odd**2
-    return np.asarray(terms @ terms.T + np.outer(common, common) + np.diag(own))
+    variances = noise / each + anew**2 / lines + odd**2
+    return np.asarray(terms @ terms.T + np.outer(common, common) + np.diag(variances))
 
 
 def kinked(areas: ContactAreas) -> float:

@@ -143,19 +143,19 @@ def _solved(
     target, shape = np.ones(count), (count, count)
     pressure = np.zeros(count)
     # The solver stops on the mean square; the largest deviation is asked for, and looked at.
-    asked, worst = settings.tolerance, np.inf
+    aim, worst = settings.tolerance, np.inf
     while worst > settings.tolerance and steps < settings.max_iterations:
         pressure, _ = cg(
             LinearOperator(shape, matvec=displaced, dtype=float),
             target,
             x0=pressure,
-            rtol=asked,
+            rtol=aim,
             maxiter=settings.max_iterations - steps,
             M=LinearOperator(shape, matvec=preconditioned, dtype=float),
             callback=counted,
         )
-        worst, asked = float(np.max(np.abs(displaced(pressure) - 1))), asked / 10
-        if asked < 1e-15:
+        worst, aim = float(np.max(np.abs(displaced(pressure) - 1))), aim / 10
+        if aim < 1e-15:
             break
     if not worst <= settings.tolerance:
         raise NotConverged(

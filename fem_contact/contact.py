@@ -336,15 +336,15 @@ def residual_sums(
     pressure, gap = pressure.reshape(-1), gap.reshape(-1)
     at_bound = None if at_bound is None else at_bound.reshape(-1)
     weights = None if weights is None else weights.reshape(-1)
-    found = []
+    rows = []
     for first in range(0, pressure.size, _PART):
         part = slice(first, first + _PART)
         p, g = pressure[part], gap[part]
         closed = g if at_bound is None else np.where(at_bound[part], 0.0, g)
         borne = p if weights is None else weights[part] * p
         size = np.abs(borne)
-        found.append((borne.sum(), size.sum(), np.abs(size * closed).sum(), closed.min(), p.min()))
-    parts = np.array(found).T
+        rows.append((borne.sum(), size.sum(), np.abs(size * closed).sum(), closed.min(), p.min()))
+    parts = np.array(rows).T
     return [*parts[:3].sum(axis=1).tolist(), float(parts[3].min()), float(parts[4].min())]
 
 

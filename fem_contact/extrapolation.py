@@ -159,18 +159,18 @@ def _limit(areas: Sequence[ContactAreas], definition: Literal["subcell", "perime
     plan = [
         PlannedGrid(spacing=group[0].spacing, cells=group[0].cells, solves=len(group)) for group in shifts
     ]
-    told: dict[str, Any] = {"grids": len(areas), "definition": definition}
+    described: dict[str, Any] = {"grids": len(areas), "definition": definition}
     finest = mean_areas(shifts[0])
     doubt = too_rough(finest, alone=len(plan) == 1)
     if doubt:
         return _no_limit(doubt, len(areas), definition=definition)
     if fraction == 0 or not 0 < value[0] < 1:
-        return _checked(Limit(value=float(value[0]), uncertainty=0.0, edge_constant=0.0, **told))
+        return _checked(Limit(value=float(value[0]), uncertainty=0.0, edge_constant=0.0, **described))
     size = np.array([grid.size for grid in plan])
     coarser = size > 1.01 * size[0]
     weights = np.linalg.inv(error_covariance(law, float(value[0]), fraction, plan, like=finest))
-    own = np.array([np.mean([area.edge_fraction for area in group]) for group in shifts])
-    expected = value - mean_error(law, value, own)
+    fractions = np.array([np.mean([area.edge_fraction for area in group]) for group in shifts])
+    expected = value - mean_error(law, value, fractions)
     precision = float(weights.sum())
     # Around the finest area, so that nothing is lost to rounding where all are nearly equal.
     limit = float(expected[0] + (weights @ (expected - expected[0])).sum() / precision)
@@ -189,7 +189,7 @@ def _limit(areas: Sequence[ContactAreas], definition: Literal["subcell", "perime
             value=limit,
             uncertainty=uncertainty,
             edge_constant=float((value[-1] - limit) / coarsest),
-            **told,
+            **described,
         )
     )
 

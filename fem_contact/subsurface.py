@@ -213,14 +213,14 @@ def strongest_point(
         depths = default_depths(contact, response)[1:]
     body, planes = _checked(contact, response, depths)
     fields = _Fields(contact, body, threads)
-    found: dict[float, tuple[float, int]] = {}
+    largest_at: dict[float, tuple[float, int]] = {}
 
     def largest(depth: float) -> float:
-        if depth not in found:
+        if depth not in largest_at:
             values = fields.at(depth).von_mises
             place = int(np.argmax(values))
-            found[depth] = float(values.flat[place]), place
-        return found[depth][0]
+            largest_at[depth] = float(values.flat[place]), place
+        return largest_at[depth][0]
 
     best = max(range(planes.size), key=lambda k: largest(float(planes[k])))
     low, high = planes[max(best - 1, 0)], planes[min(best + 1, planes.size - 1)]
@@ -232,8 +232,8 @@ def strongest_point(
             method="bounded",
             options={"xatol": 1e-3},
         )
-    depth = max(found, key=lambda depth: found[depth][0])
-    value, place = found[depth]
+    depth = max(largest_at, key=lambda depth: largest_at[depth][0])
+    value, place = largest_at[depth]
     i, j = np.unravel_index(place, contact.shape)
     dx, dy = contact.spacing
     return Strongest(von_mises=value, depth=depth, place=(float(i * dx), float(j * dy)))
@@ -351,7 +351,7 @@ class _Fields:
 
 def _without_nyquist(q: Array, points: int) -> Array:
     """Wavevectors of one axis, 0 at the Nyquist limit of an even number of points."""
-    kept = np.array(q)
+    inside = np.array(q)
     if points % 2 == 0:
-        kept[np.abs(kept) == np.abs(kept).max()] = 0
-    return kept
+        inside[np.abs(inside) == np.abs(inside).max()] = 0
+    return inside

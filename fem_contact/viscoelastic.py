@@ -172,18 +172,18 @@ class TabulatedSolid:
         """E(omega) [Pa] for omega >= 0 [1/s]; refused outside the table, 0 excepted."""
         omega = _frequencies(frequency)
         low, high = self.frequencies[0], self.frequencies[-1]
-        asked = omega[omega > 0]
+        given = omega[omega > 0]
         # Frequencies at the ends may have been rounded on their way here.
-        if asked.size and (asked.min() < low * (1 - 1e-9) or asked.max() > high * (1 + 1e-9)):
+        if given.size and (given.min() < low * (1 - 1e-9) or given.max() > high * (1 + 1e-9)):
             raise InvalidInput(
-                f"frequencies from {asked.min():.4g} to {asked.max():.4g} 1/s are asked for, the table spans "
+                f"frequencies from {given.min():.4g} to {given.max():.4g} 1/s are asked for, the table spans "
                 f"{low:.4g} to {high:.4g} 1/s: choose another velocity or grid, or extend the table"
             )
         nodes, storage, factor = self._nodes
         at = np.log(np.where(omega > 0, omega, low))
-        kept = np.exp(np.interp(at, nodes, storage))
+        storage_at = np.exp(np.interp(at, nodes, storage))
         lag = np.where(omega > 0, np.interp(at, nodes, factor), 0.0)
-        return np.asarray(kept * (1 + 1j * lag))
+        return np.asarray(storage_at * (1 + 1j * lag))
 
 
 def _check_poisson(value: object) -> None:

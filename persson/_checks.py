@@ -115,8 +115,8 @@ def in_proportion() -> Iterator[None]:
     except PerssonError:
         raise
     except (ArithmeticError, ValueError, IndexError, MemoryError, np.linalg.LinAlgError) as error:
-        words = " ".join(str(error).split())
+        reason = " ".join(str(error).split())
         raise OutsideTheory(
-            f"the arguments are too far out of proportion to be computed with ({words}): "
+            f"the arguments are too far out of proportion to be computed with ({reason}): "
             "check their units and orders of magnitude"
         ) from error

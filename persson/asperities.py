@@ -116,8 +116,8 @@ class Asperities:
         target = math.log(positive("pressure", pressure, unit="Pa"))
 
         def miss(t: float) -> float:
-            found = self.contact(t * self.rms_height, contact_modulus=contact_modulus)
-            return math.log(float(found.pressure)) - target
+            contact = self.contact(t * self.rms_height, contact_modulus=contact_modulus)
+            return math.log(float(contact.pressure)) - target
 
         if miss(30.0) > 0 or miss(-30.0) < 0:
             raise InvalidInput(f"pressure = {pressure!r} Pa: no separation within 30 rms heights carries it")

@@ -55,9 +55,9 @@ def pull_off_stress(scale: Scale, *, interface: Interface, tolerance: float = 1e
     span = high
     while high - low > tolerance * span:
         middle = 0.5 * (low + high)
-        found = solve_adhesion(scale, pressure=-middle, interface=interface, start=held)
-        if found.status is AdhesionStatus.CONVERGED:
-            low, held = middle, found
+        state = solve_adhesion(scale, pressure=-middle, interface=interface, start=held)
+        if state.status is AdhesionStatus.CONVERGED:
+            low, held = middle, state
         else:
             high = middle
     return low

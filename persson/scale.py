@@ -60,8 +60,8 @@ class Scale:
         self.graded = callable(contact_modulus)
         if callable(contact_modulus):
             self._modulus = contact_modulus
-            found = non_negative("contact_modulus(q)", self.modulus(self._q), unit="Pa")
-            if found.shape != self._q.shape or np.any(found == 0):
+            moduli = non_negative("contact_modulus(q)", self.modulus(self._q), unit="Pa")
+            if moduli.shape != self._q.shape or np.any(moduli == 0):
                 raise InvalidInput("contact_modulus(q): must be positive at every wavevector")
         else:
             constant = positive("contact_modulus", contact_modulus, unit="Pa")
@@ -115,8 +115,8 @@ class Scale:
 
     def wavevector(self, variance: ArrayLike) -> Array:
         """Q [1/m] at which V(q) equals `variance` [Pa^2]; q_min below the first, q_short above the last."""
-        asked = non_negative("variance", variance, unit="Pa^2", power=2)
-        value = np.clip(asked, self._first, self._top)
+        wanted = non_negative("variance", variance, unit="Pa^2", power=2)
+        value = np.clip(wanted, self._first, self._top)
         q = self._origin + self.q_min * np.exp(self._inverse(np.log(value / self._top)))
         for _ in range(2):
             # The table is good to 1e-5; Newton makes the inverse as smooth as the spectrum, which moving
@@ -126,4 +126,4 @@ class Scale:
             step = np.where(rate > 0, (self.variance(q) - value) / np.where(rate > 0, rate, 1.0), 0.0)
             offset = q - self._origin
             q = self._origin + np.clip(offset - step, offset / 2, offset * 2)
-        return np.where(asked < self._first, self.q_min, np.minimum(q, self.q_short))[()]
+        return np.where(wanted < self._first, self.q_min, np.minimum(q, self.q_short))[()]

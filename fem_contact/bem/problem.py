@@ -116,8 +116,8 @@ class Problem:
             return exact
         solution = self._iterated(load, start=start, settings=settings or self.settings)
         # One pair goes into the question whether the contact is full.
-        asked = 0.0 if partial else self.operator.pairs
-        return replace(solution, fft_pairs=solution.fft_pairs + asked)
+        question = 0.0 if partial else self.operator.pairs
+        return replace(solution, fft_pairs=solution.fft_pairs + question)
 
     def _iterated(self, load: float, *, start: Any, settings: Settings) -> Solution:
         heights, operator = self.heights, self.operator

@@ -103,9 +103,9 @@ def wave_errors(
         phases = waves * np.array([1.0, planned.aspect])
         # Two waves are not worth compiling a kernel for.
         response = surface_response(folded, eliminate(folded, phases))[:, 2::3]
-        found = planned.aspect * np.einsum("a,nab,b->n", share, response, share)
+        compliance = planned.aspect * np.einsum("a,nab,b->n", share, response, share)
         exact = layer.compliance(waves[:, 0], waves[:, 1])
-        axis, other = (float(error) for error in found / exact - 1)
+        axis, other = (float(error) for error in compliance / exact - 1)
         errors.append(
             WaveError(wavelength=wavelength, nodes=float(nodes), along_axis=axis, along_diagonal=other)
         )

@@ -10,11 +10,11 @@ from fem_contact._types import Array, Mask
 from fem_contact.block.mesh import BlockMesh, nodal_force, nodal_pressure, node_weights
 from fem_contact.contact import Residuals, Status, measure_residuals
 
-__all__ = ["Found", "Problem"]
+__all__ = ["Answer", "Problem"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Found:
+class Answer:
     """Answer of any of the block's methods."""
 
     # (nx, ny): Downward nodal force on the contact nodes over E times the cell width squared; 0

@@ -27,7 +27,7 @@ from fem_contact._checks import (
 from fem_contact._types import Array, Mask
 from fem_contact.block.elements import element_for
 from fem_contact.block.mesh import BlockMesh, MeshOptions, nodal_pressure, node_weights, plan_mesh
-from fem_contact.block.problem import Found, Problem
+from fem_contact.block.problem import Answer, Problem
 from fem_contact.block.reduced.fields import FourierSource
 from fem_contact.block.reduced.surface import BlockResponse, solve_reduced, surface_operator
 from fem_contact.block.solution import ArraySource, BlockSolution, FieldSource
@@ -197,22 +197,22 @@ class Session:
         problem = replace(self.problem, offset=offset)
         return self._dressed(self._displaced(problem), target=None)
 
-    def _guess(self, start: Mask | BlockSolution | None) -> Mask | Found | None:
+    def _guess(self, start: Mask | BlockSolution | None) -> Mask | Answer | None:
         if isinstance(start, BlockSolution):
             return self._latest
         return _checked_start(start, self.surface.shape)
 
-    def _find(self, problem: Problem, start: Mask | Found | None) -> Found:
+    def _find(self, problem: Problem, start: Mask | Answer | None) -> Answer:
         if self.method == "full":
             from fem_contact.block.full.system import solve_full
 
-            found = solve_full(problem, start, self.shared)
+            answer = solve_full(problem, start, self.shared)
         else:
-            found = solve_reduced(problem, self.response, self.operator, start=start)
-        self._latest = found
-        return found
+            answer = solve_reduced(problem, self.response, self.operator, start=start)
+        self._latest = answer
+        return answer
 
-    def _displaced(self, problem: Problem) -> Found:
+    def _displaced(self, problem: Problem) -> Answer:
         assert problem.offset is not None
         if problem.offset >= 0:
             return _apart(problem)
@@ -245,42 +245,42 @@ class Session:
         """The operator of its surface."""
         return surface_operator(self.response, threads=available_processors())
 
-    def _source(self, found: Found) -> FieldSource:
-        if found.field is not None:
-            return ArraySource(field=found.field * self.width, order=self.problem.mesh.element.order)
+    def _source(self, answer: Answer) -> FieldSource:
+        if answer.field is not None:
+            return ArraySource(field=answer.field * self.width, order=self.problem.mesh.element.order)
         return FourierSource(
-            response=self.response, force=found.force, width=self.width, threads=available_processors()
+            response=self.response, force=answer.force, width=self.width, threads=available_processors()
         )
 
-    def _dressed(self, found: Found, *, target: float | None) -> BlockSolution:
-        contact = self._result(found, target=target)
+    def _dressed(self, answer: Answer, *, target: float | None) -> BlockSolution:
+        contact = self._result(answer, target=target)
         self.began = time.perf_counter(), time.process_time()
         return BlockSolution(
             contact=contact,
             solid=self.solid,
             mesh=self.problem.mesh,
-            source=self._source(found),
+            source=self._source(answer),
             modulus=self.problem.modulus,
         )
 
-    def _result(self, found: Found, *, target: float | None) -> ContactResult:
+    def _result(self, answer: Answer, *, target: float | None) -> ContactResult:
         surface, mesh = self.surface, self.problem.mesh
         weights = node_weights(mesh)
-        pressure = nodal_pressure(found.force, mesh) * self.solid.young
-        gap = found.gap * self.width
+        pressure = nodal_pressure(answer.force, mesh) * self.solid.young
+        gap = answer.gap * self.width
         nowhere = np.zeros(surface.shape, dtype=bool)
         return ContactResult(
             pressure=pressure,
             gap=gap,
-            displacement=found.displacement * self.width,
-            in_contact=found.in_contact,
-            at_bound=nowhere if found.at_bound is None else found.at_bound,
+            displacement=answer.displacement * self.width,
+            in_contact=answer.in_contact,
+            at_bound=nowhere if answer.at_bound is None else answer.at_bound,
             heights=surface.heights,
             lengths=surface.lengths,
             contact_modulus=self.solid.contact_modulus,
-            offset=found.offset * self.width + self.top,
+            offset=answer.offset * self.width + self.top,
             mean_pressure=float(np.mean(pressure if weights is None else pressure * weights)),
-            status=found.status,
+            status=answer.status,
             residuals=measure_residuals(
                 pressure=pressure,
                 gap=gap,
@@ -289,28 +289,28 @@ class Session:
                 contact_modulus=self.solid.contact_modulus,
                 rms_gradient=surface.rms_gradient,
                 target_pressure=target,
-                at_bound=found.at_bound,
+                at_bound=answer.at_bound,
                 weights=weights,
             ),
             cost=Cost(
                 wall_seconds=time.perf_counter() - self.began[0],
                 cpu_seconds=time.process_time() - self.began[1],
-                iterations=found.iterations,
-                fft_pairs=found.fft_pairs,
-                linear_iterations=found.linear_iterations,
+                iterations=answer.iterations,
+                fft_pairs=answer.fft_pairs,
+                linear_iterations=answer.linear_iterations,
                 unknowns=mesh.unknowns,
-                peak_bytes=found.bytes,
+                peak_bytes=answer.bytes,
             ),
             weights=weights,
-            provenance=_provenance(self.problem, width=self.width, found=found),
+            provenance=_provenance(self.problem, width=self.width, answer=answer),
         )
 
 
-def _apart(problem: Problem) -> Found:
+def _apart(problem: Problem) -> Answer:
     """Nothing touches."""
     shape, zero = problem.mesh.shape, np.zeros(problem.mesh.shape)
     assert problem.offset is not None
-    return Found(
+    return Answer(
         force=zero,
         gap=problem.offset - problem.heights,
         displacement=zero,
@@ -332,18 +332,18 @@ def check_method(method: object) -> None:
     choice("method", method, ("full", "reduced"))
 
 
-def _provenance(problem: Problem, *, width: float, found: Found) -> dict[str, str]:
+def _provenance(problem: Problem, *, width: float, answer: Answer) -> dict[str, str]:
     mesh = problem.mesh
     widest = float(np.max(mesh.layers[:-1] / mesh.layers[1:])) if mesh.nz > 1 else 1.0
     share = "cell area" if mesh.element.order == 1 else "node area (corner : edge : centre = 1 : 2 : 4)"
     return {
-        "method": _METHODS[found.method],
+        "method": _METHODS[answer.method],
         "element": mesh.element.name,
         "mesh": f"{mesh.cells[0]} x {mesh.cells[1]} x {mesh.nz} cells, {mesh.unknowns} unknowns",
         "layers": f"first {mesh.layers[-1]:.4g} cell widths, growth {widest:.4g}",
         "depth": f"{float(-mesh.planes[0]) * width:.6g} m, clamped",
         "pressure": f"nodal force over {share}; contact area counts the same areas",
-        "tolerance": f"{problem.tolerance:.3g} (reached: {found.note})",
+        "tolerance": f"{problem.tolerance:.3g} (reached: {answer.note})",
         "scikit-fem": _version("scikit-fem"),
     }
 

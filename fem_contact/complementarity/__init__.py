@@ -7,7 +7,7 @@ multiplier of the load), g = 0 where 0 < x < x_max, g >= 0 where x = 0, g <= 0 w
 
 `operator` is the protocol with discretisations, `fourier` the periodic one by transforms, `free` that of a
 patch alone, `solve` the iteration,
-`polonsky_keer` a slow one that checks it. Under the iteration: `passes` over arrays, compiled `kernels`,
+`polonsky_keer` a slow one that checks it. Under the iteration: `iteration_arrays`, compiled `kernels`,
 `rows` shared out over threads.
 """
 

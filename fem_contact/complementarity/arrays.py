@@ -17,14 +17,14 @@ from fem_contact._checks import shown
 from fem_contact._types import Shape
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.grids import Grids
-from fem_contact.complementarity.passes import Errors, Passes
+from fem_contact.complementarity.iteration_arrays import Errors, IterationArrays
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
 
 if TYPE_CHECKING:
     from fem_contact.complementarity.operator import Operator, Solution
 
-__all__ = ["ArrayGrids", "ArrayOperator", "ArrayPasses"]
+__all__ = ["ArrayGrids", "ArrayOperator", "PlainIterationArrays"]
 
 
 #: What the compiled passes have as `PARTS`, for one and for two.
@@ -186,8 +186,8 @@ class ArrayOperator:
         out[...] = fft.irfftn(spectrum, s=self.shape, axes=(0, 1))
 
 
-class ArrayPasses(Passes):
-    """What `Passes` does, in plain array operations; the same names mean the same."""
+class PlainIterationArrays(IterationArrays):
+    """What `IterationArrays` does, in plain array operations; the same names mean the same."""
 
     def __init__(self, operator: Operator, heights: Values, *, bound: Values | None, caution: float) -> None:
         self.xp = xp = namespace(heights)

@@ -21,13 +21,13 @@ from fem_contact.complementarity.fourier import (
     refined_along,
 )
 from fem_contact.complementarity.grids import Grids
-from fem_contact.complementarity.passes import Errors, Passes
+from fem_contact.complementarity.iteration_arrays import Errors, IterationArrays
 from fem_contact.complementarity.rows import Rows
 from fem_contact.complementarity.slabs import SlabNumpy, Slabs, shares
 from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
 
-__all__ = ["SlabGrids", "SlabOperator", "SlabPasses"]
+__all__ = ["SlabGrids", "SlabIterationArrays", "SlabOperator"]
 
 AnyArray = NDArray[Any]
 
@@ -112,8 +112,8 @@ class _SlabRows(Rows):
         return [float(total) for total in parts.sum(axis=0)]
 
 
-class SlabPasses(Passes):
-    """The arrays of one slab and the compiled passes over them; see `Passes`.
+class SlabIterationArrays(IterationArrays):
+    """The arrays of one slab and the compiled passes over them; see `IterationArrays`.
 
     Levels of the extension have rows of the neighbouring slabs behind their own. As the coarser level of two,
     r rows are followed by the one after and the one before, where a period of r + 2 rows looks for them; as

@@ -79,9 +79,9 @@ class Slabs:
 
     def taken(self, field: AnyArray, wanted: Callable[[int], NDArray[np.int64]]) -> AnyArray:
         """Return the rows of a field, whichever slabs they are in, that `wanted` lists for this process."""
-        asked = [wanted(rank) for rank in range(self.size)]
-        given = [rows[(rows >= self.first) & (rows < self.last)] - self.first for rows in asked]
-        owner = np.searchsorted(self.rows, asked[self.rank], side="right") - 1
+        requests = [wanted(rank) for rank in range(self.size)]
+        given = [rows[(rows >= self.first) & (rows < self.last)] - self.first for rows in requests]
+        owner = np.searchsorted(self.rows, requests[self.rank], side="right") - 1
         received = np.empty((owner.size, *field.shape[1:]), dtype=field.dtype)
         width = field[:1].size
         sent = np.ascontiguousarray(field[np.concatenate(given)])

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 
 from fem_contact._types import Array
-from fem_contact.complementarity.arrays import ArrayOperator, ArrayPasses
+from fem_contact.complementarity.arrays import ArrayOperator, PlainIterationArrays
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.grids import Grids
-from fem_contact.complementarity.in_slabs import SlabOperator, SlabPasses
+from fem_contact.complementarity.in_slabs import SlabIterationArrays, SlabOperator
+from fem_contact.complementarity.iteration_arrays import Errors, IterationArrays
 from fem_contact.complementarity.operator import Operator, Solution
-from fem_contact.complementarity.passes import Errors, Passes
 from fem_contact.contact import Status
 from fem_contact.settings import Settings
 
@@ -75,17 +75,17 @@ def solve_bounded(
     hardly depends on the grid.
     """
     if isinstance(operator, ArrayOperator):
-        passes: Passes = ArrayPasses(operator, heights, bound=bound, caution=_CAUTION)
+        arrays: IterationArrays = PlainIterationArrays(operator, heights, bound=bound, caution=_CAUTION)
     else:
         units = _units(operator, mean_force=mean_force, length_scale=length_scale) if single else None
         options: dict[str, Any] = {"bound": bound, "caution": _CAUTION, "threads": settings.workers}
         if isinstance(operator, SlabOperator):
-            passes = SlabPasses(operator, heights, units=units, **options)
+            arrays = SlabIterationArrays(operator, heights, units=units, **options)
         else:
-            passes = Passes(operator, heights, units=units, **options)
-    _set_start(passes, start, mean_force)
+            arrays = IterationArrays(operator, heights, units=units, **options)
+    _set_start(arrays, start, mean_force)
     del start
-    return _iterate(passes, mean_force=mean_force, length_scale=length_scale, settings=settings, draft=draft)
+    return _iterate(arrays, mean_force=mean_force, length_scale=length_scale, settings=settings, draft=draft)
 
 
 def _units(operator: Operator, *, mean_force: float, length_scale: float) -> tuple[float, float] | None:
@@ -125,17 +125,17 @@ _AFRESH = 1e-3
 
 
 def _iterate(
-    passes: Passes, *, mean_force: float, length_scale: float, settings: Settings, draft: bool
+    arrays: IterationArrays, *, mean_force: float, length_scale: float, settings: Settings, draft: bool
 ) -> Solution:
-    began, tolerance = time.monotonic(), settings.tolerance * length_scale / passes.length_unit
+    began, tolerance = time.monotonic(), settings.tolerance * length_scale / arrays.length_unit
     enough = _DRAFT_PATIENCE if draft else _PATIENCE
-    load = mean_force / passes.force_unit * passes.count
+    load = mean_force / arrays.force_unit * arrays.count
     # Where all that bear have yielded but for rounding, the points between say nothing of the offset.
-    vanishing = 0.0 if passes.bound is None else _VANISHING * load
-    offset, errors = _afresh(passes, vanishing, roughly=True)
+    vanishing = 0.0 if arrays.bound is None else _VANISHING * load
+    offset, errors = _afresh(arrays, vanishing, roughly=True)
     applications, preconditions, iteration, length, curvature = 1, 0, 0, _FIRST, 0.0
     least, patience, status, renewed = np.inf, enough, Status.ITERATION_LIMIT, errors.size
-    exact, verified, plain = not passes.single, draft, False
+    exact, verified, plain = not arrays.single, draft, False
     while True:
         if errors.within(tolerance, least=_BELOW * load):
             if verified:
@@ -143,12 +143,12 @@ def _iterate(
                 break
             # Forces that were on their way out are taken away, and the displacement, so far carried along by
             # additions, is computed afresh: the answer is judged by what is returned.
-            _settle(passes, mean_force)
-            offset, errors = _afresh(passes, vanishing)
+            _settle(arrays, mean_force)
+            offset, errors = _afresh(arrays, vanishing)
             applications, verified, exact, renewed = applications + 1, True, True, errors.size
             continue
-        if passes.single and not draft and errors.size < _AFRESH * renewed:
-            offset, errors = _afresh(passes, vanishing)
+        if arrays.single and not draft and errors.size < _AFRESH * renewed:
+            offset, errors = _afresh(arrays, vanishing)
             applications, exact, renewed = applications + 1, True, errors.size
         patience = enough if errors.size < 0.9 * least else patience - 1
         least = min(least, errors.size)
@@ -162,62 +162,62 @@ def _iterate(
             break
         iteration += 1
         if plain:
-            passes.project(load)
+            arrays.project(load)
         else:
-            z_sum, z_image = passes.precondition()
+            z_sum, z_image = arrays.precondition()
             free, beta = errors.free, 0.0
             if curvature > 0 and free > 0:
                 beta = max(0.0, -(z_image - z_sum / free * errors.image) / curvature)
             shift = (z_sum + beta * errors.last) / free if free > 0 else 0.0
-            passes.trial(load, length=length, beta=beta, shift=shift)
-        curvature = passes.bend()
+            arrays.trial(load, length=length, beta=beta, shift=shift)
+        curvature = arrays.bend()
         applications, preconditions = applications + 1, preconditions + (not plain)
         verified, exact = draft, False
-        best = -passes.slope / curvature if curvature > 0 else 0.0
+        best = -arrays.slope / curvature if curvature > 0 else 0.0
         # The trial force keeps the bounds: a single step does.
-        room = passes.room() if best > 1 else 1.0
+        room = arrays.room() if best > 1 else 1.0
         factor = min(best, room)
         plain = best <= 0
         if plain:
             # Clipping has turned the direction uphill: the plain projected gradient points down.
-            curvature, errors = 0.0, passes.move(0.0, 0.0)
+            curvature, errors = 0.0, arrays.move(0.0, 0.0)
             continue
-        total, moment = passes.advance(factor)
+        total, moment = arrays.advance(factor)
         if total > vanishing:
             # phi . g = 0: the offset is the gap below the load, so that scaling phi is no descent.
-            errors = passes.move(factor, -moment / total)
+            errors = arrays.move(factor, -moment / total)
             offset -= moment / total
-        elif passes.bound is None:
+        elif arrays.bound is None:
             # At vanishing load a step may round every force away: the closest point carries it.
-            passes.move(factor, 0.0)
-            _settle(passes, mean_force)
-            offset, errors = _afresh(passes, vanishing)
+            arrays.move(factor, 0.0)
+            _settle(arrays, mean_force)
+            offset, errors = _afresh(arrays, vanishing)
             applications, curvature = applications + 1, 0.0
         else:
-            passes.move(factor, 0.0)
-            between = _offset_between(passes)
-            errors = passes.move(0.0, between)
+            arrays.move(factor, 0.0)
+            between = _offset_between(arrays)
+            errors = arrays.move(0.0, between)
             offset += between
         length = min(max(length * (best if best <= room else 0.9 * best), _LEAST), _GREATEST)
     if not (draft or exact):
-        offset, errors = _afresh(passes, vanishing)
+        offset, errors = _afresh(arrays, vanishing)
         applications += 1
-    pairs = applications * passes.operator.pairs + preconditions
-    return _solution(passes, offset=offset, status=status, iterations=iteration, pairs=pairs)
+    pairs = applications * arrays.operator.pairs + preconditions
+    return _solution(arrays, offset=offset, status=status, iterations=iteration, pairs=pairs)
 
 
-def _afresh(passes: Passes, vanishing: float, *, roughly: bool = False) -> tuple[float, Errors]:
+def _afresh(arrays: IterationArrays, vanishing: float, *, roughly: bool = False) -> tuple[float, Errors]:
     """Apply the response afresh; the offset and the errors there."""
-    total, moment = passes.start(roughly=roughly)
+    total, moment = arrays.start(roughly=roughly)
     if total > vanishing:
-        return -moment / total, passes.place(-moment / total)
-    passes.place(0.0)
-    offset = _offset_between(passes)
-    return offset, passes.move(0.0, offset)
+        return -moment / total, arrays.place(-moment / total)
+    arrays.place(0.0)
+    offset = _offset_between(arrays)
+    return offset, arrays.move(0.0, offset)
 
 
-def _set_start(passes: Passes, start: Array | None, mean_force: float) -> None:
-    xp, force, bound = passes.xp, passes.force, passes.bound
+def _set_start(arrays: IterationArrays, start: Array | None, mean_force: float) -> None:
+    xp, force, bound = arrays.xp, arrays.force, arrays.bound
     if start is not None:
         if isinstance(force, np.ndarray):
             np.maximum(start, 0.0, out=force)
@@ -231,30 +231,30 @@ def _set_start(passes: Passes, start: Array | None, mean_force: float) -> None:
         force[...] = mean_force
     if bound is not None:
         force[...] = xp.where(force < bound, force, bound)
-        _restore_load(passes, mean_force)
+        _restore_load(arrays, mean_force)
 
 
-def _settle(passes: Passes, mean_force: float) -> None:
+def _settle(arrays: IterationArrays, mean_force: float) -> None:
     """Leave no force off the working set but at the bound."""
-    xp, force, bound = passes.xp, passes.force, passes.bound
+    xp, force, bound = arrays.xp, arrays.force, arrays.bound
     if bound is None:
-        force[~passes.working] = 0
+        force[~arrays.working] = 0
         if not float(xp.mean(force)) > 0:
             # At vanishing load the gap's rounding may leave no point in the set: the closest one carries it.
-            force[passes.gap <= xp.min(passes.gap)] = mean_force
+            force[arrays.gap <= xp.min(arrays.gap)] = mean_force
         force *= mean_force / float(xp.mean(force))
     else:
         at_rest = xp.where(force < 0.5 * bound, xp.zeros_like(bound), bound)
-        force[...] = xp.where(passes.working, force, at_rest)
-        _restore_load(passes, mean_force)
+        force[...] = xp.where(arrays.working, force, at_rest)
+        _restore_load(arrays, mean_force)
 
 
-def _restore_load(passes: Passes, mean_force: float) -> None:
+def _restore_load(arrays: IterationArrays, mean_force: float) -> None:
     """Bring the mean back by moving points between their bounds, or all where need be, towards one."""
-    xp, force, bound = passes.xp, passes.force, passes.bound
+    xp, force, bound = arrays.xp, arrays.force, arrays.bound
     for points in ((force > 0) & (force < bound), force >= 0):
-        missing = (mean_force - float(xp.mean(force))) * passes.count
-        if abs(missing) <= 1e-13 * mean_force * passes.count:
+        missing = (mean_force - float(xp.mean(force))) * arrays.count
+        if abs(missing) <= 1e-13 * mean_force * arrays.count:
             return
         room = xp.where(points, bound - force if missing > 0 else force, xp.zeros_like(force))
         total = float(xp.sum(room))
@@ -262,29 +262,31 @@ def _restore_load(passes: Passes, mean_force: float) -> None:
             force += math.copysign(min(abs(missing) / total, 1.0), missing) * room
 
 
-def _offset_between(passes: Passes) -> float:
+def _offset_between(arrays: IterationArrays) -> float:
     """Change of offset where every loaded point is at its bound and none lies between.
 
     Any offset that opens no loaded point and closes no other is right; the one of least indentation is meant.
     Short of the solution there is none, and the middle leaves both kinds of points something to do.
     """
-    xp, level = passes.xp, passes.gap
+    xp, level = arrays.xp, arrays.gap
     # Forces of the size of rounding are none.
-    loaded = passes.force > (0.0 if passes.bound is None else 1e-14 * passes.bound)
+    loaded = arrays.force > (0.0 if arrays.bound is None else 1e-14 * arrays.bound)
     endless = xp.zeros_like(level) + math.inf
     highest = float(xp.max(xp.where(loaded, level, -endless)))
     lowest = float(xp.min(xp.where(loaded, endless, level)))
     return -highest if lowest >= highest else -0.5 * (lowest + highest)
 
 
-def _solution(passes: Passes, *, offset: float, status: Status, iterations: int, pairs: float) -> Solution:
-    force, bound, held = passes.force, passes.bound, passes.nbytes
+def _solution(
+    arrays: IterationArrays, *, offset: float, status: Status, iterations: int, pairs: float
+) -> Solution:
+    force, bound, held = arrays.force, arrays.bound, arrays.nbytes
     # Done with: what is returned may have their room.
-    del passes.step, passes.image
+    del arrays.step, arrays.image
     return Solution(
         force=force,
-        displacement=passes.displacement,
-        offset=offset * passes.length_unit,
+        displacement=arrays.displacement,
+        offset=offset * arrays.length_unit,
         in_contact=force > 0,
         at_bound=force < 0 if bound is None else force >= bound,
         status=status,

@@ -9,9 +9,9 @@ import pytest
 from surfaces import rough_surface
 
 from fem_contact.bem import solve
-from fem_contact.complementarity.arrays import ArrayGrids, ArrayPasses
+from fem_contact.complementarity.arrays import ArrayGrids, PlainIterationArrays
 from fem_contact.complementarity.grids import Grids
-from fem_contact.complementarity.passes import Passes
+from fem_contact.complementarity.iteration_arrays import IterationArrays
 from fem_contact.errors import InvalidInput
 from fem_contact.response import BondedLayer, HalfSpace
 from fem_contact.solid import Solid
@@ -75,25 +75,25 @@ def test_each_pass_is_the_twin_of_the_compiled_one(shape: tuple[int, int], bound
         precondition = apply
 
     both = (
-        Passes(Echo(), heights, bound=bound, caution=0.1, threads=1),
-        ArrayPasses(Echo(), heights, bound=bound, caution=0.1),
+        IterationArrays(Echo(), heights, bound=bound, caution=0.1, threads=1),
+        PlainIterationArrays(Echo(), heights, bound=bound, caution=0.1),
     )
     answers = []
-    for passes in both:
-        passes.force[...], passes.displacement[...], passes.step[...], passes.image[...] = fields
-        found: list[Any] = [passes.start()]
-        found.append(np.array(list(vars(passes.place(0.2)).values())))
-        found.append(np.array(list(vars(passes.move(0.3, 0.1)).values())))
-        found.append(passes.precondition())
-        found.append(np.where(passes.working, passes.buffer, 0))
-        passes.trial(0.4 * heights.size, length=0.7, beta=0.4, shift=0.2)
-        found.extend((passes.step.copy(), passes.slope))
-        passes.project(0.4 * heights.size)
-        found.extend((passes.step.copy(), passes.slope))
-        found.append(passes.bend())
-        found.append(passes.room())
-        found.append(passes.advance(0.8))
-        found.extend((passes.force.copy(), passes.displacement.copy(), passes.gap.copy()))
+    for arrays in both:
+        arrays.force[...], arrays.displacement[...], arrays.step[...], arrays.image[...] = fields
+        found: list[Any] = [arrays.start()]
+        found.append(np.array(list(vars(arrays.place(0.2)).values())))
+        found.append(np.array(list(vars(arrays.move(0.3, 0.1)).values())))
+        found.append(arrays.precondition())
+        found.append(np.where(arrays.working, arrays.buffer, 0))
+        arrays.trial(0.4 * heights.size, length=0.7, beta=0.4, shift=0.2)
+        found.extend((arrays.step.copy(), arrays.slope))
+        arrays.project(0.4 * heights.size)
+        found.extend((arrays.step.copy(), arrays.slope))
+        found.append(arrays.bend())
+        found.append(arrays.room())
+        found.append(arrays.advance(0.8))
+        found.extend((arrays.force.copy(), arrays.displacement.copy(), arrays.gap.copy()))
         answers.append(found)
     for compiled, plain in zip(*answers, strict=True):
         np.testing.assert_allclose(plain, compiled, rtol=1e-10, atol=1e-12)

@@ -5,7 +5,7 @@ import pytest
 
 from fem_contact.complementarity import Solution, polonsky_keer, solve_bounded, solve_nested
 from fem_contact.complementarity.fourier import FourierOperator, coarsened, refined
-from fem_contact.complementarity.passes import Passes
+from fem_contact.complementarity.iteration_arrays import IterationArrays
 from fem_contact.complementarity.rows import Rows
 from fem_contact.contact import Status
 from fem_contact.response import HalfSpace
@@ -78,20 +78,22 @@ def extension(occupied: Array, levels: int) -> Array:
 def test_extension_and_its_transpose_are_the_matrix_they_should_be(shape: tuple[int, int]) -> None:
     generator = np.random.default_rng(17)
     operator = Recorder(generator.standard_normal(shape))
-    passes = Passes(operator, generator.standard_normal(shape), bound=None, caution=0.1 / 3, threads=1)
-    passes.force[:] = generator.random(shape) < 0.3
-    passes.start()
-    passes.place(0.2)
-    working = passes.working.copy()
-    gap = operator.answer - passes.heights + 0.2
-    np.testing.assert_allclose(passes.gap, gap, atol=1e-15)
-    assert np.array_equal(working, passes.force - 0.1 * gap > 0)
-    passes.precondition()
-    matrix = extension(working, len(passes.sums))
+    arrays = IterationArrays(
+        operator, generator.standard_normal(shape), bound=None, caution=0.1 / 3, threads=1
+    )
+    arrays.force[:] = generator.random(shape) < 0.3
+    arrays.start()
+    arrays.place(0.2)
+    working = arrays.working.copy()
+    gap = operator.answer - arrays.heights + 0.2
+    np.testing.assert_allclose(arrays.gap, gap, atol=1e-15)
+    assert np.array_equal(working, arrays.force - 0.1 * gap > 0)
+    arrays.precondition()
+    matrix = extension(working, len(arrays.sums))
     residual = np.where(working, -gap, 0)
     np.testing.assert_allclose(operator.given.ravel(), matrix @ residual.ravel(), atol=1e-13)
     np.testing.assert_allclose(
-        np.where(working, passes.buffer, 0).ravel(), matrix.T @ operator.answer.ravel(), atol=1e-13
+        np.where(working, arrays.buffer, 0).ravel(), matrix.T @ operator.answer.ravel(), atol=1e-13
     )
 
 
@@ -104,46 +106,48 @@ def test_passes_of_one_step_agree_with_numpy(bounded: bool, single: bool) -> Non
     bound = 1 + generator.random(shape) if bounded else None
     operator = FourierOperator(SOFT, shape, (1.0, 33 / 70), threads=1)
     units, digits = ((force_unit, length_unit), 2e-6) if single else (None, 1e-13)
-    passes = Passes(operator, heights, bound=bound, caution=0.1 / operator.stiffness, units=units, threads=2)
-    f, length = passes.force_unit, passes.length_unit
+    arrays = IterationArrays(
+        operator, heights, bound=bound, caution=0.1 / operator.stiffness, units=units, threads=2
+    )
+    f, length = arrays.force_unit, arrays.length_unit
     near = {"rel": 10 * digits, "abs": 10 * digits}
-    x, s, v = passes.force, passes.step, passes.image
+    x, s, v = arrays.force, arrays.step, arrays.image
     x[:] = np.maximum(generator.standard_normal(shape), 0)
     if bound is not None:
         np.minimum(x, bound, out=x)
     s[:] = generator.standard_normal(shape)
-    assert passes.bend() == pytest.approx(np.sum(s * v), **near)
+    assert arrays.bend() == pytest.approx(np.sum(s * v), **near)
     np.testing.assert_allclose(v * length, applied(operator, s * f), atol=10 * digits)
     phi = x if bound is None else x * (1 - x / bound)
     below = np.ones(shape, dtype=bool) if bound is None else x < bound
     u = applied(operator, x)
-    roughly = passes.start(roughly=True)
+    roughly = arrays.start(roughly=True)
     s[:], v[:] = generator.standard_normal(shape), generator.standard_normal(shape)
-    total, moment = passes.start()
+    total, moment = arrays.start()
     assert total * f == pytest.approx(phi.sum())
     assert moment * f * length == pytest.approx(np.sum(phi * (u - heights)))
     assert roughly == pytest.approx((total, moment), **near)
-    errors = passes.place(-moment / total)
+    errors = arrays.place(-moment / total)
     gap = u - heights - moment / total * length
-    np.testing.assert_allclose(passes.gap * length, gap, atol=digits)
-    errors = passes.move(0.3, 0.1)
+    np.testing.assert_allclose(arrays.gap * length, gap, atol=digits)
+    errors = arrays.move(0.3, 0.1)
     gap = gap + 0.3 * v * length + 0.1 * length
-    np.testing.assert_allclose(passes.gap * length, gap, atol=digits)
+    np.testing.assert_allclose(arrays.gap * length, gap, atol=digits)
     assert errors.moment * f * length == pytest.approx(np.sum((x * np.abs(gap))[below]), **near)
     assert errors.total * f == pytest.approx(x[below].sum(), **near)
     assert errors.lowest * length == pytest.approx(gap[below].min(), **near)
     assert errors.highest * length == (pytest.approx(gap[~below].max(), **near) if bounded else -np.inf)
     aim = x - 0.1 * gap
     working = aim > 0 if bound is None else np.where(x < bound / 2, aim > 0, aim < bound)
-    assert np.array_equal(passes.working, working)
+    assert np.array_equal(arrays.working, working)
     assert errors.free * f == pytest.approx(phi[working].sum(), **near)
     assert errors.last == pytest.approx(s[working].sum(), **near)
     assert errors.image * f == pytest.approx((phi * v)[working].sum(), **near)
     z = np.where(working, generator.standard_normal(shape), 0)
-    passes.buffer[:] = z
+    arrays.buffer[:] = z
     before, last = x.copy(), s * 1.0
     load = 0.5 * x.size
-    passes.trial(load / f, length=0.7, beta=0.4, shift=0.2)
+    arrays.trial(load / f, length=0.7, beta=0.4, shift=0.2)
     trial = np.maximum(before + 0.7 * (z * f + 0.4 * last * f * working - 0.2 * phi), 0)
     stay = np.zeros(shape) if bound is None else np.where(before < bound / 2, 0, bound)
     trial = np.where(working, trial if bound is None else np.minimum(trial, bound), stay)
@@ -154,15 +158,15 @@ def test_passes_of_one_step_agree_with_numpy(bounded: bool, single: bool) -> Non
         share = missing / np.sum((bound - trial)[free]) if missing > 0 else missing / trial[free].sum()
         trial[free] += share * ((bound - trial)[free] if missing > 0 else trial[free])
     np.testing.assert_allclose(s * f, trial - before, atol=10 * digits)
-    assert passes.slope * f * length == pytest.approx(np.sum(gap * (trial - before)), **near)
+    assert arrays.slope * f * length == pytest.approx(np.sum(gap * (trial - before)), **near)
     with np.errstate(divide="ignore", invalid="ignore"):
         rooms = np.where(s < 0, before / -(s * f), np.inf)
         if bound is not None:
             rooms = np.minimum(rooms, np.where(s > 0, (bound - before) / (s * f), np.inf))
-    assert passes.room() == pytest.approx(max(1.0, rooms.min()), **near)
+    assert arrays.room() == pytest.approx(max(1.0, rooms.min()), **near)
     for factor in (0.8, 1.0):
         x[:] = before
-        total, moment = passes.advance(factor)
+        total, moment = arrays.advance(factor)
         np.testing.assert_allclose(x, before + factor * (trial - before), atol=10 * digits)
         # A whole step ends at its bounds, not beside them.
         assert factor < 1 or np.array_equal(x == 0, trial == 0)
@@ -183,7 +187,10 @@ def applied(operator: FourierOperator, force: Array) -> Array:
 def test_number_of_threads_changes_no_bit_of_the_passes() -> None:
     heights = wavy((1024, 20))
     still = Recorder(heights)
-    counts = [len(Passes(still, heights, bound=None, caution=1.0, threads=k).rows.shares) for k in (1, 2, 3)]
+    counts = [
+        len(IterationArrays(still, heights, bound=None, caution=1.0, threads=k).rows.shares)
+        for k in (1, 2, 3)
+    ]
     assert counts == [1, 2, 3]
     answers = [run(heights, load=0.05, threads=threads) for threads in (1, 2, 3)]
     for other in answers[1:]:
@@ -339,17 +346,17 @@ def test_projected_gradient_keeps_load_and_bounds_and_points_down(bounded: bool)
     shape = (12, 9)
     heights = generator.standard_normal(shape)
     bound = 1 + generator.random(shape) if bounded else None
-    passes = Passes(Recorder(heights), heights, bound=bound, caution=0.5 / 3, threads=1)
-    passes.force[:] = generator.random(shape)
-    passes.gap[:] = generator.standard_normal(shape)
-    load = float(passes.force.mean())
-    passes.project(passes.force.sum())
-    after = passes.force + passes.step
+    arrays = IterationArrays(Recorder(heights), heights, bound=bound, caution=0.5 / 3, threads=1)
+    arrays.force[:] = generator.random(shape)
+    arrays.gap[:] = generator.standard_normal(shape)
+    load = float(arrays.force.mean())
+    arrays.project(arrays.force.sum())
+    after = arrays.force + arrays.step
     assert after.min() >= 0
     assert bound is None or np.all(after <= bound)
     assert after.mean() == pytest.approx(load, rel=1e-12)
-    assert passes.slope == pytest.approx(np.sum(passes.gap * passes.step))
-    assert passes.slope < 0
+    assert arrays.slope == pytest.approx(np.sum(arrays.gap * arrays.step))
+    assert arrays.slope < 0
 
 
 @pytest.mark.parametrize("bounded", [False, True])

@@ -16,8 +16,8 @@ from fem_contact import HeightField, contact_areas, random_surface
 from fem_contact.bem import SlabSurface, solve
 from fem_contact.complementarity.fourier import FourierOperator
 from fem_contact.complementarity.grids import Grids
-from fem_contact.complementarity.in_slabs import SlabGrids, SlabOperator, SlabPasses
-from fem_contact.complementarity.passes import Passes
+from fem_contact.complementarity.in_slabs import SlabGrids, SlabIterationArrays, SlabOperator
+from fem_contact.complementarity.iteration_arrays import IterationArrays
 from fem_contact.complementarity.slabs import Slabs
 from fem_contact.contact import ContactResult, Status
 from fem_contact.errors import InvalidInput
@@ -96,28 +96,30 @@ def test_each_pass_over_slabs_is_that_over_the_whole(
     fields = [generator.standard_normal(shape) for _ in range(3)]
     force = np.clip(generator.standard_normal(shape), 0, 1)
 
-    def passed(passes: Passes, own: slice) -> list[Any]:
-        passes.force[...], passes.step[...], passes.image[...] = (v[own] for v in (force, *fields[:2]))
-        numbers = [*passes.start(), *vars(passes.place(0.2)).values(), *vars(passes.move(0.3, 0.1)).values()]
-        numbers += passes.precondition()
-        direction = np.where(passes.working, passes.buffer, 0)
-        passes.trial(0.4 * heights.size, length=0.7, beta=0.4, shift=0.2)
-        numbers += [passes.slope, passes.bend(), passes.room()]
-        trial = passes.step.copy()
-        passes.project(0.4 * heights.size)
-        numbers += [passes.slope, *passes.advance(0.8)]
-        return [np.array(numbers), direction, trial, passes.force.copy()]
+    def passed(arrays: IterationArrays, own: slice) -> list[Any]:
+        arrays.force[...], arrays.step[...], arrays.image[...] = (v[own] for v in (force, *fields[:2]))
+        numbers = [*arrays.start(), *vars(arrays.place(0.2)).values(), *vars(arrays.move(0.3, 0.1)).values()]
+        numbers += arrays.precondition()
+        direction = np.where(arrays.working, arrays.buffer, 0)
+        arrays.trial(0.4 * heights.size, length=0.7, beta=0.4, shift=0.2)
+        numbers += [arrays.slope, arrays.bend(), arrays.room()]
+        trial = arrays.step.copy()
+        arrays.project(0.4 * heights.size)
+        numbers += [arrays.slope, *arrays.advance(0.8)]
+        return [np.array(numbers), direction, trial, arrays.force.copy()]
 
     operator = FourierOperator(JELLY, shape, (1.0, 1.2), threads=1)
-    alone = passed(Passes(operator, heights, bound=bound, caution=0.1, threads=1), slice(None))
+    alone = passed(IterationArrays(operator, heights, bound=bound, caution=0.1, threads=1), slice(None))
 
     def work(comm: ThreadComm) -> list[Any]:
         slabs = Slabs(comm, shape)
         own = slice(slabs.first, slabs.last)
         there = SlabOperator(JELLY, slabs, (1.0, 1.2), threads=1)
         part = None if bound is None else bound[own]
-        passes = SlabPasses(there, heights[own].copy(), bound=part, caution=0.1, units=None, threads=1)
-        numbers, *found = passed(passes, own)
+        arrays = SlabIterationArrays(
+            there, heights[own].copy(), bound=part, caution=0.1, units=None, threads=1
+        )
+        numbers, *found = passed(arrays, own)
         return [numbers, *(slabs.whole(field) for field in found)]
 
     for found in run_threads(count, work):

@@ -210,8 +210,8 @@ class _SetProblem:
             displacement[self.tied] += offset
         else:
             offset, displacement = state.offset, solution.x + prescribed
-        found = state.read(self.block, offset=offset, displacement=displacement)
-        return found.anchored(self.block, whole), solution
+        solved = state.read(self.block, offset=offset, displacement=displacement)
+        return solved.anchored(self.block, whole), solution
 
 
 def solve_contact(

@@ -78,12 +78,12 @@ def assembled_field(solution: BlockSolution, *, tolerance: float = 1e-9) -> Arra
         coarse_solver="cholesky",
     )
     right = forces.ravel()
-    found = hierarchy.solve(right, tol=0.1 * tolerance, accel="cg", maxiter=_STEPS)
-    residual = float(np.linalg.norm(right - matrix @ found) / np.linalg.norm(right))
+    solution_vector = hierarchy.solve(right, tol=0.1 * tolerance, accel="cg", maxiter=_STEPS)
+    residual = float(np.linalg.norm(right - matrix @ solution_vector) / np.linalg.norm(right))
     if not residual <= tolerance:
         raise NotConverged(f"assembled block: residual {residual:.2g} after {_STEPS} steps of pyamg's cycle")
     field = np.zeros((*mesh.shape, mesh.planes.size, 3))
-    field[:, :, 1:] = found.reshape(forces.shape) * width
+    field[:, :, 1:] = solution_vector.reshape(forces.shape) * width
     return field
 
 

@@ -41,7 +41,7 @@ def corner_coefficients(mesh: BlockMesh, *, poisson: float) -> Array:
     """
     matrices, offsets = element_matrices(mesh, poisson, condensed=True)
     number = {tuple(int(n) for n in corner // 2): 3 * place for place, corner in enumerate(offsets)}
-    found = np.empty((mesh.nz, 2, 3, 4, 3))
+    table = np.empty((mesh.nz, 2, 3, 4, 3))
     for side, (x, y) in enumerate(_SIDES):
         for a in range(3):
             for b in range(3):
@@ -49,8 +49,8 @@ def corner_coefficients(mesh: BlockMesh, *, poisson: float) -> Array:
                 above, below = (matrices[:, number[0, 0, 1] + a, number[x, y, z] + b] for z in (1, 0))
                 even, odd = 0.5 * (above + below), 0.5 * (above - below)
                 # z_d and z_s: differences and sums change places.
-                found[:, 0, a, side, b], found[:, 1, a, side, b] = (odd, even) if b == 2 else (even, odd)
-    return found
+                table[:, 0, a, side, b], table[:, 1, a, side, b] = (odd, even) if b == 2 else (even, odd)
+    return table
 
 
 def overlap_means(modulus: Array, shape: tuple[int, int]) -> Array:

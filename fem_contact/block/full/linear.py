@@ -66,21 +66,21 @@ def conjugate_gradients(
     iterations, best, aim = 0, np.inf, 0.9 * tolerance * scale
     while True:
         residual = right - apply(x)
-        reached = float(np.linalg.norm(residual)) / scale
+        relative = float(np.linalg.norm(residual)) / scale
         # Restarting gains only while the true residual still falls.
         if (
-            not np.isfinite(reached)
-            or reached <= tolerance
+            not np.isfinite(relative)
+            or relative <= tolerance
             or iterations >= max_iterations
-            or reached > 0.5 * best
+            or relative > 0.5 * best
         ):
-            done = bool(np.isfinite(reached) and reached <= tolerance)
-            if not done and reached <= _ROUNDED[1]:
+            done = bool(np.isfinite(relative) and relative <= tolerance)
+            if not done and relative <= _ROUNDED[1]:
                 # A third of x is rounded anew: three times its product differs from that of x by rounding.
                 rounding = float(np.linalg.norm(apply(x) - 3 * apply(x / 3))) / scale
-                done = reached <= _ROUNDED[0] * rounding
-            return LinearSolution(x=x, relative_residual=reached, iterations=iterations, converged=done)
-        best = reached
+                done = relative <= _ROUNDED[0] * rounding
+            return LinearSolution(x=x, relative_residual=relative, iterations=iterations, converged=done)
+        best = relative
         direction, change = np.zeros_like(x), np.zeros_like(x)
         product = np.inf
         while iterations < max_iterations:

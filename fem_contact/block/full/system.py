@@ -12,7 +12,7 @@ from fem_contact.block.full.block import Block
 from fem_contact.block.full.multigrid import build_hierarchy
 from fem_contact.block.full.quadratic import QuadraticBlock, parity_blocks, refined_hierarchy
 from fem_contact.block.mesh import node_weights
-from fem_contact.block.problem import Found, Problem
+from fem_contact.block.problem import Answer, Problem
 
 __all__ = ["highest_nodes", "prepared", "solve_full"]
 
@@ -55,13 +55,13 @@ def prepared(problem: Problem) -> Block:
     )
 
 
-def solve_full(problem: Problem, start: Mask | Found | None, block: Block) -> Found:
+def solve_full(problem: Problem, start: Mask | Answer | None, block: Block) -> Answer:
     """Solve the whole block from a first set or solution, by default from a coarser grid's."""
     from threadpoolctl import threadpool_limits
 
     # Vectors are short and everything else is serial: more BLAS threads only wait for each other.
     with threadpool_limits(limits=1, user_api="blas"):
-        found = _pressed(
+        answer = _pressed(
             block,
             problem,
             _first(block, problem, start),
@@ -69,28 +69,28 @@ def solve_full(problem: Problem, start: Mask | Found | None, block: Block) -> Fo
             violation=problem.violation,
         )
     field = np.zeros((*problem.mesh.shape, problem.mesh.planes.size, 3))
-    field[:, :, 1:] = found.displacement
-    return Found(
-        force=found.force,
-        gap=found.gap,
-        displacement=-found.displacement[:, :, -1, 2],
-        in_contact=found.in_contact,
-        offset=found.offset,
-        status=found.status,
-        iterations=found.sets,
-        linear_iterations=found.linear_iterations,
+    field[:, :, 1:] = answer.displacement
+    return Answer(
+        force=answer.force,
+        gap=answer.gap,
+        displacement=-answer.displacement[:, :, -1, 2],
+        in_contact=answer.in_contact,
+        offset=answer.offset,
+        status=answer.status,
+        iterations=answer.sets,
+        linear_iterations=answer.linear_iterations,
         fft_pairs=0.0,
-        bytes=found.matrix_bytes,
+        bytes=answer.matrix_bytes,
         method="refined" if block.refined else "multigrid",
-        note=f"linear residual {found.linear_residual:.3g} of the contact forces",
+        note=f"linear residual {answer.linear_residual:.3g} of the contact forces",
         field=field,
-        at_bound=found.at_bound,
+        at_bound=answer.at_bound,
     )
 
 
-def _first(block: Block, problem: Problem, start: Mask | Found | None) -> First:
+def _first(block: Block, problem: Problem, start: Mask | Answer | None) -> First:
     """Set, offset and displacement to start from: what is known, or what coarser or simpler cells answer."""
-    if isinstance(start, Found):
+    if isinstance(start, Answer):
         assert start.field is not None
         return start.in_contact, start.offset, start.field[:, :, 1:]
     if start is not None:
@@ -103,8 +103,8 @@ def _first(block: Block, problem: Problem, start: Mask | Found | None) -> First:
         heights=block.heights,
         bound=bound if bound is None or weights is None else bound / weights,
     )
-    found = _loosely(trilinear, problem)
-    return found.in_contact, found.offset, found.displacement
+    answer = _loosely(trilinear, problem)
+    return answer.in_contact, answer.offset, answer.displacement
 
 
 def _loosely(block: Block, problem: Problem) -> ActiveSetSolution:
@@ -122,11 +122,11 @@ def _proposed(block: Block, problem: Problem) -> First:
     """First set, offset and displacement, prolonged from the contact solved on the next coarser grid."""
     if min(block.shape) < _COARSEST:
         return highest_nodes(block.heights, problem), 0.0, None
-    found = _loosely(block.coarser(load=problem.load), problem)
+    answer = _loosely(block.coarser(load=problem.load), problem)
     level = block.hierarchy.levels[0]
-    field = level.prolonged(found.displacement)
-    inside = level.prolonged(found.in_contact.astype(float)[:, :, None])[:, :, 0] > _INSIDE
-    return inside | (found.offset - block.heights - field[:, :, -1, 2] < 0), found.offset, field
+    field = level.prolonged(answer.displacement)
+    inside = level.prolonged(answer.in_contact.astype(float)[:, :, None])[:, :, 0] > _INSIDE
+    return inside | (answer.offset - block.heights - field[:, :, -1, 2] < 0), answer.offset, field
 
 
 def _pressed(

@@ -117,17 +117,17 @@ def descend(press: Press, start: State) -> State:
         gap = press.gap(moved)
         following = np.where(moved.nodes, moved.force > 0, gap < 0)
         closed = float(np.max(np.abs(gap[moved.nodes]), initial=0.0)) / press.roughness
-        reached = max(press.residual(moved), closed)
-        moved = replace(moved, history=(*state.history, reached))
-        if not reached < _LOST:
-            return replace(moved, trouble=f"the residual grew to {reached:.3g}")
+        residual = max(press.residual(moved), closed)
+        moved = replace(moved, history=(*state.history, residual))
+        if not residual < _LOST:
+            return replace(moved, trouble=f"the residual grew to {residual:.3g}")
         settled = bool(np.array_equal(following, moved.nodes))
-        if reached <= press.tolerance and settled:
+        if residual <= press.tolerance and settled:
             return replace(moved, strained=None)
         if not following.any():
             return replace(moved, trouble="the contact was lost")
         key = following.tobytes()
-        if not settled and reached <= press.tolerance and key in seen:
+        if not settled and residual <= press.tolerance and key in seen:
             return replace(moved, trouble="the active set repeats itself")
         seen.add(key)
         state = replace(moved, nodes=following, force=np.where(following, np.maximum(moved.force, 0.0), 0.0))
@@ -220,7 +220,7 @@ class _Tangent:
         scale = self.press.load / np.sqrt(nodes.sum())
         off = float(np.linalg.norm(right)) / scale
         aim = max(min(_LOOSE * off, off**2), 0.1 * self.press.tolerance)
-        found = conjugate_gradients(
+        solution = conjugate_gradients(
             lambda free: self.dropped(self.times(self.lifted(free))),
             right,
             precondition=precondition,
@@ -229,8 +229,8 @@ class _Tangent:
             tolerance=aim,
             max_iterations=400,
         )
-        change = self.lifted(found.x) + closing
-        return change, float(found.x[-1]), found.iterations, found.converged
+        change = self.lifted(solution.x) + closing
+        return change, float(solution.x[-1]), solution.iterations, solution.converged
 
     def force(self, change: Array) -> Array:
         """Vertical contact forces after the change."""

@@ -263,11 +263,11 @@ def _path(
     mean_pressure: float,
     factors: list[float],
 ) -> Iterator[FiniteStrain]:
-    reached, state = 0.0, linear
+    done, state = 0.0, linear
     for factor in factors:
         began = time.process_time()
-        state = _steepened(press, state, reached, factor)
-        reached = factor
+        state = _steepened(press, state, done, factor)
+        done = factor
         yield FiniteStrain(
             press=press.scaled(factor),
             state=state,
@@ -278,24 +278,24 @@ def _path(
         )
 
 
-def _steepened(press: Press, state: State, reached: float, factor: float) -> State:
+def _steepened(press: Press, state: State, done: float, factor: float) -> State:
     """Go from one slope to another, in smaller steps where Newton's method does not follow.
 
     Slope 0 stands for the linear answer, whose scale is that of the heights as given.
     """
-    step, aim = factor - reached, factor
+    step, aim = factor - done, factor
     while True:
-        guess = state.scaled(aim / reached if reached else aim)
-        found = descend(press.scaled(aim), guess)
-        if not found.trouble:
-            state, reached = found, aim
+        guess = state.scaled(aim / done if done else aim)
+        trial = descend(press.scaled(aim), guess)
+        if not trial.trouble:
+            state, done = trial, aim
         else:
             step *= 0.5
             if step < _LEAST * factor:
                 raise NotConverged(
-                    f"finite strain at {aim / factor:.3g} of the slope asked for: {found.trouble}; take a "
+                    f"finite strain at {aim / factor:.3g} of the slope asked for: {trial.trouble}; take a "
                     "smaller slope or load, or a finer grid"
                 )
-        if reached >= factor:
+        if done >= factor:
             return state
-        aim = min(reached + step, factor)
+        aim = min(done + step, factor)

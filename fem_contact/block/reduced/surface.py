@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from fem_contact._checks import alike, array, instance, positive, samples, shown
 from fem_contact._types import Array
 from fem_contact.block.mesh import BlockMesh, node_weights
-from fem_contact.block.problem import Found, Problem
+from fem_contact.block.problem import Answer, Problem
 from fem_contact.block.reduced.column import FoldedLayers, fold, surface_compliance
 from fem_contact.complementarity import Operator, Solution, solve_nested, surely_partial
 from fem_contact.complementarity.fourier import FourierOperator
@@ -223,12 +223,12 @@ def solve_reduced(
     response: BlockResponse,
     operator: FourierOperator | SurfaceOperator,
     *,
-    start: NDArray[np.bool_] | Found | None,
-) -> Found:
+    start: NDArray[np.bool_] | Answer | None,
+) -> Answer:
     """Solve the contact of the surface nodes at a mean pressure."""
     mesh, threads = problem.mesh, operator.threads
     assert problem.pressure is not None
-    if isinstance(start, Found):
+    if isinstance(start, Answer):
         first: Array | None = start.force
     else:
         # Some force everywhere: one loaded node alone leaves no direction to search.
@@ -259,7 +259,7 @@ def solve_reduced(
             weights=weights,
         )
         gap = solution.displacement - problem.heights + solution.offset
-    return Found(
+    return Answer(
         force=solution.force * (mesh.aspect / mesh.element.types),
         gap=gap,
         displacement=solution.displacement,
@@ -278,21 +278,21 @@ def solve_reduced(
 
 def solve_reduced_offset(
     problem: Problem, response: BlockResponse, operator: FourierOperator | SurfaceOperator
-) -> Found:
+) -> Answer:
     """Seek the mean pressure that belongs to a prescribed offset; the offset falls as the load rises."""
     from scipy.optimize import brentq
 
     assert problem.offset is not None
-    target, found = problem.offset, None
+    target, answer = problem.offset, None
     # Of a rigid profile driven in by its full height the block would bear less than this.
     high = 2 * -target / (1 - problem.poisson**2) / min(-float(problem.mesh.planes[0]), 1.0)
     tight = replace(problem, tolerance=min(problem.tolerance, 1e-10), offset=None)
 
     def excess(logarithm: float) -> float:
-        nonlocal found
+        nonlocal answer
         pressure = high * math.exp(logarithm)
-        found = solve_reduced(replace(tight, pressure=pressure), response, operator, start=found)
-        return found.offset - target
+        answer = solve_reduced(replace(tight, pressure=pressure), response, operator, start=answer)
+        return answer.offset - target
 
     low, top = -1.0, 0.0
     while excess(top) > 0:
@@ -301,8 +301,8 @@ def solve_reduced_offset(
         low, top = 2 * low - 1.0, low
     root = brentq(excess, low, top, xtol=1e-14, rtol=4 * np.finfo(float).eps)
     excess(root)
-    assert found is not None
-    return found
+    assert answer is not None
+    return answer
 
 
 #: Relative difference at which a load counts as equal to the bound: means differ by rounding.

@@ -15,7 +15,7 @@ from fem_contact.complementarity.rows import Rows
 if TYPE_CHECKING:
     from fem_contact.complementarity.operator import Operator
 
-__all__ = ["Errors", "Passes"]
+__all__ = ["Errors", "IterationArrays"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +62,7 @@ def _staggered(shape: tuple[int, int], place: int, dtype: type[np.floating[Any]]
     return raw[start : start + size].view(dtype).reshape(shape)
 
 
-class Passes:
+class IterationArrays:
     """The arrays of one problem and the compiled passes over them, shared out over threads.
 
     Force, displacement, heights and bound are double and in Pa and m. Gap, step and image are of the
