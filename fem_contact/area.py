@@ -13,7 +13,6 @@ from types import MappingProxyType
 from typing import Any, TypeVar
 
 import numpy as np
-import scipy.ndimage
 from numpy.typing import NDArray
 
 from fem_contact._checks import finite, listed, samples, truth, whole
@@ -336,6 +335,8 @@ class Edges:
 
 def contact_edges(result: ContactResult) -> Edges:
     """Find the edges of contact between grid cells, with what the fields say about their place."""
+    import scipy.ndimage
+
     check_result("result", result)
     contact, spacing = result.in_contact, result.spacing
     smooth = scipy.ndimage.gaussian_filter(contact.astype(float), _SMOOTHING, mode="wrap")

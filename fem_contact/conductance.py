@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse.linalg import LinearOperator, cg
 
 from fem_contact._checks import positive, samples
 from fem_contact._types import Array
@@ -119,6 +118,8 @@ def _solved(
     operator: FourierOperator | FreeOperator, moving: NDArray[np.bool_], settings: Settings
 ) -> FrozenContact:
     """Conjugate gradients for a unit displacement of the contact set."""
+    from scipy.sparse.linalg import LinearOperator, cg
+
     field, answer = np.zeros(operator.shape), np.empty(operator.shape)
     count, steps = int(np.count_nonzero(moving)), 0
 

@@ -5,10 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.ndimage
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from fem_contact._checks import pair, positive, shown, truth
 from fem_contact.errors import InvalidInput
@@ -68,6 +65,10 @@ def find_patches(
     >>> find_patches(across_the_period, (1.0, 1.0)).areas
     array([2., 1.])
     """
+    import scipy.ndimage
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
     if not (isinstance(in_contact, np.ndarray) and in_contact.dtype == np.bool_):
         raise InvalidInput(f"in_contact = {shown(in_contact)}: must be an array of bool (nx, ny)")
     if in_contact.ndim != 2 or in_contact.size == 0:

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.fft
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import minimize_scalar
 
 from fem_contact._checks import room_for, samples, shown
 from fem_contact._types import Array
@@ -207,6 +206,8 @@ def strongest_point(
     InvalidInput, UnsupportedEffect
         As `fields_below`.
     """
+    from scipy.optimize import minimize_scalar
+
     if depths is None:
         check_result("contact", contact)
         check_response(response)

@@ -68,7 +68,7 @@ class PronySolid:
 
     def __post_init__(self) -> None:
         positive("relaxed", self.relaxed, unit="Pa")
-        _check_poisson(self.poisson)
+        poisson_ratio(self.poisson)
         moduli, times = samples("moduli", self.moduli, unit="Pa"), samples("times", self.times, unit="s")
         if moduli.size != times.size or moduli.min() < 0:
             raise InvalidInput(
@@ -150,7 +150,7 @@ class TabulatedSolid:
     _nodes: tuple[Array, Array, Array] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        _check_poisson(self.poisson)
+        poisson_ratio(self.poisson)
         omega = samples("frequencies", self.frequencies, least=2, unit="1/s")
         storage, loss = samples("storage", self.storage, unit="Pa"), samples("loss", self.loss, unit="Pa")
         if not omega.size == storage.size == loss.size:
@@ -186,10 +186,6 @@ class TabulatedSolid:
         return np.asarray(storage_at * (1 + 1j * lag))
 
 
-def _check_poisson(value: object) -> None:
-    poisson_ratio(value)
-
-
 def _frequencies(frequency: ArrayLike) -> Array:
     omega = array("frequency", frequency, unit="1/s", power=2)
     if omega.size and omega.min() < 0:
@@ -201,4 +197,4 @@ def check_viscoelastic(solid: object) -> None:
     """Refuse what is no viscoelastic solid."""
     what = "a viscoelastic solid, such as `PronySolid`, with `modulus` and `poisson`"
     instance("solid", solid, ViscoelasticSolid, what=what)
-    _check_poisson(getattr(solid, "poisson", None))
+    poisson_ratio(getattr(solid, "poisson", None))

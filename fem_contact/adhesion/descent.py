@@ -122,6 +122,21 @@ class Point:
     mean_pressure: float | None = None
     offset: float | None = None
 
+    @property
+    def held(self) -> float:
+        """Its value."""
+        value = self.mean_pressure if self.offset is None else self.offset
+        assert value is not None
+        return value
+
+    def held_of(self, state: Minimum) -> float:
+        """Return the same of a state."""
+        return state.mean_pressure if self.offset is None else state.offset
+
+    def at(self, value: float) -> Point:
+        """Hold the same at another value."""
+        return Point(mean_pressure=value) if self.offset is None else Point(offset=value)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Minimum:

@@ -58,11 +58,6 @@ class GapLaw(Protocol):
         ...
 
 
-def _check(work: float, reach: float) -> None:
-    positive("work", work, unit="J/m^2")
-    positive("reach", reach, unit="m")
-
-
 def _gaps(gap: Array) -> Array:
     # The solver hands in arrays of doubles, many times: only what else comes is looked at.
     return gap if type(gap) is np.ndarray and gap.dtype == np.float64 else array("gap", gap, unit="m")
@@ -74,7 +69,22 @@ def _check_grid(spacing: float, contact_modulus: float) -> None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Exponential:
+class _Law:
+    work: float
+    reach: float
+
+    def __post_init__(self) -> None:
+        positive("work", self.work, unit="J/m^2")
+        positive("reach", self.reach, unit="m")
+
+    @property
+    def strength(self) -> float:
+        """Largest attraction, work over reach [Pa]."""
+        return self.work / self.reach
+
+
+@dataclass(frozen=True, kw_only=True)
+class Exponential(_Law):
     r"""The exponential law.
 
     .. math:: \phi(g) = -w\, e^{-g/\rho}
@@ -92,17 +102,6 @@ class Exponential:
     >>> f"{law.strength:.3g} {law.traction(np.array([2e-9]))[0] / law.strength:.4f}"
     '2.5e+07 0.3679'
     """
-
-    work: float
-    reach: float
-
-    def __post_init__(self) -> None:
-        _check(self.work, self.reach)
-
-    @property
-    def strength(self) -> float:
-        """Attraction at zero gap, w / rho [Pa]."""
-        return self.work / self.reach
 
     @property
     def steepest(self) -> float:
@@ -131,7 +130,7 @@ class Exponential:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Dugdale:
+class Dugdale(_Law):
     """The Dugdale law: constant attraction w / h0 up to the gap h0, none beyond.
 
     Parameters
@@ -152,18 +151,11 @@ class Dugdale:
     so the limit over grids is the Dugdale law.
     """
 
-    work: float
-    reach: float
     ramp: float = 0.0
 
     def __post_init__(self) -> None:
-        _check(self.work, self.reach)
+        super().__post_init__()
         within("ramp", self.ramp, 0, 2, interval="[0, 2]")
-
-    @property
-    def strength(self) -> float:
-        """Attraction w / h0 [Pa]."""
-        return self.work / self.reach
 
     @property
     def steepest(self) -> float:

@@ -223,13 +223,12 @@ class _Walk:
         if self._lost(state, after) <= 0:
             self._record(after)
             return after
-        here = _value(state, point)
-        there = _held(point)
+        here, there = point.held_of(state), point.held
         if abs(there - here) <= self.width or (here + there) / 2 in (here, there):
             self._jump(state, after)
             self._record(after)
             return after
-        middle = self._advance(state, _moved(point, (here + there) / 2))
+        middle = self._advance(state, point.at((here + there) / 2))
         if middle.separated:
             return middle
         return self._advance(middle, point)
@@ -278,17 +277,3 @@ class _Walk:
         if not state.separated and state.status is not Status.CONVERGED:
             raise NotConverged(f"{state.status.value} (at {point}, imbalance {state.imbalance:.3g})")
         return state
-
-
-def _held(point: Point) -> float:
-    value = point.mean_pressure if point.offset is None else point.offset
-    assert value is not None
-    return value
-
-
-def _value(state: Minimum, like: Point) -> float:
-    return state.mean_pressure if like.offset is None else state.offset
-
-
-def _moved(point: Point, value: float) -> Point:
-    return Point(mean_pressure=value) if point.offset is None else Point(offset=value)

@@ -7,21 +7,6 @@ the pressure; with several node types per cell (quadratic elements) the caller p
 answer by w. Arrays have the shape (nx, ny) of a periodic lattice of nodes, in order of their places (corner,
 edge and centre nodes of quadratic elements interleaved); they are C-contiguous doubles.
 
-An :class:`Operator` offers
-
-``apply(force, out)``
-    out = S force: displacement [m] of every node. Must not keep or change ``force``; ``out`` is another
-    array.
-``precondition(residual, out)``
-    out = M residual with M symmetric, positive semi-definite, close to the inverse of S, at the same scale;
-    the mean may be left out. The solver extends the residual beyond the working set and masks the answer, so
-    neither needs care. ``out`` may be ``residual`` itself.
-``stiffness``
-    Force per displacement [Pa/m] of a single node, roughly: the mean over wavevectors of the inverse
-    response.
-``pairs``
-    FFT pairs that one ``apply`` costs, counted on the finest grid; ``precondition`` is counted as one.
-
 Whether S moves the mean (layer, block) or leaves it out (half-space) does not matter when the load is
 prescribed: a constant displacement only changes the offset.
 """
@@ -38,24 +23,28 @@ __all__ = ["Operator", "Solution"]
 
 
 class Operator(Protocol):
-    """A symmetric positive semi-definite response and an approximate inverse of it; see the protocol."""
+    """A symmetric positive semi-definite response S and an approximate inverse of it."""
 
     @property
     def stiffness(self) -> float:
-        """Force per displacement [Pa/m] at the grid scale: mean inverse response over wavevectors."""
+        """Force per displacement [Pa/m] of a single node, roughly: mean inverse response over wavevectors."""
         ...
 
     @property
     def pairs(self) -> float:
-        """FFT pairs per application."""
+        """FFT pairs of one `apply`, counted on the finest grid; `precondition` is counted as one."""
         ...
 
     def apply(self, force: Array, out: Array) -> None:
-        """Write the displacement [m] under ``force`` [Pa] into ``out``."""
+        """Write the displacement S force [m] of every node into ``out``, another array; keep no ``force``."""
         ...
 
     def precondition(self, residual: Array, out: Array) -> None:
-        """Write an approximate inverse of the response, applied to ``residual`` [m], into ``out`` [Pa]."""
+        """Write M residual into ``out`` [Pa], which may be ``residual`` [m] itself.
+
+        M is symmetric, positive semi-definite and close to the inverse of S, at the same scale; the mean may
+        be left out. The solver extends the residual beyond the working set and masks the answer.
+        """
         ...
 
 

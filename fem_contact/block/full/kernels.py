@@ -140,8 +140,10 @@ def transfer(coarse, i_low, i_weight, j_low, j_weight, fine, gathering):
                     w = wi * (j_weight[j] if b else 1 - j_weight[j])
                     if w == 0.0:
                         continue
-                    near, far = fine[i, j], coarse[ci, (j_low[j] + b) % my]
+                    cj = (j_low[j] + b) % my
                     if gathering:
-                        near, far = far, near
-                    for k in range(m):
-                        near[k] += w * far[k]
+                        for k in range(m):
+                            coarse[ci, cj, k] += w * fine[i, j, k]
+                    else:
+                        for k in range(m):
+                            fine[i, j, k] += w * coarse[ci, cj, k]

@@ -17,9 +17,9 @@ Young's modulus.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-import scipy.sparse as sp
 
 from fem_contact._types import Array, Mask
 from fem_contact.block.full.block import Block, CyclePreconditioner
@@ -27,6 +27,9 @@ from fem_contact.block.full.linear import conjugate_gradients
 from fem_contact.block.full.multigrid import Hierarchy
 from fem_contact.block.hyperelastic.cells import Cells, Strained
 from fem_contact.block.hyperelastic.profile import Heights, Profile
+
+if TYPE_CHECKING:
+    import scipy.sparse as sp
 
 __all__ = ["Press", "State", "descend"]
 
