@@ -365,7 +365,6 @@ def residuals_of(
     ----------
     sums : sequence of float
         As `residual_sums` gives them.
-    points : int
     rms_height, highest : float
         Of the heights [m], and their largest absolute value.
     longest : float

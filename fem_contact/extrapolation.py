@@ -151,16 +151,14 @@ def _limit(areas: Sequence[ContactAreas], definition: Literal["subcell", "perime
     for area in areas:
         groups.setdefault(area.spacing, []).append(area)
     # Finest first: it says how long the edges are.
-    shifts = [groups[spacing] for spacing in sorted(groups, key=lambda s: s[0] * s[1])]
-    means = [float(np.mean([getattr(area, definition) for area in group])) for group in shifts]
-    shifts = [group for group, mean in zip(shifts, means, strict=True) if mean > 0 or group is shifts[0]]
-    value = np.array([mean for k, mean in enumerate(means) if mean > 0 or k == 0])
-    fraction = float(np.mean([area.edge_fraction for area in shifts[0]]))
-    plan = [
-        PlannedGrid(spacing=group[0].spacing, cells=group[0].cells, solves=len(group)) for group in shifts
-    ]
+    ordered = sorted(groups.items(), key=lambda group: group[0][0] * group[0][1])
+    means = [(mean_areas(group), len(group)) for _, group in ordered]
+    means = [(mean, count) for mean, count in means if getattr(mean, definition) > 0 or mean is means[0][0]]
+    value = np.array([getattr(mean, definition) for mean, _ in means])
+    plan = [PlannedGrid(spacing=mean.spacing, cells=mean.cells, solves=count) for mean, count in means]
+    finest = means[0][0]
+    fraction = finest.edge_fraction
     described: dict[str, Any] = {"grids": len(areas), "definition": definition}
-    finest = mean_areas(shifts[0])
     doubt = too_rough(finest, alone=len(plan) == 1)
     if doubt:
         return _no_limit(doubt, len(areas), definition=definition)
@@ -169,8 +167,7 @@ def _limit(areas: Sequence[ContactAreas], definition: Literal["subcell", "perime
     size = np.array([grid.size for grid in plan])
     coarser = size > 1.01 * size[0]
     weights = np.linalg.inv(error_covariance(law, float(value[0]), fraction, plan, like=finest))
-    fractions = np.array([np.mean([area.edge_fraction for area in group]) for group in shifts])
-    expected = value - mean_error(law, value, fractions)
+    expected = value - mean_error(law, value, np.array([mean.edge_fraction for mean, _ in means]))
     precision = float(weights.sum())
     # Around the finest area, so that nothing is lost to rounding where all are nearly equal.
     limit = float(expected[0] + (weights @ (expected - expected[0])).sum() / precision)
@@ -243,7 +240,6 @@ def predicted_uncertainty(coarse: ContactAreas, grids: Sequence[PlannedGrid]) ->
     coarse : ContactAreas
         Of any grid of the same surface at the same load: says how large the contact is, how long its edges,
         and whether they are located, for `located_limit`, or corrected, for `perimeter_limit`.
-    grids : sequence of PlannedGrid
     """
     instance("coarse", coarse, ContactAreas, what="`ContactAreas`")
     listed("grids", grids, PlannedGrid, what="`PlannedGrid`s")

@@ -92,7 +92,6 @@ class PronySolid:
             E_0 < E_inf [Pa], at low and at high frequency.
         time : float
             Retardation time tau [s]; the relaxation time is tau E_0 / E_inf.
-        poisson : float
         """
         low, high = positive("relaxed", relaxed, unit="Pa"), positive("unrelaxed", unrelaxed, unit="Pa")
         if high < low:

@@ -51,10 +51,8 @@ class Landscape:
     ----------
     heights : (nx, ny) array
         h [m].
-    response : Response
     lengths : tuple of float
         Periods [m].
-    law : GapLaw
     threads : int, optional
     hardness : float or (nx, ny) array, optional
         Largest pressure H [Pa]; gaps may then be negative.

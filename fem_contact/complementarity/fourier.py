@@ -31,7 +31,6 @@ class FourierOperator:
 
     Parameters
     ----------
-    response : Response
     shape : tuple of int
         Grid points (nx, ny).
     lengths : tuple of float

@@ -29,7 +29,6 @@ class FreeOperator:
 
     Parameters
     ----------
-    response : FreeHalfSpace
     shape : tuple of int
         Grid points (nx, ny).
     lengths : tuple of float

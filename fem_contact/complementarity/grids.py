@@ -23,7 +23,6 @@ class Grids:
     ----------
     shape : tuple of int
         Points (nx, ny) of the finest grid.
-    threads : int
 
     Attributes
     ----------

@@ -242,7 +242,6 @@ class SlabGrids(Grids):
     ----------
     slabs : Slabs
         Of the finest grid.
-    threads : int
     """
 
     in_slabs = True

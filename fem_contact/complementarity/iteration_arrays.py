@@ -71,7 +71,6 @@ class IterationArrays:
 
     Parameters
     ----------
-    operator : Operator
     heights : (nx, ny) array
         h [m].
     bound : (nx, ny) array or None
@@ -81,7 +80,6 @@ class IterationArrays:
     units : tuple of float, optional
         Force [Pa] and length [m] in units of which the iteration runs in single precision; double precision
         in Pa and m if not given.
-    threads : int
     """
 
     def __init__(

@@ -27,7 +27,6 @@ def polonsky_keer(
 
     Parameters
     ----------
-    operator : Operator
     heights : array
         h [m] of the rigid body at the nodes.
     mean_force : float

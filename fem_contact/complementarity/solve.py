@@ -39,7 +39,6 @@ def solve_bounded(
 
     Parameters
     ----------
-    operator : Operator
     heights : (nx, ny) array
         h [m] of the rigid body at the nodes, on a periodic lattice.
     mean_force : float

@@ -228,14 +228,12 @@ def solve_contact(
 
     Parameters
     ----------
-    block : Block
     load : float or None
         Total downward force over E times the cell width squared; None where `offset` is prescribed.
     offset : float
         Prescribed offset over the cell width, or its first guess.
     start : (nx, ny) array of bool
         First active set.
-    settings : Settings
     violation : callable
         Dimensionless measure of what nodal forces and gaps violate, given the nodes at the bound.
     displacement : (nx, ny, nz, 3) array, optional

@@ -52,7 +52,6 @@ def assemble(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -
 
     Parameters
     ----------
-    mesh : BlockMesh
     poisson : float
         Poisson ratio, below 1/2.
     modulus : (nx, ny, nz) array, optional

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_contact._types import Array, Mask
+from fem_contact.block.full import cell_kernels, kernels
 from fem_contact.block.full.cells import BlockFactors
 from fem_contact.block.full.stencil import LineFactors
 
@@ -70,12 +71,10 @@ class Level(ABC):
         return coarse
 
     def _transfer(self, coarse: Array, fine: Array, *, gathering: bool) -> None:
-        from fem_contact.block.full.kernels import transfer
-
         assert self.down is not None
         x, y = self.down
         flat = (field.reshape(*field.shape[:2], -1) for field in (coarse, fine))
-        transfer(next(flat), x.low, x.weight, y.low, y.weight, next(flat), gathering)
+        kernels.transfer(next(flat), x.low, x.weight, y.low, y.weight, next(flat), gathering)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,17 +85,13 @@ class StencilLevel(Level):
 
     def apply(self, u: Array) -> Array:
         """Sum the forces of the cells."""
-        from fem_contact.block.full.kernels import apply_stencil
-
         forces = np.empty(self.field_shape)
-        apply_stencil(self.coefficients, u, forces)
+        kernels.apply_stencil(self.coefficients, u, forces)
         return forces
 
     def relax(self, forces: Array, held: Mask, u: Array, *, backward: bool) -> None:
         """Solve every column for its own unknowns, in place."""
-        from fem_contact.block.full.kernels import relax
-
-        relax(self.coefficients, self.lines.low, self.lines.reciprocal, forces, held, u, backward)
+        kernels.relax(self.coefficients, self.lines.low, self.lines.reciprocal, forces, held, u, backward)
 
     def following(self, held: Mask) -> Array:
         """Displacement of a column whose top is moved by one."""
@@ -114,18 +109,14 @@ class CellLevel(Level):
 
     def apply(self, u: Array) -> Array:
         """Sum the forces of the cells."""
-        from fem_contact.block.full.cell_kernels import apply_cells
-
         forces = np.empty(self.field_shape)
-        apply_cells(self.coefficients, self.modulus, u, forces)
+        cell_kernels.apply_cells(self.coefficients, self.modulus, u, forces)
         return forces
 
     def relax(self, forces: Array, held: Mask, u: Array, *, backward: bool) -> None:
         """Solve every column for its own unknowns, in place."""
-        from fem_contact.block.full.cell_kernels import relax_cells
-
         lines = self.lines.low, self.lines.inverse, self.lines.follow
-        relax_cells(self.coefficients, self.modulus, *lines, forces, held, u, backward)
+        cell_kernels.relax_cells(self.coefficients, self.modulus, *lines, forces, held, u, backward)
 
     def following(self, held: Mask) -> Array:
         """Displacement of the held columns where their top is moved by one."""

@@ -51,7 +51,6 @@ def conjugate_gradients(
         Norm that residuals are compared with, such as |b|.
     tolerance : float
         Bound on |b - A x| / scale.
-    max_iterations : int
 
     Notes
     -----

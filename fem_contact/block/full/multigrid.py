@@ -79,7 +79,6 @@ def build_hierarchy(mesh: BlockMesh, *, poisson: float, modulus: Array | None = 
     ----------
     mesh : BlockMesh
         Of trilinear cells; any number of them.
-    poisson : float
     modulus : (nz,) or (nx, ny, nz) array, optional
         Young's modulus of each layer, from the bottom upwards, or of each cell, over E.
 

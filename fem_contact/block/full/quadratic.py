@@ -18,6 +18,7 @@ from fem_contact._types import Array
 from fem_contact.block.elements import ELEMENTS
 from fem_contact.block.full.block import Block
 from fem_contact.block.full.multigrid import Hierarchy, build_hierarchy
+from fem_contact.block.full.quadratic_kernels import apply_quadratic
 from fem_contact.block.mesh import BlockMesh, element_matrices
 
 __all__ = ["QuadraticBlock", "parity_blocks", "refined_hierarchy"]
@@ -76,8 +77,6 @@ class QuadraticBlock(Block):
 
     def apply(self, field: Array) -> Array:
         """Sum the forces of the cells."""
-        from fem_contact.block.full.quadratic_kernels import apply_quadratic
-
         cells, u = self.cells, field.reshape(*self.shape, self.levels, 3)
         forces = np.zeros_like(u)
         apply_quadratic(cells.entries, cells.sizes, cells.places, self.modulus, u, forces)

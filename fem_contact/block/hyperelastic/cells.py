@@ -164,7 +164,6 @@ class Cells:
 
         Parameters
         ----------
-        state : Strained
         turning : (nx, ny, 3) array, optional
             What is added at the surface nodes, in xx, xy and yy: the change of forces that turn.
         """

@@ -81,7 +81,6 @@ def fold(mesh: BlockMesh, *, poisson: float, modulus: Array | None = None) -> Fo
 
     Parameters
     ----------
-    mesh : BlockMesh
     poisson : float
         1/2 is allowed for the element with discontinuous linear pressure, whose pressures stay unknowns.
     modulus : (nz,) array, optional
@@ -205,7 +204,6 @@ def surface_compliance(folded: FoldedLayers, phases: Array) -> Array:
 
     Parameters
     ----------
-    folded : FoldedLayers
     phases : (n, 2) array
         Phases per cell.
     """

@@ -145,7 +145,6 @@ class SurfaceOperator:
 
     Parameters
     ----------
-    response : BlockResponse
     threads : int
         Threads of each transform.
     """
