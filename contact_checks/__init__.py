@@ -133,6 +133,10 @@ class Checks:
             raise self.refusal(f"{name} of shape {value.shape}: must be a sequence of numbers{in_unit(unit)}")
         return list(value)
 
+    def positives(self, name: str, value: object, *, unit: str = "") -> list[float]:
+        """Return what iterates over positive numbers as a list of them."""
+        return [self.positive(name, number, unit=unit) for number in self.numbers_of(name, value, unit=unit)]
+
     def doubles(self, name: str, value: object, *, unit: str = "") -> Array:
         """Return real numbers of any shape as doubles, NaN included; refuse masked points and no numbers.
 

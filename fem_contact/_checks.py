@@ -28,6 +28,7 @@ __all__ = [
     "pair",
     "poisson_ratio",
     "positive",
+    "positives",
     "pressures",
     "room_for",
     "samples",
@@ -45,7 +46,8 @@ LEAST, GREATEST = 1e-120, 1e30
 _CHECKS = Checks(InvalidInput, least=LEAST, greatest=GREATEST)
 alike, choice, doubles, function = _CHECKS.alike, _CHECKS.choice, _CHECKS.doubles, _CHECKS.function
 instance, numbers_of, poisson_ratio = _CHECKS.instance, _CHECKS.numbers_of, _CHECKS.poisson_ratio
-positive, whole, within = _CHECKS.positive, _CHECKS.whole, _CHECKS.within
+positive, positives = _CHECKS.positive, _CHECKS.positives
+whole, within = _CHECKS.whole, _CHECKS.within
 
 
 def finite(name: str, value: object, *, unit: str = "") -> float:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem_contact._checks import array, instance, listed, numbers_of, positive, samples, whole
+from fem_contact._checks import array, instance, listed, positive, positives, samples, whole
 from fem_contact._types import Array
 from fem_contact.errors import InvalidInput
 from fem_contact.response import wave_size
@@ -61,14 +61,12 @@ class LayeredSolid:
 
     def __post_init__(self) -> None:
         listed("layers", self.layers, Solid, what="`Solid`s")
-        thicknesses = numbers_of("thicknesses", self.thicknesses, unit="m")
+        thicknesses = positives("thicknesses", self.thicknesses, unit="m")
         instance("base", self.base, Solid, what="a `Solid`")
         if len(self.layers) != len(thicknesses):
             raise InvalidInput(
                 f"{len(thicknesses)} thicknesses for {len(self.layers)} layers: give one for each"
             )
-        for thickness in thicknesses:
-            positive("thicknesses", thickness, unit="m")
 
     @property
     def contact_modulus(self) -> float:

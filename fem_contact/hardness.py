@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fem_contact import bem
-from fem_contact._checks import bound, instance, numbers_of, positive
+from fem_contact._checks import bound, instance, positives
 from fem_contact._types import Array
 from fem_contact.contact import ContactResult
 from fem_contact.errors import InvalidInput
@@ -180,10 +180,7 @@ def unload(
     """
     instance("contact", contact, ContactResult, what="a `ContactResult`")
     Settings(tolerance=tolerance)
-    loads = [
-        positive("mean_pressures", load, unit="Pa")
-        for load in numbers_of("mean_pressures", mean_pressures, unit="Pa")
-    ]
+    loads = positives("mean_pressures", mean_pressures, unit="Pa")
     for load in loads:
         if not load <= contact.mean_pressure * (1 + tolerance):
             raise InvalidInput(

@@ -23,6 +23,7 @@ __all__ = [
     "numbers_of",
     "poisson_ratio",
     "positive",
+    "positives",
     "real",
     "returned",
     "scalar",
@@ -40,7 +41,7 @@ LEAST, GREATEST, LAST = 1e-30, 1e30, 1e-300
 _CHECKS = Checks(InvalidInput, least=LEAST, greatest=GREATEST)
 alike, choice, function, instance = _CHECKS.alike, _CHECKS.choice, _CHECKS.function, _CHECKS.instance
 numbers_of, poisson_ratio, positive = _CHECKS.numbers_of, _CHECKS.poisson_ratio, _CHECKS.positive
-whole, within = _CHECKS.whole, _CHECKS.within
+positives, whole, within = _CHECKS.positives, _CHECKS.whole, _CHECKS.within
 
 
 def _bad(value: Array, bad: NDArray[np.bool_]) -> str:

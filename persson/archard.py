@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from persson._checks import Array, in_proportion, non_negative, numbers_of, positive
+from persson._checks import Array, in_proportion, non_negative, positive, positives
 from persson.errors import InvalidInput
 
 __all__ = ["HierarchyContact", "archard_hierarchy"]
@@ -72,8 +72,8 @@ def archard_hierarchy(
     """
     load = non_negative("force", force, unit="N")
     modulus = positive("contact_modulus", contact_modulus, unit="Pa")
-    sizes = [positive("radii", value, unit="m") for value in numbers_of("radii", radii)]
-    counts = [positive("densities", value, unit="1/m^2") for value in numbers_of("densities", densities)]
+    sizes = positives("radii", radii, unit="m")
+    counts = positives("densities", densities, unit="1/m^2")
     if not sizes or len(counts) != len(sizes) - 1:
         raise InvalidInput(
             f"{len(sizes)} radii and {len(counts)} densities: there must be one radius more than densities"

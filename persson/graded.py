@@ -15,6 +15,7 @@ from persson._checks import (
     numbers_of,
     poisson_ratio,
     positive,
+    positives,
     real,
     returned,
 )
@@ -70,8 +71,7 @@ class GradedModulus:
     def __post_init__(self) -> None:
         poisson_ratio(self.poisson)
         function("young", self.young)
-        for depth in numbers_of("breaks", self.breaks):
-            positive("breaks", depth, unit="m")
+        positives("breaks", self.breaks, unit="m")
 
     def __call__(self, wavevector: ArrayLike) -> Array:
         """E~*(q) [Pa] for wavevectors [1/m]."""
@@ -116,11 +116,9 @@ class ExponentialLayers:
     def __post_init__(self) -> None:
         positive("bulk", self.bulk, unit="Pa")
         poisson_ratio(self.poisson)
-        excess, depths = numbers_of("excess", self.excess), numbers_of("depths", self.depths)
+        excess, depths = numbers_of("excess", self.excess), positives("depths", self.depths, unit="m")
         if len(excess) != len(depths):
             raise InvalidInput(f"{len(excess)} excess moduli and {len(depths)} depths: must be as many")
-        for depth in depths:
-            positive("depths", depth, unit="m")
         total = real("excess", self.excess, unit="Pa").sum()
         if not self.bulk + total > 0:
             raise InvalidInput("excess: the modulus at the surface, bulk + sum(excess), must be positive")

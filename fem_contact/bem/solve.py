@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import Any, overload
 
-from fem_contact._checks import finite, numbers_of, positive
+from fem_contact._checks import finite, positives
 from fem_contact._types import Array
 from fem_contact.bem.distance import LoadSearch
 from fem_contact.bem.parallel import SlabResult, SlabSurface
@@ -218,10 +218,7 @@ def solve_path(
         ),
         method="preconditioned",
     )
-    loads = [
-        positive("mean_pressures", load, unit="Pa")
-        for load in numbers_of("mean_pressures", mean_pressures, unit="Pa")
-    ]
+    loads = positives("mean_pressures", mean_pressures, unit="Pa")
     for load in loads:
         problem.check_load(load)
     results: list[ContactResult] = []

@@ -8,7 +8,7 @@ from typing import Unpack
 
 import numpy as np
 
-from fem_contact._checks import numbers_of, poisson_ratio, positive, shown
+from fem_contact._checks import poisson_ratio, positives, shown
 from fem_contact.block.mesh import MeshOptions
 from fem_contact.block.reduced.column import eliminate, fold, surface_response
 from fem_contact.block.session import planned_mesh
@@ -82,8 +82,7 @@ def wave_errors(
     (True, True)
     """
     poisson = poisson_ratio(poisson)
-    members = numbers_of("wavelengths", wavelengths, unit="m")
-    sought = [positive("wavelengths", wavelength, unit="m") for wavelength in members]
+    sought = positives("wavelengths", wavelengths, unit="m")
     planned = planned_mesh(shape, lengths, poisson=poisson, options=mesh)
     order, width = planned.element.order, lengths[0] / planned.cells[0]
     folded = fold(planned, poisson=poisson)

@@ -8,7 +8,7 @@ from typing import Unpack
 
 import numpy as np
 
-from fem_contact._checks import instance, numbers_of, poisson_ratio, positive
+from fem_contact._checks import instance, poisson_ratio, positive, positives
 from fem_contact._types import Array, Mask
 from fem_contact.block.mesh import MeshOptions
 from fem_contact.block.session import Method, Modulus, Session, check_method, needed_bytes, planned_mesh
@@ -200,8 +200,7 @@ def solve_path(
     BlockSolution
         One per load, as soon as it is found.
     """
-    members = numbers_of("mean_pressures", mean_pressures, unit="Pa")
-    loads = [positive("mean_pressures", load, unit="Pa") for load in members]
+    loads = positives("mean_pressures", mean_pressures, unit="Pa")
     session = Session.checked(
         surface,
         solid,

@@ -10,7 +10,7 @@ from typing import Unpack
 
 import numpy as np
 
-from fem_contact._checks import instance, numbers_of, positive, within
+from fem_contact._checks import instance, positive, positives, within
 from fem_contact._types import Array, Mask
 from fem_contact.block.full.multigrid import build_hierarchy
 from fem_contact.block.hyperelastic.cells import Cells
@@ -218,7 +218,7 @@ def solve_slopes(
     mean_pressure = positive("mean_pressure", mean_pressure, unit="Pa")
     tolerance = within("tolerance", tolerance, 1e-13, 1e-2, interval="[1e-13, 1e-2]")
     gradient = positive("h'_rms", surface.rms_gradient)
-    factors = [positive("slopes", slope) / gradient for slope in numbers_of("slopes", slopes)]
+    factors = [slope / gradient for slope in positives("slopes", slopes)]
     if any(after <= before for before, after in itertools.pairwise(factors)):
         raise InvalidInput("slopes: must rise")
     planned = planned_mesh(surface.shape, surface.lengths, poisson=solid.poisson, options=mesh)
