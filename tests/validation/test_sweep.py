@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import scipy.stats
 from typer.testing import CliRunner
 
 from fem_contact.errors import NotConverged
@@ -129,6 +130,21 @@ def test_hurst_exponents_have_a_linear_axis_no_power_and_a_pointer_to_the_study(
     band = drawn["area_lowest"].artist.get_paths()[0].vertices[:, 1]
     assert band.min() == pytest.approx(float(data.area_each.min()))
     assert band.max() == pytest.approx(float(data.area_each.max()))
+
+
+def test_along_a_scale_the_power_is_that_of_the_numbers_with_its_interval(swept):
+    data = swept[1].data.isel(hardness=0, drop=True).assign_attrs(keys="pressure")
+    loads = [1e3, 3e3, 1e4, 5e4]
+    few = data.isel(pressure=[0, 0, 1, 1]).assign_coords(pressure=("pressure", loads, data.pressure.attrs))
+    few["area"] = ("pressure", 0.01 * (few.pressure.values / 1e3) ** 0.9 * [1.0, 1.02, 0.99, 1.01])
+    (found,) = [one for one in sweep_views(few).findings if one.by == "exponent"]
+    line = scipy.stats.linregress(np.log(loads), np.log(few.area))
+    assert found.values["exponent"].value == pytest.approx(line.slope, rel=1e-12)
+    student = 4.302652729911275  # two degrees of freedom, 97.5 %
+    assert found.values["exponent"].error == pytest.approx(student * line.stderr, rel=1e-9)
+    assert found.outcomes == ("+",)
+    assert found.text.startswith("A/A0 rises as a power of p, with the exponent 0.9")
+    assert not any(one.by == "exponent" for one in sweep_views(data).findings)
 
 
 def test_a_product_runs_its_last_key_fastest_and_a_zip_runs_side_by_side(small_scene):

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.methods import find_method
-from validation.report.estimates import derive, mean
+from validation.report.estimates import derive, mean, power_law
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Band, Figure, Line, Panel
 from validation.report.quantities import place_words, quantity_of
@@ -218,6 +218,7 @@ def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
     known = ordered.isel({dim: np.flatnonzero(ordered[name].notnull().values)})
     if known.sizes[dim] < 2:
         return
+    yield from _power(known, name, key, dim)
     ends = {f"{name}_{end}": known[name].isel({dim: k}, drop=True) for end, k in (("start", 0), ("end", -1))}
     ends |= {
         f"{name}_{end}_error": known[f"{name}_error"].isel({dim: k}, drop=True)
@@ -247,6 +248,27 @@ def _along(data: xr.Dataset, key: str) -> Iterator[Finding]:
             "?": "goes, by an interval that is not known,",
         },
     )
+
+
+def _power(known: xr.Dataset, name: str, key: str, dim: str) -> Iterator[Finding]:
+    """Say with which power of a scale the area goes, where more than two values tell its interval."""
+    if not _numeric(known, key) or quantity_of(known, key).linear or _is_seed(known, key):
+        return
+    if known.sizes[dim] > 2 and bool((known[key] > 0).all()):
+        law = power_law(known, "exponent", of=name, x=key, along=[dim])
+        yield finding(
+            "trend",
+            f"A/A0 {{verdict}} {quantity_of(known, key).symbol}, with the exponent {{exponent}} "
+            "(95 %: scatter around a power law).",
+            law,
+            by="exponent",
+            words={
+                "+": "rises as a power of",
+                "-": "falls as a power of",
+                "0": "goes as no power that its interval supports of",
+                "?": "goes as a power, of an interval that is not known, of",
+            },
+        )
 
 
 def _figures(data: xr.Dataset) -> Iterator[Figure]:

@@ -158,7 +158,6 @@ def theory_views(data: xr.Dataset) -> Views:
                 "area_ensemble",
                 "area_plastic_ensemble",
                 "work_left",
-                "error_estimate",
             ),
             title="Every load, by the theory alone",
             note="With all roughness; no solver ran.",
