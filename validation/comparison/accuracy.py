@@ -275,7 +275,6 @@ def _check_law(scene: Scene) -> None:
     for k, effect in enumerate(scene.effects):
         if effect.slot not in _LAWFUL:
             raise UsageError(
-                f"--accuracy: the law of error is not known with {effect_key(k, 'kind')} = "
-                f"{effect.kind!r}; leave "
-                "--accuracy out and refine by hand"
+                f"--accuracy: the law of error is not known with {effect_key(k, 'kind')} = {effect.kind!r}; "
+                "leave --accuracy out and refine by hand"
             )

@@ -320,8 +320,7 @@ def _in_words(table: ResultTable) -> WordTable:
     more = f"{len(table.rows) - _ROWS} more rows are in table.csv. " if len(table.rows) > _ROWS else ""
     joint = (
         "+-: 95 %; that of a difference is the root of the sum of the squares of both, as if they were "
-        "independent: of one "
-        "and the same surfaces differences are better known than that."
+        "independent: of one and the same surfaces differences are better known than that."
     )
     return shown(short, title="Numbers side by side", note=more + joint)
 
@@ -365,9 +364,8 @@ def _findings(data: xr.Dataset, results: Mapping[str, Result]) -> Iterator[Findi
         yield note("No number that they share has an interval: how far they are apart cannot be judged.")
     if _other_surfaces(told) and "surfaces" in data and bool((data.surfaces == 1).any()):
         yield note(
-            "Their surfaces differ, and an interval of one surface is that of the grids: another draw of "
-            "the same spectrum "
-            "would differ, too, by how much an [ensemble] in every scene tells."
+            "Their surfaces differ, and an interval of one surface is that of the grids: another draw of the "
+            "same spectrum would differ, too, by how much an [ensemble] in every scene tells."
         )
 
 

@@ -94,8 +94,7 @@ def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
     if kind == "theory":
         return (
             f"Rigid rough surface on an elastic solid, by the theory alone: {data.attrs['theory']}; E* = "
-            f"{modulus}, "
-            f"h'_rms = {float(data.rms_gradient):.4g}"
+            f"{modulus}, h'_rms = {float(data.rms_gradient):.4g}"
         )
     kinds = [effect.kind.replace("-", " ") for effect in scene.effects]
     effects = "effects: " + ", ".join(kinds) if kinds else "elastic, no adhesion"
@@ -108,9 +107,8 @@ def _lead(kind: str, data: xr.Dataset, scene: Scene) -> str:
     layer = " of the layer at the surface" if layered else ""
     return (
         f"{bodies} surface on an elastic solid, frictionless, {effects}; {held}p* = "
-        f"{float(data.reduced_pressure):.4g} "
-        f"(p0 = {in_prefixed_unit(float(data.pressure), 'Pa')}, E* = {modulus}{layer}, "
-        f"realised h'_rms = {float(data.rms_gradient):.4g})"
+        f"{float(data.reduced_pressure):.4g} (p0 = {in_prefixed_unit(float(data.pressure), 'Pa')}, E* = "
+        f"{modulus}{layer}, realised h'_rms = {float(data.rms_gradient):.4g})"
     )
 
 

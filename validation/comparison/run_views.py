@@ -54,16 +54,14 @@ _NUMBERS = (
     "nayak",
 )
 _NOTE = (
-    "Of the scene's own surface, on the finest grid that resolves it; +-: 95 %, of what follows from "
-    "fields the "
-    "change from the grid before. A/A0 is the mean over the surfaces of an ensemble."
+    "Of the scene's own surface, on the finest grid that resolves it; +-: 95 %, of what follows from fields "
+    "the change from the grid before. A/A0 is the mean over the surfaces of an ensemble."
 )
 _GRIDS = (
     "Counted: points of the contact set, mean over sub-grid positions; corrected: less the method's edge "
-    "constant times "
-    "edge length times dx; located: the edge placed inside the cells. kappa is the corrected area over "
-    "p*. The residual "
-    "is the largest of penetration/h_rms, tension/(E* h'_rms), complementarity and load error."
+    "constant times edge length times dx; located: the edge placed inside the cells. kappa is the corrected "
+    "area over p*. The residual is the largest of penetration/h_rms, tension/(E* h'_rms), complementarity "
+    "and load error."
 )
 
 
@@ -164,8 +162,7 @@ def _independence(data: xr.Dataset) -> str:
         return "They share a contact algorithm, so that agreement tests the discretisation alone."
     return (
         f"{' and '.join(apart)} has a contact algorithm of its own, so agreement tests both codes; the "
-        f"differences "
-        "include that of the discretisations."
+        "differences include that of the discretisations."
     )
 
 
@@ -248,10 +245,9 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         yield finding(
             "value",
             "The largest von Mises stress below the surface is {von_mises_reduced:.4} E* h'_rms "
-            "({von_mises:.4} Pa), at a depth "
-            "of {von_mises_depth_reduced:.3} lambda_short ({von_mises_depth:.3} m; {solver} on {grid}): "
-            "there the solid yields "
-            "first. From the grid before it changed by {von_mises_change:+.2%}.",
+            "({von_mises:.4} Pa), at a depth of {von_mises_depth_reduced:.3} lambda_short "
+            "({von_mises_depth:.3} m; {solver} on {grid}): there the solid yields first. From the grid "
+            "before it changed by {von_mises_change:+.2%}.",
             _finest(data),
         )
     if "cheapest" in data:
@@ -302,9 +298,8 @@ def _theory(data: xr.Dataset) -> Iterator[Finding]:
     other = ", {area_other_energy:.4} with another elastic energy" if "area_other_energy" in data else ""
     yield finding(
         "comparison",
-        "The area is {verdict} Persson's theory: {area_excess:+%} of A/A0 = {area_persson_own:.4} with "
-        "the realised gradient"
-        f"{alone}{other}{part}.",
+        "The area is {verdict} Persson's theory: {area_excess:+%} of A/A0 = {area_persson_own:.4} "
+        f"with the realised gradient{alone}{other}{part}.",
         data,
         by="area_excess",
     )
@@ -331,9 +326,8 @@ def _methods(data: xr.Dataset) -> Iterator[Finding]:
             )
         yield finding(
             "order",
-            f"{_label(data, k)} and {_label(data, 0)} on {{grid}} differ by {{pressure_difference:.2%}} "
-            f"in pressure "
-            f"(relative L2) and {{area_pixel_difference:.2%}} in counted area{order}.",
+            f"{_label(data, k)} and {_label(data, 0)} on {{grid}} differ by {{pressure_difference:.2%}} in "
+            f"pressure (relative L2) and {{area_pixel_difference:.2%}} in counted area{order}.",
             at,
         )
 
@@ -349,8 +343,7 @@ def _edges(data: xr.Dataset) -> Iterator[Finding]:
         yield finding(
             "value",
             f"Counted points ({_label(data, k)}) are {{area_pixel_off:+.2%}} off the limit on {{grid}}, "
-            f"{{last:+.2%}} on the "
-            "finest; corrected at the edge {area_perimeter_off:+.2%} on {grid}.",
+            "{last:+.2%} on the finest; corrected at the edge {area_perimeter_off:+.2%} on {grid}.",
             first,
             last=float(last.area_pixel_off),
         )
@@ -379,8 +372,7 @@ def _warnings(data: xr.Dataset) -> Iterator[Finding]:
         yield finding(
             "note",
             "p* and kappa stand on E* = {contact_modulus:.4} Pa of the layer at the surface, and are no "
-            "numbers of a "
-            "homogeneous solid; below it E* = {contact_modulus_below:.4} Pa"
+            "numbers of a homogeneous solid; below it E* = {contact_modulus_below:.4} Pa"
             + (", and what the roughness feels is {felt_modulus:.4} Pa." if "felt_modulus" in data else "."),
             data,
         )

@@ -142,8 +142,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
         yield finding(
             "value",
             "The area lies between {low:+.2%} and {high:+.2%} of Persson's theory; in {agree} of {count} "
-            "cases the two agree "
-            "within the 95 % interval.",
+            "cases the two agree within the 95 % interval.",
             low=float(excess.min()),
             high=float(excess.max()),
             agree=float((abs(excess) <= half).sum()),

@@ -189,8 +189,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     yield finding(
         "note",
         "No solver ran, so that the distance to the equations of elasticity is not measured; a grid that "
-        "resolves these "
-        "waves has at least {points} points along a side.",
+        "resolves these waves has at least {points} points along a side.",
         data,
     )
 
