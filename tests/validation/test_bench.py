@@ -23,7 +23,7 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 from solving import Killing, Notes, dask_cluster, still_running
 
-from validation.audit.values import audit_values
+from validation.audit import audit
 from validation.errors import RunFailed, UsageError
 from validation.files import prepare_folder
 from validation.solves import pool
@@ -380,4 +380,4 @@ def test_the_study_of_the_documentation_runs_and_leaves_what_is_said(tmp_path, m
     np.testing.assert_allclose(again - data.overestimate_pixel_each, 0.0, atol=1e-12)
     names = {path.name for path in outputs.files}
     assert {"report.html", "table.csv", "budget.csv", "data.nc", "summary.json"} <= names
-    assert audit_values(tmp_path / "out").wrong == ()
+    assert audit(tmp_path / "out").wrong == ()

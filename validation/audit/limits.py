@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -15,49 +15,9 @@ __all__ = ["TRAITS", "Limit", "limit_over"]
 TRAITS = ("alignment", "anisotropy", "unresolved", "wavenumber")
 
 
-class Areas(Protocol):
-    """The areas of one surface on one grid and shift, by definition."""
-
-    @property
-    def spacing(self) -> tuple[float, float]:
-        """(dx, dy)."""
-
-    @property
-    def cells(self) -> int:
-        """Number of cells."""
-
-    @property
-    def pixel(self) -> float:
-        """Counted."""
-
-    @property
-    def perimeter(self) -> float:
-        """Corrected at its edge."""
-
-    @property
-    def edges(self) -> float:
-        """Edges over cells."""
-
-    @property
-    def subcell(self) -> float:
-        """With its edge located."""
-
-    @property
-    def alignment(self) -> float:
-        """How far the contour runs in one direction."""
-
-    @property
-    def anisotropy(self) -> float:
-        """How unlike the slopes of the heights are in different directions."""
-
-    @property
-    def unresolved(self) -> float:
-        """Share of the curvature of the heights in waves of less than four points."""
-
-    @property
-    def wavenumber(self) -> float:
-        """Of the curvature, times the spacing."""
-
+#: Of one surface on one grid and shift: `pixel` counted, `perimeter` corrected, `subcell` located, `spacing`,
+#: `cells`, `edges` over cells, and traits.
+Areas: TypeAlias = Any
 
 #: Powers of the width in the error law, means and deviations of their coefficients; noise; least contact.
 _LAW = {

@@ -7,12 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from validation.audit.dataset import Result, read_json
+from validation.audit.dataset import Result
 from validation.audit.ledger import Ledger
 from validation.audit.recomputed import Run
 from validation.audit.runs import audit_run
 from validation.audit.stored import Array, Stored, wavevectors
-from validation.audit.values import audit_values, judge_shown
+from validation.audit.values import judge_shown, judged
 
 __all__ = ["audit", "judge_fields", "judge_surfaces"]
 
@@ -35,13 +35,14 @@ def audit(folder: Path) -> Ledger:
     OSError, ValueError, LookupError
         For a folder that holds no finished run of this version.
     """
-    kind = read_json(folder / "result.json").get("kind")
+    result = Result(folder)
+    kind = result.record.get("kind")
     if kind in ("study", "claims", "paper"):
-        return audit_values(folder)
+        return judged(result)
     if kind not in ("run", "sweep"):
         raise LookupError(f"a {kind} stores no field")
-    ledger, runs = audit_run(folder)
-    judge_shown(Result(folder), ledger)
+    ledger, runs = audit_run(result)
+    judge_shown(result, ledger)
     for run in runs:
         for key, one in run.solves.items():
             judge_fields(key[3], one, run, ledger)

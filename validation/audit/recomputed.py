@@ -5,7 +5,6 @@ from __future__ import annotations
 import itertools
 import json
 import math
-from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -16,35 +15,16 @@ from validation.audit.closed_forms import yielded_areas
 from validation.audit.limits import Limit, limit_over
 from validation.audit.stored import Stored
 
-__all__ = ["Row", "Run", "without_none"]
+__all__ = ["Run"]
 
 Grid = tuple[int, int]
 
 
-def without_none(value: Any) -> Any:
+def _without_none(value: Any) -> Any:
     """Return JSON data without the keys that hold nothing."""
     if isinstance(value, dict):
-        return {key: without_none(item) for key, item in value.items() if item is not None}
-    return [without_none(item) for item in value] if isinstance(value, list) else value
-
-
-@dataclass(frozen=True, kw_only=True)
-class Row:
-    """One method on one grid, over its shifts."""
-
-    method: str
-    grid: Grid
-    points_per_wave: float
-    under_resolved: bool
-    solves: int
-    pixel: float
-    perimeter: float
-    kappa: float
-    density_at_zero: float
-    residual: float
-    seconds: float
-    unknowns: int
-    plastic: float | None
+        return {key: _without_none(item) for key, item in value.items() if item is not None}
+    return [_without_none(item) for item in value] if isinstance(value, list) else value
 
 
 class Run:
@@ -89,7 +69,7 @@ class Run:
 
     def _realisation(self, recipe: dict[str, Any]) -> int | None:
         """Return which realisation of the scene a recipe asks for; None if it is of another scene."""
-        said, surface = without_none(recipe), dict(without_none(recipe["surface"]))
+        said, surface = _without_none(recipe), dict(_without_none(recipe["surface"]))
         asked = dict(self.surface)
         k = 0
         if self.measured:  # the recipe holds the digest of the file in place of its path
@@ -212,37 +192,39 @@ class Run:
         return [self.solves[key] for key in keys if key in self.solves]
 
     @cached_property
-    def rows(self) -> list[Row]:
-        """Every method on every grid, coarse to fine."""
+    def rows(self) -> dict[tuple[str, Grid], dict[str, float]]:
+        """Numbers by their names of every method on every grid, coarse to fine, over its shifts."""
         grids = {name: sorted(tuple(g) for g in self.options[name]["grids"]) for name in self.methods}
-        return [self._row(name, grid) for name in self.methods for grid in grids[name]]
+        return {(name, grid): self._row(name, grid) for name in self.methods for grid in grids[name]}
 
-    def _row(self, method: str, grid: Grid) -> Row:
+    def _row(self, method: str, grid: Grid) -> dict[str, float]:
         own = self.shown(method, grid)
         if not own:
             raise LookupError(f"no stored solve of {method} on {grid[0]} x {grid[1]}")
-        counted = [one.pixel for one in own]
-        perimeter = math.fsum(one.perimeter for one in own) / len(own)
-        density = math.nan if self.adhesive else math.fsum(one.density_at_zero for one in own) / len(own)
-        yields = any(effect["kind"] == "hardness" for effect in self.effects)
+
+        def mean(name: str) -> float:
+            return math.fsum(getattr(one, name) for one in own) / len(own)
+
+        row = {
+            "area_pixel": mean("pixel"),
+            "area_perimeter": mean("perimeter"),
+            "density_at_zero": math.nan if self.adhesive else mean("density_at_zero"),
+            "seconds": math.fsum(one.cost["wall_seconds"] for one in own),
+            "unknowns": own[0].cost["unknowns"],
+            "shifts": len(own),
+            "resolved": float(self.resolved(own[0])),
+        }
+        if any(effect["kind"] == "hardness" for effect in self.effects):
+            row["area_plastic_pixel"] = mean("plastic")
+        if self.measured:
+            return row
+        residual = max(self.residual(one) for one in own)
         load = self.reduced_pressure
         if load is not None and self.holds_distance:
-            load *= math.fsum(one.mean_pressure for one in own) / len(own) / (self.pressure() or math.nan)
-        return Row(
-            method=method,
-            grid=grid,
-            points_per_wave=self.points_per_wave(own[0]),
-            under_resolved=not self.resolved(own[0]),
-            solves=len(own),
-            pixel=math.fsum(counted) / len(own),
-            perimeter=perimeter,
-            kappa=math.nan if load is None else perimeter / load,
-            density_at_zero=density,
-            residual=max(self.residual(one) for one in own),
-            seconds=math.fsum(one.cost["wall_seconds"] for one in own),
-            unknowns=int(own[0].cost["unknowns"]),
-            plastic=math.fsum(one.plastic for one in own) / len(own) if yields else None,
-        )
+            load *= mean("mean_pressure") / (self.pressure() or math.nan)
+        row["kappa_perimeter"] = math.nan if load is None else row["area_perimeter"] / load
+        row["points_per_wave"] = self.points_per_wave(own[0])
+        return row if math.isnan(residual) else {**row, "residual": residual}
 
     def residual(self, one: Stored) -> float:
         """Return the largest of the four residuals; NaN under an attraction whose law is not read here."""
@@ -257,7 +239,8 @@ class Run:
 
     def limit(self, method: str, k: int = 0, grids: set[Grid] | None = None) -> Limit | None:
         """Limit of one realisation over resolved grids of one method."""
-        wanted = grids or {row.grid for row in self.rows if row.method == method and not row.under_resolved}
+        own_rows = (grid for (name, grid), row in self.rows.items() if name == method and row["resolved"])
+        wanted = grids or set(own_rows)
         one_shift = grids is not None
         own = [
             one
@@ -329,34 +312,27 @@ class Run:
         return m0, m0 * per_height
 
     @cached_property
-    def scatter(self) -> tuple[list[float], list[float], float] | None:
-        """(areas, areas over their own theory, relative grid error) of the realisations."""
+    def scatter(self) -> tuple[list[float], list[float]] | None:
+        """Areas, and areas over their own theory, of the realisations."""
         if "ensemble" not in self.scene:
             return None
         grids = {(int(g[0]), int(g[1])) for g in self.scene["ensemble"]["grids"]}
         limits = [self.limit("bem", k, grids) for k in range(self.realisations)]
-        found = [one for one in limits if one is not None]
-        if len(found) < len(limits):
-            return None
-        theories = [self.theory(k) for k in range(self.realisations)]
-        areas = [one.value for one in found]
-        ratios = [a / (t or 1.0) for a, t in zip(areas, theories, strict=True)]
-        return areas, ratios, math.sqrt(math.fsum((one.error / one.value) ** 2 for one in found) / len(found))
+        areas = [one.value for one in limits if one is not None]
+        theories = [self.theory(k) or 1.0 for k in range(self.realisations)]
+        ratios = [a / t for a, t in zip(areas, theories, strict=False)]
+        return (areas, ratios) if len(areas) == self.realisations else None
 
     @cached_property
     def cross(self) -> list[tuple[str, Grid, float, float, float]]:
         """(method, grid, pressure, pixel, perimeter) of each other method against the first."""
         found = []
-        first, *others = self.methods
-        for row in self.rows:
-            key = (row.grid, (0.0, 0.0), 0)
-            if row.method not in others or (first, *key) not in self.solves:
+        first = self.methods[0]
+        for method, grid in self.rows:
+            key = (grid, (0.0, 0.0), 0)
+            if method == first or (first, grid) not in self.rows or (first, *key) not in self.solves:
                 continue
-            if not any(r.method == first and r.grid == row.grid for r in self.rows):
-                continue
-            a, b = self.solves[(row.method, *key)], self.solves[(first, *key)]
+            a, b = self.solves[(method, *key)], self.solves[(first, *key)]
             difference = math.sqrt(float(np.sum((a.p - b.p) ** 2)) / float(np.sum(b.p**2)))
-            found.append(
-                (row.method, row.grid, difference, a.pixel / b.pixel - 1, a.perimeter / b.perimeter - 1)
-            )
+            found.append((method, grid, difference, a.pixel / b.pixel - 1, a.perimeter / b.perimeter - 1))
         return found

@@ -8,15 +8,15 @@ import itertools
 import json
 import math
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
-import numpy as np
+from scipy.special import stdtrit
 
+from validation.audit.dataset import Result, Variable
 from validation.audit.ledger import Ledger
 from validation.audit.recomputed import Run
 
-__all__ = ["audit_run", "record_of"]
+__all__ = ["audit_run"]
 
 #: Half width of a 95 % interval over a standard error.
 _NORMAL = 1.959963984540054
@@ -26,68 +26,43 @@ _LEFT = 7.0
 _LOOSE = {"residual": {"rtol": 1e-6, "atol": 1e-14}, "rms_height": {"atol": 0.0}}
 
 
-def record_of(folder: Path) -> dict[str, Any]:
-    """Return the record of a results folder, if it and the dataset are what was written.
+def audit_run(result: Result) -> tuple[Ledger, list[Run]]:
+    """Compute the dataset of a run or sweep again, case by case; return the runs that its cases are, too.
 
     Raises
     ------
-    OSError, ValueError
+    ValueError
+        For a record that is not what was written.
     """
-    said = json.loads((folder / "result.json").read_text(encoding="utf-8"))
-    if not isinstance(said, dict):
-        raise ValueError("result.json is no record")
-    digest = said.pop("sha256", None)
-    if digest != hashlib.sha256(json.dumps(said, sort_keys=True).encode()).hexdigest():
+    record = {key: value for key, value in result.record.items() if key != "sha256"}
+    digest = hashlib.sha256(json.dumps(record, sort_keys=True).encode()).hexdigest()
+    if digest != result.record.get("sha256"):
         raise ValueError("result.json is not what was written (SHA-256)")
-    return said
-
-
-def audit_run(folder: Path) -> tuple[Ledger, list[Run]]:
-    """Compute the dataset of a run or sweep again, case by case; return the runs that its cases are, too."""
-    import netCDF4
-
-    ledger, record = Ledger(), record_of(folder)
-    content = (folder / "data.nc").read_bytes()
+    ledger, runs, judged = Ledger(), [], set()
+    content = (result.folder / "data.nc").read_bytes()
     ledger.same("data.nc", "SHA-256", record["data"], hashlib.sha256(content).hexdigest())
-    store = (folder / record["store"]).resolve()
-    with netCDF4.Dataset(folder / "data.nc") as file:
-        data = {
-            name: np.ma.filled(np.ma.asarray(file[name][...]), np.nan)
-            if file[name].dtype != str
-            else np.asarray(file[name][...])
-            for name in file.variables
-        }
-        dims = {name: tuple(file[name].dimensions) for name in file.variables}
-    runs = []
-    judged: set[str] = set()
-    for scene, at, words in _cases(record):
-        run = Run(scene, store)
+    for scene, at, words in _cases(record["asked"]):
+        run = Run(scene, (result.folder / record["store"]).resolve())
         if not run.methods:
             raise LookupError("a scene of the theory alone stores no field")
-        here = {
-            name: (
-                tuple(d for d in dims[name] if d not in at),
-                value[tuple(at.get(d, slice(None)) for d in dims[name])],
-            )
-            for name, value in data.items()
-        }
+        here = {name: variable.at(at) for name, variable in result.data.variables.items()}
         judged |= _Case(run, here, words, ledger).judge(record["asked"].get("accuracy"))
         runs.append(run)
     ledger.unread += [
         f"data.nc: {name}"
-        for name in sorted(data)
-        if name not in judged and data[name].dtype.kind == "f" and name not in dims[name]
+        for name, variable in sorted(result.data.variables.items())
+        if name not in judged and variable.values.dtype.kind == "f" and name not in variable.dims
     ]
     return ledger, runs
 
 
-def _cases(record: Mapping[str, Any]) -> Iterator[tuple[dict[str, Any], dict[str, int], str]]:
+def _cases(asked: Mapping[str, Any]) -> Iterator[tuple[dict[str, Any], dict[str, int], str]]:
     """Yield the scene of each case, its place along the swept dimensions, and words for it."""
-    scene = record["asked"]["scene"]
-    if "sweep" not in record["asked"]:
+    scene = asked["scene"]
+    if "sweep" not in asked:
         yield scene, {}, ""
         return
-    keys, side_by_side = record["asked"]["sweep"]["keys"], record["asked"]["sweep"]["mode"] == "zip"
+    keys, side_by_side = asked["sweep"]["keys"], asked["sweep"]["mode"] == "zip"
     values = [key["values"] for key in keys]
     # Along numbers a product is sorted.
     if not side_by_side:
@@ -120,60 +95,52 @@ def _set(scene: dict[str, Any], path: list[str], value: Any) -> None:
 class _Case:
     """One scene: its numbers in the dataset, beside those of its stored solves."""
 
-    def __init__(self, run: Run, data: Mapping[str, Any], words: str, ledger: Ledger) -> None:
+    def __init__(self, run: Run, data: Mapping[str, Variable], words: str, ledger: Ledger) -> None:
         self.run, self.data, self.ledger = run, data, ledger
         self.at = f" at {words}" if words else ""
         self.judged: set[str] = set()
-        self.methods = [str(name) for name in data["solver"][1]]
-        self.grids = [str(name) for name in data["grid"][1]]
+        self.names = {dim: [str(name) for name in data[dim].values] for dim in ("solver", "grid", "source")}
 
     def number(
-        self, name: str, expected: float | None, *, at: Mapping[str, int] | None = None, **how: float
+        self, name: str, expected: float | None, *, at: Mapping[str, int | str] | None = None, **how: float
     ) -> None:
-        """Enter one number of the dataset, at a place along the dimensions that are left."""
+        """Enter one number of the dataset, at positions or names along the dimensions that are left."""
         if name not in self.data:
             return
-        dims, values = self.data[name]
-        found = values[tuple((at or {})[d] for d in dims)] if dims else values
-        place = " ".join(self._word(d, (at or {})[d]) for d in dims)
-        loose = {**_LOOSE.get(name, {}), **how}
-        self.ledger.number(
-            "data.nc", f"{name}{' of ' * bool(place)}{place}{self.at}", float(found), expected, **loose
-        )
+        told, dims = dict(at or {}), self.data[name].dims
+        where = {d: self.names[d].index(k) if isinstance(k, str) else k for d, k in told.items()}
+        words = [self.names[d][where[d]] if d in ("solver", "grid") else f"{d} {where[d]}" for d in dims]
+        place = f"{name}{' of ' * bool(dims)}{' '.join(words)}{self.at}"
+        found = float(self.data[name].at(where).values)
+        self.ledger.number("data.nc", place, found, expected, **{**_LOOSE.get(name, {}), **how})
         self.judged.add(name)
-
-    def _word(self, dim: str, k: int) -> str:
-        return {"solver": self.methods, "grid": self.grids}.get(dim, {k: f"{dim} {k}"})[k]
-
-    def source(self, name: str) -> int:
-        """Position of a source of error."""
-        return [str(s) for s in self.data["source"][1]].index(name)
 
     def judge(self, accurate: Mapping[str, Any] | None) -> set[str]:
         """Judge every number that follows from the fields; return which there were."""
         run = self.run
-        theory = run.theory()
         if not run.measured:
             self._surface()
-        self._rows()
+        for (method, grid), row in run.rows.items():
+            for name, value in row.items():
+                self.number(name, value, at={"solver": method, "grid": f"{grid[0]} x {grid[1]}"})
         self._area(accurate)
         known = {
-            "area_persson_own": theory,
+            "area_persson_own": run.theory(),
             "area_ensemble": run.ensemble_theory,
             "area_plastic_persson": run.yielded_theory,
         }
-        for name, value in known.items():
-            if value is not None:
-                self.number(name, value, rtol=1e-6 if name == "area_ensemble" else 1e-9)
+        for name, known_area in known.items():
+            if known_area is not None:
+                self.number(name, known_area, rtol=1e-6 if name == "area_ensemble" else 1e-9)
         for method, grid, *values in run.cross:
-            at = {"solver": self.methods.index(method), "grid": self.grids.index(f"{grid[0]} x {grid[1]}")}
+            at = {"solver": method, "grid": f"{grid[0]} x {grid[1]}"}
             for name, value in zip(("pressure", "area_pixel", "area_perimeter"), values, strict=True):
                 self.number(f"{name}_difference", value, at=at, atol=1e-12)
         if run.scatter is not None and "area_each" in self.data:
-            for k, (area, ratio) in enumerate(zip(*run.scatter[:2], strict=True)):
+            for k, (area, ratio) in enumerate(zip(*run.scatter, strict=True)):
                 self.number("area_each", area, at={"surface": k}, rtol=1e-7)
                 self.number("area_ratio_each", ratio, at={"surface": k}, rtol=1e-7)
-            self._mean([float(a) for a in run.scatter[0]])
+            self._mean(run.scatter[0])
         return self.judged
 
     def _surface(self) -> None:
@@ -191,29 +158,8 @@ class _Case:
             self.number("rms_height_spectrum", math.sqrt(m0), rtol=1e-6, atol=0.0)
             self.number("rms_gradient_spectrum", math.sqrt(m2), rtol=1e-6)
 
-    def _rows(self) -> None:
-        for row in self.run.rows:
-            at = {
-                "solver": self.methods.index(row.method),
-                "grid": self.grids.index(f"{row.grid[0]} x {row.grid[1]}"),
-            }
-            self.number("area_pixel", row.pixel, at=at)
-            self.number("area_perimeter", row.perimeter, at=at)
-            self.number("density_at_zero", row.density_at_zero, at=at)
-            self.number("seconds", row.seconds, at=at)
-            self.number("unknowns", row.unknowns, at=at)
-            self.number("shifts", row.solves, at=at)
-            if row.plastic is not None:
-                self.number("area_plastic_pixel", row.plastic, at=at)
-            if not math.isnan(row.residual) and not self.run.measured:
-                self.number("residual", row.residual, at=at)
-            if not self.run.measured:
-                self.number("kappa_perimeter", row.kappa, at=at)
-                self.number("points_per_wave", row.points_per_wave, at=at)
-                self.number("resolved", float(not row.under_resolved), at=at)
-
     def _area(self, accurate: Mapping[str, Any] | None) -> None:
-        limit, at = self.run.own_limit, {"source": self.source("grid")}
+        limit, at = self.run.own_limit, {"source": self.names["source"].index("grid")}
         if limit is None:
             return
         self.number("area_own", limit.value, rtol=1e-7)
@@ -227,11 +173,9 @@ class _Case:
 
     def _mean(self, areas: list[float]) -> None:
         """Judge mean and interval over the surfaces of an ensemble."""
-        from scipy.special import stdtrit
-
         count, mean = len(areas), math.fsum(areas) / len(areas)
         deviation = math.sqrt(math.fsum((a - mean) ** 2 for a in areas) / (count - 1))
         self.number("area", mean, rtol=1e-7)
         half = float(stdtrit(count - 1, 0.975)) * deviation / math.sqrt(count)
-        self.number("area_error", half, at={"source": self.source("surfaces")}, rtol=1e-5)
+        self.number("area_error", half, at={"source": self.names["source"].index("surfaces")}, rtol=1e-5)
         self.number("scatter", deviation / mean, rtol=1e-5)

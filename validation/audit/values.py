@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,7 +15,6 @@ from validation.audit.reductions import errors_of, recomputed
 from validation.audit.stored import Array
 
 __all__ = [
-    "audit_values",
     "judge_budget",
     "judge_dataset",
     "judge_findings",
@@ -30,21 +28,6 @@ _SOURCES = ("surfaces", "grid", "solver", "size", "bandwidth", "depth", "theory"
 #: Those of the step to any spectrum and period.
 _SPECTRAL = ("size", "bandwidth")
 _INTERVAL = "+- (95 %)"
-
-
-def audit_values(folder: Path) -> Ledger:
-    """Compute again what a study measured, compare all places where it is shown, list what was not judged.
-
-    Parameters
-    ----------
-    folder : Path
-
-    Raises
-    ------
-    OSError, ValueError, LookupError
-        For a folder that holds no finished study of this version.
-    """
-    return judged(Result(folder))
 
 
 def judged(result: Result) -> Ledger:
@@ -204,52 +187,38 @@ def judge_table(result: Result, ledger: Ledger) -> None:
         return
     expected = list(_rows(result.data, shown))
     ledger.same("table.csv", "number of rows", len(lines), len(expected))
-    for k, (line, row) in enumerate(zip(lines, expected, strict=False)):
-        # Where no value of a column has an interval there is no column of it.
-        drawn = [
-            one for j, one in enumerate(row) if not isinstance(one, _Interval) or one.there(header, row, j)
-        ]
-        ledger.same("table.csv", f"number of columns in row {k + 1}", len(line), len(drawn))
-        for title, cell, value in zip(header, line, drawn, strict=False):
-            where = f"row {k + 1}, {title}"
+    intervals = {k for k, title in enumerate(header) if title.endswith(_INTERVAL)}
+    names = [k for k in range(len(header)) if k not in intervals]
+    ledger.same("table.csv", "number of columns", len(names), len(shown["columns"]))
+    for j, (line, row) in enumerate(zip(lines, expected, strict=False)):
+        ledger.same("table.csv", f"number of cells in row {j + 1}", len(line), len(header))
+        for k, (value, error) in zip(names, row, strict=False):
+            where = f"row {j + 1}, {header[k]}"
             if isinstance(value, str):
-                ledger.same("table.csv", where, cell, value)
+                ledger.same("table.csv", where, line[k], value)
             else:
-                ledger.number("table.csv", where, cell, value, rtol=1e-12, atol=0.0)
+                ledger.number("table.csv", where, line[k], value, rtol=1e-12, atol=0.0)
+            # Where no value of a column has an interval there is no column of it.
+            if k + 1 in intervals:
+                ledger.number("table.csv", f"{where}, its interval", line[k + 1], error, rtol=1e-12, atol=0.0)
 
 
-class _Interval(float):
-    """Half width of an interval, in a row behind its value."""
-
-    def there(self, header: list[str], row: list[float | str], place: int) -> bool:
-        """Whether a table with this header has a column for it."""
-        before = sum(not isinstance(one, _Interval) for one in row[:place])
-        titles = [k for k, title in enumerate(header) if not title.endswith(_INTERVAL)]
-        return titles[before - 1] + 1 < len(header) and header[titles[before - 1] + 1].endswith(_INTERVAL)
-
-
-def _rows(data: Labelled, shown: Mapping[str, Any]) -> Iterator[list[float | str]]:
-    """Yield the rows that a table should have: those at which more is known than its coordinates."""
+def _rows(data: Labelled, shown: Mapping[str, Any]) -> Iterator[list[tuple[float | str, float | None]]]:
+    """Yield values and intervals of the rows of a table: where more is known than coordinates."""
     dims = list(shown["rows"])
-    sizes = [
-        next(v.values.shape[v.dims.index(d)] for v in data.variables.values() if d in v.dims) for d in dims
-    ]
-    for place in np.ndindex(*sizes):
+    sizes = {dim: n for v in data.variables.values() for dim, n in zip(v.dims, v.values.shape, strict=True)}
+    for place in np.ndindex(*(sizes[dim] for dim in dims)):
         at = dict(zip(dims, map(int, place), strict=True))
-        row: list[float | str] = []
+        row: list[tuple[float | str, float | None]] = []
         known = False
         for column in shown["columns"]:
             name = column["name"]
             where = {**at, **column.get("at", {})}
-            # Positions from the end are counted from there.
             value = data[name].at(where).values.item()
-            row.append(value if isinstance(value, str) else float(value))
+            row.append((value if isinstance(value, str) else float(value), _total(data, name, where)))
             inside = isinstance(value, str) or not math.isnan(value)
             own = not shown.get("sparse") or set(data[name].dims) >= set(dims)
             known = known or (inside and own and name not in shown["coordinates"])
-            error = _total(data, name, where)
-            if error is not None:
-                row.append(_Interval(error))
         if known:
             yield row
 
