@@ -284,25 +284,6 @@ def test_without_a_report_the_numbers_are_there_and_the_report_can_be_made_later
             assert (folder / path.relative_to(whole)).read_bytes() == path.read_bytes(), path
 
 
-def test_a_legend_stands_beside_the_data_it_would_lie_over(tmp_path):
-    hidden, (axes,) = new_figure()
-    for k in range(12):
-        axes.plot([0, 1], [k, 12 - k], label=f"line {k} of a figure with long names")
-    axes.legend()
-    free, (empty,) = new_figure()
-    empty.plot([0, 1], [0, 1], label="line")
-    empty.legend(loc="upper left")
-    for figure in (hidden, free):
-        save_figure(figure, tmp_path / "figure.svg")
-    assert axes.get_legend() is None
-    (legend,) = hidden.legends
-    assert len(legend.get_texts()) == 12
-    box = legend.get_window_extent()
-    assert not box.overlaps(axes.get_window_extent())
-    assert hidden.bbox.x0 <= box.x0 < box.x1 <= hidden.bbox.x1, "cut at the edge of the figure"
-    assert empty.get_legend() is not None
-
-
 def test_one_solve_tells_of_no_scatter(small_run):
     half = small_run.data.area_pixel_error.sel(source="grid")
     shifts = small_run.data.shifts

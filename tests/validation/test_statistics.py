@@ -7,7 +7,8 @@ import pytest
 import xarray as xr
 
 from validation.measures.statistics import order_of_convergence, pair_means
-from validation.report.estimates import combined, mean_of
+from validation.report.estimates import mean_of
+from validation.report.values import combined
 
 
 def estimated(values, **how):

@@ -11,12 +11,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.cases import TOLERANCES, Verdict
-from validation.report.estimates import derive, power_law, with_places
+from validation.report.estimates import derive, power_law
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, Panel
 from validation.report.page import Page, page_of, write_page
 from validation.report.quantities import labelled
 from validation.report.table import Column, Table
+from validation.report.values import with_places
 from validation.report.views import Card, Views
 from validation.report.words import json_ready
 from validation.solves.results import DATA, Result, read_results, write_results

@@ -18,7 +18,7 @@ from validation.cases._closed_forms import westergaard_mean_pressure, westergaar
 from validation.comparison.run import run_scene
 from validation.measures.ladders import fitted_line
 from validation.measures.statistics import order_of_convergence
-from validation.report import estimates
+from validation.report import estimates, values
 from validation.report.table import budget_table
 from validation.scenes.scene import Scene
 from validation.solves.results import read_results
@@ -249,7 +249,7 @@ def _intervals() -> Iterator[Check]:
     held = int((abs(middle - 3.0) <= half).sum())
     # Four deviations of the binomial; 1.96 in place of Student's 3.18 would hold 86 %.
     yield near("share of 95 % intervals that hold", held / trials, 0.95, 0.02)
-    together = estimates.combined(3.0, 4.0, 12.0)
+    together = values.combined(3.0, 4.0, 12.0)
     yield relative("independent errors of 3, 4 and 12", together, 13.0, 1e-12)
     spacing = np.array([0.4, 0.2, 0.1])
     observed = order_of_convergence(spacing, -0.3 * spacing**1.5)

@@ -13,12 +13,13 @@ import numpy as np
 
 from validation.errors import UsageError
 from validation.files import prepare_folder
-from validation.report.estimates import derive, each, value_of
+from validation.report.estimates import derive, each
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, Panel
 from validation.report.page import Page, page_of, write_page
 from validation.report.quantities import labelled, place_words, quantity_of
 from validation.report.table import INTERVAL, ResultTable, WordTable, shown
+from validation.report.values import value_of
 from validation.report.views import Card, Views
 from validation.solves.results import Result, read_results, write_results
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from validation.methods import find_method
-from validation.report.estimates import value_of
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Image, Level, Line, Panel
 from validation.report.table import Listing, Table
+from validation.report.values import value_of
 from validation.report.views import Card, Views
 
 if TYPE_CHECKING:

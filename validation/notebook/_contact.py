@@ -17,8 +17,8 @@ from validation.errors import NoLimit, UsageError
 from validation.methods.base import Solved
 from validation.methods.theory import Prediction, predict
 from validation.notebook._tables import GridLike, as_html, checked, fast_grid
-from validation.report.estimates import Value, value_of
 from validation.report.quantities import labelled
+from validation.report.values import Value, value_of
 from validation.report.words import significant
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import Realised

@@ -18,7 +18,7 @@ from validation.methods import methods
 from validation.notebook._contact import Contact, pressed
 from validation.notebook._surface import Surface
 from validation.notebook._tables import GridLike, Quantity, checked, fast_grid
-from validation.report.estimates import Value
+from validation.report.values import Value
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Scene

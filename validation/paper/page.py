@@ -10,11 +10,11 @@ import numpy as np
 from validation.paper.claims import ClaimRow
 from validation.paper.figures import FIGURES
 from validation.paper.table import UNJUDGED
-from validation.report.estimates import with_places
 from validation.report.findings import finding
 from validation.report.page import Note, Page, page_of
 from validation.report.quantities import labelled
 from validation.report.table import Table
+from validation.report.values import with_places
 from validation.report.views import Card, Views
 from validation.solves.results import Result
 

@@ -13,8 +13,8 @@ from __future__ import annotations
 import ast
 import difflib
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, is_dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,8 +22,6 @@ import scipy.special
 
 from validation.arrays import Array
 from validation.errors import UsageError
-from validation.report.quantities import in_prefixed_unit, quantity
-from validation.report.words import significant, with_error
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,10 +29,8 @@ if TYPE_CHECKING:
 __all__ = [
     "NORMAL",
     "SOURCES",
-    "Value",
     "change",
     "claim",
-    "combined",
     "derive",
     "each",
     "error_of",
@@ -43,16 +39,12 @@ __all__ = [
     "mean",
     "mean_of",
     "nearest",
-    "place_of",
     "power_law",
     "reduce",
     "same_of_all",
     "shown_sources",
     "solved_places",
     "total_error",
-    "value_of",
-    "values_of",
-    "with_places",
 ]
 
 #: Where an error comes from, in the order in which it is listed.
@@ -70,80 +62,6 @@ _ROUNDING = 1e-14
 
 _FUNCTIONS = {name: getattr(np, name) for name in ("abs", "exp", "log", "maximum", "minimum", "sqrt")}
 _FUNCTIONS["erf"] = scipy.special.erf
-
-
-@dataclass(frozen=True, kw_only=True)
-class Value:
-    """A number as it is said: with its 95 % interval where it has one.
-
-    Attributes
-    ----------
-    value : float or str
-    error : float or None
-        Half width of the 95 % interval; NaN where it was not measured, None or 0 for what is exact, such as
-        a load.
-    name : str
-        The variable it was read from.
-    at : mapping
-        Where, by dimension: the position.
-
-    Examples
-    --------
-    >>> kappa = Value(value=2.1563, error=0.019)
-    >>> f"{kappa}, {kappa:%}, {kappa:~}, {Value(value=0.05)}"
-    '2.156 +- 0.019, (215.6 +- 1.9) %, 2.156, 0.05'
-    """
-
-    value: float | str
-    error: float | None = None
-    name: str = ""
-    at: Mapping[str, int] | None = None
-
-    def __format__(self, spec: str) -> str:
-        """Return it in words: ``%`` in per cent, ``+`` with sign, ``~`` without error, ``u`` with unit.
-
-        With a number, as in ``.2`` or ``+.2%``, that many digits and no error.
-        """
-        if isinstance(self.value, str):
-            return self.value
-        if "u" in spec:
-            return in_prefixed_unit(self.value, quantity(self.name).unit, 3)
-        if "." in spec and math.isfinite(self.value):
-            plain = "%" not in spec
-            return f"{self.value:{spec}g}" if plain else f"{100 * self.value:{spec.rstrip('%')}g} %"
-        factor, unit = (100.0, " %") if "%" in spec else (1.0, "")
-        value = factor * self.value
-        sign = "+" if "+" in spec and value > 0 else ""
-        if not math.isfinite(value):
-            return "not determinable"
-        if not self.error:
-            digits = 3 if unit else 4
-            rounded = value if value == int(value) else float(f"{value:.{digits}g}")
-            return f"{sign}{rounded:g}{unit}"
-        if not math.isfinite(self.error):
-            return f"{sign}{significant(value, 3)}{unit}"
-        text = with_error(value, factor * self.error)
-        if "~" in spec:
-            # (2.10 +- 0.32)e-05 is 2.10e-05.
-            number, power = text.partition(" +- ")[0].removeprefix("("), text.partition(")")[2]
-            return sign + number + power + unit
-        return f"({sign}{text}){unit}" if unit else sign + text
-
-    def as_json(self) -> dict[str, Any]:
-        """Return it as data: value, error if it has one, and where it was read."""
-        said: dict[str, Any] = {"value": self.value}
-        if self.error is not None:
-            said["error"] = self.error
-        return said | ({"name": self.name, "at": dict(self.at or {})} if self.name else {})
-
-
-def combined(*errors: float) -> float:
-    """Root sum of squares of independent errors.
-
-    >>> combined(3.0, 4.0)
-    5.0
-    """
-    return float(np.sqrt(np.sum(np.square(errors))))
 
 
 # ---- cases -> one dataset ------------------------------------------------------------------------
@@ -614,61 +532,3 @@ def power_law(data: xr.Dataset, name: str, *, of: str, x: str, along: Sequence[s
             f"{name}_factor": factor.assign_attrs(made),
         }
     )
-
-
-# ---- reading -------------------------------------------------------------------------------------
-
-
-def with_places(data: xr.Dataset) -> xr.Dataset:
-    """Return a dataset that knows of each number where it stands, however it is sliced.
-
-    >>> import xarray as xr
-    >>> data = with_places(xr.Dataset({"area": ("load", [0.1, 0.2])}))
-    >>> value_of(data.isel(load=1), "area").at
-    {'load': 1}
-    """
-    return data.assign_coords({f"{_PLACE}{dim}": (dim, np.arange(n)) for dim, n in data.sizes.items()})
-
-
-def place_of(data: xr.Dataset) -> dict[str, int]:
-    """Return the position along each dimension that was sliced away."""
-    names = [str(name) for name in data.coords if str(name).startswith(_PLACE)]
-    told = {name.removeprefix(_PLACE): int(data[name]) for name in names if data[name].ndim == 0}
-    return {**data.attrs.get("at", {}), **told}
-
-
-#: What coordinates begin with that count places.
-_PLACE = "_at_"
-
-
-def value_of(data: xr.Dataset, name: str) -> Value:
-    """Return one number of a dataset that has no dimension left there, with its error and where it stands.
-
-    Coordinates, texts and what has no errors are exact.
-    """
-    if data[name].size != 1:
-        along = ", ".join(map(str, data[name].dims))
-        raise UsageError(
-            f"{name!r} is no single number here but one along {along}: choose a place, or its mean"
-        )
-    item = data[name].item()
-    if isinstance(item, str):
-        return Value(value=item, name=name, at=_where(data, name))
-    error = total_error(data, name)
-    return Value(
-        value=float(item),
-        error=None if error is None else float(error.item()),
-        name=name,
-        at=_where(data, name),
-    )
-
-
-def _where(data: xr.Dataset, name: str) -> dict[str, int]:
-    return {} if name.startswith(_PLACE) else place_of(data)
-
-
-def values_of(data: xr.Dataset, wanted: Callable[[str], bool] = lambda _: True) -> dict[str, Value]:
-    """Return all numbers of a dataset without dimensions, by name, or those that are wanted."""
-    single = (str(n) for n, v in data.variables.items() if v.ndim == 0 and v.dtype.kind in "fiubUO")
-    names = [name for name in single if wanted(name) and not name.startswith(_PLACE)]
-    return {name: value_of(data, name) for name in names}

@@ -9,8 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import matplotlib
 import matplotlib.figure
-import numpy as np
-from matplotlib.patches import StepPatch
 from matplotlib.ticker import FuncFormatter, LogFormatterSciNotation, LogLocator, NullFormatter
 
 from validation.errors import harmless
@@ -65,54 +63,15 @@ def save_figure(figure: matplotlib.figure.Figure, path: Path, *, dpi: int = 150)
 
 
 def _lay_out(figure: matplotlib.figure.Figure) -> None:
-    """Lay a figure out, once: ticks that can be read, a legend beside the data it would lie over."""
+    """Lay a figure out, once: for the second format it would cost as much as drawing."""
     engine = figure.get_layout_engine()
     if engine is None:
         return
     for axes in figure.axes:
         for axis in (axes.xaxis, axes.yaxis):
             readable_ticks(axis)
-    if not any(axes.get_legend() for axes in figure.axes):
-        # Nothing can lie over the data: places are found without drawing.
-        engine.execute(figure)
-        figure.set_layout_engine(None)
-        return
-    figure.draw_without_rendering()
-    over = [axes for axes in figure.axes if axes.get_legend() is not None and _covers_data(axes)]
-    if len(over) == 1 and len(figure.legends) == 0:
-        _move_below(figure, over[0])
-    # For the second format all this would cost as much as drawing.
+    engine.execute(figure)
     figure.set_layout_engine(None)
-
-
-def _covers_data(axes: Axes) -> bool:
-    """Whether the legend of laid-out axes lies over a line, a histogram or an error bar."""
-    legend = axes.get_legend()
-    assert legend is not None
-    box = legend.get_window_extent()
-    drawn: list[Any] = [*axes.get_lines(), *(p for p in axes.patches if isinstance(p, StepPatch))]
-    paths = [each.get_transform().transform_path(each.get_path()) for each in drawn]
-    for bars in axes.collections:
-        paths += [bars.get_transform().transform_path(path) for path in bars.get_paths()]
-    inside = axes.get_window_extent().overlaps(box)
-    return inside and any(path.intersects_bbox(box, filled=False) for path in paths if np.size(path.vertices))
-
-
-def _move_below(figure: matplotlib.figure.Figure, axes: Axes) -> None:
-    """Put the legend of some axes below the figure, which grows by what it needs."""
-    legend = axes.get_legend()
-    assert legend is not None
-    handles, labels = axes.get_legend_handles_labels()
-    legend.remove()
-    height, room = figure.get_figheight(), figure.get_window_extent().width
-    for columns in (4, 3, 2, 1):
-        rows = -(-len(labels) // columns)
-        figure.set_figheight(height + 0.17 * rows + 0.1)
-        below = figure.legend(handles, labels, fontsize=7, ncols=columns, loc="outside lower center")
-        figure.draw_without_rendering()
-        if below.get_window_extent().width <= room or columns == 1:
-            return
-        below.remove()
 
 
 def readable_ticks(axis: Axis) -> None:

@@ -15,7 +15,8 @@ from string import Formatter
 from typing import TYPE_CHECKING, Any
 
 from validation.errors import UsageError
-from validation.report.estimates import Value, each, value_of, values_of
+from validation.report.estimates import each
+from validation.report.values import Value, value_of, values_of
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -361,7 +361,7 @@ def _by(mark: _Mark) -> tuple[str, ...]:
 
 def _label(mark: _Mark, here: xr.Dataset, data: xr.Dataset) -> str:
     """Legend: what tells the quantity apart, or its words, and where."""
-    from validation.report.estimates import values_of
+    from validation.report.values import values_of
 
     if mark.label is not None:
         form = mark.label

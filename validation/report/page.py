@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 from validation.errors import harmless
 from validation.files import atomic_path, remove_drafts, write_json
 from validation.report.drawing import Drawing, write_drawing
-from validation.report.estimates import values_of
 from validation.report.table import (
     ResultTable,
     WordTable,
@@ -24,6 +23,7 @@ from validation.report.table import (
     write_dataset,
     write_table,
 )
+from validation.report.values import values_of
 from validation.report.words import json_ready, mathematics
 
 if TYPE_CHECKING:

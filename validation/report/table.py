@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.files import atomic_path
-from validation.report.estimates import SOURCES, SPECTRAL, combined, each, total_error, value_of
+from validation.report.estimates import SOURCES, SPECTRAL, each, total_error
 from validation.report.quantities import place_words, prefixed_unit, quantity, quantity_of
+from validation.report.values import combined, value_of
 from validation.report.words import with_error
 
 if TYPE_CHECKING:

@@ -17,9 +17,9 @@ from pydantic.fields import FieldInfo
 from fem_contact import errors as fem_errors
 from persson import errors as persson_errors
 from validation.errors import RunFailed, UsageError, did_you_mean
-from validation.report.estimates import with_places
 from validation.report.quantities import labelled, quantity
 from validation.report.table import budget_table
+from validation.report.values import with_places
 from validation.scenes.scene import Scene, scene_problems
 from validation.units import Table, unit_of, wrong
 

@@ -16,10 +16,11 @@ from validation.measures.distributions import largest_difference
 from validation.measures.limits import solved
 from validation.measures.load_path import SHARES, LoadPath, moved_shares, pooled_shares, reduced_path
 from validation.measures.theory import RANKED, modes_finding
-from validation.report.estimates import change, derive, gather, mean, value_of
+from validation.report.estimates import change, derive, gather, mean
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Level, Line, Panel
 from validation.report.table import Column, Table
+from validation.report.values import value_of
 from validation.report.views import Views
 from validation.solves.bench import Bench
 from validation.studies._options import Shifts

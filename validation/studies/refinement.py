@@ -25,18 +25,11 @@ from validation.measures.references import papers_of, published
 from validation.measures.side_by_side import ByMethod
 from validation.measures.theory import ensemble_area
 from validation.methods.theory import predict
-from validation.report.estimates import (
-    change,
-    claim,
-    derive,
-    gather,
-    mean,
-    total_error,
-    value_of,
-)
+from validation.report.estimates import change, claim, derive, gather, mean, total_error
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Level, Line, Panel
 from validation.report.table import Column, Table
+from validation.report.values import value_of
 from validation.report.views import Views
 from validation.solves.bench import Bench
 from validation.studies._options import Element, Methods, ReducedPressure, Surfaces

@@ -24,10 +24,11 @@ from validation.measures.limits import solved
 from validation.measures.measurement import grid_for
 from validation.measures.sliding import SHARES, Rubber, SlideSolve, slid_of
 from validation.measures.theory import RANKED, VARIANTS
-from validation.report.estimates import Value, claim, derive, gather, mean, same_of_all
+from validation.report.estimates import claim, derive, gather, mean, same_of_all
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Line, Panel, against
 from validation.report.table import Table
+from validation.report.values import Value
 from validation.report.views import Views
 from validation.scenes.scene import SelfAffineSurface, SolidSpec
 from validation.solves.bench import Bench

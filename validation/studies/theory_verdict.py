@@ -16,10 +16,11 @@ from validation.measures.limits import solved, solver_error
 from validation.measures.load_path import moved_shares
 from validation.measures.measurement import grid_for
 from validation.measures.theory import RANKED, modes_finding
-from validation.report.estimates import claim, derive, value_of
+from validation.report.estimates import claim, derive
 from validation.report.findings import Finding, finding, ranking
 from validation.report.marks import Figure, Panel
 from validation.report.table import Table
+from validation.report.values import value_of
 from validation.report.views import Views
 from validation.scenes.scene import Load
 from validation.solves.bench import Bench

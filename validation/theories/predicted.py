@@ -12,7 +12,8 @@ from persson.spectrum import Moments
 from validation.arrays import Array
 from validation.measures.distributions import STRESS_EDGES
 from validation.measures.theory import Waves
-from validation.report.estimates import Value, derive, value_of
+from validation.report.estimates import derive
+from validation.report.values import Value, value_of
 from validation.scenes.realised import Realised
 from validation.theories.base import Rough, Theory
 
