@@ -13,6 +13,7 @@ from rich.text import Text
 from typer.testing import CliRunner
 
 from validation.cli import commands as cli
+from validation.cli.options import _key_names, _scene_names
 from validation.comparison.accuracy import reach
 from validation.errors import RunFailed, UsageError
 from validation.scenes.scene import load_scene
@@ -50,7 +51,7 @@ def test_help_names_every_command_with_examples_and_the_exit_codes(tool):
             assert "Example" in tool(command, "--help")[1], command
     for group, names in (
         ("surface", ("generate", "inspect", "convert")),
-        ("scenes", ("list", "show", "copy")),
+        ("scenes", ("list", "keys", "show", "copy")),
     ):
         for name in names:
             assert "Example" in tool(group, name, "--help")[1], name
@@ -93,8 +94,6 @@ def test_a_surface_on_the_smallest_grid_is_written_with_a_word_of_warning(tool):
 
 
 def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatch):
-    from validation.cli.options import _scene_names
-
     # The shell is named, for there may be none above the tests to be found out.
     monkeypatch.setenv("_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION", "1")
     shown = CliRunner().invoke(cli.app, ["--show-completion", "bash"])
@@ -164,6 +163,15 @@ def test_explain_says_what_runs_and_what_is_left_out_and_solves_nothing(tool, tm
     assert list(tmp_path.iterdir()) == []
     data = json.loads(tool("explain", "quickstart", "--json")[1])
     assert {grid["method"] for grid in data["grids"]} == {"bem", "fem"}
+
+
+def test_keys_of_a_scene_are_listed_with_unit_meaning_and_default(tool):
+    listed = tool("scenes", "keys")[1].splitlines()
+    assert 'solid.young [Pa]: Young\'s modulus, e.g. "1 GPa"' in listed
+    assert "surface.rolloff: C(q) beyond lambda_long: none, bent over smoothly, or constant (default: sharp)" in listed
+    assert len(listed) > 60
+    assert tool("scenes", "keys", "mean gap")[1].count("\n") == 1
+    assert _key_names("load.mean") == ["load.mean_gap="]
 
 
 def test_scenes_are_listed_and_copied(tool, tmp_path):

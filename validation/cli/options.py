@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from validation.solves.store import Store
 
 __all__ = [
+    "WIDE",
     "AccuracyOption",
     "DryRunOption",
     "JsonOption",
@@ -54,6 +55,13 @@ def _scene_names(incomplete: str) -> list[str]:
     return [name for name in (*builtin_scenes(), *files) if name.startswith(incomplete)]
 
 
+def _key_names(incomplete: str) -> list[str]:
+    """Complete a key of a scene."""
+    from validation.scenes.scene import scene_keys
+
+    return [f"{key}=" for key in scene_keys({}) if key.startswith(incomplete)]
+
+
 SceneArgument = Annotated[
     str,
     typer.Argument(
@@ -65,6 +73,7 @@ SetOption = Annotated[
     typer.Option(
         "--set",
         metavar="KEY=VALUE",
+        autocompletion=_key_names,
         help="Set a key of the scene, e.g. solid.young='2 GPa' or sweep.seed=[7,8]; may be given "
         "several times.",
     ),
@@ -204,38 +213,33 @@ def print_plan(solves: Sequence[Solve], store: Store, *, as_json: bool) -> None:
     from validation.solves.cost import transform_seconds
 
     pair = transform_seconds()
-    plan = [(solve, solve.predict(pair_seconds=pair), os.path.exists(store.path(solve))) for solve in solves]
+    rows: list[dict[str, Any]] = []
+    for solve in solves:
+        cost = solve.predict(pair_seconds=pair)
+        sizes = {"seconds": cost.seconds, "peak_bytes": cost.peak_bytes, "unknowns": cost.unknowns}
+        stored = os.path.exists(store.path(solve))
+        rows.append({"key": solve.key, "solve": solve.describe(), **sizes, "stored": stored})
     if as_json:
-        rows = [
-            {
-                "key": solve.key,
-                "solve": solve.describe(),
-                "seconds": cost.seconds,
-                "peak_bytes": cost.peak_bytes,
-                "unknowns": cost.unknowns,
-                "stored": stored,
-            }
-            for solve, cost, stored in plan
-        ]
         typer.echo(json.dumps(rows, indent=2))
         return
     table = Table(title="What would be solved")
     for column in ("solve", "seconds", "peak MiB", "unknowns", "stored"):
         table.add_column(column, justify="left" if column == "solve" else "right")
-    for solve, cost, stored in plan:
-        memory = f"{cost.peak_bytes / 2**20:.3g}"
-        table.add_row(
-            solve.describe(), f"{cost.seconds:.2g}", memory, f"{cost.unknowns:,}", "yes" if stored else "no"
-        )
+    for row in rows:
+        numbers = f"{row['seconds']:.2g}", f"{row['peak_bytes'] / 2**20:.3g}", f"{row['unknowns']:,}"
+        table.add_row(row["solve"], *numbers, "yes" if row["stored"] else "no")
     show(table)
-    todo = [cost for _, cost, stored in plan if not stored]
+    todo = [row for row in rows if not row["stored"]]
+    seconds = sum(row["seconds"] for row in todo)
+    largest = max((row["peak_bytes"] for row in todo), default=0) / 2**20
     show(
-        f"{len(todo)} of {len(plan)} solves are to be done: about {sum(cost.seconds for cost in todo):.2g} "
-        "s one "
-        f"after the other, {max((cost.peak_bytes for cost in todo), default=0) / 2**20:.3g} MiB for the "
-        "largest "
-        "(meant to be right within a factor of 2)."
+        f"{len(todo)} of {len(rows)} solves are to be done: about {seconds:.2g} s one "
+        f"after the other, {largest:.3g} MiB for the largest (meant to be right within a factor of 2)."
     )
+
+
+#: Columns of a log or a pipe, which have no width of their own.
+WIDE = 160
 
 
 def show(what: Any) -> None:
@@ -244,12 +248,11 @@ def show(what: Any) -> None:
 
     from validation.errors import harmless
 
-    # Without markup: a title such as "[/]" is a title.
-    console = Console(highlight=False, markup=False, soft_wrap=isinstance(what, str))
-    # A log file or a pipe has no width: a table must not be squeezed to 80 columns there.
-    if not console.is_terminal:
-        console = Console(highlight=False, markup=False, width=160, soft_wrap=isinstance(what, str))
-    console.print(harmless(what) if isinstance(what, str) else what)
+    # Without markup: a title such as "[/]" is a title. A table must not be squeezed to 80 columns in a log.
+    width, text = None if terminal_width() else WIDE, isinstance(what, str)
+    Console(highlight=False, markup=False, width=width, soft_wrap=text).print(
+        harmless(what) if text else what
+    )
 
 
 def terminal_width() -> int | None:

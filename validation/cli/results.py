@@ -7,7 +7,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from validation.cli.options import show, terminal_width
+from validation.cli.options import WIDE, show, terminal_width
 from validation.errors import harmless
 
 if TYPE_CHECKING:
@@ -20,9 +20,6 @@ __all__ = ["page_table", "print_page", "print_table", "sentence_lines"]
 
 #: Rows from which on a table is left to the files.
 _MANY_ROWS = 40
-
-#: Columns of a log or a pipe, which have no width of their own.
-_WIDE = 160
 
 
 def print_page(
@@ -56,7 +53,7 @@ def print_page(
 def print_table(table: WordTable, *, elsewhere: str = "Not shown") -> None:
     """Print a table and its note; say which of its columns found no place."""
     width = terminal_width()
-    shown, left_out = page_table(table, width=width or _WIDE)
+    shown, left_out = page_table(table, width=width or WIDE)
     show(shown)
     where = f"{elsewhere}: {', '.join(left_out)}. " if left_out else ""
     for line in sentence_lines(where + table.note, width):

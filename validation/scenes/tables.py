@@ -47,7 +47,9 @@ class RandomSurface(Table):
     length: Lengths = Field(description='period L, or [Lx, Ly], e.g. "100 um"')
     lambda_long: Length = Field(description="longest wavelength of the self-affine range, or of all waves")
     lambda_short: Length = Field(description="shortest wavelength")
-    amplitudes: Literal["exact", "gaussian"] = "exact"
+    amplitudes: Literal["exact", "gaussian"] = Field(
+        default="exact", description="of the waves: those of C(q), or drawn about them"
+    )
     seed: Annotated[StrictInt, Field(ge=0, lt=2**63)] | None = Field(
         default=None,
         description="whole number that names the realisation; every solver needs it, the theory none",
@@ -94,7 +96,9 @@ class SelfAffineSurface(RandomSurface):
     hurst: Number = Field(ge=0, le=1, description="Hurst exponent H, in [0, 1]")
     rms_gradient: Ratio | None = Field(default=None, description="h'_rms of C(q), both directions together")
     rms_height: Length | None = Field(default=None, description="h_rms of C(q)")
-    rolloff: Literal["sharp", "smooth", "plateau"] = "sharp"
+    rolloff: Literal["sharp", "smooth", "plateau"] = Field(
+        default="sharp", description="C(q) beyond lambda_long: none, bent over smoothly, or constant"
+    )
     stretch: Number | None = Field(
         default=None,
         ge=1,
