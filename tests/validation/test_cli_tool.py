@@ -168,7 +168,7 @@ def test_explain_says_what_runs_and_what_is_left_out_and_solves_nothing(tool, tm
 def test_keys_of_a_scene_are_listed_with_unit_meaning_and_default(tool):
     listed = tool("scenes", "keys")[1].splitlines()
     assert 'solid.young [Pa]: Young\'s modulus, e.g. "1 GPa"' in listed
-    assert "surface.rolloff: C(q) beyond lambda_long: none, bent over smoothly, or constant (default: sharp)" in listed
+    assert "run.workers: local processes; 1 runs everything in the process itself (default: 1)" in listed
     assert len(listed) > 60
     assert tool("scenes", "keys", "mean gap")[1].count("\n") == 1
     assert _key_names("load.mean") == ["load.mean_gap="]
