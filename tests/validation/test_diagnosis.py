@@ -138,7 +138,7 @@ def capped(p, job):
 #: Kind of fault, the solver, and what is said of it; nothing where its answers do not tell.
 PLANTS = {
     "twice as stiff": (Spoilt(modulus_times(2)), "the stiffness is 2 times that of E*"),
-    "a third as stiff": (Spoilt(modulus_times(1 / 3)), "the stiffness is 0.333 times that of E*"),
+    "a third as stiff": (Spoilt(modulus_times(1 / 3)), "the stiffness is 0.3333 times that of E*"),
     "pressures times 1.1": (
         Spoilt(after=lambda p, job: 1.1 * p),
         "pressures are 1.1 times what they should be",

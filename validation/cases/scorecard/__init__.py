@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
-from validation.cases import Case, Check, Verdict, run_cases
+from validation.cases import Case, Verdict, run_cases
 from validation.cases.scorecard import elementary, hard, known, ladder
+from validation.cases.scorecard.claims import Row
 from validation.cases.scorecard.diagnosis import diagnose
 from validation.cases.scorecard.ladder import CostRow
 from validation.cases.scorecard.subject import Subject
@@ -17,114 +18,11 @@ from validation.methods import chosen_solver
 
 __all__ = ["Scorecard", "Subject", "own_cases", "rows", "score"]
 
-_JOHNSON = "K. L. Johnson, J. A. Greenwood, J. G. Higginson, Int. J. Mech. Sci. 27, 383 (1985)"
-_HERTZ = "H. Hertz, J. reine angew. Math. 92, 156 (1882); K. L. Johnson, Contact Mechanics, Sec. 4.2"
-_WESTERGAARD = "H. M. Westergaard, J. Appl. Mech. 6, 49 (1939)"
-_LAYER = "K. L. Johnson, Contact Mechanics, Sec. 5.8"
 _LIMITS = "limits of boundary elements over grids and shifts"
 
-
-class _Row(NamedTuple):
-    """A claim as a function of any solver, its source, and what its tolerances come from."""
-
-    name: str
-    claim: str
-    source: str
-    tolerance: str
-    checks: Callable[[Subject], Iterable[Check]]
-
-
-_ROWS: tuple[_Row, ...] = (
-    _Row("finite", "Every pressure is a finite number.", "definition", "rounding", elementary.finite),
-    _Row(
-        "repeatable", "The same question has the same answer.", "definition", "solver", elementary.repeatable
-    ),
-    _Row("tension", "No pressure is below zero.", "definition", "solver", elementary.tension),
-    _Row(
-        "place", "The pressure lies where the heights are.", "full contact, exact", "grid", elementary.place
-    ),
-    _Row("factor", "The stiffness is that of E*.", "full contact, exact", "grid", elementary.factor),
-    _Row(
-        "full-contact", "Each wave is pressed flat by E* q h / 2.", "exact", "grid", elementary.full_contact
-    ),
-    _Row("load", "The mean pressure is the one asked for.", "definition", "solver", elementary.load),
-    _Row(
-        "contact-set",
-        "What is called contact carries load on a closed gap.",
-        "definition",
-        "solver",
-        elementary.contact_set,
-    ),
-    _Row(
-        "honesty",
-        "Recomputed residuals are within the tolerance asked for.",
-        "definition",
-        "solver",
-        elementary.honesty,
-    ),
-    _Row("cut-short", "A solve that ends early says so.", "definition", "rounding", hard.cut_short),
-    _Row("hertz", "A paraboloid carries Hertz's pressure.", _HERTZ, "grid", known.hertz),
-    _Row(
-        "hertz-radius",
-        "The counted radius converges to Hertz's in first order.",
-        _HERTZ,
-        "grid",
-        known.hertz_radius,
-    ),
-    _Row(
-        "stress-near-zero",
-        "P(sigma) starts from zero, but for the grid.",
-        _HERTZ,
-        "grid",
-        known.stress_near_zero,
-    ),
-    _Row("westergaard", "A wave carries Westergaard's pressure.", _WESTERGAARD, "grid", known.westergaard),
-    _Row("layer", "On a bonded layer each wave is pressed flat by h / C(q).", _LAYER, "grid", known.layer),
-    _Row(
-        "yielding-wave",
-        "Crests yield over the width that Westergaard's solution says.",
-        f"{_WESTERGAARD}, mirrored",
-        "grid",
-        known.yielding,
-    ),
-    _Row("symmetry", "A mirrored surface has the mirrored pressure.", "symmetry", "solver", known.symmetry),
-    _Row("units", "Units of length and pressure change nothing.", "symmetry", "solver", known.units),
-    _Row(
-        "against-bem",
-        "Pressures approach those of boundary elements as the grid is refined.",
-        "code verification: no shared contact algorithm",
-        "grid",
-        known.against_bem,
-    ),
-    _Row(
-        "nested-grids", "Finer and finer grids approach one answer.", "self-consistency", "grid", known.nested
-    ),
-    _Row(
-        "offset",
-        "An offset leads to the pressures of the load that it belongs to.",
-        "uniqueness of the elastic solution",
-        "solver",
-        hard.offset,
-    ),
-    _Row(
-        "offset-near-full",
-        "So it does near full contact.",
-        "uniqueness of the elastic solution",
-        "solver",
-        hard.offset_near_full,
-    ),
-    _Row(
-        "near-full",
-        "Full contact just above and below the flattening load.",
-        _JOHNSON,
-        "grid",
-        hard.near_full,
-    ),
-    _Row(
-        "one-cell", "A load that one point carries is carried by one point.", "exact", "solver", hard.one_cell
-    ),
-    _Row("elongated", "Long periods and long cells change nothing.", _WESTERGAARD, "grid", hard.elongated),
-    _Row("odd-axes", "Odd numbers of points are solved as well.", "definition", "solver", hard.odd_axes),
+#: In the order in which they are asked.
+_ROWS = tuple(
+    value for module in (elementary, known, hard) for value in vars(module).values() if isinstance(value, Row)
 )
 
 #: Our own solvers, whose scorecards are cases of `fem-contact validate`: method and settings.
@@ -204,29 +102,17 @@ class Scorecard:
 
 def rows(subject: Subject) -> tuple[Case, ...]:
     """Return the rows of a scorecard as cases of a solver."""
-    found = [
-        Case(
-            name=row.name,
-            claim=row.claim,
-            source=row.source,
-            run=partial(row.checks, subject),
-            solver=subject.name,
-            tolerance=row.tolerance,
-        )
-        for row in _ROWS
-    ]
-    found += [
-        Case(
+    wide = (
+        Row(
             name=f"rough-{width}",
             claim=f"Areas, gap, stiffness, energy, low pressures: the limit's (lambda_l/lambda_s = {width}).",
             source=_LIMITS,
-            run=partial(ladder.rough_surface, subject, width),
-            solver=subject.name,
             tolerance="estimate",
+            checks=partial(ladder.rough_surface, width=width),
         )
         for width in ladder.bandwidths(subject)
-    ]
-    return tuple(found)
+    )
+    return tuple(row.of(subject) for row in (*_ROWS, *wide))
 
 
 def own_cases() -> tuple[Case, ...]:

@@ -26,6 +26,7 @@ from validation.cases.scorecard.elementary import (
     solves,
 )
 from validation.cases.scorecard.subject import Subject
+from validation.report.estimates import Value
 
 __all__ = ["diagnose"]
 
@@ -117,13 +118,17 @@ def _scaled(factor: float, share: float, *, off: float) -> str | None:
     """Say by what fluctuation and mean of the pressure are scaled; None where they are not."""
     right, loaded = abs(factor - 1) < off, abs(share - 1) < off
     if right:
-        return None if loaded else f"the load is {share:.3g} times the one asked for"
+        return None if loaded else f"the load is {Value(value=share)} times the one asked for"
     if abs(factor + 1) < off:
         upright = "the surface is pressed upside down" if loaded else ""
         return "compression is negative" if abs(share + 1) < off else upright
     if loaded:
-        return f"the stiffness is {factor:.3g} times that of E*" if factor > 0 else ""
-    return f"pressures are {share:.3g} times what they should be" if abs(factor / share - 1) < off else ""
+        return f"the stiffness is {Value(value=factor)} times that of E*" if factor > 0 else ""
+    return (
+        f"pressures are {Value(value=share)} times what they should be"
+        if abs(factor / share - 1) < off
+        else ""
+    )
 
 
 def _of_response(subject: Subject, transfer: Transfer) -> str:
@@ -134,7 +139,7 @@ def _of_response(subject: Subject, transfer: Transfer) -> str:
         alone = full_contact_transfer(subject, waves=(WAVES[k],)).ratio[0]
         if abs(alone / transfer.ratio[k] - 1) > 1e-3:
             return ""
-    each = ", ".join(f"{abs(ratio):.3g}" for ratio in transfer.ratio)
+    each = ", ".join(f"{Value(value=float(abs(ratio)))}" for ratio in transfer.ratio)
     return f"the response is not that of the half-space: waves are {each} times as stiff, longest first"
 
 
@@ -154,7 +159,7 @@ def _of_rough(subject: Subject) -> str:
     shares = np.array([one.claim.pressure.mean() / asked for _, asked, one in solves(subject)])
     if np.abs(shares - 1).max() > 10 * subject.tolerance:
         alike = np.ptp(shares) < 0.1 * np.abs(shares - 1).min()
-        return f"the load is {shares.mean():.3g} times the one asked for" if alike else ""
+        return f"the load is {Value(value=float(shares.mean()))} times the one asked for" if alike else ""
     if np.mean(pressure > highest * (1 - 1e-9)) > _PLATEAU:
         return "the highest pressures are cut off"
     if all(check.passed for check in honesty(subject)):

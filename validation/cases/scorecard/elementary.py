@@ -12,6 +12,7 @@ from fem_contact.surface import HeightField
 from persson import elastic
 from validation.arrays import Array
 from validation.cases import Check, NotJudged, below, near, relative
+from validation.cases.scorecard.claims import row
 from validation.cases.scorecard.subject import SOFT, Pressed, Subject, rough
 from validation.effects.base import Slots
 
@@ -20,18 +21,12 @@ __all__ = [
     "WAVES",
     "Transfer",
     "contact_set",
-    "factor",
-    "finite",
-    "full_contact",
     "full_contact_transfer",
     "honesty",
     "judge_residuals",
-    "load",
-    "place",
     "repeatable",
     "residuals_fall",
     "solves",
-    "tension",
     "wave_errors",
 ]
 
@@ -111,12 +106,13 @@ def solves(subject: Subject) -> list[tuple[HeightField, float, Pressed]]:
     return [(surface, load, subject.press(surface, load)) for load in LOADS]
 
 
+@row("finite", "Every pressure is a finite number.", source="definition", tolerance="rounding")
 def finite(subject: Subject) -> Sequence[Check]:
-    """Check that every pressure is a finite number."""
     wrong = sum(np.count_nonzero(~np.isfinite(pressed.claim.pressure)) for _, _, pressed in solves(subject))
     return [below("pressures that are no finite numbers", wrong, 0.0)]
 
 
+@row("repeatable", "The same question has the same answer.", source="definition", tolerance="solver")
 def repeatable(subject: Subject) -> Sequence[Check]:
     """Ask a question a second time, after others."""
     surface = rough(2 * subject.points)
@@ -127,14 +123,14 @@ def repeatable(subject: Subject) -> Sequence[Check]:
     return [below("change of the pressure when it is asked again", apart, subject.tolerance)]
 
 
+@row("tension", "No pressure is below zero.", source="definition", tolerance="solver")
 def tension(subject: Subject) -> Sequence[Check]:
-    """Check that no pressure is below zero."""
     lowest = min(float(pressed.claim.pressure.min()) for _, _, pressed in solves(subject))
     return [below("lowest pressure over E* h'_rms", min(lowest, 0.0), 10 * subject.tolerance)]
 
 
+@row("place", "The pressure lies where the heights are.", source="full contact, exact", tolerance="grid")
 def place(subject: Subject) -> Sequence[Check]:
-    """Check that the pressure lies where the heights are."""
     shift = full_contact_transfer(subject).shift
     if shift is None:
         raise NotJudged("waves of the full contact lie in different places: it is not solved")
@@ -144,16 +140,16 @@ def place(subject: Subject) -> Sequence[Check]:
     ]
 
 
+@row("factor", "The stiffness is that of E*.", source="full contact, exact", tolerance="grid")
 def factor(subject: Subject) -> Sequence[Check]:
-    """Check that the stiffness of the longest waves is that of E*."""
     found = full_contact_transfer(subject)
     if found.factor is None:
         raise NotJudged("waves of the full contact have different factors: it is not solved")
     return [relative("stiffness over that of E*", found.factor, 1.0, found.allowed[:2].max())]
 
 
+@row("full-contact", "Each wave is pressed flat by E* q h / 2.", source="exact", tolerance="grid")
 def full_contact(subject: Subject) -> Sequence[Check]:
-    """Check that every wave is pressed flat by E* q h / 2, everywhere, and the variance is Persson's."""
     found = full_contact_transfer(subject)
     result = found.pressed.result
     surface = HeightField(heights=result.heights, lengths=result.lengths)
@@ -179,8 +175,8 @@ def wave_errors(found: Transfer, *, exact: bool = False) -> Iterator[Check]:
         )
 
 
+@row("load", "The mean pressure is the one asked for.", source="definition", tolerance="solver")
 def load(subject: Subject) -> Sequence[Check]:
-    """Check that the mean pressure is the one asked for."""
     return [
         relative(
             f"mean pressure over p0 at p* = {p:g}",
@@ -192,8 +188,14 @@ def load(subject: Subject) -> Sequence[Check]:
     ]
 
 
+@row(
+    "contact-set",
+    "What is called contact carries load on a closed gap.",
+    source="definition",
+    tolerance="solver",
+)
 def contact_set(subject: Subject) -> Sequence[Check]:
-    """Check that what is called contact carries load; a solver that names none is read by its p > 0."""
+    """Compare what is called contact with what carries load; who names none is read by p > 0."""
     checks: list[Check] = []
     for _, p, pressed in solves(subject):
         named = pressed.claim.in_contact
@@ -208,8 +210,14 @@ def contact_set(subject: Subject) -> Sequence[Check]:
     return judge_residuals(subject, checks)
 
 
+@row(
+    "honesty",
+    "Recomputed residuals are within the tolerance asked for.",
+    source="definition",
+    tolerance="solver",
+)
 def honesty(subject: Subject) -> Sequence[Check]:
-    """Check that the residuals of the returned pressure, recomputed, are what was asked for."""
+    """Recompute the residuals of the returned pressure."""
     checks: list[Check] = []
     for _, p, pressed in solves(subject):
         residuals = pressed.result.residuals

@@ -12,11 +12,15 @@ from fem_contact.errors import NotConverged
 from fem_contact.surface import HeightField
 from validation.cases import Check, below, near, relative
 from validation.cases._closed_forms import HertzInPeriod
+from validation.cases.scorecard.claims import row
 from validation.cases.scorecard.elementary import judge_residuals
 from validation.cases.scorecard.known import mean_inside, strip
 from validation.cases.scorecard.subject import Subject, rough
 
-__all__ = ["cut_short", "elongated", "near_full", "odd_axes", "offset", "offset_near_full", "one_cell"]
+__all__ = []
+
+_JOHNSON = "K. L. Johnson, J. A. Greenwood, J. G. Higginson, Int. J. Mech. Sci. 27, 383 (1985)"
+_WESTERGAARD = "H. M. Westergaard, J. Appl. Mech. 6, 49 (1939)"
 
 _DEPTH = 0.01
 #: Mean pressure at which D cos(2 pi x) cos(2 pi y) is pressed flat: E* q D / 2 with q = 2 pi sqrt 2.
@@ -30,8 +34,8 @@ def _egg_box(n: int) -> HeightField:
     return HeightField(heights=_DEPTH * x[:, None] * x[None, :], lengths=(1.0, 1.0))
 
 
+@row("near-full", "Full contact just above and below the flattening load.", source=_JOHNSON, tolerance="grid")
 def near_full(subject: Subject) -> Sequence[Check]:
-    """Press an egg box flat at its flattening load p*; below it 1 - A/A0 = 3/(2 pi) (1 - p/p*)."""
     n = subject.ladder[-1]
     found = subject.press(_egg_box(n), 1.0001 * _FLAT)
     exact = 1.0001 * _FLAT + _FLAT * _egg_box(n).heights / _DEPTH
@@ -57,8 +61,8 @@ def near_full(subject: Subject) -> Sequence[Check]:
     return checks
 
 
+@row("one-cell", "A load that one point carries is carried by one point.", source="exact", tolerance="solver")
 def one_cell(subject: Subject) -> Sequence[Check]:
-    """Press a paraboloid so lightly that one point carries the load."""
     n = 2 * subject.points
     mean = 0.02 / n / n**2
     found = subject.press(HertzInPeriod(radius=1e-3).surface(n, (0.0, 0.0)), mean)
@@ -73,8 +77,8 @@ def one_cell(subject: Subject) -> Sequence[Check]:
     ]
 
 
+@row("elongated", "Long periods and long cells change nothing.", source=_WESTERGAARD, tolerance="grid")
 def elongated(subject: Subject) -> Sequence[Check]:
-    """Press a wave that is uniform over a period four times as long, on cells four times as long."""
     n = 2 * subject.points
     # Cells are four times as long as wide: of second order where they are coarse.
     allowed = 0.02 * max(1.0, (32 / n) ** 2)
@@ -88,8 +92,8 @@ def elongated(subject: Subject) -> Sequence[Check]:
     ]
 
 
+@row("odd-axes", "Odd numbers of points are solved as well.", source="definition", tolerance="solver")
 def odd_axes(subject: Subject) -> Sequence[Check]:
-    """Check that grids with an odd number of points are solved as well as even ones."""
     n = 2 * subject.points
     checks = []
     odd = n - n // 4 - 3
@@ -101,13 +105,23 @@ def odd_axes(subject: Subject) -> Sequence[Check]:
     return judge_residuals(subject, checks)
 
 
+@row(
+    "offset",
+    "An offset leads to the pressures of the load that it belongs to.",
+    source="uniqueness of the elastic solution",
+    tolerance="solver",
+)
 def offset(subject: Subject) -> Sequence[Check]:
-    """Ask for the offset that a light load led to."""
     return _asked_back(subject, _LIGHT)
 
 
+@row(
+    "offset-near-full",
+    "So it does near full contact.",
+    source="uniqueness of the elastic solution",
+    tolerance="solver",
+)
 def offset_near_full(subject: Subject) -> Sequence[Check]:
-    """Ask for the offset of a load that leaves few points open, where it says least of the load."""
     return _asked_back(subject, _NEAR_FULL)
 
 
@@ -128,8 +142,8 @@ def _asked_back(subject: Subject, load: float) -> Sequence[Check]:
     ]
 
 
+@row("cut-short", "A solve that ends early says so.", source="definition", tolerance="rounding")
 def cut_short(subject: Subject) -> Sequence[Check]:
-    """Allow so few iterations that it cannot be done: it must say so, or raise."""
     subject.needs(control="max_iterations")
     words = f"solves that end after {_FEW} iterations and do not say so, of 1"
     surface = rough(2 * subject.points)

@@ -15,6 +15,7 @@ from fem_contact.surface import HeightField
 from validation.arrays import Array
 from validation.cases import Check, NotJudged, below, near, order, relative, within
 from validation.cases._closed_forms import HertzInPeriod, westergaard_mean_pressure, westergaard_pressure
+from validation.cases.scorecard.claims import row
 from validation.cases.scorecard.elementary import full_contact_transfer, wave_errors
 from validation.cases.scorecard.subject import SOFT, Pressed, Subject, rough
 from validation.effects.base import Slots
@@ -22,20 +23,11 @@ from validation.effects.hardness import Hardness
 from validation.effects.thickness import Thickness
 from validation.methods.bem import Bem
 
-__all__ = [
-    "against_bem",
-    "hertz",
-    "hertz_radius",
-    "layer",
-    "mean_inside",
-    "nested",
-    "stress_near_zero",
-    "strip",
-    "symmetry",
-    "units",
-    "westergaard",
-    "yielding",
-]
+__all__ = ["mean_inside", "strip"]
+
+_HERTZ = "H. Hertz, J. reine angew. Math. 92, 156 (1882); K. L. Johnson, Contact Mechanics, Sec. 4.2"
+_LAYER = "K. L. Johnson, Contact Mechanics, Sec. 5.8"
+_WESTERGAARD = "H. M. Westergaard, J. Appl. Mech. 6, 49 (1939)"
 
 #: Where the apex falls in a cell moves the count of one solve by more than the trend; not the mean over
 #: these.
@@ -70,8 +62,8 @@ def _hertz(subject: Subject) -> HertzInPeriod:
     return HertzInPeriod(radius=max(0.15, 2.4 / subject.points))
 
 
+@row("hertz", "A paraboloid carries Hertz's pressure.", source=_HERTZ, tolerance="grid")
 def hertz(subject: Subject) -> Sequence[Check]:
-    """Check that a paraboloid carries Hertz's pressure and sinks in as far."""
     errors, worst, exact = [], 0.0, _hertz(subject)
     for n in subject.ladder:
         found = subject.press(exact.surface(n, (0.0, 0.0)), exact.load)
@@ -96,8 +88,10 @@ def hertz(subject: Subject) -> Sequence[Check]:
     ]
 
 
+@row(
+    "hertz-radius", "The counted radius converges to Hertz's in first order.", source=_HERTZ, tolerance="grid"
+)
 def hertz_radius(subject: Subject) -> Sequence[Check]:
-    """Check that the counted contact radius converges to Hertz's in first order, and the corrected one."""
     excess, exact, corrected = [], _hertz(subject), 0.0
     for n in subject.ladder:
         found = [pressed.result for pressed in _shifted(subject, n)]
@@ -123,6 +117,7 @@ def _shifted(subject: Subject, n: int) -> list[Pressed]:
     return [subject.press(exact.surface(n, shift), exact.load) for shift in _SHIFTS]
 
 
+@row("stress-near-zero", "P(sigma) starts from zero, but for the grid.", source=_HERTZ, tolerance="grid")
 def stress_near_zero(subject: Subject) -> Sequence[Check]:
     r"""Check that P(sigma) starts from zero: what a grid puts there vanishes as dx^(1/2).
 
@@ -176,8 +171,8 @@ def _second_order(n: int) -> float:
     return 1 / (_HALF_WIDTH * n) ** 2
 
 
+@row("westergaard", "A wave carries Westergaard's pressure.", source=_WESTERGAARD, tolerance="grid")
 def westergaard(subject: Subject) -> Sequence[Check]:
-    """Check that a wave carries Westergaard's pressure, over its width."""
     strips = [strip(subject, n, across=(4, 4 / n)) for n in subject.ladder]
     errors = [mean_inside(off) for _, off, _ in strips]
     (pressure, off, found), n = strips[-1], subject.ladder[-1]
@@ -191,15 +186,20 @@ def westergaard(subject: Subject) -> Sequence[Check]:
     ]
 
 
+@row("layer", "On a bonded layer each wave is pressed flat by h / C(q).", source=_LAYER, tolerance="grid")
 def layer(subject: Subject) -> Iterable[Check]:
-    """Press waves flat on a layer a quarter of the period thick, bonded to its base."""
     subject.needs(effect=Thickness)
     slots = Slots.filled(SOFT, [Thickness(thickness=_THICKNESS)])
     return wave_errors(full_contact_transfer(subject, slots=slots))
 
 
+@row(
+    "yielding-wave",
+    "Crests yield over the width that Westergaard's solution says.",
+    source=f"{_WESTERGAARD}, mirrored",
+    tolerance="grid",
+)
 def yielding(subject: Subject) -> Sequence[Check]:
-    """Press a wave whose crests yield: H - p is Westergaard's pressure under the troughs."""
     subject.needs(effect=Hardness)
     n = 2 * subject.ladder[-1]
     x = (np.arange(n) + 0.5) / n - 0.5
@@ -223,8 +223,8 @@ def yielding(subject: Subject) -> Sequence[Check]:
     ]
 
 
+@row("symmetry", "A mirrored surface has the mirrored pressure.", source="symmetry", tolerance="solver")
 def symmetry(subject: Subject) -> Sequence[Check]:
-    """Pressing the mirrored, turned or moved surface does the same to the pressure."""
     surface = rough(2 * subject.points)
     plain = subject.press(surface, 0.05).claim.pressure
     checks = []
@@ -244,8 +244,8 @@ def symmetry(subject: Subject) -> Sequence[Check]:
     return checks
 
 
+@row("units", "Units of length and pressure change nothing.", source="symmetry", tolerance="solver")
 def units(subject: Subject) -> Sequence[Check]:
-    """Neither the unit of length nor that of pressure changes the answer; powers of two change no bit."""
     surface = rough(2 * subject.points)
     plain = subject.press(surface, 0.05)
     checks = []
@@ -267,8 +267,10 @@ def units(subject: Subject) -> Sequence[Check]:
     return checks
 
 
+@row(
+    "nested-grids", "Finer and finer grids approach one answer.", source="self-consistency", tolerance="grid"
+)
 def nested(subject: Subject) -> Sequence[Check]:
-    """Grids that contain each other approach one answer."""
     _needs_order(subject)
     coarse, middle, fine = (subject.press(rough(n, bandwidth=2), 0.05) for n in subject.ladder)
     p = [one.claim.pressure for one in (coarse, middle, fine)]
@@ -286,8 +288,13 @@ def _gap_error(subject: Subject) -> float:
     return (8 * np.pi / subject.ladder[1]) ** 2 / 4
 
 
+@row(
+    "against-bem",
+    "Pressures approach those of boundary elements as the grid is refined.",
+    source="code verification: no shared contact algorithm",
+    tolerance="grid",
+)
 def against_bem(subject: Subject) -> Sequence[Check]:
-    """Pressures approach those of boundary elements as grids are refined; on one grid they may be equal."""
     if type(subject.solver) is Bem:
         raise NotJudged("they are boundary elements")
     differences, areas = [], []

@@ -156,7 +156,7 @@ def _reference(width: int) -> _Reference:
     return _Reference(values=values, errors=errors)
 
 
-def rough_surface(subject: Subject, width: int) -> Sequence[Check]:
+def rough_surface(subject: Subject, *, width: int) -> Sequence[Check]:
     """Areas, gap, stiffness, energy and low pressures are those of the limit, within what the grids allow."""
     # The finer grid first: what it is not tried on, the coarser one need not be solved for.
     fine, coarse = (_measured(subject, _surface(width, points)) for points in reversed(_POINTS))
