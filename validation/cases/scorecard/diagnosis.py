@@ -26,7 +26,7 @@ from validation.cases.scorecard.elementary import (
     solves,
 )
 from validation.cases.scorecard.subject import Subject
-from validation.report.estimates import Value
+from validation.report.values import Value
 
 __all__ = ["diagnose"]
 
