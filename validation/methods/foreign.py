@@ -10,11 +10,11 @@ import contextlib
 import importlib
 import importlib.util
 import inspect
+import operator
 import sys
-import tempfile
 import time
 from abc import abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
@@ -307,32 +307,29 @@ def claimed_in_own_process(function: str, job: Job, *, told: Mapping[str, Any]) 
     NotConverged
         When nothing comes of it, with what happened.
     """
-    field = job.field
-    request = {
-        "lengths": list(field.lengths),
-        "modulus": job.slots.solid.contact_modulus,
-        "pressure": job.load.get("mean_pressure"),
-        "told": {**told, **{name: value for name, value in job.load.items() if name != "mean_pressure"}},
-        "folder": str(Path.cwd()),
+    field, load = job.field, dict(job.load)
+    given = {
+        "contact_modulus": job.slots.solid.contact_modulus,
+        "mean_pressure": load.pop("mean_pressure", None),
     }
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "heights.npy"
-        np.save(file, field.heights)
-        try:
-            said = bounded.call(
-                serve,
-                function,
-                str(file),
-                request,
-                seconds=float(job.settings.get("seconds", _SECONDS)),
-                memory=int(job.settings.get("memory", _MEMORY)),
-            )
-        except bounded.OutOfBounds as problem:
-            raise NotConverged(
-                f"{function}: {problem}; allow more (seconds, memory), or a coarser grid"
-            ) from None
-        except Exception as problem:  # whatever it raises is its answer
-            raise NotConverged(f"{function}: raised {type(problem).__name__}: {problem}") from None
+    try:
+        said = bounded.call(
+            serve,
+            function,
+            str(Path.cwd()),
+            field.heights,
+            field.lengths,
+            given,
+            {**told, **load},
+            seconds=float(job.settings.get("seconds", _SECONDS)),
+            memory=int(job.settings.get("memory", _MEMORY)),
+        )
+    except bounded.OutOfBounds as problem:
+        raise NotConverged(
+            f"{function}: {problem}; allow more (seconds, memory), or a coarser grid"
+        ) from None
+    except Exception as problem:  # whatever it raises is its answer
+        raise NotConverged(f"{function}: raised {type(problem).__name__}: {problem}") from None
     pressure = np.array(said["pressure"], dtype=float)
     if pressure.shape != field.shape:
         raise NotConverged(
@@ -343,42 +340,39 @@ def claimed_in_own_process(function: str, job: Job, *, told: Mapping[str, Any]) 
     return Claim(**{**said, "pressure": pressure, "in_contact": in_contact})
 
 
-def _imported(function: str) -> Any:
-    """Return a function by ``module:name``."""
+def _imported(function: str, folder: str) -> Any:
+    """Return a function by ``module:name``; the module may lie in a folder."""
+    if folder not in sys.path:  # last: it must not stand in for an installed module
+        sys.path.append(folder)
     home, _, name = function.partition(":")
-    found: Any = importlib.import_module(home)
-    for part in name.split("."):
-        found = getattr(found, part)
-    return found
+    return operator.attrgetter(name)(importlib.import_module(home))
 
 
 def keywords(function: str, folder: str) -> list[str]:
     """Return the names of what a function takes; called in the child process."""
-    if folder not in sys.path:
-        sys.path.append(folder)
-    return list(inspect.signature(_imported(function)).parameters)
+    return list(inspect.signature(_imported(function, folder)).parameters)
 
 
-def serve(function: str, file: str, request: Mapping[str, Any]) -> dict[str, Any]:
+def serve(
+    function: str,
+    folder: str,
+    heights: Array,
+    lengths: Sequence[float],
+    given: Mapping[str, Any],
+    told: Mapping[str, Any],
+) -> dict[str, Any]:
     """Call a solver, in the child process; return its fields and what it took."""
-    if request["folder"] not in sys.path:  # last: it must not stand in for an installed module
-        sys.path.append(request["folder"])
-    solve = _imported(function)
-    heights = np.load(file)
-    told = {key: value for key, value in request["told"].items() if _takes(solve, key)}
+    solve, taken = _imported(function, folder), keywords(function, folder)
+    more = {name: value for name, value in told.items() if name in taken}
+    heights = heights.copy()  # its own, to write to
     before = _peak_bytes(reset=True)
     clock, began = time.process_time(), time.perf_counter()
-    answer = solve(
-        heights,
-        tuple(request["lengths"]),
-        contact_modulus=request["modulus"],
-        mean_pressure=request["pressure"],
-        **told,
-    )
+    answer = solve(heights, tuple(lengths), **given, **more)
     spent, passed = time.process_time() - clock, time.perf_counter() - began
     mask, iterations, converged = (_field(answer, name) for name in ("in_contact", "iterations", "converged"))
+    pressure = _field(answer, "pressure")
     return {
-        "pressure": np.array(_pressure(answer), dtype=float),
+        "pressure": np.array(answer if pressure is None else pressure, dtype=float),
         "in_contact": None if mask is None else np.array(mask, dtype=bool),
         "iterations": 0 if iterations is None else int(iterations),
         "converged": None if converged is None else bool(converged),
@@ -388,21 +382,10 @@ def serve(function: str, file: str, request: Mapping[str, Any]) -> dict[str, Any
     }
 
 
-def _takes(function: Callable[..., Any], keyword: str) -> bool:
-    """Whether a function takes a keyword by name."""
-    return keyword in inspect.signature(function).parameters
-
-
 def _field(answer: Any, name: str) -> Any:
     if isinstance(answer, Mapping):
         return answer.get(name)
     return None if isinstance(answer, np.ndarray) else getattr(answer, name, None)
-
-
-def _pressure(answer: Any) -> Any:
-    """Return the pressures of an answer: the array itself, or what it calls so."""
-    found = _field(answer, "pressure")
-    return answer if found is None else found
 
 
 def _peak_bytes(*, reset: bool = False) -> int:

@@ -81,7 +81,7 @@ class Bench:
         if self.plan_only:
             raise PlannedOnly(tuple({solve.key: solve for solve in solves}.values()), self.store)
         results = solve_all(solves, self.store, progress=self.progress, execution=self.execution)
-        self._read.append(results.kept.made)
+        self._read.append(results.how)
         return results
 
     def made(self) -> tuple[Made, ...]:

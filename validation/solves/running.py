@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import contextlib
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from validation.errors import RunFailed, UsageError
@@ -48,8 +47,17 @@ class Execution:
                 f"workers = {self.workers}: cannot be combined with a scheduler, which has workers of its own"
             )
 
+    def allowed_memory(self) -> int:
+        """Return the bytes that solves may take together."""
+        return available_memory() if self.memory is None else self.memory
 
-@dataclass(frozen=True, kw_only=True, eq=False)
+
+#: Results that are held in memory after they were read, in all.
+_HELD_BYTES = 2**29
+#: Syncing a folder takes some milliseconds, as long as a small solve [s].
+_SYNCED_EVERY = 1.0
+
+
 class Solves(Mapping[Any, Any]):
     """Results by solve, fields or numbers; each is read once, when asked for, while memory lasts.
 
@@ -60,33 +68,43 @@ class Solves(Mapping[Any, Any]):
     store : Store
     solved : int
         How many were solved now; the others were found finished.
-    failures : mapping
+    failures : dict
         Of those that failed, which are not among the others, why and what to do; where that is no end.
+    how : dict
+        How each that was read was made, by its key.
     """
 
-    solves: tuple[Solve, ...]
-    store: Store
-    solved: int = 0
-    failures: Mapping[Any, str] = field(default_factory=dict)
-    kept: _Kept = field(default_factory=lambda: _Kept(_KEPT_BYTES))
+    def __init__(self, solves: tuple[Solve, ...], store: Store) -> None:
+        self.solves, self.store, self.solved = solves, store, 0
+        self.failures: dict[Any, str] = {}
+        self.how: dict[str, Made] = {}
+        self._held: dict[str, Stored] = {}
+        self._free = _HELD_BYTES
+
+    def read(self, solve: Solve, *, on_damage: Callable[[str], None] | None = None) -> Stored | None:
+        """Read a result and how it was made; None where none is stored. See `Store.read`."""
+        found = self._held.get(solve.key) or self.store.read(solve, on_damage=on_damage)
+        if found is not None and solve.key not in self._held:
+            self.how[solve.key] = found.made
+            size = 3 * found.size  # files of mostly zeros take more in memory than on disk
+            if size <= self._free:
+                self._held[solve.key] = found
+                self._free -= size
+        return found
 
     def __getitem__(self, solve: Solve) -> Any:
         """Read a result from the store."""
-        return self._stored(solve).result
+        found = self.read(solve)
+        if found is None:
+            raise RunFailed(f"{solve.describe()}: no intact result in {self.store.folder}; run it again")
+        return found.result
 
     def made(self) -> tuple[Made, ...]:
         """Return how each was made, for `made_words`."""
-        known = self.kept.made
-        return tuple(known.get(solve.key) or self._stored(solve).made for solve in self.solves)
-
-    def _stored(self, solve: Solve) -> Stored:
-        stored = self.kept.get(solve)
-        if stored is None:
-            stored = self.store.read(solve)
-            if stored is None:
-                raise RunFailed(f"{solve.describe()}: no intact result in {self.store.folder}; run it again")
-            self.kept.put(solve, stored)
-        return stored
+        for solve in self.solves:
+            if solve.key not in self.how:
+                self[solve]
+        return tuple(self.how[solve.key] for solve in self.solves)
 
     def __iter__(self) -> Iterator[Solve]:
         """Solves in the order they were asked for."""
@@ -95,33 +113,6 @@ class Solves(Mapping[Any, Any]):
     def __len__(self) -> int:
         """Count the solves."""
         return len(self.solves)
-
-
-#: Results that are held in memory after they were read, in all.
-_KEPT_BYTES = 2**29
-#: Syncing a folder takes some milliseconds, as long as a small solve [s].
-_SYNCED_EVERY = 1.0
-
-
-class _Kept:
-    """Results that were read already, up to a size in all; how each was made, of all of them."""
-
-    def __init__(self, limit: int) -> None:
-        self.made: dict[str, Made] = {}
-        self._results: dict[str, Stored] = {}
-        self._free = limit
-
-    def get(self, solve: Solve) -> Stored | None:
-        """Return a result; None if it is not kept."""
-        return self._results.get(solve.key)
-
-    def put(self, solve: Solve, stored: Stored) -> None:
-        """Keep a result if there is room; files of mostly zeros take more in memory than on disk."""
-        self.made[solve.key] = stored.made
-        size = 3 * stored.size
-        if size <= self._free and solve.key not in self._results:
-            self._results[solve.key] = stored
-            self._free -= size
 
 
 def solve_all(
@@ -146,57 +137,34 @@ def solve_all(
         When solves failed, naming them, or the disk is full.
     """
     execution, progress = execution or Execution(), progress or Silent()
-    wanted = tuple({solve.key: solve for solve in solves}.values())
-    kept = _Kept(_KEPT_BYTES)
-    missing: list[Solve] = []
-    for solve in wanted:
-        stored = store.read(solve, on_damage=progress.note)
-        if stored is None:
-            missing.append(solve)
-        else:
-            kept.put(solve, stored)
+    results = Solves(tuple({solve.key: solve for solve in solves}.values()), store)
+    missing = tuple(solve for solve in results if results.read(solve, on_damage=progress.note) is None)
     if execution.scheduler is None:
         _refuse_too_large(missing, execution)
     if missing:  # a store that holds everything may be read-only
         prepare_folder(store.folder, option="--store")
-    progress.start(tuple(missing), len(wanted) - len(missing))
-    failures = []
-    with _lasting(store) as synced:
-        for outcome in _outcomes(tuple(missing), store, execution, progress):
+    progress.start(missing, len(results) - len(missing))
+    failures, synced = [], time.monotonic()
+    try:
+        for outcome in _outcomes(missing, store, execution, progress):
             if outcome.fatal:
                 raise RunFailed(outcome.error)
             if outcome.error is not None:
                 failures.append(outcome)
-            else:
-                synced()
-                progress.done(outcome.solve)
-    if failures and not (despite_failures and len(failures) < len(wanted)):
-        raise RunFailed(_failed(failures, len(missing)))
-    failed = {outcome.solve.key: str(outcome.error) for outcome in failures}
-    return Solves(
-        solves=tuple(solve for solve in wanted if solve.key not in failed),
-        store=store,
-        solved=len(missing) - len(failed),
-        failures={solve: failed[solve.key] for solve in wanted if solve.key in failed},
-        kept=kept,
-    )
-
-
-@contextlib.contextmanager
-def _lasting(store: Store) -> Iterator[Callable[[], None]]:
-    """Have the names of finished solves kept by the disk once a second, and at the end."""
-    last = time.monotonic()
-
-    def synced() -> None:
-        nonlocal last
-        if time.monotonic() - last > _SYNCED_EVERY:
-            sync_folder(store.folder)
-            last = time.monotonic()
-
-    try:
-        yield synced
+                continue
+            if time.monotonic() - synced > _SYNCED_EVERY:  # the disk keeps the names of what is finished
+                sync_folder(store.folder)
+                synced = time.monotonic()
+            progress.done(outcome.solve)
     finally:
         sync_folder(store.folder)
+    if failures and not (despite_failures and len(failures) < len(results)):
+        raise RunFailed(_failed(failures, len(missing)))
+    failed = {outcome.solve.key: str(outcome.error) for outcome in failures}
+    results.failures = {solve: failed[solve.key] for solve in results if solve.key in failed}
+    results.solves = tuple(solve for solve in results if solve.key not in failed)
+    results.solved = len(missing) - len(failed)
+    return results
 
 
 def _outcomes(
@@ -213,8 +181,8 @@ def _outcomes(
     if execution.workers > 1:
         from validation.solves.pool import solve_in_processes
 
-        memory = available_memory() if execution.memory is None else execution.memory
-        return solve_in_processes(solves, store, workers=execution.workers, memory=memory, progress=progress)
+        told: dict[str, Any] = {"workers": execution.workers, "memory": execution.allowed_memory()}
+        return solve_in_processes(solves, store, progress=progress, **told)
     return _in_this_process(solves, store, progress)
 
 
@@ -236,7 +204,7 @@ def _failed(failures: Sequence[Outcome], tried: int) -> str:
 
 
 def _refuse_too_large(solves: Sequence[Solve], execution: Execution) -> None:
-    limit = available_memory() if execution.memory is None else execution.memory
+    limit = execution.allowed_memory()
     largest = max(solves, key=lambda solve: solve.predict().peak_bytes, default=None)
     if largest is not None and largest.predict().peak_bytes > limit:
         raise UsageError(too_large(largest, limit))
