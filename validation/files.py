@@ -89,11 +89,10 @@ def prepare_folder(folder: Path, *, option: str = "--output") -> Path:
 
 
 @contextlib.contextmanager
-def atomic_path(path: Path, *, lasting: bool = True) -> Iterator[Path]:
+def atomic_path(path: Path) -> Iterator[Path]:
     """Yield a temporary path beside `path` that takes its name only when the block ends well.
 
-    The bytes are on the disk before the name is, so that a loss of power leaves the old file or the new one;
-    the name itself is if it is `lasting`.
+    The bytes are on the disk before the name is, so that a loss of power leaves the old file or the new one.
 
     Raises
     ------
@@ -105,8 +104,7 @@ def atomic_path(path: Path, *, lasting: bool = True) -> Iterator[Path]:
         yield draft
         _sync(draft)
         os.replace(draft, path)
-        if lasting:
-            sync_folder(path.parent)
+        sync_folder(path.parent)
     except OSError as error:
         raise NotWritten(refusal(path, error), error) from None
     except RuntimeError as error:
@@ -128,11 +126,25 @@ def write_whole(path: Path, parts: tuple[bytes | memoryview, ...]) -> None:
     NotWritten
         When the system refuses it; finished files are untouched.
     """
-    with atomic_path(path, lasting=False) as draft, open(draft, "xb", buffering=0) as file:
-        for part in parts:
-            left = memoryview(part).cast("B")
-            while left:
-                left = left[file.write(left) :]
+    draft = _draft_of(path)
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_CLOEXEC", 0)
+    try:
+        try:
+            handle = os.open(draft, flags, 0o666)
+            try:
+                for part in parts:
+                    left = memoryview(part).cast("B")
+                    while left:
+                        left = left[os.write(handle, left) :]
+                os.fsync(handle)
+            finally:
+                os.close(handle)
+            os.replace(draft, path)
+        finally:
+            with contextlib.suppress(OSError):
+                os.unlink(draft)
+    except OSError as error:
+        raise NotWritten(refusal(path, error), error) from None
 
 
 def read_whole(path: Path, *, most: int | None = None) -> bytes:

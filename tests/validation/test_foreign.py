@@ -149,9 +149,9 @@ def test_what_goes_wrong_in_a_foreign_solver_is_said(
 
 
 def test_what_a_foreign_solver_starts_ends_with_it(own_module: Path) -> None:
-    body = """
+    body = f"""
     import subprocess
-    open("started", "w").write(str(subprocess.Popen(["sleep", "600"]).pid))
+    open({str(own_module / "started")!r}, "w").write(str(subprocess.Popen(["sleep", "600"]).pid))
     import time; time.sleep(60)
     """
     with pytest.raises(NotConverged, match=r"took more than 5 s"):

@@ -326,10 +326,6 @@ class Solver(Method):
     def edge_constant(self, result: ContactResult) -> float:
         """Edge constant of the perimeter correction of a result."""
 
-    def words(self, options: Any) -> str:
-        """Name it in a sentence, after "the"."""
-        return self.label
-
     def variant(self, settings: Mapping[str, Any]) -> str:
         """Name the compiled passes that the settings choose."""
         return ""

@@ -62,10 +62,6 @@ class Bem(Solver):
             "method: D. P. Bertsekas, SIAM J. Control Optim. 20, 221 (1982).",
         )
 
-    def words(self, options: BemOptions) -> str:
-        """Name it in a sentence."""
-        return "boundary elements"
-
     def places(self, options: BemOptions) -> Iterator[tuple[Grid, Shift]]:
         """Yield each grid on all of its shifts."""
         steps = [k / options.shifts for k in range(options.shifts)]
@@ -127,7 +123,3 @@ class Bem(Solver):
     def edge_constant(self, result: ContactResult) -> float:
         """Return that of boundary elements, periodic or with free surroundings."""
         return EDGE_CONSTANTS[discretisation(result)]
-
-    def facts(self, options: BemOptions, realised: Realised) -> Iterator[tuple[str, str]]:
-        """Nothing beyond the table of grids."""
-        yield from ()

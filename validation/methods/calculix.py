@@ -97,10 +97,6 @@ class Calculix(Solver):
         """Return the block of its mesh by our reduction to the surface."""
         return block_response(job)
 
-    def words(self, options: Any) -> str:
-        """Name it in a sentence."""
-        return "block of CalculiX"
-
     def settings(self, options: CalculixOptions) -> Settings:
         """Return what was said."""
         given = {

@@ -102,11 +102,6 @@ class Fem(Solver):
                 )
         check_bodies(self.name, realised.elastic, effects, depth=options.depth, layered=True)
 
-    def words(self, options: FemOptions) -> str:
-        """Name it in a sentence."""
-        whole = options.method == "full"
-        return "full finite-element system" if whole else "reduced finite-element block"
-
     def settings(self, options: FemOptions) -> Settings:
         """Return what was said."""
         said = {

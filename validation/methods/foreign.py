@@ -159,10 +159,6 @@ class Foreign(Solver):
             unknowns=size.points,
         )
 
-    def words(self, options: Any) -> str:
-        """Name it in a sentence."""
-        return f"solver {self.label}"
-
     def rehearse(self, effects: Sequence[Effect], settings: Mapping[str, Any] | None = None) -> None:
         """Let its process import and compile what it needs; what it fails at, a solve says."""
         job = Job(

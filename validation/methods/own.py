@@ -40,10 +40,6 @@ class Own(Foreign):
     label = "Own solver"
     options: ClassVar[type[Table]] = OwnOptions
 
-    def words(self, options: OwnOptions) -> str:
-        """Name it in a sentence."""
-        return f"solver {options.solver}"
-
     def call(self, settings: Mapping[str, Any]) -> tuple[str, Mapping[str, Any]]:
         """Return the function that the scene names."""
         return str(settings["solver"]), {}
