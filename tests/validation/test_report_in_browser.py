@@ -10,9 +10,8 @@ import subprocess
 import numpy as np
 import pytest
 
-from validation.comparison.run import report_scene
 from validation.studies import find_study
-from validation.studies._outputs import report_study, run_study
+from validation.studies._outputs import run_study
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 FLAGS = [
@@ -165,36 +164,6 @@ def test_a_screenshot_of_the_report_is_not_blank(pages, tmp_path, width, height)
     assert coloured.mean() > 0.002
 
 
-def test_figures_come_with_pdf_and_their_data(pages):
-    import xarray as xr
-
-    for name, figures in (
-        ("run", ("surface", "area", "pressure-distribution", "cost", "pressure-maps")),
-        ("study", ("area", "kappa")),
-    ):
-        folder = pages[name].parent / "figures"
-        for figure in figures:
-            assert (folder / f"{figure}.pdf").read_bytes().startswith(b"%PDF")
-            with xr.open_dataset(folder / f"{figure}.nc") as data:
-                data.load()
-            lines = (folder / f"{figure}.csv").read_text().splitlines()
-            assert len(lines) > 1
-            for variable in data.data_vars.values():
-                assert {"units", "long_name"} <= set(variable.attrs)
-
-
-def test_the_data_behind_a_figure_are_the_numbers_of_the_run(small_run):
-    import xarray as xr
-
-    run = small_run.data
-    with xr.open_dataset(small_run.folder / "figures" / "area.nc") as data:
-        np.testing.assert_array_equal(data["area_pixel"], run.area_pixel)
-        assert float(data.area_own) == float(run.area_own)
-    with xr.open_dataset(small_run.folder / "figures" / "pressure-maps.nc") as data:
-        share = np.isfinite(data.pressure_map.sel(solver="bem")).mean()
-    assert float(share) == pytest.approx(float(run.area_pixel.sel(solver="bem", grid="24 x 24")), rel=0.2)
-
-
 def test_the_report_names_papers_seeds_versions_and_answers_first(pages):
     page = pages["run"].read_text()
     for words in (
@@ -209,20 +178,3 @@ def test_the_report_names_papers_seeds_versions_and_answers_first(pages):
     first = [page.index(words) for words in ("How large", "How sure", "How far from", "What did it cost")]
     assert first == sorted(first)
     assert first[-1] < page.index("What was found") < page.index("Every grid") < page.index("<figure id")
-
-
-def test_a_report_is_made_again_from_stored_results_alone(small_run, tmp_path, monkeypatch):
-    monkeypatch.setattr("validation.solves.press.Press.do", lambda *a, **k: pytest.fail("solved"))
-    folder = tmp_path / "copy"
-    shutil.copytree(small_run.folder, folder)
-    before = (folder / "report.html").read_text()
-    (folder / "report.html").unlink()
-    shutil.rmtree(folder / "figures")
-    outputs = report_scene(folder)
-    assert outputs.data.equals(small_run.data)
-    assert (folder / "report.html").read_text() == before
-
-
-def test_the_report_of_a_study_is_made_again_from_its_dataset(pages):
-    before = pages["study"].read_text()
-    assert report_study(pages["study"].parent).files[0].read_text() == before

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from fem_contact.block import ELEMENTS, BlockMesh, plan_mesh, solve, solve_finite_strain, solve_slopes
-from fem_contact.block.full.assembly import assemble
 from fem_contact.block.hyperelastic import solver
 from fem_contact.block.hyperelastic.cells import Cells, Strained, stress
 from fem_contact.block.hyperelastic.newton import descend
@@ -51,14 +50,6 @@ def test_forces_are_the_gradient_of_the_energy_and_the_stiffness_that_of_the_for
     change = (cells.forces(above) - cells.forces(below)) / (2 * step)
     product = cells.stiffness(cells.strained(u)) @ v.ravel()
     np.testing.assert_allclose(product, change.ravel(), atol=1e-8 * np.abs(change).max())
-
-
-@pytest.mark.parametrize("element", ["Hex1", "Hex1/P0"])
-def test_undeformed_stiffness_is_that_of_the_linear_block(element: str) -> None:
-    cells = Cells(mesh=small_mesh(element), poisson=0.3)
-    flat = cells.strained(np.zeros((*cells.mesh.cells, cells.mesh.nz, 3)))
-    difference = cells.stiffness(flat) - assemble(cells.mesh, poisson=0.3).free()
-    assert abs(difference).max() < 1e-14
 
 
 def test_forces_are_those_that_scikit_fem_assembles() -> None:
