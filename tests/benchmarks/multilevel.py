@@ -13,7 +13,7 @@ import sys
 import numpy as np
 
 from validation.measures.common import base_case, base_surface
-from validation.measures.measurement import Measurement, grid_for, grid_tolerance
+from validation.measures.measurement import grid_for, grid_tolerance, press_on_grids
 
 POINTS_PER_WAVE = (4.0, 8.0, 16.0)
 #: Between the first surfaces of neighbouring levels, so that no surface serves two of them.
@@ -27,7 +27,7 @@ def measured(surfaces: int) -> list[list]:
     grids = [grid_for(first, n) for n in POINTS_PER_WAVE]
     return [
         [
-            Measurement(
+            press_on_grids(
                 realised=first.further(k + APART * level),
                 grids=tuple(grids[max(level - 1, 0) : level + 1]),
                 shifts=1,

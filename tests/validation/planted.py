@@ -44,14 +44,14 @@ def located(area: float, edges: float) -> float:
 
 
 def measurement(solve, area: Callable[[float], float], **planted: Callable) -> xr.Dataset:
-    """What `Measurement.measure` leaves of a contact of known area; others by name, of p* and the grid.
+    """What `press_on_grids` leaves of a contact of known area; others by name, of p* and the grid.
 
     Counting adds .1 per edge and cell, the corrected area is right, and the located one off by what
     such areas are on average: every limit is `area`.
     """
-    points = np.array([n for n, _ in solve.grids])
-    loads = solve.loads
-    shape = (points.size, solve.shifts**2, len(loads))
+    points = np.array([n for n, _ in solve["grids"]])
+    loads = solve["reduced_pressures"] or solve["realised"].load.values
+    shape = (points.size, solve["shifts"] ** 2, len(loads))
     dims = ("grid", "shift", "load")
 
     def over(value: Callable) -> np.ndarray:
@@ -88,7 +88,7 @@ def measurement(solve, area: Callable[[float], float], **planted: Callable) -> x
         ("patch_number", sizes),
     ):
         data[f"{name}_profile"] = (("grid", "load", f"{name}_bin"), values)
-    waves = solve.realised.lengths[0] / solve.realised.shortest
+    waves = solve["realised"].lengths[0] / solve["realised"].shortest
     return xr.Dataset(
         data,
         coords={
@@ -109,12 +109,12 @@ def measurement(solve, area: Callable[[float], float], **planted: Callable) -> x
 
 def realisation(solve) -> int:
     """Number of the surface of a solve; +h and -h of a pair follow each other."""
-    own = solve.realised
+    own = solve["realised"]
     return 2 * own.realisation + own.inverted
 
 
 def block(**numbers: float) -> xr.Dataset:
-    """What `BlockMeasurement.measure` leaves."""
+    """What `block_beside_bem` leaves."""
     usual = {
         "pixel": 0.1,
         "perimeter": 0.1,

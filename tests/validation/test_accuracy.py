@@ -16,8 +16,8 @@ from validation.comparison.accuracy_search import Search
 from validation.errors import RunFailed, SceneError, UsageError
 from validation.measures.common import base_surface
 from validation.measures.ensemble import mean_area
-from validation.measures.measurement import Measurement, area_limits, grid_for, limit_over
-from validation.measures.pairs import AreaPairs, Areas
+from validation.measures.measurement import area_limits, grid_for, limit_over, press_on_grids
+from validation.measures.pairs import Areas, area_pairs
 from validation.measures.statistics import pair_means
 from validation.methods.bem import BemOptions
 from validation.report.estimates import mean_of
@@ -112,7 +112,7 @@ def test_the_controlled_mean_is_that_of_plain_surfaces_whatever_amplitudes_and_l
         load=Load(reduced_pressure=0.1) if load == "reduced_pressure" else Load(pressure=0.01e9),
     )
     found = mean_area(base, half_width=0.01, bench=bench, tolerance=1e-5)
-    plain = AreaPairs(realised=base, grids=found.grids[1:], first=77_000_000, count=400, tolerance=1e-5)
+    plain = area_pairs(realised=base, grids=found.grids[1:], first=77_000_000, count=400, tolerance=1e-5)
     areas = [limit.value for limit in Areas.joined(plain, [plain.measure()]).limits(1)]
     middle, half = mean_of(xr.DataArray(areas, dims="surface"), pairs=True)
     assert abs(found.estimate.value - float(middle)) < 1.5 * math.hypot(found.half_width, float(half))
@@ -229,7 +229,7 @@ def test_claims_hold_as_often_as_they_say_on_surfaces_and_loads_of_many_kinds(ta
         )
         reached = reach(scene, bench, target=target)
         pressed = realise(scene)
-        fine = Measurement(realised=pressed, grids=tuple(grid_for(pressed, n) for n in (16, 24, 32)))
+        fine = press_on_grids(realised=pressed, grids=tuple(grid_for(pressed, n) for n in (16, 24, 32)))
         (truth,), (uncertainty,) = area_limits(bench.solve([fine])[fine])
         assert reached.error <= target
         held += abs(reached.area / truth - 1) <= math.hypot(reached.error, 2 * uncertainty / truth)

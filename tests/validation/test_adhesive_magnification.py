@@ -8,7 +8,7 @@ from persson.adhesion import Interface, solve_adhesion
 from persson.elastic import pressure_distribution
 from persson.scale import Scale
 from validation.effects.base import full_contact_energy
-from validation.measures.adhesive import STRESS_EDGES, StickyContact, readings
+from validation.measures.adhesive import STRESS_EDGES, readings, sticky_contact
 from validation.measures.distributions import largest_difference
 from validation.studies import adhesive_magnification as study
 
@@ -27,7 +27,7 @@ def whole():
 
 def sticky(whole, *, work, reach):
     shells = tuple(2 * np.pi / 1e-5 * np.array([1.5, 3.0]))
-    return StickyContact(realised=whole[0], grid=(48, 48), work=work, reach=reach, shells=shells).measure()
+    return sticky_contact(realised=whole[0], grid=(48, 48), work=work, reach=reach, shells=shells).measure()
 
 
 def test_without_attraction_all_is_that_of_the_plain_contact(whole):
@@ -68,10 +68,10 @@ def test_the_law_is_as_strong_as_the_theory_s_detachment_stress_at_the_last_wave
     cut = study._cut(OPTIONS, 0, 3.0)
     case = cut.solve(16.0 * 3.0, shells=())
     q = 2 * np.pi / cut.realised.shortest
-    assert (case.work / case.reach) ** 2 == pytest.approx(
-        1.125 * case.work * cut.realised.contact_modulus * q
+    assert (case["work"] / case["reach"]) ** 2 == pytest.approx(
+        1.125 * case["work"] * cut.realised.contact_modulus * q
     )
-    assert (case.work, case.grid) == (whole[1], (48, 48))
+    assert (case["work"], case["grid"]) == (whole[1], (48, 48))
 
 
 def test_the_whole_surface_is_told_the_same_work_both_ways(data):
@@ -109,7 +109,7 @@ def test_stresses_of_the_theory_fill_their_bins_with_its_area(data):
         assert shares.sum("stress_bin").values == pytest.approx(area.values, rel=2e-3)
     cut = study._cut(OPTIONS, 0, 3.0)
     case = cut.solve(16.0 * 3.0, shells=())
-    lowest = -case.work / case.reach / cut.realised.pressure_scale
+    lowest = -case["work"] / case["reach"] / cut.realised.pressure_scale
     below = STRESS_EDGES[1:] < lowest
     assert own.stress_share_improved_each.values[0, 1, below].sum() == 0
     assert own.stress_share_each.values[0, 1, STRESS_EDGES[1:] < lowest - 0.03].sum() == 0

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from validation.errors import UsageError
-from validation.measures.hierarchy import Hierarchy
+from validation.measures.hierarchy import bumps, press_bumps, radii_of
 from validation.report.estimates import total_error
 from validation.studies import archard, find_study
 
@@ -18,11 +18,11 @@ def data(bench):
 
 
 def test_tops_of_every_level_have_the_radius_that_the_theory_is_told():
-    one = Hierarchy(waves=(1, 8), heights=(1.0, 0.2), places=((0.0, 0.0),) * 2, loads=LOADS, points=2048)
-    heights = one.field().heights
+    waves, levels = (1, 8), (1.0, 0.2)
+    heights = bumps(waves, levels, ((0.0, 0.0),) * 2, points=2048).heights
     # Both levels have a top at the origin: their curvatures add.
     curvature = (2 * heights[0, 0] - heights[1, 0] - heights[-1, 0]) * 2048**2
-    assert curvature == pytest.approx(sum(1 / radius for radius in one.radii), rel=1e-3)
+    assert curvature == pytest.approx(sum(1 / radius for radius in radii_of(waves, levels)), rel=1e-3)
 
 
 def test_a_single_level_is_a_sphere_in_light_contact(data):
@@ -79,7 +79,7 @@ def test_bumps_that_no_grid_resolves_are_refused():
 
 
 def test_a_contact_of_a_few_points_has_no_area():
-    light = Hierarchy(waves=(1,), heights=(1.0,), places=((0.3, 0.1),), loads=(1e-5, 0.02), points=32)
+    light = press_bumps(waves=(1,), heights=(1.0,), places=((0.3, 0.1),), loads=(1e-5, 0.02), points=32)
     first, second = light.measure().area_each.values
     assert np.isnan(first)
     assert second > 0

@@ -10,7 +10,7 @@ from scipy.special import ndtr
 
 from persson import elastic
 from persson.diffusion import solve_diffusion
-from validation.measures import diffusion
+from validation.measures import diffusion, rings
 from validation.measures.budgets import (
     Memory,
     Pressed,
@@ -21,13 +21,14 @@ from validation.measures.budgets import (
     profile,
 )
 from validation.measures.common import base_case, base_surface
-from validation.measures.rings import Chain, Probe, ring_ends
+from validation.measures.rings import ring_ends
+from validation.solves.measurement import Call
 from validation.studies import autopsy, find_study
 
 SMALL = {"periods": 2, "bandwidth": 4.0, "surfaces": 2, "probe_surfaces": 2, "probes": (2.0,)}
 
 
-def chain(*, load: float, **changes: object) -> Chain:
+def chain(*, load: float, **changes: object) -> Call:
     surface = base_surface(hurst=0.8, periods=2.0, bandwidth=4.0, seed=71)
     settings = {
         "realised": base_case(surface, reduced_pressure=load),
@@ -35,7 +36,7 @@ def chain(*, load: float, **changes: object) -> Chain:
         "ends": (1.0, 2**0.5, 2.0, 2**1.5, 4.0),
         "restarts": (1.0, 2.0),
     }
-    return Chain(**{**settings, **changes})
+    return rings.chain(**{**settings, **changes})
 
 
 @pytest.fixture(scope="module")
@@ -90,11 +91,12 @@ def test_no_point_is_missing_from_the_budgets_of_area_load_and_square(partial):
 
 
 def test_the_chain_ends_at_the_whole_surface(partial):
-    own = chain(load=0.1)
-    whole = own.realised.heights((48, 48)).heights
+    case = chain(load=0.1)
+    whole, ends = case["realised"].heights((48, 48)).heights, case["ends"]
+    own = rings.Rings(case["realised"], 48, 1e-7)
     np.testing.assert_allclose(own.heights(0.0, 4.0), whole, atol=1e-12 * np.abs(whole).max())
-    rings = sum(own.heights(*ends) for ends in zip((0.0, *own.ends), own.ends, strict=False))
-    np.testing.assert_allclose(rings, whole, atol=1e-12 * np.abs(whole).max())
+    total = sum(own.heights(*pair) for pair in zip((0.0, *ends), ends, strict=False))
+    np.testing.assert_allclose(total, whole, atol=1e-12 * np.abs(whole).max())
     # p* = p0/(E* h'_rms) and E* h'_rms = 2 sqrt(V).
     assert float(partial.nominal) == pytest.approx(0.2, rel=1e-9)
 
@@ -184,7 +186,7 @@ def test_without_memory_two_rings_compose():
 
 def test_a_ring_is_as_high_as_its_step_asks_for_and_the_load_is_of_the_waves_there():
     surface = base_surface(hurst=0.3, periods=2.0, bandwidth=4.0, seed=71)
-    probe = Probe(
+    probe = rings.probe(
         realised=base_case(surface, reduced_pressure=4.0), points=40, magnification=2.0, steps=(0.01, 0.16)
     )
     data = probe.measure()

@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from fem_contact import bem, contact_areas
+from fem_contact import HalfSpace, bem, contact_areas
 from fem_contact.errors import NotConverged
 from validation.errors import UsageError
 from validation.measures import peers, ways
 from validation.measures.common import base_case, base_surface
 from validation.measures.theory import RANKED
 from validation.methods.own import Own
+from validation.solves.measurement import Call
 from validation.studies import accuracy_cost, find_study, scaling
 from validation.studies._outputs import study_page
 
@@ -104,9 +105,9 @@ def test_what_is_ranked_and_what_is_compared_is_cited(costs):
     assert "xu" in RANKED.split()
 
 
-def peer(code: str, *, seed: int = 4177) -> peers.PeerMeasurement:
+def peer(code: str, *, seed: int = 4177) -> Call:
     surface = base_surface(hurst=0.8, seed=seed, periods=2.0, bandwidth=4.0)
-    return peers.PeerMeasurement(code=code, realised=base_case(surface, reduced_pressure=0.1), grid=(64, 64))
+    return peers.by_peer(code=code, realised=base_case(surface, reduced_pressure=0.1), grid=(64, 64))
 
 
 def test_a_peer_is_solved_no_further_than_its_grid_deserves(monkeypatch):
@@ -132,9 +133,10 @@ def test_an_installed_peer_counts_the_area_that_is_counted_here(code):
     found = solve.measure()
     assert float(found.solver_error) < 0.1 * 0.103 * float(found.pixel) * 2
     # The same areas are read off its pressures as off ours.
-    field = solve.heights()
+    own = solve["realised"]
+    half_space = HalfSpace(solid=own.elastic)
     exact = contact_areas(
-        bem.solve(field, solve.half_space, mean_pressure=solve.realised.pressure).checked(), subcell=True
+        bem.solve(own.heights((64, 64)), half_space, mean_pressure=own.pressure).checked(), subcell=True
     )
     for name in ("perimeter", "subcell"):
         assert float(found[name]) == pytest.approx(getattr(exact, name), rel=0.02)

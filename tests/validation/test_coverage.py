@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from validation.measures.common import base_case, base_surface
-from validation.measures.measurement import Measurement, area_limits, grid_for
+from validation.measures.measurement import area_limits, grid_for, press_on_grids
 
 
 def measured(
@@ -15,7 +15,9 @@ def measured(
 ) -> xr.Dataset:
     surface = base_surface(hurst=hurst, periods=2.0, bandwidth=bandwidth, seed=seed)
     pressed = base_case(surface, reduced_pressure=load)
-    return Measurement(realised=pressed, grids=tuple(grid_for(pressed, n) for n in grids), shifts=2).measure()
+    return press_on_grids(
+        realised=pressed, grids=tuple(grid_for(pressed, n) for n in grids), shifts=2
+    ).measure()
 
 
 def holds(data: xr.Dataset, used: tuple[int, ...], truth: tuple[int, ...]) -> tuple[bool, float]:

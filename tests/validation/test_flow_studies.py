@@ -42,7 +42,7 @@ def test_a_planted_power_and_a_planted_theory_are_found_again():
     """K h_rms / p0 = 2 p*^-0.25 by surface, .3 more per points on coarser grids; a power of .75."""
 
     def answer(solve):
-        own = THREE[solve.realised.realisation]
+        own = THREE[solve["realised"].realisation]
         found = measurement(
             solve,
             lambda p: p,
@@ -57,7 +57,7 @@ def test_a_planted_power_and_a_planted_theory_are_found_again():
     data = conductance.run(options, bench=PlantedBench(answer))
     loads, (coarse, fine) = (
         np.array(LOADS),
-        (n for n, _ in next(iter(conductance.design(options).values())).grids),
+        (n for n, _ in next(iter(conductance.design(options).values()))["grids"]),
     )
     np.testing.assert_allclose(data.stiffness[0], 2.0 * loads**-0.25 + 0.3 / fine, rtol=1e-12)
     surfaces, grid = (data.stiffness_error.sel(source=source)[0] for source in ("surfaces", "grid"))
@@ -156,15 +156,15 @@ def reduced(gap_density, thresholds=(0.3, 0.4, 0.5)):
     """What the study makes of surfaces of planted distributions of gaps and thresholds of the gap."""
 
     def answer(solve):
-        mine = thresholds[solve.realised.realisation]
-        shape = (len(solve.areas), 2)
+        mine = thresholds[solve["realised"].realisation]
+        shape = (len(solve["areas"]), 2)
         flow = {name: (("area", "axis"), np.full(shape, 0.5)) for name in FLOW}
-        density = np.full((len(solve.areas), GAP_EDGES.size - 1), gap_density)
+        density = np.full((len(solve["areas"]), GAP_EDGES.size - 1), gap_density)
         return xr.Dataset(
             flow
             | {"contact_threshold": ("axis", [0.3, 0.3]), "gap_threshold": ("axis", [mine, mine])}
             | {"reduced_pressure": ("area", [0.05, 0.1]), "gap_density": (("area", "gap_bin"), density)},
-            coords={"area": list(solve.areas), "axis": ["x", "y"]},
+            coords={"area": list(solve["areas"]), "axis": ["x", "y"]},
         )
 
     options = leak.Options(areas=(0.1, 0.35), bandwidths=(4.0, 8.0), surfaces=3, seed=17)

@@ -9,8 +9,8 @@ from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from validation.effects.hardness import Hardness
 from validation.measures.common import base_surface
 from validation.measures.measurement import limit_over
-from validation.measures.pairs import AreaPairs, Areas
-from validation.measures.without_solve import UnsolvedPairs
+from validation.measures.pairs import Areas, area_pairs
+from validation.measures.without_solve import unsolved_pairs
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Load, SolidSpec
 from validation.solves.press import Press
@@ -27,7 +27,7 @@ def base(load):
 @pytest.mark.parametrize("load", [Load(reduced_pressure=0.2), Load(pressure=4e7), Load(force=40.0)])
 @pytest.mark.parametrize("effects", [(), (Hardness(hardness=1.5e8),)])
 def test_a_block_reads_the_areas_of_each_surface_and_its_mirror_image(load, effects):
-    case = AreaPairs(realised=base(load), grids=GRIDS, first=7, count=2, tolerance=1e-7, effects=effects)
+    case = area_pairs(realised=base(load), grids=GRIDS, first=7, count=2, tolerance=1e-7, effects=effects)
     areas = Areas.joined(case, [case.measure()])
     limits = areas.limits(1)
     for k, inverted in ((0, False), (1, True), (2, False), (3, True)):
@@ -48,8 +48,8 @@ def test_a_block_reads_the_areas_of_each_surface_and_its_mirror_image(load, effe
 
 def test_the_statistics_of_a_block_are_those_of_the_same_surfaces_that_are_not_solved():
     told = {"realised": base(Load(reduced_pressure=0.2)), "first": 3, "count": 3}
-    solved = AreaPairs(grids=GRIDS[:1], **told).measure().value.values
-    looked = UnsolvedPairs(grid=GRIDS[0], **told).measure()
+    solved = area_pairs(grids=GRIDS[:1], **told).measure().value.values
+    looked = unsolved_pairs(grid=GRIDS[0], **told).measure()
     np.testing.assert_allclose(solved, looked.value.values, rtol=1e-12)
     names = looked.attrs["statistics"].split("; ")
     assert (len(names), names[-1]) == (solved.shape[1], "h'_rms")
@@ -58,14 +58,14 @@ def test_the_statistics_of_a_block_are_those_of_the_same_surfaces_that_are_not_s
 
 
 def test_the_name_of_a_block_tells_loads_effects_and_surfaces_apart():
-    usual = AreaPairs(realised=base(Load(reduced_pressure=0.2)), grids=GRIDS, first=0, count=2)
+    usual = area_pairs(realised=base(Load(reduced_pressure=0.2)), grids=GRIDS, first=0, count=2)
     others = [
-        replace(usual, realised=base(Load(pressure=4e7))),
-        replace(usual, first=2),
-        replace(usual, count=4),
-        replace(usual, grids=GRIDS[:1]),
-        replace(usual, tolerance=1e-5),
-        replace(usual, effects=(Hardness(hardness=1.5e8),)),
+        usual.but(realised=base(Load(pressure=4e7))),
+        usual.but(first=2),
+        usual.but(count=4),
+        usual.but(grids=GRIDS[:1]),
+        usual.but(tolerance=1e-5),
+        usual.but(effects=(Hardness(hardness=1.5e8),)),
     ]
     assert len({usual.key, *(other.key for other in others)}) == 1 + len(others)
-    assert 2 * usual.predict().seconds == pytest.approx(replace(usual, count=4).predict().seconds)
+    assert 2 * usual.predict().seconds == pytest.approx(usual.but(count=4).predict().seconds)

@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 from planted import SMALL, STUDENT, THREE, PlantedBench, block, column, measurement, realisation
 
+from validation.measures import references
 from validation.measures.common import persson_area
 from validation.report.estimates import claim, total_error
 from validation.studies import (
@@ -25,7 +26,7 @@ PAIR = np.array([0.03, -0.03, 0.05, -0.01])  # +h and -h of two pairs: means 0 a
 
 def _kappa_of(solve):
     """kappa = 2 + H/10 on spectra of bandwidth 2; along the ladders 1.8 + 0.4 step^order more."""
-    surface, own = solve.realised.surface, realisation(solve)
+    surface, own = solve["realised"].surface, realisation(solve)
     band = surface.lambda_long / surface.lambda_short
     waves = surface.length[0] / surface.lambda_long
     kappa = 2 + surface.hurst / 10
@@ -145,14 +146,14 @@ def test_without_ladders_size_and_bandwidth_are_not_measured_and_their_solves_no
 
 
 def _refined(solve):
-    kind = type(solve).__name__
+    kind = solve.kind
     if kind == "GridRoughness":
         slopes = {"kappa": ("slope", np.array([3.0, 2.5, 1.9]))}
         return xr.Dataset(slopes, coords={"slope": ["spectral", "forward", "central"]})
-    own = 0.1 * THREE[solve.realised.realisation]
+    own = 0.1 * THREE[solve["realised"].realisation]
     if kind == "BlockMeasurement":
         # Its edges are 4 / n, and counting adds .198 of them to an area 1 % larger.
-        true, edges = 1.01 * own, 4 / solve.grid[0]
+        true, edges = 1.01 * own, 4 / solve["grid"][0]
         layer = {"pixel_bem": 0.1, "pixel_layer": 0.1 * 0.995}
         return block(pixel=true + 0.198 * edges, perimeter=true, **layer)
     return measurement(solve, lambda p: own)
@@ -242,7 +243,7 @@ def test_published_values_agree_only_with_an_interval_that_could_have_missed_the
 ):
     told = refined.drop_vars([n for n in refined.variables if "published" in str(n) or "paper" in str(n)])
     told = claim(told.assign(kappa=value), "kappa", surfaces=half, grid=0.0 * half, solver=0.0 * half)
-    data = refinement._beside_published(told)
+    data = references.beside_published(told)
     (found,) = (one for one in refinement.views(data).findings if one.by == "kappa_difference")
     assert found.outcomes == outcomes
 
@@ -260,7 +261,7 @@ def scored():
     """A fifth more area than the theory, on three surfaces of a per cent of standard error."""
 
     def answer(solve):
-        own = THREE[solve.realised.realisation]
+        own = THREE[solve["realised"].realisation]
         return measurement(solve, lambda p: 1.2 * float(persson_area(p)) * own)
 
     options = theory_verdict.Options(

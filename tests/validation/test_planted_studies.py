@@ -28,7 +28,7 @@ from validation.measures import adhesive, limits, ways
 from validation.measures.common import persson_area
 from validation.measures.edge import start_of_pressure
 from validation.measures.load_path import SHARES
-from validation.measures.measurement import area_limits
+from validation.measures.measurement import area_limits, truncated_heights
 from validation.measures.theory import WITH_ENERGY, Waves
 from validation.report.estimates import NORMAL, total_error
 from validation.studies import (
@@ -105,7 +105,7 @@ GAMMA, KAPPA = 0.4, 1.7
 
 def _falling(solve):
     """A/A0 = 1.7 p*, gap = (3 - 0.4 ln p*) h_rms, energy a quarter of p* times that of full contact."""
-    own = THREE[solve.realised.realisation]
+    own = THREE[solve["realised"].realisation]
     return measurement(
         solve,
         lambda p: KAPPA * p * own,
@@ -205,8 +205,10 @@ def test_the_theory_of_pressure_stores_half_of_p_u_of_a_flattened_wave():
 
 def test_magnification_prints_the_planted_ratio_to_the_theory_of_the_waves_that_are_there():
     def answer(solve):
-        rough = solve.heights(solve.grids[0]).rms_gradient
-        own = THREE[solve.realised.realisation]
+        rough = truncated_heights(
+            solve["realised"], solve["grids"][0], truncation=solve["truncation"]
+        ).rms_gradient
+        own = THREE[solve["realised"].realisation]
         return measurement(solve, lambda p: 1.1 * float(persson_area(p * 0.1 / rough)) * own)
 
     options = magnification.Options(
@@ -376,7 +378,7 @@ def test_areas_with_adhesion_end_at_one(silent, monkeypatch):
 
 def test_cross_says_by_how_much_finite_elements_are_above_and_the_planted_order():
     def answer(solve):
-        off = 0.5 * (8 / solve.grid[0]) ** 1.5
+        off = 0.5 * (8 / solve["grid"][0]) ** 1.5
         return block(
             pixel=0.12, pixel_bem=0.1, perimeter=0.11, perimeter_bem=0.1, pressure_half_space=off, gap=-0.2
         )
@@ -405,7 +407,7 @@ def test_depth_tells_the_bottom_from_the_mesh():
     """The mesh costs 2 %, the bottom 8 % at a quarter of a period, 0.1 % at one."""
 
     def answer(solve):
-        bottom = {0.25: 0.08, 1.0: 0.001}[solve.depth]
+        bottom = {0.25: 0.08, 1.0: 0.001}[solve["depth"]]
         return block(pressure_half_space=0.02 + bottom, pressure_layer=0.02, pixel=0.11, pixel_bem=0.1)
 
     options = depth.Options(
@@ -425,7 +427,7 @@ def test_scaling_has_the_planted_exponents_and_what_they_allow(monkeypatch):
     monkeypatch.setattr("validation.solves.cost.available_memory", lambda: 2**34)
 
     def answer(solve):
-        number = solve.grid[0] ** 2.0
+        number = solve["grid"][0] ** 2.0
         cost = {"seconds": 2e-6 * number**1.1, "fft_pairs": 40.0, "peak_bytes": 64.0 * number, "area": 0.1}
         return xr.Dataset({name: ((), value) for name, value in cost.items()})
 

@@ -275,16 +275,16 @@ def small(bench):
 
 def test_a_cell_of_the_table_is_the_chained_mean_of_its_pairs(small):
     options, bench, data = small
-    cases = study._cases(options, "exact")
+    cases = study.spectra(options, "exact")[0.8, 8.0].cases
     solved = bench.solve(cases.values())
 
     def gaps(last, grid):
-        own = [solved[case] for name, case in cases.items() if name[2] == last]
+        own = [solved[case] for name, case in cases.items() if name[0] == last]
         each = [float(one.mean_gap[grid, 0, 1]) / one.attrs["rms_height"] for one in own]
         return np.mean(np.reshape(each, (-1, 2)), axis=1)
 
     def told(ks):
-        fields = [cases[0.8, 8.0, 0, 0, False].realised.further(k).heights((24, 24)) for k in ks]
+        fields = [cases[0, 0, False]["realised"].further(k).heights((24, 24)) for k in ks]
         return np.array([list(unsolved_statistics(field).values()) for field in fields])
 
     coarse = Level(values=gaps(0, 0), controls=told(range(12)))
@@ -318,8 +318,9 @@ def test_the_total_is_the_root_of_the_squares_of_surfaces_grid_size_and_solver(s
 def test_exact_amplitudes_have_one_gradient_and_the_two_loads_differ_by_its_ratio(small):
     options, bench, data = small
     exact = data.sel(amplitudes="exact", hurst=0.8, bandwidth=8.0)
-    cases = study._cases(options, "exact")
-    gradients = {round(float(one.attrs["rms_gradient"]), 12) for one in bench.solve(cases.values()).values()}
+    cases = study.spectra(options, "exact")[0.8, 8.0].cases
+    solved = bench.solve([case for name, case in cases.items() if len(name) > 1])
+    gradients = {round(float(one.attrs["rms_gradient"]), 12) for one in solved.values()}
     (gradient,) = gradients
     loads = np.array(options.reduced_pressures)
     told = at_loads(exact.area.values, loads=loads, wanted=loads * 0.1 / gradient)
@@ -363,15 +364,14 @@ def test_fewer_waves_take_more_surfaces_and_finer_grids():
 
 def test_no_surface_serves_two_grids_or_is_looked_at_as_another():
     options = study.Options(hursts=(0.3,), bandwidths=(4.0, 32.0))
-    for bandwidth in options.bandwidths:
-        numbers = [name[3] for name in study._cases(options, "exact") if name[1] == bandwidth and not name[4]]
+    for (_, bandwidth), spectrum in study.spectra(options, "exact").items():
+        cases = spectrum.cases
+        numbers = [name[1] for name in cases if len(name) > 1 and not name[2]]
         assert len(numbers) == len(set(numbers)) == sum(options.pairs_of(bandwidth))
-        coarsest, further = (
-            study._unsolved(options, "exact")[0.3, bandwidth, name] for name in ("coarsest", "further")
-        )
-        ending = {name[3] for name in study._cases(options, "exact") if name[1:3] == (bandwidth, 0)}
-        assert ending == set(range(coarsest.first, coarsest.first + coarsest.count))
-        assert further.first > max(numbers)
+        coarsest, further = cases["coarsest",], cases["further",]
+        ending = {name[1] for name in cases if name[0] == 0}
+        assert ending == set(range(coarsest["first"], coarsest["first"] + coarsest["count"]))
+        assert further["first"] > max(numbers)
 
 
 @pytest.mark.slow
@@ -403,7 +403,7 @@ def test_surfaces_that_are_added_are_new_ones_and_none_is_taken_back():
 
 
 def _realisations(case):
-    return range(case.first, case.first + case.count)
+    return range(case["first"], case["first"] + case["count"])
 
 
 def test_the_closed_form_is_fitted_to_the_table_and_off_by_what_is_said():

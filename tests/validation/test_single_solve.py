@@ -1,18 +1,16 @@
 """Solves of one surface on one grid: each field that determines the numbers is in the recipe."""
 
-from dataclasses import replace
-
 import pytest
 
-from validation.measures.adhesive import StickyContact
-from validation.measures.block import BlockMeasurement
+from validation.measures.adhesive import sticky_contact
+from validation.measures.block import block_beside_bem
 from validation.measures.common import base_case, base_surface
-from validation.measures.edge import EdgeMeasurement
-from validation.measures.flow import LeakMeasurement
+from validation.measures.edge import edge_of_contact
+from validation.measures.flow import leaks
 from validation.solves.solve import LOCATED_EDGES
 
 PRESSED = base_case(base_surface(hurst=0.8, periods=2.0, bandwidth=4.0, seed=23), reduced_pressure=0.05)
-STICKY = StickyContact(realised=PRESSED, grid=(24, 24), work=1e-3, reach=2e-6, shells=(1e4, 2e4))
+STICKY = sticky_contact(realised=PRESSED, grid=(24, 24), work=1e-3, reach=2e-6, shells=(1e4, 2e4))
 
 
 @pytest.mark.parametrize(
@@ -27,29 +25,27 @@ STICKY = StickyContact(realised=PRESSED, grid=(24, 24), work=1e-3, reach=2e-6, s
     ids=lambda other: next(iter(other)),
 )
 def test_another_value_of_any_field_is_another_solve(other):
-    assert replace(STICKY, **other).key != STICKY.key
+    assert STICKY.but(**other).key != STICKY.key
 
 
 def test_a_recipe_holds_the_fields_as_json_has_them_and_what_is_read_off():
     assert STICKY.recipe.items() >= {"work": 1e-3, "reach": 2e-6, "shells": [1e4, 2e4], "version": 1}.items()
     assert "edges" not in STICKY.recipe
-    assert LeakMeasurement(realised=PRESSED, grid=(24, 24), areas=(0.1,)).recipe["edges"] == LOCATED_EDGES
+    assert leaks(realised=PRESSED, grid=(24, 24), areas=(0.1,)).recipe["edges"] == LOCATED_EDGES
 
 
 def test_what_is_left_to_the_solver_is_not_in_the_recipe():
-    block = BlockMeasurement(realised=PRESSED, grid=(8, 8))
+    block = block_beside_bem(realised=PRESSED, grid=(8, 8))
     assert "tolerance" not in block.recipe
-    assert replace(block, tolerance=1e-10).recipe["tolerance"] == 1e-10
-    edge = EdgeMeasurement(realised=PRESSED, grid=(24, 24))
+    assert block.but(tolerance=1e-10).recipe["tolerance"] == 1e-10
+    edge = edge_of_contact(realised=PRESSED, grid=(24, 24))
     assert {"method", "settings"}.isdisjoint(edge.recipe)
-    assert replace(edge, settings=(("tolerance", 1e-9),)).recipe["settings"] == {"tolerance": 1e-9}
+    assert edge.but(settings=(("tolerance", 1e-9),)).recipe["settings"] == {"tolerance": 1e-9}
 
 
 def test_names_and_costs_follow_from_the_kind_of_solve():
     assert STICKY.prefix == "sticky-24"
-    assert STICKY.describe() == "adhesion 24x24, surface 1"
-    few, many = (
-        LeakMeasurement(realised=PRESSED, grid=(24, 24), areas=areas) for areas in ((0.1,), (0.1, 0.2))
-    )
+    assert STICKY.describe() == "adhesion 24x24, H = 0.8, nu = 0.3, surface 1"
+    few, many = (leaks(realised=PRESSED, grid=(24, 24), areas=areas) for areas in ((0.1,), (0.1, 0.2)))
     assert many.predict().seconds == pytest.approx(6 / 5 * few.predict().seconds)
     assert many.predict().unknowns == 24**2

@@ -14,6 +14,7 @@ from fem_contact.response import HalfSpace
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField, random_surface
 from validation.errors import UsageError
+from validation.measures.measurement import truncated_heights
 from validation.methods.theory import predict
 from validation.scenes.realised import realise
 from validation.scenes.scene import load_scene
@@ -134,7 +135,7 @@ def test_a_measured_map_without_its_short_waves_is_a_lower_magnification(scene, 
     (case,) = magnification.design(
         magnification.Options(scene=scene(MAP), magnifications=(3.0,), shifts=1)
     ).values()
-    partial = case.heights(GRIDS[0])
+    partial = truncated_heights(case["realised"], GRIDS[0], truncation=case["truncation"])
     waves = np.abs(np.fft.fft2(partial.heights))
     nx, ny = GRIDS[0]
     qx, qy = np.fft.fftfreq(nx, 12e-6 / nx), np.fft.fftfreq(ny, 9e-6 / ny)

@@ -18,11 +18,11 @@ from persson.elastic import contact_area, stress_variance
 from persson.scale import Scale
 from persson.separation import mean_separation
 from validation.measures.common import base_case, base_surface
-from validation.measures.distributions import Distributions, distance_to_reference
+from validation.measures.distributions import distance_to_reference
 from validation.measures.edge import inverse_square_coefficient, window_slope
 from validation.measures.ladders import bandwidth_order, fitted_line, line
 from validation.measures.limits import grid_drift
-from validation.measures.measurement import Measurement, grid_for
+from validation.measures.measurement import grid_for, press_on_grids
 from validation.measures.theory import WITH_ENERGY, Waves, ensemble_area, modes_finding
 from validation.report.estimates import claim, mean
 from validation.scenes.scene import SolidSpec
@@ -38,7 +38,9 @@ def measured():
     surface = base_surface(hurst=0.6, seed=61, **SMALL)
     grids = ((16, 16), (24, 24), (32, 32))
     case = base_case(surface, reduced_pressure=0.05, solid=SOLID)
-    return Distributions(realised=case, reduced_pressures=(0.05, 0.2), grids=grids, shifts=2).measure()
+    return press_on_grids(
+        realised=case, reduced_pressures=(0.05, 0.2), grids=grids, shifts=2, keep=("distributions",)
+    ).measure()
 
 
 def test_rungs_of_common_surfaces_lead_to_the_law_they_follow_whatever_their_offsets():
@@ -276,7 +278,7 @@ def test_kappa_is_that_of_another_code_on_other_surfaces_of_the_same_spectrum(ex
     for pair in range(8):
         for inverted in (False, True):
             realised = replace(base.further(pair), inverted=inverted)
-            case = Measurement(realised=realised, grids=(grid_for(base, 4.0),), shifts=2)
+            case = press_on_grids(realised=realised, grids=(grid_for(base, 4.0),), shifts=2)
             found = case.measure().mean("shift").isel(grid=0, load=0)
             values.append(float(found.pixel - 0.118 * found.edge_fraction) / 0.05)
     # Surfaces scatter by 1.7 %: .5 % for sixteen, .6 % for the other's eight; thrice that.

@@ -20,12 +20,12 @@ from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
 from validation.measures.adhesive import interface_energy
 from validation.measures.common import base_case, base_surface, persson_area
-from validation.measures.distributions import Distributions, largest_difference, weighted_percentile
+from validation.measures.distributions import histograms_of, largest_difference, weighted_percentile
 from validation.measures.edge import edge_limits, start_of_pressure, window_slope
 from validation.measures.grid_roughness import rms_slopes
 from validation.measures.grids import observed_order
 from validation.measures.ladders import fitted_line, spectral_errors
-from validation.measures.measurement import Measurement
+from validation.measures.measurement import press_on_grids, pressed_path, truncated_heights
 from validation.measures.statistics import order_of_convergence
 from validation.measures.theory import Waves, ensemble_stress_variance
 from validation.measures.yielding import kept_by_theory
@@ -126,11 +126,16 @@ def test_waves_left_out_raise_the_reduced_pressure_of_the_rest():
         reduced_pressures=(0.1,), seed=71,
     )  # fmt: skip
     cases = magnification.design(options)
-    part, whole = (cases[0, zeta].heights(cases[0, zeta].grids[0]).rms_gradient for zeta in (2.0, 4.0))
+    part, whole = (
+        truncated_heights(one["realised"], one["grids"][0], truncation=one["truncation"]).rms_gradient
+        for one in (cases[0, 2.0], cases[0, 4.0])
+    )
     assert part < 0.9 * whole
 
     def planted(solve):
-        return measurement(solve, lambda p: 0.2).assign_attrs(rms_gradient=solve.realised.field.rms_gradient)
+        return measurement(solve, lambda p: 0.2).assign_attrs(
+            rms_gradient=solve["realised"].field.rms_gradient
+        )
 
     data = magnification.run(options, bench=PlantedBench(planted))
     exact = [math.erf(math.sqrt(2) * 0.1 * whole / slope) for slope in (part, whole)]
@@ -187,7 +192,7 @@ def test_forward_and_central_slopes_of_a_wave_are_those_of_its_differences():
 def flattened():
     """A surface in full contact, measured along two loads."""
     case = base_case(base_surface(hurst=0.8, periods=2.0, bandwidth=2.0, seed=89), reduced_pressure=6.0)
-    return case, Distributions(
+    return case, press_on_grids(
         realised=case, reduced_pressures=(5.0, 6.0), grids=((16, 16), (24, 24)), shifts=1
     )
 
@@ -207,7 +212,7 @@ def test_shares_of_pressure_add_up_to_the_area_and_to_the_load():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(type(case), "pressure_scale", unit)
         patch.setattr(type(case), "shortest", 0.1)
-        shares = Distributions(realised=case, grids=((32, 32),)).profiles(contact)
+        shares = histograms_of(contact, case)
     share = float(contact.in_contact.mean())
     assert shares["stress"].sum() == pytest.approx(share, rel=1e-12)
     assert shares["load"].sum() == pytest.approx(1.0, rel=1e-12)
@@ -269,8 +274,8 @@ def test_rungs_of_a_known_order_lead_to_their_limit_and_a_shift_grows_with_it():
 
 def test_a_path_presses_each_load_with_the_gradient_of_the_whole_surface():
     case = base_case(base_surface(hurst=0.8, periods=2.0, bandwidth=2.0, seed=101), reduced_pressure=0.1)
-    solve = Measurement(realised=case, reduced_pressures=(0.05, 0.2), grids=((16, 16),), shifts=1)
-    found = [result.mean_pressure for result in solve._path((16, 16), (0.0, 0.0))]
+    path = pressed_path(case.heights((16, 16)), case, (0.05, 0.2), tolerance=1e-8)
+    found = [result.mean_pressure for result in path]
     unit = case.contact_modulus * case.field.rms_gradient
     np.testing.assert_allclose(found, [0.05 * unit, 0.2 * unit], rtol=1e-6)
 

@@ -17,14 +17,15 @@ from validation.comparison.accuracy_bench import Metered
 from validation.errors import NoLimit, RunFailed, UsageError
 from validation.measures.ensemble import MeanArea, mean_area
 from validation.measures.measurement import TOLERANCES_LEFT, has_square_cells, limit_over
-from validation.measures.pairs import AreaPairs
+from validation.measures.pairs import area_pairs
 from validation.methods.bem import BemOptions
 from validation.report.words import percent
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Methods, Scene
 from validation.solves.cost import memory_words
+from validation.solves.measurement import Call
 from validation.solves.press import Press, solves_of
-from validation.solves.solve import Prediction, Solve
+from validation.solves.solve import Prediction
 
 __all__ = ["Beside", "Ladder", "Search", "Single", "grid_words"]
 
@@ -235,10 +236,10 @@ class Search:
             doubt=doubt if limit is None else limit.doubt,
         )
 
-    def _watch(self, found: MeanArea, solves: Sequence[Solve]) -> None:
+    def _watch(self, found: MeanArea, solves: Sequence[Call]) -> None:
         """Stop a mean that would take too long, with what is known."""
         seconds = self.bench.seconds(solves)
-        surfaces = found.surfaces + 2 * sum(one.count for one in solves if isinstance(one, AreaPairs))
+        surfaces = found.surfaces + 2 * sum(one["count"] for one in solves if one.measurement is area_pairs)
         if self.bench.affordable(seconds) and surfaces <= _MOST_SURFACES:
             return
         raise RunFailed(

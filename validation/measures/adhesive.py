@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -14,14 +15,14 @@ from persson.elastic import contact_area, stress_variance
 from persson.errors import PerssonError
 from persson.interface import detachment_stress
 from persson.scale import Scale
-from validation.arrays import Array
+from validation.arrays import Array, Grid
 from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
 from validation.effects.hardness import Hardness
-from validation.measures.single_solve import SingleSolve, Takes
 from validation.measures.yielding import yielded_by_theory
 from validation.report.estimates import claim, derive
 from validation.scenes.realised import Realised
+from validation.solves.measurement import Call, measurement
 from validation.solves.press import Press
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 
     from fem_contact.adhesion import GapLaw
     from fem_contact.contact import ContactResult
+    from fem_contact.surface import HeightField
     from validation.solves.running import Solves
 
 __all__ = [
@@ -38,10 +40,10 @@ __all__ = [
     "Reading",
     "Solutions",
     "Sticking",
-    "StickyContact",
     "interface_energy",
     "readings",
     "shares_by_shell",
+    "sticky_contact",
     "with_pooled_stress",
     "without_adhesion",
 ]
@@ -148,76 +150,76 @@ class Sticking:
         )
 
 
-@dataclass(frozen=True, kw_only=True)
-class StickyContact(SingleSolve):
-    """One surface with attraction (exponential law), approached from the contact without it, and parted from full contact.
+@measurement(
+    "sticky-{size}",
+    kind="StickyContact",
+    words="adhesion",
+    version=1,
+    seconds=lambda points: 0.05 + 1.2e-5 * points,  # some 500 pairs of transforms
+    bytes=400,
+)
+def sticky_contact(
+    *, realised: Realised, grid: Grid, work: float, reach: float, shells: tuple[float, ...]
+) -> xr.Dataset:
+    """Press one surface without attraction, then with it (exponential law) from there and from full contact.
 
-    Attributes
+    Parameters
     ----------
+    realised : Realised
+    grid : tuple of int
     work, reach : float
         w [J/m^2] and range [m] of the attraction.
     shells : tuple of float
         Wavevectors [1/m], rising, between which the elastic energy is summed.
     """
+    import xarray as xr
 
-    kind, words = "sticky", "adhesion"
-    version = 1
-    takes = Takes(seconds=0.05, each_point=1.2e-5, bytes=400)  # some 500 pairs of transforms
+    from fem_contact import adhesion, bem
+    from fem_contact.response import HalfSpace
 
-    work: float
-    reach: float
-    shells: tuple[float, ...]
-
-    def measure(self) -> xr.Dataset:
-        """Solve without attraction, then with it from there and from full contact."""
-        import xarray as xr
-
-        from fem_contact import adhesion, bem
-
-        field, law = self.heights(), adhesion.Exponential(work=self.work, reach=self.reach)
-        told: dict[str, Any] = {"mean_pressure": self.realised.pressure, "threads": 1}
-        plain = bem.solve(field, self.half_space, **told).checked()
-        told["law"] = law
-        near = adhesion.solve(field, self.half_space, start=np.maximum(plain.gap, 0.0), **told)
-        contact = near.contact.checked()
-        inside = contact.in_contact
-        stress = contact.pressure[inside] / self.realised.pressure_scale
-        shares, _ = np.histogram(np.clip(stress, STRESS_EDGES[0], STRESS_EDGES[-1]), bins=STRESS_EDGES)
-        found = {
+    field, law = realised.heights(grid), adhesion.Exponential(work=work, reach=reach)
+    half_space = HalfSpace(solid=realised.elastic)
+    told: dict[str, Any] = {"mean_pressure": realised.pressure, "threads": 1}
+    plain = bem.solve(field, half_space, **told).checked()
+    told["law"] = law
+    near = adhesion.solve(field, half_space, start=np.maximum(plain.gap, 0.0), **told)
+    contact = near.contact.checked()
+    inside = contact.in_contact
+    stress = contact.pressure[inside] / realised.pressure_scale
+    shares, _ = np.histogram(np.clip(stress, STRESS_EDGES[0], STRESS_EDGES[-1]), bins=STRESS_EDGES)
+    by_shell = partial(_by_shell, field, modulus=realised.contact_modulus, shells=shells)
+    full = by_shell(contact.heights)
+    parted = math.nan
+    # Hardly any attraction is a long way from full contact, and holds nothing there.
+    if work > _HOLDS * full.sum():
+        held = adhesion.solve(field, half_space, start=np.zeros(field.shape), **told).contact.checked()
+        parted = float(held.in_contact.mean())
+    return xr.Dataset(
+        {
             "area": float(inside.mean()),
             "plain": float(plain.in_contact.mean()),
-            "force": float(np.mean(contact.pressure * inside)) / self.realised.pressure,
+            "force": float(np.mean(contact.pressure * inside)) / realised.pressure,
             "tension": float(np.mean(stress < 0)) if stress.size else 0.0,
-            "gap": float(contact.gap.mean()) / self.realised.field.rms_height,
+            "gap": float(contact.gap.mean()) / realised.field.rms_height,
+            "parted": parted,
+            "stress": ("stress_bin", shares / inside.size),
+            "stored": ("shell", by_shell(contact.displacement)),
+            "full": ("shell", full),
+            "stored_by_pressure": _stored(contact),
         }
-        full = self._by_shell(contact.heights)
-        found["parted"] = np.nan
-        # Hardly any attraction is a long way from full contact, and holds nothing there.
-        if self.work > _HOLDS * full.sum():
-            start = np.zeros(field.shape)
-            parted = adhesion.solve(field, self.half_space, start=start, **told).contact.checked()
-            found["parted"] = float(parted.in_contact.mean())
-        return xr.Dataset(
-            {name: ((), value) for name, value in found.items()}
-            | {
-                "stress": ("stress_bin", shares / inside.size),
-                "stored": ("shell", self._by_shell(contact.displacement)),
-                "full": ("shell", full),
-                "stored_by_pressure": ((), _stored(contact)),
-            }
-        )
+    )
 
-    def _by_shell(self, displacement: Array) -> Array:
-        """Elastic energy [J/m^2] of the waves up to each of `shells` and beyond the last, sum E* q |u|^2 / 4."""
-        field = self.heights()
-        nx, ny = field.shape
-        qx, qy = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(field.shape, field.spacing, strict=True))
-        q = np.hypot(qx[:, None], qy[None, :])
-        power = np.abs(np.fft.fft2(displacement) / (nx * ny)) ** 2
-        edges = np.array(self.shells) * (1 + 1e-9)
-        energy = self.realised.contact_modulus / 4 * (q * power).ravel()
-        shell = np.searchsorted(edges, q.ravel())
-        return np.asarray(np.bincount(shell, weights=energy, minlength=edges.size + 1), dtype=float)
+
+def _by_shell(field: HeightField, displacement: Array, *, modulus: float, shells: tuple[float, ...]) -> Array:
+    """Elastic energy [J/m^2] of the waves up to each of `shells` and beyond the last, sum E* q |u|^2 / 4."""
+    nx, ny = field.shape
+    qx, qy = (2 * np.pi * np.fft.fftfreq(n, d) for n, d in zip(field.shape, field.spacing, strict=True))
+    q = np.hypot(qx[:, None], qy[None, :])
+    power = np.abs(np.fft.fft2(displacement) / (nx * ny)) ** 2
+    edges = np.array(shells) * (1 + 1e-9)
+    energy = modulus / 4 * (q * power).ravel()
+    shell = np.searchsorted(edges, q.ravel())
+    return np.asarray(np.bincount(shell, weights=energy, minlength=edges.size + 1), dtype=float)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -228,9 +230,7 @@ class Cut:
     work: float
     theory: Solutions
 
-    def solve(
-        self, points: float, *, shells: tuple[float, ...], finer: int = 1, reach: float = 1.0
-    ) -> StickyContact:
+    def solve(self, points: float, *, shells: tuple[float, ...], finer: int = 1, reach: float = 1.0) -> Call:
         """Return the solve on a grid: w / range is the theory's detachment stress at the last wave.
 
         Parameters
@@ -249,9 +249,8 @@ class Cut:
         interface = Interface(work_of_adhesion=self.work)
         strength = float(detachment_stress(self.work, interface=interface, **told))
         range_of = reach * self.work / strength
-        return StickyContact(
-            realised=self.realised, grid=(n, n), work=self.work, reach=range_of, shells=shells
-        )
+        given: dict[str, Any] = {"realised": self.realised, "grid": (n, n)}
+        return sticky_contact(**given, work=self.work, reach=range_of, shells=shells)
 
     def reduced(self, grids: Sequence[xr.Dataset]) -> xr.Dataset:
         """Return what is read off the solves on each grid, and what the theory says."""

@@ -15,9 +15,10 @@ import numpy as np
 from persson import elastic
 from validation.measures.limits import kept_of, solved
 from validation.measures.measurement import area_limits
-from validation.measures.rings import AREAS, Chain, Probe
+from validation.measures.rings import AREAS
 from validation.report.estimates import NORMAL, derive, error_of, gather, mean, nearest
 from validation.solves.bench import Bench
+from validation.solves.measurement import Call
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,7 +78,7 @@ _OF_PROBES = (
 
 
 def budgets_of(
-    bench: Bench, cases: Mapping[tuple[float, float, int, float], Chain | Probe], **dims: Sequence[Any]
+    bench: Bench, cases: Mapping[tuple[float, float, int, float], Call], **dims: Sequence[Any]
 ) -> xr.Dataset:
     """Solve chains, or probes, and put them together along (hurst, load, surface, grid).
 
@@ -89,12 +90,12 @@ def budgets_of(
     measured = {place: kept_of(one) for place, one in solved(bench, cases).items()}
     data = gather(measured, **dims)
     finest = [next(case for place, case in cases.items() if place[-1] == n) for n in dims["grid"]]
-    per_wave = [one.points_per_wave for one in finest]
+    points, per_wave = [one["points"] for one in finest], [_points_per_wave(one) for one in finest]
     others = [str(dim) for dim in data.pixel.dims if dim != "grid"]
     flat = {n: data[n].transpose("grid", *others).values.reshape(len(finest), 1, -1) for n in AREAS}
     areas = xr.Dataset({name: (("grid", "shift", "load"), values) for name, values in flat.items()}).assign(
-        points=("grid", [one.points for one in finest]),
-        cells=("grid", [one.points**2 for one in finest]),
+        points=("grid", points),
+        cells=("grid", [n**2 for n in points]),
         points_per_wave=("grid", per_wave),
     )
     like = data.pixel.isel(grid=0, drop=True).transpose(*others)
@@ -107,6 +108,13 @@ def budgets_of(
         data[name] = limit.assign_attrs(reduction="limit", of="subcell")
         data[f"{name}_error"] = error_of(limit, grid=spread)
     return data.assign(grid_spacing=("grid", [1 / n for n in per_wave]))
+
+
+def _points_per_wave(case: Call) -> float:
+    """lambda_short / dx of the waves there are; the ring of a probe is a little shorter."""
+    realised, zeta = case["realised"], dict(case.arguments).get("magnification")
+    shortest = realised.shortest if zeta is None else realised.longest / zeta
+    return float(case["points"] * shortest / realised.lengths[0])
 
 
 def of_probe(data: xr.Dataset) -> xr.Dataset:

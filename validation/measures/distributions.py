@@ -1,4 +1,4 @@
-"""How pressure and patch sizes are distributed: a measurement that keeps it, and how far two distributions are apart."""
+"""How pressure and patch sizes are distributed, and how far two distributions are apart."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ import numpy as np
 from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
 from validation.arrays import Array
-from validation.measures.measurement import Measurement
+from validation.scenes.realised import Realised
 
 __all__ = [
     "PATCH_EDGES",
     "STRESS_EDGES",
     "Distance",
-    "Distributions",
     "distance_to_reference",
+    "histograms_of",
     "largest_difference",
     "weighted_percentile",
 ]
@@ -31,34 +31,33 @@ STRESS_EDGES = np.linspace(0.0, 4.0, 321)
 PATCH_EDGES = np.geomspace(1e-4, 1e4, 161)
 
 
-@dataclass(frozen=True, kw_only=True)
-class Distributions(Measurement):
-    """A measurement with P(sigma) and patch sizes of every solve.
+def histograms_of(result: ContactResult, realised: Realised) -> dict[str, Array]:
+    """Return P(sigma) and patch sizes of one solve, as histograms over the edges above.
 
-    It adds `stress` (share of the nominal area by pressure), `load` (share of p0 by pressure), `patch_number` and
-    `patch_area` (number of patches, and share of the nominal area, by patch size), all as histograms over the edges above.
+    Returns
+    -------
+    dict of str to array
+        ``stress``, share of the nominal area by pressure, and ``load``, share of p0; ``patch_number`` and ``patch_area``,
+        number of patches and share of the nominal area, by patch size.
     """
-
-    def profiles(self, result: ContactResult) -> dict[str, Array]:
-        """Return the histograms of one solve."""
-        unit = self.realised.pressure_scale
-        contact = np.asarray(result.in_contact)
-        pressure = np.asarray(result.pressure)[contact] / unit
-        inside = np.clip(pressure, 0.0, STRESS_EDGES[-1])
-        stress, _ = np.histogram(inside, bins=STRESS_EDGES)
-        load, _ = np.histogram(inside, bins=STRESS_EDGES, weights=pressure)
-        sizes = find_patches(contact, result.spacing).areas
-        scaled = np.clip(sizes / self.realised.shortest**2, PATCH_EDGES[0], PATCH_EDGES[-1])
-        number, _ = np.histogram(scaled, bins=PATCH_EDGES)
-        cell = result.spacing[0] * result.spacing[1]
-        area, _ = np.histogram(scaled, bins=PATCH_EDGES, weights=sizes / cell)
-        nominal = float(np.mean(result.pressure)) / unit * contact.size
-        return {
-            "stress": stress / contact.size,
-            "load": load / nominal,
-            "patch_number": number.astype(float),
-            "patch_area": area / contact.size,
-        }
+    unit = realised.pressure_scale
+    contact = np.asarray(result.in_contact)
+    pressure = np.asarray(result.pressure)[contact] / unit
+    inside = np.clip(pressure, 0.0, STRESS_EDGES[-1])
+    stress, _ = np.histogram(inside, bins=STRESS_EDGES)
+    load, _ = np.histogram(inside, bins=STRESS_EDGES, weights=pressure)
+    sizes = find_patches(contact, result.spacing).areas
+    scaled = np.clip(sizes / realised.shortest**2, PATCH_EDGES[0], PATCH_EDGES[-1])
+    number, _ = np.histogram(scaled, bins=PATCH_EDGES)
+    cell = result.spacing[0] * result.spacing[1]
+    area, _ = np.histogram(scaled, bins=PATCH_EDGES, weights=sizes / cell)
+    nominal = float(np.mean(result.pressure)) / unit * contact.size
+    return {
+        "stress": stress / contact.size,
+        "load": load / nominal,
+        "patch_number": number.astype(float),
+        "patch_area": area / contact.size,
+    }
 
 
 def weighted_percentile(shares: Array, edges: Array, part: float) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -13,24 +12,24 @@ from fem_contact.area import contact_areas
 from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
 from fem_contact.stress import pressure_distribution
-from validation.arrays import Array
+from validation.arrays import Array, Grid
 from validation.effects.base import Slots
 from validation.measures.common import named, reduced_load
 from validation.measures.limits import solved
 from validation.measures.measurement import grid_for
-from validation.measures.single_solve import SingleSolve, Takes
 from validation.methods import find_solver
 from validation.methods.base import Job, Settings
 from validation.report.estimates import gather
 from validation.scenes.realised import Realised
 from validation.solves.bench import Bench
+from validation.solves.measurement import measurement
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
-    "EdgeMeasurement",
     "edge_limits",
+    "edge_of_contact",
     "inverse_square_coefficient",
     "slopes_of",
     "start_of_pressure",
@@ -47,79 +46,65 @@ _BINS = 120
 _TOP = 0.6
 
 
-@dataclass(frozen=True, kw_only=True)
-class EdgeMeasurement(SingleSolve):
-    """P(sigma) of one realisation on one grid at small pressure, and the edge coefficient behind it.
+def _recipe(made: dict[str, Any], method: str, settings: Settings) -> dict[str, Any]:
+    """Boundary elements as they are by themselves go without a name."""
+    plain = method == "bem" and not settings
+    return {n: v for n, v in made.items() if not (plain and n in ("method", "settings"))} | {"top": _TOP}
 
-    Attributes
+
+@measurement(
+    "edge-{size}",
+    kind="EdgeMeasurement",
+    words="edge of contact, {method}",
+    recipe=_recipe,
+    seconds=lambda points: 5e-3 + 1.2e-6 * points,
+    bytes=160,
+    compiled=lambda method, settings: ((method, dict(settings), ()),),
+)
+def edge_of_contact(
+    *, realised: Realised, grid: Grid, method: str = "bem", settings: Settings = ()
+) -> xr.Dataset:
+    """Return P(sigma) of one realisation at small pressure and the edge coefficient, in units of E* h'_rms, lambda_short.
+
+    Parameters
     ----------
+    realised : Realised
+    grid : tuple of int
     method : str
         Name of a solver.
     settings : tuple of (str, value)
         What it is told.
     """
+    import xarray as xr
 
-    kind = "edge"
-    takes = Takes(seconds=5e-3, each_point=1.2e-6, bytes=160)
-
-    method: str = "bem"
-    settings: Settings = ()
-
-    @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers; boundary elements as they are by themselves go without a name."""
-        made = {**super().recipe, "settings": dict(self.settings), "top": _TOP}
-        plain = self.method == "bem" and not self.settings
-        return {name: value for name, value in made.items() if not (plain and name in ("method", "settings"))}
-
-    def describe(self) -> str:
-        """Return a few words for a progress bar."""
-        return f"edge of contact, {find_solver(self.method).label}, {self.where}"
-
-    @property
-    def code_path(self) -> tuple[str, ...]:
-        """The method and its variant."""
-        return (self.method, find_solver(self.method).variant(dict(self.settings)))
-
-    def warm_up(self) -> None:
-        """Let the method run through its compiled passes."""
-        find_solver(self.method).rehearse((), dict(self.settings))
-
-    def measure(self) -> xr.Dataset:
-        """Return the density of small pressures and the edge coefficient, in units of E* h'_rms and lambda_short."""
-        import xarray as xr
-
-        unit, solver = self.realised.pressure_scale, find_solver(self.method)
-        job = Job(
-            field=self.heights(),
-            load={"mean_pressure": reduced_load(self.realised) * unit},
-            slots=Slots(solid=self.realised.elastic),
-            settings=dict(self.settings),
-            threads=1,
-        )
-        result = solver.solve(job).contact.checked()
-        edges = np.linspace(0, _TOP, _BINS + 1)
-        density = pressure_distribution(result, edges * unit).density * unit
-        wave = self.realised.shortest
-        # The counted edge is 4/pi times the true contour on average.
-        areas = contact_areas(result, edge_constant=solver.edge_constant(result))
-        contour = np.pi / 4 * areas.edge_length * wave
-        return xr.Dataset(
-            {
-                "density": named("bin", density, "P(sigma) E* h'_rms per nominal area"),
-                "contour": named((), contour, "true contour length per nominal area times lambda_short"),
-                "inverse_square": ((), inverse_square_coefficient(result) * unit**2 / wave),
-                "patches": ((), find_patches(result.in_contact, result.spacing).count),
-                "area": ((), areas.perimeter),
-                "excess": named(
-                    (),
-                    areas.pixel - areas.perimeter,
-                    "counted area above the corrected one, per nominal area",
-                ),
-                "seconds": ((), result.cost.wall_seconds),
-            },
-            coords={"stress": ("bin", (edges[1:] + edges[:-1]) / 2), "upper": ("bin", edges[1:])},
-        )
+    unit, solver = realised.pressure_scale, find_solver(method)
+    job = Job(
+        field=realised.heights(grid),
+        load={"mean_pressure": reduced_load(realised) * unit},
+        slots=Slots(solid=realised.elastic),
+        settings=dict(settings),
+        threads=1,
+    )
+    result = solver.solve(job).contact.checked()
+    edges = np.linspace(0, _TOP, _BINS + 1)
+    density = pressure_distribution(result, edges * unit).density * unit
+    wave = realised.shortest
+    # The counted edge is 4/pi times the true contour on average.
+    areas = contact_areas(result, edge_constant=solver.edge_constant(result))
+    contour = np.pi / 4 * areas.edge_length * wave
+    excess = areas.pixel - areas.perimeter
+    return xr.Dataset(
+        {
+            "density": named("bin", density, "P(sigma) E* h'_rms per nominal area"),
+            "contour": named((), contour, "true contour length per nominal area times lambda_short"),
+            "inverse_square": ((), inverse_square_coefficient(result) * unit**2 / wave),
+            "patches": ((), find_patches(result.in_contact, result.spacing).count),
+            "area": ((), areas.perimeter),
+            "excess": named((), excess, "counted area above the corrected one, per nominal area"),
+            "seconds": ((), result.cost.wall_seconds),
+        },
+        coords={"stress": ("bin", (edges[1:] + edges[:-1]) / 2), "upper": ("bin", edges[1:])},
+    )
 
 
 def window_slope(below: float, *, excess: float, window: float) -> float:
@@ -167,7 +152,7 @@ def slopes_of(
     import xarray as xr
 
     cases = {
-        (place, n): EdgeMeasurement(realised=surface, grid=grid_for(surface, n))
+        (place, n): edge_of_contact(realised=surface, grid=grid_for(surface, n))
         for place, surface in surfaces.items()
         for n in points_per_wave
     }
@@ -175,7 +160,7 @@ def slopes_of(
     found = {}
     for place, surface in surfaces.items():
         # A grid is even, and so a little finer than asked for.
-        spacing = [1 / surface.points_per_wave(cases[place, n].grid) for n in points_per_wave]
+        spacing = [1 / surface.points_per_wave(cases[place, n]["grid"]) for n in points_per_wave]
         starts = {
             n: start_of_pressure(measured[place, n], spacing=dx, window=window, slope_window=window)
             for n, dx in zip(points_per_wave, spacing, strict=True)
@@ -210,7 +195,7 @@ def inverse_square_coefficient(result: ContactResult) -> float:
 def start_of_pressure(
     measured: xr.Dataset, *, spacing: float, window: float, slope_window: float
 ) -> xr.Dataset:
-    """Reduce one `EdgeMeasurement` to how P(sigma) starts: in windows that close, and by the contour.
+    """Reduce what `edge_of_contact` left to how P(sigma) starts: in windows that close, and by the contour.
 
     Parameters
     ----------

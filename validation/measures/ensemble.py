@@ -12,18 +12,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 import scipy.special
 
-from validation.arrays import Array
+from validation.arrays import Array, Grid
 from validation.errors import NoLimit
 from validation.measures.common import results_of
 from validation.measures.controlled import Controlled, Known, Level, allocation, chained_mean
-from validation.measures.measurement import TOLERANCES_LEFT, Grid, area_limits, grid_for
-from validation.measures.pairs import AreaPairs, Areas
+from validation.measures.measurement import TOLERANCES_LEFT, area_limits, grid_for
+from validation.measures.pairs import Areas, area_pairs
 from validation.measures.statistics import Estimate, pair_means
-from validation.measures.without_solve import UnsolvedPairs
+from validation.measures.without_solve import unsolved_pairs
 from validation.scenes.realised import Realised
 from validation.scenes.scene import EffectSpec
 from validation.solves.bench import Bench
-from validation.solves.solve import Solve
+from validation.solves.measurement import Call
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -273,7 +273,7 @@ class MeanArea:
 
 
 #: Called with what was found so far and the solves that come next; raises to stop.
-Watch = Callable[[MeanArea, Sequence[Solve]], None]
+Watch = Callable[[MeanArea, Sequence[Call]], None]
 
 
 def mean_area(
@@ -377,13 +377,13 @@ class _Drawn:
     def __post_init__(self) -> None:
         self.counts = [self._block(last) for last in range(len(self.grids))]
 
-    def cases(self) -> dict[_Name, AreaPairs | UnsolvedPairs]:
+    def cases(self) -> dict[_Name, Call]:
         """Return the blocks of pairs that end with each grid, and of those that are only looked at."""
-        found: dict[_Name, AreaPairs | UnsolvedPairs] = {}
+        found: dict[_Name, Call] = {}
         for last, count in enumerate(self.counts):
             size = self._block(last)
             for k in range(0, count, size):
-                found[last, k] = AreaPairs(
+                found[last, k] = area_pairs(
                     realised=self.base,
                     grids=self.grids[: last + 1],
                     first=k + last * _APART,
@@ -393,7 +393,7 @@ class _Drawn:
                 )
         for k in range(0, self.further, _FIRST_UNSOLVED):
             first = k + len(self.grids) * _APART
-            found[len(self.grids), k] = UnsolvedPairs(
+            found[len(self.grids), k] = unsolved_pairs(
                 realised=self.base, grid=self.grids[0], first=first, count=_FIRST_UNSOLVED
             )
         return found
@@ -404,11 +404,7 @@ class _Drawn:
     def samples(self, solved: Mapping[_Name, xr.Dataset]) -> _Pressed:
         cases = self.cases()
         parts = [[name for name in cases if name[0] == last] for last in range(len(self.grids) + 1)]
-        ending = []
-        for names in parts[:-1]:
-            case = cases[names[0]]
-            assert isinstance(case, AreaPairs)
-            ending.append(Areas.joined(case, [solved[name] for name in names]))
+        ending = [Areas.joined(cases[names[0]], [solved[name] for name in names]) for names in parts[:-1]]
         looked = [solved[name] for name in parts[-1]]
         return _Pressed(
             ending=ending,

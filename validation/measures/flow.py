@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from fem_contact.area import contact_areas
-from fem_contact.conductance import frozen_contact
 from fem_contact.contact import ContactResult
 from fem_contact.leak import critical_gap, flow_conductance, open_gap, percolates
 from fem_contact.stress import gap_distribution
 from persson.gaps import gap_distribution as theory_of_gaps
 from persson.leakage import effective_medium
 from persson.scale import Scale
-from validation.arrays import Array
-from validation.measures.measurement import QUANTITIES, Measurement
-from validation.measures.single_solve import SingleSolve, Takes
+from validation.arrays import Array, Grid
 from validation.measures.theory import WITH_ENERGY, Waves
 from validation.scenes.realised import Realised
+from validation.solves.measurement import measurement
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,11 +26,10 @@ __all__ = [
     "GAP_EDGES",
     "GAP_THEORIES",
     "NARROW",
-    "LeakMeasurement",
-    "StiffMeasurement",
     "contact_is_apart",
     "flow_of",
     "gap_is_open",
+    "leaks",
     "located_area",
     "stiffness_of",
 ]
@@ -47,38 +43,12 @@ _BRACKET, _AREA = 1e-3, 2e-4
 _STEPS = 40
 
 
-@dataclass(frozen=True, kw_only=True)
-class StiffMeasurement(Measurement):
-    """A `Measurement` that also moves the frozen contact set of every solve."""
-
-    #: Of the frozen contact; its stiffness is off by the square of it, .6 of that at worst.
-    frozen_tolerance: ClassVar[float] = 1e-9
-
-    @property
-    def quantities(self) -> Mapping[str, tuple[str, str]]:
-        """Those of every measurement, and the stiffness."""
-        return QUANTITIES | {"stiffness": ("1", "K h_rms / p0, contact set held")}
-
-    def read_off(self, result: ContactResult, *, located: bool) -> dict[str, float]:
-        """Return every one of `quantities` of one solve."""
-        from fem_contact.response import HalfSpace
-
-        stiffness = np.inf  # of a half-space in full contact
-        if not result.in_contact.all():
-            height = self.realised.field.rms_height
-            frozen = frozen_contact(
-                result, HalfSpace(solid=self.realised.elastic), tolerance=self.frozen_tolerance, threads=1
-            )
-            stiffness = frozen.stiffness * height / result.mean_pressure
-        return super().read_off(result, located=located) | {"stiffness": stiffness}
-
-
 #: Loads between which the theory's gap is differentiated, relative.
 _STEP = 0.01
 
 
 def stiffness_of(measured: xr.Dataset, realised: Realised) -> xr.Dataset:
-    """Reduce one `StiffMeasurement` to numbers over (load) on its finest grid, means over the shifts, and the theory's.
+    """Reduce a path with its stiffness to numbers over (load) on its finest grid, means over the shifts, and the theory's.
 
     Returns
     -------
@@ -106,51 +76,50 @@ def stiffness_of(measured: xr.Dataset, realised: Realised) -> xr.Dataset:
     return xr.Dataset({**own, **theory}, attrs={"solve": measured.attrs["solve"]})
 
 
-@dataclass(frozen=True, kw_only=True)
-class LeakMeasurement(SingleSolve):
-    """One surface at given contact areas, and at its percolation thresholds, along x and along y.
+@measurement(
+    "leak-{size}",
+    kind="LeakMeasurement",
+    words="leak",
+    located=True,
+    version=2,
+    # Some seven problems for each area and threshold.
+    seconds=lambda points, areas: 7 * (len(areas) + 4) * (2e-3 + 2e-6 * points),
+    bytes=2000,
+)
+def leaks(*, realised: Realised, grid: Grid, areas: tuple[float, ...]) -> xr.Dataset:
+    """Seek the loads that make given areas, and where contact and gap percolate along x and along y.
 
-    Attributes
+    Parameters
     ----------
     realised : Realised
         Surface and solid; the load is sought.
     grid : tuple of int
     areas : tuple of float
         A/A0, located inside the cells.
+
+    Returns
+    -------
+    xarray.Dataset
+        What leaks there and how wide the gaps are, over (area, axis) and (area, gap_bin); thresholds (axis).
     """
+    import xarray as xr
 
-    kind, words = "leak", "leak"
-    located, version = True, 2
-    takes = Takes(seconds=2e-3, each_point=2e-6, bytes=2000)
-
-    areas: tuple[float, ...]
-
-    @property
-    def problems(self) -> int:
-        """Some seven for each area and threshold."""
-        return 7 * (len(self.areas) + 4)
-
-    def measure(self) -> xr.Dataset:
-        """Seek the loads, and keep what leaks there and how wide the gaps are; dimensions (area, axis), (area, gap_bin)."""
-        import xarray as xr
-
-        path = _Path(self)
-        states = [path.at_area(area) for area in self.areas]
-        flows = [[_flow(state, axis) for axis in ("x", "y")] for state in states]
-        height = self.realised.field.rms_height
-        gaps = [gap_distribution(state, GAP_EDGES * height).density * height for state in states]
-        loads = [state.mean_pressure / self.realised.pressure_scale for state in states]
-        thresholds = {
-            name: ("axis", [path.threshold(open_at(axis)) for axis in ("x", "y")])
-            for name, open_at in (("contact_threshold", contact_is_apart), ("gap_threshold", gap_is_open))
-        }
-        names = tuple(flows[0][0])
-        return xr.Dataset(
-            {name: (("area", "axis"), [[one[name] for one in row] for row in flows]) for name in names}
-            | thresholds
-            | {"reduced_pressure": ("area", loads), "gap_density": (("area", "gap_bin"), gaps)},
-            coords={"area": list(self.areas), "axis": ["x", "y"]},
-        )
+    path = _Path(realised, grid)
+    states = [path.at_area(area) for area in areas]
+    flows = [[_flow(state, axis) for axis in ("x", "y")] for state in states]
+    height = realised.field.rms_height
+    gaps = [gap_distribution(state, GAP_EDGES * height).density * height for state in states]
+    loads = [state.mean_pressure / realised.pressure_scale for state in states]
+    thresholds = {
+        name: ("axis", [path.threshold(open_at(axis)) for axis in ("x", "y")])
+        for name, open_at in (("contact_threshold", contact_is_apart), ("gap_threshold", gap_is_open))
+    }
+    return xr.Dataset(
+        {name: (("area", "axis"), [[one[name] for one in row] for row in flows]) for name in flows[0][0]}
+        | thresholds
+        | {"reduced_pressure": ("area", loads), "gap_density": (("area", "gap_bin"), gaps)},
+        coords={"area": list(areas), "axis": ["x", "y"]},
+    )
 
 
 #: Elastic energies of the theory of gaps, by their g (Persson 2006, and Yang, Persson 2008).
@@ -160,7 +129,7 @@ NARROW = 0.1
 
 
 def flow_of(measured: xr.Dataset, realised: Realised) -> xr.Dataset:
-    """Reduce one `LeakMeasurement` to means over both axes, one sample of a surface, beside the theories.
+    """Reduce what `leaks` left to means over both axes, one sample of a surface, beside the theories.
 
     Returns
     -------
@@ -217,21 +186,21 @@ def _gap_theory(loads: Array, realised: Realised, ratio: float) -> Array:
 class _Path:
     """States of one surface on one grid, found by the load that makes them."""
 
-    def __init__(self, asked: LeakMeasurement) -> None:
-        self.asked, self.field = asked, asked.heights()
+    def __init__(self, realised: Realised, grid: Grid) -> None:
+        self.realised, self.field = realised, realised.heights(grid)
         self.known: dict[float, ContactResult] = {}
 
     def state(self, reduced: float) -> ContactResult:
         """Solve at p*, from the nearest load that is known."""
         from fem_contact import bem
+        from fem_contact.response import HalfSpace
 
         near = min(self.known, key=lambda other: abs(np.log(other / reduced)), default=None)
         start = None if near is None else self.known[near].pressure
-        scale = self.asked.realised.pressure_scale
         if reduced not in self.known:
-            solved = bem.solve(
-                self.field, self.asked.half_space, mean_pressure=reduced * scale, start=start, threads=1
-            )
+            half_space = HalfSpace(solid=self.realised.elastic)
+            pressure = reduced * self.realised.pressure_scale
+            solved = bem.solve(self.field, half_space, mean_pressure=pressure, start=start, threads=1)
             self.known[reduced] = solved.checked()
         return self.known[reduced]
 

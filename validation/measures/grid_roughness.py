@@ -2,72 +2,65 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fem_contact.area import contact_areas
 from fem_contact.surface import HeightField, random_surface
+from validation.arrays import Grid
 from validation.measures.common import reduced_load
-from validation.measures.single_solve import SingleSolve, Takes
+from validation.scenes.realised import Realised
 from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
+from validation.solves.measurement import measurement
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["GridRoughness", "rms_slopes"]
+__all__ = ["grid_roughness", "rms_slopes"]
 
 
-@dataclass(frozen=True, kw_only=True)
-class GridRoughness(SingleSolve):
-    """The waves of a surface continued with its power law to the shortest a grid can carry, pressed on that grid.
+def _recipe(made: dict[str, Any]) -> dict[str, Any]:
+    return made | {"surface": {n: v for n, v in made["surface"].items() if n != "lambda_short"}}
+
+
+@measurement(
+    "grid-roughness-{size}",
+    kind="GridRoughness",
+    words="roughness to the grid scale,",
+    recipe=_recipe,
+    seconds=lambda points: 2e-3 + 4e-6 * points,  # such roughness converges slowly
+    bytes=120,
+)
+def grid_roughness(*, realised: Realised, grid: Grid) -> xr.Dataset:
+    """Continue the waves of a surface with its power law to the shortest a grid can carry, and press them on that grid.
 
     The surface gives H, lambda_long, period and seed; its lambda_short is replaced by two spacings. The reduced
-    pressure is that of the spectral slope.
+    pressure is that of the spectral slope. Returns kappa for the three slopes.
     """
+    import xarray as xr
 
-    kind, words = "grid-roughness", "roughness to the grid scale,"
-    takes = Takes(seconds=2e-3, each_point=4e-6, bytes=120)  # such roughness converges slowly
+    from fem_contact import bem
+    from fem_contact.response import HalfSpace
 
-    @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers."""
-        recipe = super().recipe
-        surface = {name: value for name, value in recipe["surface"].items() if name != "lambda_short"}
-        return recipe | {"surface": surface}
-
-    def measure(self) -> xr.Dataset:
-        """Return kappa for the three slopes."""
-        import xarray as xr
-
-        from fem_contact import bem
-
-        field, modulus = self._rough_field(), self.realised.contact_modulus
-        slopes = rms_slopes(field)
-        pressure = reduced_load(self.realised) * modulus * slopes["spectral"]
-        result = bem.solve(field, self.half_space, mean_pressure=pressure, threads=1).checked()
-        pixel = contact_areas(result).pixel
-        kappa = [pixel * modulus * slope / pressure for slope in slopes.values()]
-        return xr.Dataset(
-            {"kappa": ("slope", kappa), "pixel": ((), pixel), "seconds": ((), result.cost.wall_seconds)},
-            coords={"slope": list(slopes)},
-        )
-
-    def _rough_field(self) -> HeightField:
-        surface = self.realised.surface
-        assert isinstance(surface, SelfAffineSurface)
-        # The Nyquist wave itself has no phase on the grid: stop one wave short of it.
-        q_short = 2 * np.pi / surface.length[0] * (self.grid[0] // 2 - 1)
-        wide = surface.model_copy(update={"lambda_short": 2 * np.pi / q_short})
-        return random_surface(
-            spectrum_of(wide),
-            q_short=q_short,
-            lengths=surface.length,
-            shape=self.grid,
-            seed=surface.seed_of(self.realised.realisation),
-        )
+    surface, modulus = realised.surface, realised.contact_modulus
+    assert isinstance(surface, SelfAffineSurface)
+    # The Nyquist wave itself has no phase on the grid: stop one wave short of it.
+    q_short = 2 * np.pi / surface.length[0] * (grid[0] // 2 - 1)
+    wide = surface.model_copy(update={"lambda_short": 2 * np.pi / q_short})
+    seed = surface.seed_of(realised.realisation)
+    field = random_surface(spectrum_of(wide), q_short=q_short, lengths=surface.length, shape=grid, seed=seed)
+    slopes = rms_slopes(field)
+    pressure = reduced_load(realised) * modulus * slopes["spectral"]
+    half_space = HalfSpace(solid=realised.elastic)
+    result = bem.solve(field, half_space, mean_pressure=pressure, threads=1).checked()
+    pixel = contact_areas(result).pixel
+    kappa = [pixel * modulus * slope / pressure for slope in slopes.values()]
+    return xr.Dataset(
+        {"kappa": ("slope", kappa), "pixel": ((), pixel), "seconds": ((), result.cost.wall_seconds)},
+        coords={"slope": list(slopes)},
+    )
 
 
 def rms_slopes(field: HeightField) -> dict[str, float]:

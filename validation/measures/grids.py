@@ -10,25 +10,30 @@ import scipy.special
 
 from fem_contact.area import ContactAreas
 from fem_contact.extrapolation import limit_area
+from persson.elastic import pressure_distribution, stress_variance
 from validation.arrays import Grid
 from validation.measures.distributions import PATCH_EDGES, STRESS_EDGES, weighted_percentile
 from validation.measures.limits import limits_of
-from validation.measures.measurement import limit_over
-from validation.measures.side_by_side import areas_by_method
+from validation.measures.measurement import limit_over, stored_areas
 from validation.measures.statistics import order_of_convergence
-from validation.report.estimates import NORMAL, claim, derive, error_of, gather, mean
+from validation.report.estimates import NORMAL, change, claim, derive, error_of, gather, mean
+from validation.scenes.realised import Realised
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["observed_order", "on_grids", "protocol", "with_blocks", "with_methods"]
+__all__ = ["SMALL", "observed_order", "on_grids", "protocol", "with_blocks", "with_distances", "with_methods"]
 
+#: Stress, over E* h'_rms, that is small; distance from the limit that is close.
+SMALL, _CLOSE = 0.2, 0.05
+#: Points per shortest wave at and below which nothing is resolved.
+_RESOLVED = 2 * (1 + 1e-9)
 #: Parts of the contact area at which patch sizes are read: newborn patches are one cell on every grid, and count little.
 _PARTS = (0.1, 0.5, 0.9)
 
 
 def on_grids(measured: xr.Dataset) -> xr.Dataset:
-    """Reduce one `Distributions` at one load: its limit, and over (grid) areas, moments of P(sigma), patches, cost."""
+    """Reduce a measurement that keeps distributions, at one load: its limit, and over (grid) areas, moments of P(sigma), patches, cost."""
     data = limits_of(measured).isel(load=0, drop=True)
     plain = measured.isel(load=0, drop=True).drop_vars(["points", "cells"], errors="ignore")
     names = {"area_pixel": "pixel", "area_perimeter": "perimeter", "area_located": "subcell"}
@@ -53,6 +58,70 @@ def on_grids(measured: xr.Dataset) -> xr.Dataset:
         stress=("stress_bin", (STRESS_EDGES[1:] + STRESS_EDGES[:-1]) / 2),
         part=list(_PARTS),
     )
+
+
+def with_distances(data: xr.Dataset, *, theory: bool) -> xr.Dataset:
+    """Add kappa, distances from the limit with their orders, and what P(sigma) has too much of on a coarse grid.
+
+    Parameters
+    ----------
+    data : xarray.Dataset
+        Of `on_grids` by surface, with ``area_persson``, ``area_ensemble_each`` and ``reduced_pressure``.
+    theory : bool
+        Whether P(sigma) of the theory is that of the bare half-space.
+    """
+    resolved, areas = data.points_per_wave.values > _RESOLVED, ("pixel", "perimeter", "located")
+    data = data.assign_coords(resolution=("grid", np.where(resolved, "resolved", "under-resolved")))
+    first = int(np.argmax(resolved))
+    data = derive(
+        data,
+        kappa_each="area_each / reduced_pressure",
+        kappa_pixel_each="area_pixel_each / reduced_pressure",
+        kappa_persson="area_persson / reduced_pressure",
+        kappa_ensemble_each="area_ensemble_each / reduced_pressure",
+        area_excess_each="area_each / area_persson - 1",
+        **{f"distance_{name}_each": f"area_{name}_each / area_each - 1" for name in areas},
+        stress_density="stress_density_each.mean('surface')",
+        grid_part_each="(area_pixel_each - area_each) / (area_pixel_each - area_persson)",
+    )
+    data = change(data, "area_pixel", along="grid", first=-1, last=first)
+    data = mean(data, *(f"{of}_{name}" for of in ("area", "distance") for name in areas), *_AVERAGED)
+    for name in areas:
+        own = observed_order(data.isel(grid=resolved), f"distance_{name}", to=f"order_{name}")
+        data = data.assign({n: own[n] for n in (f"order_{name}", f"order_{name}_error")})
+    data = derive(data, **{f"distance_{name}_size": f"abs(distance_{name})" for name in areas})
+    # Above the last pressure at which the coarse grid has more, it must have less: the load is the same.
+    coarse, fine = (f"stress_density.isel(grid={k})" for k in (first, -1))
+    low, high = (f"where(stress {sign} {SMALL}, 0).sum('stress_bin')" for sign in ("<", ">="))
+    bare = derive(
+        data[["stress_density"]],
+        small_stress_part=f"({coarse} - {fine}).{low} / ({coarse} - {fine}).sum('stress_bin')",
+        large_stress_change=f"{coarse}.{high} / {fine}.{high} - 1",
+    )
+    variance, load = stress_variance(1.0, contact_modulus=1.0), float(data.reduced_pressure)
+    law = pressure_distribution(data.stress.values, pressure=load, stress_variance=variance)
+    close = np.flatnonzero(resolved & (data.distance_pixel_size.values < _CLOSE))
+    return data.assign(
+        small_stress_part=bare.small_stress_part,
+        large_stress_change=bare.large_stress_change,
+        stress_density_persson=("stress_bin", law * (1.0 if theory else np.nan)),
+        points_per_wave_close=float(data.points_per_wave[close[0]]) if close.size else np.nan,
+        cells_per_patch_close=float(data.cells_per_patch[close[0]]) if close.size else np.nan,
+    )
+
+
+#: What else is averaged over the surfaces.
+_AVERAGED: tuple[str, ...] = (
+    "area",
+    "kappa",
+    "kappa_pixel",
+    "kappa_ensemble",
+    "area_excess",
+    "grid_part",
+    "area_pixel_change",
+)
+_AVERAGED += ("first_moment", "patches", "cells_at_part", "cells_per_patch", "density_at_zero")
+_AVERAGED += ("residual", "seconds", "edge_fraction")
 
 
 def _block_limit(blocks: Mapping[float, xr.Dataset], element: str) -> xr.Dataset:
@@ -145,7 +214,7 @@ def with_methods(
     data: xr.Dataset,
     answers: Mapping[tuple[Any, ...], xr.Dataset],
     grids: Mapping[str, Sequence[Grid]],
-    points_per_wave: Mapping[str, Sequence[float]],
+    first: Realised,
 ) -> xr.Dataset:
     """Add other methods beside the areas of boundary elements: on every grid, and their limits where grids allow one.
 
@@ -155,8 +224,10 @@ def with_methods(
         With ``area_each`` over (surface).
     answers : mapping
         By name of the method, number of the surface, and number of the grid.
-    grids, points_per_wave : mapping
+    grids : mapping
         By name of the method.
+    first : Realised
+        Any of the surfaces.
     """
     import xarray as xr
 
@@ -183,7 +254,7 @@ def with_methods(
     data = xr.merge([data, other, limit], compat="no_conflicts", combine_attrs="override").assign_coords(
         method_other=("other_case", [m for m, _ in cases]),
         grid_other=("other_case", ["{} x {}".format(*grids[m][g]) for m, g in cases]),
-        points_per_wave_other=("other_case", [points_per_wave[m][g] for m, g in cases]),
+        points_per_wave_other=("other_case", [first.points_per_wave(grids[m][g]) for m, g in cases]),
     )
     ways = ("other", "other_pixel", "other_perimeter", "other_located")
     data = derive(data, **{f"distance_{way}_each": f"area_{way}_each / area_each - 1" for way in ways})
@@ -196,7 +267,10 @@ def _method_limit(answers: Sequence[xr.Dataset], grids: Sequence[Grid]) -> xr.Da
     """Limit of one surface over the grids of a method, with its interval; NaN where they are too few."""
     import xarray as xr
 
-    areas = [areas_by_method(answer, grid) for answer, grid in zip(answers, grids, strict=True)]
+    areas = [
+        stored_areas(answer, grid=grid, edge_constant=float(answer.edge_constant))
+        for answer, grid in zip(answers, grids, strict=True)
+    ]
     located = all(area.subcell is not None for area in areas)
     value = half = np.nan
     if len({area.spacing for area in areas}) > 1 and (located or len(areas) > 2):

@@ -2,29 +2,39 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.special import ndtr
 
+from validation.arrays import Grid
 from validation.measures.flow import located_area
-from validation.measures.single_solve import SingleSolve, Takes
+from validation.scenes.realised import Realised
+from validation.solves.measurement import measurement
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["HEIGHT_EDGES", "HeightStatistics"]
+__all__ = ["HEIGHT_EDGES", "height_statistics"]
 
 #: Edges of the bins of h/h_rms.
 HEIGHT_EDGES = np.linspace(-4.0, 4.0, 65)
 
 
-@dataclass(frozen=True, kw_only=True)
-class HeightStatistics(SingleSolve):
-    """Heights of one surface, and its contact area under given loads.
+@measurement(
+    "heights-{size}",
+    kind="HeightStatistics",
+    words="heights",
+    located=True,
+    version=2,
+    recipe=lambda made: {name: value for name, value in made.items() if name != "load"},
+    seconds=lambda points, pressures: 1e-2 + len(pressures) * (2e-3 + 8e-7 * points),
+    bytes=200,
+)
+def height_statistics(*, realised: Realised, grid: Grid, pressures: tuple[float, ...] = ()) -> xr.Dataset:
+    """Return how the heights of one surface are distributed, over the realised rms height, and its contact area.
 
-    Attributes
+    Parameters
     ----------
     realised : Realised
         Surface and solid.
@@ -32,48 +42,29 @@ class HeightStatistics(SingleSolve):
     pressures : tuple of float
         p0 [Pa], rising; none for the heights alone.
     """
+    import xarray as xr
 
-    kind, words = "heights", "heights"
-    located, version = True, 2
-    takes = Takes(once=1e-2, seconds=2e-3, each_point=8e-7, bytes=200)
+    from fem_contact import bem
+    from fem_contact.response import HalfSpace
 
-    pressures: tuple[float, ...] = ()
-
-    @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers; the loads are its own."""
-        return {name: value for name, value in super().recipe.items() if name != "load"}
-
-    @property
-    def problems(self) -> int:
-        """One for each load."""
-        return len(self.pressures)
-
-    def measure(self) -> xr.Dataset:
-        """Read off the heights over the realised rms height, and press; dimensions (bin) and (load)."""
-        import xarray as xr
-
-        from fem_contact import bem
-
-        field, start, areas = self.heights(), None, []
-        for pressure in self.pressures:
-            solved = bem.solve(
-                field, self.half_space, mean_pressure=pressure, start=start, threads=1
-            ).checked()
-            start = solved.pressure
-            areas.append(located_area(solved))
-        z = np.sort(field.heights.ravel() / self.realised.field.rms_height)
-        share = (np.arange(z.size) + 0.5) / z.size
-        density = np.histogram(z, bins=HEIGHT_EDGES)[0] / (z.size * np.diff(HEIGHT_EDGES))
-        return xr.Dataset(
-            {
-                "height_density_each": ("bin", density),
-                "area_each": ("load", areas),
-                "skewness_each": float(np.mean(z**3)),
-                "excess_kurtosis_each": float(np.mean(z**4) - 3),
-                "height_distance_each": float(np.max(np.abs(ndtr(z) - share))),
-                "highest_each": float(z[-1]),
-                "rms_height_each": self.realised.field.rms_height,
-                "rms_gradient_each": self.realised.field.rms_gradient,
-            }
-        )
+    field, start, areas = realised.heights(grid), None, []
+    half_space = HalfSpace(solid=realised.elastic)
+    for pressure in pressures:
+        solved = bem.solve(field, half_space, mean_pressure=pressure, start=start, threads=1).checked()
+        start = solved.pressure
+        areas.append(located_area(solved))
+    z = np.sort(field.heights.ravel() / realised.field.rms_height)
+    share = (np.arange(z.size) + 0.5) / z.size
+    density = np.histogram(z, bins=HEIGHT_EDGES)[0] / (z.size * np.diff(HEIGHT_EDGES))
+    return xr.Dataset(
+        {
+            "height_density_each": ("bin", density),
+            "area_each": ("load", areas),
+            "skewness_each": float(np.mean(z**3)),
+            "excess_kurtosis_each": float(np.mean(z**4) - 3),
+            "height_distance_each": float(np.max(np.abs(ndtr(z) - share))),
+            "highest_each": float(z[-1]),
+            "rms_height_each": realised.field.rms_height,
+            "rms_gradient_each": realised.field.rms_gradient,
+        }
+    )

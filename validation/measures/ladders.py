@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from validation.errors import RunFailed, UsageError
 from validation.measures.common import SHIFTS, base_case, base_surface
 from validation.measures.limits import limits_of
-from validation.measures.measurement import Measurement, grid_for, grid_tolerance
+from validation.measures.measurement import grid_for, grid_tolerance, press_on_grids
 from validation.measures.statistics import pair_means
 from validation.report.estimates import (
     LIMIT,
@@ -29,6 +29,7 @@ from validation.report.estimates import (
 )
 from validation.scenes.scene import SelfAffineSurface
 from validation.scenes.surfaces import spectrum_of
+from validation.solves.measurement import Call
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -297,12 +298,12 @@ def pressed_pairs(
     *,
     pairs: int,
     shifts: int,
-) -> list[Measurement]:
+) -> list[Call]:
     """Return the solves of the first surfaces of a spectrum, +h and -h of each pair after each other."""
     case = base_case(surface, reduced_pressure=reduced_pressures[0])
     grids = tuple(grid_for(case, points) for points in points_per_wave)
     return [
-        Measurement(
+        press_on_grids(
             realised=replace(case.further(pair), inverted=inverted),
             reduced_pressures=reduced_pressures,
             grids=grids,
@@ -365,9 +366,9 @@ class Ladders:
     seed: int
 
     @property
-    def cases(self) -> dict[_Case, Measurement]:
+    def cases(self) -> dict[_Case, Call]:
         """All solves in order; surfaces 2k and 2k + 1 are +h and -h."""
-        found: dict[_Case, Measurement] = {}
+        found: dict[_Case, Call] = {}
         for i, hurst in enumerate(self.hursts):
             for bandwidth in self.bandwidths:
                 solves = self._pressed(hurst, self.periods, bandwidth, self.pairs)
@@ -378,7 +379,7 @@ class Ladders:
                 found |= {("by_size", i, size, k): solve for k, solve in enumerate(solves)}
         return found
 
-    def _pressed(self, hurst: float, periods: float, bandwidth: float, pairs: int) -> list[Measurement]:
+    def _pressed(self, hurst: float, periods: float, bandwidth: float, pairs: int) -> list[Call]:
         surface = base_surface(hurst=hurst, periods=periods, bandwidth=bandwidth, seed=self.seed)
         loads, per_wave = (self.reduced_pressure,), self.points_per_wave
         return pressed_pairs(surface, loads, per_wave, pairs=pairs, shifts=self.shifts)

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from fem_contact.area import contact_areas
+from validation.arrays import Grid
 from validation.errors import UsageError
 from validation.measures.common import LEAST_POINTS_PER_WAVE
-from validation.measures.measurement import Grid, area_limits, has_square_cells, limit_over
+from validation.measures.measurement import area_limits, has_square_cells, limit_over
 from validation.report.estimates import NORMAL, error_of, evaluated
 from validation.scenes.realised import Realised
 from validation.solves.bench import Bench
@@ -65,7 +66,7 @@ def kept_of(one: xr.Dataset) -> xr.Dataset:
 
 
 def limits_of(measured: xr.Dataset, *, drift: bool = True) -> xr.Dataset:
-    """Reduce one `Measurement` to A/A0 over (load): its limit with the 95 % interval of the grids, and counts.
+    """Reduce what one of `press_on_grids` left to A/A0 over (load): its limit with the 95 % interval of the grids, and counts.
 
     Parameters
     ----------

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,17 +10,15 @@ import numpy as np
 from validation.measures.distributions import (
     PATCH_EDGES,
     STRESS_EDGES,
-    Distributions,
     distance_to_reference,
 )
-from validation.measures.flow import StiffMeasurement
 from validation.measures.limits import ABSENT, limits_of
 from validation.report.estimates import NORMAL, error_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["SHARES", "LoadPath", "moved_shares", "pooled_shares", "reduced_path", "second_order_limit"]
+__all__ = ["SHARES", "moved_shares", "pooled_shares", "reduced_path", "second_order_limit"]
 
 #: Of the errors of energy and gap in the spacing, measured: 2 to 3; the smaller leaves more to the uncertainty.
 _ORDER = 2
@@ -31,11 +28,6 @@ _REFERENCE_AREA = 0.015
 _COARSER = 4
 #: What is distributed, and which share of what.
 SHARES = {"stress": "stress_share", "patch_area": "patch_area_share", "patch_number": "patch_number_share"}
-
-
-@dataclass(frozen=True, kw_only=True)
-class LoadPath(StiffMeasurement, Distributions):
-    """A measurement of everything along a path of loads: areas, gap, energy, stiffness, patches, P(sigma)."""
 
 
 def second_order_limit(values: xr.DataArray, points: xr.DataArray) -> tuple[xr.DataArray, xr.DataArray]:
@@ -69,7 +61,7 @@ def second_order_limit(values: xr.DataArray, points: xr.DataArray) -> tuple[xr.D
 
 
 def reduced_path(measured: xr.Dataset, *, shortest: float) -> xr.Dataset:
-    """Reduce one `LoadPath` to numbers over (load).
+    """Reduce a path that keeps distributions and stiffness to numbers over (load).
 
     Parameters
     ----------

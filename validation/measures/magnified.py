@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fem_contact.contact import ContactResult
 from fem_contact.patches import find_patches
-from validation.arrays import Array
+from validation.arrays import Array, Grid
 from validation.measures.flow import contact_is_apart, gap_is_open, located_area
 from validation.measures.measurement import without_waves_beyond
-from validation.measures.single_solve import SingleSolve, Takes
 from validation.report.estimates import claim, derive, mean
+from validation.scenes.realised import Realised
+from validation.solves.measurement import measurement
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Magnified", "at_magnification", "sharpest_bend", "with_macroasperities"]
+__all__ = ["at_magnification", "magnified", "sharpest_bend", "with_macroasperities"]
 
 #: What is read off every state.
 _READ = ("area", "patch_density", "relative_patch_size", "largest_patch", "area_inside", "load_inside")
@@ -27,11 +27,30 @@ _READ = ("area", "patch_density", "relative_patch_size", "largest_patch", "area_
 _AREA, _ZETA = 2e-3, 1.002
 
 
-@dataclass(frozen=True, kw_only=True)
-class Magnified(SingleSolve):
-    """One surface at given loads, with its waves up to each magnification.
+@measurement(
+    "magnified-{size}",
+    kind="Magnified",
+    words="magnified",
+    located=True,
+    version=2,
+    recipe=lambda made: {name: value for name, value in made.items() if name != "load"},
+    # One problem for each load and magnification, some twenty for each pair of thresholds.
+    seconds=lambda points, reduced_pressures, magnifications, percolating: (
+        (len(reduced_pressures) * len(magnifications) + 20 * len(percolating)) * (2e-3 + 8e-7 * points)
+    ),
+    bytes=500,
+)
+def magnified(
+    *,
+    realised: Realised,
+    grid: Grid,
+    reduced_pressures: tuple[float, ...],
+    magnifications: tuple[float, ...],
+    percolating: tuple[float, ...] = (),
+) -> xr.Dataset:
+    """Press one surface at given loads, with its waves up to each magnification.
 
-    Attributes
+    Parameters
     ----------
     realised : Realised
         Surface and solid; its longest wave is that of zeta = 1.
@@ -42,99 +61,82 @@ class Magnified(SingleSolve):
         zeta = q/q_long of the last wave there is, rising.
     percolating : tuple of float
         p* at which the magnifications are sought where contact and gap join up.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (load, magnification); thresholds over (percolating, axis, phase).
     """
+    import xarray as xr
 
-    kind, words = "magnified", "magnified"
-    located, version = True, 2
-    takes = Takes(seconds=2e-3, each_point=8e-7, bytes=500)
+    values = {name: np.empty((len(reduced_pressures), len(magnifications))) for name in _READ}
+    for j, load in enumerate(reduced_pressures):
+        states = _States(realised, grid, load)
+        last = states.at(magnifications[-1])
+        for i in reversed(range(len(magnifications))):
+            for name, value in _read_off(
+                states.at(magnifications[i]), last, unit=realised.longest**2
+            ).items():
+                values[name][j, i] = value
+    ends = magnifications[0], magnifications[-1]
+    found = np.array([_States(realised, grid, load).thresholds(ends) for load in percolating])
+    found = found.reshape(-1, 2, 2, 2)
+    data: dict[str, Any] = {f"{name}_each": (("load", "magnification"), values[name]) for name in _READ}
+    for i, name in enumerate(("area", "magnification")):
+        data[f"percolation_{name}_axis_each"] = (("percolating", "axis", "phase"), found[..., i])
+    whole, q_long = realised.field, 2 * np.pi / realised.longest
+    gradients = [without_waves_beyond(whole, z * q_long).rms_gradient for z in magnifications]
+    data["gradient_share_each"] = ("magnification", np.array(gradients) / whole.rms_gradient)
+    return xr.Dataset(data, coords={"axis": ["x", "y"], "phase": ["contact", "gap"]})
 
-    reduced_pressures: tuple[float, ...]
-    magnifications: tuple[float, ...]
-    percolating: tuple[float, ...] = ()
 
-    @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers; the loads are its own."""
-        return {name: value for name, value in super().recipe.items() if name != "load"}
-
-    @property
-    def problems(self) -> int:
-        """One for each load and magnification, some twenty for each pair of thresholds."""
-        return len(self.reduced_pressures) * len(self.magnifications) + 20 * len(self.percolating)
-
-    def measure(self) -> xr.Dataset:
-        """Press everything and keep the numbers; dimensions (load, magnification) and (percolating, axis)."""
-        import xarray as xr
-
-        values = {name: np.empty(self.shape) for name in _READ}
-        for j, load in enumerate(self.reduced_pressures):
-            states = _States(self, load)
-            last = states.at(self.magnifications[-1])
-            for i in reversed(range(len(self.magnifications))):
-                for name, value in self._read_off(states.at(self.magnifications[i]), last).items():
-                    values[name][j, i] = value
-        found = np.array([self._thresholds(load) for load in self.percolating]).reshape(-1, 2, 2, 2)
-        data: dict[str, Any] = {f"{name}_each": (("load", "magnification"), values[name]) for name in _READ}
-        for i, name in enumerate(("area", "magnification")):
-            data[f"percolation_{name}_axis_each"] = (("percolating", "axis", "phase"), found[..., i])
-        whole, q_long = self.realised.field, 2 * np.pi / self.realised.longest
-        gradients = [without_waves_beyond(whole, z * q_long).rms_gradient for z in self.magnifications]
-        data["gradient_share_each"] = ("magnification", np.array(gradients) / whole.rms_gradient)
-        return xr.Dataset(data, coords={"axis": ["x", "y"], "phase": ["contact", "gap"]})
-
-    @property
-    def shape(self) -> tuple[int, int]:
-        """Numbers of loads and of magnifications."""
-        return len(self.reduced_pressures), len(self.magnifications)
-
-    def _read_off(self, state: ContactResult, last: ContactResult) -> dict[str, float]:
-        """Return every one of `_READ` of one state; `last` has all waves."""
-        patches, unit = find_patches(state.in_contact, state.spacing), self.realised.longest**2
-        nominal = state.lengths[0] * state.lengths[1]
-        inside = last.in_contact & state.in_contact
-        return {
-            "area": located_area(state),
-            "patch_density": patches.count * unit / nominal,
-            "relative_patch_size": patches.mean_size / unit,
-            "largest_patch": float(patches.areas.max() / patches.areas.sum()),
-            "area_inside": float(inside.sum() / last.in_contact.sum()),
-            "load_inside": float(last.pressure[inside].sum() / last.pressure.sum()),
-        }
-
-    def _thresholds(self, load: float) -> list[list[tuple[float, float]]]:
-        """For each axis: located area and magnification at which the contact comes apart, and the gap opens."""
-        states = _States(self, load)
-        ends = self.magnifications[0], self.magnifications[-1]
-        return [
-            [states.threshold(contact_is_apart(axis), ends), states.threshold(gap_is_open(axis), ends)]
-            for axis in ("x", "y")
-        ]
+def _read_off(state: ContactResult, last: ContactResult, *, unit: float) -> dict[str, float]:
+    """Return every one of `_READ` of one state; `last` has all waves, patches are in units of an area [m^2]."""
+    patches = find_patches(state.in_contact, state.spacing)
+    nominal = state.lengths[0] * state.lengths[1]
+    inside = last.in_contact & state.in_contact
+    return {
+        "area": located_area(state),
+        "patch_density": patches.count * unit / nominal,
+        "relative_patch_size": patches.mean_size / unit,
+        "largest_patch": float(patches.areas.max() / patches.areas.sum()),
+        "area_inside": float(inside.sum() / last.in_contact.sum()),
+        "load_inside": float(last.pressure[inside].sum() / last.pressure.sum()),
+    }
 
 
 class _States:
     """One surface under one load, with more or fewer of its waves."""
 
-    def __init__(self, asked: Magnified, load: float) -> None:
-        self.asked, self.load = asked, load
-        self.whole = asked.heights()
+    def __init__(self, realised: Realised, grid: Grid, load: float) -> None:
+        self.realised, self.load = realised, load
+        self.whole = realised.heights(grid)
         self.known: dict[float, ContactResult] = {}
 
     def at(self, zeta: float) -> ContactResult:
         """Solve with the waves up to q = zeta q_long, from the nearest state that is known."""
         from fem_contact import bem
+        from fem_contact.response import HalfSpace
 
         if zeta not in self.known:
             near = min(self.known, key=lambda other: abs(np.log(other / zeta)), default=None)
-            realised = self.asked.realised
+            realised = self.realised
             solved = bem.solve(
                 without_waves_beyond(self.whole, zeta * 2 * np.pi / realised.longest),
-                self.asked.half_space,
+                HalfSpace(solid=realised.elastic),
                 mean_pressure=self.load * realised.pressure_scale,
                 start=None if near is None else self.known[near].pressure,
                 threads=1,
             )
             self.known[zeta] = solved.checked()
         return self.known[zeta]
+
+    def thresholds(self, ends: Sequence[float]) -> list[list[tuple[float, float]]]:
+        """For each axis: located area and magnification at which the contact comes apart, and the gap opens."""
+        return [
+            [self.threshold(contact_is_apart(axis), ends), self.threshold(gap_is_open(axis), ends)]
+            for axis in ("x", "y")
+        ]
 
     def threshold(
         self, passed: Callable[[ContactResult], bool], ends: Sequence[float]

@@ -1,44 +1,50 @@
-"""The unit of work of the studies: one surface, pressed along a path of loads on several grids, reduced to numbers."""
+"""What most studies measure: one surface, pressed along a path of loads on several grids, reduced to numbers."""
 
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from fem_contact.area import EDGE_CONSTANTS, TRAITS, ContactAreas, contact_areas, subgrid_shifts
+from fem_contact.conductance import frozen_contact
 from fem_contact.contact import ContactResult
 from fem_contact.extrapolation import Limit, located_limit, perimeter_limit
 from fem_contact.patches import find_patches
-from fem_contact.stress import density_at_zero, elastic_energy
+from fem_contact.stress import density_at_zero, elastic_energy, initial_slope
 from fem_contact.surface import HeightField
-from validation.arrays import Grid
+from validation.arrays import Array, Grid
 from validation.effects.base import Slots
 from validation.measures.common import LEAST_POINTS_PER_WAVE, SHIFTS, named, reduced_load
+from validation.measures.distributions import histograms_of
 from validation.methods import find_solver
 from validation.methods.base import Job
 from validation.scenes.realised import Realised
-from validation.scenes.scene import EffectSpec, FileSurface, SelfAffineSurface
+from validation.scenes.scene import EffectSpec, FileSurface
 from validation.scenes.surfaces import spectrum_of
 from validation.solves.cost import dearer_by
-from validation.solves.solve import LOCATED_EDGES, NumbersSolve, Prediction
+from validation.solves.measurement import measurement
+from validation.solves.solve import LOCATED_EDGES
 
 if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = [
+    "TOLERANCE",
     "TOLERANCES_LEFT",
-    "Grid",
-    "Measurement",
     "area_limits",
     "areas_of",
     "grid_for",
     "grid_tolerance",
     "has_square_cells",
     "limit_over",
+    "press_on_grids",
+    "pressed_path",
+    "stored_areas",
+    "truncated_heights",
     "without_waves_beyond",
 ]
 
@@ -76,6 +82,9 @@ def grid_for(realised: Realised, points_per_wave: float) -> Grid:
     return nx, ny
 
 
+#: Of the solver where nobody says otherwise.
+TOLERANCE = 1e-8
+
 #: Tolerance whose effect on the located area is below a hundredth of what its grids leave, at 8 points per
 #: shortest wave; that falls with the cube of the spacing (docs/bem.md).
 _TOLERANCE, _AT_POINTS, _LEAST_TOLERANCE = 1e-5, 8, 1e-8
@@ -100,14 +109,75 @@ def has_square_cells(realised: Realised, grid: Grid) -> bool:
     return abs(dx / dy - 1) <= _SQUARE
 
 
-@dataclass(frozen=True, kw_only=True)
-class Measurement(NumbersSolve):
-    """One surface, at ascending loads, on nested grids, each on `shifts`^2 sub-grid shifts.
+#: What is kept besides the areas, by the kind of the stored results.
+_KEPT: dict[str, tuple[str, ...]] = {
+    "Measurement": (),
+    "Distributions": ("distributions",),
+    "StiffMeasurement": ("stiffness",),
+    "LoadPath": ("distributions", "stiffness"),
+    "_Rich": ("stiffness", "slope"),
+}
+_MORE = {
+    "stiffness": ("1", "K h_rms / p0, contact set held"),
+    "slope": ("1", "slope of P(sigma), times (E* h'_rms)^2, fitted between .1 and .4 E* h'_rms"),
+}
 
-    Attributes
+
+def quantities_of(keep: tuple[str, ...]) -> dict[str, tuple[str, str]]:
+    """Return what is read off every solve: name, unit, meaning."""
+    return QUANTITIES | {name: _MORE[name] for name in keep if name in _MORE}
+
+
+def _recipe(
+    made: dict[str, Any], keep: tuple[str, ...], reduced_pressures: Any, realised: Any
+) -> dict[str, Any]:
+    """Name what is read off, too: a stored result that lacks a number is another one."""
+    (kind,) = (name for name, kept in _KEPT.items() if kept == keep)
+    made = {name: value for name, value in made.items() if name not in ("load", "keep")}
+    if not made["effects"]:
+        del made["effects"]
+    return (
+        {"truncation": None}
+        | made
+        | {
+            "kind": kind,
+            "reduced_pressures": list(reduced_pressures or (reduced_load(realised),)),
+            "quantities": sorted([*quantities_of(keep), "cells", LOCATED_EDGES]),
+        }
+    )
+
+
+def _seconds(
+    grids: tuple[Grid, ...],
+    shifts: int,
+    effects: tuple[EffectSpec, ...],
+    reduced_pressures: tuple[float, ...],
+) -> float:
+    each = sum(2e-3 + 8e-7 * nx * ny for nx, ny in grids)
+    return dearer_by(effects) * max(len(reduced_pressures), 1) * shifts**2 * each
+
+
+@measurement(
+    "measure-{size}", kind="Measurement", words="areas to", recipe=_recipe, seconds=_seconds, bytes=120
+)
+def press_on_grids(
+    *,
+    realised: Realised,
+    grids: tuple[Grid, ...],
+    reduced_pressures: tuple[float, ...] = (),
+    effects: tuple[EffectSpec, ...] = (),
+    truncation: float | None = None,
+    shifts: int = SHIFTS,
+    tolerance: float = TOLERANCE,
+    keep: tuple[Literal["distributions", "stiffness", "slope"], ...] = (),
+) -> xr.Dataset:
+    """Press one surface, at ascending loads, on nested grids, each on `shifts`^2 sub-grid shifts.
+
+    Parameters
     ----------
     realised : Realised
         Surface, solid and load.
+    grids : tuple of (int, int)
     reduced_pressures : tuple of float
         A path of ascending loads instead of the one of `realised`: p* = p0 / (E* h'_rms), with the realised gradient
         of the whole, untruncated surface.
@@ -115,180 +185,141 @@ class Measurement(NumbersSolve):
         Of a scene; then each load is pressed by itself.
     truncation : float or None
         Drop waves beyond this wavevector [1/m]: roughness up to a magnification.
-    grids : tuple of (int, int)
     shifts : int
         Sub-grid shifts along each axis.
     tolerance : float
+    keep : tuple of str
+        What else is read off: ``distributions``, histograms of P(sigma) and patch sizes; ``stiffness`` of the frozen
+        contact; ``slope`` of P(sigma) at zero.
+
+    Returns
+    -------
+    xarray.Dataset
+        What `quantities_of` lists over (grid, shift, load); histograms (grid, load, bin), means over the shifts.
     """
+    loads = reduced_pressures or (reduced_load(realised),)
+    offsets = subgrid_shifts(shifts)
+    shape = (len(grids), len(offsets), len(loads))
+    quantities = quantities_of(keep)
+    values = {name: np.empty(shape) for name in quantities}
+    histograms: dict[str, Array] = {}
+    for (i, grid), (j, shift) in itertools.product(enumerate(grids), enumerate(offsets)):
+        field = truncated_heights(realised, grid, shift, truncation=truncation)
+        located = not effects and has_square_cells(realised, grid)
+        path = pressed_path(field, realised, loads, effects=effects, tolerance=tolerance)
+        for k, result in enumerate(path):
+            found = _read_off(result, located=located)
+            if "stiffness" in keep:
+                # Off by the square of the tolerance, .6 of that at worst.
+                frozen = 1e-3 if "slope" in keep else 1e-9
+                found["stiffness"] = _stiffness(result, realised, tolerance=frozen)
+            if "slope" in keep:
+                found["slope"] = initial_slope(result).reduced
+            for name, value in found.items():
+                values[name][i, j, k] = value
+            if "distributions" in keep:
+                for name, counts in histograms_of(result, realised).items():
+                    whole = np.zeros((shape[0], shape[2], counts.size))
+                    histograms.setdefault(name, whole)[i, k] += counts
+    histograms = {name: counts / len(offsets) for name, counts in histograms.items()}
+    return _dataset(realised, grids, loads, quantities=quantities, values=values, histograms=histograms)
 
-    realised: Realised
-    reduced_pressures: tuple[float, ...] = ()
-    effects: tuple[EffectSpec, ...] = ()
-    truncation: float | None = None
-    grids: tuple[Grid, ...]
-    shifts: int = SHIFTS
-    tolerance: float = 1e-8
 
-    @property
-    def loads(self) -> tuple[float, ...]:
-        """All p*, ascending."""
-        return self.reduced_pressures or (reduced_load(self.realised),)
+def _dataset(
+    realised: Realised,
+    grids: Sequence[Grid],
+    loads: Sequence[float],
+    *,
+    quantities: Mapping[str, tuple[str, str]],
+    values: Mapping[str, Array],
+    histograms: Mapping[str, Array],
+) -> xr.Dataset:
+    import xarray as xr
 
-    @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers, as JSON-ready data."""
-        made = {name: value for name, value in self.realised.recipe.items() if name != "load"}
-        if self.effects:
-            made["effects"] = [effect.model_dump(mode="json", exclude_none=True) for effect in self.effects]
-        return made | {
-            "truncation": self.truncation,
-            "reduced_pressures": list(self.loads),
-            "grids": [list(grid) for grid in self.grids],
-            "shifts": self.shifts,
-            "tolerance": self.tolerance,
-            # What is read off belongs to the result: a stored one that lacks a number is another one.
-            "quantities": sorted([*self.quantities, "cells", LOCATED_EDGES]),
-        }
+    data: dict[str, Any] = {
+        name: named(("grid", "shift", "load"), values[name], words, unit=unit)
+        for name, (unit, words) in quantities.items()
+    }
+    for name, counts in histograms.items():
+        data[f"{name}_profile"] = (("grid", "load", f"{name}_bin"), counts)
+    field, modulus = realised.field, realised.contact_modulus
+    return xr.Dataset(
+        data,
+        coords={
+            "points": ("grid", [nx for nx, _ in grids]),
+            "cells": ("grid", [nx * ny for nx, ny in grids]),
+            "points_per_wave": named(
+                "grid", [realised.points_per_wave(grid) for grid in grids], "lambda_short / dx"
+            ),
+            "reduced_pressure": named("load", list(loads), "p0 / (E* h'_rms)"),
+        },
+        attrs={
+            "rms_height": field.rms_height,
+            "rms_gradient": field.rms_gradient,
+            "nayak": field.nayak,
+            "contact_modulus": modulus,
+            "full_contact_energy": field.spectral_sum(lambda q: modulus / 4 * q),
+        },
+    )
 
-    @property
-    def quantities(self) -> Mapping[str, tuple[str, str]]:
-        """What is read off every solve: name, unit, meaning."""
-        return QUANTITIES
 
-    @property
-    def prefix(self) -> str:
-        """Readable start of the name on disk."""
-        return f"measure-{max(self.grids)[0]}x{max(self.grids)[1]}"
+def pressed_path(
+    field: HeightField,
+    realised: Realised,
+    loads: Sequence[float],
+    *,
+    tolerance: float,
+    effects: tuple[EffectSpec, ...] = (),
+) -> Iterator[ContactResult]:
+    """Solve the loads of one grid in order, each from the one before; only one result is held at a time."""
+    from fem_contact import bem
+    from fem_contact.response import HalfSpace
 
-    def describe(self) -> str:
-        """Return a few words for a progress bar."""
-        own, finest = self.realised, max(self.grids)
-        kind = f"H = {own.surface.hurst:g}, " if isinstance(own.surface, SelfAffineSurface) else ""
-        sign = "-h" if own.inverted else "h"
-        kind += f"nu = {own.solid.poisson:g}, "
-        return f"{kind}surface {own.realisation + 1} ({sign}), to {finest[0]}x{finest[1]}"
-
-    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
-        """Predict seconds, memory and unknowns from the sizes of the grids."""
-        points = [nx * ny for nx, ny in self.grids]
-        solves = len(self.loads) * self.shifts**2
-        return Prediction(
-            seconds=dearer_by(self.effects) * solves * sum(2e-3 + 8e-7 * n for n in points),
-            peak_bytes=120 * max(points),
-            unknowns=max(points),
-        )
-
-    def heights(self, grid: Grid, shift: tuple[float, float] = (0.0, 0.0)) -> HeightField:
-        """Return the heights that are pressed on one grid."""
-        if self.truncation is None:
-            return self.realised.heights(grid, shift)
-        if isinstance(self.realised.surface, FileSurface):
-            whole = without_waves_beyond(self.realised.field, self.truncation)
-            return whole.resampled(grid).shifted(shift)
-        field = self._truncated(grid, self.truncation).shifted(shift)
-        return HeightField(heights=-field.heights, lengths=field.lengths) if self.realised.inverted else field
-
-    def _truncated(self, grid: Grid, last: float) -> HeightField:
-        from fem_contact.surface import random_surface
-
-        surface = self.realised.surface
-        assert not isinstance(surface, FileSurface)
-        spectrum = spectrum_of(surface)
-        return random_surface(
-            spectrum,
-            q_short=min(last, spectrum.q_short),
-            lengths=surface.length,
-            shape=grid,
-            seed=surface.seed_of(self.realised.realisation),
-            amplitudes=surface.amplitudes,
-        )
-
-    def measure(self) -> xr.Dataset:
-        """Solve everything and keep the numbers; dimensions (grid, shift, load)."""
-        offsets = subgrid_shifts(self.shifts)
-        shape = (len(self.grids), len(offsets), len(self.loads))
-        values = {name: np.empty(shape) for name in self.quantities}
-        profiles: dict[str, np.ndarray] = {}
-        for (i, grid), (j, shift) in itertools.product(enumerate(self.grids), enumerate(offsets)):
-            for k, result in enumerate(self._path(grid, shift)):
-                for name, value in self.read_off(result, located=self._located(grid)).items():
-                    values[name][i, j, k] = value
-                for name, profile in self.profiles(result).items():
-                    profiles.setdefault(name, np.zeros((shape[0], shape[2], profile.size)))[i, k] += profile
-        return self._dataset(values, {name: sums / len(offsets) for name, sums in profiles.items()})
-
-    def _dataset(self, values: dict[str, np.ndarray], profiles: dict[str, np.ndarray]) -> xr.Dataset:
-        import xarray as xr
-
-        data: dict[str, Any] = {
-            name: named(("grid", "shift", "load"), values[name], words, unit=unit)
-            for name, (unit, words) in self.quantities.items()
-        }
-        for name, profile in profiles.items():
-            data[f"{name}_profile"] = (("grid", "load", f"{name}_bin"), profile)
-        own = self.realised
-        per_wave = [own.points_per_wave(grid) for grid in self.grids]
-        return xr.Dataset(
-            data,
-            coords={
-                "points": ("grid", [nx for nx, _ in self.grids]),
-                "cells": ("grid", [nx * ny for nx, ny in self.grids]),
-                "points_per_wave": named("grid", per_wave, "lambda_short / dx"),
-                "reduced_pressure": named("load", list(self.loads), "p0 / (E* h'_rms)"),
-            },
-            attrs={
-                "rms_height": own.field.rms_height,
-                "rms_gradient": own.field.rms_gradient,
-                "nayak": own.field.nayak,
-                "contact_modulus": own.contact_modulus,
-                "full_contact_energy": own.field.spectral_sum(lambda q: own.contact_modulus / 4 * q),
-            },
-        )
-
-    def read_off(self, result: ContactResult, *, located: bool) -> dict[str, float]:
-        """Return every one of `quantities` of one solve; the area inside the cells if it can be `located`."""
-        return _read_off(result, located=located)
-
-    def profiles(self, result: ContactResult) -> dict[str, np.ndarray]:
-        """Return distributions to keep of one solve, by name; they are averaged over the shifts. None here."""
-        return {}
-
-    def _located(self, grid: Grid) -> bool:
-        """Whether edges can be located inside the cells: on the bare half-space, on square ones."""
-        return not self.effects and has_square_cells(self.realised, grid)
-
-    def _path(self, grid: Grid, shift: tuple[float, float]) -> Iterator[ContactResult]:
-        """Solve the loads of one grid in order, each from the one before; only one result is held at a time."""
-        from fem_contact import bem
-        from fem_contact.response import HalfSpace
-
-        response, field = HalfSpace(solid=self.realised.elastic), self.heights(grid, shift)
-        start = None
-        for reduced in self.loads:
-            if self.effects:
-                yield self._with_effects(field, reduced * self.realised.pressure_scale)
-                continue
-            solved = bem.solve(
-                field,
-                response,
-                mean_pressure=reduced * self.realised.pressure_scale,
-                start=start,
-                tolerance=self.tolerance,
+    response, start = HalfSpace(solid=realised.elastic), None
+    for reduced in loads:
+        pressure = reduced * realised.pressure_scale
+        if effects:
+            job = Job(
+                field=field,
+                load={"mean_pressure": pressure},
+                slots=Slots.filled(realised.elastic, effects),
+                settings={"tolerance": tolerance},
                 threads=1,
             )
-            yield solved.checked()
-            start = solved.pressure
+            yield find_solver("bem").solve(job).contact.checked()
+            continue
+        result = bem.solve(
+            field, response, mean_pressure=pressure, start=start, tolerance=tolerance, threads=1
+        ).checked()
+        yield result
+        start = result.pressure
 
-    def _with_effects(self, field: HeightField, pressure: float) -> ContactResult:
-        """Press as a scene with these effects does."""
-        job = Job(
-            field=field,
-            load={"mean_pressure": pressure},
-            slots=Slots.filled(self.realised.elastic, self.effects),
-            settings={"tolerance": self.tolerance},
-            threads=1,
-        )
-        return find_solver("bem").solve(job).contact.checked()
+
+def truncated_heights(
+    realised: Realised,
+    grid: Grid,
+    shift: tuple[float, float] = (0.0, 0.0),
+    *,
+    truncation: float | None = None,
+) -> HeightField:
+    """Return the heights of a surface on a grid, without its waves beyond a wavevector [1/m]."""
+    from fem_contact.surface import random_surface
+
+    if truncation is None:
+        return realised.heights(grid, shift)
+    surface = realised.surface
+    if isinstance(surface, FileSurface):
+        return without_waves_beyond(realised.field, truncation).resampled(grid).shifted(shift)
+    spectrum = spectrum_of(surface)
+    field = random_surface(
+        spectrum,
+        q_short=min(truncation, spectrum.q_short),
+        lengths=surface.length,
+        shape=grid,
+        seed=surface.seed_of(realised.realisation),
+        amplitudes=surface.amplitudes,
+    ).shifted(shift)
+    return HeightField(heights=-field.heights, lengths=field.lengths) if realised.inverted else field
 
 
 def without_waves_beyond(field: HeightField, last: float) -> HeightField:
@@ -324,6 +355,16 @@ def _read_off(result: ContactResult, *, located: bool) -> dict[str, float]:
     }
 
 
+def _stiffness(result: ContactResult, realised: Realised, *, tolerance: float) -> float:
+    """K h_rms / p0 of the frozen contact; endless for a half-space in full contact."""
+    from fem_contact.response import HalfSpace
+
+    if result.in_contact.all():
+        return math.inf
+    frozen = frozen_contact(result, HalfSpace(solid=realised.elastic), tolerance=tolerance, threads=1)
+    return frozen.stiffness * realised.field.rms_height / result.mean_pressure
+
+
 def limit_over(areas: Sequence[ContactAreas]) -> Limit:
     """Return the limit of the located area where there is one, else of the corrected."""
     located = all(area.subcell is not None for area in areas)
@@ -336,29 +377,57 @@ def areas_of(dataset: xr.Dataset, load: int, *, least_points_per_wave: float = 0
     Parameters
     ----------
     dataset : xarray.Dataset
-        From `Measurement.measure`.
+        From `press_on_grids`.
     load : int
         Which of its loads.
     least_points_per_wave : float
         Coarser grids are left out.
     """
-    keep = dataset.points_per_wave.values >= least_points_per_wave * (1 - 1e-9)
-    names = ("pixel", "perimeter", "edge_fraction", "subcell", *(name for name in TRAITS if name in dataset))
-    numbers = {name: dataset[name].values[..., load].astype(float) for name in names}
-    points, cells = (dataset[name].values.tolist() for name in ("points", "cells"))
-    areas = []
-    for i, j in itertools.product(np.flatnonzero(keep), range(dataset.sizes["shift"])):
-        found: dict[str, Any] = {name: float(values[i, j]) for name, values in numbers.items()}
-        areas.append(
-            ContactAreas(
-                edge_length=np.nan,
-                edge_constant=EDGE_CONSTANTS["bem"],
-                spacing=(1 / int(points[i]), int(points[i]) / int(cells[i])),
-                cells=int(cells[i]),
-                **(found | {"subcell": None if np.isnan(found["subcell"]) else found["subcell"]}),
-            )
+    keep = np.flatnonzero(dataset.points_per_wave.values >= least_points_per_wave * (1 - 1e-9))
+    points, cells = dataset.points.values, dataset.cells.values
+    read = {name: dataset[name].values[:, :, load] for name in (*_AREAS, *TRAITS) if name in dataset}
+    return [
+        stored_areas(
+            {name: values[i, j] for name, values in read.items()},
+            grid=(int(points[i]), int(cells[i]) // int(points[i])),
         )
-    return areas
+        for i, j in itertools.product(keep, range(dataset.sizes["shift"]))
+    ]
+
+
+#: What areas are made of, beside `TRAITS`.
+_AREAS = ("pixel", "perimeter", "subcell", "edge_fraction")
+
+
+def stored_areas(
+    numbers: Mapping[str, Any] | xr.Dataset,
+    *,
+    grid: Grid,
+    lengths: tuple[float, float] = (1.0, 1.0),
+    edge_constant: float = EDGE_CONSTANTS["bem"],
+) -> ContactAreas:
+    """Return the areas of one solve from stored numbers, as limits take them.
+
+    Parameters
+    ----------
+    numbers : mapping
+        ``pixel``, ``perimeter``, ``edge_fraction``; ``subcell`` and `fem_contact.area.TRAITS` where they were measured.
+    grid : (int, int)
+    lengths : (float, float)
+        Periods [m], or in any unit.
+    edge_constant : float
+        That of the method.
+    """
+    known = {name: float(numbers[name]) for name in (*_AREAS, *TRAITS) if name in numbers}
+    subcell = known.pop("subcell", math.nan)
+    return ContactAreas(
+        **known,
+        edge_length=math.nan,
+        edge_constant=edge_constant,
+        spacing=(lengths[0] / grid[0], lengths[1] / grid[1]),
+        subcell=None if math.isnan(subcell) else subcell,
+        cells=grid[0] * grid[1],
+    )
 
 
 def area_limits(dataset: xr.Dataset) -> tuple[np.ndarray, np.ndarray]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,19 +15,20 @@ from fem_contact.area import EDGE_CONSTANTS, contact_areas
 from fem_contact.solid import Solid
 from fem_contact.surface import HeightField
 from validation import bounded
-from validation.arrays import Array
+from validation.arrays import Array, Grid
 from validation.effects.base import Slots
 from validation.measures.common import reduced_load
-from validation.measures.single_solve import SingleSolve
 from validation.methods import chosen_solver, methods
 from validation.methods.base import Claim, Job
 from validation.methods.foreign import Foreign, judged
+from validation.scenes.realised import Realised
+from validation.solves.measurement import measurement
 from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["OWN", "PeerMeasurement", "code_words", "installed_peers", "known_peers", "own_pressure"]
+__all__ = ["OWN", "by_peer", "code_words", "installed_peers", "known_peers", "own_pressure"]
 
 #: Part of its grid error that a solver may leave in its area: equal error, not equal residual.
 _SOLVER_SHARE = 0.1
@@ -85,87 +86,75 @@ def own_pressure(
     return found
 
 
-@dataclass(frozen=True, kw_only=True)
-class PeerMeasurement(SingleSolve):
-    """One surface at one load on one grid, by another code, solved no further than its grid deserves.
+@measurement(
+    "peer-{code}-{size}",
+    kind="PeerMeasurement",
+    words="{code}",
+    located=True,
+    recipe=lambda made, code: made | {"version": _version(code), "areas": "pressures of the method"},
+    # The interpreter and the libraries it loads take most of the memory.
+    predict=lambda points: Prediction(
+        seconds=3.0 + 5e-5 * points, peak_bytes=300 * points + 200 * 2**20, unknowns=points
+    ),
+)
+def by_peer(*, code: str, realised: Realised, grid: Grid) -> xr.Dataset:
+    """Press one surface at one load on one grid by another code, solved no further than its grid deserves.
 
-    Attributes
+    Parameters
     ----------
     code : str
         Name of its package.
+    realised : Realised
+    grid : tuple of int
+
+    Returns
+    -------
+    xarray.Dataset
+        Its areas, seconds of one thread, growth of its memory, and the tolerance it needed. The areas are read off its
+        pressures by the code that reads ours, the located one among them.
     """
+    import xarray as xr
 
-    located = True
+    from fem_contact import HalfSpace, bem
 
-    code: str
+    field, half_space = realised.heights(grid), HalfSpace(solid=realised.elastic)
+    own = bem.solve(field, half_space, mean_pressure=realised.pressure, threads=1)
+    ours = contact_areas(own.checked())
+    # Unit period, gradient and modulus: their tolerances need not be free of units.
+    longest = max(realised.lengths)
+    heights = field.heights / (longest * realised.field.rms_gradient)
+    sides = (realised.lengths[0] / longest, realised.lengths[1] / longest)
+    job = Job(
+        field=HeightField(heights=heights, lengths=sides),
+        load={"mean_pressure": reduced_load(realised)},
+        slots=Slots(solid=Solid(young=1.0, poisson=0.0)),
+        threads=1,
+    )
+    allowed = _SOLVER_SHARE * EDGE_CONSTANTS["bem"] * ours.edge_fraction
+    done, claim, error = _solved(code, job, pixel=ours.pixel, allowed=allowed)
+    areas = contact_areas(judged(claim, done, method=code), edge_constant=EDGE_CONSTANTS["bem"], subcell=True)
+    found = {
+        "seconds": claim.cpu_seconds,
+        "tolerance": done.settings["tolerance"],
+        "solver_error": error,
+        "peak_bytes": claim.peak_bytes,
+        **{name: getattr(areas, name) for name in ("pixel", "perimeter", "subcell")},
+    }
+    return xr.Dataset({name: ((), float(value)) for name, value in found.items()})
 
-    @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers."""
-        return super().recipe | {"version": _version(self.code), "areas": "pressures of the method"}
 
-    @property
-    def prefix(self) -> str:
-        """Readable start of the name on disk."""
-        return f"peer-{self.code}-{self.size}"
-
-    def describe(self) -> str:
-        """Return a few words for a progress bar."""
-        return f"{self.code} {self.where}"
-
-    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
-        """Predict the cost; its interpreter and the libraries it loads take most of the memory."""
-        n = self.points
-        return Prediction(seconds=3.0 + 5e-5 * n, peak_bytes=300 * n + 200 * 2**20, unknowns=n)
-
-    def measure(self) -> xr.Dataset:
-        """Return its areas, seconds of one thread, growth of its memory, and the tolerance it needed.
-
-        The areas are read off its pressures by the code that reads ours, the located one among them.
-        """
-        import xarray as xr
-
-        from fem_contact import bem
-
-        own, field = self.realised, self.heights()
-        ours = contact_areas(
-            bem.solve(field, self.half_space, mean_pressure=own.pressure, threads=1).checked()
-        )
-        # Unit period, gradient and modulus: their tolerances need not be free of units.
-        heights = field.heights / (max(own.lengths) * own.field.rms_gradient)
-        sides = (own.lengths[0] / max(own.lengths), own.lengths[1] / max(own.lengths))
-        job = Job(
-            field=HeightField(heights=heights, lengths=sides),
-            load={"mean_pressure": reduced_load(own)},
-            slots=Slots(solid=Solid(young=1.0, poisson=0.0)),
-            threads=1,
-        )
-        allowed = _SOLVER_SHARE * EDGE_CONSTANTS["bem"] * ours.edge_fraction
-        done, claim, error = self._solved(job, pixel=ours.pixel, allowed=allowed)
-        areas = contact_areas(
-            judged(claim, done, method=self.code), edge_constant=EDGE_CONSTANTS["bem"], subcell=True
-        )
-        found = {
-            "seconds": claim.cpu_seconds,
-            "tolerance": done.settings["tolerance"],
-            "solver_error": error,
-            "peak_bytes": claim.peak_bytes,
-            **{name: getattr(areas, name) for name in ("pixel", "perimeter", "subcell")},
-        }
-        return xr.Dataset({name: ((), float(value)) for name, value in found.items()})
-
-    def _solved(self, job: Job, *, pixel: float, allowed: float) -> tuple[Job, Claim, float]:
-        """Tighten the tolerance by decades until the share of points in contact is within `allowed` of `pixel`."""
-        by = f"{__name__}:{own_pressure.__name__}" if self.code == OWN else known_peers()[self.code]
-        solver, told = chosen_solver(by)
-        bounded.end()  # its memory shall be its own
-        solver.rehearse((), {**told, "tolerance": 1e-3})
-        most = 0
-        for tolerance in _TOLERANCES:
-            job = replace(job, settings={**told, "tolerance": tolerance})
-            claim = solver.claim(job)
-            most = max(most, claim.peak_bytes)
-            error = abs(float(np.mean(claim.pressure > 0)) - pixel)
-            if error <= allowed:
-                break
-        return job, replace(claim, peak_bytes=most), error
+def _solved(code: str, job: Job, *, pixel: float, allowed: float) -> tuple[Job, Claim, float]:
+    """Tighten the tolerance by decades until the share of points in contact is within `allowed` of `pixel`."""
+    by = f"{__name__}:{own_pressure.__name__}" if code == OWN else known_peers()[code]
+    solver, told = chosen_solver(by)
+    bounded.end()  # its memory shall be its own
+    solver.rehearse((), {**told, "tolerance": 1e-3})
+    most = 0
+    for tolerance in _TOLERANCES:
+        job = replace(job, settings={**told, "tolerance": tolerance})
+        claim = solver.claim(job)
+        most = max(most, claim.peak_bytes)
+        error = abs(float(np.mean(claim.pressure > 0)) - pixel)
+        if error <= allowed:
+            break
+    return job, replace(claim, peak_bytes=most), error

@@ -2,82 +2,47 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
+
+from validation.report.estimates import derive, total_error
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["PUBLISHED", "Published", "papers_of", "published"]
+__all__ = ["PUBLISHED", "Published", "beside_published", "ladders_beside_published", "papers_of", "published"]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Published:
-    """A number as published.
+class Published(NamedTuple):
+    """A number as published: for a range of Hurst exponents, who gave it (by `PAPERS`), and how it was found in a few words.
 
-    Attributes
-    ----------
-    quantity : str
-        What it is, by its name in datasets.
-    papers : tuple of str
-        Who gave it, by the keys of `validation.report.papers.PAPERS`.
-    words : str
-        Who, and how it was found, in a few words.
-    hurst : (float, float)
-        Range of Hurst exponents.
-    low, high : float
-        The same for a single number.
+    `quantity` is its name in datasets; `low` and `high` are the same for a single number.
     """
 
     quantity: str
-    papers: tuple[str, ...]
-    words: str
-    hurst: tuple[float, float]
     low: float
     high: float
+    hurst: tuple[float, float]
+    words: str
+    papers: tuple[str, ...]
 
+
+_FIVE = ("hyun2004", "campana2007", "prodanov2014", "yastrebov2015", "monti2021")
+_GRID_SCALE = "Hyun 2004 as read by Persson 2006: roughness to the grid scale"
+_H = (0.8, 0.8)
 
 PUBLISHED = (
-    Published(
-        quantity="kappa",
-        papers=("hyun2004", "campana2007", "prodanov2014", "yastrebov2015", "monti2021"),
-        words="resolved surfaces, five groups 2004-2021",
-        hurst=(0.3, 0.9),
-        low=2.0,
-        high=2.2,
-    ),
-    Published(
-        quantity="kappa",
-        papers=("hyun2004", "persson2006"),
-        words="Hyun 2004 as read by Persson 2006: roughness to the grid scale",
-        hurst=(0.8, 0.8),
-        low=1.8,
-        high=1.8,
-    ),
+    Published("kappa", 2.0, 2.2, (0.3, 0.9), "resolved surfaces, five groups 2004-2021", _FIVE),
+    Published("kappa", 1.8, 1.8, _H, _GRID_SCALE, ("hyun2004", "persson2006")),
     # alpha of A = alpha F over that of the theory, as Persson (2006, Sec. 3.5) quotes it for D_f = 2.2.
+    Published("kappa_ratio", 1.14, 1.14, _H, "Yang 2006, molecular dynamics", ("yang2006", "persson2006")),
+    Published("kappa_ratio", 1.13, 1.13, _H, "Hyun 2004, finite elements", ("hyun2004", "persson2006")),
     Published(
-        quantity="kappa_ratio",
-        papers=("yang2006", "persson2006"),
-        words="Yang 2006, molecular dynamics",
-        hurst=(0.8, 0.8),
-        low=1.14,
-        high=1.14,
-    ),
-    Published(
-        quantity="kappa_ratio",
-        papers=("hyun2004", "persson2006"),
-        words="Hyun 2004, finite elements",
-        hurst=(0.8, 0.8),
-        low=1.13,
-        high=1.13,
-    ),
-    Published(
-        quantity="kappa_ratio",
-        papers=("borri2006", "persson2006"),
-        words="Borri-Brunetto 2006, discretised continuum",
-        hurst=(0.8, 0.8),
-        low=0.8,
-        high=0.8,
+        "kappa_ratio",
+        0.8,
+        0.8,
+        _H,
+        "Borri-Brunetto 2006, discretised continuum",
+        ("borri2006", "persson2006"),
     ),
 )
 
@@ -103,6 +68,26 @@ def published(quantity: str) -> xr.Dataset:
             "hurst_published": (dims, [one.hurst for one in of]),
         },
         coords={dims[0]: [one.words for one in of]},
+    )
+
+
+def beside_published(data: xr.Dataset) -> xr.Dataset:
+    """Add how far kappa is from each published range; NaN where its interval is wider than that range."""
+    data = data.merge(published("kappa").isel(end=0, drop=True))
+    inside = "minimum(maximum(kappa, kappa_published), kappa_published_high)"
+    half, width = total_error(data, "kappa"), data.kappa_published_high - data.kappa_published
+    data["kappa_comparable"] = (1.0 + 0.0 * width).where((width == 0) | (half <= width / 2))
+    return derive(data, kappa_difference=f"kappa_comparable * (kappa - {inside})")
+
+
+def ladders_beside_published(climbed: xr.Dataset) -> xr.Dataset:
+    """Add alpha(zeta) of A = alpha F over Persson's, on every rung of the bandwidth, and its distance from what was published."""
+    climbed = climbed.merge(published("kappa_ratio").kappa_ratio_published.isel(end=0, drop=True))
+    return derive(
+        climbed,
+        kappa_persson_ladder="erf(2**.5 * reduced_pressure_ladder) / reduced_pressure_ladder",
+        kappa_ratio_by_bandwidth="kappa_by_bandwidth / kappa_persson_ladder",
+        kappa_ratio_difference="kappa_ratio_by_bandwidth.isel(bandwidth_rung=-1) - kappa_ratio_published",
     )
 
 

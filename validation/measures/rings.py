@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cached_property
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,15 +18,14 @@ from validation.measures.common import reduced_load
 from validation.scenes import surfaces
 from validation.scenes.realised import Realised
 from validation.scenes.scene import SelfAffineSurface
-from validation.solves.solve import LOCATED_EDGES, NumbersSolve, Prediction
+from validation.solves.measurement import measurement
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from fem_contact.contact import ContactResult
-    from fem_contact.surface import RandomWaves
 
-__all__ = ["AREAS", "RING", "Chain", "Probe", "RingSolve", "even_points", "ring_ends"]
+__all__ = ["AREAS", "RING", "chain", "chain_states", "even_points", "probe", "ring_ends"]
 
 #: What limits of the area are made of, as `validation.measures.measurement` has them.
 AREAS = ("pixel", "perimeter", "edge_fraction", "subcell")
@@ -102,84 +100,28 @@ def ring_ends(*, periods: float, bandwidth: float, steps_per_octave: int) -> Arr
     return np.asarray(ends[np.diff(np.concatenate([[0], counts])) > 0])
 
 
-@dataclass(frozen=True, kw_only=True)
-class RingSolve(NumbersSolve):
-    """One surface at one nominal pressure on one square grid, its waves ring by ring.
+class Rings:
+    """One surface at one nominal pressure on one square grid, its waves ring by ring."""
 
-    Attributes
-    ----------
-    realised : Realised
-        The whole surface, solid and load.
-    points : int
-        Grid points along each axis.
-    tolerance : float
-        Of every solve; the area is off by less than that, relative, and every flow is much larger.
-    """
-
-    realised: Realised
-    points: int
-    tolerance: float = 1e-7
-
-    @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers."""
-        said = {"points": self.points, "tolerance": self.tolerance, "edges": LOCATED_EDGES}
-        return {**self.realised.recipe, **said, "version": 2}
-
-    def describe(self) -> str:
-        """Return a few words for a progress bar."""
-        own = self.realised
-        assert isinstance(own.surface, SelfAffineSurface)
-        return (
-            f"{self.prefix}, H = {own.surface.hurst:g}, p* = {own.load.values[0]:g}, "
-            f"surface {own.realisation + 1}, {self.points}x{self.points}"
-        )
-
-    @property
-    def solves(self) -> int:
-        """How many contact problems it is."""
-        raise NotImplementedError
-
-    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
-        """Predict seconds, memory and unknowns from the size of the grid."""
-        n = self.points**2
-        return Prediction(seconds=self.solves * (4e-3 + 7e-7 * n), peak_bytes=250 * n, unknowns=n)
-
-    @property
-    def points_per_wave(self) -> float:
-        """lambda_short / dx."""
-        return self.points * self.shortest / self.realised.lengths[0]
-
-    @property
-    def shortest(self) -> float:
-        """lambda_short [m] of the waves there are."""
-        return self.realised.shortest
-
-    @property
-    def half_space(self) -> HalfSpace:
-        """The solid."""
-        return HalfSpace(solid=self.realised.elastic)
-
-    @cached_property
-    def _waves(self) -> tuple[RandomWaves, Array]:
-        """All waves of the surface, and q/q_long of each."""
-        surface = self.realised.surface
+    def __init__(self, realised: Realised, points: int, tolerance: float) -> None:
+        surface = realised.surface
         assert isinstance(surface, SelfAffineSurface)
-        waves = surfaces.waves_of(surface, self.realised.realisation)
-        lx, ly = waves.lengths
-        q = 2 * np.pi * np.hypot(waves.m / lx, waves.n / ly)
-        return waves, q * surface.lambda_long / (2 * np.pi)
+        self.realised, self.points, self.tolerance = realised, points, tolerance
+        self.waves = surfaces.waves_of(surface, realised.realisation)
+        lx, ly = self.waves.lengths
+        q = 2 * np.pi * np.hypot(self.waves.m / lx, self.waves.n / ly)
+        self.zeta = q * surface.lambda_long / (2 * np.pi)
 
     def heights(self, above: float, until: float) -> Array:
         """Heights [m] of the waves with above < q/q_long <= until."""
-        waves, zeta = self._waves
-        keep = (zeta > above * (1 + _EDGE)) & (zeta <= until * (1 + _EDGE))
+        waves = self.waves
+        keep = (self.zeta > above * (1 + _EDGE)) & (self.zeta <= until * (1 + _EDGE))
         ring = replace(
             waves,
             m=waves.m[keep],
             n=waves.n[keep],
             amplitudes=waves.amplitudes[keep],
-            q_short=waves.q_short * min(until / float(zeta.max()), 1.0),
+            q_short=waves.q_short * min(until / float(self.zeta.max()), 1.0),
         )
         return np.asarray(ring.on((self.points, self.points)).heights)
 
@@ -192,158 +134,164 @@ class RingSolve(NumbersSolve):
         """Press these heights [m] at a nominal pressure [Pa], from a pressure field that is near."""
         from fem_contact import bem
 
-        solved = bem.solve(
+        return bem.solve(
             HeightField(heights=heights, lengths=self.realised.lengths),
-            self.half_space,
+            HalfSpace(solid=self.realised.elastic),
             mean_pressure=load,
             start=start,
             tolerance=self.tolerance,
             threads=1,
-        )
-        return solved.checked()
+        ).checked()
 
 
-@dataclass(frozen=True, kw_only=True)
-class Chain(RingSolve):
-    """A surface pressed with its waves up to rising magnifications, each ring with both signs.
+def chain_states(
+    realised: Realised, *, points: int, ends: Sequence[float], tolerance: float = 1e-7
+) -> Iterator[tuple[float, ContactResult, ContactResult]]:
+    """Yield V [Pa^2], the result with the ring just added, and that with its negative, from coarse to fine."""
+    rings, load = Rings(realised, points, tolerance), realised.pressure
+    heights = rings.heights(0.0, ends[0])
+    state = rings.press(heights, load=load)
+    yield rings.variance(heights), state, state
+    for above, until in itertools.pairwise(ends):
+        ring = rings.heights(above, until)
+        other = rings.press(heights - ring, load=load, start=state.pressure)
+        heights = heights + ring
+        state = rings.press(heights, load=load, start=state.pressure)
+        yield rings.variance(heights), state, other
 
-    Attributes
+
+@measurement(
+    "rings-{points}",
+    kind="Chain",
+    words="rings,",
+    located=True,
+    version=2,
+    seconds=lambda points, ends: (2 * len(ends) - 1) * (4e-3 + 7e-7 * points),
+    bytes=250,
+)
+def chain(
+    *,
+    realised: Realised,
+    points: int,
+    ends: tuple[float, ...],
+    restarts: tuple[float, ...] = (),
+    tolerance: float = 1e-7,
+) -> xr.Dataset:
+    """Press a surface with its waves up to rising magnifications, each ring with both signs, and keep the sums.
+
+    Parameters
     ----------
+    realised : Realised
+        The whole surface, solid and load.
+    points : int
+        Grid points along each axis.
     ends : tuple of float
         Magnifications q/q_long at which the rings end, rising.
     restarts : tuple of float
         Those among them at which absorbing diffusion is started from the truth.
+    tolerance : float
+        Of every solve; the area is off by less than that, relative, and every flow is much larger.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (sign, level), (step), (step, bin), (octave, level).
     """
-
-    ends: tuple[float, ...]
-    restarts: tuple[float, ...] = ()
-
-    @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers."""
-        return {**super().recipe, "ends": list(self.ends), "restarts": list(self.restarts)}
-
-    @property
-    def prefix(self) -> str:
-        """Readable start of the name on disk."""
-        return f"rings-{self.points}"
-
-    @property
-    def solves(self) -> int:
-        """Two for each ring."""
-        return 2 * len(self.ends) - 1
-
-    def states(self) -> Iterator[tuple[float, ContactResult, ContactResult]]:
-        """Yield V [Pa^2], the result with the ring just added, and that with its negative, from coarse to fine."""
-        heights, load = self.heights(0.0, self.ends[0]), self.realised.pressure
-        state = self.press(heights, load=load)
-        yield self.variance(heights), state, state
-        for above, until in itertools.pairwise(self.ends):
-            ring = self.heights(above, until)
-            other = self.press(heights - ring, load=load, start=state.pressure)
-            heights = heights + ring
-            state = self.press(heights, load=load, start=state.pressure)
-            yield self.variance(heights), state, other
-
-    def measure(self) -> xr.Dataset:
-        """Press everything and keep the sums; dimensions (sign, level), (step), (step, bin), (octave, level)."""
-        variance: list[float] = []
-        areas: list[list[tuple[float, ...]]] = []
-        square: list[float] = []
-        sums: list[dict[str, Array]] = []
-        starts: dict[float, tuple[float, Pressed]] = {}
-        diffused = np.full((len(self.restarts), len(self.ends)), np.nan)
-        before, memory = None, None
-        for zeta, (v, result, other) in zip(self.ends, self.states(), strict=True):
-            state = pressed(result)
-            areas.append([areas_of(result), areas_of(other)])
-            square.append(float(np.mean(state.pressure**2)) / v)
-            if before is None or memory is None:
-                memory = Memory(state, steps=len(self.ends))
-            else:
-                unit = float(np.sqrt(variance[-1]))
-                sums.append(_step(before, (state, pressed(other)), unit=unit))
-                memory.add(state, unit=unit)
-            for row, (began, start) in enumerate(starts.values()):
-                diffused[row, len(variance)] = diffused_area(start, np.array([v - began]))[0]
-            if zeta in self.restarts:
-                starts[zeta] = v, state
-                diffused[len(starts) - 1, len(variance)] = areas[-1][0][0]
-            before = state
-            variance.append(v)
-        assert memory is not None
-        data: dict[str, Any] = {
-            "variance_share": ("level", np.array(variance) / variance[-1]),
-            "mean_square": ("level", square),
-            "area_diffused": (("octave", "level"), diffused),
-            "inflow": ("pair", memory.two_step),
-            "inflow_composed": ("pair", memory.composed),
-            "points_out": ("age", memory.out),
-            "points_returned": ("age", memory.returned),
-            "contact_out": ("level", memory.out_at),
-            "contact_crossed": ((), memory.crossed),
-            "nominal": ((), self.realised.pressure / np.sqrt(variance[-1])),
-        }
-        return _dataset(data, areas=areas, sums=sums)
+    variance: list[float] = []
+    areas: list[list[tuple[float, ...]]] = []
+    square: list[float] = []
+    sums: list[dict[str, Array]] = []
+    starts: dict[float, tuple[float, Pressed]] = {}
+    diffused = np.full((len(restarts), len(ends)), np.nan)
+    before, memory = None, None
+    states = chain_states(realised, points=points, ends=ends, tolerance=tolerance)
+    for zeta, (v, result, other) in zip(ends, states, strict=True):
+        state = pressed(result)
+        areas.append([areas_of(result), areas_of(other)])
+        square.append(float(np.mean(state.pressure**2)) / v)
+        if before is None or memory is None:
+            memory = Memory(state, steps=len(ends))
+        else:
+            unit = float(np.sqrt(variance[-1]))
+            sums.append(_step(before, (state, pressed(other)), unit=unit))
+            memory.add(state, unit=unit)
+        for row, (began, start) in enumerate(starts.values()):
+            diffused[row, len(variance)] = diffused_area(start, np.array([v - began]))[0]
+        if zeta in restarts:
+            starts[zeta] = v, state
+            diffused[len(starts) - 1, len(variance)] = areas[-1][0][0]
+        before = state
+        variance.append(v)
+    assert memory is not None
+    data: dict[str, Any] = {
+        "variance_share": ("level", np.array(variance) / variance[-1]),
+        "mean_square": ("level", square),
+        "area_diffused": (("octave", "level"), diffused),
+        "inflow": ("pair", memory.two_step),
+        "inflow_composed": ("pair", memory.composed),
+        "points_out": ("age", memory.out),
+        "points_returned": ("age", memory.returned),
+        "contact_out": ("level", memory.out_at),
+        "contact_crossed": ((), memory.crossed),
+        "nominal": ((), realised.pressure / np.sqrt(variance[-1])),
+    }
+    return _dataset(data, areas=areas, sums=sums)
 
 
 #: The ring ends at this multiple of the magnification at which it begins.
 RING = 2**0.25
 
 
-@dataclass(frozen=True, kw_only=True)
-class Probe(RingSolve):
-    """A surface with its waves up to one magnification, and the next ring with both signs at several heights.
+@measurement(
+    "probe-{points}",
+    kind="Probe",
+    words="one ring,",
+    located=True,
+    version=2,
+    seconds=lambda points, steps: (1 + 2 * len(steps)) * (4e-3 + 7e-7 * points),
+    bytes=250,
+)
+def probe(
+    *,
+    realised: Realised,
+    points: int,
+    magnification: float,
+    steps: tuple[float, ...],
+    tolerance: float = 1e-7,
+) -> xr.Dataset:
+    """Press a surface with its waves up to one magnification, and the next ring with both signs at several heights.
 
     The load p* counts in the gradient of the waves up to that magnification.
 
-    Attributes
+    Parameters
     ----------
+    realised, points, tolerance
+        As for a `chain`.
     magnification : float
         q/q_long of the last wave there is.
     steps : tuple of float
         Delta V / V of the ring.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over (), (step), (step, bin).
     """
-
-    magnification: float
-    steps: tuple[float, ...]
-
-    @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers."""
-        return {**super().recipe, "magnification": self.magnification, "steps": list(self.steps)}
-
-    @property
-    def prefix(self) -> str:
-        """Readable start of the name on disk."""
-        return f"probe-{self.points}"
-
-    @property
-    def solves(self) -> int:
-        """The surface, and two for each step."""
-        return 1 + 2 * len(self.steps)
-
-    @property
-    def shortest(self) -> float:
-        """Wave length [m] at the magnification of the probe; that of the ring is a little shorter."""
-        return self.realised.longest / self.magnification
-
-    def measure(self) -> xr.Dataset:
-        """Press everything and keep the sums; dimensions (), (step), (step, bin)."""
-        heights = self.heights(0.0, self.magnification)
-        ring = self.heights(self.magnification, self.magnification * RING)
-        v, natural = self.variance(heights), self.variance(ring)
-        unit = float(np.sqrt(v))
-        # E* h'_rms = 2 sqrt(V).
-        load = 2 * reduced_load(self.realised) * unit
-        first = self.press(heights, load=load)
-        before = pressed(first)
-        sums: list[dict[str, Array]] = []
-        areas = [[areas_of(first)] * 2]
-        for step in self.steps:
-            scaled = ring * np.sqrt(step * v / natural)
-            pair = [self.press(heights + sign * scaled, load=load, start=first.pressure) for sign in (1, -1)]
-            sums.append(_step(before, [pressed(result) for result in pair], unit=unit))
-            areas.append([areas_of(result) for result in pair])
-        data: dict[str, Any] = {"nominal": ((), load / unit)}
-        return _dataset(data, areas=areas, sums=sums)
+    rings = Rings(realised, points, tolerance)
+    heights = rings.heights(0.0, magnification)
+    ring = rings.heights(magnification, magnification * RING)
+    v, natural = rings.variance(heights), rings.variance(ring)
+    unit = float(np.sqrt(v))
+    # E* h'_rms = 2 sqrt(V).
+    load = 2 * reduced_load(realised) * unit
+    first = rings.press(heights, load=load)
+    before = pressed(first)
+    sums: list[dict[str, Array]] = []
+    areas = [[areas_of(first)] * 2]
+    for step in steps:
+        scaled = ring * np.sqrt(step * v / natural)
+        pair = [rings.press(heights + sign * scaled, load=load, start=first.pressure) for sign in (1, -1)]
+        sums.append(_step(before, [pressed(result) for result in pair], unit=unit))
+        areas.append([areas_of(result) for result in pair])
+    data: dict[str, Any] = {"nominal": ((), load / unit)}
+    return _dataset(data, areas=areas, sums=sums)

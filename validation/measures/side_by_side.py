@@ -2,141 +2,108 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.ndimage
 
-from fem_contact.area import TRAITS, ContactAreas, contact_areas
+from fem_contact.area import TRAITS, contact_areas
 from fem_contact.contact import ContactResult, Status
+from validation.arrays import Grid
 from validation.effects.base import Slots
 from validation.measures.measurement import has_square_cells
-from validation.measures.single_solve import SingleSolve
 from validation.methods import find_solver
 from validation.methods.base import Job, Settings, Solver
+from validation.scenes.realised import Realised
 from validation.scenes.scene import EffectSpec
+from validation.solves.measurement import measurement
 from validation.solves.press import Press
-from validation.solves.solve import LOCATED_EDGES, Prediction
+from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     import xarray as xr
 
-__all__ = ["ByMethod", "areas_by_method", "compared", "difference"]
+__all__ = ["beside_bem", "compared", "difference"]
 
 #: Points closer than this to the edge of either contact, in cells, are left out of the second pressure difference.
 _EDGE_CELLS = 1.5
 
 
-@dataclass(frozen=True, kw_only=True)
-class ByMethod(SingleSolve):
-    """One surface at one load on one grid by a method, beside boundary elements.
+def _predicted(
+    realised: Realised,
+    grid: Grid,
+    method: str,
+    settings: Settings,
+    effects: tuple[EffectSpec, ...],
+    pair_seconds: float,
+) -> Prediction:
+    press = Press(method=method, grid=grid, realised=realised, settings=settings, effects=effects)
+    return press.predict(pair_seconds=pair_seconds)
 
-    Attributes
+
+@measurement(
+    "beside-{method}-{size}",
+    kind="ByMethod",
+    words="{method}",
+    located=True,
+    predict=_predicted,
+    compiled=lambda method, settings, effects: (("bem", {}, effects), (method, dict(settings), effects)),
+)
+def beside_bem(
+    *,
+    realised: Realised,
+    grid: Grid,
+    method: str,
+    settings: Settings = (),
+    effects: tuple[EffectSpec, ...] = (),
+) -> xr.Dataset:
+    """Press one surface at one load on one grid by a method, beside boundary elements.
+
+    Parameters
     ----------
+    realised : Realised
+    grid : tuple of int
     method : str
         Name of a solver.
     settings : tuple of (str, value)
         What it is told.
     effects : tuple
         Of a scene.
+
+    Returns
+    -------
+    xarray.Dataset
+        Areas, gap, pressure differences and cost; ``converged`` is 1 where its residuals allow it.
+
+    Raises
+    ------
+    NotConverged
+        Where nothing comes of the method, or boundary elements themselves fail.
     """
+    import xarray as xr
 
-    method: str
-    settings: Settings = ()
-    effects: tuple[EffectSpec, ...] = ()
+    field, solver = realised.heights(grid), find_solver(method)
 
-    @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers."""
-        return {
-            **super().recipe,
-            "method": self.method,
-            "settings": dict(self.settings),
-            "effects": [effect.model_dump(mode="json", exclude_none=True) for effect in self.effects],
-            "edges": LOCATED_EDGES,
-        }
+    def solved(by: Solver, told: Mapping[str, Any]) -> ContactResult:
+        slots, load = Slots.filled(realised.elastic, effects), {"mean_pressure": realised.pressure}
+        return by.solve(Job(field=field, load=load, slots=slots, settings=told, threads=1)).contact
 
-    @property
-    def solver(self) -> Solver:
-        """The method."""
-        return find_solver(self.method)
-
-    @property
-    def prefix(self) -> str:
-        """Readable start of the name on disk."""
-        return f"beside-{self.method}-{self.size}"
-
-    def describe(self) -> str:
-        """Return a few words for a progress bar."""
-        return f"{self.solver.label} {self.where}"
-
-    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
-        """Predict as a scene does."""
-        told: dict[str, Any] = {"realised": self.realised, "settings": self.settings, "effects": self.effects}
-        return Press(method=self.method, grid=self.grid, **told).predict(pair_seconds=pair_seconds)
-
-    @property
-    def code_path(self) -> tuple[str, ...]:
-        """Boundary elements, the method and its variant, kinds of effects."""
-        variant = self.solver.variant(dict(self.settings))
-        return ("bem", self.method, variant, *sorted(effect.kind for effect in self.effects))
-
-    def warm_up(self) -> None:
-        """Let both methods run through their compiled passes."""
-        find_solver("bem").rehearse(self.effects)
-        self.solver.rehearse(self.effects, dict(self.settings))
-
-    def measure(self) -> xr.Dataset:
-        """Return areas, gap, pressure differences and cost; `converged` is 1 where its residuals allow it.
-
-        Raises
-        ------
-        NotConverged
-            Where nothing comes of the method, or boundary elements themselves fail.
-        """
-        import xarray as xr
-
-        field, solver = self.heights(), self.solver
-
-        def solved(by: Solver, settings: Mapping[str, Any]) -> ContactResult:
-            slots = Slots.filled(self.realised.elastic, self.effects)
-            load = {"mean_pressure": self.realised.pressure}
-            return by.solve(Job(field=field, load=load, slots=slots, settings=settings, threads=1)).contact
-
-        found, ours = solved(solver, dict(self.settings)), solved(find_solver("bem"), {}).checked()
-        constant = solver.edge_constant(found)
-        located = solver.locates_edges and not self.effects and has_square_cells(self.realised, self.grid)
-        areas = contact_areas(found, edge_constant=constant, subcell=located)
-        data = compared(found, ours, edge_constant=constant, rms_height=self.realised.field.rms_height)
-        data |= {
-            "subcell": np.nan if areas.subcell is None else areas.subcell,
-            "edge_fraction": areas.edge_fraction,
-            **{name: getattr(areas, name) for name in TRAITS},
-            "edge_constant": constant,
-            "converged": float(found.status is Status.CONVERGED),
-            "iterations": found.cost.iterations,
-        }
-        return xr.Dataset({name: ((), float(value)) for name, value in data.items()})
-
-
-def areas_by_method(data: xr.Dataset, grid: tuple[int, int]) -> ContactAreas:
-    """Return the areas of one such solve, as limits take them."""
-    nx, ny = grid
-    subcell = float(data.subcell)
-    return ContactAreas(
-        pixel=float(data.pixel),
-        perimeter=float(data.perimeter),
-        edge_length=np.nan,
-        edge_fraction=float(data.edge_fraction),
-        edge_constant=float(data.edge_constant),
-        spacing=(1 / nx, 1 / ny),
-        subcell=None if np.isnan(subcell) else subcell,
-        cells=nx * ny,
-        **{name: float(data[name]) for name in TRAITS},
-    )
+    found, ours = solved(solver, dict(settings)), solved(find_solver("bem"), {}).checked()
+    constant = solver.edge_constant(found)
+    located = solver.locates_edges and not effects and has_square_cells(realised, grid)
+    areas = contact_areas(found, edge_constant=constant, subcell=located)
+    data = compared(found, ours, edge_constant=constant, rms_height=realised.field.rms_height)
+    data |= {
+        "subcell": np.nan if areas.subcell is None else areas.subcell,
+        "edge_fraction": areas.edge_fraction,
+        **{name: getattr(areas, name) for name in TRAITS},
+        "edge_constant": constant,
+        "converged": float(found.status is Status.CONVERGED),
+        "iterations": found.cost.iterations,
+    }
+    return xr.Dataset({name: ((), float(value)) for name, value in data.items()})
 
 
 def compared(

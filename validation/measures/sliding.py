@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fem_contact.area import contact_areas
 from fem_contact.sliding import SlidingContact, slide
 from fem_contact.viscoelastic import PronySolid, TabulatedSolid
 from persson.sliding import friction_of_waves
 from persson.variants import corrected_contact_area
 from validation.arrays import Array, Grid
+from validation.measures.flow import located_area
 from validation.measures.theory import VARIANTS
 from validation.scenes.realised import Realised
-from validation.solves.solve import LOCATED_EDGES, NumbersSolve, Prediction
+from validation.solves.measurement import Call, measurement
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["SHARES", "Rubber", "SlideSolve", "slid_of"]
+__all__ = ["SHARES", "Rubber", "slid_of", "slides"]
 
 Rubber = PronySolid | TabulatedSolid
 
@@ -31,11 +30,22 @@ SHARES = {"full_energy": 1.0, "half_energy": 0.5}
 QUANTITIES = ("friction", "dissipation", "area", "contraction", "steps", "fft_pairs", "residual")
 
 
-@dataclass(frozen=True, kw_only=True)
-class SlideSolve(NumbersSolve):
-    """One surface under its load at rising velocities, each started from the one before, on nested grids.
+@measurement(
+    "slide-{size}",
+    kind="SlideSolve",
+    words="slide, to",
+    located=True,
+    version=1,
+    # Some three hundred pairs of transforms for each velocity and grid.
+    seconds=lambda grids, velocities: len(velocities) * sum(0.03 + 1.2e-5 * nx * ny for nx, ny in grids),
+    bytes=600,
+)
+def slides(
+    *, realised: Realised, rubber: Rubber, velocities: tuple[float, ...], grids: tuple[Grid, ...]
+) -> xr.Dataset:
+    """Let one surface slide under its load at rising velocities, each started from the one before, on nested grids.
 
-    Attributes
+    Parameters
     ----------
     realised : Realised
         Surface and load; its solid is the relaxed one.
@@ -43,84 +53,43 @@ class SlideSolve(NumbersSolve):
     velocities : tuple of float
         v [m/s] along x.
     grids : tuple of (int, int)
+
+    Returns
+    -------
+    xarray.Dataset
+        `QUANTITIES` over (grid, velocity).
     """
+    import xarray as xr
 
-    realised: Realised
-    rubber: Rubber
-    velocities: tuple[float, ...]
-    grids: tuple[Grid, ...]
-
-    @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers."""
-        solid = {part.name: getattr(self.rubber, part.name) for part in fields(self.rubber) if part.init}
-        return {
-            **self.realised.recipe,
-            "rubber": {name: list(v) if isinstance(v, tuple) else v for name, v in solid.items()},
-            "velocities": list(self.velocities),
-            "grids": [list(grid) for grid in self.grids],
-            "edges": LOCATED_EDGES,
-            "version": 1,
-        }
-
-    @property
-    def prefix(self) -> str:
-        """Readable start of the name on disk."""
-        return f"slide-{max(self.grids)[0]}x{max(self.grids)[1]}"
-
-    def describe(self) -> str:
-        """Return a few words for a progress bar."""
-        nx, ny = max(self.grids)
-        return f"slide, surface {self.realised.realisation + 1}, to {nx}x{ny}"
-
-    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
-        """Predict the cost: some three hundred pairs of transforms for each velocity and grid."""
-        points = [nx * ny for nx, ny in self.grids]
-        return Prediction(
-            seconds=len(self.velocities) * sum(0.03 + 1.2e-5 * n for n in points),
-            peak_bytes=600 * max(points),
-            unknowns=max(points),
-        )
-
-    def measure(self) -> xr.Dataset:
-        """Solve everything and keep the numbers; dimensions (grid, velocity)."""
-        import xarray as xr
-
-        values = {name: np.empty((len(self.grids), len(self.velocities))) for name in QUANTITIES}
-        for i, grid in enumerate(self.grids):
-            heights, start = self.realised.heights(grid), None
-            for k, velocity in enumerate(self.velocities):
-                found = slide(
-                    heights,
-                    self.rubber,
-                    velocity=velocity,
-                    mean_pressure=self.realised.pressure,
-                    start=start,
-                    threads=1,
-                ).checked()
-                start = found.contact.pressure
-                for name, value in self._read_off(found).items():
-                    values[name][i, k] = value
-        return xr.Dataset({name: (("grid", "velocity"), values[name]) for name in QUANTITIES})
-
-    def _read_off(self, found: SlidingContact) -> dict[str, float]:
-        """Return every one of `QUANTITIES` of one solve."""
-        gradient, contact = self.realised.field.rms_gradient, found.contact
-        located = contact_areas(contact, subcell=True).subcell
-        assert located is not None
-        return {
-            "friction": found.slopes / gradient,
-            "dissipation": found.dissipation / gradient,
-            "area": located,
-            "contraction": found.contraction,
-            "steps": contact.cost.iterations,
-            "fft_pairs": contact.cost.fft_pairs,
-            "residual": contact.residuals.worst,
-        }
+    values = {name: np.empty((len(grids), len(velocities))) for name in QUANTITIES}
+    for i, grid in enumerate(grids):
+        heights, start = realised.heights(grid), None
+        for k, velocity in enumerate(velocities):
+            found = slide(
+                heights, rubber, velocity=velocity, mean_pressure=realised.pressure, start=start, threads=1
+            ).checked()
+            start = found.contact.pressure
+            for name, value in _read_off(found, gradient=realised.field.rms_gradient).items():
+                values[name][i, k] = value
+    return xr.Dataset({name: (("grid", "velocity"), values[name]) for name in QUANTITIES})
 
 
-def slid_of(measured: xr.Dataset, solve: SlideSolve) -> xr.Dataset:
-    """Reduce one `SlideSolve` to numbers over (velocity) on its finest grid, with what each grid gave, and the theory's.
+def _read_off(found: SlidingContact, *, gradient: float) -> dict[str, float]:
+    """Return every one of `QUANTITIES` of one solve."""
+    contact = found.contact
+    return {
+        "friction": found.slopes / gradient,
+        "dissipation": found.dissipation / gradient,
+        "area": located_area(contact),
+        "contraction": found.contraction,
+        "steps": contact.cost.iterations,
+        "fft_pairs": contact.cost.fft_pairs,
+        "residual": contact.residuals.worst,
+    }
+
+
+def slid_of(measured: xr.Dataset, solve: Call) -> xr.Dataset:
+    """Reduce what one of `slides` left to numbers over (velocity) on its finest grid, with what each grid gave, and the theory's.
 
     Returns
     -------
@@ -138,7 +107,7 @@ def slid_of(measured: xr.Dataset, solve: SlideSolve) -> xr.Dataset:
     numbers |= {f"{name}_each": measured[name] for name in QUANTITIES[3:]}
     numbers["friction_each_drift"] = fine.friction - fine.dissipation
     numbers["area_each_drift"] = fine.area - before.area
-    friction, area = _theory(solve.realised, solve.rubber, solve.velocities)
+    friction, area = _theory(solve["realised"], solve["rubber"], solve["velocities"])
     numbers |= {f"friction_{name}_each": ("velocity", friction[:, k]) for k, name in enumerate(SHARES)}
     numbers |= {f"area_{name}_each": ("velocity", area[:, k]) for k, name in enumerate(VARIANTS)}
     return xr.Dataset(numbers, attrs={"solve": measured.attrs["solve"]})

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from fem_contact.errors import NotConverged
-from validation.arrays import Array
+from validation.arrays import Array, Grid
 from validation.measures.limits import read_off
-from validation.measures.single_solve import SingleSolve
 from validation.report.estimates import claim, derive, mean, total_error
+from validation.scenes.realised import Realised
+from validation.solves.measurement import measurement
 from validation.solves.solve import Prediction
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from fem_contact.block import FiniteStrain
 
-__all__ = ["CHANGES", "SlopeMeasurement", "changes_of", "first_crossing", "with_differences"]
+__all__ = ["CHANGES", "changes_of", "first_crossing", "steepened", "with_differences"]
 
 #: What is measured of every slope.
 _NAMES = {
@@ -33,11 +33,20 @@ _NAMES = {
 }
 
 
-@dataclass(frozen=True, kw_only=True)
-class SlopeMeasurement(SingleSolve):
-    """A surface at one p0 / (E* h'_rms) with rising slopes, where the solid is neo-Hookean.
+def _predicted(points: int, slopes: tuple[float, ...]) -> Prediction:
+    """Predict some four Newton steps for each slope."""
+    unknowns = int(3 * points * 3 * np.log(points))
+    seconds = 0.5 + 4e-5 * unknowns * len(slopes)
+    return Prediction(seconds=seconds, peak_bytes=9000 * unknowns, unknowns=unknowns)
 
-    Attributes
+
+@measurement("slopes-{size}", kind="SlopeMeasurement", words="finite strain", version=1, predict=_predicted)
+def steepened(
+    *, realised: Realised, grid: Grid, slopes: tuple[float, ...], depth: float = 1.0, growth: float = 1.3
+) -> xr.Dataset:
+    """Press a surface at one p0 / (E* h'_rms) with rising slopes, where the solid is neo-Hookean.
+
+    Parameters
     ----------
     realised : Realised
     grid : tuple of int
@@ -47,53 +56,40 @@ class SlopeMeasurement(SingleSolve):
         Of the block, in periods.
     growth : float
         Of the layers with depth.
+
+    Returns
+    -------
+    xarray.Dataset
+        Areas and the mean square pressure by slope; NaN, with the reason, where Newton's method ends.
     """
+    import xarray as xr
+    from threadpoolctl import threadpool_limits
 
-    kind, words = "slopes", "finite strain"
-    version = 1
+    from fem_contact import block
 
-    slopes: tuple[float, ...]
-    depth: float = 1.0
-    growth: float = 1.3
-
-    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
-        """Predict the cost: some four Newton steps for each slope."""
-        unknowns = int(3 * self.points * 3 * np.log(self.points))
-        return Prediction(
-            seconds=0.5 + 4e-5 * unknowns * len(self.slopes), peak_bytes=9000 * unknowns, unknowns=unknowns
-        )
-
-    def measure(self) -> xr.Dataset:
-        """Return areas and the mean square pressure by slope; NaN, with the reason, where Newton's method ends."""
-        import xarray as xr
-        from threadpoolctl import threadpool_limits
-
-        from fem_contact import block
-
-        field, solid = self.heights(), self.realised.elastic
-        pressure = self.realised.reduced_pressure * solid.contact_modulus * field.rms_gradient
-        mesh: Any = {"depth": self.depth * max(field.lengths), "growth": self.growth}
-        found = {name: np.full(len(self.slopes), np.nan) for name in _NAMES}
-        ended = ""
-        with threadpool_limits(limits=1, user_api="blas"):
-            linear = block.solve(field, solid, mean_pressure=pressure, **mesh).contact.checked()
-            try:
-                for k, each in enumerate(
-                    block.solve_slopes(field, solid, mean_pressure=pressure, slopes=self.slopes, **mesh)
-                ):
-                    for name, value in _read_off(each).items():
-                        found[name][k] = value
-            except NotConverged as error:
-                ended = str(error)
-        return xr.Dataset(
-            {name: ("slope", values, {"long_name": _NAMES[name]}) for name, values in found.items()}
-            | {
-                "linear_area": ((), float(np.mean(linear.in_contact))),
-                "linear_square_pressure": ((), float(np.mean(linear.pressure**2)) / linear.mean_pressure**2),
-            },
-            coords={"slope": list(self.slopes)},
-            attrs={"ended": ended},
-        )
+    field, solid = realised.heights(grid), realised.elastic
+    pressure = realised.reduced_pressure * solid.contact_modulus * field.rms_gradient
+    mesh: Any = {"depth": depth * max(field.lengths), "growth": growth}
+    found = {name: np.full(len(slopes), np.nan) for name in _NAMES}
+    ended = ""
+    with threadpool_limits(limits=1, user_api="blas"):
+        linear = block.solve(field, solid, mean_pressure=pressure, **mesh).contact.checked()
+        try:
+            steeper = block.solve_slopes(field, solid, mean_pressure=pressure, slopes=slopes, **mesh)
+            for k, each in enumerate(steeper):
+                for name, value in _read_off(each).items():
+                    found[name][k] = value
+        except NotConverged as error:
+            ended = str(error)
+    return xr.Dataset(
+        {name: ("slope", values, {"long_name": _NAMES[name]}) for name, values in found.items()}
+        | {
+            "linear_area": ((), float(np.mean(linear.in_contact))),
+            "linear_square_pressure": ((), float(np.mean(linear.pressure**2)) / linear.mean_pressure**2),
+        },
+        coords={"slope": list(slopes)},
+        attrs={"ended": ended},
+    )
 
 
 def _read_off(found: FiniteStrain) -> dict[str, float]:

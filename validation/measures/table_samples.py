@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,13 +13,26 @@ from validation.arrays import Array
 from validation.errors import UsageError
 from validation.measures.common import persson_area
 from validation.measures.ensemble import QUANTITIES, Samples
-from validation.measures.measurement import TOLERANCES_LEFT
+from validation.measures.measurement import TOLERANCES_LEFT, grid_for, press_on_grids
+from validation.measures.without_solve import unsolved_pairs
 from validation.report.estimates import LIMIT, claim, error_of
+from validation.scenes.realised import Realised
+from validation.scenes.scene import SelfAffineSurface
+from validation.scenes.surfaces import spectrum_of
+from validation.solves.measurement import Call
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["BY_SPECTRUM", "LoadedSamples", "at_loads", "controlled_means", "joined", "with_size"]
+__all__ = [
+    "BY_SPECTRUM",
+    "LoadedSamples",
+    "SampledSpectrum",
+    "at_loads",
+    "controlled_means",
+    "joined",
+    "with_size",
+]
 
 #: A quantity beside those of `Samples`: the area at p* = p0 / (E* h'_rms) with the gradient of C(q).
 BY_SPECTRUM = "area_by_spectrum"
@@ -121,6 +134,85 @@ def controlled_means(samples: LoadedSamples, *, tolerance: float) -> xr.Dataset:
             data["saving"] = ("reduced_pressure", samples.savings(chains))
     data[f"{BY_SPECTRUM}_reading"] = reading
     return data
+
+
+#: Order in which grids came to the table, which numbers its pairs and so keeps its solves.
+_GREW = (2, 0, 1)
+
+
+@dataclass(frozen=True, kw_only=True)
+class SampledSpectrum:
+    """Pairs +h, -h of one spectrum, some of which end with each grid, and pairs that are only looked at.
+
+    Attributes
+    ----------
+    base : Realised
+    loads : tuple of float
+        p*, by the gradient of each surface.
+    points_per_wave : tuple of float
+        Grids, coarse first.
+    pairs : tuple of int
+        That end with each grid.
+    unsolved : int
+        Pairs that are only looked at, for each that ends with the coarsest grid.
+    shifts : int
+    tolerance : float
+    """
+
+    base: Realised
+    loads: tuple[float, ...]
+    points_per_wave: tuple[float, ...]
+    pairs: tuple[int, ...]
+    unsolved: int
+    shifts: int
+    tolerance: float
+
+    @property
+    def cases(self) -> dict[tuple[Any, ...], Call]:
+        """Solves by last grid, number of the pair and sign; statistics without a solve by the pairs they are of."""
+        order = sorted(range(len(self.pairs)), key=lambda g: _GREW.index(g) if g in _GREW else g)
+        lasts = [last for last in order for _ in range(self.pairs[last])]
+        grids = tuple(grid_for(self.base, points) for points in self.points_per_wave)
+        found: dict[tuple[Any, ...], Call] = {
+            (last, k, inverted): press_on_grids(
+                realised=replace(self.base.further(k), inverted=inverted),
+                reduced_pressures=self.loads,
+                grids=grids[: last + 1],
+                shifts=self.shifts,
+                tolerance=self.tolerance,
+                keep=("stiffness", "slope"),
+            )
+            for k, last in enumerate(lasts)
+            for inverted in (False, True)
+        }
+        coarsest = self.pairs[0]
+        further = {"first": len(lasts), "count": coarsest * self.unsolved}
+        looked = {"coarsest": {"first": lasts.index(0), "count": coarsest}, "further": further}
+        return found | {
+            (name,): unsolved_pairs(realised=self.base, grid=grids[0], **which)
+            for name, which in looked.items()
+        }
+
+    def reduced(self, measured: Mapping[tuple[Any, ...], xr.Dataset]) -> xr.Dataset:
+        """Reduce the results of `cases`: the controlled means, and how many pairs end with which points per wave."""
+        surface = self.base.surface
+        assert isinstance(surface, SelfAffineSurface)
+        coarsest, further = measured["coarsest",], measured["further",]
+        samples = LoadedSamples(
+            ending=[
+                [data for case, data in measured.items() if case[0] == last]
+                for last in range(len(self.pairs))
+            ],
+            unsolved=coarsest.value.values,
+            further=further.value.values,
+            unsolved_seconds=float(coarsest.attrs["seconds"]) + float(further.attrs["seconds"]),
+            periods=surface.length[0] / surface.lambda_long,
+            loads=np.array(self.loads),
+            gradient=float(spectrum_of(surface).m2() ** 0.5),
+        )
+        ends = zip(self.pairs, self.points_per_wave, strict=True)
+        pairs = ", ".join(f"{count} on {points:g}" for count, points in ends)
+        return controlled_means(samples, tolerance=self.tolerance).assign(pairs=pairs)
 
 
 #: Of relative intervals: below it two numbers are the same.

@@ -2,23 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.fft
 
 from fem_contact.surface import HeightField
-from validation.arrays import Array
-from validation.measures.measurement import Grid
+from validation.arrays import Array, Grid
 from validation.scenes.realised import Realised
-from validation.solves.solve import NumbersSolve, Prediction
+from validation.solves.measurement import measurement
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["UnsolvedPairs", "statistics_of_pair", "unsolved_statistics"]
+__all__ = ["statistics_of_pair", "unsolved_pairs", "unsolved_statistics"]
 
 #: Shares of the nominal area, for the highest heights and the highest pressures of full contact.
 _SHARES = (0.01, 0.03, 0.1, 0.3)
@@ -85,68 +82,43 @@ def _unit_fields(field: HeightField) -> tuple[Array, Array, Array]:
     return height / height.std(), (slope / slope.mean()).ravel(), pressure / pressure.std()
 
 
-@dataclass(frozen=True, kw_only=True)
-class UnsolvedPairs(NumbersSolve):
-    """`statistics_of_pair` of many surfaces of one spectrum.
+def _recipe(made: dict[str, Any], realised: Realised, first: int, grid: Grid) -> dict[str, Any]:
+    left = ("load", "first", "points")
+    return {n: v for n, v in (made | realised.further(first).recipe).items() if n not in left} | {
+        "grid": list(grid)
+    }
 
-    Attributes
+
+@measurement(
+    "unsolved-{grid[0]}x{grid[1]}",
+    kind="UnsolvedPairs",
+    words="what {count} surfaces tell without a contact,",
+    version=2,
+    recipe=_recipe,
+    # Five transforms and two sorts for each.
+    seconds=lambda points, count: count * (1e-3 + 5e-7 * points),
+    bytes=200,
+    compiled=lambda: (),
+)
+def unsolved_pairs(*, realised: Realised, grid: Grid, first: int, count: int) -> xr.Dataset:
+    """Return `statistics_of_pair` of `count` surfaces of one spectrum; dimensions (surface, statistic).
+
+    Parameters
     ----------
     realised : Realised
     grid : (int, int)
     first, count : int
         Realisations.
     """
+    import time
 
-    realised: Realised
-    grid: Grid
-    first: int
-    count: int
+    import xarray as xr
 
-    @property
-    def recipe(self) -> dict[str, Any]:
-        """Everything that determines the numbers."""
-        made: Mapping[str, Any] = self.realised.further(self.first).recipe
-        return {name: value for name, value in made.items() if name != "load"} | {
-            "grid": list(self.grid),
-            "count": self.count,
-            "version": 2,
-        }
-
-    @property
-    def prefix(self) -> str:
-        """Readable start of the name on disk."""
-        return f"unsolved-{self.grid[0]}x{self.grid[1]}"
-
-    def describe(self) -> str:
-        """Return a few words for a progress bar."""
-        return f"what {self.count} surfaces on {self.grid[0]}x{self.grid[1]} tell without a contact"
-
-    def predict(self, *, pair_seconds: float = 0.5e-3) -> Prediction:
-        """Predict the cost: five transforms and two sorts for each."""
-        points = self.grid[0] * self.grid[1]
-        return Prediction(
-            seconds=self.count * (1e-3 + 5e-7 * points), peak_bytes=200 * points, unknowns=points
-        )
-
-    @property
-    def code_path(self) -> tuple[str, ...]:
-        """Nothing is compiled."""
-        return ()
-
-    def measure(self) -> xr.Dataset:
-        """Return the statistics; dimensions (surface, statistic)."""
-        import time
-
-        import xarray as xr
-
-        began = time.process_time()
-        found = [
-            statistics_of_pair(self.realised.further(k).heights(self.grid))
-            for k in range(self.first, self.first + self.count)
-        ]
-        values = np.array([list(one.values()) for one in found])
-        return xr.Dataset(
-            {"value": (("surface", "statistic"), values)},
-            # Not a coordinate: to read one of text, xarray loads dask.
-            attrs={"seconds": time.process_time() - began, "statistics": "; ".join(found[0])},
-        )
+    began = time.process_time()
+    found = [statistics_of_pair(realised.further(k).heights(grid)) for k in range(first, first + count)]
+    values = np.array([list(one.values()) for one in found])
+    return xr.Dataset(
+        {"value": (("surface", "statistic"), values)},
+        # Not a coordinate: to read one of text, xarray loads dask.
+        attrs={"seconds": time.process_time() - began, "statistics": "; ".join(found[0])},
+    )

@@ -46,6 +46,11 @@ class Solve(ABC):
         """Everything that determines the result, as JSON-ready data, and nothing else."""
 
     @property
+    def kind(self) -> str:
+        """Kind of work, in the name on disk."""
+        return type(self).__name__
+
+    @property
     @abstractmethod
     def prefix(self) -> str:
         """Readable start of the name on disk."""
@@ -99,7 +104,7 @@ class Solve(ABC):
     @property
     def full_recipe(self) -> dict[str, Any]:
         """Return the recipe with the kind of work and the version of the results."""
-        return {"results_version": RESULTS_VERSION, "kind": type(self).__name__, **self.recipe}
+        return {"results_version": RESULTS_VERSION, "kind": self.kind, **self.recipe}
 
     @property
     def recipe_text(self) -> str:
@@ -138,14 +143,3 @@ class NumbersSolve(Solve):
         from validation.solves.netcdf import read_dataset
 
         return read_dataset(content)
-
-    @property
-    def code_path(self) -> tuple[str, ...]:
-        """Most studies run through plain boundary elements."""
-        return ("bem",)
-
-    def warm_up(self) -> None:
-        """Load the compiled passes of plain boundary elements."""
-        from validation.methods import find_solver
-
-        find_solver("bem").rehearse(())

@@ -9,9 +9,10 @@ from typing import Any, ClassVar
 
 from pydantic import Field, model_validator
 
+from validation.arrays import Grid
 from validation.effects.base import SlotName, effect_key
 from validation.measures.common import base_case, base_surface
-from validation.measures.measurement import Grid, grid_for
+from validation.measures.measurement import grid_for
 from validation.methods import chosen_solver, find_solver
 from validation.methods.base import Settings
 from validation.scenes.checks import check_scene
@@ -31,17 +32,7 @@ _SAME = 1e-9
 
 @dataclass(frozen=True, kw_only=True)
 class Asked:
-    """A solver as it was asked for.
-
-    Attributes
-    ----------
-    name : str
-        As it was named: a method, or a function of the user's.
-    method : str
-        Name of the method.
-    settings : tuple of (str, value)
-    grids : tuple of (int, int)
-    """
+    """A solver as it was named: a method, or a function of the user's, of the name of a method."""
 
     name: str
     method: str
@@ -163,7 +154,7 @@ class PressedOptions(StudyOptions):
 
     @property
     def effects(self) -> tuple[EffectSpec, ...]:
-        """Effects of the scene."""
+        """Those of the scene."""
         return () if self.scene is None else self.scene.effects
 
     def press(self, *, surface: int, reduced_pressure: float, grid: Grid) -> Press:
@@ -187,7 +178,7 @@ class PressedOptions(StudyOptions):
             return tuple(grid_for(self.first, n) for n in per_wave)
         return tuple(sorted(table.grids, key=self.first.points_per_wave))
 
-    def others(self, per_wave: Sequence[float], *, without: Sequence[str] = ("bem",)) -> tuple[Asked, ...]:
+    def others(self, per_wave: Sequence[float], *, without: Sequence[str] | None = None) -> tuple[Asked, ...]:
         """Return the solvers that are asked for but some, each with what it is told and its grids.
 
         Parameters
@@ -195,23 +186,18 @@ class PressedOptions(StudyOptions):
         per_wave : sequence of float
             Their grids without a scene.
         without : sequence of str
-            Those that the study asks in a way of its own.
+            Those that the study asks in a way of its own: boundary elements, and finite ones without a scene.
         """
         if self.scene is None:
-            chosen = {
-                name: chosen_solver(name) for name in getattr(self, "methods", ()) if name not in without
-            }
+            left = ("bem", "fem") if without is None else without
+            grids = self.grids_for(per_wave)
+            chosen = {n: chosen_solver(n) for n in getattr(self, "methods", ()) if n not in left}
             return tuple(
-                Asked(
-                    name=name,
-                    method=solver.name,
-                    settings=tuple(told.items()),
-                    grids=self.grids_for(per_wave),
-                )
+                Asked(name=name, method=solver.name, settings=tuple(told.items()), grids=grids)
                 for name, (solver, told) in chosen.items()
             )
-        methods = self.scene.methods
-        tables = {name: methods.options(name) for name in methods.solvers if name not in without}
+        left, methods = ("bem",) if without is None else without, self.scene.methods
+        tables = {name: methods.options(name) for name in methods.solvers if name not in left}
         return tuple(
             Asked(
                 name=getattr(table, "solver", name),
@@ -287,12 +273,9 @@ _SPECTRUM = frozenset({"hurst", "periods", "bandwidth", "seed"})
 def _unheard(scene: Scene, options: type[StudyOptions]) -> list[str]:
     """Name the keys that a scene says and a study has no use for."""
     table = scene.methods.options("bem")
-    keys = []
-    if "shifts" in table.model_fields_set and "shifts" not in options.model_fields:
-        keys.append("methods.bem.shifts")
-    if scene.ensemble is not None:
-        keys.append("ensemble.grids")
-    return keys
+    shifts = "shifts" in table.model_fields_set and "shifts" not in options.model_fields
+    keys = {"methods.bem.shifts": shifts, "ensemble.grids": scene.ensemble is not None}
+    return [name for name, unheard in keys.items() if unheard]
 
 
 def _reduced(realised: Realised) -> tuple[float, ...]:

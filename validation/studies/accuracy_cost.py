@@ -10,12 +10,12 @@ import numpy as np
 import xarray as xr
 from pydantic import Field
 
-from validation.measures.block import BlockMeasurement
+from validation.measures.block import block_beside_bem
 from validation.measures.common import Ladder, RisingOrNone
 from validation.measures.limits import solved
-from validation.measures.measurement import Measurement, area_limits, grid_for
-from validation.measures.peers import OWN, PeerMeasurement, code_words, installed_peers, known_peers
-from validation.measures.side_by_side import ByMethod
+from validation.measures.measurement import area_limits, grid_for, press_on_grids
+from validation.measures.peers import OWN, by_peer, code_words, installed_peers, known_peers
+from validation.measures.side_by_side import beside_bem
 from validation.measures.ways import AREAS, chosen_ways, covered, way, ways_of_bem
 from validation.report.estimates import NORMAL, error_of, gather
 from validation.report.findings import Finding, finding, note
@@ -27,7 +27,7 @@ from validation.studies._options import Methods, ReducedPressure, Seed, Surfaces
 from validation.studies._scene import Asked, PressedOptions
 
 if TYPE_CHECKING:
-    from validation.solves.solve import NumbersSolve
+    from validation.solves.measurement import Call
 
 __all__ = ["Options", "design", "run", "views"]
 
@@ -90,8 +90,7 @@ def _codes(options: Options) -> tuple[str, ...]:
 
 def _others(options: Options) -> tuple[Asked, ...]:
     """Return the solvers that are asked for by name."""
-    own = ("bem",) if options.scene is not None else ("bem", "fem")
-    return options.others(options.method_points_per_wave, without=own)
+    return options.others(options.method_points_per_wave)
 
 
 def _blocks(options: Options) -> tuple[tuple[str, float], ...]:
@@ -100,27 +99,25 @@ def _blocks(options: Options) -> tuple[tuple[str, float], ...]:
     return tuple(itertools.product(_ELEMENTS, asked))
 
 
-def design(options: Options) -> dict[_Case, NumbersSolve]:
+def design(options: Options) -> dict[_Case, Call]:
     """Return the solves of each part: reference, boundary and finite elements, other codes."""
     first, pressed = options.first, dict(enumerate(options.pressed))
-    cases: dict[_Case, NumbersSolve] = {}
+    cases: dict[_Case, Call] = {}
     held_out = tuple(grid_for(first, n) for n in options.held_out_points_per_wave)
     for part, grids, tolerance in (
         ("coarse", options.grids_for(options.points_per_wave), options.tolerance(_TOLERANCE)),
         ("fine", held_out, _FINE_TOLERANCE),
     ):
         for k, own in pressed.items():
-            cases[part, k] = Measurement(realised=own, grids=grids, tolerance=tolerance)
-    for (element, n), k in itertools.product(_blocks(options), pressed):
-        cases["FEM", element, n, k] = BlockMeasurement(
-            realised=pressed[k], grid=grid_for(first, n), element=element
-        )
+            cases[part, k] = press_on_grids(realised=own, grids=grids, tolerance=tolerance)
+    for (element, n), (k, own) in itertools.product(_blocks(options), pressed.items()):
+        cases["FEM", element, n, k] = block_beside_bem(realised=own, grid=grid_for(first, n), element=element)
     for code, n, k in itertools.product(_codes(options), options.peer_points_per_wave, pressed):
-        cases["peers", code, n, k] = PeerMeasurement(realised=pressed[k], grid=grid_for(first, n), code=code)
+        cases["peers", code, n, k] = by_peer(realised=pressed[k], grid=grid_for(first, n), code=code)
     for asked, k in itertools.product(_others(options), pressed):
         told = {"tolerance": _TOLERANCE, **dict(asked.settings)}
         for g, grid in enumerate(asked.grids):
-            cases["others", asked.name, g, k] = ByMethod(
+            cases["others", asked.name, g, k] = beside_bem(
                 realised=pressed[k], grid=grid, method=asked.method, settings=tuple(told.items())
             )
     return cases

@@ -41,7 +41,7 @@ from validation.units import Positive
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.measures.adhesive import StickyContact
+    from validation.solves.measurement import Call
 
 __all__ = ["Options", "run", "views"]
 
@@ -100,7 +100,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     edges = q_long * np.array([1.0, *options.magnifications])
     shells = tuple(float(q_long * zeta) for zeta in options.magnifications)
     points = [per_wave * options.periods for per_wave in options.points_per_wave]
-    cases: dict[Any, StickyContact] = {
+    cases: dict[Any, Call] = {
         (at, g): cut.solve(n * at[2], shells=shells) for at, cut in held.items() for g, n in enumerate(points)
     }
     # Half the range takes four times the points: on the second magnification of the first surface.

@@ -13,7 +13,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from validation.measures.common import Rising, RisingGrids
-from validation.measures.hierarchy import Hierarchy
+from validation.measures.hierarchy import archard_of, press_bumps
 from validation.measures.limits import ABSENT, kept_of, solved
 from validation.report.estimates import claim, derive, gather, mean, power_law
 from validation.report.findings import finding
@@ -21,6 +21,7 @@ from validation.report.marks import Figure, Level, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
 from validation.solves.bench import Bench
+from validation.solves.measurement import Call
 from validation.studies._options import Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import Positive, wrong
@@ -83,7 +84,8 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     counts = range(1, len(options.waves) + 2)
     measured = {place: kept_of(one) for place, one in solved(bench, cases).items()}
     data = gather(measured, level=counts, surface=range(options.surfaces), grid=options.grids)
-    theory = [cases[n, 0, options.grids[-1]].theory() for n in counts]
+    finest = [cases[n, 0, options.grids[-1]] for n in counts]
+    theory = [archard_of(one["waves"], one["heights"], loads=options.loads) for one in finest]
     loads = np.array(options.loads)
     data = data.drop_vars(["level", "grid"]).assign_coords(
         levels=("level", list(counts)),
@@ -120,12 +122,12 @@ def with_exponents(data: xr.Dataset) -> xr.Dataset:
     return derive(rise.drop_vars(list(before)), shortfall_archard="1 - load_exponent_archard")
 
 
-def _cases(options: Options) -> dict[tuple[int, int, int], Hierarchy]:
+def _cases(options: Options) -> dict[tuple[int, int, int], Call]:
     """List one case for each number of levels, surface and grid; the levels are moved as the seed says."""
     counts, heights = (1, *options.waves), (1.0, *options.heights)
     moved = np.random.default_rng(options.seed).random((options.surfaces, len(counts), 2))
     return {
-        (n, k, points): Hierarchy(
+        (n, k, points): press_bumps(
             waves=counts[:n],
             heights=heights[:n],
             places=tuple((float(x), float(y)) for x, y in moved[k, :n]),

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 from pydantic import Field
 
+from validation.arrays import Grid
 from validation.effects.base import SlotName
 from validation.measures.common import Rising
 from validation.measures.limits import limit_of, resolved_grids
-from validation.measures.measurement import Grid
 from validation.methods.theory import predict
 from validation.report.estimates import derive, gather, mean
 from validation.report.findings import finding, note

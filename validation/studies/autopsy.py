@@ -19,7 +19,7 @@ from validation.measures.common import Rising, base_case, base_surface
 from validation.measures.diffusion import budgets_of, of_probe, with_diffusion_terms
 from validation.measures.edge import slopes_of
 from validation.measures.limits import ABSENT
-from validation.measures.rings import RING, Chain, Probe, even_points, ring_ends
+from validation.measures.rings import RING, chain, even_points, probe, ring_ends
 from validation.report.estimates import claim, derive, gather, nearest
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Line, Panel, panels_along
@@ -133,7 +133,7 @@ def _chains(options: Options, bench: Bench) -> xr.Dataset:
     hursts, loads = options.hursts, options.reduced_pressures
     surfaces, grids = range(options.surfaces), options.points_per_wave
     cases = {
-        (hurst, load, k, n): Chain(
+        (hurst, load, k, n): chain(
             realised=options.realised(hurst, load, k, bandwidth=options.bandwidth),
             points=even_points(n * options.bandwidth * options.periods),
             ends=options.ends,
@@ -150,7 +150,7 @@ def _probes(options: Options, bench: Bench, zeta: float) -> xr.Dataset:
     surfaces, grids = range(options.probe_surfaces), options.probe_points_per_wave
     places = list(itertools.product(hursts, loads, surfaces))
     cases = {
-        (*place, n): Probe(
+        (*place, n): probe(
             # The waves do not depend on where the spectrum is cut, but for their common scale.
             realised=options.realised(*place, bandwidth=zeta * RING),
             points=even_points(n * zeta * options.periods),

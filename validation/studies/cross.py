@@ -11,11 +11,11 @@ import xarray as xr
 from pydantic import Field, model_validator
 
 from validation.effects.base import SlotName
-from validation.measures.block import BlockMeasurement
+from validation.measures.block import block_beside_bem
 from validation.measures.common import BASE_SOLID, Rising, RisingOrNone
 from validation.measures.limits import read_off, solved
 from validation.measures.measurement import grid_for
-from validation.measures.side_by_side import ByMethod
+from validation.measures.side_by_side import beside_bem
 from validation.report.estimates import derive, gather, mean, power_law, reduce
 from validation.report.findings import finding
 from validation.report.marks import Figure, Line, Panel
@@ -29,7 +29,7 @@ from validation.studies._scene import PressedOptions
 from validation.units import wrong
 
 if TYPE_CHECKING:
-    from validation.solves.solve import NumbersSolve
+    from validation.solves.measurement import Call
 
 __all__ = ["Options", "design", "run", "views"]
 
@@ -79,7 +79,7 @@ class Options(PressedOptions):
         return {**super().taken(scene, first), "poisson": scene.solid.poisson}
 
 
-def design(options: Options) -> dict[tuple[str, float, int], NumbersSolve]:
+def design(options: Options) -> dict[tuple[str, float, int], Call]:
     """Return the solves by leg, points per shortest wave, and surface."""
     return {
         (leg, per_wave, k): solve(realised=own)
@@ -98,20 +98,19 @@ def _blocks(options: Options) -> Iterator[tuple[str, float, Any]]:
     ]
     for method, element, n in ways:
         grid = grid_for(options.first, n)
-        yield f"{method} {element}", n, partial(BlockMeasurement, grid=grid, method=method, element=element)
+        yield f"{method} {element}", n, partial(block_beside_bem, grid=grid, method=method, element=element)
 
 
 def _others(options: Options) -> Iterator[tuple[str, float, Any]]:
     """Yield all other solvers that are asked for; on a scene the finite elements as its table has them."""
-    own = ("bem",) if options.scene is not None else ("bem", "fem")
-    for asked in options.others(options.method_points_per_wave, without=own):
+    for asked in options.others(options.method_points_per_wave):
         told: dict[str, Any] = {
             "method": asked.method,
             "settings": asked.settings,
             "effects": options.effects,
         }
         for grid in asked.grids:
-            yield asked.name, options.first.points_per_wave(grid), partial(ByMethod, grid=grid, **told)
+            yield asked.name, options.first.points_per_wave(grid), partial(beside_bem, grid=grid, **told)
 
 
 def run(options: Options, *, bench: Bench) -> xr.Dataset:

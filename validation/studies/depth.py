@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field
 
-from validation.measures.block import BlockMeasurement
+from validation.measures.block import block_beside_bem
 from validation.measures.common import BASE_SOLID, Rising, base_case, base_surface
 from validation.measures.limits import read_off, solved
 from validation.measures.measurement import grid_for
@@ -20,6 +20,7 @@ from validation.report.table import Table
 from validation.report.views import Views
 from validation.scenes.scene import SolidSpec
 from validation.solves.bench import Bench
+from validation.solves.measurement import Call
 from validation.studies._options import Element, ReducedPressure, Seed
 from validation.studies._study import StudyOptions
 
@@ -65,7 +66,7 @@ class Block:
     poisson: float = 0.3
 
 
-def design(options: Options) -> dict[Block, BlockMeasurement]:
+def design(options: Options) -> dict[Block, Call]:
     """Return the solve of each block."""
     return {block: _solve(block, options) for block in _blocks(options)}
 
@@ -79,13 +80,13 @@ def _blocks(options: Options) -> Iterator[Block]:
         yield Block(varied="poisson", element=element, poisson=poisson)
 
 
-def _solve(block: Block, options: Options) -> BlockMeasurement:
+def _solve(block: Block, options: Options) -> Call:
     pressed = base_case(
         base_surface(hurst=0.8, periods=1.0, bandwidth=4.0, seed=options.seed),
         reduced_pressure=options.reduced_pressure,
         solid=SolidSpec(young=BASE_SOLID.young, poisson=block.poisson),
     )
-    return BlockMeasurement(
+    return block_beside_bem(
         realised=pressed,
         grid=grid_for(pressed, options.points_per_wave),
         element=block.element,

@@ -8,7 +8,6 @@ the tolerance leaves. The path of loads is that of `pressure`: with the same opt
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,13 +16,14 @@ from pydantic import Field
 from validation.arrays import Array
 from validation.measures.common import Rising
 from validation.measures.limits import solved
-from validation.measures.load_path import LoadPath
+from validation.measures.measurement import TOLERANCE
 from validation.report.estimates import claim, derive
 from validation.report.findings import Finding, finding, note, ranking
 from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
 from validation.solves.bench import Bench
+from validation.solves.measurement import Call
 from validation.studies import pressure
 from validation.studies._options import Shifts, Surfaces
 from validation.studies.pressure import AGREEMENT, design, measured_path
@@ -72,15 +72,15 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         tolerance of the solver leaves.
     """
     first = design(options)[0]
-    first = replace(first, grids=first.grids[max(len(first.grids) - 2, 0) :][:1], shifts=1)
+    first = first.but(grids=first["grids"][-2:][:1], shifts=1)
     near = [load * (1 + sign * _NEAR) for load in options.reduced_pressures for sign in (-1, 1)]
-    cases: dict[Any, LoadPath] = {t: replace(first, tolerance=t) for t in _STRICT}
-    cases["near"] = replace(first, reduced_pressures=tuple(near), tolerance=_STRICT[-1])
+    cases: dict[Any, Call] = {t: first.but(tolerance=t) for t in _STRICT}
+    cases["near"] = first.but(reduced_pressures=tuple(near), tolerance=_STRICT[-1])
     data = measured_path(options, bench=bench)
     checks = solved(bench, cases)
     data = data.assign(_checked(checks["near"], checks[_STRICT[-2]]) | _left(checks))
     data = data.assign_coords(tolerance=list(_STRICT[:-1]))
-    used = options.tolerance(LoadPath.tolerance)
+    used = options.tolerance(TOLERANCE)
     usual = int(np.argmin(np.abs(np.log(np.divide(_STRICT[:-1], used)))))
     for name in _ASKED:
         left = data[f"left_{name}"].isel(tolerance=usual, drop=True).fillna(0)

@@ -13,7 +13,7 @@ from pydantic import Field
 
 from persson.heights import height_distribution
 from validation.measures.common import Rising, base_case, base_surface
-from validation.measures.heights import HEIGHT_EDGES, HeightStatistics
+from validation.measures.heights import HEIGHT_EDGES, height_statistics
 from validation.measures.limits import ABSENT, kept_of, solved
 from validation.measures.measurement import grid_for
 from validation.report.estimates import claim, derive, gather, mean
@@ -24,6 +24,7 @@ from validation.report.views import Views
 from validation.scenes.realised import Realised
 from validation.scenes.surfaces import spectrum_of
 from validation.solves.bench import Bench
+from validation.solves.measurement import Call
 from validation.studies._options import Bandwidth, Hurst, Seed, Surfaces
 from validation.studies._study import StudyOptions
 
@@ -127,21 +128,21 @@ _SPECTRA = ("shorter roll-off", "longer roll-off")
 _DEVIATIONS = ("skewness", "excess_kurtosis", "height_distance", "highest")
 
 
-def _cases(options: Options) -> dict[tuple[str, float | str, int], HeightStatistics]:
+def _cases(options: Options) -> dict[tuple[str, float | str, int], Call]:
     """List the samples of rising size, and the pairs of surfaces that are pressed, each pair with common phases."""
-    cases: dict[tuple[str, float | str, int], HeightStatistics] = {}
+    cases: dict[tuple[str, float | str, int], Call] = {}
     for periods in options.periods:
         first = options.first(periods)
         grid = grid_for(first, options.points_per_wave)
         for k in range(options.surfaces):
-            cases["size", periods, k] = HeightStatistics(realised=first.further(k), grid=grid)
+            cases["size", periods, k] = height_statistics(realised=first.further(k), grid=grid)
     pair = (options.first(options.periods[-1]), options.second())
     grid = grid_for(pair[0], options.points_per_wave)
     for k in range(options.surfaces):
         scale = pair[0].further(k).pressure_scale
         loads = tuple(float(load * scale) for load in options.reduced_pressures)
         for name, spectrum in zip(_SPECTRA, pair, strict=True):
-            case = HeightStatistics(realised=spectrum.further(k), grid=grid, pressures=loads)
+            case = height_statistics(realised=spectrum.further(k), grid=grid, pressures=loads)
             cases["spectrum", name, k] = case
     return cases
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -14,8 +15,7 @@ from persson.elastic import KAPPA_BGT, KAPPA_PERSSON
 from validation.measures.common import SHIFTS, Ladder, Rising, base_surface
 from validation.measures.ladders import Ladders, bandwidth_of, pressed_pairs, spectral_errors
 from validation.measures.limits import limits_of, solved, solver_error
-from validation.measures.measurement import Measurement
-from validation.measures.references import papers_of, published
+from validation.measures.references import ladders_beside_published, papers_of, published
 from validation.measures.theory import RANKED, VARIANTS, with_ensemble, with_variants
 from validation.report.estimates import change, claim, derive, gather, mean
 from validation.report.findings import Finding, finding
@@ -23,6 +23,7 @@ from validation.report.marks import Band, Figure, Level, Line, Panel, panels_alo
 from validation.report.table import Column, Table
 from validation.report.views import Views
 from validation.solves.bench import Bench
+from validation.solves.measurement import Call
 from validation.studies._options import Bandwidth, Hurst, Pairs, Periods, ReducedPressure, Seed, Shifts
 from validation.studies._study import StudyOptions
 
@@ -40,8 +41,8 @@ class Options(StudyOptions):
 
     own = "it asks about spectra, and makes a surface for each"
 
-    hursts: Annotated[tuple[Hurst, ...], Field(min_length=1)] = Field(
-        default=(0.1, 0.3, 0.5, 0.8, 0.95), description="Hurst exponents H"
+    hursts: tuple[Hurst, ...] = Field(
+        default=(0.1, 0.3, 0.5, 0.8, 0.95), min_length=1, description="Hurst exponents H"
     )
     bandwidths: Annotated[tuple[Bandwidth, ...], Field(min_length=1)] = Field(
         default=(16.0,), description="lambda_long / lambda_short, each with every H"
@@ -72,10 +73,8 @@ class Options(StudyOptions):
         default=(2.0, 4.0, 8.0),
         description="rungs of the ladder of samples, L / lambda_long, rising, on the first of these bandwidths",
     )
-    ladder_pairs: int = Field(
+    ladder_pairs: Pairs = Field(
         default=4,
-        ge=2,
-        le=10_000,
         description="pairs on each bandwidth and on the largest sample; smaller samples get more, for the same area in all",
     )
     ladder_points_per_wave: Ladder = Field(
@@ -90,9 +89,8 @@ class Options(StudyOptions):
         alpha, hursts = self.equal_nayak, sorted(set(self.hursts))
         found = {(f"bandwidth {b:g}", h): b for b, h in itertools.product(self.bandwidths, hursts)}
         if alpha is not None:
-            found |= {
-                (f"alpha {alpha:g}", h): bandwidth_of(alpha, hurst=h, periods=self.periods) for h in hursts
-            }
+            of = partial(bandwidth_of, alpha, periods=self.periods)
+            found |= {(f"alpha {alpha:g}", h): of(hurst=h) for h in hursts}
         return found
 
     @property
@@ -109,9 +107,9 @@ class Options(StudyOptions):
 _Case = tuple[Any, ...]
 
 
-def design(options: Options) -> dict[_Case, Measurement]:
+def design(options: Options) -> dict[_Case, Call]:
     """Return the solves: every spectrum's pairs, one of them with a smaller residual, and those of the ladders."""
-    cases: dict[_Case, Measurement] = {}
+    cases: dict[_Case, Call] = {}
     told: dict[str, Any] = {"periods": options.periods, "seed": options.seed}
     for (family, hurst), bandwidth in options.spectra.items():
         surface = base_surface(hurst=hurst, bandwidth=bandwidth, **told)
@@ -119,7 +117,7 @@ def design(options: Options) -> dict[_Case, Measurement]:
         solves = pressed_pairs(surface, loads, options.points_per_wave, **count)
         cases |= {(family, hurst, k): solve for k, solve in enumerate(solves)}
     usual = next(iter(cases.values()))
-    cases["strict",] = replace(usual, tolerance=usual.tolerance / 100)
+    cases["strict",] = usual.but(tolerance=usual["tolerance"] / 100)
     return cases | (options.climbed.cases if options.climbed else {})
 
 
@@ -134,20 +132,12 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     cases = design(options)
     measured = solved(bench, cases)
-    data = _of_spectra(options, cases, measured)
     share = solver_error(measured[next(iter(cases))], measured["strict",])
+    data = _of_spectra(options, cases, measured)
     data = claim(data, "kappa", solver=share * data.kappa)
     if options.climbed:
         climbed = options.climbed.reduced({case: measured[case] for case in options.climbed.cases})
-        climbed = climbed.merge(published("kappa_ratio").kappa_ratio_published.isel(end=0, drop=True))
-        # alpha(zeta) of A = alpha F over Persson's.
-        climbed = derive(
-            climbed,
-            kappa_persson_ladder="erf(2**.5 * reduced_pressure_ladder) / reduced_pressure_ladder",
-            kappa_ratio_by_bandwidth="kappa_by_bandwidth / kappa_persson_ladder",
-            kappa_ratio_difference="kappa_ratio_by_bandwidth.isel(bandwidth_rung=-1) - kappa_ratio_published",
-        )
-        data = data.merge(climbed, combine_attrs="override")
+        data = data.merge(ladders_beside_published(climbed), combine_attrs="override")
         spectral = spectral_errors(data, hurst=data.hurst, bandwidth=data.bandwidth, periods=options.periods)
         data = claim(data, "kappa", **{source: part * data.kappa for source, part in spectral.items()})
     data = data.merge(published("kappa")).assign(kappa_bgt=KAPPA_BGT, kappa_persson_light=KAPPA_PERSSON)
@@ -157,13 +147,13 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
 
 
 def _of_spectra(
-    options: Options, cases: Mapping[_Case, Measurement], measured: Mapping[_Case, xr.Dataset]
+    options: Options, cases: Mapping[_Case, Call], measured: Mapping[_Case, xr.Dataset]
 ) -> xr.Dataset:
     """Reduce the spectra: kappa and its means over pairs, from lowest to highest H, over the theory, counted."""
     parts, surfaces = {}, range(2 * options.pairs)
     for (family, hurst), bandwidth in options.spectra.items():
         part = gather({k: limits_of(measured[family, hurst, k]) for k in surfaces}, surface=surfaces)
-        spectrum = cases[family, hurst, 0].realised.spectrum
+        spectrum = cases[family, hurst, 0]["realised"].spectrum
         parts[family, hurst] = with_ensemble(part.assign(bandwidth=bandwidth), spectrum)
     families, hursts = (list(dict.fromkeys(names)) for names in zip(*parts, strict=True))
     data = with_variants(gather(parts, family=families, hurst=hursts))
@@ -180,16 +170,9 @@ def _of_spectra(
     data = mean(data, *(f"kappa{what}" for what in of_surfaces), *means, pairs=True)
     # Without its errors: a spread has no interval that those of its ends would tell.
     bare = data[["kappa", "kappa_pixel"]].isel(family=0, drop=True)
-    over = "(['hurst', 'load'])"
-    spreads = derive(
-        bare,
-        kappa_spread=f"kappa.max{over} / kappa.min{over} - 1",
-        kappa_pixel_spread=f"kappa_pixel.max{over} / kappa_pixel.min{over} - 1",
-    )
-    return data.assign(spreads[["kappa_spread", "kappa_pixel_spread"]])
-
-
-# ---- what is shown -------------------------------------------------------------------------------
+    spread = "{0}.max(['hurst', 'load']) / {0}.min(['hurst', 'load']) - 1"
+    spreads = {f"{name}_spread": spread.format(name) for name in ("kappa", "kappa_pixel")}
+    return data.assign(derive(bare, **spreads)[[*spreads]])
 
 
 def views(data: xr.Dataset) -> Views:
@@ -213,10 +196,8 @@ def _against_hurst(data: xr.Dataset) -> Figure:
         Line(y="kappa_pixel", at={"grid": 0}, label="counted, coarsest grid"),
         Level(y="kappa_persson"),
     )
-    literature = Band(
-        y="kappa_published", high="kappa_published_high", x="hurst_published", by="paper_kappa",
-        look={"color": "black"},
-    )  # fmt: skip
+    ends: dict[str, Any] = {"high": "kappa_published_high", "x": "hurst_published"}
+    literature = Band(y="kappa_published", by="paper_kappa", look={"color": "black"}, **ends)
     panels = panels_along(data, "load", Panel(marks=marks, x="hurst", at={"family": 0}, bottom=1.35))
     area = data.kappa.isel(family=0).mean("hurst") * data.reduced_pressure
     return Figure(
@@ -235,13 +216,12 @@ def _against_hurst(data: xr.Dataset) -> Figure:
 def _against_nayak(climbed: bool) -> Figure:
     """Kappa of all spectra and loads, and along the ladders of bandwidth."""
     theories = (Level(y="kappa_bgt"), Level(y="kappa_persson_light"))
-    lines = [Line(y="kappa", by=("family", "load"))]
-    if climbed:
-        lines.append(Line(y="kappa_by_bandwidth", x="nayak_by_bandwidth", by="ladder"))
+    rungs = Line(y="kappa_by_bandwidth", x="nayak_by_bandwidth", by="ladder")
+    lines = [Line(y="kappa", by=("family", "load")), *([rungs] if climbed else [])]
     panels = [Panel(marks=(line, *theories), x="nayak", y="kappa", log="x") for line in lines]
     caption = "The same kappa against the realised Nayak parameter; right, as the bandwidth grows at equal H."
-    name = "kappa-against-nayak"
-    return Figure(name=name, caption=caption, panels=panels, width=4.6 * len(panels), height=4.8)
+    size = {"width": 4.6 * len(panels), "height": 4.8}
+    return Figure(name="kappa-against-nayak", caption=caption, panels=panels, **size)
 
 
 def _ladder_figures() -> tuple[Figure, ...]:
@@ -255,18 +235,12 @@ def _ladder_figures() -> tuple[Figure, ...]:
             Line(y=f"kappa_{kind}_limit", x=end, at={"end": 0}, by="ladder", label=""),
         )
         panels.append(Panel(marks=marks, x=f"step_{kind}", y="kappa", title=title))
-    ratio = (
-        Line(y="kappa_ratio_by_bandwidth", by="ladder"),
-        *(
-            Level(
-                y="kappa_ratio_published",
-                at={"paper_kappa_ratio": k},
-                look={"ls": ls},
-                label="{paper_kappa_ratio}",
-            )
-            for k, ls in enumerate((":", "--", "-"))
-        ),
-    )
+    ratio = [Line(y="kappa_ratio_by_bandwidth", by="ladder")]
+    paper, published = "paper_kappa_ratio", "kappa_ratio_published"
+    papers = [
+        Level(y=published, at={paper: k}, look={"ls": ls}, label=f"{{{paper}}}")
+        for k, ls in enumerate((":", "--", "-"))
+    ]
     return (
         Figure(
             name="kappa-limits",
@@ -280,7 +254,7 @@ def _ladder_figures() -> tuple[Figure, ...]:
             name="alpha-against-magnification",
             caption="Slope alpha(zeta) of A = alpha F over that of Persson's theory as waves are added; black, published "
             "for H = 0.8, as Persson (2006, Sec. 3.5) quotes them.",
-            panels=[Panel(marks=ratio, x="bandwidth_rung", log="x", base=2)],
+            panels=[Panel(marks=[*ratio, *papers], x="bandwidth_rung", log="x", base=2)],
         ),
     )
 
@@ -295,14 +269,9 @@ def _of_families(data: xr.Dataset) -> Iterator[Finding]:
         none = {"0": "shows no trend beyond its interval"}
         over = ("family", "load")
         yield finding("trend", form, data, item=item, over=over, by="kappa_change", words=none, **ends)
-    form = (
-        "Counted kappa is {each}; over H and load the limit spreads by {kappa_spread:%}, what counting spreads more is a "
-        "discretisation artefact."
-    )
-    item = (
-        "{verdict} the limit, by {kappa_excess:%}, at lambda_short/dx = {points_per_wave} (spread "
-        "{kappa_pixel_spread:%})"
-    )
+    form = "Counted kappa is {each}; over H and load the limit spreads by {kappa_spread:%}, what counting spreads more is a "
+    form += "discretisation artefact."
+    item = "{verdict} the limit, by {kappa_excess:%}, at lambda_short/dx = {points_per_wave} (spread {kappa_pixel_spread:%})"
     plain = data.isel(family=0, hurst=0)
     yield finding("comparison", form, plain, item=item, over="grid", by="kappa_excess")
     form = "The limit over Persson's theory is {each} (mean over spectra of lambda_long/lambda_short {low} to {high})."
@@ -313,10 +282,8 @@ def _of_ladders(data: xr.Dataset) -> Iterator[Finding]:
     """Say what H changes at equal alpha and alpha at equal H, where kappa goes, and what was published of alpha(zeta)."""
     if data.sizes["ladder"] > 1:
         ends: dict[str, Any] = {"first": float(data.hurst_ladder[0]), "last": float(data.hurst_ladder[-1])}
-        form = (
-            "At the Nayak parameter {nayak_by_bandwidth_equal} kappa at H = {last} is {verdict} that at H = {first}, "
-            "{kappa_by_bandwidth_equal_change:%}; as the bandwidth grows at equal H it changes by {each}."
-        )
+        form = "At the Nayak parameter {nayak_by_bandwidth_equal} kappa at H = {last} is {verdict} that at H = {first}, "
+        form += "{kappa_by_bandwidth_equal_change:%}; as the bandwidth grows at equal H it changes by {each}."
         item, by = "{kappa_by_bandwidth_change:%} (H = {hurst_ladder})", "kappa_by_bandwidth_equal_change"
         yield finding("comparison", form, data, item=item, over="ladder", by=by, **ends)
     form = "As waves are added at p* = {reduced_pressure_ladder}, for which the budget has bandwidth and size, kappa {each}."
@@ -326,10 +293,8 @@ def _of_ladders(data: xr.Dataset) -> Iterator[Finding]:
     close = np.flatnonzero(np.isclose(data.hurst_ladder, _PUBLISHED))
     if close.size:
         own, over = data.isel(ladder=int(close[0]), bandwidth_rung=-1), "paper_kappa_ratio"
-        form = (
-            "At D_f = 2.2, zeta = {bandwidth_rung} and p* = {reduced_pressure_ladder} alpha is {kappa_ratio_by_bandwidth} of "
-            "Persson's; published, mostly for more waves: {each}."
-        )
+        form = "At D_f = 2.2, zeta = {bandwidth_rung} and p* = {reduced_pressure_ladder} alpha is {kappa_ratio_by_bandwidth} of "
+        form += "Persson's; published, mostly for more waves: {each}."
         item, by = "{kappa_ratio_published} ({paper_kappa_ratio}) {verdict}", "kappa_ratio_difference"
         words = {"agree": "agrees within the interval", "differ": "lies outside the interval"}
         yield finding("agreement", form, own, item=item, over=over, by=by, words=words)

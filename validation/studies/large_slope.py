@@ -14,7 +14,7 @@ from pydantic import Field
 from validation.measures.common import BASE_SOLID, Rising, base_case, base_surface
 from validation.measures.limits import solved
 from validation.measures.measurement import grid_for
-from validation.measures.slopes import CHANGES, SlopeMeasurement, changes_of, with_differences
+from validation.measures.slopes import CHANGES, changes_of, steepened, with_differences
 from validation.report.estimates import claim, gather
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Line, Panel
@@ -83,7 +83,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         solid = SolidSpec(young=BASE_SOLID.young, poisson=poisson)
         base = base_case(surface, reduced_pressure=load, solid=solid)
         for k, points in itertools.product(range(options.surfaces), options.points_per_wave):
-            cases[poisson, load, k, points] = SlopeMeasurement(
+            cases[poisson, load, k, points] = steepened(
                 realised=base.further(k),
                 grid=grid_for(base, points),
                 slopes=options.slopes,

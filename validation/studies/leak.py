@@ -13,7 +13,7 @@ from pydantic import Field
 
 from persson.percolation import SITE_THRESHOLD
 from validation.measures.common import Rising, base_case, base_surface
-from validation.measures.flow import GAP_THEORIES, NARROW, LeakMeasurement, flow_of
+from validation.measures.flow import GAP_THEORIES, NARROW, flow_of, leaks
 from validation.measures.limits import solved
 from validation.measures.measurement import grid_for
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
@@ -23,6 +23,7 @@ from validation.report.table import Table
 from validation.report.views import Views
 from validation.scenes.scene import SelfAffineSurface
 from validation.solves.bench import Bench
+from validation.solves.measurement import Call
 from validation.studies._options import Hurst, Periods, Seed, Surfaces
 from validation.studies._study import StudyOptions
 
@@ -58,14 +59,14 @@ class Options(StudyOptions):
         return base_surface(hurst=self.hurst, periods=self.periods, bandwidth=bandwidth, seed=self.seed)
 
 
-def design(options: Options) -> dict[tuple[float, int], LeakMeasurement]:
+def design(options: Options) -> dict[tuple[float, int], Call]:
     """Return the solves by bandwidth and number of the surface."""
     found = {}
     for bandwidth in options.bandwidths:
         base = base_case(options.surface(bandwidth), reduced_pressure=0.1)
         grid = grid_for(base, options.points_per_wave)
         for k in range(options.surfaces):
-            found[bandwidth, k] = LeakMeasurement(realised=base.further(k), grid=grid, areas=options.areas)
+            found[bandwidth, k] = leaks(realised=base.further(k), grid=grid, areas=options.areas)
     return found
 
 
@@ -80,7 +81,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
         surfaces have common phases, as one sample; P(u), and that of the theory told the load of each surface.
     """
     cases = design(options)
-    parts = {case: flow_of(one, cases[case].realised) for case, one in solved(bench, cases).items()}
+    parts = {case: flow_of(one, cases[case]["realised"]) for case, one in solved(bench, cases).items()}
     data = gather(parts, bandwidth=options.bandwidths, surface=range(options.surfaces))
     pooled = "percolation_area_each.mean('bandwidth', skipna=False)"
     data = derive(data, percolation_area_pooled_each=pooled)

@@ -16,7 +16,7 @@ from persson.percolation import SITE_THRESHOLD
 from persson.separation import macroasperity_magnification
 from validation.measures.common import Rising, RisingOrNone, base_case, base_surface
 from validation.measures.limits import ABSENT, kept_of, solved
-from validation.measures.magnified import Magnified, with_macroasperities
+from validation.measures.magnified import magnified, with_macroasperities
 from validation.measures.measurement import grid_for
 from validation.report.estimates import claim, derive, gather, mean, nearest
 from validation.report.findings import Finding, finding
@@ -78,7 +78,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """
     first = options.first
     cases = {
-        k: Magnified(
+        k: magnified(
             realised=first.further(k),
             grid=grid_for(first, options.points_per_wave),
             reduced_pressures=options.reduced_pressures,

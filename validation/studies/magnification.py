@@ -11,7 +11,7 @@ from pydantic import Field
 from persson import elastic
 from validation.measures.common import SHIFTS, Ladder, Rising
 from validation.measures.limits import limits_of, solved
-from validation.measures.measurement import Measurement
+from validation.measures.measurement import TOLERANCE, press_on_grids, truncated_heights
 from validation.measures.theory import modes_finding
 from validation.report.estimates import derive, gather, mean
 from validation.report.findings import finding
@@ -19,6 +19,7 @@ from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
 from validation.solves.bench import Bench
+from validation.solves.measurement import Call
 from validation.studies._options import Bandwidth, Shifts, Surfaces
 from validation.studies._scene import PressedOptions
 
@@ -48,17 +49,17 @@ class Options(PressedOptions):
     )
 
 
-def design(options: Options) -> dict[tuple[int, float], Measurement]:
+def design(options: Options) -> dict[tuple[int, float], Call]:
     """Return the solves by surface and magnification."""
     q_long = 2 * np.pi / options.first.longest
     return {
-        (k, zeta): Measurement(
+        (k, zeta): press_on_grids(
             realised=own,
             truncation=zeta * q_long,
             reduced_pressures=options.reduced_pressures,
             grids=options.grids_for(options.points_per_wave),
             shifts=options.shifts,
-            tolerance=options.tolerance(Measurement.tolerance),
+            tolerance=options.tolerance(TOLERANCE),
         )
         for (k, own), zeta in itertools.product(enumerate(options.pressed), options.magnifications)
     }
@@ -77,7 +78,9 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     q_long = 2 * np.pi / first.longest
     limits = {
         case: limits_of(measured, drift=False).assign(
-            truncated_gradient_each=cases[case].heights(cases[case].grids[0]).rms_gradient
+            truncated_gradient_each=truncated_heights(
+                cases[case]["realised"], cases[case]["grids"][0], truncation=case[1] * q_long
+            ).rms_gradient
         )
         for case, measured in solved(bench, cases).items()
     }

@@ -14,7 +14,8 @@ from pydantic import Field
 from validation.measures.common import SHIFTS, Ladder, Rising
 from validation.measures.distributions import largest_difference
 from validation.measures.limits import solved
-from validation.measures.load_path import SHARES, LoadPath, moved_shares, pooled_shares, reduced_path
+from validation.measures.load_path import SHARES, moved_shares, pooled_shares, reduced_path
+from validation.measures.measurement import TOLERANCE, press_on_grids
 from validation.measures.theory import RANKED, modes_finding
 from validation.report.estimates import change, derive, gather, mean
 from validation.report.findings import Finding, finding
@@ -23,6 +24,7 @@ from validation.report.table import Column, Table
 from validation.report.values import value_of
 from validation.report.views import Views
 from validation.solves.bench import Bench
+from validation.solves.measurement import Call
 from validation.studies._options import Shifts
 from validation.studies._scene import PressedOptions
 from validation.theories.persson_variants import persson_variants
@@ -66,15 +68,16 @@ class Options(PressedOptions):
     points_per_wave: Ladder = Field(default=(4.0, 8.0, 16.0), description="grids, as lambda_short/dx, rising")
 
 
-def design(options: Options) -> dict[int, LoadPath]:
+def design(options: Options) -> dict[int, Call]:
     """Return the path of each surface."""
     return {
-        k: LoadPath(
+        k: press_on_grids(
             realised=own,
             reduced_pressures=options.reduced_pressures,
             grids=options.grids_for(options.points_per_wave),
             shifts=options.shifts,
-            tolerance=options.tolerance(LoadPath.tolerance),
+            tolerance=options.tolerance(TOLERANCE),
+            keep=("distributions", "stiffness"),
         )
         for k, own in enumerate(options.pressed)
     }

@@ -8,32 +8,23 @@ of a spectrum (`validation.measures.controlled`). It is made once, shipped, and 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from fem_contact.contact import ContactResult
-from fem_contact.stress import initial_slope
 from validation.measures.common import Ladder, Rising, RisingOrNone, base_case, base_surface
 from validation.measures.ensemble import QUANTITIES
-from validation.measures.flow import StiffMeasurement
 from validation.measures.limits import solved
-from validation.measures.measurement import grid_for
-from validation.measures.table_samples import LoadedSamples, controlled_means, joined, with_size
+from validation.measures.table_samples import SampledSpectrum, joined, with_size
 from validation.measures.theory import VARIANTS, with_variants
-from validation.measures.without_solve import UnsolvedPairs
 from validation.reference.alpha import at_equal_alpha
 from validation.report.estimates import claim, derive, gather, total_error
 from validation.report.findings import Finding, finding
 from validation.report.marks import Figure, Line, Panel, panels_along
 from validation.report.table import Table
 from validation.report.views import Views
-from validation.scenes.realised import Realised
-from validation.scenes.scene import SelfAffineSurface
-from validation.scenes.surfaces import spectrum_of
 from validation.solves.bench import Bench
 from validation.studies._options import Periods, Seed
 from validation.studies._study import StudyOptions
@@ -42,7 +33,7 @@ from validation.units import wrong
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Options", "run", "views"]
+__all__ = ["Options", "run", "spectra", "views"]
 
 #: Numbers of pairs are those of the options at this bandwidth, and in proportion to its inverse at others: surfaces with
 #: fewer waves scatter more and cost less.
@@ -51,7 +42,6 @@ _USUAL_BANDWIDTH = 16.0
 _TOLERANCE = 1e-6
 #: Grids that a limit takes at least, and pairs that tell a variance.
 _LEAST_GRIDS, _LEAST_PAIRS = 3, 4
-_GREW = (2, 0, 1)
 #: Between the seeds of the table and those of larger samples.
 _APART = 1_000_000
 #: Nayak parameters at which Hurst exponents are compared, and the load up to which they are [p*].
@@ -150,26 +140,6 @@ class Options(StudyOptions):
         )
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Rich(StiffMeasurement):
-    """A measurement with stiffness and the initial slope of P(sigma)."""
-
-    frozen_tolerance: ClassVar[float] = 1e-3  # K to 1e-6
-
-    @property
-    def quantities(self) -> Mapping[str, tuple[str, str]]:
-        return {**super().quantities, "slope": ("1", QUANTITIES["density_slope"])}
-
-    def read_off(self, result: ContactResult, *, located: bool) -> dict[str, float]:
-        return super().read_off(result, located=located) | {"slope": initial_slope(result).reduced}
-
-
-#: A case: Hurst exponent, bandwidth, its last grid, number of the pair, inverted.
-_Case = tuple[float, float, int, int, bool]
-#: Statistics without a solve: Hurst exponent, bandwidth, of which pairs.
-_Name = tuple[float, float, str]
-
-
 def run(options: Options, *, bench: Bench) -> xr.Dataset:
     """Solve all pairs of every spectrum, and take the controlled mean of each quantity.
 
@@ -187,39 +157,33 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     return _with_theories(joined([made, _means(gaussian, "gaussian", bench)]) if gaussian else made)
 
 
+def spectra(options: Options, amplitudes: str) -> dict[tuple[float, float], SampledSpectrum]:
+    """Return what is solved by Hurst exponent and bandwidth, of surfaces with such amplitudes."""
+    found = {}
+    for hurst, bandwidth in itertools.product(options.hursts, options.bandwidths):
+        sharp = base_surface(hurst=hurst, periods=options.periods, bandwidth=bandwidth, seed=options.seed)
+        surface = sharp.model_copy(update={"amplitudes": amplitudes})
+        found[hurst, bandwidth] = SampledSpectrum(
+            base=base_case(surface, reduced_pressure=options.reduced_pressures[0]),
+            loads=options.reduced_pressures,
+            points_per_wave=options.ladder_of(bandwidth),
+            pairs=options.pairs_of(bandwidth),
+            unsolved=options.unsolved,
+            shifts=options.shifts,
+            tolerance=_TOLERANCE,
+        )
+    return found
+
+
 def _means(options: Options, amplitudes: str, bench: Bench) -> xr.Dataset:
     """Return the controlled means over the surfaces with such amplitudes."""
-    measured = solved(bench, {**_cases(options, amplitudes), **_unsolved(options, amplitudes)})
-    cells = {
-        (hurst, bandwidth): controlled_means(
-            _samples(measured, options, hurst, bandwidth), tolerance=_TOLERANCE
-        ).assign(pairs=_pairs_text(options, bandwidth))
-        for hurst, bandwidth in itertools.product(options.hursts, options.bandwidths)
-    }
+    sampled = spectra(options, amplitudes)
+    measured = solved(bench, {(at, c): s for at, one in sampled.items() for c, s in one.cases.items()})
+    cells = {at: one.reduced({c: measured[at, c] for c in one.cases}) for at, one in sampled.items()}
     data = gather(cells, hurst=options.hursts, bandwidth=options.bandwidths)
     told = {name: getattr(options, name) for name in ("periods", "unsolved", "seed")}
     return data.expand_dims(amplitudes=[amplitudes]).assign_attrs(
         study="reference", methods="bem", tolerance=_TOLERANCE, **told
-    )
-
-
-def _samples(
-    measured: Mapping[_Case | _Name, xr.Dataset], options: Options, hurst: float, bandwidth: float
-) -> LoadedSamples:
-    """Sort what was solved of one spectrum."""
-    own = {name[2:]: data for name, data in measured.items() if name[:2] == (hurst, bandwidth)}
-    statistics = {name[0]: data for name, data in own.items() if len(name) == 1}
-    return LoadedSamples(
-        ending=[
-            [data for name, data in own.items() if name[0] == last and len(name) > 1]
-            for last in range(len(options.ladder_of(bandwidth)))
-        ],
-        unsolved=statistics["coarsest"].value.values,
-        further=statistics["further"].value.values,
-        unsolved_seconds=sum(float(data.attrs["seconds"]) for data in statistics.values()),
-        periods=options.periods,
-        loads=np.array(options.reduced_pressures),
-        gradient=float(spectrum_of(_surface(options, hurst, bandwidth)).m2() ** 0.5),
     )
 
 
@@ -250,60 +214,6 @@ def _with_theories(data: xr.Dataset) -> xr.Dataset:
     data = data.assign({name: bare[name] for name in kept}).merge(added.transpose(..., "reduced_pressure"))
     data = claim(data, "area_equal", surfaces=equal.area_error.rename(alpha="nayak_equal"))
     return derive(data, kappa_equal="area_equal / reduced_pressure")
-
-
-def _pairs_text(options: Options, bandwidth: float) -> str:
-    """Say of a spectrum how many pairs end with which points per wave."""
-    ends = zip(options.pairs_of(bandwidth), options.ladder_of(bandwidth), strict=True)
-    return ", ".join(f"{count} on {points:g}" for count, points in ends)
-
-
-def _surface(options: Options, hurst: float, bandwidth: float) -> SelfAffineSurface:
-    return base_surface(hurst=hurst, periods=options.periods, bandwidth=bandwidth, seed=options.seed)
-
-
-def _base(options: Options, hurst: float, bandwidth: float, amplitudes: str) -> Realised:
-    surface = _surface(options, hurst, bandwidth).model_copy(update={"amplitudes": amplitudes})
-    return base_case(surface, reduced_pressure=options.reduced_pressures[0])
-
-
-def _lasts(options: Options, bandwidth: float) -> list[int]:
-    """Return the last grid of each pair. They are numbered in the order in which the table grew, which keeps its solves."""
-    counts = options.pairs_of(bandwidth)
-    order = sorted(range(len(counts)), key=lambda last: _GREW.index(last) if last in _GREW else last)
-    return [last for last in order for _ in range(counts[last])]
-
-
-def _cases(options: Options, amplitudes: str) -> dict[_Case, _Rich]:
-    """List all surfaces of all spectra, each with the grids it is solved on."""
-    found = {}
-    for hurst, bandwidth in itertools.product(options.hursts, options.bandwidths):
-        base = _base(options, hurst, bandwidth, amplitudes)
-        grids = tuple(grid_for(base, points) for points in options.ladder_of(bandwidth))
-        pairs = enumerate(_lasts(options, bandwidth))
-        for (k, last), inverted in itertools.product(pairs, (False, True)):
-            found[hurst, bandwidth, last, k, inverted] = _Rich(
-                realised=replace(base.further(k), inverted=inverted),
-                reduced_pressures=options.reduced_pressures,
-                grids=grids[: last + 1],
-                shifts=options.shifts,
-                tolerance=_TOLERANCE,
-            )
-    return found
-
-
-def _unsolved(options: Options, amplitudes: str) -> dict[_Name, UnsolvedPairs]:
-    """List the statistics without a solve: of the pairs that end with the coarsest grid, and of further ones."""
-    found = {}
-    for hurst, bandwidth in itertools.product(options.hursts, options.bandwidths):
-        base, lasts = _base(options, hurst, bandwidth, amplitudes), _lasts(options, bandwidth)
-        grid, coarsest = grid_for(base, options.points_per_wave[0]), lasts.count(0)
-        for name, first, count in (
-            ("coarsest", lasts.index(0), coarsest),
-            ("further", len(lasts), coarsest * options.unsolved),
-        ):
-            found[hurst, bandwidth, name] = UnsolvedPairs(realised=base, grid=grid, first=first, count=count)
-    return found
 
 
 def views(data: xr.Dataset) -> Views:

@@ -8,22 +8,23 @@ bandwidth: each surface has waves down to the same number of grid spacings, so t
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
-from fem_contact.area import contact_areas
+from validation.arrays import Grid
 from validation.measures.common import RisingGrids, base_case, base_surface
+from validation.measures.flow import located_area
 from validation.measures.limits import read_off, solved
-from validation.measures.single_solve import SingleSolve, Takes
 from validation.report.estimates import derive, gather, power_law, reduce
 from validation.report.findings import finding
 from validation.report.marks import Figure, Line, Panel
 from validation.report.table import Table
 from validation.report.views import Views
+from validation.scenes.realised import Realised
 from validation.solves.bench import Bench
+from validation.solves.measurement import Call, measurement
 from validation.studies._options import Hurst, Periods, ReducedPressure, Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import wrong
@@ -31,7 +32,7 @@ from validation.units import wrong
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Options", "SolveCost", "design", "run", "views"]
+__all__ = ["Options", "cold_solve", "design", "run", "views"]
 
 _COSTS = ("seconds", "fft_pairs", "peak_bytes")
 #: Points along a side from which on powers are fitted, where three grids are that fine.
@@ -72,33 +73,35 @@ class Options(StudyOptions):
         return self
 
 
-@dataclass(frozen=True, kw_only=True)
-class SolveCost(SingleSolve):
-    """One cold solve by boundary elements on one thread, reduced to what it cost."""
+@measurement(
+    "cost-{size}",
+    kind="SolveCost",
+    words="BEM",
+    located=True,
+    seconds=lambda points: 2e-3 + 1.2e-6 * points,
+    bytes=120,
+)
+def cold_solve(*, realised: Realised, grid: Grid) -> xr.Dataset:
+    """Return seconds, pairs of transforms and bytes of one cold solve by boundary elements, and the located area."""
+    import xarray as xr
 
-    kind, words = "cost", "BEM"
-    located = True
-    takes = Takes(seconds=2e-3, each_point=1.2e-6, bytes=120)
+    from fem_contact import bem
+    from fem_contact.response import HalfSpace
 
-    def measure(self) -> xr.Dataset:
-        """Return seconds, pairs of transforms, bytes, and the located area."""
-        import xarray as xr
-
-        from fem_contact import bem
-
-        pressure = self.realised.pressure
-        result = bem.solve(self.heights(), self.half_space, mean_pressure=pressure, threads=1).checked()
-        areas = contact_areas(result, subcell=True)
-        data = {
-            "seconds": result.cost.cpu_seconds,
-            "fft_pairs": result.cost.fft_pairs,
-            "peak_bytes": result.cost.peak_bytes,
-            "area": np.nan if areas.subcell is None else areas.subcell,
-        }
-        return xr.Dataset({name: ((), float(value)) for name, value in data.items()})
+    half_space = HalfSpace(solid=realised.elastic)
+    result = bem.solve(
+        realised.heights(grid), half_space, mean_pressure=realised.pressure, threads=1
+    ).checked()
+    data = {
+        "seconds": result.cost.cpu_seconds,
+        "fft_pairs": result.cost.fft_pairs,
+        "peak_bytes": result.cost.peak_bytes,
+        "area": located_area(result),
+    }
+    return xr.Dataset({name: ((), float(value)) for name, value in data.items()})
 
 
-def design(options: Options) -> dict[tuple[int, int], SolveCost]:
+def design(options: Options) -> dict[tuple[int, int], Call]:
     """Return the solves by points along a side and number of the surface."""
     cases = {}
     for n, k in itertools.product(options.grids, range(options.surfaces)):
@@ -106,7 +109,7 @@ def design(options: Options) -> dict[tuple[int, int], SolveCost]:
             hurst=options.hurst, periods=options.periods, bandwidth=n / options.coarsest, seed=options.seed
         )
         pressed = base_case(surface, reduced_pressure=options.reduced_pressure).further(k)
-        cases[n, k] = SolveCost(realised=pressed, grid=(n, n))
+        cases[n, k] = cold_solve(realised=pressed, grid=(n, n))
     return cases
 
 

@@ -22,7 +22,7 @@ from validation.files import read_whole
 from validation.measures.common import Rising, base_case, base_surface, in_rising_order
 from validation.measures.limits import solved
 from validation.measures.measurement import grid_for
-from validation.measures.sliding import SHARES, Rubber, SlideSolve, slid_of
+from validation.measures.sliding import SHARES, Rubber, slid_of, slides
 from validation.measures.theory import RANKED, VARIANTS
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
 from validation.report.findings import Finding, finding
@@ -32,6 +32,7 @@ from validation.report.values import Value
 from validation.report.views import Views
 from validation.scenes.scene import SelfAffineSurface, SolidSpec
 from validation.solves.bench import Bench
+from validation.solves.measurement import Call
 from validation.studies._options import Bandwidth, Hurst, Periods, Seed, Surfaces
 from validation.studies._study import StudyOptions
 from validation.units import Duration, Length, Positive, Pressure, Velocity, wrong
@@ -131,14 +132,14 @@ def _table_of(path: Path, *, poisson: float) -> TabulatedSolid:
         ) from None
 
 
-def design(options: Options) -> dict[int, SlideSolve]:
+def design(options: Options) -> dict[int, Call]:
     """Return the solves by number of the surface."""
     rubber = options.rubber()
     solid = SolidSpec(young=_relaxed(rubber), poisson=rubber.poisson)
     base = base_case(options.surface(), reduced_pressure=options.reduced_pressure, solid=solid)
     grids = tuple(grid_for(base, points) for points in options.points_per_wave)
     return {
-        k: SlideSolve(realised=base.further(k), rubber=rubber, velocities=options.velocities, grids=grids)
+        k: slides(realised=base.further(k), rubber=rubber, velocities=options.velocities, grids=grids)
         for k in range(options.surfaces)
     }
 

@@ -10,11 +10,11 @@ import numpy as np
 from pydantic import Field
 
 from persson import elastic
-from validation.measures.distributions import Distributions, largest_difference
+from validation.measures.distributions import largest_difference
 from validation.measures.ladders import Ladders, spectral_errors
 from validation.measures.limits import solved, solver_error
 from validation.measures.load_path import moved_shares
-from validation.measures.measurement import grid_for
+from validation.measures.measurement import grid_for, press_on_grids
 from validation.measures.theory import RANKED, modes_finding
 from validation.report.estimates import claim, derive
 from validation.report.findings import Finding, finding, ranking
@@ -100,13 +100,14 @@ def _stress_distances(data: xr.Dataset, theories: tuple[Theory, ...], options: O
 
 def _solver_share(options: Options, bench: Bench) -> float:
     """Relative change of the area when the solves of one surface stop at a hundred times smaller residual."""
-    usual = Distributions(
+    usual = press_on_grids(
         realised=replace(options.first, load=Load(reduced_pressure=0.01)),
         reduced_pressures=(0.01, 0.1, 1.0),
         grids=tuple(grid_for(options.first, points) for points in (4.0, 6.0, 8.0)),
         shifts=options.shifts,
+        keep=("distributions",),
     )
-    strict = replace(usual, tolerance=usual.tolerance / 100)
+    strict = usual.but(tolerance=usual["tolerance"] / 100)
     both = bench.solve([usual, strict])
     return solver_error(both[usual], both[strict])
 
