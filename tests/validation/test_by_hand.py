@@ -12,7 +12,7 @@ BY_HAND = ("ddof=1", "errorbar(", "polyfit", "set_xlabel", "set_ylabel")
 
 MOST_LINES = 300
 #: Longer, and how long it may be: what a study is, not one.
-LONGER = {"_study.py": 312}
+LONGER = {"_study.py": 313}
 
 
 @pytest.mark.parametrize("path", FILES, ids=[str(path.relative_to(ROOT)) for path in FILES])
