@@ -49,31 +49,56 @@ class FourierOperator:
     def __init__(
         self, response: Response, shape: Shape, lengths: tuple[float, float], *, threads: int | None = None
     ) -> None:
-        qx = 2 * np.pi * scipy.fft.fftfreq(shape[0], lengths[0] / shape[0])
-        qy = 2 * np.pi * scipy.fft.rfftfreq(shape[1], lengths[1] / shape[1])
-        self.compliance = np.array(
-            array("compliance", response.compliance(qx[:, None], qy[None, :]), power=2)
-        )
-        positive = self.compliance.ravel()[1:]
-        valid = self.compliance.shape == (shape[0], shape[1] // 2 + 1)
-        if not (valid and np.all(positive > LEAST**2) and self.compliance[0, 0] >= 0):
-            raise InvalidInput("the compliance is not positive and finite at every wavevector but q = 0")
         self.shape = shape
         self.threads = available_processors() if threads is None else threads
-        self.stiffness = float(np.mean(1 / positive)) if positive.size else 0.0
-        self.extremes = (float(positive.min()), float(positive.max())) if positive.size else (1.0, 1.0)
-        top = np.unravel_index(int(np.argmax(self.compliance)), self.compliance.shape)
-        self.long_waves = long_waves(
-            self.compliance,
-            qx=qx,
-            qy=qy,
-            peak=(float(self.compliance[top]), float(np.hypot(qx[top[0]], qy[top[1]]))),
-            longest=(*self.compliance[1:2, 0], *self.compliance[0, 1:2]),
-        )
+        self._evaluate(response, lengths)
         self._in_place = importlib.util.find_spec("ducc0") is not None
         self._rows = Rows(shape[0], threads=self.threads)
         # Rows of single precision a power of two apart compete for the same lines of the cache.
         self._spectrum = np.empty((shape[0], self.compliance.shape[1] + 7), dtype=complex)
+
+    def _evaluate(
+        self,
+        response: Response,
+        lengths: tuple[float, float],
+        *,
+        columns: slice = slice(None),
+        gathered: Callable[..., Array] = lambda *values: np.array([values], dtype=float),
+    ) -> None:
+        """Evaluate the compliance at columns of the spectrum, and what depends on all of them."""
+        nx, ny = self.shape
+        qx = 2 * np.pi * scipy.fft.fftfreq(nx, lengths[0] / nx)
+        qy = 2 * np.pi * scipy.fft.rfftfreq(ny, lengths[1] / ny)[columns]
+        given = array("compliance", response.compliance(qx[:, None], qy[None, :]), power=2)
+        self.compliance = np.array(given)
+        if self.compliance.shape != (nx, qy.size):
+            self.compliance = np.full((nx, qy.size), -1.0)
+        # All but q = 0, which the first column has.
+        positive = self.compliance.ravel()[int(not columns.start) :]
+        valid = bool(np.all(positive > LEAST**2) and self.compliance[0, 0] >= 0)
+        top = np.unravel_index(int(np.argmax(self.compliance)), self.compliance.shape)
+        parts = gathered(
+            valid,
+            float(np.sum(1 / positive)) if valid else 0.0,
+            positive.size,
+            float(np.min(positive, initial=np.inf)),
+            float(self.compliance[top]),
+            float(np.hypot(qx[top[0]], qy[top[1]])),
+            float(np.max(positive, initial=0.0)),
+        )
+        if not parts[:, 0].all():
+            raise InvalidInput("the compliance is not positive and finite at every wavevector but q = 0")
+        count = float(parts[:, 2].sum())
+        self.stiffness = float(parts[:, 1].sum()) / max(count, 1.0)
+        self.extremes = (float(parts[:, 3].min()), float(parts[:, 6].max())) if count else (1.0, 1.0)
+        peak = parts[int(np.argmax(parts[:, 4]))]
+        longest = *self.compliance[1:2, 0], *self.compliance[0, 1:2]
+        if columns != slice(None):
+            axes = 2 * np.pi / np.array(lengths)
+            longest = tuple(response.compliance(np.array([axes[0], 0]), np.array([0, axes[1]])))
+        self.long_waves = long_waves(
+            self.compliance, qx=qx, qy=qy, peak=(float(peak[4]), float(peak[5])), longest=longest
+        )
 
     @property
     def nbytes(self) -> int:

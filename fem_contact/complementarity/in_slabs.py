@@ -9,13 +9,11 @@ import numpy as np
 import scipy.fft
 from numpy.typing import NDArray
 
-from fem_contact._checks import LEAST, array
 from fem_contact._types import Array, Shape
 from fem_contact.complementarity.fourier import (
     FourierOperator,
     carried,
     coarsened,
-    long_waves,
     nearest,
     refined,
     refined_along,
@@ -24,7 +22,6 @@ from fem_contact.complementarity.grids import Grids
 from fem_contact.complementarity.iteration_arrays import Errors, IterationArrays
 from fem_contact.complementarity.rows import Rows
 from fem_contact.complementarity.slabs import SlabNumpy, Slabs, shares
-from fem_contact.errors import InvalidInput
 from fem_contact.response import Response
 
 __all__ = ["SlabGrids", "SlabIterationArrays", "SlabOperator"]
@@ -38,37 +35,11 @@ class SlabOperator(FourierOperator):
     def __init__(
         self, response: Response, slabs: Slabs, lengths: tuple[float, float], *, threads: int
     ) -> None:
-        (nx, ny), self.slabs, self.shape, self.threads = slabs.shape, slabs, slabs.shape, threads
-        mine = slice(*slabs.columns[slabs.rank : slabs.rank + 2])
-        qx = 2 * np.pi * scipy.fft.fftfreq(nx, lengths[0] / nx)
-        qy = 2 * np.pi * scipy.fft.rfftfreq(ny, lengths[1] / ny)[mine]
-        with_mean = mine.start == 0
-        self.compliance = np.array(array("compliance", response.compliance(qx[:, None], qy), power=2))
-        positive = self.compliance.ravel()[with_mean:]
-        valid = self.compliance.shape == (nx, qy.size) and bool(np.all(positive > LEAST**2))
-        valid = valid and self.compliance[0, 0] >= 0
-        top = np.unravel_index(int(np.argmax(self.compliance)), self.compliance.shape)
-        parts = slabs.gathered(
-            valid,
-            float(np.sum(1 / positive)) if valid else 0.0,
-            positive.size,
-            float(np.min(positive)),
-            float(self.compliance[top]),
-            float(np.hypot(qx[top[0]], qy[top[1]])),
-            float(np.max(positive)),
-        )
-        if not parts[:, 0].all():
-            raise InvalidInput("the compliance is not positive and finite at every wavevector but q = 0")
-        self.stiffness = float(parts[:, 1].sum() / parts[:, 2].sum())
-        self.extremes = float(parts[:, 3].min()), float(parts[:, 6].max())
-        peak = parts[int(np.argmax(parts[:, 4]))]
-        axes = 2 * np.pi / np.array(lengths)
-        longest = response.compliance(np.array([axes[0], 0]), np.array([0, axes[1]]))
-        self.long_waves = long_waves(
-            self.compliance, qx=qx, qy=qy, peak=(float(peak[4]), float(peak[5])), longest=tuple(longest)
-        )
-        self._with_mean = with_mean
-        self._rows = Rows(nx, threads=threads)
+        self.slabs, self.shape, self.threads = slabs, slabs.shape, threads
+        columns = slice(*slabs.columns[slabs.rank : slabs.rank + 2])
+        self._evaluate(response, lengths, columns=columns, gathered=slabs.gathered)
+        self._with_mean = columns.start == 0
+        self._rows = Rows(slabs.shape[0], threads=threads)
         self._spectrum = np.empty(self.compliance.shape, dtype=complex)
 
     def _filter(
