@@ -96,10 +96,7 @@ def _solve(rows, x):  # type: ignore[no-untyped-def]
 
 @_compiled
 def _moments(mass, d, x, height, out):  # type: ignore[no-untyped-def]
-    """Integrals of the density against the basis.
-
-    Mass times coefficients, plus the ramp up to `height` at the wall.
-    """
+    """Integrals of the density against the basis: mass times coefficients, and the ramp to `height`."""
     n = x.size
     for j in range(n):
         value = mass[2, j] * x[j]

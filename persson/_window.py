@@ -144,10 +144,7 @@ def _refuse(problem: Problem, last: float, coarse: Array) -> None:
 
 @dataclass(frozen=True, kw_only=True)
 class Grid:
-    """Steps in the running variable s.
-
-    T itself, or its square root after a mark, where walls may start like a root.
-    """
+    """Steps in s: T itself, or its square root after a mark, where walls may start like a root."""
 
     first: Array
     last: Array

@@ -7,8 +7,7 @@ With the variance V of the stress at full contact as the running variable the eq
 
 and f(zeta) drops out: only where along V the walls stand matters. Area that reaches the lower wall detaches,
 area that reaches the upper one yields. Everything is integrated in ln V on a window that follows the walls,
-or
-the tails of the distribution where these are nearer, so decades of magnification cost nothing.
+or the tails of the distribution where these are nearer, so decades of magnification cost nothing.
 """
 
 from __future__ import annotations
@@ -103,10 +102,7 @@ class Diffusion:
         return self
 
     def distribution(self, index: int, stress: ArrayLike) -> Array:
-        """P(sigma) [1/Pa] per nominal area at ``variance[index]``, for stresses [Pa].
-
-        The elastic contact only.
-        """
+        """P(sigma) [1/Pa] of elastic contact per nominal area at ``variance[index]``, for stresses [Pa]."""
         whole("index", index, least=-self.variance.size, most=self.variance.size - 1)
         sigma = real("stress", stress, unit="Pa") - self.pressure
         left, right = self._windows[index]
@@ -232,10 +228,7 @@ def diffuse_once(
     modes: int,
     step: float,
 ) -> Diffusion:
-    """Solve once on given steps, without an error estimate.
-
-    For iterations that refine the walls themselves.
-    """
+    """Solve once on given steps, without error estimate, for iterations that refine the walls themselves."""
     outputs, problem = _checked(variance, pressure, tensile_limit, yield_stress)
     pieces = find_pieces(problem, outputs, np.asarray(breaks, dtype=float))
     return _integrate(problem, outputs, pieces, largest=step, modes=modes)

@@ -1,7 +1,4 @@
-"""Where adhesive contact ends.
-
-The pull-off stress, and the roughness that kills adhesion (Persson 2006, Sec. 8).
-"""
+"""Where adhesive contact ends: pull-off, and the roughness that kills adhesion (Persson 2006, Sec. 8)."""
 
 from __future__ import annotations
 
@@ -30,8 +27,7 @@ def pull_off_stress(scale: Scale, *, interface: Interface, tolerance: float = 1e
     """Largest nominal tension [Pa], as a positive number, at which contact still exists; 0 without adhesion.
 
     Bisection between no load and the detachment stress of the macroscopic interface, each tension reached
-    from the
-    largest one that held; to `tolerance` relative to that detachment stress.
+    from the largest one that held; to `tolerance` relative to that detachment stress.
 
     Examples
     --------

@@ -88,10 +88,7 @@ class Scale:
         return np.cumsum(np.concatenate([first, self._between(self._q[:-1], self._q[1:])]))
 
     def _between(self, low: Array, high: Array) -> Array:
-        """Int E*^2/4 dm2 by Simpson's rule in m2.
-
-        The middle is where half of the interval's m2 lies below.
-        """
+        """Int E*^2/4 dm2 by Simpson's rule in m2, whose middle has half of the interval's m2 below it."""
         m2_low, m2_high = self.spectrum.m2(low), self.spectrum.m2(high)
         middle = (low + high) / 2
         density = 2 * np.pi * middle * middle * middle * self.spectrum(middle)

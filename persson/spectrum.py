@@ -102,10 +102,7 @@ class SpectrumMoments:
         raise NotImplementedError
 
     def m0(self, q_upper: ArrayLike | None = None) -> Array:
-        """<h^2> = 2 pi int q C dq [m^2] of the waves up to q_upper [1/m] (all by default).
-
-        The shape of q_upper.
-        """
+        """<h^2> = 2 pi int q C dq [m^2] of the waves up to q_upper [1/m] (all by default)."""
         return self._moment(0, q_upper)
 
     def m2(self, q_upper: ArrayLike | None = None) -> Array:
@@ -248,10 +245,7 @@ class SelfAffine(SpectrumMoments):
         return replace(self, q_short=max(min(self.q_short, q_max), self.q_long))
 
     def scaled(self, factor: float) -> Self:
-        """Return the spectrum times `factor`.
-
-        Heights grow by its square root (4 adds an equal surface coherently).
-        """
+        """Return the spectrum times `factor`: 4 adds an equal surface coherently."""
         return replace(self, amplitude=self.amplitude * positive("factor", factor))
 
     def _moment(self, order: int, q_upper: ArrayLike | None) -> Array:

@@ -1,7 +1,4 @@
-"""Contact of smooth spheres: Hertz, JKR, Derjaguin and what lies between (Persson 2006, Secs.
-
-3.1, 4 and App. B).
-"""
+"""Contact of smooth spheres: Hertz, JKR, Derjaguin and between (Persson 2006, Secs. 3.1, 4 and App. B)."""
 
 from __future__ import annotations
 
@@ -86,10 +83,7 @@ def hertz(force: float, *, radius: float, contact_modulus: float) -> HertzContac
 
 
 def hertz_pressure_distribution(stress: ArrayLike, *, peak_pressure: float) -> Array:
-    """P(sigma) = 2 sigma / sigma_max^2 [1/Pa] per contact area (Persson 2006, Eq. 23).
-
-    0 outside (0, sigma_max).
-    """
+    """P(sigma) = 2 sigma / sigma_max^2 [1/Pa] per contact area in (0, sigma_max) (Persson 2006, Eq. 23)."""
     peak = positive("peak_pressure", peak_pressure, unit="Pa")
     sigma = real("stress", stress, unit="Pa")
     return np.where((sigma > 0) & (sigma <= peak), 2 * (sigma / peak) / peak, 0.0)
@@ -247,10 +241,7 @@ class DoubleHertz:
         return 2 * math.pi / 3 * a * a * (self.peak_pressure - self.eta * self._ring * self.tensile_limit)
 
     def contact_force(self, contact_radius: float) -> float:
-        """Force in the contact area alone, F_N + (2 pi/3) a^2 sigma_a (eta^2 - 1) [N].
-
-        Load and adhesion load.
-        """
+        """Force in the contact area, load and adhesion load: F_N + (2 pi/3) a^2 sigma_a (eta^2 - 1) [N]."""
         a = positive("contact_radius", contact_radius, unit="m")
         return self.load(a) + 2 * math.pi / 3 * a * a * self.tensile_limit * self._ring * self._ring
 

@@ -226,10 +226,7 @@ def _grown(x: Array, variant: Variant, ratio: float) -> Array:
 
 
 def _xu(x: Array, ratio: float) -> Array:
-    """Solve y = [g + (1 - g) erf(1/sqrt(2y))] x.
-
-    The right side falls with y, so bisection in ln y is safe.
-    """
+    """Solve y = [g + (1 - g) erf(1/sqrt(2y))] x, whose right side falls with y, by bisection in ln y."""
     low, high = np.log(ratio * x), np.log(x)
     for _ in range(60):
         middle = (low + high) / 2

@@ -6,9 +6,8 @@ Its optimality conditions are those of contact: with the gap g = S x - h + offse
 multiplier of the load), g = 0 where 0 < x < x_max, g >= 0 where x = 0, g <= 0 where x = x_max.
 
 `operator` is the protocol with discretisations, `fourier` the periodic one by transforms, `free` that of a
-patch alone, `solve` the iteration,
-`polonsky_keer` a slow one that checks it. Under the iteration: `iteration_arrays`, compiled `kernels`,
-`rows` shared out over threads.
+patch alone, `solve` the iteration, `polonsky_keer` a slow one that checks it. Under the iteration:
+`iteration_arrays`, compiled `kernels`, `rows` shared out over threads.
 """
 
 from fem_contact.complementarity.fourier import FourierOperator

@@ -48,8 +48,7 @@ def solve_bounded(
     settings : Settings
         Stop at sum x |g| <= tolerance * length_scale * sum x and penetration <= 10 tolerance * length_scale,
         both over points below the bound (sum x not below a tenth of the load), and no opening above that at
-        points on the bound. The threads share
-        the passes over the arrays.
+        points on the bound. The threads share the passes over the arrays.
     start : (nx, ny) array, optional
         Forces [Pa] to start from, scaled to the load here; uniform if not given.
     bound : (nx, ny) array, optional
