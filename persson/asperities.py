@@ -92,7 +92,7 @@ class Asperities:
         positive("rms_height", self.rms_height, unit="m")
 
     def contact(self, separation: ArrayLike, *, contact_modulus: float) -> AsperityContact:
-        """Contact at separations d [m] of the plane from the mean summit (Persson 2006, Eqs. 10-12)."""
+        """Contact at separations d [m] from the mean summit height (Persson 2006, Eqs. 10-12)."""
         modulus = positive("contact_modulus", contact_modulus, unit="Pa")
         t = real("separation", separation, unit="m") / self.rms_height
         one = tail_moment(1, t)
