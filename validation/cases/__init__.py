@@ -220,13 +220,12 @@ class Verdict:
 
 def all_cases() -> tuple[Case, ...]:
     """Return the cases of every module of this package, and those of the scorecard for each own solver."""
-    from validation.cases.scorecard import own_cases
-
     # A folder is no module of cases: a scorecard's are made for a solver.
+    scorecard = importlib.import_module(f"{__name__}.scorecard")
     found = [info for info in pkgutil.iter_modules(__path__) if not info.ispkg]
     names = sorted(info.name for info in found if not info.name.startswith("_"))
     modules = (importlib.import_module(f"{__name__}.{name}") for name in names)
-    return (*own_cases(), *(one for module in modules for one in _cases_of(vars(module))))
+    return (*scorecard.own_cases(), *(one for module in modules for one in _cases_of(vars(module))))
 
 
 def _cases_of(names: Mapping[str, object]) -> Iterator[Case]:
