@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fem_contact.contact import ContactResult
+from validation.comparison.reading import grid_name, own_solves
 from validation.effects.base import Slots
+from validation.report.estimates import gather
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,18 +27,17 @@ def below(data: xr.Dataset, scene: Scene, results: Mapping[Press, ContactResult]
     """Add where the von Mises stress under the scene's own surface is largest, if it asks."""
     if scene.subsurface is None:
         return data
+    import xarray as xr
+
     from fem_contact.subsurface import strongest_point
 
     names = ("von_mises", "von_mises_depth", "von_mises_x", "von_mises_y")
-    methods, grids = list(data.solver.values), list(data.grid.values)
-    found = np.full((4, len(methods), len(grids)), np.nan)
-    for solve in _asked(scene, results):
+    found = {("", ""): xr.Dataset(dict.fromkeys(names, np.nan))}
+    for solve in _pressed(scene, results):
         point = strongest_point(results[solve], _response(solve), depths=_positive(scene))
-        place = methods.index(solve.method), grids.index(f"{solve.grid[0]} x {solve.grid[1]}")
-        found[(slice(None), *place)] = (point.von_mises, point.depth, *point.place)
-    data = data.assign(
-        {name: (("solver", "grid"), values) for name, values in zip(names, found, strict=True)}
-    )
+        values = (point.von_mises, point.depth, *point.place)
+        found[solve.method, grid_name(solve.grid)] = xr.Dataset(dict(zip(names, values, strict=True)))
+    data = data.assign(gather(found, solver=data.solver.values, grid=data.grid.values).data_vars)
     return data.assign(
         von_mises_reduced=data.von_mises / data.pressure_scale,
         von_mises_depth_reduced=data.von_mises_depth / data.wave_short,
@@ -45,16 +46,9 @@ def below(data: xr.Dataset, scene: Scene, results: Mapping[Press, ContactResult]
     )
 
 
-def _asked(scene: Scene, results: Mapping[Press, Any]) -> list[Press]:
+def _pressed(scene: Scene, results: Mapping[Press, Any]) -> list[Press]:
     """List the solves whose pressures lie on the response of a solid: a mesh has a stress of its own."""
-    grids = {
-        name: options.grids for name in scene.methods.solvers if (options := scene.methods.options(name))
-    }
-    return [
-        solve
-        for solve in results
-        if solve.is_own and solve.grid in grids[solve.method] and not solve.solver.sinks
-    ]
+    return [solve for solve in own_solves(scene, results) if solve.is_own and not solve.solver.sinks]
 
 
 def _response(solve: Press) -> Response:
@@ -70,7 +64,7 @@ def _positive(scene: Scene) -> tuple[float, ...] | None:
 
 def _finest(scene: Scene, results: Mapping[Press, Any]) -> list[Press]:
     """Return the finest of them for each method."""
-    return list({solve.method: solve for solve in _asked(scene, results)}.values())
+    return list({solve.method: solve for solve in _pressed(scene, results)}.values())
 
 
 def write_below(scene: Scene, results: Mapping[Press, ContactResult], folder: Path) -> Iterator[Path]:
@@ -94,22 +88,21 @@ def planes(data: xr.Dataset, scene: Scene, results: Mapping[Press, ContactResult
         return data
     from fem_contact.subsurface import planes_below
 
-    shape = (3, data.sizes["solver"])
     rows: dict[int, list[tuple[float, float, float]]] = {}
     for solve in _finest(scene, results):
-        here = rows.setdefault(list(data.solver.values).index(solve.method), [])
-        for plane in planes_below(results[solve], _response(solve), depths=scene.subsurface.depths):
-            stress = plane.von_mises
-            # A logarithmic axis has no surface.
-            depth = plane.depth / float(data.wave_short) if plane.depth > 0 else np.nan
-            here.append((depth, float(stress.max()), float(np.sqrt(np.mean(stress**2)))))
-    found = np.full((*shape, max(map(len, rows.values()), default=0)), np.nan)
+        under = planes_below(results[solve], _response(solve), depths=scene.subsurface.depths)
+        # A logarithmic axis has no surface.
+        rows[data.solver.values.tolist().index(solve.method)] = [
+            (p.depth or np.nan, float(p.von_mises.max()), float(np.sqrt(np.mean(p.von_mises**2))))
+            for p in under
+        ]
+    found = np.full((3, data.sizes["solver"], max(map(len, rows.values()), default=0)), np.nan)
     for m, here in rows.items():
         found[:, m, : len(here)] = np.transpose(here)
     unit = float(data.pressure_scale)
     over = ("solver", "plane")
     return data.assign(
-        plane_depth=(over, found[0]),
+        plane_depth=(over, found[0] / float(data.wave_short)),
         plane_stress_largest=(over, found[1] / unit),
         plane_stress_rms=(over, found[2] / unit),
     )

@@ -13,7 +13,7 @@ from fem_contact.stress import pressure_distribution
 from fem_contact.surface import HeightField, radial_spectrum
 from validation.arrays import Array
 from validation.comparison.below import planes
-from validation.comparison.reading import grid_name
+from validation.comparison.reading import grid_name, own_solves
 from validation.methods.theory import stress_distribution
 from validation.report.quantities import labelled
 from validation.scenes.realised import Realised
@@ -38,12 +38,7 @@ def with_fields(
     """Add to the numbers of a run what its figures show of the fields."""
     if realised.load.held:
         realised = realised.under(Load(pressure=float(data.pressure)))
-    grids = {name: scene.methods.options(name).grids for name in scene.methods.solvers}
-    shown = {
-        solve: results[solve]
-        for solve in results
-        if solve.realisation == 0 and solve.grid in grids[solve.method]
-    }
+    shown = {solve: results[solve] for solve in own_solves(scene, results)}
     data = with_maps(data, {s: r for s, r in shown.items() if s.is_own})
     data = _with_spectrum(data, realised)
     data = with_distribution(data, shown, scene, realised)

@@ -21,7 +21,7 @@ from validation.arrays import Grid
 from validation.comparison.below import below
 from validation.comparison.more_numbers import beside_each_other, cost_and_orders, finest, in_numbers
 from validation.comparison.passing import passing
-from validation.comparison.reading import Reading, grid_name, is_adhesive
+from validation.comparison.reading import Reading, grid_name, is_adhesive, own_solves
 from validation.errors import RunFailed
 from validation.measures.measurement import TOLERANCES_LEFT, limit_over
 from validation.methods import find_method
@@ -77,11 +77,8 @@ def scene_data(
         Where no solve of its own surface succeeded, or nothing touches.
     """
     failures = failures or {}
-    grids = {name: scene.methods.options(name).grids for name in scene.methods.solvers}
-    readings = [
-        Reading.of(solve, results[solve], bare=not scene.effects, shown=solve.grid in grids[solve.method])
-        for solve in results
-    ]
+    own, bare = set(own_solves(scene, results)), not scene.effects
+    readings = [Reading.of(solve, results[solve], bare=bare, shown=solve in own) for solve in results]
     case = _Case(scene=scene, realised=realised, readings=readings, failures=failures)
     if not case.own:
         raise RunFailed(case.failed)
@@ -120,8 +117,8 @@ class _Case:
     @cached_property
     def own(self) -> list[Reading]:
         """What was read of the scene's own surface, on the grids that its methods list."""
-        first = [one for one in self.readings if one.solve.realisation == 0]
-        return [one for one in first if one.solve.grid in self.scene.methods.options(one.solve.method).grids]
+        read = {one.solve: one for one in self.readings}
+        return [read[solve] for solve in own_solves(self.scene, read)]
 
     @property
     def methods(self) -> list[str]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from fem_contact.contact import ContactResult
+from validation.comparison.reading import own_solves
 from validation.report.estimates import error_of
 from validation.report.estimates import mean as mean_over
 from validation.scenes.quantities import Leak, Quantities
@@ -68,8 +69,7 @@ def _ladder(
 
     own: list[Press] = []
     for name in scene.methods.solvers:
-        grids = scene.methods.options(name).grids
-        listed = [s for s in results if s.method == name and s.is_own and s.grid in grids]
+        listed = [s for s in own_solves(scene, results) if s.method == name and s.is_own]
         resolved = [s for s in listed if realised.resolved_by(s.grid)] or listed
         own = [s for s in sorted(resolved, key=fine) if results[s].weights is None]
         if own:

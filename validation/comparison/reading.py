@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -15,12 +15,13 @@ from fem_contact.errors import InvalidInput
 from fem_contact.stress import density_at_zero
 from validation.arrays import Array
 from validation.effects.base import Effect
+from validation.scenes.scene import Scene
 from validation.solves.press import Press
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Reading", "grid_name", "is_adhesive"]
+__all__ = ["Reading", "grid_name", "is_adhesive", "own_solves"]
 
 
 def is_adhesive(effects: Sequence[Effect]) -> bool:
@@ -31,6 +32,12 @@ def is_adhesive(effects: Sequence[Effect]) -> bool:
 def grid_name(grid: tuple[int, int]) -> str:
     """Name a grid as tables and coordinates do."""
     return f"{grid[0]} x {grid[1]}"
+
+
+def own_solves(scene: Scene, solves: Iterable[Press]) -> list[Press]:
+    """Return the solves of the scene's own surface, on the grids that its methods list."""
+    first = [solve for solve in solves if solve.realisation == 0]
+    return [solve for solve in first if solve.grid in scene.methods.options(solve.method).grids]
 
 
 @dataclass(frozen=True, kw_only=True)
