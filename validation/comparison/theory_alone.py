@@ -39,31 +39,22 @@ def theory_data(scene: Scene, realised: Realised) -> xr.Dataset:
     told = Told.by(realised.elastic, scene.effects)
     answers = against_magnification(realised, scene.effects, scene.methods.options("theory"))
     moments = realised.own_spectrum.moments()
-    pressures = [answer.pressure for answer in answers]
     points = max(math.floor(2 * length / realised.shortest) + 1 for length in realised.lengths)
-    data = xr.Dataset(
-        {
-            "area_ensemble": ("load", [_last(answer.area) for answer in answers]),
-            "error_estimate": ("load", [answer.error_estimate for answer in answers]),
-            "theory_note": ("load", [answer.note for answer in answers]),
-            "reduced_pressure": ("load", [p / realised.pressure_scale for p in pressures]),
-            "contact_modulus": realised.contact_modulus,
-            "rms_gradient": realised.field.rms_gradient,
-            "rms_height": moments.rms_height,
-            "rms_gradient_spectrum": moments.rms_gradient,
-            "nayak": moments.nayak,
-            "points": float(points),
-            **_curves(answers, told, realised),
-        },
-        coords={"pressure": ("load", pressures)},
+    # Each load has its own magnifications.
+    parts = [_at_load(answer, told, realised) for answer in answers]
+    data = xr.concat(parts, "load", join="outer").drop_vars("wave").set_coords("pressure")
+    data = data.assign(
+        contact_modulus=realised.contact_modulus,
+        rms_gradient=realised.field.rms_gradient,
+        rms_height=moments.rms_height,
+        rms_gradient_spectrum=moments.rms_gradient,
+        nayak=moments.nayak,
+        points=float(points),
     )
     scale = data.pressure / data.reduced_pressure
     data["kappa_ensemble"] = (data.area_ensemble / data.pressure * scale).where(data.pressure > 0)
-    if told.hardness is not None:
-        data["area_plastic_ensemble"] = ("load", [_last(answer.area_plastic) for answer in answers])
     if told.work is not None:
-        left = [math.nan if a.macroscopic_work is None else a.macroscopic_work for a in answers]
-        data = data.assign(work_left=("load", left), work=told.work)
+        data = data.assign(work=told.work)
     estimated = data.error_estimate > 0
     kinds: dict[str, Any] = {
         "theory": data.error_estimate if bool(estimated.any()) else "it is a closed form"
@@ -85,31 +76,31 @@ def theory_data(scene: Scene, realised: Realised) -> xr.Dataset:
     )
 
 
-def _last(values: np.ndarray) -> float:
-    return float(values[-1]) if values.size else math.nan
+def _at_load(answer: Answer, told: Told, realised: Realised) -> xr.Dataset:
+    """Return what the theory says at one load, and along the waves up to each magnification."""
+    import xarray as xr
 
-
-def _curves(answers: tuple[Answer, ...], told: Told, realised: Realised) -> dict[str, Any]:
-    """Lay the curves out over (load, wave), each with its own magnifications."""
-    most = max(answer.area.size for answer in answers)
-
-    def over(each: list[Any]) -> Any:
-        whole = np.full((len(answers), most), math.nan)
-        for row, values in zip(whole, each, strict=True):
-            if values is not None:
-                row[: values.size] = values
-        return ("load", "wave"), whole
-
-    lowest = 2 * math.pi / max(realised.lengths)
-    found = {
-        "magnification": over([a.wavevectors / lowest for a in answers]),
-        "magnified_area": over([a.area for a in answers]),
+    lowest, nothing = 2 * math.pi / max(realised.lengths), np.full(answer.area.shape, math.nan)
+    curves = {"magnification": answer.wavevectors / lowest, "magnified_area": answer.area}
+    single: dict[str, float | str] = {
+        "area_ensemble": _last(answer.area),
+        "error_estimate": answer.error_estimate,
+        "theory_note": answer.note,
+        "pressure": answer.pressure,
+        "reduced_pressure": answer.pressure / realised.pressure_scale,
     }
     if told.hardness is not None:
-        found["magnified_area_plastic"] = over([a.area_plastic for a in answers])
+        curves["magnified_area_plastic"] = answer.area_plastic
+        single["area_plastic_ensemble"] = _last(answer.area_plastic)
     if told.work is not None:
-        found["magnified_work"] = over([a.work for a in answers])
-    return found
+        curves["magnified_work"] = nothing if answer.work is None else answer.work
+        single["work_left"] = math.nan if answer.macroscopic_work is None else answer.macroscopic_work
+    waves = {name: ("wave", values) for name, values in curves.items()}
+    return xr.Dataset({**single, **waves}, coords={"wave": range(answer.area.size)})
+
+
+def _last(values: np.ndarray) -> float:
+    return float(values[-1]) if values.size else math.nan
 
 
 def theory_views(data: xr.Dataset) -> Views:
@@ -176,7 +167,7 @@ def theory_views(data: xr.Dataset) -> Views:
 
 def _findings(data: xr.Dataset) -> Iterator[Finding]:
     for k in range(min(data.sizes["load"], 4)):
-        yield _at_load(data.isel(load=k), at=k)
+        yield _said_at_load(data.isel(load=k), at=k)
     if data.sizes["load"] > 4:
         yield note(f"The table has {data.sizes['load'] - 4} more loads.")
     drawn = (
@@ -194,7 +185,7 @@ def _findings(data: xr.Dataset) -> Iterator[Finding]:
     )
 
 
-def _at_load(here: xr.Dataset, *, at: int) -> Finding:
+def _said_at_load(here: xr.Dataset, *, at: int) -> Finding:
     """Say what the theory gives at one load."""
     where = "At p0 = {pressure:.4} Pa (p* = {reduced_pressure:.4}) "
     if str(here.theory_note.item()):
