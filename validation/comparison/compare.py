@@ -147,11 +147,9 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     import xarray as xr
 
     parts = [_numbers(result.data) for result in results.values()]
-    names = [name for name in parts[0].data_vars if all(_same(part, parts[0], str(name)) for part in parts)]
-    parts = [
-        part[names].drop_attrs(deep=False)
-        for part in xr.align(*(_placed(part) for part in parts), join="inner")
-    ]
+    first = parts[0]
+    names = [n for n in first.data_vars if all(n in part and part[n].dims == first[n].dims for part in parts)]
+    parts = list(xr.align(*(_placed(part)[names].drop_attrs(deep=False) for part in parts), join="inner"))
     # What has no place in common, such as grids, is left out.
     parts = [part.drop_dims([dim for dim, size in part.sizes.items() if not size]) for part in parts]
     names = list(parts[0].data_vars)
@@ -161,18 +159,17 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     data = xr.concat(parts, dim="result", combine_attrs="drop_conflicts", join="exact").assign_coords(
         result=list(results)
     )
-    for name in (str(n) for n in names if not str(n).endswith("_error")):
-        first = data.isel(result=0, drop=True)
-        told = data[[n for n in (name, f"{name}_error") if n in data]]
-        told = told.assign({f"{n}_first": first[n] for n in told.data_vars if n == name})
-        if f"{name}_error" in told:
-            told[f"{name}_first_error"] = first[f"{name}_error"]
-        made = derive(told, **{f"{name}_apart": f"{name} - {name}_first"})
-        for added in (f"{name}_apart", f"{name}_apart_error"):
-            if added in made:
-                # The first is no further from itself than nothing.
-                data[added] = made[added].where(data.result != data.result[0], 0.0)
-    return labelled(data)
+    values = [str(name) for name in names if not str(name).endswith("_error")]
+    first = data.isel(result=0, drop=True)
+    for name in values:
+        data[f"{name}_first"] = first[name]
+        if f"{name}_error" in data:
+            data[f"{name}_first_error"] = first[f"{name}_error"]
+    made = derive(data, **{f"{name}_apart": f"{name} - {name}_first" for name in values})
+    made = made.drop_vars([name for name in made.data_vars if str(name).endswith(("_first", "_first_error"))])
+    # The first is no further from itself than nothing.
+    apart = [name for name in made.data_vars if name not in data]
+    return labelled(made.assign(made[apart].where(made.result != made.result[0], 0.0)))
 
 
 def _numbers(data: xr.Dataset) -> xr.Dataset:
@@ -186,10 +183,6 @@ def _numbers(data: xr.Dataset) -> xr.Dataset:
         and not str(name).endswith("_drift")
     ]
     return data[kept]
-
-
-def _same(part: xr.Dataset, first: xr.Dataset, name: str) -> bool:
-    return name in part and part[name].dims == first[name].dims
 
 
 def _placed(data: xr.Dataset) -> xr.Dataset:
@@ -233,11 +226,8 @@ def _asked(result: Result) -> dict[str, str]:
     found = dict(_flat({**scene, **asked}))
     for key in [k["key"] for k in asked.get("sweep", {}).get("keys", ())]:
         found.pop(key, None)
-    return {
-        key: value
-        for key, value in found.items()
-        if not key.startswith("accuracy.") or key == "accuracy.target"
-    }
+    # Of an accuracy what was reached is no setting.
+    return {k: v for k, v in found.items() if not k.startswith("accuracy.") or k == "accuracy.target"}
 
 
 def differing(results: Mapping[str, Result]) -> dict[str, tuple[str, ...]]:
@@ -271,14 +261,11 @@ def _compared(data: xr.Dataset) -> list[str]:
     """Names of the variables that are compared, those with an interval first."""
     names = [str(n).removesuffix("_apart") for n in data.data_vars if str(n).endswith("_apart")]
     names = [name for name in names if name in data]
-    return sorted(
-        names,
-        key=lambda name: (
-            f"{name}_apart_error" not in data,
-            not name.startswith("area"),
-            data[name].ndim,
-        ),
-    )
+
+    def order(name: str) -> tuple[bool, bool, int]:
+        return f"{name}_apart_error" not in data, not name.startswith("area"), data[name].ndim
+
+    return sorted(names, key=order)
 
 
 def _places(data: xr.Dataset, name: str) -> Iterator[tuple[str, xr.Dataset]]:
