@@ -107,12 +107,19 @@ LAW = {"of": "area_each", "x": "lod", "along": ("load",)}
     ("does", "words"),
     [
         (lambda d: mean(d, "area_each"), "mean of 'area_each': no 'area_each_each' in the dataset"),
-        (lambda d: change(d, "aera", along="load"), "change of 'aera': no 'aera_each'.*like it: area_each"),
+        (
+            lambda d: change(d, "aera", along="load"),
+            "change of 'aera': no 'aera_each'.*did you mean 'area_each'",
+        ),
         (
             lambda d: derive(d, kappa="area_ech / 2"),
-            "kappa = area_ech / 2: no 'area_ech'.*like it: area_each",
+            "kappa = area_ech / 2: no 'area_ech'.*did you mean 'area_each'",
         ),
         (lambda d: power_law(d, "exponent", **LAW), "power law 'exponent': no 'lod'"),
+        (
+            lambda d: mean(d, "area", over="load_"),
+            "'area_each' has no 'load_'; it is along poisson, surface, load",
+        ),
         (lambda d: claim(d, "area", grid=0.1), "claim: no 'area'"),
         (lambda d: error_of(d.area_each, gird=0.1), "no source of errors is called gird"),
         (lambda d: Table(rows=("load",), columns=("arrea",)).of(d), "'arrea': no such quantity"),

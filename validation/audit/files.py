@@ -7,21 +7,15 @@ import re
 
 __all__ = ["page_tables"]
 
-_MARKS = (
-    ("κ", "kappa"),
-    ("α", "alpha"),
-    ("λ", "lambda"),
-    ("Δx", "dx"),
-    ("±\u00a0", "+- "),
-    ("\u00a0%", " %"),
-    ("σ", "sigma"),
-)
+#: Symbols as a page sets them, and as they are typed.
+_MARKS = {"±\u00a0": "+- ", "\u00a0%": " %", "Δx": "dx", "κ": "kappa", "σ": "sigma", "γ": "gamma"}
+_MARKS |= {"λ": "lambda", "ζ": "zeta", "α": "alpha", "μ": "mu", "ν": "nu"}
 
 
 def _plain(cell: str) -> str:
     """Return a cell of a page as it was typed."""
     text = html.unescape(re.sub(r"<[^>]+>", "", re.sub(r"<sub>([^<\d]+)</sub>", r"_\1", cell)))
-    for printed, typed in _MARKS:
+    for printed, typed in _MARKS.items():
         text = text.replace(printed, typed)
     return text.strip()
 

@@ -33,17 +33,17 @@ __all__ = [
 _LEAST_POINTS = 3.0
 
 
-def _keys(result: Result, variable: Variable) -> Iterator[tuple[tuple[int, ...], str, tuple[str, ...]]]:
-    """Yield place, key and dimensions of the solves of a variable: those with most of its dimensions."""
-    solves = [
-        named
-        for name, named in result.data.variables.items()
-        if name.startswith("solve") and set(named.dims) <= set(variable.dims)
+def _places(result: Result, variable: Variable) -> Iterator[tuple[Any, str]]:
+    """Yield index and keys of the solves of a variable: those named along most of its dimensions."""
+    named = [
+        one
+        for name, one in result.data.variables.items()
+        if name.startswith("solve") and set(one.dims) <= set(variable.dims)
     ]
-    if solves:
-        named = max(solves, key=lambda one: len(one.dims))
-        for place in np.ndindex(named.values.shape):
-            yield place, str(named.values[place]), named.dims
+    solves = max(named, key=lambda one: len(one.dims), default=None)
+    for place, key in np.ndenumerate(solves.values) if solves is not None else ():
+        at = dict(zip(solves.dims, place, strict=True)) if solves is not None else {}
+        yield tuple(at.get(dim, slice(None)) for dim in variable.dims), str(key)
 
 
 def over_solves(result: Result, variable: Variable, read: Callable[[Labelled], Any]) -> Array | None:
@@ -52,21 +52,17 @@ def over_solves(result: Result, variable: Variable, read: Callable[[Labelled], A
     Of a list by load that has one, a variable without that dimension is the value.
     """
     found, seen = np.full(variable.values.shape, np.nan), False
-    for place, key, dims in _keys(result, variable):
-        if not key:
-            continue
-        solve = result.solve(key)
-        values = None if solve is None else read(solve)
-        if values is None:
+    for index, key in _places(result, variable):
+        solve = result.solve(key) if key else None
+        values: Any = None if solve is None else read(solve)
+        if key and values is None:
             return None
         if "load" not in variable.dims and isinstance(values, list) and len(values) == 1:
             values = values[0]
-        index: list[Any] = [slice(None)] * len(variable.dims)
-        for dim, k in zip(dims, place, strict=True):
-            index[variable.dims.index(dim)] = k
-        if np.shape(values) != found[tuple(index)].shape:
+        if key and np.shape(values) != found[index].shape:
             return None
-        found[tuple(index)], seen = values, True
+        if key:
+            found[index], seen = values, True
     return found if seen else None
 
 
@@ -96,8 +92,7 @@ def limits(solve: Labelled, *, without: int = 0) -> list[tuple[float, float]]:
             for j in range(pixel.shape[1])
         ]
         located = not any(math.isnan(one.subcell) for one in areas)
-        limit = limit_over(areas, located=located) if areas else None
-        found.append((math.nan, math.nan) if limit is None else (limit.value, limit.error))
+        found.append(limit_over(areas, located=located))
     return found
 
 
@@ -111,13 +106,13 @@ def limit(result: Result, name: str, variable: Variable, *, error: bool = False)
 def _limit_of_fields(result: Result, variable: Variable, *, error: bool) -> Array | None:
     """Limits from the fields of several solves, whose keys stand beside each other."""
     found = np.full(variable.values.shape, np.nan)
-    for place, keys, _ in _keys(result, variable):
+    for index, keys in _places(result, variable):
         fields = [result.fields(key) for key in keys.split()]
-        if not fields or any(one is None for one in fields):
+        solves = [one for one in fields if one is not None]
+        if not solves or len(solves) < len(fields):
             return None
-        solves: list[Any] = fields
-        limit = limit_over(solves, located=not any(one.recipe.get("effects") for one in solves))
-        found[place] = math.nan if limit is None else limit.error if error else limit.value
+        plain = not any(one.recipe.get("effects") for one in solves)
+        found[index] = limit_over(solves, located=plain)[int(error)]
     return found
 
 

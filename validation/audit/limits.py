@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 import numpy as np
 
-__all__ = ["TRAITS", "Limit", "limit_over"]
+__all__ = ["TRAITS", "limit_over"]
 
 #: What contour and heights are like.
 TRAITS = ("alignment", "anisotropy", "unresolved", "wavenumber")
@@ -44,31 +43,15 @@ _ANISOTROPIC, _CHANCE, _COARSE, _COARSE_SHARE, _LEAST, _NARROW = 6.5, 0.12, 1.5,
 _SMOOTH, _KINKED, _STEPS, _HIDDEN, _UNSEEN = 0.05, 0.2, 0.7, 0.02, 0.15
 
 
-@dataclass(frozen=True, kw_only=True)
-class Limit:
-    """A/A0 for vanishing spacing, its standard error, number of solves and the area extrapolated."""
-
-    value: float
-    error: float
-    solves: int
-    definition: str
-
-
-def limit_over(solves: Sequence[Areas], *, located: bool) -> Limit | None:
-    """Return the limit, or None where these grids do not give one."""
+def limit_over(solves: Sequence[Areas], *, located: bool) -> tuple[float, float]:
+    """A/A0 for vanishing spacing and its standard error; NaN where these grids do not give it."""
     groups: dict[tuple[float, float], list[Areas]] = {}
     for one in solves:
         groups.setdefault(one.spacing, []).append(one)
-    if len(groups) < 2:
-        return None
     grids = [groups[key] for key in sorted(groups, key=lambda s: s[0] * s[1])]
-    if np.mean([one.pixel * one.cells for one in grids[0]]) < _LEAST_POINTS * (1 - 1e-9):
-        return None
-    found = _best(grids, located=located)
-    limit = Limit(
-        value=found[0], error=found[1], solves=len(solves), definition="subcell" if located else "perimeter"
-    )
-    return limit if 0 < limit.value <= 1 + 1e-12 else None
+    few = len(grids) < 2 or np.mean([one.pixel * one.cells for one in grids[0]]) < _LEAST_POINTS * (1 - 1e-9)
+    value, error = (math.nan, math.nan) if few else _best(grids, located=located)
+    return (value, error) if 0 < value <= 1 + 1e-12 else (math.nan, math.nan)
 
 
 def _best(grids: Sequence[Sequence[Areas]], *, located: bool) -> tuple[float, float]:

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from validation.audit.closed_forms import yielded_areas
-from validation.audit.limits import Limit, limit_over
+from validation.audit.limits import limit_over
 from validation.audit.stored import Stored
 
 __all__ = ["Run"]
@@ -237,8 +237,8 @@ class Run:
         )
         return max(*one.residuals.values(), load)
 
-    def limit(self, method: str, k: int = 0, grids: set[Grid] | None = None) -> Limit | None:
-        """Limit of one realisation over resolved grids of one method."""
+    def limit(self, method: str, k: int = 0, grids: set[Grid] | None = None) -> tuple[float, float]:
+        """Limit of one realisation over resolved grids of one method, and its standard error."""
         own_rows = (grid for (name, grid), row in self.rows.items() if name == method and row["resolved"])
         wanted = grids or set(own_rows)
         one_shift = grids is not None
@@ -254,9 +254,10 @@ class Run:
         return limit_over(own, located=method == "bem" and self.bare and square)
 
     @cached_property
-    def own_limit(self) -> Limit | None:
+    def own_limit(self) -> tuple[float, float] | None:
         """That of the first method that has one."""
-        return next((found for name in self.methods if (found := self.limit(name)) is not None), None)
+        every = (self.limit(name) for name in self.methods)
+        return next((found for found in every if not math.isnan(found[0])), None)
 
     def theory(self, k: int = 0) -> float | None:
         """A/A0 of that realisation with V = E*^2 m2 / 4, elastic or with one hardness; None with others."""
@@ -317,11 +318,9 @@ class Run:
         if "ensemble" not in self.scene:
             return None
         grids = {(int(g[0]), int(g[1])) for g in self.scene["ensemble"]["grids"]}
-        limits = [self.limit("bem", k, grids) for k in range(self.realisations)]
-        areas = [one.value for one in limits if one is not None]
-        theories = [self.theory(k) or 1.0 for k in range(self.realisations)]
-        ratios = [a / t for a, t in zip(areas, theories, strict=False)]
-        return (areas, ratios) if len(areas) == self.realisations else None
+        areas = [self.limit("bem", k, grids)[0] for k in range(self.realisations)]
+        ratios = [area / (self.theory(k) or 1.0) for k, area in enumerate(areas)]
+        return None if any(map(math.isnan, areas)) else (areas, ratios)
 
     @cached_property
     def cross(self) -> list[tuple[str, Grid, float, float, float]]:

@@ -162,12 +162,12 @@ class _Case:
         limit, at = self.run.own_limit, {"source": self.names["source"].index("grid")}
         if limit is None:
             return
-        self.number("area_own", limit.value, rtol=1e-7)
+        self.number("area_own", limit[0], rtol=1e-7)
         if accurate is None:
-            self.number("area_own_error", _NORMAL * limit.error, at=at, rtol=1e-5, atol=1e-9)
+            self.number("area_own_error", _NORMAL * limit[1], at=at, rtol=1e-5, atol=1e-9)
             return
-        error = 2 * limit.error / limit.value + _LEFT * accurate["tolerance"]
-        self.number("area_own_error", error * limit.value, at=at, rtol=1e-4)
+        error = 2 * limit[1] / limit[0] + _LEFT * accurate["tolerance"]
+        self.number("area_own_error", error * limit[0], at=at, rtol=1e-4)
         if accurate["mean"] is None:
             self.number("accuracy_reached", error, rtol=1e-4)
 

@@ -326,26 +326,15 @@ def _words(text: str) -> str:
     return text.replace("^", "").replace("\u2032", "'").replace(" ", "")
 
 
-#: Symbols as a page sets them, and as they are typed.
-_GREEK = dict(
-    zip("κσγλζαμν", ("kappa", "sigma", "gamma", "lambda", "zeta", "alpha", "mu", "nu"), strict=True)
-)
-
-
 def _cell(ledger: Ledger, place: str, name: str, cell: str, source: str, interval: str | None) -> None:
     """Judge one cell: words, a number of five digits, or a number with its interval."""
     value = _float(source)
-    for letter, symbol in _GREEK.items():
-        cell = cell.replace(letter, symbol)
     if math.isnan(value) and source not in ("", "nan"):
         ledger.same(place, name, _words(cell), _words(source))
-    elif " +- " in cell or "±" in cell:
-        number, _, half = cell.replace("±", "+-").replace("\u00a0", " ").partition("+-")
-        power = ""
-        if number.strip().startswith("("):
-            half, _, power = half.partition(")")
-            number = number.strip()[1:]
-        power = power.strip()
+    elif "+-" in cell:
+        # (2.10 +- 0.32)e-05
+        number, _, half = cell.removeprefix("(").partition("+-")
+        half, _, power = half.partition(")")
         ledger.text(place, name, number.strip() + power, value)
         ledger.text(place, f"{name}, its interval", half.strip() + power, _float(interval or "nan"))
     else:

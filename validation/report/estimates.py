@@ -11,7 +11,6 @@ attributes, from which the audit makes it again.
 from __future__ import annotations
 
 import ast
-import difflib
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass
@@ -21,7 +20,7 @@ import numpy as np
 import scipy.special
 
 from validation.arrays import Array
-from validation.errors import UsageError
+from validation.errors import UsageError, did_you_mean
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -229,12 +228,15 @@ def error_of(value: xr.DataArray, **sources: xr.DataArray | float | str) -> xr.D
     return xr.DataArray(np.abs(stack), dims=dims, coords=coords, attrs=why)
 
 
-def _of(data: xr.Dataset, name: str, who: str) -> xr.DataArray:
-    """Return a variable that someone needs, or say that there is none."""
+def _of(data: xr.Dataset, name: str, who: str, along: str = "") -> xr.DataArray:
+    """Return a variable that someone needs along a dimension, or say that there is none."""
     if name in data.variables:
+        if along and along not in data[name].dims:
+            raise UsageError(
+                f"{who}: {name!r} has no {along!r}; it is along {', '.join(map(str, data[name].dims))}"
+            )
         return data[name]
-    near = difflib.get_close_matches(name, [str(known) for known in data.variables], cutoff=0.5)
-    raise UsageError(f"{who}: no {name!r} in the dataset; like it: {', '.join(near) or 'nothing'}")
+    raise UsageError(f"{who}: no {name!r} in the dataset{did_you_mean(name, map(str, data.variables))}")
 
 
 def claim(data: xr.Dataset, *names: str, **sources: xr.DataArray | float | str) -> xr.Dataset:
@@ -299,7 +301,7 @@ def mean(
         Whether the grids are off to the same side on all surfaces, so that their error does not shrink.
     """
     for name in names:
-        values = _of(data, f"{name}_each", f"mean of {name!r}")
+        values = _of(data, f"{name}_each", f"mean of {name!r}", over)
         there = solved_places(data, values, over=over)
         middle, half = mean_of(values, over=over, pairs=pairs, there=there)
         count = values.sizes[over] if there is None else there.sum(over)
@@ -386,7 +388,7 @@ def change(data: xr.Dataset, name: str, *, along: str, first: int = 0, last: int
 
     Errors of the two places are taken as independent. Of a place with itself it is not determinable: NaN.
     """
-    values = _of(data, f"{name}_each", f"change of {name!r}")
+    values = _of(data, f"{name}_each", f"change of {name!r}", along)
     end, start = (values.isel({along: k}, drop=True) for k in (last, first))
     if first % values.sizes[along] == last % values.sizes[along]:
         end = end * math.nan
@@ -411,7 +413,9 @@ def reduce(data: xr.Dataset, how: str, *names: str, over: str = "surface") -> xr
     """
     for name in names:
         made = {"reduction": how, "of": f"{name}_each", "over": over}
-        data = data.assign({name: getattr(_of(data, f"{name}_each", how), how)(over).assign_attrs(made)})
+        data = data.assign(
+            {name: getattr(_of(data, f"{name}_each", how, over), how)(over).assign_attrs(made)}
+        )
     return data
 
 

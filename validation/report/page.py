@@ -7,7 +7,7 @@ import hashlib
 import json
 import platform
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from importlib import metadata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -83,25 +83,16 @@ class Page:
 
     Attributes
     ----------
-    title, lead : str
-        The name, and the question or the case in one sentence.
-    answers : tuple of Answer
+    lead : str
+        The question or the case in one sentence.
     findings : tuple of str
-        What was found, in sentences, the most asked-for first.
-    notes : tuple of Note
-    tables : tuple of WordTable
+        What was found, the most asked-for first.
     budget : ResultTable, optional
         What is uncertain, source by source.
-    figures : tuple of Drawing
-    pictures : tuple of Picture
     no_picture : str
         Why there is none.
-    facts : tuple of str
-        Sentences about the case, beside settings, seeds and versions.
     settings : mapping
         Everything that was asked for, ready for JSON.
-    seeds : str
-    versions : mapping of str to str
     papers : tuple of str
         What to cite.
     records : mapping of str to ResultTable
@@ -179,18 +170,6 @@ def page_of(data: xr.Dataset, views: Views, /, *, figures: bool = True, **rest: 
     return Page(**told)
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Embedded:
-    """A figure on disk, as the page shows it."""
-
-    name: str
-    svg: Any
-    caption: str
-    files: tuple[tuple[str, str], ...]
-    wide: bool
-    pixels: int
-
-
 def write_page(page: Page, folder: Path, *, numbers_only: bool = False) -> tuple[Path, ...]:
     """Write tables, JSON, figures and the report into a folder; return the files, the report first.
 
@@ -223,7 +202,7 @@ def write_page(page: Page, folder: Path, *, numbers_only: bool = False) -> tuple
     report = folder / "report.html"
     with atomic_path(report) as draft:
         draft.write_text(_html(page, drawn), encoding="utf-8")
-    drawings = [folder / file for figure in drawn for file, _ in figure.files]
+    drawings = [folder / file for figure in drawn for file, _ in figure["files"]]
     pictures = [figures / f"{picture.name}.png" for picture in page.pictures]
     clear_page(folder, keep=(report, *written, *drawings, *pictures))
     return (report, *written)
@@ -236,21 +215,8 @@ def clear_page(folder: Path, *, keep: Collection[Path] = ()) -> None:
     images and numbers in the folder of figures.
     """
     figures = folder / "figures"
-    tables = (
-        "table.csv",
-        "claims.csv",
-        "areas.csv",
-        "magnification.csv",
-        "numbers.csv",
-        "methods.csv",
-        "below.csv",
-        "surfaces.csv",
-        "settings.csv",
-        "budget.csv",
-        "data.csv",
-        "data-*.csv",
-    )
-    names = ("report.html", "summary.json", *tables)
+    tables = "table claims areas magnification numbers methods below surfaces settings budget data data-*"
+    names = ["report.html", "summary.json", *(f"{name}.csv" for name in tables.split())]
     earlier = [path for name in names for path in folder.glob(name)]
     if figures.is_dir() and not figures.is_symlink():
         earlier += [
@@ -267,33 +233,23 @@ def render(page: Page) -> str:
     return _html(page, [])
 
 
-def _in_front(budget: WordTable) -> WordTable:
-    """Put what the sources come to in front of them, where a narrow screen shows it."""
-    order = sorted(
-        range(len(budget.columns)), key=lambda k: (k > 1, not budget.columns[k].startswith("for "))
-    )
-    return replace(
-        budget,
-        columns=tuple(budget.columns[k] for k in order),
-        rows=tuple(tuple(row[k] for k in order) for row in budget.rows),
-    )
-
-
-def _embedded(drawing: Drawing, files: tuple[Path, ...]) -> _Embedded:
+def _embedded(drawing: Drawing, files: tuple[Path, ...]) -> dict[str, Any]:
+    """Return a figure on disk as the page shows it."""
     from markupsafe import Markup
 
     from validation.report.figure import embeddable
 
     svg = embeddable(files[0].read_text(encoding="utf-8"), drawing.name, words=drawing.caption)
-    return _Embedded(
-        name=drawing.name,
+    figure = drawing.figure
+    return {
+        "name": drawing.name,
         # This package drew it: nothing in it comes from elsewhere.
-        svg=Markup(svg),
-        caption=drawing.caption,
-        wide=drawing.figure.get_figwidth() > _WIDE * drawing.figure.get_figheight(),
-        pixels=round(_ENLARGED * drawing.figure.get_figwidth()),
-        files=tuple((f"figures/{path.name}", _format(path, drawing.name)) for path in files),
-    )
+        "svg": Markup(svg),
+        "caption": drawing.caption,
+        "wide": figure.get_figwidth() > _WIDE * figure.get_figheight(),
+        "pixels": round(_ENLARGED * figure.get_figwidth()),
+        "files": [(f"figures/{path.name}", _format(path, drawing.name)) for path in files],
+    }
 
 
 def _format(path: Path, name: str) -> str:
@@ -302,7 +258,7 @@ def _format(path: Path, name: str) -> str:
     return path.suffix[1:] + (f" ({along})" if along else "")
 
 
-def _html(page: Page, figures: list[_Embedded]) -> str:
+def _html(page: Page, figures: list[dict[str, Any]]) -> str:
     """Fill in the template; a name it needs and does not get is an error."""
     import jinja2
     from markupsafe import Markup
@@ -317,11 +273,7 @@ def _html(page: Page, figures: list[_Embedded]) -> str:
     environment.filters["math"] = mathematics
     environment.filters["harmless"] = harmless
     environment.filters["base64"] = lambda data: base64.b64encode(data).decode("ascii")
-    budget = (
-        None
-        if page.budget is None
-        else _in_front(shown(page.budget, title="What is uncertain", note=_BUDGET))
-    )
+    budget = None if page.budget is None else shown(page.budget, title="What is uncertain", note=_BUDGET)
     settings = json.dumps(page.settings, indent=2)
     template = environment.get_template("report.html.j2")
     # The one script that may run: the policy of the page names it by its hash.

@@ -39,14 +39,7 @@ INTERVAL = "+- (95 %)"
 
 @dataclass(frozen=True)
 class Column:
-    """A variable as a column, where it has more dimensions than the rows at one place along them.
-
-    Attributes
-    ----------
-    name : str
-    at : mapping
-        Position by dimension; it becomes part of the title.
-    """
+    """A variable as a column, where it has more dimensions than the rows at positions along them."""
 
     name: str
     at: Mapping[str, int] = field(default_factory=dict)
@@ -115,14 +108,7 @@ class Table:
 
 @dataclass(frozen=True, kw_only=True)
 class Listing:
-    """A table of single numbers: a row for each variable that a dataset has, in words and in its unit.
-
-    Attributes
-    ----------
-    names : tuple of str
-    title, note, file : str
-        As of a `Table`.
-    """
+    """A table of single numbers: a row for each variable that a dataset has, in words and in its unit."""
 
     names: tuple[str, ...]
     title: str
@@ -241,12 +227,8 @@ class WordTable:
 
     Attributes
     ----------
-    columns : tuple of str
-        Names, with units.
-    rows : tuple of tuples of str
     sums : tuple of tuples of str
         Rows below a line: what the others come to.
-    title, note : str
     left : frozenset of str
         Columns of words, which begin at the left; numbers end at the right.
     yielding : tuple of str
