@@ -2,17 +2,35 @@
 
 from __future__ import annotations
 
+import contextlib
 import importlib
 import inspect
 import pkgutil
+import sys
+from collections.abc import Iterator
 from importlib import metadata
+from pathlib import Path
 from typing import TypeVar
 
 from validation.errors import UsageError
 
-__all__ = ["found_in"]
+__all__ = ["found_in", "with_own_folder"]
 
 T = TypeVar("T")
+
+
+@contextlib.contextmanager
+def with_own_folder() -> Iterator[str]:
+    """Let modules in the folder of the command be found, after those that are installed; yield the folder."""
+    here = str(Path.cwd())
+    added = here not in sys.path
+    if added:
+        sys.path.append(here)
+    try:
+        yield here
+    finally:
+        if added:
+            sys.path.remove(here)
 
 
 def found_in(package: str, base: type[T], *, group: str) -> tuple[type[T], ...]:

@@ -153,26 +153,16 @@ class Calculix(Solver):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Deck:
-    """One problem in the units of the deck: longer period 1, heights of `_RANGE`, Young's modulus `_YOUNG`.
-
-    Attributes
-    ----------
-    heights : (nx, ny) array
-    sides : tuple of float
-        Periods.
-    planes : (nz + 1,) array
-        z from 0 downwards.
-    poisson, load : float
-        Load: mean pressure.
-    stress, length : float
-        Pa and m for one unit of pressure and displacement of the deck.
-    """
+    """One problem in the units of the deck: longer period 1, heights of `_RANGE`, modulus `_YOUNG`."""
 
     heights: Array
     sides: tuple[float, float]
+    #: z of the planes of nodes, from 0 downwards.
     planes: Array
     poisson: float
+    #: Mean pressure.
     load: float
+    #: Pa and m for one unit of pressure and displacement of the deck.
     stress: float
     length: float
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import hashlib
 import importlib.util
-import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar
@@ -15,6 +14,7 @@ from validation.effects.base import Effect
 from validation.errors import UsageError
 from validation.methods.base import Settings
 from validation.methods.foreign import Foreign, ForeignOptions
+from validation.registry import with_own_folder
 from validation.units import Table
 
 if TYPE_CHECKING:
@@ -67,29 +67,19 @@ def _digest(function: str) -> str:
         Where there is no such module.
     """
     package = function.partition(":")[0].partition(".")[0]
-    here = str(Path.cwd())
-    added = here not in sys.path
-    if added:
-        sys.path.append(here)
-    try:
-        spec = importlib.util.find_spec(package)
-    except (ImportError, ValueError):
-        spec = None
-    finally:
-        if added:
-            sys.path.remove(here)
+    with with_own_folder() as here:
+        try:
+            spec = importlib.util.find_spec(package)
+        except (ImportError, ValueError):
+            spec = None
     if spec is None:
         raise UsageError(
             f"methods.own.solver = {function!r}: no module {package!r} is installed or lies in {here!r}"
         )
-    if spec.submodule_search_locations is not None:
-        files = sorted(
-            path for place in spec.submodule_search_locations for path in Path(place).rglob("*.py")
-        )
-    else:
-        files = [] if spec.origin is None else [Path(spec.origin)]
-    digest = hashlib.sha256()
-    for file in files:
-        if file.is_file():
-            digest.update(file.read_bytes())
-    return digest.hexdigest()[:16]
+    places = spec.submodule_search_locations
+    single = [] if spec.origin is None else [Path(spec.origin)]
+    files = (
+        single if places is None else sorted(path for place in places for path in Path(place).rglob("*.py"))
+    )
+    code = b"".join(file.read_bytes() for file in files if file.is_file())
+    return hashlib.sha256(code).hexdigest()[:16]

@@ -99,7 +99,7 @@ class Store:
             data = _bytes_of(path)
             if data is None:
                 return None
-            sealed = _verified(data, recipe=solve.recipe_text)
+            sealed = _verified(path, data)
         except Damaged as damage:
             _set_aside(path, damage, tell=on_damage)
             return None
@@ -216,7 +216,7 @@ def check_store(folder: Path, *, set_aside: bool = False) -> Iterator[Checked]:
             data = _bytes_of(path)
             if data is None:  # removed meanwhile
                 continue
-            sealed = _verified(data)
+            sealed = _verified(path, data)
         except RunFailed as error:
             yield Checked(path=path, problem=str(error).removeprefix(f"{path}: "))
         except Damaged as damage:
@@ -224,15 +224,7 @@ def check_store(folder: Path, *, set_aside: bool = False) -> Iterator[Checked]:
                 _set_aside(path, damage)
             yield Checked(path=path, size=len(data or b""), problem=str(damage), damaged=True)
         else:
-            own = hashlib.sha256(sealed.recipe.encode()).hexdigest()[:16]
-            made = Made(**sealed.made)
-            if path.stem.endswith(f"-{own}"):
-                yield Checked(path=path, size=len(data), made=made, recipe=sealed.recipe)
-                continue
-            swapped = Damaged("it is the result of another recipe than its name says")
-            if set_aside:
-                _set_aside(path, swapped)
-            yield Checked(path=path, size=len(data), problem=str(swapped), damaged=True, made=made)
+            yield Checked(path=path, size=len(data), made=Made(**sealed.made), recipe=sealed.recipe)
 
 
 #: Bytes of a file that is read without asking how much memory is free.
@@ -265,9 +257,9 @@ def _bytes_of(path: Path) -> bytes | None:
         raise RunFailed(f"{path}: cannot be read: memory does not suffice") from None
 
 
-def _verified(data: bytes, *, recipe: str | None = None) -> Sealed:
+def _verified(path: Path, data: bytes) -> Sealed:
     sealed = unseal(data)
-    if recipe is not None and sealed.recipe != recipe:
+    if not path.stem.endswith(f"-{hashlib.sha256(sealed.recipe.encode()).hexdigest()[:16]}"):
         raise Damaged("it is the result of another recipe than its name says")
     return sealed
 

@@ -5,15 +5,14 @@ from __future__ import annotations
 import importlib
 import importlib.util
 import inspect
-import sys
 from collections.abc import Callable, Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from validation.arrays import Array
 from validation.errors import UsageError
+from validation.registry import with_own_folder
 from validation.theories.base import Rough, Theory
 
 __all__ = ["OwnTheory"]
@@ -96,18 +95,14 @@ class OwnTheory(Theory):
 
 def _module(name: str) -> Any:
     """Import a module that is installed or lies in the folder of the command; None where there is none."""
-    here = str(Path.cwd())
-    added = here not in sys.path
-    if added:
-        sys.path.append(here)
-    try:
-        if not name.replace(".", "_").isidentifier() or importlib.util.find_spec(name) is None:
+    with with_own_folder():
+        try:
+            if not name.replace(".", "_").isidentifier() or importlib.util.find_spec(name) is None:
+                return None
+            return importlib.import_module(name)
+        except ModuleNotFoundError:
             return None
-        return importlib.import_module(name)
-    except ModuleNotFoundError:
-        return None
-    except Exception as error:
-        raise UsageError(f"theory {name!r}: cannot be imported: {type(error).__name__}: {error}") from None
-    finally:
-        if added:
-            sys.path.remove(here)
+        except Exception as error:
+            raise UsageError(
+                f"theory {name!r}: cannot be imported: {type(error).__name__}: {error}"
+            ) from None
