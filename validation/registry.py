@@ -10,11 +10,11 @@ import sys
 from collections.abc import Iterator
 from importlib import metadata
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from validation.errors import UsageError
 
-__all__ = ["found_in", "with_own_folder"]
+__all__ = ["entries", "found_in", "with_own_folder"]
 
 T = TypeVar("T")
 
@@ -39,7 +39,7 @@ def found_in(package: str, base: type[T], *, group: str) -> tuple[type[T], ...]:
     Raises
     ------
     UsageError
-        For an entry point that cannot be loaded or is no such class.
+        For an entry point that cannot be loaded, is no such class, or has a name that is taken.
     """
     found: list[type[T]] = []
     path = importlib.import_module(package).__path__
@@ -49,13 +49,38 @@ def found_in(package: str, base: type[T], *, group: str) -> tuple[type[T], ...]:
             own = inspect.isclass(value) and value.__module__ == module.__name__
             if own and issubclass(value, base) and not inspect.isabstract(value) and value is not base:
                 found.append(value)
+    taken = {_name(kind): kind for kind in found}
+    for where, _, value in entries(group):
+        if not (inspect.isclass(value) and issubclass(value, base)):
+            raise UsageError(f"{where}: must be a subclass of {base.__module__}.{base.__qualname__}")
+        other = taken.setdefault(_name(value), value)
+        if other is not value:
+            raise UsageError(
+                f"{where}: the name {_name(value)!r} is that of {other.__module__}.{other.__qualname__}; "
+                "uninstall one of the two packages, or have it renamed"
+            )
+        found.append(value)
+    return tuple(found)
+
+
+def entries(group: str) -> Iterator[tuple[str, str, Any]]:
+    """Yield what other packages name in a group of entry points: where it stands, its name, the object.
+
+    Raises
+    ------
+    UsageError
+        For one that cannot be loaded.
+    """
     for entry in sorted(metadata.entry_points(group=group), key=lambda entry: entry.name):
         where = f"entry point {entry.name} = {entry.value} of {group}"
         try:
-            value = entry.load()
-        except Exception as error:  # whatever another package raises, its name is what the user needs
+            with contextlib.redirect_stdout(sys.stderr):  # what it prints is no answer of a command
+                value = entry.load()
+        except (Exception, SystemExit) as error:  # whatever it raises, its name is what the user needs
             raise UsageError(f"{where}: cannot be loaded: {type(error).__name__}: {error}") from None
-        if not (inspect.isclass(value) and issubclass(value, base)):
-            raise UsageError(f"{where}: must be a subclass of {base.__module__}.{base.__qualname__}")
-        found.append(value)
-    return tuple(found)
+        yield where, entry.name, value
+
+
+def _name(kind: Any) -> str:
+    """Return by which name a class is listed."""
+    return str(kind.kind_name() if hasattr(kind, "kind_name") else getattr(kind, "name", kind.__qualname__))

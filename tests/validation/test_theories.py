@@ -1,5 +1,6 @@
 """Theories that simulations are scored against: entries, a user's own, another package's."""
 
+import sys
 import textwrap
 from importlib import metadata
 from pathlib import Path
@@ -157,9 +158,31 @@ class Elsewhere(Theory):
         return pressure / pressure.max()
 
 
-def test_another_package_adds_a_theory_by_an_entry_point(monkeypatch: pytest.MonkeyPatch) -> None:
+def offered(monkeypatch: pytest.MonkeyPatch, load) -> tuple[type[Theory], ...]:
+    """What is found where another package's entry point is loaded by a function."""
     entry = metadata.EntryPoint(name="elsewhere", value=f"{__name__}:Elsewhere", group="fem_contact.theories")
-    monkeypatch.setattr(type(entry), "load", lambda self: Elsewhere)
+    monkeypatch.setattr(type(entry), "load", lambda self: load())
     monkeypatch.setattr("validation.registry.metadata.entry_points", lambda group: [entry])
-    found = found_in(registry.__name__, Theory, group="fem_contact.theories")
-    assert Elsewhere in found
+    return found_in(registry.__name__, Theory, group="fem_contact.theories")
+
+
+def test_another_package_adds_a_theory_by_an_entry_point(monkeypatch, capsys) -> None:
+    assert Elsewhere in offered(monkeypatch, lambda: print("hello") or Elsewhere)
+    assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize(
+    ("load", "says"),
+    [
+        (lambda: sys.exit(3), "cannot be loaded: SystemExit: 3"),
+        (lambda: 1 / 0, "cannot be loaded: ZeroDivisionError"),
+        (lambda: int, "must be a subclass of validation.theories.base.Theory"),
+        (
+            lambda: type("Other", (Elsewhere,), {"name": "xu"}),
+            "the name 'xu' is that of .*persson_variants.Xu",
+        ),
+    ],
+)
+def test_an_entry_point_that_is_no_theory_or_takes_a_name_is_refused_by_name(monkeypatch, load, says) -> None:
+    with pytest.raises(UsageError, match=f"entry point elsewhere = .*: {says}"):
+        offered(monkeypatch, load)

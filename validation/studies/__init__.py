@@ -19,10 +19,10 @@ import importlib
 import pkgutil
 from collections.abc import Mapping
 from functools import cache
-from importlib import metadata
 from typing import TYPE_CHECKING, Any
 
 from validation.errors import UsageError, did_you_mean
+from validation.registry import entries
 from validation.studies._study import Study, StudyOptions
 
 if TYPE_CHECKING:
@@ -40,20 +40,17 @@ def studies() -> Mapping[str, Study]:
     Raises
     ------
     UsageError
-        For an entry point that cannot be loaded or is no study.
+        For an entry point that cannot be loaded, is no study, or has a name that is taken.
     """
     names = sorted(info.name for info in pkgutil.iter_modules(__path__) if not info.name.startswith("_"))
     found = {name.replace("_", "-"): importlib.import_module(f"{__name__}.{name}") for name in names}
-    for entry in sorted(metadata.entry_points(group="fem_contact.studies"), key=lambda entry: entry.name):
-        where = f"entry point {entry.name} = {entry.value} of fem_contact.studies"
-        try:
-            module = entry.load()
-        except Exception as error:  # whatever another package raises, its name is what the user needs
-            raise UsageError(f"{where}: cannot be loaded: {type(error).__name__}: {error}") from None
-        lacking = [name for name in ("Options", "run", "views") if not hasattr(module, name)]
+    for where, name, module in entries("fem_contact.studies"):
+        if name in found:
+            raise UsageError(f"{where}: the name {name!r} is that of {found[name].__name__}; have it renamed")
+        lacking = [part for part in ("Options", "run", "views") if not hasattr(module, part)]
         if lacking:
             raise UsageError(f"{where}: must be a module with {', '.join(map(repr, lacking))}")
-        found[entry.name] = module
+        found[name] = module
     return {name: Study(name=name, module=module) for name, module in found.items()}
 
 
