@@ -20,7 +20,7 @@ from validation.methods.bem import Bem
 from validation.methods.theory import predict
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import realise
-from validation.scenes.scene import EffectSpec, Scene, load_scene
+from validation.scenes.scene import EffectSpec, load_scene
 from validation.scenes.surfaces import reference_field
 from validation.solves.attempt import warm_up
 from validation.solves.press import solves_of
@@ -191,24 +191,7 @@ def rough(gradient=0.1):
 
 
 def effect(text):
-    return Scene.model_validate(
-        {
-            "name": "x",
-            "surface": {
-                "kind": "self-affine",
-                "length": 1.0,
-                "hurst": 0.5,
-                "lambda_long": 0.5,
-                "lambda_short": 0.3,
-                "rms_gradient": 0.1,
-                "seed": 3,
-            },
-            "solid": {"young": 1.0, "poisson": 0.3},
-            "load": {"pressure": 1.0},
-            "methods": {"bem": {"grids": [32]}},
-            **tomllib.loads(text),
-        }
-    ).effects[0]
+    return TypeAdapter(EffectSpec).validate_python(tomllib.loads(text)["effects"][0])
 
 
 @pytest.mark.parametrize(
