@@ -21,7 +21,7 @@ from validation.methods.theory import predict
 from validation.scenes.checks import check_scene
 from validation.scenes.realised import realise
 from validation.scenes.scene import EffectSpec, load_scene
-from validation.scenes.surfaces import reference_field
+from validation.scenes.surfaces import height_field
 from validation.solves.attempt import warm_up
 from validation.solves.press import solves_of
 
@@ -73,7 +73,7 @@ def test_thickness_is_the_layer_of_the_library(with_effects):
     (solve,) = (solve for solve in solves_of(scene) if solve.grid == (24, 24) and solve.shift == (0.0, 0.0))
     field = solve.height_field()
     layer = BondedLayer(solid=Solid(young=2e6, poisson=0.3), thickness=1e-6)
-    pressure = 0.1 * layer.contact_modulus * reference_field(scene.surface).rms_gradient
+    pressure = 0.1 * layer.contact_modulus * height_field(scene.surface).rms_gradient
     direct = bem.solve(field, layer, mean_pressure=pressure, threads=1)
     np.testing.assert_array_equal(solve.do(threads=1).contact.pressure, direct.pressure)
 
@@ -226,7 +226,7 @@ def test_explain_gives_numbers_for_what_is_listed_and_what_is_not(with_effects):
 
 
 def test_the_energy_of_full_contact_is_that_of_the_pressure_that_makes_it(with_effects):
-    field = reference_field(with_effects().surface)
+    field = height_field(with_effects().surface)
     half = HalfSpace(solid=Solid(young=2e6, poisson=0.3))
     contact = bem.solve(field, half, mean_pressure=1e6, threads=1).checked()
     assert contact.in_contact.all()

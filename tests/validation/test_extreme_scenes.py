@@ -14,7 +14,7 @@ from validation.comparison.explain import explain
 from validation.errors import UsageError
 from validation.scenes import surfaces
 from validation.scenes.scene import Scene, SelfAffineSurface, scene_problems
-from validation.scenes.surfaces import Expected, expected, reference_field
+from validation.scenes.surfaces import Expected, expected, height_field
 from validation.studies import find_study
 
 TEXT = """
@@ -213,7 +213,7 @@ def test_a_surface_too_large_to_be_looked_at_is_told_by_its_spectrum():
 
 def test_what_the_spectrum_tells_is_near_what_a_surface_has(monkeypatch):
     surface = LARGE.model_copy(update={"lambda_long": 1e-5, "lambda_short": 5e-7})
-    field = reference_field(surface)
+    field = height_field(surface)
     monkeypatch.setattr(surfaces, "_SURVEYED_POINTS", 100)
     told = expected(surface)
     assert isinstance(told, Expected)
@@ -234,5 +234,5 @@ def test_a_surface_that_does_not_fit_into_memory_is_refused_in_one_line(monkeypa
     with pytest.raises(
         UsageError, match=r"20001 x 20001 points and 22\.4 GiB, .* take a lambda_short above 4.*e-08"
     ) as e:
-        reference_field(LARGE)
+        height_field(LARGE)
     assert "\n" not in str(e.value)

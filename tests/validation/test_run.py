@@ -27,7 +27,7 @@ from validation.errors import RunFailed, UsageError
 from validation.files import prepare_folder
 from validation.report.words import mathematics
 from validation.scenes.scene import Load, load_scene
-from validation.scenes.surfaces import height_field, reference_field
+from validation.scenes.surfaces import height_field
 from validation.solves.press import Press, solves_of
 from validation.solves.running import solve_all
 from validation.solves.store import Store
@@ -80,7 +80,7 @@ def test_the_surface_stands_before_the_contact_and_every_figure_names_its_files(
         suffixes = {path.suffix for path in (small_run.folder / "figures").glob(f"{name}*")}
         assert suffixes == {".svg", ".pdf", ".csv", ".nc"}
     heights = small_run.data.heights
-    field = reference_field(_scene(small_run).surface)
+    field = height_field(_scene(small_run).surface)
     np.testing.assert_allclose(heights.values, field.resampled((24, 24)).heights, atol=1e-12)
     spectrum = small_run.data.power_spectrum
     assert spectrum.sizes["wavevector"] >= 2
@@ -413,7 +413,7 @@ def test_an_under_resolved_grid_presses_the_point_values_of_the_true_surface(wri
     scene = load_scene(
         str(write_scene(("grids = [12, 24, 48]", "grids = [6]\nunder_resolved = true"), fem=False))
     )
-    fine = reference_field(scene.surface).resampled((24, 24))
+    fine = height_field(scene.surface).resampled((24, 24))
     np.testing.assert_allclose(
         height_field(scene.surface, (6, 6)).heights, fine.heights[::4, ::4], atol=1e-12 * fine.rms_height
     )

@@ -26,7 +26,7 @@ from validation.measures.measurement import grid_for, press_on_grids
 from validation.measures.theory import WITH_ENERGY, Waves, ensemble_area, modes_finding
 from validation.report.estimates import claim, mean
 from validation.scenes.scene import SolidSpec
-from validation.scenes.surfaces import reference_field, spectrum_of
+from validation.scenes.surfaces import height_field, spectrum_of
 from validation.studies import stress_near_zero
 
 SOLID = SolidSpec(young=3e8, poisson=0.25)
@@ -154,20 +154,20 @@ def test_the_gap_from_stored_energy_is_that_of_the_closed_integral(rough, varian
 
 
 def test_full_contact_stores_the_energy_of_all_waves(rough, measured):
-    field = reference_field(rough)
+    field = height_field(rough)
     waves = Waves.of_field(field)
     assert 4 * waves.variance.max() <= field.rms_gradient**2 * (1 + 1e-12)
     for variant in WITH_ENERGY:
         assert waves.elastic_energy(np.array([10 * field.rms_gradient]), variant)[0] == pytest.approx(
             waves.full_energy, rel=1e-12
         )
-    small = reference_field(base_surface(hurst=0.6, seed=61, **SMALL))
+    small = height_field(base_surface(hurst=0.6, seed=61, **SMALL))
     expected = measured.attrs["full_contact_energy"] / measured.attrs["contact_modulus"]
     assert Waves.of_field(small).full_energy == pytest.approx(expected, rel=1e-9)
 
 
 def test_the_theory_of_gap_and_energy_does_not_depend_on_the_unit_of_length(rough):
-    field = reference_field(rough)
+    field = height_field(rough)
     large = HeightField(heights=field.heights * 2.0**20, lengths=tuple(x * 2.0**20 for x in field.lengths))
     loads = np.array([0.01, 0.3]) * field.rms_gradient
     for variant in WITH_ENERGY[:2]:

@@ -54,16 +54,14 @@ def generate(
 ) -> None:
     """Write the surface of a scene to a file."""
     from validation.scenes.scene import FileSurface, load_scene
-    from validation.scenes.surfaces import check_fits, height_field, reference_field
+    from validation.scenes.surfaces import check_fits, height_field
 
     surface = load_scene(scene).surface
     if realisation and isinstance(surface, FileSurface):
         raise UsageError(f"--realisation = {realisation}: a measured surface has one realisation")
-    if grid is None:
-        field = reference_field(surface, realisation=realisation)
-    else:
+    if grid is not None:
         check_fits((grid, grid), f"--grid = {grid}:", remedy="choose fewer")
-        field = height_field(surface, (grid, grid), realisation=realisation)
+    field = height_field(surface, None if grid is None else (grid, grid), realisation=realisation)
     _write(field, target, force=force)
     if grid is None and not isinstance(surface, FileSurface):
         say(
@@ -161,7 +159,7 @@ def _inspected(
     from fem_contact.surface import Patch, measured_lay
     from fem_contact.surface.spectra import estimate_spectrum
     from validation.scenes.scene import builtin_scenes, load_scene
-    from validation.scenes.surfaces import measured_surface, reference_field
+    from validation.scenes.surfaces import height_field, measured_surface
 
     facts: dict[str, Any] = {}
     surface: Surface
@@ -178,7 +176,7 @@ def _inspected(
         field = patch.height_field()
         window: Literal["none", "hann"] = "none" if patch.edge_jump < 4 else "hann"
     else:
-        field, window = reference_field(surface), "none"
+        field, window = height_field(surface), "none"
     facts |= {
         "points": f"{field.shape[0]} x {field.shape[1]}",
         "size [m]": f"{field.lengths[0]:.6g} x {field.lengths[1]:.6g}",

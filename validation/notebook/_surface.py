@@ -49,10 +49,8 @@ class Surface:
         if self.given is not None:
             field = surfaces.measured_field(self.given)
             field = field if grid is None else field.resampled(pair(grid))
-        elif grid is None:
-            field = surfaces.reference_field(self.table)
         else:
-            field = surfaces.height_field(self.table, pair(grid))
+            field = surfaces.height_field(self.table, None if grid is None else pair(grid))
         axes = {
             name: (name, np.arange(n) * step, {"units": "m"})
             for name, n, step in zip("xy", field.shape, field.spacing, strict=True)

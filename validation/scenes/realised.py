@@ -92,10 +92,8 @@ class Realised:
         assert not isinstance(self.surface, FileSurface)
         if not self.drawn:
             return surfaces.expected(self.surface)  # type: ignore[return-value]
-        assert self._waves is not None
-        grid = self.surface.resolving_grid
-        surfaces.check_memory(self.surface, grid)
-        return self._signed(surfaces.sampled(self._waves, self.surface, grid))
+        surfaces.check_memory(self.surface)
+        return self.heights(self.surface.resolving_grid)
 
     def heights(self, grid: Grid, shift: tuple[float, float] = (0.0, 0.0)) -> HeightField:
         """Return the surface on a grid, moved by parts of a cell."""

@@ -28,7 +28,6 @@ __all__ = [
     "measured_spectrum",
     "measured_surface",
     "naming",
-    "reference_field",
     "sampled",
     "spectrum_of",
     "too_large_to_look_at",
@@ -128,25 +127,22 @@ def sampled(
 
 def height_field(
     surface: Surface,
-    grid: tuple[int, int],
+    grid: tuple[int, int] | None = None,
     *,
     realisation: int = 0,
     shift: tuple[float, float] = (0.0, 0.0),
 ) -> HeightField:
-    """Heights of one realisation on one grid, moved by parts of a cell; `Realised` does it for many grids."""
+    """Heights of one realisation, moved by parts of a cell; `Realised` makes them for many grids.
+
+    Without a grid on the smallest that resolves it, so that its moments are the surface's own.
+    """
     if isinstance(surface, FileSurface):
-        field = measured_field(measured_surface(surface)).resampled(grid)
+        field = measured_field(measured_surface(surface))
+        field = field if grid is None else field.resampled(grid)
         return field if shift == (0.0, 0.0) else field.shifted(shift)
-    return sampled(waves_of(surface, realisation), surface, grid, shift)
-
-
-def reference_field(surface: Surface, *, realisation: int = 0) -> HeightField:
-    """Return the realisation on the smallest grid that resolves it; its moments are the surface's own."""
-    if isinstance(surface, FileSurface):
-        return measured_field(measured_surface(surface))
-    grid = surface.resolving_grid
-    check_memory(surface, grid)
-    return height_field(surface, grid, realisation=realisation)
+    if grid is None:
+        check_memory(surface)
+    return sampled(waves_of(surface, realisation), surface, grid or surface.resolving_grid, shift)
 
 
 #: Memory that making a random surface takes for each of its points at its peak [bytes], measured.
@@ -155,8 +151,9 @@ _BYTES_PER_POINT = 60
 _SURVEYED_POINTS = 2**24
 
 
-def check_memory(surface: RandomSurface, grid: tuple[int, int]) -> None:
+def check_memory(surface: RandomSurface) -> None:
     """Refuse to resolve a surface that does not fit into memory, before anything of it is made."""
+    grid = surface.resolving_grid
     least = surface.lambda_short * math.sqrt(_share(grid))
     check_fits(
         grid,
