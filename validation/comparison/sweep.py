@@ -108,13 +108,9 @@ def run_sweep(
 
 def sweep_data(sweep: Sweep, cases: Sequence[Realised], results: Solves) -> xr.Dataset:
     """Gather the numbers of all cases over the swept keys, or over `case` where these run side by side."""
-    import xarray as xr
-
-    found = [_case(*pair, results) for pair in zip(sweep.scenes, cases, strict=True)]
-    like = next((one for one in found if isinstance(one, xr.Dataset)), None)
-    if like is None:
-        raise RunFailed("; ".join(dict.fromkeys(map(str, found))))
-    parts = _alike([one if isinstance(one, xr.Dataset) else _failed(one, like) for one in found])
+    parts = _alike([_case(*pair, results) for pair in zip(sweep.scenes, cases, strict=True)])
+    if "contact_modulus" not in parts[0]:
+        raise RunFailed("; ".join(dict.fromkeys(part.failures.item() for part in parts)))
     names = [key.name for key in sweep.keys]
     parts = [part.drop_vars(names, errors="ignore") for part in parts]
     if sweep.mode == "zip":
@@ -137,8 +133,10 @@ def sweep_data(sweep: Sweep, cases: Sequence[Realised], results: Solves) -> xr.D
     return labelled(data).assign_attrs(kept, mode=sweep.mode, cases=len(parts), keys=" ".join(names))
 
 
-def _case(scene: Scene, realised: Realised, results: Solves) -> xr.Dataset | RunFailed:
+def _case(scene: Scene, realised: Realised, results: Solves) -> xr.Dataset:
     """Return the numbers of one case, as its own run has them, or why it has none."""
+    import xarray as xr
+
     if scene.methods.solvers:
         solves = solves_of(scene, realised)
         failed = {solve: results.failures[solve] for solve in solves if solve in results.failures}
@@ -146,46 +144,27 @@ def _case(scene: Scene, realised: Realised, results: Solves) -> xr.Dataset | Run
         try:
             return scene_data(scene, realised, done, failures=failed)
         except RunFailed as error:
-            return error
+            return xr.Dataset({"failures": str(error)})
     alone = theory_data(scene, realised)
     curves = [name for name in alone.data_vars if "wave" in alone[name].dims]
     return alone.drop_vars(curves).isel(load=0).reset_coords(drop=False)
-
-
-def _failed(error: RunFailed, like: xr.Dataset) -> xr.Dataset:
-    """Return a case without numbers, and why it has none."""
-    empty = {
-        name: values.where(values == "", "") if values.dtype.kind in "OU" else values * np.nan
-        for name, values in like.data_vars.items()
-    }
-    return like.assign(empty).assign(failures=str(error))
 
 
 def _alike(parts: Sequence[xr.Dataset]) -> list[xr.Dataset]:
     """Give all cases the same dimensions and variables: what one of them lacks is NaN, or no words."""
     import xarray as xr
 
-    like = {str(name): part[name] for part in parts for name in part.data_vars}
     aligned = [part.assign(_shifts(part, parts)) for part in parts]
-    found = []
-    for part in xr.align(*aligned, join="outer"):
-        for name, other in like.items():
-            words = other.dtype.kind in "OU"
-            if name not in part:
-                shape = {dim: part.sizes.get(dim, other.sizes[dim]) for dim in other.dims}
-                fill = np.full(
-                    tuple(shape.values()), "" if words else np.nan, dtype=object if words else float
-                )
-                part = part.assign({name: (tuple(shape), fill.astype(str) if words else fill, other.attrs)})
-            elif words:
-                part[name] = part[name].where(part[name].notnull(), "").astype(str)
-        found.append(part[sorted(like)])
-    return found
+    how: Any = {"data_vars": "all", "coords": "minimal", "compat": "override", "join": "outer"}
+    data = xr.concat(aligned, "case", combine_attrs="drop_conflicts", **how)
+    words = [name for name, values in data.data_vars.items() if values.dtype.kind in "OU"]
+    data = data.assign({name: data[name].where(data[name].notnull(), "").astype(str) for name in words})
+    return [data.isel(case=k) for k in range(len(parts))]
 
 
 def _shifts(part: xr.Dataset, parts: Sequence[xr.Dataset]) -> Mapping[str, Any]:
     """Return names of the positions of the surface where cases have different numbers of them."""
-    sizes = {one.sizes.get("shift", 0) for one in parts}
+    sizes = {one.sizes["shift"] for one in parts if "shift" in one.dims}
     return {"shift": np.arange(part.sizes["shift"])} if len(sizes) > 1 and "shift" in part.dims else {}
 
 
