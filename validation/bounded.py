@@ -167,9 +167,10 @@ class Child:
 
     def kill(self) -> None:
         """End the process and all that it started, whatever it is at; may be called from another thread."""
-        if self._process is not None and self._process.returncode is None:
+        process = self._process
+        if process is not None and process.returncode is None:
             with contextlib.suppress(OSError):
-                os.killpg(self._process.pid, signal.SIGKILL)
+                os.killpg(process.pid, signal.SIGKILL)
 
     def close(self) -> None:
         """End the process."""

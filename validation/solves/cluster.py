@@ -156,18 +156,8 @@ def solve_on_cluster(
     """Do solves on a Dask cluster; yield each outcome when it is known.
 
     Workers write their results into the store themselves: its folder must be on a file system that they and
-    this machine share. The scheduler repeats the solve of a worker that dies.
-
-    Parameters
-    ----------
-    solves : sequence of Solve
-    store : Store
-    address : str
-        Of the scheduler, such as "tcp://host:8786" or "tls://host:8786".
-    patience : float
-        How long to wait while there is no worker [s].
-    progress : Progress
-        Told each solve that is handed to the scheduler, and when workers are missing.
+    this machine share. The scheduler repeats the solve of a worker that dies. While there is none, one is
+    waited for, as long as the `patience` lasts [s].
 
     Raises
     ------
@@ -175,7 +165,7 @@ def solve_on_cluster(
         When dask is not installed, no scheduler answers, a worker has more than one thread, or a solve fits
         on no worker.
     RunFailed
-        When the scheduler is lost, or there is no worker for longer than `patience`.
+        When the scheduler is lost, or there is no worker for longer than that.
     """
     with _connected(address) as client:
         shared = replace(store, folder=store.folder.resolve())

@@ -234,20 +234,9 @@ def _not_started(error: OSError) -> str:
 def solve_in_processes(
     solves: Sequence[Solve], store: Store, *, workers: int, memory: int, progress: Progress
 ) -> Iterator[Outcome]:
-    """Do solves on local processes, the longest first; yield each outcome when it is known.
+    """Do solves on local processes of one thread each, the longest first; yield each outcome when known.
 
-    Parameters
-    ----------
-    solves : sequence of Solve
-    store : Store
-        Where the workers put their results.
-    workers : int
-        Number of processes, of one thread each.
-    memory : int
-        Bytes that workers and the solves under way may take together; a solve that does not fit beside the
-        others waits.
-    progress : Progress
-        Told each solve that is handed to a worker, again when it has to be repeated.
+    Workers and the solves under way take `memory` bytes together: one that does not fit beside them waits.
 
     Raises
     ------

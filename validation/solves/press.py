@@ -203,28 +203,14 @@ def solves_of(scene: Scene, realised: Realised | None = None) -> tuple[Press, ..
     found: list[Press] = []
     for name, solver in scene.methods.solvers.items():
         options = scene.methods.options(name)
-        settings = solver.settings(options)
+        told: dict[str, Any] = {
+            "method": name,
+            "settings": solver.settings(options),
+            "effects": scene.effects,
+        }
         for grid, shift in solver.places(options):
-            found.append(
-                Press(
-                    method=name,
-                    grid=grid,
-                    shift=shift,
-                    realised=own,
-                    settings=settings,
-                    effects=scene.effects,
-                )
-            )
+            found.append(Press(grid=grid, shift=shift, realised=own, **told))
         if scene.ensemble is not None and solver is scene.ensemble_solver:
-            grids = sorted(scene.ensemble.grids)
-            for k, grid in product(range(scene.ensemble.realisations), grids):
-                found.append(
-                    Press(
-                        method=name,
-                        grid=grid,
-                        realised=own.further(k),
-                        settings=settings,
-                        effects=scene.effects,
-                    )
-                )
+            for k, grid in product(range(scene.ensemble.realisations), sorted(scene.ensemble.grids)):
+                found.append(Press(grid=grid, realised=own.further(k), **told))
     return tuple({solve.key: solve for solve in found}.values())
