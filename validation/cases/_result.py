@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.cases import TOLERANCES, Verdict
+from validation.arrays import Array
+from validation.cases import TOLERANCES, Check, Verdict
 from validation.report.estimates import derive, power_law
 from validation.report.findings import Finding, finding, note
 from validation.report.marks import Figure, Line, Panel
@@ -56,27 +59,35 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard] = ())
     import xarray as xr
 
     claims = list(dict.fromkeys(verdict.row for verdict in verdicts))
-    solvers = list(dict.fromkeys(verdict.solver or _OTHER for verdict in verdicts))
-    by_place = {(verdict.row, verdict.solver or _OTHER): verdict for verdict in verdicts}
-    words: dict[str, Any] = {name: np.full((len(claims), len(solvers)), "", object) for name in _WORDS}
-    seconds, used = (np.full((len(claims), len(solvers)), np.nan) for _ in range(2))
-    for (claim, solver), verdict in by_place.items():
-        k = claims.index(claim), solvers.index(solver)
-        words["verdict"][k], words["reason"][k] = verdict.word, verdict.error or verdict.left_out
-        seconds[k], used[k] = verdict.seconds, verdict.used
+    solvers = list(dict.fromkeys(map(_solver, verdicts)))
+    by_place = {(verdict.row, _solver(verdict)): verdict for verdict in verdicts}
     of_claim = {verdict.row: verdict for verdict in reversed(verdicts)}
     judged = [verdict for verdict in verdicts if not verdict.left_out]
     checks = [(verdict, check) for verdict in judged for check in verdict.checks]
-    whole, columns = ("claim", "solver"), _check_columns(checks)
+
+    def whole(of: Callable[[Verdict], Any], empty: Any) -> tuple[tuple[str, str], list[list[Any]]]:
+        there = ([by_place.get((claim, solver)) for solver in solvers] for claim in claims)
+        return ("claim", "solver"), [[empty if one is None else of(one) for one in row] for row in there]
+
     data = xr.Dataset(
         {
-            **{name: (whole, values.astype(str)) for name, values in words.items()},
-            "tolerance_used": (whole, used),
-            "wall_seconds": (whole, seconds),
+            "verdict": whole(lambda one: one.word, ""),
+            "reason": whole(lambda one: one.error or one.left_out, ""),
+            "tolerance_used": whole(lambda one: one.used, math.nan),
+            "wall_seconds": whole(lambda one: one.seconds, math.nan),
             "statement": ("claim", [of_claim[claim].claim for claim in claims]),
             "tolerance_from": ("claim", [of_claim[claim].tolerance for claim in claims]),
             "claim_source": ("claim", [of_claim[claim].source for claim in claims]),
-            **{f"check_{name}": ("check", values) for name, values in columns.items()},
+            "check_claim": ("check", np.array([verdict.case for verdict, _ in checks], str)),
+            "check_solver": ("check", np.array([_solver(verdict) for verdict, _ in checks], str)),
+            "check_quantity": ("check", np.array([check.quantity for _, check in checks], str)),
+            "check_verdict": (
+                "check",
+                np.array(["holds" if check.passed else "FAILS" for _, check in checks], str),
+            ),
+            "check_value": ("check", [check.computed for _, check in checks]),
+            "check_reference": ("check", [check.reference for _, check in checks]),
+            "check_tolerance": ("check", [check.tolerance for _, check in checks]),
             "claims_judged": float(len(judged)),
             "claims_failed": float(sum(not verdict.passed for verdict in judged)),
             "checks_made": float(len(checks)),
@@ -87,44 +98,33 @@ def claims_dataset(verdicts: Sequence[Verdict], cards: Sequence[Scorecard] = ())
     return labelled(_with_costs(_with_ladders(data, checks), cards))
 
 
-_WORDS = ("verdict", "reason")
 #: What claims that are asked of no solver in particular stand under.
 _OTHER = "other"
 
 
-def _check_columns(checks: Sequence[tuple[Verdict, Any]]) -> dict[str, Any]:
-    made = {
-        "claim": [verdict.case for verdict, _ in checks],
-        "solver": [verdict.solver or _OTHER for verdict, _ in checks],
-        "quantity": [check.quantity for _, check in checks],
-        "verdict": ["holds" if check.passed else "FAILS" for _, check in checks],
-    }
-    numbers = {
-        name: [float(getattr(check, attribute)) for _, check in checks]
-        for name, attribute in (("value", "computed"), ("reference", "reference"), ("tolerance", "tolerance"))
-    }
-    return {**{name: np.array(values, dtype=str) for name, values in made.items()}, **numbers}
+def _solver(verdict: Verdict) -> str:
+    return verdict.solver or _OTHER
 
 
-def _with_ladders(data: xr.Dataset, checks: Sequence[tuple[Verdict, Any]]) -> xr.Dataset:
+def _padded(rows: Iterable[Iterable[float]]) -> Array:
+    """Return rows of any lengths as an array, NaN where one has no more."""
+    return np.array(list(itertools.zip_longest(*rows, fillvalue=np.nan)), dtype=float).T
+
+
+def _with_ladders(data: xr.Dataset, checks: Sequence[tuple[Verdict, Check]]) -> xr.Dataset:
     """Add errors against resolution, and the order that is read off them."""
     ladders = [(verdict, check) for verdict, check in checks if check.ladder]
     if not ladders:
         return data
-    longest = max(len(check.ladder) for _, check in ladders)
-    points, misses = (np.full((len(ladders), longest), np.nan) for _ in range(2))
-    for k, (_, check) in enumerate(ladders):
-        points[k, : len(check.ladder)], misses[k, : len(check.ladder)] = np.abs(check.ladder).T
-    names = [f"{verdict.case}: {check.quantity}" for verdict, check in ladders]
-    claims = [f"{verdict.row}: {check.quantity}" for verdict, check in ladders]
+    points, misses = (_padded((step[k] for step in check.ladder) for _, check in ladders) for k in (0, 1))
     data = data.assign_coords(
-        ladder=names,
-        ladder_claim=("ladder", claims),
-        ladder_solver=("ladder", [verdict.solver or _OTHER for verdict, _ in ladders]),
+        ladder=[f"{verdict.case}: {check.quantity}" for verdict, check in ladders],
+        ladder_claim=("ladder", [f"{verdict.row}: {check.quantity}" for verdict, check in ladders]),
+        ladder_solver=("ladder", [_solver(verdict) for verdict, _ in ladders]),
     )
     data = data.assign(
         ladder_points=(("ladder", "level"), points),
-        ladder_miss=(("ladder", "level"), misses),
+        ladder_miss=(("ladder", "level"), np.abs(misses)),
         ladder_expected=("ladder", [check.reference for _, check in ladders]),
     )
     data = power_law(data, "ladder_power", of="ladder_miss", x="ladder_points", along=("level",))
@@ -136,15 +136,12 @@ def _with_costs(data: xr.Dataset, cards: Sequence[Scorecard]) -> xr.Dataset:
     if not cards:
         return data
     data = data.assign(diagnosis=("solver", [card.diagnosis for card in cards]))
-    levels = max(len(card.cost) for card in cards)
-    if not levels:
+    if not any(card.cost for card in cards):
         return data
-    added: dict[str, Any] = {}
-    for name in ("points", "area_miss", "seconds", "peak_bytes", "iterations"):
-        values = np.full((len(cards), levels), np.nan)
-        for k, card in enumerate(cards):
-            values[k, : len(card.cost)] = [getattr(row, name) for row in card.cost]
-        added[name] = (("solver", "priced"), values)
+    added: dict[str, Any] = {
+        name: (("solver", "priced"), _padded((getattr(row, name) for row in card.cost) for card in cards))
+        for name in ("points", "area_miss", "seconds", "peak_bytes", "iterations")
+    }
     for name, most in (("seconds_needed", "seconds"), ("bytes_needed", "peak_bytes")):
         needed = [[card.needed(most, accuracy) for accuracy in ACCURACIES] for card in cards]
         added[name] = (("solver", "area_accuracy"), needed)
