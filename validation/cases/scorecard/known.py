@@ -63,7 +63,7 @@ def _hertz(subject: Subject) -> HertzInPeriod:
 
 
 @row("hertz", "A paraboloid carries Hertz's pressure.", source=_HERTZ, tolerance="grid")
-def hertz(subject: Subject) -> Sequence[Check]:
+def hertz(subject: Subject) -> Iterator[Check]:
     errors, worst, exact = [], 0.0, _hertz(subject)
     for n in subject.ladder:
         found = subject.press(exact.surface(n, (0.0, 0.0)), exact.load)
@@ -77,21 +77,19 @@ def hertz(subject: Subject) -> Sequence[Check]:
     allowed = 0.5 / (exact.radius * subject.ladder[-1]) ** 2
     # A clamped body is pressed together, besides.
     approach = -(found.result.offset + float(found.result.displacement.mean()))
-    return [
-        relative(
-            "peak pressure over Hertz's, finest grid", found.claim.pressure.max() / exact.peak, 1.0, allowed
-        ),
-        below("mean error of p(r) over the peak, finest grid", errors[-1], allowed),
-        below("largest error of p(r) over the peak, finest grid", worst, 0.01),
-        relative("approach over Hertz's, finest grid", approach / exact.approach, 1.0, 0.01),
-        *_observed(subject, "p(r)", errors, expected=2, tolerance=1),
-    ]
+    yield relative(
+        "peak pressure over Hertz's, finest grid", found.claim.pressure.max() / exact.peak, 1.0, allowed
+    )
+    yield below("mean error of p(r) over the peak, finest grid", errors[-1], allowed)
+    yield below("largest error of p(r) over the peak, finest grid", worst, 0.01)
+    yield relative("approach over Hertz's, finest grid", approach / exact.approach, 1.0, 0.01)
+    yield from _observed(subject, "p(r)", errors, expected=2, tolerance=1)
 
 
 @row(
     "hertz-radius", "The counted radius converges to Hertz's in first order.", source=_HERTZ, tolerance="grid"
 )
-def hertz_radius(subject: Subject) -> Sequence[Check]:
+def hertz_radius(subject: Subject) -> Iterator[Check]:
     excess, exact, corrected = [], _hertz(subject), 0.0
     for n in subject.ladder:
         found = [pressed.result for pressed in _shifted(subject, n)]
@@ -104,12 +102,10 @@ def hertz_radius(subject: Subject) -> Sequence[Check]:
         )
         excess.append(pixel)
     cell = 1 / (exact.radius * subject.ladder[-1])
-    return [
-        *_observed(subject, "the counted radius", excess, expected=1, tolerance=0.4),
-        below("excess of the counted radius, finest grid", excess[-1], 0.5 * cell),
-        # A quarter of a cell is what a count can be off; the correction must take most of that away.
-        below("error of the corrected radius, finest grid", corrected, 0.15 * cell),
-    ]
+    yield from _observed(subject, "the counted radius", excess, expected=1, tolerance=0.4)
+    yield below("excess of the counted radius, finest grid", excess[-1], 0.5 * cell)
+    # A quarter of a cell is what a count can be off; the correction must take most of that away.
+    yield below("error of the corrected radius, finest grid", corrected, 0.15 * cell)
 
 
 def _shifted(subject: Subject, n: int) -> list[Pressed]:
@@ -118,7 +114,7 @@ def _shifted(subject: Subject, n: int) -> list[Pressed]:
 
 
 @row("stress-near-zero", "P(sigma) starts from zero, but for the grid.", source=_HERTZ, tolerance="grid")
-def stress_near_zero(subject: Subject) -> Sequence[Check]:
+def stress_near_zero(subject: Subject) -> Iterator[Check]:
     r"""Check that P(sigma) starts from zero: what a grid puts there vanishes as dx^(1/2).
 
     With a share F of the area below a pressure eps ~ dx^(1/2), F/eps is of order dx^(1/2) if F = s eps^2 / 2
@@ -133,10 +129,8 @@ def stress_near_zero(subject: Subject) -> Sequence[Check]:
         share = float(np.average([part.mean() for part in parts], weights=_WEIGHTS))
         starts.append(share / eps * exact.contact_modulus)
         slope = 2 * share / eps**2 / (np.pi**3 / 2)
-    return [
-        *_observed(subject, "P(0+)", starts, expected=0.5, tolerance=0.25),
-        within("slope at zero over Hertz's with what the edge adds, finest grid", slope, 0.7, 2.0),
-    ]
+    yield from _observed(subject, "P(0+)", starts, expected=0.5, tolerance=0.25)
+    yield within("slope at zero over Hertz's with what the edge adds, finest grid", slope, 0.7, 2.0)
 
 
 def strip(
@@ -172,18 +166,16 @@ def _second_order(n: int) -> float:
 
 
 @row("westergaard", "A wave carries Westergaard's pressure.", source=_WESTERGAARD, tolerance="grid")
-def westergaard(subject: Subject) -> Sequence[Check]:
+def westergaard(subject: Subject) -> Iterator[Check]:
     strips = [strip(subject, n, across=(4, 4 / n)) for n in subject.ladder]
     errors = [mean_inside(off) for _, off, _ in strips]
     (pressure, off, found), n = strips[-1], subject.ladder[-1]
     allowed = _second_order(n)
-    return [
-        relative("peak pressure over Westergaard's, finest grid", pressure.max(), 1.0, allowed),
-        below("mean error of p(x) over the peak, finest grid", errors[-1], allowed),
-        below("largest error of p(x) over the peak, finest grid", off[_within(n, 0.9)].max(), 0.01),
-        near("contact width", found.result.in_contact.mean(), 2 * _HALF_WIDTH, 2 / n),
-        *_observed(subject, "p(x)", errors, expected=2, tolerance=1),
-    ]
+    yield relative("peak pressure over Westergaard's, finest grid", pressure.max(), 1.0, allowed)
+    yield below("mean error of p(x) over the peak, finest grid", errors[-1], allowed)
+    yield below("largest error of p(x) over the peak, finest grid", off[_within(n, 0.9)].max(), 0.01)
+    yield near("contact width", found.result.in_contact.mean(), 2 * _HALF_WIDTH, 2 / n)
+    yield from _observed(subject, "p(x)", errors, expected=2, tolerance=1)
 
 
 @row("layer", "On a bonded layer each wave is pressed flat by h / C(q).", source=_LAYER, tolerance="grid")
@@ -199,7 +191,7 @@ def layer(subject: Subject) -> Iterable[Check]:
     source=f"{_WESTERGAARD}, mirrored",
     tolerance="grid",
 )
-def yielding(subject: Subject) -> Sequence[Check]:
+def yielding(subject: Subject) -> Iterator[Check]:
     subject.needs(effect=Hardness)
     n = 2 * subject.ladder[-1]
     x = (np.arange(n) + 0.5) / n - 0.5
@@ -213,21 +205,18 @@ def yielding(subject: Subject) -> Sequence[Check]:
     pressure = found.claim.pressure
     off = (np.abs(hardness - pressure[:, 1] - missing) / peak)[_within(n, 0.9)]
     above = max(float(pressure.max()) / hardness - 1, 0.0)
-    return [
-        relative("lowest pressure over H", pressure.min() / hardness, 0.5, _second_order(n)),
-        below("mean error of H - p(x) over its peak, inside", off.mean(), _second_order(n)),
-        below("largest error of H - p(x) over its peak, inside", off.max(), 0.01),
-        near("yielded width", found.result.at_bound.mean(), 1 - 2 * _HALF_WIDTH, 2 / n),
-        below("open area", np.mean(~(pressure > 0)), 0.0),
-        below("largest pressure above H, over H", above, 10 * subject.tolerance),
-    ]
+    yield relative("lowest pressure over H", pressure.min() / hardness, 0.5, _second_order(n))
+    yield below("mean error of H - p(x) over its peak, inside", off.mean(), _second_order(n))
+    yield below("largest error of H - p(x) over its peak, inside", off.max(), 0.01)
+    yield near("yielded width", found.result.at_bound.mean(), 1 - 2 * _HALF_WIDTH, 2 / n)
+    yield below("open area", np.mean(~(pressure > 0)), 0.0)
+    yield below("largest pressure above H, over H", above, 10 * subject.tolerance)
 
 
 @row("symmetry", "A mirrored surface has the mirrored pressure.", source="symmetry", tolerance="solver")
-def symmetry(subject: Subject) -> Sequence[Check]:
+def symmetry(subject: Subject) -> Iterator[Check]:
     surface = rough(2 * subject.points)
     plain = subject.press(surface, 0.05).claim.pressure
-    checks = []
     for words, turn, back in (
         ("mirrored in x", np.flipud, np.flipud),
         ("transposed", np.transpose, np.transpose),
@@ -240,15 +229,13 @@ def symmetry(subject: Subject) -> Sequence[Check]:
     ):
         other = HeightField(heights=np.ascontiguousarray(turn(surface.heights)), lengths=surface.lengths)
         found = back(subject.press(other, 0.05).claim.pressure)
-        checks.append(below(f"change of the pressure, {words}", _apart(found, plain), _twice(subject)))
-    return checks
+        yield below(f"change of the pressure, {words}", _apart(found, plain), _twice(subject))
 
 
 @row("units", "Units of length and pressure change nothing.", source="symmetry", tolerance="solver")
-def units(subject: Subject) -> Sequence[Check]:
+def units(subject: Subject) -> Iterator[Check]:
     surface = rough(2 * subject.points)
     plain = subject.press(surface, 0.05)
-    checks = []
     for length, stress in ((1e-9, 2e11), (1e6, 1e-9), (2.0**20, 2.0**-30)):
         scaled = HeightField(heights=surface.heights * length, lengths=(length, length))
         slots = Slots(solid=Solid(young=stress, poisson=SOFT.poisson))
@@ -256,31 +243,26 @@ def units(subject: Subject) -> Sequence[Check]:
         words = f"change of the pressure, L = {length:g} m, E* = {stress:g} Pa"
         exact = subject.own and length == 2.0**20
         apart = _apart(found.claim.pressure / stress, plain.claim.pressure)
-        checks.append(below(words, apart, 0.0 if exact else _twice(subject)))
+        yield below(words, apart, 0.0 if exact else _twice(subject))
         if exact:
             gap = np.count_nonzero(found.result.gap / length != plain.result.gap)
             other = found.result.residuals != plain.result.residuals
-            checks += [
-                below("points whose gap differs", gap, 0),
-                below("residuals that differ", other, 0),
-            ]
-    return checks
+            yield below("points whose gap differs", gap, 0)
+            yield below("residuals that differ", other, 0)
 
 
 @row(
     "nested-grids", "Finer and finer grids approach one answer.", source="self-consistency", tolerance="grid"
 )
-def nested(subject: Subject) -> Sequence[Check]:
+def nested(subject: Subject) -> Iterator[Check]:
     _needs_order(subject)
     coarse, middle, fine = (subject.press(rough(n, bandwidth=2), 0.05) for n in subject.ladder)
     p = [one.claim.pressure for one in (coarse, middle, fine)]
     steps = _apart(p[0], p[1][::2, ::2]), _apart(p[1], p[2][::2, ::2])
     gaps = fine.result.gap.mean() / middle.result.gap.mean() - 1
     # At an edge p grows like the square root of the distance: the cells there leave an error of order 1.
-    return [
-        *_observed(subject, "the pressure from grid to grid", steps, expected=1, tolerance=0.7),
-        below("change of the mean gap to the finest grid", gaps, _gap_error(subject)),
-    ]
+    yield from _observed(subject, "the pressure from grid to grid", steps, expected=1, tolerance=0.7)
+    yield below("change of the mean gap to the finest grid", gaps, _gap_error(subject))
 
 
 def _gap_error(subject: Subject) -> float:
@@ -294,7 +276,7 @@ def _gap_error(subject: Subject) -> float:
     source="code verification: no shared contact algorithm",
     tolerance="grid",
 )
-def against_bem(subject: Subject) -> Sequence[Check]:
+def against_bem(subject: Subject) -> Iterator[Check]:
     if type(subject.solver) is Bem:
         raise NotJudged("they are boundary elements")
     differences, areas = [], []
@@ -311,11 +293,9 @@ def against_bem(subject: Subject) -> Sequence[Check]:
         if same
         else _observed(subject, "the difference to boundary elements", differences, expected=1, tolerance=0.6)
     )
-    return [
-        below("relative L2 difference of pressure, finest grid", differences[-1], edge),
-        below("relative difference in counted area, finest grid", areas[-1], edge),
-        *orders,
-    ]
+    yield below("relative L2 difference of pressure, finest grid", differences[-1], edge)
+    yield below("relative difference in counted area, finest grid", areas[-1], edge)
+    yield from orders
 
 
 def _apart(found: Array, reference: Array) -> float:

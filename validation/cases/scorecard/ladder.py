@@ -5,7 +5,7 @@ Areas converge in first order of the spacing: what a subject is allowed is its o
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 
@@ -45,23 +45,6 @@ _SHIFTS = ((0.0, 0.0), (0.5, 0.0), (0.0, 0.5), (0.5, 0.5))
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Measured:
-    """What is read off a surface on one grid.
-
-    Attributes
-    ----------
-    result : ContactResult
-    areas : ContactAreas
-    low : float
-        Share of the nominal area that carries less than `_LOW` E* h'_rms.
-    """
-
-    result: ContactResult
-    areas: ContactAreas
-    low: float
-
-
-@dataclass(frozen=True, kw_only=True)
 class _Reference:
     """Limits of a surface by boundary elements: "area", "low", what `_means` returns; and their errors."""
 
@@ -71,19 +54,10 @@ class _Reference:
 
 @dataclass(frozen=True, kw_only=True)
 class CostRow:
-    """What one grid took and how near it came.
+    """What one grid took, of so many points along a side, and the relative error of its area.
 
-    Attributes
-    ----------
-    points : int
-        Along a side.
-    area_miss : float
-        Relative error of the area, located in the cells where the solver's edges can be and corrected by the
-        perimeter elsewhere; what is not known of the limit counts as error.
-    seconds : float
-        Processor time.
-    peak_bytes : int
-    iterations : int
+    The area is located in the cells where the solver's edges can be, and corrected by the perimeter
+    elsewhere; what is not known of the limit counts as error.
     """
 
     points: int
@@ -106,18 +80,18 @@ def _press(subject: Subject | None, field: HeightField, load: float) -> ContactR
     return subject.press(field, load).result
 
 
-def _measured(subject: Subject | None, field: HeightField) -> _Measured:
-    """Press a surface of unit gradient."""
+def _areas(subject: Subject | None, result: ContactResult) -> ContactAreas:
+    """Return the areas of a result, with what is known of the edges of its solver."""
+    if subject is None:
+        return contact_areas(result, edge_constant=EDGE_CONSTANTS["bem"], subcell=True)
+    constant, located = subject.solver.edge_constant(result), subject.solver.locates_edges
+    return contact_areas(result, edge_constant=constant, subcell=located)
+
+
+def _low(subject: Subject | None, field: HeightField) -> float:
+    """Share of the nominal area of a surface that carries low pressures."""
     result = _press(subject, field, _PRESSURE)
-    constant, located = EDGE_CONSTANTS["bem"], True
-    if subject is not None:
-        constant, located = subject.solver.edge_constant(result), subject.solver.locates_edges
-    low = result.in_contact & (result.pressure < _LOW * field.rms_gradient)
-    return _Measured(
-        result=result,
-        areas=contact_areas(result, edge_constant=constant, subcell=located),
-        low=float(low.mean()),
-    )
+    return float((result.in_contact & (result.pressure < _LOW * field.rms_gradient)).mean())
 
 
 def _means(subject: Subject | None, field: HeightField) -> dict[str, float]:
@@ -143,11 +117,9 @@ def _reference(width: int) -> _Reference:
     more: list[tuple[float, dict[str, float]]] = []
     for points in _REFERENCE_POINTS + (_FURTHER_POINTS if width == PRICED else ()):
         surface = _surface(width, points)
-        areas += [
-            contact_areas(_press(None, surface.shifted(shift), _PRESSURE), subcell=True) for shift in _SHIFTS
-        ]
+        areas += [_areas(None, _press(None, surface.shifted(shift), _PRESSURE)) for shift in _SHIFTS]
         if points in (8, 16):
-            more.append((_measured(None, surface).low, _means(None, surface)))
+            more.append((_low(None, surface), _means(None, surface)))
     limit, ((low_coarse, coarse), (low, fine)) = located_limit(areas), more
     # Low pressures are counted, so that their share is off in first order.
     values = {"area": limit.value, "low": 2 * low - low_coarse, **fine}
@@ -156,37 +128,26 @@ def _reference(width: int) -> _Reference:
     return _Reference(values=values, errors=errors)
 
 
-def rough_surface(subject: Subject, *, width: int) -> Sequence[Check]:
+def rough_surface(subject: Subject, *, width: int) -> Iterator[Check]:
     """Areas, gap, stiffness, energy and low pressures are those of the limit, within what the grids allow."""
     # The finer grid first: what it is not tried on, the coarser one need not be solved for.
-    fine, coarse = (_measured(subject, _surface(width, points)) for points in reversed(_POINTS))
+    surfaces = [_surface(width, points) for points in reversed(_POINTS)]
+    fine, coarse = (_areas(subject, _press(subject, surface, _PRESSURE)) for surface in surfaces)
     limit = _reference(width)
     area, known = limit.values["area"], limit.errors["area"] / limit.values["area"]
-    counted = [(one.areas.pixel - area) / area for one in (coarse, fine)]
-    change = abs(fine.areas.perimeter - coarse.areas.perimeter) / area
-    checks = [
-        within("A/A0 counted, excess at 4 over that at 8 points per wave", counted[0] / counted[1], 1, 4),
-        relative(
-            "A/A0, perimeter-corrected, 8 points per wave",
-            fine.areas.perimeter,
-            area,
-            change + known + _CORRECTION_LEFT,
-        ),
-    ]
-    if fine.areas.subcell is not None:
-        checks.append(
-            relative("A/A0, edges located in the cells", fine.areas.subcell, area, known + _LOCATED_LEFT)
-        )
-    for name, found in _means(subject, _surface(width, _POINTS[-1])).items():
+    excess = (coarse.pixel - area) / (fine.pixel - area)
+    yield within("A/A0 counted, excess at 4 over that at 8 points per wave", excess, 1, 4)
+    allowed = abs(fine.perimeter - coarse.perimeter) / area + known + _CORRECTION_LEFT
+    yield relative("A/A0, perimeter-corrected, 8 points per wave", fine.perimeter, area, allowed)
+    if fine.subcell is not None:
+        yield relative("A/A0, edges located in the cells", fine.subcell, area, known + _LOCATED_LEFT)
+    for name, found in _means(subject, surfaces[0]).items():
         value, error = limit.values[name], limit.errors[name]
-        checks.append(relative(_WORDS[name], found, value, error / value + 0.01))
-    low = f"share of the area with p < {_LOW:g} E* h'_rms"
+        yield relative(_WORDS[name], found, value, error / value + 0.01)
     # At an order of .6, the least that is taken for convergence, half of the error is left.
-    own = 2 * abs(fine.low - coarse.low)
-    return [
-        *checks,
-        near(low, fine.low, limit.values["low"], limit.errors["low"] + own),
-    ]
+    low, low_coarse = (_low(subject, surface) for surface in surfaces)
+    allowed = limit.errors["low"] + 2 * abs(low - low_coarse)
+    yield near(f"share of the area with p < {_LOW:g} E* h'_rms", low, limit.values["low"], allowed)
 
 
 def cost(subject: Subject) -> tuple[CostRow, ...]:
@@ -202,20 +163,16 @@ def cost(subject: Subject) -> tuple[CostRow, ...]:
             result = subject.press(_surface(PRICED, points), _PRESSURE).result
         except NotJudged:
             break
-        constant, located = subject.solver.edge_constant(result), subject.solver.locates_edges
-        areas = contact_areas(result, edge_constant=constant, subcell=located)
+        areas = _areas(subject, result)
+        area = areas.perimeter if areas.subcell is None else areas.subcell
+        miss = abs(area - limit.values["area"]) + limit.errors["area"] / 2
         found.append(
             CostRow(
                 points=n,
-                area_miss=_error(areas, limit),
+                area_miss=miss / limit.values["area"],
                 seconds=result.cost.cpu_seconds,
                 peak_bytes=result.cost.peak_bytes,
                 iterations=result.cost.iterations,
             )
         )
     return tuple(found)
-
-
-def _error(areas: ContactAreas, limit: _Reference) -> float:
-    area = areas.perimeter if areas.subcell is None else areas.subcell
-    return (abs(area - limit.values["area"]) + limit.errors["area"] / 2) / limit.values["area"]

@@ -37,15 +37,9 @@ _FINEST = 12
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Pressed:
-    """What a solver said of one problem, and what that amounts to.
+    """What a solver said of one problem, what that amounts to, and the cost that its method predicted.
 
-    Attributes
-    ----------
-    claim : Claim
-    result : ContactResult
-        Recomputed from the pressure alone by the response of the solid, or of the mesh of finite elements.
-    pairs : float
-        What the method predicted that it costs.
+    The result is recomputed from the pressure alone by the response of the solid, or of the mesh.
     """
 
     claim: Claim
