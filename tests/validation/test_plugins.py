@@ -125,7 +125,7 @@ from pydantic import Field
 
 from validation.measures.common import base_case, base_surface
 from validation.measures.limits import limits_of, solved
-from validation.measures.measurement import Measurement
+from validation.measures.measurement import press_on_grids
 from validation.report.estimates import gather, mean
 from validation.report.findings import finding
 from validation.report.table import Table
@@ -142,7 +142,8 @@ class Options(StudyOptions):
 def run(options, *, bench):
     first = base_case(base_surface(hurst=0.8, periods=1, bandwidth=2, seed=5), pressure=1e7)
     cases = {
-        k: Measurement(realised=first.further(k), grids=((8, 8), (16, 16))) for k in range(options.surfaces)
+        k: press_on_grids(realised=first.further(k), grids=((8, 8), (16, 16)))
+        for k in range(options.surfaces)
     }
     parts = {k: limits_of(one) for k, one in solved(bench, cases).items()}
     return mean(gather(parts, surface=range(options.surfaces)), "area")
