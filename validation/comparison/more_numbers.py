@@ -38,7 +38,8 @@ def beside_each_other(data: xr.Dataset, own: Sequence[Reading]) -> xr.Dataset:
         return data
     still = {(one.solve.method, one.solve.grid): one for one in own if one.pressure is not None}
     names = [f"{name}_difference" for name in ("pressure", "area_pixel", "area_perimeter")]
-    cases = {("", ""): xr.Dataset(dict.fromkeys(names, math.nan))}
+    # The first method is not beside itself; where all others failed, nothing else says what is asked.
+    cases = {(methods[0], grids[0]): xr.Dataset(dict.fromkeys(names, math.nan))}
     for (method, grid), one in still.items():
         first = still.get((methods[0], grid))
         if first is None or method == methods[0]:
