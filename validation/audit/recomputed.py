@@ -49,6 +49,15 @@ class Run:
         self.options: dict[str, dict[str, Any]] = asked
         #: Stored solves by method, grid, shift and realisation.
         self.solves: dict[tuple[str, Grid, tuple[float, float], int], Stored] = {}
+        self.realisations = int(scene.get("ensemble", {}).get("realisations", 1))
+        wave = self.surface.get("lambda_short")
+        self.shortest = None if wave is None else float(wave)
+        #: Whether a mean gap or an offset was held in place of a load.
+        self.holds_distance = bool({"mean_gap", "offset"} & set(scene["load"]))
+        kinds = [effect["kind"] for effect in self.effects]
+        self.bare, self.adhesive = not kinds, "adhesion" in kinds
+        #: [Pa], where there is one and no other effect.
+        self.hardness = float(self.effects[0]["hardness"]) if kinds == ["hardness"] else None
         self._find(store)
 
     @classmethod
@@ -87,16 +96,6 @@ class Run:
         same = same and all(told.get(key) == value for key, value in said["settings"].items() if key in told)
         return k if same and k in range(self.realisations) else None
 
-    @property
-    def realisations(self) -> int:
-        """How many surfaces of the spectrum there are."""
-        return int(self.scene.get("ensemble", {}).get("realisations", 1))
-
-    @property
-    def bare(self) -> bool:
-        """Whether nothing is listed beyond linear elasticity."""
-        return not self.effects
-
     @cached_property
     def depth(self) -> float | None:
         """Depth [m] at which the solid is bonded to a rigid base: inf of a half-space, None of others."""
@@ -106,24 +105,6 @@ class Run:
         if list(layers) == ["thickness"] and layers["thickness"].get("base", "bonded") == "bonded":
             return float(layers["thickness"]["thickness"])
         return None if layers else math.inf
-
-    @cached_property
-    def hardness(self) -> float | None:
-        """One hardness [Pa] and no other effect; None where it is otherwise."""
-        if [effect["kind"] for effect in self.effects] != ["hardness"]:
-            return None
-        return float(self.effects[0]["hardness"])
-
-    @cached_property
-    def adhesive(self) -> bool:
-        """Whether the surfaces attract each other."""
-        return any(effect["kind"] == "adhesion" for effect in self.effects)
-
-    @property
-    def shortest(self) -> float | None:
-        """lambda_short [m] of a random surface."""
-        value = self.surface.get("lambda_short")
-        return None if value is None else float(value)
 
     def points_per_wave(self, one: Stored) -> float:
         """lambda_short / dx on the coarser axis; NaN for a measured surface, whose file is not read."""
@@ -148,11 +129,6 @@ class Run:
         if "second_young" in solid:
             compliance += (1 - solid["second_poisson"] ** 2) / solid["second_young"]
         return float(1 / compliance)
-
-    @property
-    def holds_distance(self) -> bool:
-        """Whether a mean gap or an offset was held in place of a load."""
-        return bool({"mean_gap", "offset"} & set(self.scene["load"]))
 
     @cached_property
     def gradient(self) -> float | None:

@@ -69,24 +69,28 @@ def _samples(result: Result, variable: Variable) -> tuple[Array, Array]:
     over = str(variable.attrs["over"])
     each = result.data[str(variable.attrs["of"])]
     dims = (*variable.dims, over)
-    values = each.along(dims).astype(float)
-    there = np.ones(values.shape, dtype=bool)
+    return each.along(dims).astype(float), _there(result, each, dims, over)
+
+
+def _there(result: Result, each: Variable, dims: tuple[str, ...], over: str) -> Array:
+    """Return which values were solved, along these dimensions."""
+    shape = each.along(dims).shape
     for name, named in result.data.variables.items():
         if name.startswith("solve") and over in named.dims and set(named.dims) <= set(each.dims):
-            there = np.broadcast_to(named.along(dims).astype(str) != "", values.shape)
-            break
-    return values, there
+            return np.broadcast_to(named.along(dims).astype(str) != "", shape)
+    return np.ones(shape, dtype=bool)
 
 
-def _paired(values: Array, variable: Variable) -> Array:
-    return (values[..., 0::2] + values[..., 1::2]) / 2 if int(variable.attrs.get("pairs", 0)) else values
+def _paired(samples: tuple[Array, Array], variable: Variable) -> tuple[Array, Array]:
+    """Return the means of +h and -h where these are one sample together."""
+    values, there = samples
+    if not int(variable.attrs.get("pairs", 0)):
+        return samples
+    return (values[..., 0::2] + values[..., 1::2]) / 2, there[..., 0::2]
 
 
 def _mean(result: Result, name: str, variable: Variable) -> Array:
-    values, there = _samples(result, variable)
-    if int(variable.attrs.get("pairs", 0)):
-        values, there = _paired(values, variable), there[..., 0::2]
-    return _mean_there(values, there)
+    return _mean_there(*_paired(_samples(result, variable), variable))
 
 
 def _mean_there(values: Array, there: Array) -> Array:
@@ -98,34 +102,26 @@ def _mean_there(values: Array, there: Array) -> Array:
 
 def _mean_errors(result: Result, variable: Variable) -> dict[str, Array]:
     values, there = _samples(result, variable)
-    counts = there.sum(axis=-1)
-    samples, kept = values, there
-    if int(variable.attrs.get("pairs", 0)):
-        samples, kept = _paired(values, variable), there[..., 0::2]
+    samples, kept = _paired((values, there), variable)
     middle = _mean_there(samples, kept)
     n = kept.sum(axis=-1)
     squares = np.where(kept, (samples - middle[..., None]) ** 2, 0.0).sum(axis=-1)
     with np.errstate(invalid="ignore", divide="ignore"):
         half = stdtrit(np.maximum(n - 1, 1), 0.975) * np.sqrt(squares / (n - 1) / n)
     found = {"surfaces": np.where(n > 1, half, np.nan)}
-    of, over = str(variable.attrs["of"]), str(variable.attrs["over"])
-    dims = (*variable.dims, over)
+    of, dims = str(variable.attrs["of"]), (*variable.dims, str(variable.attrs["over"]))
+    error, drift = (result.data.variables.get(f"{of}_{what}") for what in ("error", "drift"))
     grid = np.zeros(middle.shape)
-    if f"{of}_error" in result.data:
-        error = result.data[f"{of}_error"]
-        each = {
-            s: np.broadcast_to(error.at({"source": k}).along(dims), values.shape)
-            for k, s in enumerate(_SOURCES)
-        }
-        fewer = 1 if int(variable.attrs.get("alike", 0)) else np.maximum(counts, 1)
-        grid = _mean_there(each["grid"] ** 2, there) / fewer
-        found |= {s: _mean_there(each[s], there) for s in _SOURCES[2:]}
-    if f"{of}_drift" in result.data:
-        drift = np.broadcast_to(result.data[f"{of}_drift"].along(dims), values.shape)
-        grid = grid + _mean_there(drift, there) ** 2
-    if f"{of}_error" in result.data or f"{of}_drift" in result.data:
-        found["grid"] = np.sqrt(grid)
-    return found
+    if error is not None:
+        each = [
+            np.broadcast_to(error.at({"source": k}).along(dims), values.shape) for k in range(len(_SOURCES))
+        ]
+        fewer = 1 if int(variable.attrs.get("alike", 0)) else np.maximum(there.sum(axis=-1), 1)
+        found |= {source: _mean_there(each[k], there) for k, source in enumerate(_SOURCES) if k > 1}
+        grid = _mean_there(each[_SOURCES.index("grid")] ** 2, there) / fewer
+    if drift is not None:
+        grid = grid + _mean_there(np.broadcast_to(drift.along(dims), values.shape), there) ** 2
+    return found if error is drift is None else {**found, "grid": np.sqrt(grid)}
 
 
 def _change(result: Result, name: str, variable: Variable) -> Array:
@@ -250,10 +246,7 @@ def _line(result: Result, name: str, variable: Variable) -> Array:
     each = result.data[str(told["of"])]
     values = each.along((*dims, along, over))
     x = np.broadcast_to(result.data[str(told["x"])].along((*dims, along)), values.shape[:-1])
-    there = np.ones(values.shape, dtype=bool)
-    for named, keys in result.data.variables.items():
-        if named.startswith("solve") and over in keys.dims and set(keys.dims) <= set(each.dims):
-            there = np.broadcast_to(keys.along((*dims, along, over)).astype(str) != "", values.shape)
+    there = _there(result, each, (*dims, along, over), over)
     found = np.full((2, *values.shape[:-2]), np.nan)
     for place in np.ndindex(values.shape[:-2]):
         groups = [row[kept] for row, kept in zip(values[place], there[place], strict=True)]

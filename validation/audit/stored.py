@@ -91,33 +91,12 @@ class Stored:
         self.contact = fields["contacting_points"] == 1
         self.bound = fields["at_bound"] == 1
         self.weights = fields.get("weights", np.ones(self.p.shape))
-
-    @property
-    def method(self) -> str:
-        """Name of the method."""
-        return str(self.recipe["method"])
-
-    @property
-    def grid(self) -> tuple[int, int]:
-        """Points along x and y."""
-        nx, ny = self.p.shape
-        return nx, ny
-
-    @property
-    def cells(self) -> int:
-        """Number of cells."""
-        return int(self.p.size)
-
-    @property
-    def shift(self) -> tuple[float, float]:
-        """Sub-grid shift in parts of a cell."""
-        x, y = self.recipe["shift"]
-        return float(x), float(y)
-
-    @property
-    def spacing(self) -> tuple[float, float]:
-        """(dx, dy) [m]."""
-        return self.lengths[0] / self.grid[0], self.lengths[1] / self.grid[1]
+        self.method = str(self.recipe["method"])
+        #: Points along x and y, their number, the spacing [m], and the shift in parts of a cell.
+        self.grid: tuple[int, int] = (self.p.shape[0], self.p.shape[1])
+        self.cells = int(self.p.size)
+        self.spacing = (self.lengths[0] / self.grid[0], self.lengths[1] / self.grid[1])
+        self.shift = (float(self.recipe["shift"][0]), float(self.recipe["shift"][1]))
 
     @cached_property
     def moments(self) -> tuple[float, float, float]:
