@@ -10,7 +10,7 @@ from fem_contact.errors import NotConverged
 from fem_contact.response import GivenResponse
 from fem_contact.surface import HeightField
 from validation.cases import run_cases
-from validation.cases.scorecard import Subject, rows
+from validation.cases.scorecard import Subject, rows, score
 from validation.cases.scorecard.diagnosis import diagnose
 from validation.methods.base import Claim
 from validation.methods.bem import Bem
@@ -239,3 +239,12 @@ def test_a_solver_without_answers_is_said_to_have_none() -> None:
     assert diagnose(Subject(name="mute", solver=Spoilt(fail), settings={})) == (
         "it gives no answer: it raised ValueError"
     )
+
+
+def test_what_a_solver_of_this_process_raises_is_told_by_its_rows() -> None:
+    def fail(job):
+        raise ZeroDivisionError("by zero")
+
+    card = score(Subject(name="raising", solver=Spoilt(fail), settings={}))
+    assert {verdict.error for verdict in card.failed} == {"ZeroDivisionError: by zero"}
+    assert card.diagnosis == ""
