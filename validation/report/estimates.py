@@ -101,14 +101,11 @@ def gather(cases: Mapping[Any, xr.Dataset], **dims: Sequence[Any]) -> xr.Dataset
     there = {places[place]: case for place, case in cases.items() if place in places}
     sizes = {dim: len(values) for dim, values in dims.items()}
 
-    def value(name: str, case: xr.Dataset) -> xr.DataArray:
-        return case[name] if name in case.variables else xr.DataArray(case.attrs[name])
-
     def of_all(name: str) -> dict[Any, xr.DataArray]:
-        return {place: value(name, case) for place, case in there.items()}
+        return {k: c[name] if name in c.variables else xr.DataArray(c.attrs[name]) for k, c in there.items()}
 
-    names = [*map(str, first.data_vars), *(["solve"] if "solve" in first.attrs else [])]
-    stacked = {name: _stacked(of_all(name), sizes, value(name, first)) for name in names}
+    names = [*first.data_vars, *(["solve"] if "solve" in first.attrs else [])]
+    stacked = {str(name): _stacked(of_all(str(name)), sizes) for name in names}
     coordinates: dict[Any, Any] = {}
     for name in map(str, first.coords):
         values, along = of_all(name), sizes
@@ -119,9 +116,7 @@ def gather(cases: Mapping[Any, xr.Dataset], **dims: Sequence[Any]) -> xr.Dataset
         single = any(dim.endswith("surface") for dim in along)
         if along and name in first.dims:
             raise UsageError(f"{name!r} differs between the cases along {', '.join(along)}: gather it alike")
-        (stacked if single else coordinates)[f"{name}_each" if single else name] = _stacked(
-            values, along, first[name]
-        )
+        (stacked if single else coordinates)[f"{name}_each" if single else name] = _stacked(values, along)
     for name, along_it in dims.items():
         coordinates |= _coordinates(name, along_it)
     return xr.Dataset(stacked, coords=coordinates)
@@ -151,11 +146,9 @@ def _without(values: Mapping[Any, xr.DataArray], axis: int) -> dict[Any, xr.Data
     return kept
 
 
-def _stacked(
-    values: Mapping[Any, xr.DataArray], sizes: Mapping[str, int], like: xr.DataArray
-) -> tuple[Any, Any, Any]:
-    """Dimensions, values and attributes of what stands at some places, or none, along dimensions in front."""
-    like = next(iter(values.values()), like)
+def _stacked(values: Mapping[Any, xr.DataArray], sizes: Mapping[str, int]) -> tuple[Any, Any, Any]:
+    """Dimensions, values and attributes of what stands at some places along dimensions in front."""
+    like = next(iter(values.values()))
     text = like.dtype.kind in "OU"
     if not sizes:
         return like.dims, like.values, like.attrs
