@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 from pydantic import AfterValidator, Field, ValidationInfo
@@ -13,13 +13,11 @@ from persson import elastic
 from validation.scenes.realised import Realised
 from validation.scenes.scene import Load, SelfAffineSurface, SolidSpec
 from validation.scenes.surfaces import spectrum_of
-from validation.solves.bench import Bench
 from validation.units import Positive, wrong
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from validation.solves.solve import Solve
 
 __all__ = [
     "BASE_SOLID",
@@ -35,12 +33,9 @@ __all__ = [
     "named",
     "persson_area",
     "reduced_load",
-    "results_of",
     "truncated_surface",
 ]
 
-
-Case = TypeVar("Case")
 
 #: Grids coarser than this, as lambda_short/dx, are left out of every limit.
 LEAST_POINTS_PER_WAVE = 3.0
@@ -114,12 +109,6 @@ def reduced_load(realised: Realised) -> float:
         return realised.reduced_pressure
     (said,) = realised.load.values
     return said
-
-
-def results_of(bench: Bench, cases: Mapping[Case, Solve]) -> dict[Case, Any]:
-    """Solve cases on a bench, and return the result of each under the name of the case."""
-    results = bench.solve(cases.values())
-    return {case: results[solve] for case, solve in cases.items()}
 
 
 def in_rising_order(values: tuple[Any, ...]) -> tuple[Any, ...]:

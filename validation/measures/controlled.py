@@ -24,20 +24,11 @@ _RIDGE = 0.1
 
 @dataclass(frozen=True, kw_only=True)
 class Known:
-    """What is known of the means of some controls, from samples that are independent of those to be controlled.
+    """What is known of the means of some controls, from samples that are independent of those to be controlled."""
 
-    Attributes
-    ----------
-    mean : (k,) array
-    covariance : (k, k) array
-        Of these means.
-    freedom : float
-        Degrees of freedom of the covariance.
-    """
-
-    mean: Array
-    covariance: Array
-    freedom: float
+    mean: Array  # (k,) array
+    covariance: Array  # (k, k): Of these means
+    freedom: float  # Degrees of freedom of the covariance
 
     @classmethod
     def of_samples(cls, samples: ArrayLike) -> Self:
@@ -52,24 +43,12 @@ class Known:
 
 @dataclass(frozen=True, kw_only=True)
 class Controlled:
-    """A mean over surfaces, and what it owes to its controls.
+    """A mean over surfaces, and what it owes to its controls."""
 
-    Attributes
-    ----------
-    estimate : Estimate
-        The mean with its 95 % interval; `samples` counts those of the quantity itself.
-    freedom : float
-        Degrees of freedom of its standard error.
-    coefficients : (k,) array
-        Of the controls, on average.
-    left : float
-        Variance of one sample less its controls [square of the quantity].
-    """
-
-    estimate: Estimate
-    freedom: float
-    coefficients: Array
-    left: float
+    estimate: Estimate  # The mean with its 95 % interval; `samples` counts those of the quantity itself
+    freedom: float  # Degrees of freedom of its standard error
+    coefficients: Array  # (k,): Of the controls, on average
+    left: float  # Variance of one sample less its controls [square of the quantity]
 
     @property
     def known(self) -> Known:
@@ -174,17 +153,11 @@ def _left_out(y: Array, x: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Level:
-    """Samples that end with one grid, as independent of those of the other levels.
+    """Samples that end with one grid, as independent of those of the other levels."""
 
-    Attributes
-    ----------
-    values : (n,) array
-        The quantity on this grid.
-    controls : (n,) or (n, k) array
-        On the coarsest level what is told without a solve, on others the quantity on the grid of the level before.
-    """
-
-    values: Array
+    values: Array  # (n,): The quantity on this grid
+    # (n,) or (n, k): On the coarsest level what is told without a solve, on others the quantity on the grid
+    # of the level before.
     controls: Array
 
 

@@ -86,23 +86,15 @@ def largest_difference(first: Array, second: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Distance:
-    """Distance of the distributions at several loads from that at the reference load.
+    """Distance of the distributions at several loads from that at the reference load."""
 
-    Attributes
-    ----------
-    value : (loads,) array
-        Of the pooled surfaces.
-    low, high : (loads,) arrays
-        95 % interval by resampling the surfaces, each with all its loads.
-    noise : (loads,) array
-        Distance that two sets of as many surfaces have from each other, 95th percentile, root mean square of that load and
-        the reference: less is not told from zero. The two loads are of the same surfaces, so that this is on the safe side.
-        NaN for a single surface.
-    """
-
-    value: Array
+    value: Array  # (loads,): Of the pooled surfaces
+    # (loads,): 95 % interval by resampling the surfaces, each with all its loads.
     low: Array
     high: Array
+    # (loads,): Distance that two sets of as many surfaces have from each other, 95th percentile, root mean
+    # square of that load and the reference: less is not told from zero. The two loads are of the same
+    # surfaces, so that this is on the safe side. NaN for a single surface.
     noise: Array
 
 

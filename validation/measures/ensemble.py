@@ -7,15 +7,15 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.special
 
 from validation.arrays import Array, Grid
 from validation.errors import NoLimit
-from validation.measures.common import results_of
 from validation.measures.controlled import Controlled, Known, Level, allocation, chained_mean
+from validation.measures.limits import solved
 from validation.measures.measurement import TOLERANCES_LEFT, area_limits, grid_for
 from validation.measures.pairs import Areas, area_pairs
 from validation.measures.statistics import Estimate, pair_means
@@ -58,26 +58,17 @@ QUANTITIES = {
 
 @dataclass(frozen=True, kw_only=True)
 class Chained(ABC):
-    """Surfaces of one spectrum, in pairs +h, -h, some of which end with each grid.
+    """Surfaces of one spectrum, in pairs +h, -h, some of which end with each grid."""
 
-    Attributes
-    ----------
-    unsolved : (n, k) array
-        Statistics without a solve of the pairs that end with the coarsest grid.
-    further : (m, k) array
-        The same of pairs that are not solved at all.
-    unsolved_seconds : float
-        Processor time of the statistics of all these.
-    """
-
-    unsolved: Array
-    further: Array
-    unsolved_seconds: float
+    unsolved: Array  # (n, k): Statistics without a solve of the pairs that end with the coarsest grid
+    further: Array  # (m, k): The same of pairs that are not solved at all
+    unsolved_seconds: float  # Processor time of the statistics of all these
+    ending: Sequence[Any]  # What was read off, by the last grid the surfaces are solved on, coarsest first
 
     @property
-    @abstractmethod
     def levels(self) -> int:
         """Number of grids."""
+        return len(self.ending)
 
     @abstractmethod
     def values(self, name: str, ending: int, grid: int) -> Array:
@@ -138,23 +129,10 @@ class Chained(ABC):
 
 @dataclass(frozen=True, kw_only=True)
 class Samples(Chained):
-    """Surfaces of which many quantities were measured at several loads.
+    """Surfaces of which many quantities were measured at several loads."""
 
-    Attributes
-    ----------
-    ending : sequence of sequences of xarray.Dataset
-        Measurements by the last grid they are solved on, coarsest first.
-    periods : float
-        L / lambda_long.
-    """
-
-    ending: Sequence[Sequence[xr.Dataset]]
-    periods: float
-
-    @property
-    def levels(self) -> int:
-        """Number of grids."""
-        return len(self.ending)
+    ending: Sequence[Sequence[xr.Dataset]]  # Measurements by the last grid they are solved on, coarsest first
+    periods: float  # L / lambda_long
 
     def values(self, name: str, ending: int, grid: int) -> Array:
         """Return a quantity on one grid; the area by its limit where the grids allow one."""
@@ -187,10 +165,6 @@ class _Pressed(Chained):
     """Surfaces whose contact area alone was read off, at one load."""
 
     ending: Sequence[Areas]
-
-    @property
-    def levels(self) -> int:
-        return len(self.ending)
 
     def values(self, name: str, ending: int, grid: int) -> Array:
         areas = self.ending[ending]
@@ -232,33 +206,15 @@ def _on_grid(data: xr.Dataset, name: str, *, grid: int, periods: float) -> Array
 
 @dataclass(frozen=True, kw_only=True)
 class MeanArea:
-    """The mean A/A0 over all surfaces of a spectrum.
+    """The mean A/A0 over all surfaces of a spectrum."""
 
-    Attributes
-    ----------
-    estimate : Estimate
-        Limit over grids, with what the scatter of surfaces leaves.
-    grid : float
-        Half of the 95 % interval of what grids and solver leave.
-    grids : tuple of (int, int)
-    pairs : tuple of int
-        Pairs +h, -h that end with each grid, coarsest first.
-    unsolved : int
-        Further pairs that are only looked at.
-    scatter : float
-        Standard deviation of single surfaces over the mean, on the coarsest grid.
-    peak_bytes : int
-        Largest memory of the arrays of any solve.
-    samples : Chained
-    """
-
-    estimate: Estimate
-    grid: float
+    estimate: Estimate  # Limit over grids, with what the scatter of surfaces leaves
+    grid: float  # Half of the 95 % interval of what grids and solver leave
     grids: tuple[Grid, ...]
-    pairs: tuple[int, ...]
-    unsolved: int
-    scatter: float
-    peak_bytes: int
+    pairs: tuple[int, ...]  # Pairs +h, -h that end with each grid, coarsest first
+    unsolved: int  # Further pairs that are only looked at
+    scatter: float  # Standard deviation of single surfaces over the mean, on the coarsest grid
+    peak_bytes: int  # Largest memory of the arrays of any solve
     samples: Chained
 
     @property
@@ -320,9 +276,9 @@ def mean_area(
     """
     grids = tuple(grids) or tuple(grid_for(base, points) for points in (3.0, 6.0, 12.0))
     drawn = _Drawn(base=base, grids=grids, tolerance=tolerance, effects=tuple(effects))
-    solved: dict[_Name, xr.Dataset] = results_of(bench, drawn.cases())
+    known: dict[_Name, xr.Dataset] = solved(bench, drawn.cases())
     for rounds in itertools.count(1):
-        found, chain = _found(drawn, solved)
+        found, chain = _found(drawn, known)
         asked = half_width * found.estimate.value
         left = float(np.sqrt(max(asked**2 - found.grid**2, 0.0)))
         enough = found.estimate.half_width <= left or found.grid >= _GRID_SHARE * asked
@@ -332,18 +288,18 @@ def mean_area(
         parts = found.samples.parts(chain)
         # What Student's factor of few pairs adds goes with more of them.
         drawn.grow(allocation(parts, left / min(factor, _STUDENT)))
-        missing = {name: case for name, case in drawn.cases().items() if name not in solved}
+        missing = {name: case for name, case in drawn.cases().items() if name not in known}
         if not missing:
             drawn.grow(allocation(parts, left / factor))
-            missing = {name: case for name, case in drawn.cases().items() if name not in solved}
+            missing = {name: case for name, case in drawn.cases().items() if name not in known}
         if watch is not None:
             watch(found, tuple(missing.values()))
-        solved |= results_of(bench, missing)
+        known |= solved(bench, missing)
     return found
 
 
-def _found(drawn: _Drawn, solved: Mapping[_Name, xr.Dataset]) -> tuple[MeanArea, tuple[Controlled, ...]]:
-    samples = drawn.samples(solved)
+def _found(drawn: _Drawn, known: Mapping[_Name, xr.Dataset]) -> tuple[MeanArea, tuple[Controlled, ...]]:
+    samples = drawn.samples(known)
     if samples.doubt:
         raise NoLimit(f"a surface of the ensemble has no limit: {samples.doubt}; all solves are stored")
     (chain,) = samples.chains("area")
@@ -401,14 +357,14 @@ class _Drawn:
     def _block(self, last: int) -> int:
         return _FIRST[0] if last == 0 else _FIRST[len(_FIRST) - len(self.grids) + last]
 
-    def samples(self, solved: Mapping[_Name, xr.Dataset]) -> _Pressed:
+    def samples(self, known: Mapping[_Name, xr.Dataset]) -> _Pressed:
         cases = self.cases()
         parts = [[name for name in cases if name[0] == last] for last in range(len(self.grids) + 1)]
-        ending = [Areas.joined(cases[names[0]], [solved[name] for name in names]) for names in parts[:-1]]
-        looked = [solved[name] for name in parts[-1]]
+        ending = [Areas.joined(cases[names[0]], [known[name] for name in names]) for names in parts[:-1]]
+        looked = [known[name] for name in parts[-1]]
         return _Pressed(
             ending=ending,
-            unsolved=np.concatenate([solved[name].value.values for name in parts[0]]),
+            unsolved=np.concatenate([known[name].value.values for name in parts[0]]),
             further=np.concatenate([data.value.values for data in looked]),
             # Of the pairs that are solved, too: as long for each as for those that are not.
             unsolved_seconds=sum(float(data.attrs["seconds"]) for data in looked)

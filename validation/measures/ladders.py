@@ -79,27 +79,18 @@ def bandwidth_order(hurst: float) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class Line:
-    """A straight line through the means of several groups of samples; half widths are of 95 % intervals.
+    """A straight line through the means of several groups of samples; half widths are of 95 % intervals."""
 
-    Attributes
-    ----------
-    limit, slope : float
-        Value at x = 0, and slope.
-    limit_scatter, slope_scatter : float
-        Half widths that the scatter of the samples leaves, by Student's factor.
-    limit_drift, slope_drift : float
-        By how much they move without the first group.
-    reach : float
-        Distance of x = 0 from the last group, over the span of all.
-    """
-
+    # Value at x = 0, and slope.
     limit: float
     slope: float
+    # Half widths that the scatter of the samples leaves, by Student's factor.
     limit_scatter: float
     slope_scatter: float
+    # By how much they move without the first group.
     limit_drift: float
     slope_drift: float
-    reach: float
+    reach: float  # Distance of x = 0 from the last group, over the span of all
 
     @property
     def determinable(self) -> bool:
@@ -335,30 +326,16 @@ _Case = tuple[str, int, float, int]
 
 @dataclass(frozen=True, kw_only=True)
 class Ladders:
-    """Which spectra are measured; defaults are those of the study `hurst`, whose stored solves others then share.
-
-    Attributes
-    ----------
-    hursts : tuple of float
-    bandwidths : tuple of float
-        lambda_long/lambda_short of the bandwidth ladder, rising, on `periods`.
-    sizes : tuple of float
-        L/lambda_long of the size ladder, rising, with the smallest of `bandwidths`.
-    periods : float
-        L/lambda_long of the bandwidth ladder.
-    pairs : int
-        Pairs +h, -h on the rungs of the bandwidth ladder and on the largest sample; smaller samples get more of them,
-        so that each rung covers the same area.
-    reduced_pressure : float
-    points_per_wave : tuple of float
-    shifts : int
-    seed : int
-    """
+    """Which spectra are measured; defaults are those of the study `hurst`, whose stored solves others then share."""
 
     hursts: tuple[float, ...]
+    # lambda_long/lambda_short of the bandwidth ladder, rising, on `periods`.
     bandwidths: tuple[float, ...] = (4.0, 8.0, 16.0, 32.0)
+    # L/lambda_long of the size ladder, rising, with the smallest of `bandwidths`.
     sizes: tuple[float, ...] = (2.0, 4.0, 8.0)
-    periods: float
+    periods: float  # L/lambda_long of the bandwidth ladder
+    # Pairs +h, -h on the rungs of the bandwidth ladder and on the largest sample; smaller samples get more of
+    # them, so that each rung covers the same area.
     pairs: int = 4
     reduced_pressure: float
     points_per_wave: tuple[float, ...] = (4.0, 6.0)

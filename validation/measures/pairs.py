@@ -120,20 +120,11 @@ def area_pairs(
 
 @dataclass(frozen=True, kw_only=True)
 class Areas:
-    """What `area_pairs` read off, of surfaces that end with the same grid.
-
-    Attributes
-    ----------
-    grids : tuple of (int, int)
-    lengths : (float, float)
-        Periods [m].
-    read : (quantity, surface, grid) array
-        Both signs of each pair, one after the other.
-    """
+    """What `area_pairs` read off, of surfaces that end with the same grid."""
 
     grids: tuple[Grid, ...]
-    lengths: tuple[float, float]
-    read: Array
+    lengths: tuple[float, float]  # Periods [m]
+    read: Array  # (quantity, surface, grid): Both signs of each pair, one after the other
 
     def on_grid(self, grid: int) -> Array:
         """Return A/A0 on one grid, (surface,): located where edges are, else corrected."""

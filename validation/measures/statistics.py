@@ -12,24 +12,14 @@ __all__ = ["Estimate", "order_of_convergence", "pair_means"]
 
 @dataclass(frozen=True, kw_only=True)
 class Estimate:
-    """A mean with its uncertainty.
-
-    Attributes
-    ----------
-    value : float
-    standard_error : float
-        Of the mean, from the scatter of the samples.
-    half_width : float
-        Half of the 95 % interval: standard error times Student's factor for the number of samples; NaN, as the
-        standard error, for a single surface, whose scatter nothing tells.
-    samples : int
-        Independent samples behind it: surfaces, or pairs of surfaces where they come in pairs.
-    """
+    """A mean with its uncertainty."""
 
     value: float
-    standard_error: float
+    standard_error: float  # Of the mean, from the scatter of the samples
+    # Half of the 95 % interval: standard error times Student's factor for the number of samples; NaN, as the
+    # standard error, for a single surface, whose scatter nothing tells.
     half_width: float
-    samples: int
+    samples: int  # Independent samples behind it: surfaces, or pairs of surfaces where they come in pairs
 
 
 def pair_means(values: ArrayLike) -> NDArray[np.float64]:

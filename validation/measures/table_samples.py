@@ -58,18 +58,10 @@ def at_loads(
 
 @dataclass(frozen=True, kw_only=True)
 class LoadedSamples(Samples):
-    """Surfaces of one spectrum with the area at both kinds of p*.
+    """Surfaces of one spectrum with the area at both kinds of p*."""
 
-    Attributes
-    ----------
-    loads : (n,) array
-        p* of the solves, by the gradient of each surface.
-    gradient : float
-        h'_rms of C(q).
-    """
-
-    loads: Array
-    gradient: float
+    loads: Array  # (n,): p* of the solves, by the gradient of each surface
+    gradient: float  # h'_rms of C(q)
 
     def _read(self, data: xr.Dataset, name: str, grid: int) -> Array:
         if name != BY_SPECTRUM:
@@ -142,28 +134,13 @@ _GREW = (2, 0, 1)
 
 @dataclass(frozen=True, kw_only=True)
 class SampledSpectrum:
-    """Pairs +h, -h of one spectrum, some of which end with each grid, and pairs that are only looked at.
-
-    Attributes
-    ----------
-    base : Realised
-    loads : tuple of float
-        p*, by the gradient of each surface.
-    points_per_wave : tuple of float
-        Grids, coarse first.
-    pairs : tuple of int
-        That end with each grid.
-    unsolved : int
-        Pairs that are only looked at, for each that ends with the coarsest grid.
-    shifts : int
-    tolerance : float
-    """
+    """Pairs +h, -h of one spectrum, some of which end with each grid, and pairs that are only looked at."""
 
     base: Realised
-    loads: tuple[float, ...]
-    points_per_wave: tuple[float, ...]
-    pairs: tuple[int, ...]
-    unsolved: int
+    loads: tuple[float, ...]  # p*, by the gradient of each surface
+    points_per_wave: tuple[float, ...]  # Grids, coarse first
+    pairs: tuple[int, ...]  # That end with each grid
+    unsolved: int  # Pairs that are only looked at, for each that ends with the coarsest grid
     shifts: int
     tolerance: float
 

@@ -50,18 +50,10 @@ _FULL = 8.0
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Waves:
-    """Roughness as the theory sees it, in units of E*: variance of the full-contact stress, and energy, wave after wave.
+    """Roughness as the theory sees it, in units of E*: variance of the full-contact stress, and energy, wave after wave."""
 
-    Attributes
-    ----------
-    variance : (n,) array
-        V/E*^2 with the roughness up to each node.
-    energy : (n,) array
-        Elastic energy of full contact that each node adds, dV/(E*^2 q) [m] over E*.
-    """
-
-    variance: Array
-    energy: Array
+    variance: Array  # (n,): V/E*^2 with the roughness up to each node
+    energy: Array  # (n,): Elastic energy of full contact that each node adds, dV/(E*^2 q) [m] over E*
 
     @classmethod
     def of_field(cls, field: HeightField) -> Waves:

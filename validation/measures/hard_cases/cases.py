@@ -20,53 +20,26 @@ HALF_SPACE = HalfSpace(solid=Solid(young=1.0, poisson=0.0))
 
 @dataclass(frozen=True, kw_only=True)
 class Measured:
-    """What one value of the parameter gave.
+    """What one value of the parameter gave."""
 
-    Attributes
-    ----------
-    error : float
-        Distance to the reference, as the case defines it.
-    residual : float
-        The solver's own, dimensionless; NaN where a method has none.
-    status : Status
-    """
-
-    error: float
-    residual: float = math.nan
+    error: float  # Distance to the reference, as the case defines it
+    residual: float = math.nan  # The solver's own, dimensionless; NaN where a method has none
     status: Status = Status.CONVERGED
 
 
 @dataclass(frozen=True, kw_only=True)
 class HardCase:
-    """One difficulty with the parameter that is varied.
-
-    Attributes
-    ----------
-    name, method : str
-    varied : str
-        Which parameter, in words with its unit.
-    values : tuple of float
-        Its values, from easy to hard.
-    reference : str
-        What is right, in words.
-    bound : float
-        Largest error that counts as right.
-    limit : str
-        Where a refusal is allowed, in words; empty where every value must be right.
-    refusable : callable
-        Whether a refusal is allowed at a value.
-    measure : callable
-    """
+    """One difficulty with the parameter that is varied."""
 
     name: str
     method: str
-    varied: str
-    values: tuple[float, ...]
-    reference: str
-    bound: float
+    varied: str  # Which parameter, in words with its unit
+    values: tuple[float, ...]  # Its values, from easy to hard
+    reference: str  # What is right, in words
+    bound: float  # Largest error that counts as right
     measure: Callable[[float], Measured]
-    limit: str = ""
-    refusable: Callable[[float], bool] = lambda value: False
+    limit: str = ""  # Where a refusal is allowed, in words; empty where every value must be right
+    refusable: Callable[[float], bool] = lambda value: False  # Whether a refusal is allowed at a value
 
 
 def wave(points: int = 64, *, amplitude: float = 0.01, rows: int = 4) -> HeightField:
