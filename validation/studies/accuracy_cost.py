@@ -277,24 +277,22 @@ def _against_peer(data: xr.Dataset, code: str) -> Finding:
     theirs = min((k for k, way in enumerate(labels) if way.startswith(f"{code} ")), key=lambda k: rms[k])
     ours = [k for k, way in enumerate(labels) if way.startswith("BEM") and rms[k] <= rms[theirs]]
     seconds = data.seconds.values
-    text = "{code}: {way} is off by {off:%} after {seconds} s"
+    text = "{code}: {way} is off by {off:%} after {seconds:.3} s"
     told: dict[str, Any] = {
         "code": code,
         "way": labels[theirs].removeprefix(f"{code} "),
         "off": float(rms[theirs]),
-        "seconds": float(f"{seconds[theirs]:.3g}"),
+        "seconds": float(seconds[theirs]),
     }
     twin = f"{OWN} {told['way']}"
     if twin in labels:
         k = labels.index(twin)
-        text += (
-            "; the same area on the same grid is off by {off_here:%} here and takes {ratio_twin} of the time"
-        )
-        told |= {"off_here": float(rms[k]), "ratio_twin": float(f"{seconds[k] / seconds[theirs]:.3g}")}
+        text += "; the same area on the same grid is off by {off_here:%} here and takes {ratio_twin:.3} of the time"
+        told |= {"off_here": float(rms[k]), "ratio_twin": float(seconds[k] / seconds[theirs])}
     if not ours:
         return finding("cost", text + "; none of the ways here is as good.", **told)
     best = min(ours, key=lambda k: float(seconds[k]))
-    told |= {"best": labels[best], "ratio": float(f"{seconds[best] / seconds[theirs]:.3g}")}
+    told |= {"best": labels[best], "ratio": float(seconds[best] / seconds[theirs])}
     return finding(
-        "cost", text + "; the cheapest way here to that error takes {ratio} of it ({best}).", **told
+        "cost", text + "; the cheapest way here to that error takes {ratio:.3} of it ({best}).", **told
     )
