@@ -13,6 +13,7 @@ from validation.arrays import Array
 from validation.errors import UsageError
 from validation.measures.common import persson_area
 from validation.measures.ensemble import QUANTITIES, Samples
+from validation.measures.limits import ABSENT
 from validation.measures.measurement import TOLERANCES_LEFT, grid_for, press_on_grids
 from validation.measures.without_solve import unsolved_pairs
 from validation.report.estimates import LIMIT, claim, error_of
@@ -117,8 +118,7 @@ def controlled_means(samples: LoadedSamples, *, tolerance: float) -> xr.Dataset:
             surfaces=half,
             grid=(grid**2 + reading**2) ** 0.5 if name == BY_SPECTRUM else grid,
             solver=TOLERANCES_LEFT * tolerance * value,
-            depth="boundary elements press a half-space",
-            theory="it is simulated",
+            **ABSENT,
         )
         # Where the size of the sample was looked at, it is a part of the interval.
         data[f"{name}_error"].attrs[LIMIT] = "size"

@@ -20,7 +20,7 @@ from validation.effects.adhesion import Adhesion
 from validation.effects.base import full_contact_energy
 from validation.measures.adhesive import Sticking
 from validation.measures.common import truncated_surface
-from validation.measures.limits import straight_limit
+from validation.measures.limits import ABSENT, straight_limit
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
 from validation.report.findings import Finding, finding, of_one_surface
 from validation.report.marks import Figure, Line, Panel
@@ -165,8 +165,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     )
     data = mean(data, *_AREAS[:2], "area_plastic", "area_gain", "area_gain_excess", "interface_energy")
     data = same_of_all(mean(data, "interface_energy_excess"), *_THEORY)
-    simulated = {"depth": "boundary elements press a half-space", "theory": "it is simulated"}
-    data = claim(data, "area", "area_plain", "area_plastic", "area_gain", "interface_energy", **simulated)
+    data = claim(data, "area", "area_plain", "area_plastic", "area_gain", "interface_energy", **ABSENT)
     said = {"work": options.work, "reduced_pressure": options.reduced_pressure}
     return data.assign_attrs(study="adhesion", methods="theory bem", **said)
 

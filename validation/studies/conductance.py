@@ -13,7 +13,7 @@ from pydantic import Field
 
 from validation.measures.common import SHIFTS, Rising, base_case, base_surface
 from validation.measures.flow import stiffness_of
-from validation.measures.limits import solved
+from validation.measures.limits import ABSENT, solved
 from validation.measures.measurement import grid_for, press_on_grids
 from validation.measures.theory import WITH_ENERGY
 from validation.report.estimates import claim, derive, gather, mean, same_of_all
@@ -109,8 +109,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     theory = [f"stiffness_{of}_{variant}" for of in ("ratio", "excess") for variant in WITH_ENERGY]
     data = mean(data, "stiffness", "gap", "area_perimeter", "stiffness_exponent", *theory)
     data = mean(data, "stiffness_exponent_light").assign(stiffness_exponent_proportional=1.0)
-    simulated = {"depth": "boundary elements press a half-space", "theory": "it is simulated"}
-    data = claim(data, "stiffness", "stiffness_exponent", "stiffness_exponent_light", **simulated)
+    data = claim(data, "stiffness", "stiffness_exponent", "stiffness_exponent_light", **ABSENT)
     data = derive(data, stiffness_exponent_light_excess="stiffness_exponent_light - 1")
     said = {"hurst": options.hurst, "bandwidth": options.bandwidth}
     return data.assign_attrs(study="conductance", methods="theory bem", **said)

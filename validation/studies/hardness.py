@@ -15,7 +15,7 @@ from pydantic import Field, model_validator
 from fem_contact.hardness import yielded
 from validation.effects.hardness import Hardness
 from validation.measures.common import truncated_surface
-from validation.measures.limits import straight_limit
+from validation.measures.limits import ABSENT, straight_limit
 from validation.measures.yielding import kept_by_theory, kept_waves, yielded_by_theory
 from validation.report.estimates import claim, derive, gather, mean
 from validation.report.findings import Finding, finding, of_one_surface
@@ -163,8 +163,7 @@ def run(options: Options, *, bench: Bench) -> xr.Dataset:
     data = mean(data, *(f"{name}{of}" for name in areas_of for of in ("", "_pixel", "_persson", "_excess")))
     kept = ("spectrum_kept", "spectrum_kept_persson", "spectrum_kept_excess", "gradient_kept")
     data = derive(mean(data, *kept), spectrum_kept_excess_largest="abs(spectrum_kept_excess).max('wave')")
-    simulated = {"depth": "boundary elements press a half-space", "theory": "it is simulated"}
-    data = claim(data, *areas_of, "spectrum_kept", "gradient_kept", **simulated)
+    data = claim(data, *areas_of, "spectrum_kept", "gradient_kept", **ABSENT)
     said = {"hardness": options.hardness, "smoothing_reduced_pressure": options.smoothing_reduced_pressure}
     return data.assign_attrs(study="hardness", methods="theory bem", **said)
 
