@@ -1,4 +1,7 @@
-"""Solves of one surface on one grid: each field that determines the numbers is in the recipe."""
+"""Measurements: each argument that determines the numbers names the solve, as it did before there were calls."""
+
+import pickle
+from dataclasses import replace
 
 import pytest
 
@@ -7,7 +10,9 @@ from validation.measures.block import block_beside_bem
 from validation.measures.common import base_case, base_surface
 from validation.measures.edge import edge_of_contact
 from validation.measures.flow import leaks
+from validation.solves.bench import Bench, PlannedOnly
 from validation.solves.solve import LOCATED_EDGES
+from validation.studies import find_study
 
 PRESSED = base_case(base_surface(hurst=0.8, periods=2.0, bandwidth=4.0, seed=23), reduced_pressure=0.05)
 STICKY = sticky_contact(realised=PRESSED, grid=(24, 24), work=1e-3, reach=2e-6, shells=(1e4, 2e4))
@@ -49,3 +54,32 @@ def test_names_and_costs_follow_from_the_kind_of_solve():
     few, many = (leaks(realised=PRESSED, grid=(24, 24), areas=areas) for areas in ((0.1,), (0.1, 0.2)))
     assert many.predict().seconds == pytest.approx(6 / 5 * few.predict().seconds)
     assert many.predict().unknowns == 24**2
+
+
+def test_a_call_travels_by_the_name_of_its_measurement():
+    again = pickle.loads(pickle.dumps(STICKY))
+    assert again == STICKY
+    assert again.measurement is STICKY.measurement
+
+
+#: Names in the store by the classes that measurements were until November 2026.
+OF_BEFORE = {
+    "archard": "archard-1-512-cbb78c6e2e3f8a62",
+    "conductance": "measure-64x64-9ef75f4469b2695c",
+    "depth": "block-reduced-64-3890db0df2ee2564",
+    "heights": "heights-32-697ed3d7c71b7e45",
+    "large-slope": "slopes-24-4c915c771e07fb17",
+    "pressure": "measure-512x512-4eaca9629ef04b88",
+    "scaling": "cost-128-a37cb8447a96c158",
+    "sliding": "slide-256x256-ac9282e10184ec6e",
+    "stress-near-zero": "edge-256-14b3183b9b75b9cc",
+}
+
+
+@pytest.mark.parametrize("name", OF_BEFORE)
+def test_solves_of_before_are_found_again(name, tmp_path):
+    bench = replace(Bench.at(tmp_path), plan_only=True)
+    with pytest.raises(PlannedOnly) as planned:
+        find_study(name).compute(find_study(name).options(), bench=bench)
+    # Where this fails, what is measured has changed: raise `RESULTS_VERSION`, or a version, and then these.
+    assert planned.value.solves[0].key == OF_BEFORE[name]
