@@ -1,4 +1,4 @@
-"""Measurements: each argument that determines the numbers names the solve, as it did before there were calls."""
+"""Measurements: each argument that determines the numbers names the solve, as it did before."""
 
 import pickle
 from dataclasses import replace
