@@ -247,7 +247,7 @@ def test_a_cluster_with_tls_works_for_who_holds_a_certificate_of_its_authority(t
         pytest.skip("LOUD: no openssl to make certificates with, TLS is not tested")
     from validation.solves import cluster as module
 
-    monkeypatch.setattr(module, "_CONNECTS_WITHIN", 6.0)
+    monkeypatch.setattr(module, "_CONNECTS_WITHIN", 15.0)
     own, stranger = certified(tmp_path, "own"), certified(tmp_path, "stranger")
     options = [*("--tls-ca-file", own[0], "--tls-cert", own[1], "--tls-key", own[2]), "--protocol", "tls"]
     store, folder = Store(folder=tmp_path / "s"), prepare_folder(tmp_path / "cluster")
