@@ -271,6 +271,7 @@ def test_a_cluster_with_tls_works_for_who_holds_a_certificate_of_its_authority(t
 
 def test_where_encryption_is_asked_for_an_address_without_it_is_refused(tmp_path):
     dask = pytest.importorskip("dask")
+    pytest.importorskip("distributed")  # whose defaults would go with the setting if they came after it
     with (
         dask.config.set({"distributed.comm.require-encryption": True}),
         pytest.raises(UsageError, match=r"asks for encryption; name it as tls://host:port"),
