@@ -216,7 +216,9 @@ def yielding(subject: Subject) -> Iterator[Check]:
 @row("symmetry", "A mirrored surface has the mirrored pressure.", source="symmetry", tolerance="solver")
 def symmetry(subject: Subject) -> Iterator[Check]:
     surface = rough(2 * subject.points)
-    plain = subject.press(surface, 0.05).claim.pressure
+    # Our own are solved far enough that nothing but rounding is left between the two.
+    more, allowed = ({"tolerance": 1e-11}, 1e-8) if subject.own else (None, _twice(subject))
+    plain = subject.press(surface, 0.05, more=more).claim.pressure
     for words, turn, back in (
         ("mirrored in x", np.flipud, np.flipud),
         ("transposed", np.transpose, np.transpose),
@@ -228,8 +230,8 @@ def symmetry(subject: Subject) -> Iterator[Check]:
         ),
     ):
         other = HeightField(heights=np.ascontiguousarray(turn(surface.heights)), lengths=surface.lengths)
-        found = back(subject.press(other, 0.05).claim.pressure)
-        yield below(f"change of the pressure, {words}", _apart(found, plain), _twice(subject))
+        found = back(subject.press(other, 0.05, more=more).claim.pressure)
+        yield below(f"change of the pressure, {words}", _apart(found, plain), allowed)
 
 
 @row("units", "Units of length and pressure change nothing.", source="symmetry", tolerance="solver")
