@@ -152,7 +152,8 @@ class Child:
             return
         self._end()
         ours, theirs = Pipe()
-        path = os.pathsep.join(entry for entry in sys.path if entry)
+        # In a notebook the folder it is in is "".
+        path = os.pathsep.join(entry or os.getcwd() for entry in sys.path)
         self._process = subprocess.Popen(
             [sys.executable, "-P", "-m", "validation.bounded", str(theirs.fileno()), str(os.getpid())],
             pass_fds=(theirs.fileno(),),

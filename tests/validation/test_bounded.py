@@ -1,5 +1,6 @@
 """A call in a child ends within its time and memory, whatever it does, and the next one is answered."""
 
+import importlib
 import math
 import os
 import signal
@@ -26,6 +27,15 @@ def test_values_and_arrays_come_back_as_they_are(child):
     table = child.call(np.geomspace, 1.0, 8.0, 4, seconds=20)
     np.testing.assert_array_equal(table, np.geomspace(1.0, 8.0, 4))
     assert not table.flags.writeable
+
+
+def test_a_module_in_the_folder_of_a_notebook_is_found(tmp_path, monkeypatch):
+    (tmp_path / "beside_the_notebook.py").write_text("def double(x):\n    return 2 * x\n")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend("")
+    double = importlib.import_module("beside_the_notebook").double
+    with Child() as child:
+        assert child.call(double, 21, seconds=60) == 42
 
 
 def test_what_a_function_raises_is_raised_here(child):

@@ -101,6 +101,13 @@ def test_workers_that_cannot_be_started_are_told_and_those_there_are_go_on(tmp_p
     assert "1 workers go on" in progress.notes[0]
 
 
+def test_what_a_script_itself_defines_is_refused_to_workers_with_the_remedy(tmp_path, monkeypatch):
+    lonely = type("Lonely", (Slow,), {"__module__": "__main__", "__qualname__": "Lonely"})
+    monkeypatch.setattr(sys.modules["__main__"], "Lonely", lonely, raising=False)
+    with pytest.raises(RunFailed, match=r"Can't get attribute 'Lonely'.*; define that in a module"):
+        solve_all([lonely(1)], Store(folder=tmp_path / "s"), execution=Execution(workers=2))
+
+
 def test_workers_end_within_two_seconds_of_their_parent(tmp_path):
     code = (
         "import sys; sys.path.insert(0, 'tests/validation')\n"

@@ -14,7 +14,7 @@ import numpy as np
 
 from validation.arrays import Array
 from validation.bounded import Child, OutOfBounds
-from validation.errors import RunFailed
+from validation.errors import RunFailed, UsageError
 from validation.files import remove_drafts
 from validation.solves.attempt import Outcome, Progress, attempt_in_worker, made_ready
 
@@ -202,6 +202,8 @@ class _Processes:
             if self.store.path(solve).exists():  # it died after its work was done
                 return Outcome(solve=solve)
             raise Died(worker.last_words(), begun=begun) from None
+        except UsageError as error:
+            return Outcome(solve=solve, error=f"{solve.describe()}: {error}", fatal=True)
         except Exception as error:
             return Outcome(
                 solve=solve, error=f"{solve.describe()}: {type(error).__name__}: {error}", fatal=True
@@ -215,7 +217,13 @@ _given: list[Any] = []
 
 
 def _made_ready(payload: Array) -> None:
-    _given[:] = pickle.loads(payload.data)
+    try:
+        _given[:] = pickle.loads(payload.data)
+    except (AttributeError, ImportError) as error:
+        raise UsageError(
+            f"a worker process cannot import what it solves ({error}); define that in a module, not in the "
+            "script or notebook that runs it, or take one worker"
+        ) from None
     made_ready(_given[0])
 
 
