@@ -127,6 +127,7 @@ def test_shell_completion_can_be_shown_and_completes_scenes(tmp_path, monkeypatc
             "--set seed=3: sets a key of a scene; name one after the study",
         ),
         (("validate", "nothing"), "no such case"),
+        (("validate", "--method", "bem", "hertz"), "by all rows; leave out hertz"),
         (("report", "nowhere"), "holds no results (result.json)"),
         (("surface", "inspect", "nowhere.npy"), "cannot be read"),
         (

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -138,6 +139,15 @@ def test_what_cannot_be_compared_gets_one_line_and_the_rest_is_compared(results,
         compare_folders([results / "first", results / "area-3"], tmp_path / "none")
     with pytest.raises(UsageError, match="at least two results folders, each named once"):
         compare_folders([results / "first", results / "first"], tmp_path / "none")
+
+
+def test_rows_that_nothing_names_are_not_paired_where_their_numbers_differ():
+    def of(rows):
+        data = xr.Dataset({"check_value": ("check", np.ones(rows))})
+        return Result(kind="claims", name="scorecard", asked={}, data=data, store=Path())
+
+    with pytest.raises(UsageError, match="rows without names cannot be paired"):
+        side_by_side({"a": of(2), "b": of(3)})
 
 
 def test_no_bit_of_what_is_read_changes_in_silence(results, tmp_path):

@@ -127,6 +127,12 @@ LAW = {"of": "area_each", "x": "lod", "along": ("load",)}
             lambda d: Table(rows=("load",), columns=("area_each",)).of(d),
             "'area_each' is no single number here",
         ),
+        (
+            lambda d: Table(rows=("load",), columns=("pressure", "pressure_map")).of(
+                d.assign(pressure=1.0 * d["load"], pressure_map=2.0 * d["load"])
+            ),
+            "'pressure' and 'pressure_map' have one title",
+        ),
         (lambda d: finding("value", "It is {area}.", d), "no single number area at a place"),
         (lambda d: finding("trend", "It {verdict}.", d), "names no value that decides"),
         (

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from validation.cli.options import JsonOption, OutputOption, QuietOption, ReportOption, say, stopping_cleanly
-from validation.errors import RunFailed
+from validation.errors import RunFailed, UsageError
 from validation.report.words import json_ready
 
 if TYPE_CHECKING:
@@ -56,6 +56,8 @@ def validate(
     from validation.files import prepare_folder
 
     if method:
+        if names:
+            raise UsageError(f"--method scores a solver by all rows; leave out {', '.join(names)}")
         _score(
             method,
             quick=quick,

@@ -142,14 +142,18 @@ def side_by_side(results: Mapping[str, Result]) -> xr.Dataset:
     Raises
     ------
     UsageError
-        Where they share no place.
+        Where they share no place, or have different numbers of rows that nothing names.
     """
     import xarray as xr
 
     parts = [_numbers(result.data) for result in results.values()]
     first = parts[0]
     names = [n for n in first.data_vars if all(n in part and part[n].dims == first[n].dims for part in parts)]
-    parts = list(xr.align(*(_placed(part)[names].drop_attrs(deep=False) for part in parts), join="inner"))
+    placed = [_placed(part)[names].drop_attrs(deep=False) for part in parts]
+    try:
+        parts = list(xr.align(*placed, join="inner"))
+    except xr.AlignmentError as error:
+        raise UsageError(f"{', '.join(results)}: rows without names cannot be paired: {error}") from error
     # What has no place in common, such as grids, is left out.
     parts = [part.drop_dims([dim for dim, size in part.sizes.items() if not size]) for part in parts]
     names = list(parts[0].data_vars)

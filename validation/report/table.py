@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from validation.errors import UsageError
 from validation.files import atomic_path
 from validation.report.estimates import SOURCES, SPECTRAL, each, total_error
 from validation.report.quantities import place_words, prefixed_unit, quantity, quantity_of
@@ -72,9 +73,19 @@ class Table:
     sparse: bool = False
 
     def of(self, data: xr.Dataset) -> ResultTable:
-        """Return every number of it: a value with an interval takes two columns."""
+        """Return every number of it: a value with an interval takes two columns.
+
+        Raises
+        ------
+        UsageError
+            For a name that the registry does not know, and for two of one title.
+        """
         made = [_place(column, data) for column in self.columns]
         made = [(name, title, at) for name, title, at in made if name in data.variables]
+        named: dict[str, str] = {}
+        for name, title, _ in made:
+            if named.setdefault(title, name) != name:
+                raise UsageError(f"table: {named[title]!r} and {name!r} have one title, {title!r}; list one")
         rows = []
         places = {title for name, title, _ in made if name in data.coords}
         listed = {name for name, _, _ in made} | {f"{name}_error" for name, _, _ in made}
